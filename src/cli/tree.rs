@@ -2,7 +2,7 @@
 //! What a tree does stands in `hallsweep_core::behaviour`, how a tick is printed in `shown`.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{Read, stdin};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -13,7 +13,10 @@ use hallsweep_core::behaviour::{Blackboard, Catalogue, Mocks, Status, Tree, Tree
 
 use super::Failure;
 
+mod meant;
 mod shown;
+
+use meant::Meant;
 
 /// What to do with files of trees.
 #[derive(Args, Clone, Debug)]
@@ -26,13 +29,13 @@ pub struct Trees {
 enum What {
     /// Say of each file what it holds, or what is wrong: `file:line:column: reason`, and exit code 1.
     Check {
-        /// The files.
+        /// The files; `-` is standard input.
         #[arg(required = true, value_name = "FILE")]
         files: Vec<PathBuf>,
     },
     /// Print a file as it is written here: the same trees, laid out in one way, without comments.
     Write {
-        /// The file.
+        /// The file; `-` is standard input.
         #[arg(value_name = "FILE")]
         file: PathBuf,
     },
@@ -43,15 +46,15 @@ enum What {
 /// The flags of `tree run`.
 #[derive(Args, Clone, Debug)]
 #[command(
-    after_help = "It ends when the tree is done, or after --ticks. Exit codes: 0 SUCCESS, 1 FAILURE, 2 still RUNNING, 3 the file is\n\
-    refused or a node cannot be performed, 4 SKIPPED.\n\
+    after_help = "It ends when the tree is done, or after --ticks. Exit codes: 0 SUCCESS, 1 FAILURE, 2 still RUNNING, 3 the file\n\
+    or a mock is refused or a node cannot be performed, 4 SKIPPED.\n\
     With --json each tick is one line: {\"tick\":1,\"time_ms\":0,\"status\":\"RUNNING\",\"nodes\":[…],\"blackboard\":{…}}. Of each node,\n\
     in preorder: \"uid\", \"path\" (as BehaviorTree.CPP's fullPath; no two are the same), \"name\", \"kind\", \"status\" (what it said in this tick\n\
     if it was ticked in it, else how it stands), \"after\" (how it stands once the tick is over: IDLE where its parent has reset it),\n\
     \"ticked\", and \"halted\" where a leaf was halted in this tick."
 )]
 struct Run {
-    /// The file.
+    /// The file; `-` is standard input.
     #[arg(value_name = "FILE")]
     file: PathBuf,
     /// The tree that runs; otherwise that which the file names, or its only one.
@@ -86,6 +89,9 @@ pub fn run(asked: &Trees) -> Result<(), Failure> {
         What::Run(flags) => tick(flags),
     }
 }
+
+/// The file that is no file.
+const STANDARD_INPUT: &str = "-";
 
 /// The leaves that this program can perform.
 fn known() -> Catalogue {
@@ -140,7 +146,12 @@ fn read(file: &Path) -> Result<Document, String> {
     // One byte more than may be: the reader says what is too long.
     let most = u64::try_from(xml::LONGEST_FILE).unwrap_or(u64::MAX).saturating_add(1);
     let mut bytes = Vec::new();
-    File::open(file).and_then(|open| open.take(most).read_to_end(&mut bytes)).map_err(unreadable)?;
+    let read = if file == Path::new(STANDARD_INPUT) {
+        stdin().take(most).read_to_end(&mut bytes)
+    } else {
+        File::open(file).and_then(|open| open.take(most).read_to_end(&mut bytes))
+    };
+    read.map_err(unreadable)?;
     // A file that is cut may end within a letter; it is refused for its length then.
     let text = match std::str::from_utf8(&bytes) {
         Ok(text) => text,
@@ -161,6 +172,7 @@ fn tick(flags: &Run) -> Result<(), Failure> {
         let hint = if let Reason::UnknownNode(id) = &error.reason { mock_it(id) } else { String::new() };
         refused(format!("{}{hint}", placed(&flags.file, &error)))
     })?;
+    meant::check(&meant(flags), &document, &tree, &catalogue).map_err(refused)?;
     if let Some(bare) = mocks.missing(&tree) {
         let (file, place, name) = (flags.file.display(), bare.place, bare.name);
         return Err(refused(format!("{file}:{place}: there is no mock for the leaf {name}{}", mock_it(name))));
@@ -216,6 +228,14 @@ fn scripted(flags: &Run) -> Result<(Mocks, Vec<(String, String)>), String> {
         entries.push((name.to_owned(), value.to_owned()));
     }
     Ok((mocks, entries))
+}
+
+/// The leaves and ports that the flags name; they are well written.
+fn meant(flags: &Run) -> Vec<Meant<'_>> {
+    let mocks = flags.mock.iter().filter_map(|text| text.rsplit_once('=')).map(|(leaf, _)| (leaf, None));
+    let sets = flags.set.iter().filter_map(|text| text.split_once('=')?.0.rsplit_once('.'));
+    let mocks = mocks.map(|(leaf, port)| Meant { flag: "--mock", leaf, port });
+    mocks.chain(sets.map(|(leaf, port)| Meant { flag: "--set", leaf, port: Some(port) })).collect()
 }
 
 /// A text of the command line as a value: of the type of its entry, or of that which it looks like.

@@ -113,6 +113,18 @@ impl Mocks {
     }
 }
 
+/// All leaves of a file for which a mock can stand, those of trees that do not run included.
+#[must_use]
+pub fn leaves(document: &Document) -> Vec<&Element> {
+    fn add<'d>(element: &'d Element, leaves: &mut Vec<&'d Element>) {
+        leaves.extend(Some(element).filter(|element| is_leaf(element)));
+        element.children.iter().for_each(|child| add(child, leaves));
+    }
+    let mut leaves = Vec::new();
+    document.trees.iter().for_each(|tree| add(&tree.root, &mut leaves));
+    leaves
+}
+
 /// An element without children that is none of the engine's.
 fn is_leaf(element: &Element) -> bool {
     let may_be = matches!(element.form, Form::Compact | Form::Action | Form::Condition);
