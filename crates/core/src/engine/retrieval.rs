@@ -276,7 +276,8 @@ impl Engine {
         let off_floor = |arm: ArmState| arm.holds.filter(|_| !arm.on_floor);
         match (off_floor(before), off_floor(arm)) {
             (None, Some(_)) => self.piece_lifted(),
-            (Some(parcel), None) if arm.holds.is_some() => self.piece_set_down(parcel.place),
+            // It fell where it was held; robots that lose it say the same once more, maybe much later. Who fetches by himself lets go at home.
+            (Some(parcel), None) if !self.searches(robot) => self.piece_set_down(parcel.place),
             (None | Some(_), None) | (Some(_), Some(_)) => {}
         }
     }
@@ -337,6 +338,10 @@ impl Engine {
     /// What was seen where a parcel was looked for.
     pub(super) fn found(&mut self, robot: &RobotId, order: OrderId, parcel: Option<Parcel>) {
         if self.close(robot, order).is_some() {
+            let is_unknown = self.state.retrieval.as_ref().is_some_and(|retrieval| retrieval.piece.is_empty());
+            if let Some(parcel) = parcel.filter(|parcel| is_unknown && self.wanted_piece() == Some(parcel.piece)) {
+                self.piece_set_down(parcel.place);
+            }
             self.seen = Some(parcel);
         }
     }

@@ -14,7 +14,7 @@ use std::time::Duration;
 use super::Parcel;
 use super::fault::RetrievalFault;
 use super::leaves::routes::Routes;
-use super::leaves::{Output, Performer, catalogue, seen};
+use super::leaves::{Output, Performer, catalogue, place_of, seen, written};
 use super::view::{Proposal, Saying, View, Which};
 use crate::behaviour::{Blackboard, Status, Tree, TreeError, xml};
 use crate::event::Piece;
@@ -31,6 +31,10 @@ pub const FILES: [(&str, &str); 3] = [
     ("scenario1-SRM2", include_str!("../../../../config/behaviours/scenario1-SRM2.xml")),
     ("scenario1-Supervisor", include_str!("../../../../config/behaviours/scenario1-Supervisor.xml")),
 ];
+
+/// The entry that says where the parcel is. While it is carried it is kept up to date, so that a parcel is found again that falls as the
+/// program ends.
+const PARCEL: &str = "parcel";
 
 /// The place of the Supervisor's tree among the three.
 const SUPERVISOR: usize = 2;
@@ -125,15 +129,26 @@ impl Team {
             Stage::Done | Stage::Faulted(_) | Stage::Lost => return turn,
             Stage::Working => {}
         }
+        let [one, two] = view.bases.map(|base| base.arm.holds);
+        if let Some(parcel) = one.filter(|_| one == two) {
+            // Trees that have no such entry do without.
+            let _ = self.blackboard.set(PARCEL, written(parcel.place));
+        }
         let mut output = Output::default();
         for index in 0..self.trees.len() {
-            if self.stage == Stage::Working {
+            if self.stage == Stage::Working && !(index == SUPERVISOR && self.waits_to_begin(view)) {
                 self.tick_tree(index, view, since_last, &mut output, &mut turn);
             }
         }
         let proposals = Which::ALL.into_iter().zip(output.proposals);
         turn.proposals = proposals.filter_map(|(which, action)| Some(Proposal { which, action: action? })).collect();
         turn
+    }
+
+    /// The two report one after the other: no run begins while one of them still says that it holds what the other has lost.
+    fn waits_to_begin(&self, view: &View<'_>) -> bool {
+        let [one, two] = view.bases.map(|base| base.arm.holds.is_some());
+        self.said[SUPERVISOR] != Status::Running && one != two
     }
 
     fn tick_tree(&mut self, index: usize, view: &View<'_>, since_last: Duration, output: &mut Output, turn: &mut Turn) {
@@ -145,7 +160,8 @@ impl Team {
             (self.runs, self.has_called) = (self.runs.saturating_add(1), false);
         }
         (output.fault, output.dropped, output.released) = (None, None, false);
-        let mut performer = Performer { view, routes: &mut self.routes, output };
+        let last = self.blackboard.get(PARCEL).and_then(|place| place_of(place.as_text()?));
+        let mut performer = Performer { view, last, routes: &mut self.routes, output };
         let mut said = match self.trees[index].tick(&mut self.blackboard, &mut performer, since_last) {
             Ok(said) => said,
             Err(fault) => {
@@ -269,14 +285,24 @@ mod tests {
 
     /// What is looked at: the two at these places, and a piece in this cell.
     fn ticked(team: &mut Team, places: [Place; 2], piece: Option<Cell>, failures: u32) -> Turn {
+        ticked_holding(team, places, piece, failures, [None; 2])
+    }
+
+    fn ticked_holding(
+        team: &mut Team,
+        places: [Place; 2],
+        piece: Option<Cell>,
+        failures: u32,
+        holds: [Option<Parcel>; 2],
+    ) -> Turn {
         let map = HallMap::new(Cell::HOME, Revision(0));
         let piece: BTreeSet<Cell> = piece.into_iter().collect();
-        let base = |place| BaseView {
-            stands: BasePose { place, heading: Heading::East },
+        let base = |index: usize| BaseView {
+            stands: BasePose { place: places[index], heading: Heading::East },
             off_centre: false,
             open: None,
             failures,
-            arm: ArmState::default(),
+            arm: ArmState { holds: holds[index], ..ArmState::default() },
         };
         let view = View {
             map: &map,
@@ -285,7 +311,7 @@ mod tests {
             piece: &piece,
             wanted: Some(Piece(7)),
             target: Place::ENTRANCE,
-            bases: places.map(base),
+            bases: [base(0), base(1)],
             is_calling: false,
         };
         team.tick(&view, TICK)
@@ -293,6 +319,31 @@ mod tests {
 
     fn seen(team: &Team) -> Option<&str> {
         team.blackboard().get(super::super::leaves::SEEN)?.as_text()
+    }
+
+    #[test]
+    fn no_run_begins_while_one_robot_still_says_that_it_holds_what_the_other_has_lost() {
+        let mut team = Team::new();
+        let parcel = Parcel { piece: Piece(7), place: Place::Cell(Cell::new(2, 0)) };
+        for holds in [[Some(parcel), None], [None, Some(parcel)]] {
+            ticked_holding(&mut team, [Place::ENTRANCE; 2], Some(Cell::new(2, 0)), 0, holds);
+            assert_eq!(team.runs(), 0);
+        }
+        ticked(&mut team, [Place::ENTRANCE; 2], Some(Cell::new(2, 0)), 0);
+        assert_eq!(team.runs(), 1);
+    }
+
+    #[test]
+    fn a_parcel_whose_fall_nobody_has_heard_of_is_looked_for_where_it_was_carried() {
+        let mut team = Team::new();
+        let corner = [Place::Cell(Cell::new(1, 0)), Place::Cell(Cell::new(2, 1))];
+        let over = Parcel { piece: Piece(7), place: Place::Cell(Cell::new(2, 0)) };
+        ticked_holding(&mut team, corner, None, 0, [Some(over); 2]);
+        let mut team = Team::resume(team.state()).unwrap();
+        (team.said, team.stage) = ([Status::Success, Status::Success, Status::Failure], Stage::Working);
+        let turn = (0..3).map(|_| ticked(&mut team, corner, None, 0)).find(|turn| !turn.proposals.is_empty()).unwrap();
+        let look = Action::Arm(crate::retrieval::ArmAction::FindParcel(over.place));
+        assert_eq!(turn.proposals, [Proposal { which: Which::Srm1, action: look }]);
     }
 
     #[test]

@@ -111,7 +111,7 @@ mod tests {
         assert_eq!((ids, &told["complete"]), (vec!["SRM1", "SRM2", "Supervisor"], &true.into()));
         let ticks = told["trees"][2]["ticks"].as_array().unwrap();
         let times: Vec<f64> = ticks.iter().map(|tick| tick["t"].as_f64().unwrap()).collect();
-        assert!(ticks.len() > 10 && times.is_sorted(), "{times:?}");
+        assert!(ticks.len() > 3 && times.is_sorted(), "{times:?}");
         let said: Vec<&str> = told["events"].as_array().unwrap().iter().map(|event| event["words"].as_str().unwrap()).collect();
         let told_once = said.iter().filter(|words| words.ends_with(": it is fetched")).count();
         assert_eq!((told_once, said.last()), (1, Some(&"the retrieval has ended")), "{said:?}");

@@ -1,21 +1,21 @@
 //! Two missions for the tests of this door, made by hand: the first is over and left a bomb behind, the second has just begun.
 //! How an archive finds them is `testing`'s business.
 
-use std::sync::Arc;
+use std::collections::BTreeSet;
 
 use crate::api::fixture::{TEN, searching};
 use crate::runtime::archive::{Happened, MissionRecord, Unreadable};
-use hallsweep_core::command::{Command, Issuer, LuggageRef, Refusal, Refused, Verdict};
+use hallsweep_core::command::{Issuer, Refusal, Refused};
 use hallsweep_core::effect::{Entry, Fact};
-use hallsweep_core::mission::{Hold, Phase, PhaseName};
-use hallsweep_core::retrieval::Place;
+use hallsweep_core::event::Piece;
+use hallsweep_core::mission::{Hold, Phase};
+use hallsweep_core::retrieval::team::TICK;
+use hallsweep_core::retrieval::{ArmState, BasePose, BaseView, Parcel, Place, Team, View};
 use hallsweep_core::search::Strategy;
-use hallsweep_core::settings::Settings;
-use hallsweep_core::state::PersistentState;
-use hallsweep_core::units::{LuggageId, MissionId, Pose, Seq, WallTime};
-use hallsweep_sim::headless::Run;
-use hallsweep_sim::pair::PairSettings;
-use hallsweep_sim::{Camera, Hall, SimSettings};
+use hallsweep_core::settings::Fetcher;
+use hallsweep_core::state::{PersistentState, Retrieval, RetrievalStage};
+use hallsweep_core::units::{Cell, Heading, LuggageId, MissionId, Pose, Revision, Seq, WallTime};
+use hallsweep_core::world::hall_map::HallMap;
 
 /// A mission that cannot be read.
 pub(super) const UNREADABLE: MissionId = MissionId(99);
@@ -62,21 +62,46 @@ pub(super) fn state() -> PersistentState {
     }
 }
 
-/// A retrieval by the pair as a small hall's journal tells of it, from the last entries before it on.
+/// A retrieval by the pair as a journal tells of it: the trees after each of some ticks, from the first to the look for the parcel, and then
+/// the end.
 pub(super) fn retrieval() -> Vec<Happened> {
-    let hall = Arc::new(Hall::from_rows("hall", &["S....", "..a..", "....."]).expect("a sound hall"));
-    let pair = PairSettings { way_out: true, ..PairSettings::new(1, Place::ENTRANCE) };
-    let sim = SimSettings::new(1, Camera::Stub);
-    let mut run = Run::with_pair(hall, sim, Settings::default(), Strategy::Snail, pair);
-    run.give(Command::Start).expect("nothing holds it");
-    run.run_until(10_000, |state| state.mission.inspected.is_some());
-    let danger = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Danger };
-    run.give(danger).expect("a piece waits");
-    run.run_until(10_000, |state| state.mission.phase == PhaseName::BombLocated);
-    run.give(Command::Retrieve).expect("discovery is home");
-    assert!(run.run_until(100_000, |state| state.mission.phase == PhaseName::BagSecured), "the bag can be fetched");
-    let is_told = |entry: &&Entry| matches!(entry.fact, Fact::Retrieval(_) | Fact::Holds(_) | Fact::Secured(_) | Fact::Phase(_));
-    (1..).map(Seq).zip(run.journal.iter().filter(is_told).cloned().map(Ok)).collect()
+    let bag = Cell::new(3, 3);
+    let (map, piece) = (HallMap::new(Cell::HOME, Revision(0)), BTreeSet::from([bag]));
+    let (left, right) = (Place::Cell(Cell::new(2, 3)), Place::Cell(Cell::new(4, 3)));
+    let outside = Place::ENTRANCE;
+    let stations =
+        [[outside; 2], [Place::Cell(Cell::HOME), outside], [left, outside], [left, right], [left, right], [left, right]];
+    let kept = Retrieval {
+        luggage: LuggageId(1),
+        fetcher: Fetcher::Pair,
+        stage: RetrievalStage::Fetching,
+        piece: piece.clone(),
+        call: None,
+        team: None,
+    };
+    let mut team = Team::new();
+    let mut facts = vec![Fact::Retrieval(Some(Box::new(Retrieval { stage: RetrievalStage::MakingRoom, ..kept.clone() })))];
+    for (tick, places) in stations.into_iter().enumerate() {
+        let base = |place| BaseView {
+            stands: BasePose { place, heading: Heading::East },
+            off_centre: false,
+            open: None,
+            failures: 0,
+            arm: ArmState::default(),
+        };
+        let bases = places.map(base);
+        let (map, piece, others, wanted) = (&map, &piece, &[], Some(Piece(1)));
+        let view = View { map, way_out: true, others, piece, wanted, target: Place::ENTRANCE, bases, is_calling: false };
+        if tick == 5 {
+            team.handle_found(Some(Parcel { piece: Piece(1), place: Place::Cell(bag) }), wanted);
+        }
+        team.tick(&view, TICK);
+        facts.push(Fact::Retrieval(Some(Box::new(Retrieval { team: Some(team.state()), ..kept.clone() }))));
+    }
+    facts.extend([Fact::Secured(LuggageId(1)), Fact::Retrieval(None)]);
+    let at = |tenths: i64| WallTime { unix_ms: TEN.unix_ms + tenths * 100, ..TEN };
+    let entries = (0..).zip(facts).map(|(tenths, fact)| Ok(Entry { wall: at(tenths), fact }));
+    (1..).map(Seq).zip(entries).collect()
 }
 
 /// What happened in the first, and one entry that cannot be understood.

@@ -24,16 +24,15 @@ impl Performer<'_> {
     /// The pallet is where it is known to be; a parcel is looked for with the camera of SRM1.
     pub(super) fn find(&mut self, leaf: &mut Leaf<'_>) -> Status {
         let (seen, found) = (1, 2);
-        let Some(known) = self.view.piece.first().copied().map(Place::Cell).or_else(|| self.parcel_outside()) else {
-            return self.fails(RetrievalFault::NothingToFetch);
-        };
-        if leaf.text(0) == Some("pallet") {
-            leaf.write(found, written(known));
-            return Status::Success;
-        }
-        if leaf.is_starting() {
+        let is_pallet = leaf.text(0) == Some("pallet");
+        if leaf.is_starting() && !is_pallet {
             leaf.write(seen, Value::text(""));
             leaf.write(found, Value::text(""));
+        }
+        let Some(known) = self.parcel_known() else { return self.fails(RetrievalFault::NothingToFetch) };
+        if is_pallet {
+            leaf.write(found, written(known));
+            return Status::Success;
         }
         let place = match leaf.text(seen) {
             None | Some("") => {
@@ -52,18 +51,22 @@ impl Performer<'_> {
         Status::Success
     }
 
-    /// A parcel that fell on the way out lies in no cell: the two stand on both sides of it.
-    fn parcel_outside(&self) -> Option<Place> {
+    /// Where the piece stands. One that fell on the way out lies in no cell, and one of whose fall a program that was ended has not heard
+    /// is in none that is known: the two stand on both sides of it.
+    fn parcel_known(&self) -> Option<Place> {
         let [one, two] = self.places();
-        let between = |place: &Place| place.is_beside(one) && place.is_beside(two) && place.cell().is_none();
-        (1..=Place::FURTHEST).map(Place::Outside).find(|place| one != two && between(place))
+        let between = |place: &Place| one != two && place.is_beside(one) && place.is_beside(two);
+        let outside = || (1..=Place::FURTHEST).map(Place::Outside).find(between);
+        let fallen = || self.last.filter(between).or_else(outside);
+        self.view.piece.first().copied().map(Place::Cell).or_else(fallen)
     }
 
     /// Where it is, if both robots can come there and carry the parcel off. A parcel that was not recognised is where it is known to be:
     /// the operator has looked.
     pub(super) fn calculate_goal(&mut self, leaf: &mut Leaf<'_>) -> Status {
-        let known = self.view.piece.first().copied().map(Place::Cell).or_else(|| self.parcel_outside());
-        let Some(place) = place_in(leaf, 1).or(known) else { return self.fails(RetrievalFault::NothingToFetch) };
+        let Some(place) = place_in(leaf, 1).or_else(|| self.parcel_known()) else {
+            return self.fails(RetrievalFault::NothingToFetch);
+        };
         self.routes.forget();
         if !self.can_fetch(place) {
             return self.fails(RetrievalFault::NoWayToParcel);
