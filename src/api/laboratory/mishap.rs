@@ -4,7 +4,8 @@ use std::fmt;
 use std::str::FromStr;
 
 use hallsweep_sim::pair::Slip;
-use hallsweep_sim::pallet::{Asked, MOST_PARCELS};
+pub use hallsweep_sim::pallet::Asked;
+use hallsweep_sim::pallet::MOST_PARCELS;
 
 /// Steps after which a parcel that is to be lost on the way slips: far from both ends of most ways.
 const LOST_AFTER: u32 = 3;
