@@ -111,7 +111,8 @@ impl Engine {
         }
         self.state = state.after_restart();
         let cell = self.state.pose.cell;
-        if self.state.map.at(cell) != Mark::Visited {
+        // Before the entrance it stands in no cell: a parcel may lie at home by now.
+        if self.steps_outside(self.robots.searching_id()) == 0 && self.state.map.at(cell) != Mark::Visited {
             self.mark(cell, Mark::Visited);
         }
         if let Some(celsius) = self.state.reading {
