@@ -146,14 +146,20 @@ impl Team {
         }
         (output.fault, output.dropped, output.released) = (None, None, false);
         let mut performer = Performer { view, routes: &mut self.routes, output };
-        let said = match self.trees[index].tick(&mut self.blackboard, &mut performer, since_last) {
+        let mut said = match self.trees[index].tick(&mut self.blackboard, &mut performer, since_last) {
             Ok(said) => said,
             Err(fault) => {
                 self.words = Some(fault.to_string());
-                output.fault = Some(RetrievalFault::Tree);
+                performer.output.fault = Some(RetrievalFault::Tree);
                 Status::Failure
             }
         };
+        if performer.output.fault.is_some() && said == Status::Running {
+            // What runs beside the leaf that cannot be helped would only put off the end, and its reason would be forgotten by then.
+            self.trees[index].halt(&mut self.blackboard, &mut performer);
+            performer.output.sayings.clear();
+            said = Status::Failure;
+        }
         self.said[index] = said;
         self.has_called |= index == SUPERVISOR && output.sayings.contains(&Saying::PackageLost);
         turn.sayings.append(&mut output.sayings);

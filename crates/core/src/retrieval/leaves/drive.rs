@@ -247,8 +247,8 @@ impl Performer<'_> {
             return status;
         }
         let is_still = !self.is_anybody_busy();
-        if parcel.place == self.view.target && is_still {
-            return Status::Success;
+        if parcel.place == self.view.target {
+            return if is_still { Status::Success } else { Status::Running };
         }
         let train = self.train(parcel.place);
         if !train.bases.iter().all(|base| base.is_beside(parcel.place)) {
