@@ -27,7 +27,7 @@ use std::time::Duration;
 pub use self::grip::{ANGLE_LIMIT, FORCE_LIMIT_N, FORCE_N, GAP_LIMIT_M, Holding, Spread};
 use self::grip::{Grip, STEP};
 use self::ground::Ground;
-pub use self::memory::PairMemory;
+pub use self::memory::{AstrayMemory, PairMemory, RobotMemory};
 use self::robot::{Astray, Robot, body_of};
 pub use self::settings::{Mishaps, PairSettings, Slip};
 use super::drive::BodyPose;

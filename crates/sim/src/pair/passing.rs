@@ -219,9 +219,10 @@ impl Pair {
         let Some(grip) = &mut self.grip else { return };
         let rise = STEP.as_secs_f64() / self.settings.arm.as_secs_f64();
         let (mut speed, mut slipping) = (0.0, None);
+        let stood = !grip.is_loaded();
         match running {
             Some((Work::Arm(ArmAction::Lift), done)) => {
-                if !grip.is_loaded() {
+                if stood {
                     self.ground.lift(grip.parcel.piece);
                 }
                 grip.height = (grip.height + rise).min(1.0);
@@ -236,7 +237,13 @@ impl Pair {
             Some((Work::Turn { .. } | Work::Arm(_), _)) | None => {}
         }
         let is_lost = grip.advance(at_work, speed, &mut self.noise);
+        let leaves_floor = stood && grip.is_loaded();
         self.holding.add(grip);
+        if leaves_floor {
+            // Whoever halts it the next moment, or finds it after a kill, has been told that it does not stand there any more.
+            self.unkept = true;
+            self.tell_arms();
+        }
         let slips = self.slips.iter().position(|slip| slip.parcel == number && Some(slip.after_steps) == slipping);
         if let Some(index) = slips {
             self.slips.remove(index);
