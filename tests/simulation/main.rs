@@ -6,12 +6,14 @@
 )]
 
 mod bare;
+mod every_way;
 mod halls;
 mod mortal;
 mod operator;
 mod random_commands;
 mod random_halls;
 mod random_kills;
+mod random_retrievals;
 mod random_robots;
 mod replay;
 mod retrieval;
@@ -31,4 +33,5 @@ mod seeds_luggage;
 mod seeds_suspensions;
 mod shown;
 mod table;
+mod trio;
 mod two_robots;
