@@ -3,14 +3,14 @@
 //! heat, kills, lost parcels, parcels that nobody recognises, commands at wrong times, and reports that come late and interleaved. A
 //! failure prints its seed.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Duration;
 
 use hallsweep_core::command::{Command, LuggageRef, Move, TemperatureReport, Verdict};
 use hallsweep_core::event::Piece;
 use hallsweep_core::mission::{Hold, PhaseName};
-use hallsweep_core::retrieval::{Place, RetrievalFault, Saying, Which};
+use hallsweep_core::retrieval::{Gripper, Parcel, Place, RetrievalFault, Saying, Which};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::{Cell, LuggageId};
 use hallsweep_core::world::hall_map::Mark;
@@ -23,7 +23,7 @@ use crate::halls;
 use crate::trio::{Bodies, Delays, Trio};
 
 /// So many retrievals.
-const HALLS: u64 = 500;
+const HALLS: usize = 500;
 
 /// By then the disk has what was given to it.
 const MOST_DISK_MS: u64 = 100;
@@ -65,41 +65,42 @@ fn trouble(seed: u64) -> Trouble {
 /// What all runs came to.
 #[derive(Debug, Default)]
 struct Tally {
-    secured: u32,
-    faults: std::collections::BTreeMap<&'static str, u32>,
-    stops: u32,
-    heats: u32,
-    kills: u32,
-    losses: u32,
-    calls: u32,
-    refused: u32,
+    secured: usize,
+    faults: BTreeMap<&'static str, usize>,
+    stops: usize,
+    heats: usize,
+    kills: usize,
+    links: usize,
+    losses: usize,
+    calls: usize,
+    refused: usize,
     steps: u64,
 }
 
+/// Two workers, each with every other seed; `HALLSWEEP_SEED` plays one again.
 #[test]
 fn a_bag_is_secured_wherever_there_is_a_way_and_a_fault_is_named_elsewhere() {
-    let mut tally = Tally::default();
-    let mut runs = 0;
-    let mut bad = Vec::new();
-    let only: Option<u64> = std::env::var("HALLSWEEP_SEED").ok().map(|seed| seed.parse().expect("a seed is a number"));
-    for seed in only.map_or(0..u64::MAX, |seed| seed..seed + 1) {
-        if runs == HALLS {
-            break;
-        }
-        let mut mission = Mission::begun(seed);
-        if let Some(bomb) = mission.locate() {
-            runs += 1;
-            if std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| mission.fetch(bomb, &mut tally))).is_err() {
-                bad.push(seed);
-            }
-        }
+    if let Ok(seed) = std::env::var("HALLSWEEP_SEED") {
+        let mut tally = Tally::default();
+        Mission::begun(seed.parse().expect("a seed is a number")).play(&mut tally);
+        return println!("{tally:?}");
     }
-    println!("{tally:?}");
-    println!("BAD {} {bad:?}", bad.len());
-    if only.is_none() {
-        assert!(tally.secured > HALLS as u32 / 3 && tally.faults.values().sum::<u32>() > HALLS as u32 / 10, "{tally:?}");
-        assert!(tally.stops > 100 && tally.heats > 50 && tally.kills > 100 && tally.losses > 100, "{tally:?}");
-    }
+    let work = |first: u64| {
+        let mut tally = Tally::default();
+        let seeds = (first..).step_by(2).filter(|seed| Mission::begun(*seed).play(&mut tally));
+        assert_eq!(seeds.take(HALLS / 2).count(), HALLS / 2);
+        tally
+    };
+    let [one, two] = std::thread::scope(|scope| {
+        let workers = [0, 1].map(|first| scope.spawn(move || work(first)));
+        workers.map(|worker| worker.join().expect("it has said which seed fails"))
+    });
+    println!("{one:?}\n{two:?}");
+    let all = |of: fn(&Tally) -> usize| of(&one) + of(&two);
+    assert_eq!(all(|tally| tally.secured + tally.faults.values().sum::<usize>()), HALLS);
+    assert!(all(|tally| tally.secured) > HALLS / 3 && all(|tally| tally.faults.values().sum()) > HALLS / 10);
+    assert!(all(|tally| tally.stops) > 100 && all(|tally| tally.heats) > 50 && all(|tally| tally.kills) > 100);
+    assert!(all(|tally| tally.losses) > 100 && all(|tally| tally.calls) > 100 && all(|tally| tally.links) > 50);
 }
 
 struct Mission {
@@ -111,6 +112,8 @@ struct Mission {
     /// Where everything stood when a hold was first seen; none while nothing holds them.
     held_at: Option<Bodies>,
     steps: u64,
+    /// Whether anything was on its way when the program was killed, or a link lost.
+    is_cut: bool,
 }
 
 impl Mission {
@@ -119,7 +122,7 @@ impl Mission {
         let sim = SimSettings { unknown_rate: trouble.unknown_rate, sonar_noise_cm: 0.0, ..SimSettings::new(seed, Camera::Stub) };
         let pair = PairSettings { way_out: true, mishaps: trouble.mishaps.clone(), ..PairSettings::new(seed, Place::ENTRANCE) };
         let trio = Some(Trio::born(Arc::clone(&hall), sim, pair, trouble.delays));
-        Mission { trio, hall, trouble, seed, dice: RandomStream::new(seed, "operator"), held_at: None, steps: 0 }
+        Mission { trio, hall, trouble, seed, dice: RandomStream::new(seed, "operator"), held_at: None, steps: 0, is_cut: false }
     }
 
     fn trio(&mut self) -> &mut Trio {
@@ -160,6 +163,15 @@ impl Mission {
         self.check();
     }
 
+    /// The whole mission; false where no piece is met that can be said to be dangerous.
+    fn play(mut self, tally: &mut Tally) -> bool {
+        let bomb = self.locate();
+        if let Some(bomb) = bomb {
+            self.fetch(bomb, tally);
+        }
+        bomb.is_some()
+    }
+
     /// Searches until danger is said of a piece and discovery is home; `None` where no recognised piece was met.
     fn locate(&mut self) -> Option<Piece> {
         let keen = [1.0, 0.4, 0.15][self.dice.below(3) as usize];
@@ -196,8 +208,15 @@ impl Mission {
         self.must(Command::Retrieve);
         let mut left = self.trouble.most;
         self.steps = 0;
+        let mut gripped = self.grip();
         loop {
             let state = self.state();
+            // Just then nobody has been told.
+            let is_news = std::mem::replace(&mut gripped, self.grip()) != gripped;
+            if is_news && self.trouble.most > 0 && self.dice.happens(0.1) {
+                self.kill(tally);
+                continue;
+            }
             match state.mission.phase {
                 PhaseName::BagSecured | PhaseName::Fault if self.trio().is_quiet() => break,
                 PhaseName::Retrieving if !state.mission.holds.is_empty() => self.release(tally),
@@ -213,9 +232,17 @@ impl Mission {
         self.check_end(bomb, expected, before, tally);
     }
 
+    /// What the pair holds, and how.
+    fn grip(&mut self) -> (Option<Parcel>, [bool; 4], usize) {
+        let pair = &self.trio().pair;
+        let [one, two] = Which::ALL.map(|which| pair.arm(which));
+        let closed = [one, two].map(|arm| arm.gripper == Gripper::Closed);
+        (pair.load(), [one.on_floor, one.lifted, closed[0], closed[1]], pair.taken_in().len())
+    }
+
     /// Something that an operator, or the world, does while the pair fetches.
     fn interrupt(&mut self, tally: &mut Tally) {
-        match self.dice.below(8) {
+        match self.dice.below(9) {
             0 | 1 => {
                 tally.stops += 1;
                 self.must(Command::Stop);
@@ -225,16 +252,33 @@ impl Mission {
                 self.must(Command::Temperature(TemperatureReport::TooHigh));
             }
             3 | 4 => {
-                tally.kills += 1;
-                let durable = self.dice.below(3) as usize;
-                self.trio = self.trio.take().map(|trio| trio.killed(durable));
-                self.held_at = None;
-                self.check();
-                assert!(self.state().mission.holds.contains(&Hold::Restart), "seed {}", self.seed);
+                self.kill(tally);
             }
             5 => self.must(Command::Start),
+            6 => {
+                tally.links += 1;
+                self.is_cut = true;
+                let robot = self.dice.below(3) as usize;
+                self.trio().lose_link(robot);
+                // A look for the parcel goes on without a link, and has an end by then.
+                let wait = 900 + self.dice.below(2000);
+                self.wait(wait);
+                assert!(self.state().mission.holds.contains(&Hold::RobotLink), "seed {}: a link is lost", self.seed);
+                self.must_not(Command::Start);
+                self.trio().find_link(robot);
+            }
             _ => self.wrong_command(tally),
         }
+    }
+
+    fn kill(&mut self, tally: &mut Tally) {
+        tally.kills += 1;
+        self.is_cut = true;
+        let durable = self.dice.below(3) as usize;
+        self.trio = self.trio.take().map(|trio| trio.killed(durable));
+        self.held_at = None;
+        self.check();
+        assert!(self.state().mission.holds.contains(&Hold::Restart), "seed {}", self.seed);
     }
 
     /// What is not possible while the pair fetches.
@@ -337,16 +381,18 @@ impl Mission {
             let fault = fault.unwrap_or_else(|| panic!("seed {seed}: {words}"));
             *tally.faults.entry(fault.name()).or_default() += 1;
         }
-        tally.secured += u32::from(secured);
+        tally.secured += usize::from(secured);
         let said =
             |saying: Saying| state.alarms.iter().skip(alarms).filter(|alarm| alarm.text.contains(saying.in_words())).count();
         let memory = trio.pair.memory();
         let lost = self.trouble.mishaps.slips.len() - memory.slips.map_or(0, |left| left.len());
         let missed = self.trouble.mishaps.unrecognised.len() - memory.unrecognised.map_or(0, |left| left.len());
         assert_eq!(said(Saying::PackageLost), lost, "seed {seed}: alarms of lost parcels, {:?}: {:#?}", self.trouble, log());
-        assert_eq!(said(Saying::CallOperator), missed, "seed {seed}: calls to look what stands there: {:#?}", log());
-        tally.losses += lost as u32;
-        tally.calls += missed as u32;
+        // The answer of a camera may be lost on the way with its link, or with the program that asked; then it looks once more.
+        let calls = said(Saying::CallOperator);
+        assert!(calls == missed || calls < missed && self.is_cut, "seed {seed}: {calls} calls, {missed} not seen: {:#?}", log());
+        tally.losses += lost;
+        tally.calls += missed;
     }
 }
 

@@ -8,7 +8,7 @@ use std::time::Duration;
 use hallsweep_core::command::{Command, Door, Issuer, Refused, Request};
 use hallsweep_core::effect::{Effect, Entry, Order, Page};
 use hallsweep_core::engine::{Engine, Recalled};
-use hallsweep_core::event::{Event, Piece, RobotEvent, RobotId};
+use hallsweep_core::event::{Event, Piece, RobotEvent, RobotId, Whereabouts};
 use hallsweep_core::retrieval::{BasePose, Place, Which};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::settings::Settings;
@@ -82,6 +82,8 @@ struct Link {
     halts: u64,
     /// The halts of which the last order that was begun knew.
     obeyed: u64,
+    /// Nothing passes but that it is so.
+    is_down: bool,
 }
 
 fn ids() -> [RobotId; 3] {
@@ -90,6 +92,22 @@ fn ids() -> [RobotId; 3] {
 
 fn member(index: usize) -> Option<Which> {
     index.checked_sub(1).map(|index| Which::ALL[index])
+}
+
+fn standing(outside: u8, pose: Pose, off_centre: bool) -> RobotEvent {
+    match outside {
+        0 => RobotEvent::Stands(Whereabouts { pose, off_centre }),
+        steps => RobotEvent::StandsOutside(steps, pose.heading, off_centre),
+    }
+}
+
+fn introduction_of(pair: &Pair, which: Which) -> Vec<RobotEvent> {
+    let (BasePose { place, heading }, off_centre) = pair.stands(which);
+    let stands = match place {
+        Place::Cell(cell) => standing(0, Pose { cell, heading }, off_centre),
+        Place::Outside(steps) => standing(steps, Pose { cell: Cell::HOME, heading }, off_centre),
+    };
+    vec![stands, RobotEvent::Arm(pair.arm(which)), RobotEvent::LinkUp(pair.capabilities())]
 }
 
 impl Trio {
@@ -142,6 +160,33 @@ impl Trio {
         };
         trio.begin();
         trio
+    }
+
+    /// One robot cannot be reached: it halts by itself, and what was on its way to it is gone.
+    pub(crate) fn lose_link(&mut self, index: usize) {
+        match member(index) {
+            Some(which) => self.pair.handle_halt(which, self.now),
+            None => self.sim.handle_halt(self.now),
+        }
+        while self.takes_report() {}
+        self.report(index, RobotEvent::LinkLost("it is out of reach".to_owned()));
+        (self.links[index].orders, self.links[index].is_down) = (Line::default(), true);
+        self.settle();
+    }
+
+    /// It is reached again, and says how it stands.
+    pub(crate) fn find_link(&mut self, index: usize) {
+        let introduction = match member(index) {
+            Some(which) => introduction_of(&self.pair, which),
+            None => {
+                let SimMemory { pose, outside, .. } = self.sim.memory();
+                let stands = standing(outside, pose, self.sim.is_off_centre());
+                vec![stands, RobotEvent::LinkUp(self.sim.capabilities())]
+            }
+        };
+        self.links[index].is_down = false;
+        introduction.into_iter().for_each(|report| self.report(index, report));
+        self.settle();
     }
 
     fn recalled(&self) -> Recalled {
@@ -221,14 +266,22 @@ impl Trio {
                 self.perform(effect);
             } else if let Some((order, exposure)) = self.sim.take_exposure() {
                 self.sim.handle_photo(order, exposure.develop(), self.now);
-            } else if let Some(report) = self.sim.poll_event() {
-                self.report(0, report);
-            } else if let Some((which, report)) = self.pair.poll_event() {
-                self.report(1 + which.index(), report);
-            } else if !self.arrives() {
+            } else if !self.takes_report() && !self.arrives() {
                 return;
             }
         }
+    }
+
+    /// A robot has said something, which is on its way now; false when none has.
+    fn takes_report(&mut self) -> bool {
+        if let Some(report) = self.sim.poll_event() {
+            self.report(0, report);
+        } else if let Some((which, report)) = self.pair.poll_event() {
+            self.report(1 + which.index(), report);
+        } else {
+            return false;
+        }
+        true
     }
 
     fn keep_memories(&mut self) {
@@ -245,7 +298,9 @@ impl Trio {
 
     fn report(&mut self, index: usize, report: RobotEvent) {
         let at = self.after(self.settings.2.reports_ms[index]);
-        self.links[index].reports.send(report, at);
+        if !self.links[index].is_down {
+            self.links[index].reports.send(report, at);
+        }
     }
 
     fn after(&mut self, most_ms: u64) -> Duration {
@@ -258,7 +313,9 @@ impl Trio {
             Effect::Order(robot, order) => {
                 let at = self.after(self.settings.2.orders_ms);
                 let link = &mut self.links[index_of(&robot)];
-                link.orders.send((order, link.halts), at);
+                if !link.is_down {
+                    link.orders.send((order, link.halts), at);
+                }
             }
             Effect::Halt(robot) => {
                 let index = index_of(&robot);

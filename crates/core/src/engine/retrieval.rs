@@ -278,7 +278,16 @@ impl Engine {
             (None, Some(_)) => self.piece_lifted(),
             // It fell where it was held; robots that lose it say the same once more, maybe much later. Who fetches by himself lets go at home.
             (Some(parcel), None) if !self.searches(robot) => self.piece_set_down(parcel.place),
+            (None, None) if before.holds.is_none() => self.found_set_down(arm),
             (None | Some(_), None) | (Some(_), Some(_)) => {}
+        }
+    }
+
+    /// It was set down while nobody heard of it: the program was killed, or the link lost.
+    fn found_set_down(&mut self, arm: ArmState) {
+        let is_off_floor = self.state.retrieval.as_ref().is_some_and(|retrieval| retrieval.piece.is_empty());
+        if let Some(parcel) = arm.holds.filter(|_| is_off_floor) {
+            self.piece_set_down(parcel.place);
         }
     }
 
@@ -318,9 +327,11 @@ impl Engine {
         self.note_retrieval(Some(Retrieval { piece: BTreeSet::from([cell]), ..retrieval }));
     }
 
-    /// The parcel lies on the floor; both robots say so.
+    /// The parcel lies on the floor; both robots say so, and again whenever they are reached anew. Another one may lie there since an
+    /// earlier retrieval.
     pub(super) fn parcel_lost(&mut self, robot: &RobotId, parcel: Parcel) {
-        if self.is_fetching(robot) {
+        let is_it = self.wanted_piece().is_none_or(|wanted| wanted == parcel.piece);
+        if self.is_fetching(robot) && is_it {
             self.piece_set_down(parcel.place);
         }
     }

@@ -252,8 +252,17 @@ impl Pair {
             };
             let can = self.capabilities();
             let arm = RobotEvent::Arm(self.arm(which));
-            self.events.extend([stands, arm, RobotEvent::LinkUp(can)].map(|event| (which, event)));
+            let lost = self.lost().map(RobotEvent::ParcelLost);
+            let told = [stands, arm].into_iter().chain(lost).chain([RobotEvent::LinkUp(can)]);
+            let told: Vec<_> = told.map(|event| (which, event)).collect();
+            self.events.extend(told);
         }
+    }
+
+    /// What lies where it fell, or was let go: when the program was killed just then, nobody has heard of it.
+    fn lost(&self) -> impl Iterator<Item = Parcel> {
+        let held = self.load().map(|parcel| parcel.piece);
+        self.ground.lying().filter(move |(piece, _)| held != Some(*piece)).map(|(piece, place)| Parcel { piece, place })
     }
 
     fn placed(hall: Arc<Hall>, settings: PairSettings, memory: PairMemory, now: Duration) -> Pair {
