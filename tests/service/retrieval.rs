@@ -114,8 +114,8 @@ fn stop_and_kill_leave_pair_and_parcel_where_they_are_until_start() {
     let program = serve(&folder, "max", &[]);
     let found = program.until("all are linked", |state| !is_held(state, "robotLink"));
     assert!(is_held(&found, "restart") && carries(&found), "the parcel is in the grip: {found:#}");
-    let later = program.until("time has passed", |state| state["revision"].as_u64() >= found["revision"].as_u64());
-    assert_eq!(places(&later), places(&found), "nothing moves before START");
+    std::thread::sleep(std::time::Duration::from_secs(1));
+    assert_eq!(places(&program.json("state")), places(&found), "nothing moves before START");
     program.command("start").accepted();
     secured(&program, piece);
 }

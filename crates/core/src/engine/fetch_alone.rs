@@ -4,7 +4,7 @@
 use super::Engine;
 use super::motion::Turn;
 use crate::effect::Action;
-use crate::retrieval::{ArmAction, Place, RetrievalFault};
+use crate::retrieval::{ArmAction, MOST_FAILURES, Place};
 use crate::search::plan::Through;
 use crate::state::RetrievalStage;
 use crate::units::{Cell, Heading, Pose};
@@ -16,10 +16,13 @@ impl Engine {
         if self.steps_outside(self.robots.searching_id()) > 0 {
             return self.order(Action::Enter);
         }
+        if !self.robots.searching().arm_is_heard {
+            return Turn::Rest;
+        }
         let is_lifted = self.state.retrieval.as_ref().is_some_and(|retrieval| retrieval.piece.is_empty());
         match (self.robots.searching().arm.holds, is_lifted) {
             (Some(parcel), _) if self.wanted_piece().is_some_and(|wanted| wanted != parcel.piece) => {
-                self.give_up(RetrievalFault::WrongParcel.in_words())
+                self.give_up("the robot has taken another piece than the one it was sent for")
             }
             (Some(_), _) if self.is_home() => {
                 self.set_retrieval_stage(RetrievalStage::LettingGo);
@@ -33,10 +36,15 @@ impl Engine {
 
     /// That it is about to is on record before it does, so a piece that is gone then was let go where the container stands.
     pub(super) fn let_go(&mut self) -> Turn {
-        match self.robots.searching().arm.holds {
-            _ if !self.is_home() => self.give_up("the robot is not at home, where the container stands"),
-            Some(_) => self.order(Action::Arm(ArmAction::Release)),
+        let robot = self.robots.searching();
+        match robot.arm.holds {
+            _ if !robot.arm_is_heard => Turn::Rest,
             None => self.secured(),
+            Some(_) if self.is_home() => self.order(Action::Arm(ArmAction::Release)),
+            Some(_) => {
+                self.set_retrieval_stage(RetrievalStage::Fetching);
+                Turn::Again
+            }
         }
     }
 
@@ -63,13 +71,16 @@ impl Engine {
         if self.follow_route() { Turn::Rest } else { self.give_up("no way leads to the piece") }
     }
 
-    /// Only what it was sent for, where the camera can tell.
+    /// Only what it was sent for.
     fn take(&mut self, place: Place) -> Turn {
-        let Some(seen) = self.seen.take() else { return self.order(Action::Arm(ArmAction::FindParcel(place))) };
-        match (seen, self.wanted_piece()) {
-            (Some(parcel), Some(wanted)) if parcel.piece != wanted => self.give_up("another piece stands where it should be"),
-            (Some(_), _) => self.order(Action::Arm(ArmAction::CloseGripper)),
-            (None, _) => self.give_up(RetrievalFault::NothingToFetch.in_words()),
+        if self.robots.searching().failures >= MOST_FAILURES {
+            self.robots.searching_mut().failures = 0;
+            return self.give_up("the robot cannot take hold of the piece");
+        }
+        match self.seen.take() {
+            None => self.order(Action::Arm(ArmAction::FindParcel(place))),
+            Some(Some(_)) => self.order(Action::Arm(ArmAction::CloseGripper)),
+            Some(None) => self.give_up("the robot does not recognise the piece where it should stand"),
         }
     }
 

@@ -7,7 +7,7 @@ use crate::command::Move;
 use crate::effect::{Action, Fact, Order};
 use crate::event::{Capabilities, Obstacle, OffCentre, Photo, Piece, RobotEvent, RobotId, Whereabouts};
 use crate::mission::{FaultCause, Hold, Input, InputContext, Phase, Stage};
-use crate::retrieval::Place;
+use crate::retrieval::{ArmAction, ArmState, Place};
 use crate::search::plan::after;
 use crate::units::{Cell, Heading, OrderId, Pose};
 use crate::world::hall_map::{Mark, REACH};
@@ -112,7 +112,8 @@ impl Engine {
     fn passed(&mut self, robot: &RobotId, action: Action) {
         self.set_off_centre(robot, false);
         let steps = self.steps_outside(robot);
-        self.note_outside(robot, if action == Action::Leave { steps + 1 } else { steps.saturating_sub(1) });
+        let steps = if action == Action::Leave { (steps + 1).min(Place::FURTHEST) } else { steps.saturating_sub(1) };
+        self.note_outside(robot, steps);
     }
 
     /// Carried away from the piece in front of it, the robot can take no photo of it: a piece without a record stays a target of
@@ -147,6 +148,7 @@ impl Engine {
         let searches = self.searches(robot);
         let Some(known) = self.robots.get_mut(robot) else { return };
         known.off_centre |= known.controller.lose();
+        known.arm_is_heard = false;
         self.world.touch(Resource::Robot);
         let fetches = self.is_fetching(robot);
         let Some(known) = self.robots.get_mut(robot) else { return };
@@ -174,7 +176,9 @@ impl Engine {
     fn done(&mut self, robot: &RobotId, id: OrderId) {
         let Some(order) = self.close(robot, id) else { return };
         if let Some(robot) = self.robots.get_mut(robot) {
-            robot.failures = 0;
+            // A hook that has closed round nothing has not done what it was to do.
+            let is_empty = order.action == Action::Arm(ArmAction::CloseGripper) && robot.arm == ArmState::default();
+            robot.failures = if is_empty { robot.failures.saturating_add(1) } else { 0 };
         }
         match order.action {
             Action::Move(step) => self.moved(robot, step),

@@ -10,7 +10,9 @@ use crate::command::Move;
 use crate::effect::{Action, Fact};
 use crate::event::{Piece, RobotId};
 use crate::mission::{FaultCause, Input, InputContext, Phase};
-use crate::retrieval::{ArmAction, ArmState, BasePose, BaseView, Floor, Gear, Parcel, Place, Which, steer};
+use crate::retrieval::{
+    ArmAction, ArmState, BasePose, BaseView, Floor, Gear, Gripper, MOST_FAILURES, Parcel, Place, Which, steer,
+};
 use crate::robots::Part;
 use crate::settings::Fetcher;
 use crate::state::{Retrieval, RetrievalStage};
@@ -134,8 +136,13 @@ impl Engine {
     /// One look at a retrieval.
     pub(super) fn retrieve(&mut self) -> Turn {
         let Some(retrieval) = &self.state.retrieval else { return Turn::Rest };
-        if retrieval.fetcher != self.settings.fetcher {
-            return self.hand_over();
+        let (began, set) = (retrieval.fetcher, self.settings.fetcher);
+        if began != set {
+            // Who began it may stand anywhere, with the piece in the grip.
+            let words =
+                format!("it was begun with mission.retrieval = {:?}, which is {:?} now: set it back", began.name(), set.name());
+            self.not_fetched(words);
+            return Turn::Again;
         }
         match (&retrieval.stage, retrieval.fetcher) {
             (RetrievalStage::MakingRoom, Fetcher::Pair) => self.make_room(),
@@ -158,19 +165,6 @@ impl Engine {
         }
     }
 
-    /// The settings say since the last start that somebody else is to fetch: he begins anew, unless the piece is in the grip of who did.
-    fn hand_over(&mut self) -> Turn {
-        match self.state.retrieval.clone() {
-            Some(retrieval) if !retrieval.piece.is_empty() && self.fetchers().is_some() => {
-                let (fetcher, stage) = (self.settings.fetcher, RetrievalStage::MakingRoom);
-                self.team = None;
-                self.note_retrieval(Some(Retrieval { fetcher, stage, team: None, ..retrieval }));
-            }
-            Some(_) | None => self.not_fetched("those who fetch it by the settings are others than before".to_owned()),
-        }
-        Turn::Again
-    }
-
     fn make_room(&mut self) -> Turn {
         if self.steps_outside(self.robots.searching_id()) > 0 {
             self.set_retrieval_stage(RetrievalStage::Fetching);
@@ -189,6 +183,9 @@ impl Engine {
         let bases = Which::ALL.map(|which| self.base_view(which));
         if bases.iter().any(|base| base.open.is_some()) {
             return Turn::Rest;
+        }
+        if bases.iter().any(|base| base.failures >= MOST_FAILURES) {
+            return self.stuck(reason, "a robot that fetches cannot do what it is told");
         }
         let astray = Which::ALL.into_iter().filter(|which| bases[which.index()].off_centre).collect::<Vec<_>>();
         if !astray.is_empty() {
@@ -209,9 +206,23 @@ impl Engine {
                 return self.all(&[which], action);
             }
         }
-        let stuck = "no way leads the robots that fetch back outside";
-        self.not_fetched(reason.map_or_else(|| stuck.to_owned(), |reason| format!("{reason}; and {stuck}")));
+        self.stuck(reason, "no way leads the robots that fetch back outside")
+    }
+
+    /// They cannot go out; START tries once more.
+    fn stuck(&mut self, reason: Option<String>, words: &str) -> Turn {
+        self.forget_failures();
+        self.not_fetched(reason.map_or_else(|| words.to_owned(), |reason| format!("{reason}; and {words}")));
         Turn::Again
+    }
+
+    /// What comes next is tried as often as anything.
+    pub(super) fn forget_failures(&mut self) {
+        for which in Which::ALL {
+            if let Some(robot) = self.robots.get_mut(&which.robot()) {
+                robot.failures = 0;
+            }
+        }
     }
 
     fn all(&mut self, which: &[Which], action: Action) -> Turn {
@@ -269,6 +280,7 @@ impl Engine {
     pub(super) fn arm_reported(&mut self, robot: &RobotId, arm: ArmState) {
         let Some(known) = self.robots.get_mut(robot) else { return };
         let before = std::mem::replace(&mut known.arm, arm);
+        known.arm_is_heard = true;
         self.world.touch(Resource::Robot);
         if !self.is_fetching(robot) {
             return;
@@ -330,10 +342,16 @@ impl Engine {
     /// The parcel lies on the floor; both robots say so, and again whenever they are reached anew. Another one may lie there since an
     /// earlier retrieval.
     pub(super) fn parcel_lost(&mut self, robot: &RobotId, parcel: Parcel) {
-        let is_it = self.wanted_piece().is_none_or(|wanted| wanted == parcel.piece);
-        if self.is_fetching(robot) && is_it {
+        if self.is_fetching(robot) && self.is_wanted_parcel(parcel) {
             self.piece_set_down(parcel.place);
         }
+    }
+
+    /// Whether this is what is fetched: by its identity, or, where the camera could not tell when it was recorded, by where it is.
+    pub(super) fn is_wanted_parcel(&self, parcel: Parcel) -> bool {
+        let Some(retrieval) = &self.state.retrieval else { return false };
+        let is_there = retrieval.piece.is_empty() || parcel.place.cell().is_some_and(|cell| retrieval.piece.contains(&cell));
+        self.wanted_piece().map_or(is_there, |wanted| wanted == parcel.piece)
     }
 
     /// One more cell of the piece that is to be lifted.
@@ -353,17 +371,17 @@ impl Engine {
             if let Some(parcel) = parcel.filter(|parcel| is_unknown && self.wanted_piece() == Some(parcel.piece)) {
                 self.piece_set_down(parcel.place);
             }
-            self.seen = Some(parcel);
+            self.seen = Some(parcel.filter(|parcel| self.is_wanted_parcel(*parcel)));
         }
     }
 }
 
-/// What both arms do next to let go of what they hold; `None` when they hold nothing.
+/// What both arms do next to let go of what they hold, wherever a halt has left it; `None` when both are open.
 fn set_down(bases: &[BaseView; 2]) -> Option<ArmAction> {
     let arms = bases.map(|base| base.arm);
-    if arms.iter().any(|arm| arm.holds.is_some() && arm.lifted) {
+    if arms.iter().any(|arm| arm.holds.is_some() && !arm.on_floor) {
         Some(ArmAction::Lower)
     } else {
-        arms.iter().any(|arm| arm.holds.is_some()).then_some(ArmAction::Release)
+        arms.iter().any(|arm| arm.gripper == Gripper::Closed).then_some(ArmAction::Release)
     }
 }

@@ -83,6 +83,7 @@ impl Engine {
             Stage::Working | Stage::Lost => Turn::Rest,
             Stage::Done => self.secured(),
             Stage::Faulted(fault) => {
+                self.forget_failures();
                 let more = words.map(|words| format!(" ({words})")).unwrap_or_default();
                 self.set_retrieval_stage(RetrievalStage::GoingOut(Some(format!("{}{more}", fault.in_words()))));
                 Turn::Again

@@ -14,6 +14,7 @@ pub mod way;
 pub use self::arm::{ArmAction, ArmState, Controllers, Gripper, Parcel};
 pub use self::fault::RetrievalFault;
 pub use self::kept::TeamState;
+pub(crate) use self::leaves::MOST_FAILURES;
 pub use self::leaves::catalogue;
 pub use self::place::Place;
 pub use self::steer::{Gear, steer};

@@ -14,7 +14,7 @@ use std::time::Duration;
 use super::Parcel;
 use super::fault::RetrievalFault;
 use super::leaves::routes::Routes;
-use super::leaves::{Output, Performer, catalogue, place_of, seen, written};
+use super::leaves::{Output, Performer, REPORTING, catalogue, place_of, seen, written};
 use super::view::{Proposal, Saying, View, Which};
 use crate::behaviour::{Blackboard, Status, Tree, TreeError, xml};
 use crate::event::Piece;
@@ -80,6 +80,8 @@ pub struct Team {
     pub(super) runs: u32,
     /// What was wrong with a tree that could not be performed.
     words: Option<String>,
+    /// How long the two have not agreed whether they hold something.
+    waited: Duration,
 }
 
 impl Team {
@@ -111,6 +113,7 @@ impl Team {
             delivered: Vec::new(),
             runs: 0,
             words: None,
+            waited: Duration::ZERO,
         })
     }
 
@@ -136,7 +139,7 @@ impl Team {
         }
         let mut output = Output::default();
         for index in 0..self.trees.len() {
-            if self.stage == Stage::Working && !(index == SUPERVISOR && self.waits_to_begin(view)) {
+            if self.stage == Stage::Working && !(index == SUPERVISOR && self.waits_to_begin(view, since_last)) {
                 self.tick_tree(index, view, since_last, &mut output, &mut turn);
             }
         }
@@ -146,9 +149,14 @@ impl Team {
     }
 
     /// The two report one after the other: no run begins while one of them still says that it holds what the other has lost.
-    fn waits_to_begin(&self, view: &View<'_>) -> bool {
+    fn waits_to_begin(&mut self, view: &View<'_>, since_last: Duration) -> bool {
         let [one, two] = view.bases.map(|base| base.arm.holds.is_some());
-        self.said[SUPERVISOR] != Status::Running && one != two
+        let waits = self.said[SUPERVISOR] != Status::Running && one != two;
+        self.waited = if waits { self.waited.saturating_add(since_last) } else { Duration::ZERO };
+        if self.waited > REPORTING {
+            self.stage = Stage::Faulted(RetrievalFault::NotAligned);
+        }
+        waits
     }
 
     fn tick_tree(&mut self, index: usize, view: &View<'_>, since_last: Duration, output: &mut Output, turn: &mut Turn) {

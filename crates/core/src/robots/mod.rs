@@ -59,6 +59,8 @@ pub(crate) struct Robot {
     pub(crate) holds: Holds,
     /// Its arm, if it has one, as it last said.
     pub(crate) arm: ArmState,
+    /// Whether it has said so since the program began or its link was lost.
+    pub(crate) arm_is_heard: bool,
     /// Orders in a row that it failed to carry out.
     pub(crate) failures: u32,
 }

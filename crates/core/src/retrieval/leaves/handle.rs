@@ -1,18 +1,12 @@
 //! Leaves of the arms: to the parcel, closed, controllers, up, down, open. Each is done when both arms say so, so that it makes no
 //! difference whether the program was ended in between.
 
-use std::time::Duration;
-
-use super::{MOST_FAILURES, Performer, place_in};
+use super::{MOST_FAILURES, Performer, REPORTING, place_in};
 use crate::behaviour::{Leaf, Status};
 use crate::effect::Action;
 use crate::retrieval::arm::{ArmAction, ArmState, Gripper};
 use crate::retrieval::fault::RetrievalFault;
 use crate::retrieval::view::Which;
-
-/// The first gripper that closes holds nothing yet; it says what it holds once the second is closed, and the two report one after the
-/// other.
-const REPORTING: Duration = Duration::from_secs(30);
 
 impl Performer<'_> {
     /// Both arms do this until each says that it is done.

@@ -24,7 +24,11 @@ use crate::units::Cell;
 use routes::Routes;
 
 /// Orders that a robot may fail to carry out one after the other before the leaf gives up: once may be chance, thrice is not.
-const MOST_FAILURES: u32 = 3;
+pub(crate) const MOST_FAILURES: u32 = 3;
+
+/// The two report one after the other; of what both hold or neither does they must agree after so long. The first gripper that closes
+/// says what it holds when the second is closed, too.
+pub(super) const REPORTING: Duration = Duration::from_secs(30);
 
 /// Longer than any one leaf runs in the largest hall: a train needs about an hour for the way through all of it.
 const LONGEST: Duration = Duration::from_secs(4 * 3600);
