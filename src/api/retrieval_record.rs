@@ -41,9 +41,15 @@ pub struct EventJson {
 }
 
 impl RetrievalRecordJson {
-    /// What these entries of one mission, oldest first, say of its retrieval; `None` when nothing was to be fetched.
+    /// What these entries of one mission, oldest first, say of the retrieval that is last begun in them; `None` when nothing was to be
+    /// fetched.
     pub fn new(entries: &[Entry], complete: bool) -> Option<RetrievalRecordJson> {
-        let (first, retrieval) = entries.iter().find_map(|entry| Some((entry, retrieval_in(entry)?)))?;
+        let began = |index: usize| {
+            let before = entries[..index].iter().rev().find(|entry| matches!(entry.fact, Fact::Retrieval(_)));
+            retrieval_in(&entries[index]).is_some() && before.is_none_or(|before| retrieval_in(before).is_none())
+        };
+        let entries = &entries[(0..entries.len()).rev().find(|index| began(*index))?..];
+        let (first, retrieval) = (entries.first()?, retrieval_in(entries.first()?)?);
         let mut record = RetrievalRecordJson {
             luggage: retrieval.luggage.0,
             fetcher: retrieval.fetcher.name(),
@@ -53,29 +59,26 @@ impl RetrievalRecordJson {
             events: Vec::new(),
             replay: ReplayJson { trees: Vec::new() },
         };
-        let mut logs: [TickLog; 3] = Default::default();
-        let (mut team, mut under_way, mut at, mut stage) = (None, false, Duration::ZERO, String::new());
+        let (trees, mut logs) = (Team::new(), <[TickLog; 3]>::default());
+        let (mut team, mut at, mut stage) = (None, Duration::ZERO, String::new());
         for entry in entries {
-            let told = retrieval_in(entry);
-            under_way |= told.is_some();
-            if !under_way {
-                continue;
-            }
             // A clock that was put back does not put the run back.
             at = at.max(since(first.wall, entry.wall));
-            let words = words(&entry.fact);
+            let (told, words) = (retrieval_in(entry), words(&entry.fact));
             // An entry says how the trees stand; how far it has come is told when it is new.
             if told.is_none() || words != stage {
                 record.events.push(EventJson { t: seconds(at), words: words.clone() });
             }
             stage = if told.is_some() { words } else { stage };
-            if let Some(stood) = told.and_then(|retrieval| Team::resume(retrieval.team.clone()?).ok()) {
+            if let Some(stood) = told.and_then(|retrieval| trees.resumed(retrieval.team.clone()?).ok()) {
                 for (log, tree) in logs.iter_mut().zip(stood.trees()) {
                     log.note(tree, stood.blackboard(), at);
                 }
                 team = Some(stood);
             }
-            under_way = !matches!(entry.fact, Fact::Retrieval(None));
+            if matches!(entry.fact, Fact::Retrieval(None)) {
+                break;
+            }
         }
         record.seconds = seconds(at);
         record.replay = ReplayJson::new(team.iter().flat_map(|team| team.trees().iter().zip(&logs)));

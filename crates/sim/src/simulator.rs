@@ -93,7 +93,7 @@ enum Due {
 }
 
 impl Sim {
-    /// A robot newly put down at home in this hall, facing south. Its first reports are `Stands` and `LinkUp`.
+    /// A robot newly put down at home in this hall, facing south. Its first reports are `Stands`, its hook if it has one, and `LinkUp`.
     #[must_use]
     pub fn new(hall: Arc<Hall>, settings: SimSettings) -> Sim {
         Sim::placed(hall, settings, SimMemory::NEW)

@@ -90,19 +90,22 @@ pub(super) async fn retrieval(State(door): State<HttpDoor>, Number(id): Number, 
     Ok(by_content(&headers, JSON, json(&retrieved(&door, id).await?)))
 }
 
-/// The retrieval of a mission, from its record.
+/// The last retrieval of a mission, from its record; put together where the record is read, a few at once.
 pub(super) async fn retrieved(door: &HttpDoor, id: u64) -> Result<RetrievalRecordJson, Problem> {
     let mission = MissionId(id);
     let found = door.archive.look_up(move |archive| match archive.mission(mission)? {
-        Some(_) => archive.retrieval(mission, RETRIEVAL + 1).map(Some),
+        Some(_) => archive.retrieval(mission, RETRIEVAL + 1).map(|entries| Some(retrieval_of(entries))),
         None => Ok(None),
     });
-    let mut entries = found.await?.ok_or_else(|| unknown(id))?;
+    let record = found.await?.ok_or_else(|| unknown(id))?;
+    record.ok_or_else(|| Problem::not_found(format!("nothing was to be fetched in mission {id}")))
+}
+
+fn retrieval_of(mut entries: Vec<Happened>) -> Option<RetrievalRecordJson> {
     let complete = entries.len() <= RETRIEVAL && entries.iter().all(|(_, entry)| entry.is_ok());
     entries.truncate(RETRIEVAL);
     let entries: Vec<Entry> = entries.into_iter().filter_map(|(_, entry)| entry.ok()).collect();
     RetrievalRecordJson::new(&entries, complete)
-        .ok_or_else(|| Problem::not_found(format!("nothing was to be fetched in mission {id}")))
 }
 
 /// The mission before which a list begins.

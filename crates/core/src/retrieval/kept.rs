@@ -66,7 +66,15 @@ impl Team {
     /// # Errors
     /// If it is that of other trees; then this team has still to begin.
     pub fn resume(state: TeamState) -> Result<Team, StateError> {
-        let mut team = Team::new();
+        Team::new().resumed(state)
+    }
+
+    /// The same with the trees of this team, which are not read again.
+    ///
+    /// # Errors
+    /// If it is the state of other trees.
+    pub fn resumed(&self, state: TeamState) -> Result<Team, StateError> {
+        let mut team = self.clone();
         for (tree, kept) in team.trees.iter_mut().zip(state.trees) {
             tree.resume(kept)?;
         }

@@ -186,7 +186,7 @@ impl PairMemory {
 
 impl Pair {
     /// The pair of an earlier run, in the same hall, after the program has died: as it was, halted by itself within half a second, with its
-    /// parcel in its grip. Its first reports are where the two stand, and `LinkUp`. `now` is the time of the new run.
+    /// parcel in its grip. Its first reports are where the two stand, their arms, what lies about, and `LinkUp`. `now` is the time of the new run.
     #[must_use]
     pub fn remembering(hall: Arc<Hall>, settings: PairSettings, memory: PairMemory, now: Now) -> Pair {
         let memory = memory.at_rest(settings.seed);

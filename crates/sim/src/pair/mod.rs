@@ -63,7 +63,7 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// The two newly put down. Their first reports are where they stand, and `LinkUp`.
+    /// The two newly put down. Their first reports are where they stand, their arms, and `LinkUp`.
     #[must_use]
     pub fn new(hall: Arc<Hall>, settings: PairSettings, stands: [BasePose; 2]) -> Pair {
         Pair::placed(hall, settings, PairMemory::new(stands), Duration::ZERO)

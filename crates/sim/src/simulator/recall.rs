@@ -9,7 +9,7 @@ use super::{Hall, Sim, SimMemory, SimSettings, Work};
 impl Sim {
     /// The robot of an earlier run, in the same hall, after the program has died: where it was, halted by itself within half a
     /// second. A step that was cut short leaves it between two cells and the pose that of the last completed order, so that
-    /// recentring brings it back there. Its first reports are `Stands` and `LinkUp`.
+    /// recentring brings it back there. Its first reports are as those of a new one.
     #[must_use]
     pub fn remembering(hall: Arc<Hall>, settings: SimSettings, memory: SimMemory) -> Sim {
         Sim::placed(hall, settings, memory.at_rest(settings.seed))
