@@ -37,10 +37,10 @@ fn pair(state: &Value) -> Vec<&Value> {
     ["srm1", "srm2"].iter().map(|name| robots.iter().find(|robot| robot["name"] == *name).expect("it is there")).collect()
 }
 
-/// Where the pair is, and what it grips.
+/// Where the pair is, and what it grips. How well it holds that changes under a halt, too: the controllers work on.
 fn places(state: &Value) -> Vec<Value> {
-    let told = ["position", "outside", "heading", "arm"];
-    pair(state).iter().map(|robot| told.iter().map(|key| robot[key].clone()).collect()).collect()
+    let told = ["/position", "/outside", "/heading", "/arm/gripper", "/arm/holds", "/arm/lifted"];
+    pair(state).iter().map(|robot| told.iter().map(|key| robot.pointer(key).cloned()).collect()).collect()
 }
 
 fn carries(state: &Value) -> bool {

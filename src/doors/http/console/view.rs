@@ -133,7 +133,7 @@ impl View<'_> {
 
     /// What the robots do, in the bar: there a STOP is seen on a screen that has no room for what else holds them.
     pub(super) fn doing(&self) -> &'static str {
-        let is_halting = self.snapshot.robots.iter().any(|robot| robot.view.halting);
+        let is_halting = self.snapshot.robot.halting || self.snapshot.robots.iter().any(|robot| robot.view.halting);
         let searching_stands = self.snapshot.robot.state == RobotState::Stopped;
         match self.is_still() {
             true if self.snapshot.mission.holds.contains(&Hold::Operator) => "held by STOP",
