@@ -63,7 +63,8 @@ impl<T> Line<T> {
     }
 
     fn arrived(&mut self, now: Duration) -> Option<T> {
-        self.0.pop_front_if(|(due, _)| *due <= now).map(|(_, what)| what)
+        self.due().filter(|due| *due <= now)?;
+        self.0.pop_front().map(|(_, what)| what)
     }
 }
 

@@ -27,11 +27,11 @@ enum Remembered {
     /// Nothing, and nothing will be written down.
     Nothing,
     /// What the state file says, if there was one.
-    Here(SimStateFile, Option<SimMemory>),
+    Here(Box<SimStateFile>, Option<Box<SimMemory>>),
     /// It was left in another hall, as the state file in this folder says.
     Elsewhere(PathBuf, String),
     /// It was, and is put down in this one; the state file is to be begun anew.
-    PutDown(SimStateFile),
+    PutDown(Box<SimStateFile>),
     /// It may be anywhere, for this reason.
     Lost(String),
 }
@@ -46,7 +46,7 @@ impl SimRobot {
     /// `floor` is the hall as others have left it.
     pub(in crate::robots) fn recall(&mut self, folder: &Path, floor: &Hall) {
         self.remembered = match SimStateFile::open(folder, &self.id, &self.hall, floor) {
-            Ok((state_file, memory)) => Remembered::Here(state_file, memory),
+            Ok((state_file, memory)) => Remembered::Here(Box::new(state_file), memory.map(Box::new)),
             Err(StateFileError::OtherHall { remembered, .. }) => Remembered::Elsewhere(folder.to_owned(), remembered),
             Err(lost) => Remembered::Lost(lost.to_string()),
         };
@@ -64,7 +64,7 @@ impl SimRobot {
     /// Puts it down at home when it was left in another hall.
     pub(in crate::robots) fn put_down(&mut self) {
         if let Remembered::Elsewhere(folder, _) = &self.remembered {
-            self.remembered = Remembered::PutDown(SimStateFile::begin_anew(folder, &self.id, &self.hall));
+            self.remembered = Remembered::PutDown(Box::new(SimStateFile::begin_anew(folder, &self.id, &self.hall)));
         }
     }
 
@@ -83,8 +83,8 @@ impl SimRobot {
                 tracing::error!(robot = %id, lost, "nobody knows where the simulated robot was left: it is not started");
                 return Box::new(|side| Box::pin(async move { side.reports.closed().await }));
             }
-            Remembered::Here(state_file, memory) => (memory, Some(state_file)),
-            Remembered::PutDown(state_file) => (None, Some(state_file)),
+            Remembered::Here(state_file, memory) => (memory.map(|memory| *memory), Some(*state_file)),
+            Remembered::PutDown(state_file) => (None, Some(*state_file)),
             Remembered::Nothing | Remembered::Elsewhere(..) => (None, None),
         };
         let floor = Floor { hall: Arc::clone(&hall), moved };
