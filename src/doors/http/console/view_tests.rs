@@ -1,0 +1,125 @@
+//! Tests of what the console says in an operator's words.
+
+use super::*;
+use crate::api::fixture::{TEN, degrees, idle, searching, touch};
+use hallsweep_core::retrieval::Which;
+use hallsweep_core::world::resource::Resource;
+use hallsweep_core::world::robot::RobotShown;
+use hallsweep_core::world::snapshot::Progress;
+
+fn view(snapshot: &Snapshot) -> View<'_> {
+    let hall = HallInfo { name: "airport", cell_m: Some(0.5) };
+    View { snapshot, hall, began: Some(TEN), who: None, why: None, now: WallTime { unix_ms: TEN.unix_ms + 74_900, ..TEN } }
+}
+
+#[test]
+fn a_waiting_piece_is_what_is_said_first() {
+    let snapshot = searching();
+    let view = view(&snapshot);
+    assert_eq!(view.mood(), Mood::Held);
+    assert_eq!(view.announcement(), "Luggage #3 waits for your verdict. Luggage #2 is dangerous.");
+    assert_eq!(view.title(), "‖ luggage #3 waits for your verdict · hallsweep");
+    assert_eq!(view.gone(&snapshot.luggage[2].taken), "1:14");
+}
+
+#[test]
+fn a_refusal_is_shown_at_its_own_button_only_and_escaped() {
+    let snapshot = idle();
+    let view = View { why: Some(Why::new("start", "a < b")), ..view(&snapshot) };
+    assert!(view.why("start").to_string().contains("a &#60; b"));
+    assert_eq!(view.why("reset").text, "");
+}
+
+#[test]
+fn the_reading_that_is_too_hot_is_named_with_what_ends_it() {
+    let mut snapshot = searching();
+    snapshot.temperature.status = TemperatureStatus::TooHigh;
+    snapshot.temperature.celsius = Some(degrees(21.0));
+    snapshot.temperature.hot = vec![("hall".into(), degrees(27.0)), ("operator".into(), degrees(31.5))];
+    snapshot.mission.holds = vec![Hold::Temperature];
+    let view = view(&snapshot);
+    assert_eq!(view.celsius(), "31.5 °C");
+    assert_eq!(view.holds(), ["too hot: hall 27.0 °C, operator 31.5 °C; 24.0 °C or less is wanted"]);
+    assert_eq!(
+        view.heat(),
+        [
+            "Hall reads 27.0 °C. It must fall to 24.0 °C or less.",
+            "An operator reported 31.5 °C. It counts until a reading of 24.0 °C or less is reported."
+        ]
+    );
+}
+
+#[test]
+fn a_robot_that_was_told_to_halt_is_halting_until_it_is_known_to_stand() {
+    let mut snapshot = searching();
+    for (state, halting, words, is_still) in [
+        (RobotState::MovingForward, false, "moves forward", false),
+        (RobotState::MovingForward, true, "halting …", false),
+        (RobotState::Stopped, true, "halting …", false),
+        (RobotState::Stopped, false, "stands still", true),
+    ] {
+        (snapshot.robot.state, snapshot.robot.halting) = (state, halting);
+        assert_eq!((view(&snapshot).doing(), view(&snapshot).is_still()), (words, is_still));
+    }
+    let srm1 = RobotView { state: RobotState::MovingArm, ..snapshot.robot };
+    snapshot.robots = vec![RobotShown { id: Which::Srm1.robot(), view: srm1, parts: None, holds: Vec::new(), arm: None }].into();
+    assert_eq!((view(&snapshot).doing(), view(&snapshot).is_still()), ("the pair moves", false));
+    snapshot.mission.holds.push(Hold::Operator);
+    assert_eq!(view(&snapshot).doing(), "the pair moves", "nobody is told that all stand before they do");
+    snapshot.robots = Vec::new().into();
+    assert_eq!(view(&snapshot).doing(), "held by STOP");
+    snapshot.robot.halting = true;
+    assert_eq!(view(&snapshot).doing(), "halting …", "who pressed STOP is told so when the robot stands");
+}
+
+#[test]
+fn without_a_reading_nothing_is_said_to_be_ok_and_no_button_is_lit() {
+    let mut snapshot = idle();
+    assert_eq!(view(&snapshot).celsius(), "no reading");
+    assert!(!view(&snapshot).temperature_words().contains("ok") && !view(&snapshot).reads_ok());
+    snapshot.temperature.celsius = Some(degrees(21.0));
+    assert!(view(&snapshot).temperature_words() == "ok" && view(&snapshot).reads_ok());
+    snapshot.temperature.status = TemperatureStatus::TooHigh;
+    assert!(!view(&snapshot).reads_ok(), "OK is not lit while it is too hot");
+    snapshot.temperature.status = TemperatureStatus::Stale;
+    assert!(!view(&snapshot).reads_ok(), "nor while the sensor is silent");
+}
+
+#[test]
+fn progress_says_what_was_searched_and_what_is_open_and_counts_until_it_is_over() {
+    let mut snapshot = searching();
+    assert_eq!(
+        (view(&snapshot).searched().as_str(), view(&snapshot).open().as_str()),
+        ("15 cells, 3.8 m²", "4 places still open")
+    );
+    let unmeasured = View { hall: HallInfo { name: "airport", cell_m: None }, ..view(&snapshot) };
+    assert_eq!(unmeasured.searched(), "15 cells");
+    assert_eq!(view(&snapshot).counts_since(), Some(TEN));
+    snapshot.mission.progress = Progress { visited: 19, unknown: 0 };
+    snapshot.mission.phase = PhaseName::Explored;
+    assert!(view(&snapshot).open().starts_with("nothing is open"));
+    assert_eq!(view(&snapshot).counts_since(), None);
+}
+
+#[test]
+fn start_is_loud_only_while_it_is_the_next_thing_to_press() {
+    let mut snapshot = idle();
+    assert!(view(&snapshot).start_is_next());
+    snapshot.mission.phase = PhaseName::Exploring;
+    assert!(!view(&snapshot).start_is_next(), "it is on its way");
+    snapshot.mission.holds = vec![Hold::Operator];
+    assert!(view(&snapshot).start_is_next());
+    snapshot.mission.refusals.start = Some("no".to_owned());
+    assert!(!view(&snapshot).start_is_next());
+}
+
+#[test]
+fn a_located_bomb_says_what_to_do_next() {
+    let mut snapshot = searching();
+    snapshot.mission.phase = PhaseName::BombLocated;
+    let next = view(&snapshot).next_step().unwrap();
+    assert!(next.contains("Luggage #2 at column 1, row 2") && next.contains("acknowledge the alarm, then press RESET"), "{next}");
+    snapshot.alarms = std::sync::Arc::from([]);
+    touch(&mut snapshot, 21, &[Resource::Alarms]);
+    assert!(!view(&snapshot).next_step().unwrap().contains("acknowledge"));
+}
