@@ -40,8 +40,8 @@ impl Judge {
         let (headers, is_in_doubt) = headers(head);
         let caller = self.door.caller_by_any(self.peer, &headers);
         let claim = Claim::new(self.peer.address, caller.as_ref());
-        let stop = names::stop(&head.method, &head.target);
-        let route = stop.or_else(|| names::says_by_body(&head.method, &head.target));
+        let stop = names::stop(&head.method, &head.path);
+        let route = stop.or_else(|| names::says_by_body(&head.method, &head.path));
         let route = route.filter(|_| !is_in_doubt && self.is_ours(head, &headers));
         let (Some(route), Some(caller)) = (route, caller.filter(|caller| allowed(caller, Need::Stop).is_ok())) else {
             return (claim, None);
@@ -58,7 +58,7 @@ impl Judge {
 
     /// Whether it was sent to this program by its name, and not by a page of another origin.
     fn is_ours(&self, head: &Head, headers: &HeaderMap) -> bool {
-        let named = names::parts(&head.target).0.map(String::from_utf8_lossy);
+        let named = head.host.as_deref().map(String::from_utf8_lossy);
         self.hosts.stranger(named.as_deref(), headers).is_none() && !is_foreign(headers)
     }
 }

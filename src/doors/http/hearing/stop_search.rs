@@ -65,7 +65,7 @@ impl StopSearch {
                 let asked = HeardRequest {
                     claim,
                     has_body: head.body != BodyLength::Known(0),
-                    may_hand_over: head.wants_upgrade && names::is_upgrade(&head.target),
+                    may_hand_over: head.wants_upgrade && names::is_upgrade(&head.path),
                     came,
                 };
                 (taken, Some(Heard::Head(asked)), given)

@@ -2,14 +2,15 @@
 //! White space, line ends and names are taken as leniently as can be without taking one header for another.
 //!
 //! ```text
-//!   POST /api/v1/commands/stop?now HTTP/1.1        method, target up to its query
+//!   POST /api/v1/commands/stop?now HTTP/1.1        method, path
+//!   POST http://localhost/h HTTP/1.1               and the host, when the target is a whole address (RFC 9112, section 3.2.2)
 //!   Host: localhost                                kept fields, up to FIELDS different values of each
 //!    folded                                        goes on with the line before
 //!   Cookie: a=b; hallsweep-8080=…                  pair by pair, of which only ours are kept
 //!   X-Anything: …                                  passes by
 //! ```
 
-/// What is kept of a method or of a value, and of a target: the longest token, name or session is shorter.
+/// What is kept of a method, of a path, of a host or of a value: the longest token, name or session is shorter.
 const TEXT: usize = 1024;
 
 /// The longest name of a header that is looked at.
@@ -45,8 +46,10 @@ pub enum BodyLength {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Head {
     pub method: Vec<u8>,
-    /// With what, up to its query.
-    pub target: Vec<u8>,
+    /// The target up to its query, without scheme and host.
+    pub path: Vec<u8>,
+    /// The host of a target that is a whole address.
+    pub host: Option<Vec<u8>>,
     /// Who asks, in the order in which it came.
     pub fields: Vec<(Field, Vec<u8>)>,
     /// Whether something of the host or the origin was not kept, so that nobody can say that they are ours.
@@ -91,7 +94,9 @@ enum Named {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Part {
     Method,
-    Target,
+    Path,
+    /// The host of a whole address, in which a `;` ends nothing.
+    Host,
     /// The query and the version.
     Rest,
     Fields,
@@ -123,7 +128,8 @@ impl HeadReader {
         let fields = self.head.fields.iter().map(|(_, value)| value.capacity()).sum::<usize>();
         fields
             + self.head.method.capacity()
-            + self.head.target.capacity()
+            + self.head.path.capacity()
+            + self.head.host.as_ref().map_or(0, Vec::capacity)
             + self.line.name.capacity()
             + self.line.value.capacity()
     }
@@ -164,17 +170,31 @@ impl HeadReader {
         match self.part {
             Part::Method if is_space => {
                 if !self.head.method.is_empty() {
-                    self.part = Part::Target;
+                    self.part = Part::Path;
                 }
             }
             Part::Method => drop(keep(&mut self.head.method, byte)),
-            Part::Target if is_space => {
-                if !self.head.target.is_empty() {
+            Part::Path if is_space => {
+                if !self.head.path.is_empty() {
                     self.part = Part::Rest;
                 }
             }
-            Part::Target if matches!(byte, b'?' | b'#' | b';') => self.part = Part::Rest,
-            Part::Target => drop(keep(&mut self.head.target, byte)),
+            Part::Path if matches!(byte, b'?' | b'#' | b';') => self.part = Part::Rest,
+            Part::Path if byte == b'/' && self.is_behind_scheme() => {
+                self.part = Part::Host;
+                self.head.path.clear();
+                self.head.host = Some(Vec::new());
+            }
+            Part::Path => drop(keep(&mut self.head.path, byte)),
+            Part::Host if is_space || matches!(byte, b'?' | b'#') => self.part = Part::Rest,
+            Part::Host if byte == b'/' => {
+                self.part = Part::Path;
+                self.head.path.push(byte);
+            }
+            Part::Host => {
+                let is_kept = self.head.host.as_mut().and_then(|host| keep(host, byte)).is_some();
+                self.head.is_in_doubt |= !is_kept;
+            }
             Part::Rest => {}
             Part::Fields => {
                 if begins_line && !is_space {
@@ -183,6 +203,12 @@ impl HeadReader {
                 self.put_in_field(byte);
             }
         }
+    }
+
+    /// Whether what has come of the target is a scheme, a colon and the first of two slashes.
+    fn is_behind_scheme(&self) -> bool {
+        let path = &self.head.path;
+        self.head.host.is_none() && path.ends_with(b":/") && !path[..path.len() - 1].contains(&b'/')
     }
 
     fn put_in_field(&mut self, byte: u8) {

@@ -116,7 +116,7 @@ impl Scanner {
 
     fn begin_body(&mut self, head: Head) -> Heard {
         self.heads += 1;
-        self.said = BodyStart { is_kept: names::says_by_body(&head.method, &head.target).is_some(), bytes: Vec::new() };
+        self.said = BodyStart { is_kept: names::says_by_body(&head.method, &head.path).is_some(), bytes: Vec::new() };
         self.at = match head.body {
             BodyLength::Known(0) => At::Head,
             BodyLength::Known(length) => At::Body(length),

@@ -38,10 +38,10 @@ fn fields(head: &Head, field: Field) -> Vec<String> {
 /// What every request is followed by, to see that the next one is found.
 const NEXT: &str = "POST /next HTTP/1.1\r\nHost: localhost\r\n\r\n";
 
-/// The targets of the requests in these bytes, the last being `NEXT`.
-fn targets(request: &str) -> Vec<String> {
+/// The paths of the requests in these bytes, the last being `NEXT`.
+fn paths(request: &str) -> Vec<String> {
     let all = heads(format!("{request}{NEXT}").as_bytes());
-    all.iter().map(|head| String::from_utf8_lossy(&head.target).into_owned()).collect()
+    all.iter().map(|head| String::from_utf8_lossy(&head.path).into_owned()).collect()
 }
 
 #[test]
@@ -51,7 +51,7 @@ fn a_request_says_what_it_names_and_who_asks() {
          Authorization: Bearer abc\r\nCookie: a=b; hallsweep-8080=s1; hallsweep-80801=no\r\nCookie: hallsweep-8080=s2\r\n\
          Idempotency-Key: \"k\"\r\nUser-Agent: x\r\n\r\n",
     );
-    assert_eq!((&*head.method, &*head.target), (&b"POST"[..], &b"/h"[..]));
+    assert_eq!((&*head.method, &*head.path), (&b"POST"[..], &b"/h"[..]));
     for (field, values) in [
         (Field::Host, &["localhost:8080"][..]),
         (Field::Origin, &["http://localhost:8080"]),
@@ -80,9 +80,35 @@ fn lines_may_end_and_go_on_as_they_like() {
         "POST /h HTTP/9.9 and more\r\nno header\r\n: none\r\nHost: localhost\r\n\r\n",
     ] {
         let head = head(text);
-        assert_eq!((&*head.method, &*head.target), (&b"POST"[..], &b"/h"[..]), "{text:?}");
+        assert_eq!((&*head.method, &*head.path), (&b"POST"[..], &b"/h"[..]), "{text:?}");
         assert_eq!(fields(&head, Field::Host), ["localhost"], "{text:?}");
     }
+}
+
+/// Safety S8, A2: a whole address names what its path names, whatever stands in its host.
+#[test]
+fn a_target_that_is_a_whole_address_is_taken_apart() {
+    for (target, host, path) in [
+        ("http://localhost:8080/h", Some("localhost:8080"), "/h"),
+        ("HTTPS://a.example//h/?x", Some("a.example"), "//h/"),
+        ("any://a;b~;c/h;x", Some("a;b~;c"), "/h"),
+        ("http:///h", Some(""), "/h"),
+        ("http://h", Some("h"), ""),
+        ("http://a?/h", Some("a"), ""),
+        ("http://a#/h", Some("a"), ""),
+        ("http://a/http://b/h", Some("a"), "/http://b/h"),
+        ("/x://h", None, "/x://h"),
+        ("//a/h", None, "//a/h"),
+        ("http:/h", None, "http:/h"),
+    ] {
+        let head = head(&format!("POST {target} HTTP/1.1\r\n\r\n"));
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        assert_eq!((head.host.as_deref().map(text).as_deref(), &*text(&head.path)), (host, path), "{target}");
+        assert!(!head.is_in_doubt, "{target}");
+    }
+    let long = head(&format!("POST http://{}/h HTTP/1.1\r\nHost: localhost\r\n\r\n", "x".repeat(5000)));
+    assert_eq!(long.path, b"/h", "however long the host is");
+    assert!(long.is_in_doubt, "and whose it is nobody can say");
 }
 
 /// Safety S8, A5.
@@ -139,7 +165,7 @@ fn bodies_are_passed_over_by_their_length_or_their_chunks() {
         ("POST /a HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\nfffffffffffffffff\r\n", false),
     ] {
         let expect: &[&str] = if next { &["/a", "/next"] } else { &["/a"] };
-        assert_eq!(targets(request), expect, "{request:?}");
+        assert_eq!(paths(request), expect, "{request:?}");
     }
 }
 
