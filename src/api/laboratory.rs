@@ -5,4 +5,5 @@ pub mod mishap;
 pub mod pallet;
 mod pallet_drawing;
 mod pallet_json;
+pub mod pallet_report;
 pub mod roomba;

@@ -59,11 +59,11 @@ pub struct ArmJson {
     pub holds: bool,
     pub lifted: bool,
     /// Newtons.
-    pub force: f64,
+    pub force_n: f64,
     /// How far the paddle is from upright, in degrees.
-    pub angle: f64,
+    pub angle_deg: f64,
     /// How much further than wanted the bases are apart, in millimetres.
-    pub gap: f64,
+    pub gap_mm: f64,
 }
 
 impl RetrievalJson {
@@ -110,9 +110,9 @@ impl From<ArmState> for ArmJson {
             gripper: arm.gripper.name(),
             holds: arm.holds.is_some(),
             lifted: arm.lifted,
-            force: hundredths(f64::from(arm.force_mn) / 1e3),
-            angle: hundredths((f64::from(arm.angle_urad) / 1e6).to_degrees()),
-            gap: hundredths(f64::from(arm.gap_um) / 1e3),
+            force_n: hundredths(f64::from(arm.force_mn) / 1e3),
+            angle_deg: hundredths((f64::from(arm.angle_urad) / 1e6).to_degrees()),
+            gap_mm: hundredths(f64::from(arm.gap_um) / 1e3),
         }
     }
 }

@@ -7,10 +7,9 @@ use clap::Args;
 
 use super::Failure;
 use crate::api::laboratory::mishap::{AskedFault, BeyondError, asked, parcel_number};
-use crate::api::laboratory::pallet::drawing;
+use crate::api::laboratory::pallet::{drawing, rows, words};
+use crate::api::laboratory::pallet_report::ReportJson;
 use hallsweep_sim::pallet::{Asked, Figures, PalletRun};
-
-mod report;
 
 /// The flags of `pallet`.
 #[derive(Args, Clone, Debug)]
@@ -43,12 +42,22 @@ pub fn run(flags: &Pallet) -> Result<(), Failure> {
         Some(file) => {
             std::fs::write(file, drawing(&run))
                 .map_err(|error| Failure::Run(format!("the picture {} cannot be written: {error}", file.display())))?;
-            super::print(&report::for_people(&run, &figures))?;
+            super::print(&for_people(&run, &figures))?;
         }
-        None if flags.json => super::print(&report::json(&run, &figures))?,
-        None => super::print(&report::for_people(&run, &figures))?,
+        None if flags.json => super::print(&flags.report(&run, &figures))?,
+        None => super::print(&for_people(&run, &figures))?,
     }
     outcome(&figures)
+}
+
+/// A line for each thing that passed, and one for each figure.
+fn for_people(run: &PalletRun, figures: &Figures) -> String {
+    let passed = run.entries().iter().map(|entry| {
+        let at = entry.at.as_secs_f64();
+        format!("{at:>8.1} s  parcel {:>2}  {}", entry.parcel, words(entry))
+    });
+    let rows = rows(figures).map(|(name, value)| format!("{name:<20}{value}"));
+    passed.chain([String::new()]).chain(rows).collect::<Vec<_>>().join("\n")
 }
 
 /// A run that did not bring all parcels to the target area has failed, by the name of what was wrong.
@@ -64,6 +73,11 @@ impl Pallet {
         asked(self.parcels, &self.faults).map_err(|BeyondError { parcel }| {
             Failure::Usage(format!("--fault names parcel {parcel}, and --parcels puts {} on the pallet", self.parcels))
         })
+    }
+
+    /// One JSON object on one line.
+    fn report(&self, run: &PalletRun, figures: &Figures) -> String {
+        serde_json::to_string(&ReportJson::new(run, figures, &self.faults)).expect("a report is finite numbers and words")
     }
 }
 
@@ -105,13 +119,14 @@ mod tests {
 
     #[test]
     fn the_report_tells_the_phases_as_they_pass_and_the_same_as_json() {
-        let (run, figures) = ran(&flags(2, &["unrecognised@2"]));
-        let text = report::for_people(&run, &figures);
+        let flags = flags(2, &["unrecognised@2"]);
+        let (run, figures) = ran(&flags);
+        let text = for_people(&run, &figures);
         let phases: Vec<usize> = (1..=8).filter(|phase| text.contains(&format!("phase {phase}: "))).collect();
         assert_eq!(phases, [1, 2, 3, 4, 5, 6, 7, 8], "{text}");
         assert!(text.contains("the pair recognises no parcel") && text.contains("worst force error"), "{text}");
-        let json: serde_json::Value = serde_json::from_str(&report::json(&run, &figures)).expect("it is JSON");
-        assert_eq!((&json["delivered"], &json["fault"]), (&serde_json::json!(2), &serde_json::Value::Null));
+        let json: serde_json::Value = serde_json::from_str(&flags.report(&run, &figures)).expect("it is JSON");
+        assert_eq!((&json["figures"]["delivered"], &json["fault"]), (&serde_json::json!(2), &serde_json::Value::Null));
         let first: Vec<u64> =
             json["events"].as_array().into_iter().flatten().filter_map(|event| event["phase"].as_u64()).collect();
         assert_eq!(first, [1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7]);

@@ -48,7 +48,7 @@ enum What {
 #[command(
     after_help = "It ends when the tree is done, or after --ticks. Exit codes: 0 SUCCESS, 1 FAILURE, 2 still RUNNING, 3 the file\n\
     or a mock is refused or a node cannot be performed, 4 SKIPPED.\n\
-    With --json each tick is one line: {\"tick\":1,\"time_ms\":0,\"status\":\"RUNNING\",\"nodes\":[…],\"blackboard\":{…}}. Of each node,\n\
+    With --json each tick is one line: {\"tick\":1,\"timeMs\":0,\"status\":\"RUNNING\",\"nodes\":[…],\"blackboard\":{…}}. Of each node,\n\
     in preorder: \"uid\", \"path\" (as BehaviorTree.CPP's fullPath; no two are the same), \"name\", \"kind\", \"status\" (what it said in this tick\n\
     if it was ticked in it, else how it stands), \"after\" (how it stands once the tick is over: IDLE where its parent has reset it),\n\
     \"ticked\", and \"halted\" where a leaf was halted in this tick."

@@ -19,7 +19,6 @@ const FRAME_EVERY: Duration = Duration::from_millis(200);
 #[derive(Debug)]
 pub struct Pallet {
     pub(super) run: PalletRun,
-    pub(super) seed: u64,
     pub(super) faults: Vec<AskedFault>,
     pub(super) figures: Figures,
     /// How everything stood, without the frames between two that are the same.
@@ -48,7 +47,7 @@ impl Pallet {
             }
         }
         let figures = run.figures();
-        Ok(Pallet { run, seed, faults, figures, frames, lying })
+        Ok(Pallet { run, faults, figures, frames, lying })
     }
 
     /// Everything in one JSON object.

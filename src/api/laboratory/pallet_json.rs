@@ -3,32 +3,25 @@
 
 use serde::Serialize;
 
-use super::pallet::{Pallet, kind, words};
+use super::pallet::Pallet;
+use super::pallet_report::ReportJson;
 use crate::api::replay::ReplayJson;
 use hallsweep_core::retrieval::Place;
 use hallsweep_core::units::Cell;
 use hallsweep_sim::Truth;
-use hallsweep_sim::pair::{ANGLE_LIMIT, FORCE_LIMIT_N, FORCE_N, GAP_LIMIT_M, Spread};
-use hallsweep_sim::pallet::{Entry, Figures, Frame, News, PalletFault, Yard};
+use hallsweep_sim::pair::{ANGLE_LIMIT, FORCE_LIMIT_N, FORCE_N, GAP_LIMIT_M};
+use hallsweep_sim::pallet::{Frame, Yard};
 
 /// The whole run.
 #[derive(Serialize)]
 pub(super) struct PalletJson {
-    seed: u64,
-    parcels: u32,
-    /// What was asked to go wrong, as it is written in the address.
-    faults: Vec<String>,
-    /// How long it took, in simulated time.
-    seconds: f64,
+    #[serde(flatten)]
+    report: ReportJson,
     yard: YardJson,
     limits: LimitsJson,
     frames: Vec<FrameJson>,
     /// `[t, [[x, y], …]]`: from then on these cells hold parcels that are on the floor and not in the target area.
     lying: Vec<(f64, Vec<Xy>)>,
-    events: Vec<EventJson>,
-    figures: FiguresJson,
-    /// Why not all parcels arrived.
-    fault: Option<FaultJson>,
     /// `trees`: those of SRM1, SRM2 and the Supervisor, tick by tick.
     #[serde(flatten)]
     replay: ReplayJson,
@@ -72,46 +65,8 @@ struct FrameJson(f64, BodyJson, BodyJson, Option<[f64; 3]>, Option<[f64; 3]>, us
 #[derive(Serialize)]
 struct BodyJson(f64, f64, f64, bool);
 
-#[derive(Serialize)]
-struct EventJson {
-    t: f64,
-    /// The parcel that is under way, counted from 1.
-    parcel: u32,
-    /// `phase`, `alarm`, `acknowledged`, `start` or `lost`.
-    kind: &'static str,
-    /// The number of the phase that begins, from 1 to 8.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    phase: Option<usize>,
-    words: String,
-}
-
-#[derive(Serialize)]
-#[serde(rename_all = "camelCase")]
-struct FiguresJson {
-    /// Parcels in the target area.
-    delivered: usize,
-    ticks: u64,
-    losses: u32,
-    force_n: SpreadJson,
-    angle_rad: SpreadJson,
-    gap_m: SpreadJson,
-}
-
-/// Errors while parcels were off the floor.
-#[derive(Serialize)]
-struct SpreadJson {
-    worst: f64,
-    rms: f64,
-}
-
-#[derive(Serialize)]
-struct FaultJson {
-    name: &'static str,
-    words: &'static str,
-}
-
 /// A tenth of a millimetre, or of a milliradian, is finer than any picture.
-fn short(number: f64) -> f64 {
+pub(super) fn short(number: f64) -> f64 {
     (number * 1e4).round() / 1e4
 }
 
@@ -123,10 +78,7 @@ impl From<&Pallet> for PalletJson {
     fn from(pallet: &Pallet) -> PalletJson {
         let around = |wanted: f64, limit: f64| [wanted - limit, wanted + limit];
         PalletJson {
-            seed: pallet.seed,
-            parcels: pallet.figures.parcels,
-            faults: pallet.faults.iter().map(ToString::to_string).collect(),
-            seconds: short(pallet.figures.took.as_secs_f64()),
+            report: ReportJson::new(&pallet.run, &pallet.figures, &pallet.faults),
             yard: YardJson::from(pallet.run.yard()),
             limits: LimitsJson {
                 force_n: around(FORCE_N, FORCE_LIMIT_N),
@@ -139,9 +91,6 @@ impl From<&Pallet> for PalletJson {
                 .iter()
                 .map(|(at, cells)| (short(at.as_secs_f64()), cells.iter().copied().map(xy).collect()))
                 .collect(),
-            events: pallet.run.entries().iter().map(EventJson::from).collect(),
-            figures: FiguresJson::from(&pallet.figures),
-            fault: pallet.figures.fault.map(FaultJson::from),
             replay: ReplayJson::new(pallet.run.team().trees().iter().zip(pallet.run.logs())),
         }
     }
@@ -171,37 +120,5 @@ impl From<&Frame> for FrameJson {
         };
         let load = frame.load.map(|(x, y, height)| [x, y, height].map(short));
         FrameJson(short(frame.at.as_secs_f64()), body(0), body(1), load, frame.held.map(|held| held.map(short)), frame.delivered)
-    }
-}
-
-impl From<&Entry> for EventJson {
-    fn from(entry: &Entry) -> EventJson {
-        let phase = if let News::Began(phase) = entry.news { Some(phase.number()) } else { None };
-        EventJson { t: short(entry.at.as_secs_f64()), parcel: entry.parcel, kind: kind(entry.news), phase, words: words(entry) }
-    }
-}
-
-impl From<&Figures> for FiguresJson {
-    fn from(figures: &Figures) -> FiguresJson {
-        FiguresJson {
-            delivered: figures.delivered,
-            ticks: figures.ticks,
-            losses: figures.losses,
-            force_n: SpreadJson::from(&figures.holding.force_n),
-            angle_rad: SpreadJson::from(&figures.holding.angle_rad),
-            gap_m: SpreadJson::from(&figures.holding.gap_m),
-        }
-    }
-}
-
-impl From<&Spread> for SpreadJson {
-    fn from(spread: &Spread) -> SpreadJson {
-        SpreadJson { worst: short(spread.worst()), rms: short(spread.rms()) }
-    }
-}
-
-impl From<PalletFault> for FaultJson {
-    fn from(fault: PalletFault) -> FaultJson {
-        FaultJson { name: fault.name(), words: fault.in_words() }
     }
 }

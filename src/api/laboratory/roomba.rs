@@ -67,13 +67,14 @@ struct RunJson {
 struct FrameJson(f64, f64, f64, f64, usize, u32);
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
 struct TransitionJson {
     /// Seconds since the start.
     t: f64,
     from: &'static str,
     to: &'static str,
     /// Radians in -π..π, with its sign; of a turn alone.
-    angle: Option<f64>,
+    angle_rad: Option<f64>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -212,7 +213,7 @@ impl From<&Frame> for FrameJson {
 
 impl From<&Transition> for TransitionJson {
     fn from(change: &Transition) -> TransitionJson {
-        TransitionJson { t: change.seconds(), from: change.from.name(), to: change.to.name(), angle: change.angle }
+        TransitionJson { t: change.seconds(), from: change.from.name(), to: change.to.name(), angle_rad: change.angle }
     }
 }
 
@@ -255,7 +256,7 @@ mod tests {
         assert_eq!(frames[46][4], 1, "after 3 s it spirals: {frames}");
         assert_eq!(
             told["runs"][0]["transitions"],
-            json!([{"t": 3.0, "from": "MoveForward", "to": "MoveInSpiral", "angle": null}])
+            json!([{"t": 3.0, "from": "MoveForward", "to": "MoveInSpiral", "angleRad": null}])
         );
     }
 

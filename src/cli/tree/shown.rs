@@ -8,6 +8,7 @@ use hallsweep_core::behaviour::{Blackboard, Fault, NodeId, Status, Tree, Value};
 use serde::Serialize;
 
 #[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
 struct Tick<'a> {
     tick: u64,
     time_ms: u128,

@@ -1,0 +1,109 @@
+//! What a run of the pallet scenario came to, in JSON: the same for the command line and for the page, which plays it beside.
+
+use serde::Serialize;
+
+use super::mishap::AskedFault;
+use super::pallet::{kind, words};
+use super::pallet_json::short;
+use hallsweep_sim::pair::Spread;
+use hallsweep_sim::pallet::{Entry, Figures, News, PalletFault, PalletRun};
+
+/// What was asked for, what passed, and the figures.
+#[derive(Serialize)]
+pub struct ReportJson {
+    seed: u64,
+    parcels: u32,
+    /// What was asked to go wrong, as it is written in the address.
+    faults: Vec<String>,
+    /// How long it took, in simulated time.
+    seconds: f64,
+    events: Vec<EventJson>,
+    figures: FiguresJson,
+    /// Why not all parcels arrived.
+    fault: Option<FaultJson>,
+}
+
+#[derive(Serialize)]
+struct EventJson {
+    /// Simulated seconds since the run began.
+    t: f64,
+    /// The parcel that is under way, counted from 1.
+    parcel: u32,
+    /// `phase`, `alarm`, `acknowledged`, `start` or `lost`.
+    kind: &'static str,
+    /// The number of the phase that begins, from 1 to 8.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    phase: Option<usize>,
+    words: String,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct FiguresJson {
+    /// Parcels in the target area.
+    delivered: usize,
+    ticks: u64,
+    losses: u32,
+    force_n: SpreadJson,
+    angle_rad: SpreadJson,
+    gap_m: SpreadJson,
+}
+
+/// Errors while parcels were off the floor.
+#[derive(Serialize)]
+struct SpreadJson {
+    worst: f64,
+    rms: f64,
+}
+
+#[derive(Serialize)]
+struct FaultJson {
+    name: &'static str,
+    words: &'static str,
+}
+
+impl ReportJson {
+    pub fn new(run: &PalletRun, figures: &Figures, faults: &[AskedFault]) -> ReportJson {
+        ReportJson {
+            seed: figures.seed,
+            parcels: figures.parcels,
+            faults: faults.iter().map(ToString::to_string).collect(),
+            seconds: short(figures.took.as_secs_f64()),
+            events: run.entries().iter().map(EventJson::from).collect(),
+            figures: FiguresJson::from(figures),
+            fault: figures.fault.map(FaultJson::from),
+        }
+    }
+}
+
+impl From<&Entry> for EventJson {
+    fn from(entry: &Entry) -> EventJson {
+        let phase = if let News::Began(phase) = entry.news { Some(phase.number()) } else { None };
+        EventJson { t: short(entry.at.as_secs_f64()), parcel: entry.parcel, kind: kind(entry.news), phase, words: words(entry) }
+    }
+}
+
+impl From<&Figures> for FiguresJson {
+    fn from(figures: &Figures) -> FiguresJson {
+        FiguresJson {
+            delivered: figures.delivered,
+            ticks: figures.ticks,
+            losses: figures.losses,
+            force_n: SpreadJson::from(&figures.holding.force_n),
+            angle_rad: SpreadJson::from(&figures.holding.angle_rad),
+            gap_m: SpreadJson::from(&figures.holding.gap_m),
+        }
+    }
+}
+
+impl From<&Spread> for SpreadJson {
+    fn from(spread: &Spread) -> SpreadJson {
+        SpreadJson { worst: short(spread.worst()), rms: short(spread.rms()) }
+    }
+}
+
+impl From<PalletFault> for FaultJson {
+    fn from(fault: PalletFault) -> FaultJson {
+        FaultJson { name: fault.name(), words: fault.in_words() }
+    }
+}
