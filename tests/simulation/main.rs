@@ -18,6 +18,7 @@ mod random_robots;
 mod replay;
 mod retrieval;
 mod retrieval_alone;
+mod retrieval_faults;
 mod rules_alarms;
 mod rules_commands;
 mod rules_crossings;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use hallsweep_core::command::{Command, Door, Issuer, Refused, Request};
-use hallsweep_core::effect::{Effect, Entry, Order, Page};
+use hallsweep_core::effect::{Action, Effect, Entry, Order, Page};
 use hallsweep_core::engine::{Engine, Recalled};
 use hallsweep_core::event::{Event, Piece, RobotEvent, RobotId, Whereabouts};
 use hallsweep_core::retrieval::{BasePose, Place, Which};
@@ -26,6 +26,18 @@ pub(crate) struct Delays {
     pub(crate) disk_ms: u64,
 }
 
+/// How a robot that does not do what it is told answers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Spoiled {
+    /// It cannot.
+    Fails,
+    /// It has done it, it says.
+    Pretends,
+}
+
+/// What the robot of this place does not do.
+pub(crate) type Spoils = fn(usize, Action) -> Option<Spoiled>;
+
 /// Where everything that can move is: the bodies, and the parcel in the grippers.
 pub(crate) type Bodies = ([BodyPose; 3], Option<(f64, f64, f64)>);
 
@@ -44,6 +56,9 @@ pub(crate) struct Trio {
     hall: Arc<Hall>,
     /// What was lifted, as discovery finds it.
     moved: BTreeMap<Piece, Option<Cell>>,
+    /// The program's rules, as its next start reads them.
+    pub(crate) rules: Settings,
+    pub(crate) spoils: Spoils,
     settings: (SimSettings, PairSettings, Delays),
     dice: RandomStream,
     now: Now,
@@ -113,7 +128,11 @@ fn introduction_of(pair: &Pair, which: Which) -> Vec<RobotEvent> {
 
 impl Trio {
     pub(crate) fn born(hall: Arc<Hall>, sim: SimSettings, pair: PairSettings, delays: Delays) -> Trio {
-        let engine = Engine::new(Settings::default(), Default::default(), "trio".into());
+        Trio::ruled(Settings::default(), hall, sim, pair, delays)
+    }
+
+    pub(crate) fn ruled(rules: Settings, hall: Arc<Hall>, sim: SimSettings, pair: PairSettings, delays: Delays) -> Trio {
+        let engine = Engine::new(rules.clone(), Default::default(), "trio".into());
         let outside = BasePose { place: Place::ENTRANCE, heading: Pose::START.heading };
         let mut trio = Trio {
             engine,
@@ -126,6 +145,8 @@ impl Trio {
             pair_memory: None,
             hall,
             moved: BTreeMap::new(),
+            rules,
+            spoils: |_, _| None,
             dice: RandomStream::new(sim.seed, "links"),
             settings: (sim, pair, delays),
             now: Now::default(),
@@ -150,7 +171,7 @@ impl Trio {
         let memory = self.memory.expect("a robot is written down as soon as it is put down");
         let pair_memory = self.pair_memory.take().expect("a pair is written down as soon as it is put down");
         let mut trio = Trio {
-            engine: Engine::recall(Settings::default(), "again".into(), self.recalled(), now),
+            engine: Engine::recall(self.rules.clone(), "again".into(), self.recalled(), now),
             sim: Sim::remembering(Arc::clone(&self.hall), sim, memory),
             pair: Pair::remembering(Arc::clone(&self.hall), pair, pair_memory, now),
             pages: Line::default(),
@@ -182,7 +203,7 @@ impl Trio {
             None => {
                 let SimMemory { pose, outside, .. } = self.sim.memory();
                 let stands = standing(outside, pose, self.sim.is_off_centre());
-                vec![stands, RobotEvent::LinkUp(self.sim.capabilities())]
+                vec![stands, RobotEvent::Arm(self.sim.hook()), RobotEvent::LinkUp(self.sim.capabilities())]
             }
         };
         self.links[index].is_down = false;
@@ -377,6 +398,11 @@ impl Trio {
             return self.report(index, RobotEvent::Halted(order.id, off_centre));
         }
         self.links[index].obeyed = halts;
+        match (self.spoils)(index, order.action) {
+            Some(Spoiled::Fails) => return self.report(index, RobotEvent::Failed(order.id, "it cannot".to_owned())),
+            Some(Spoiled::Pretends) => return self.report(index, RobotEvent::Done(order.id)),
+            None => {}
+        }
         match member(index) {
             Some(which) => self.pair.handle_order(which, order, self.now),
             None => self.sim.handle_order(order, self.now),

@@ -89,9 +89,10 @@ impl Engine {
         }
     }
 
-    /// One that came to nothing begins anew, with what is known by now.
+    /// One that came to nothing begins anew, with what is known by now; with something in the grip they first go out.
     pub(super) fn retry_retrieval(&mut self) {
-        let gave_up = self.state.retrieval.as_ref().filter(|retrieval| retrieval.stage.reason().is_some());
+        let has_empty_hands = Which::ALL.iter().all(|which| self.base_view(*which).arm.holds.is_none());
+        let gave_up = self.state.retrieval.as_ref().filter(|retrieval| retrieval.stage.reason().is_some() && has_empty_hands);
         if let Some(retrieval) = gave_up.cloned() {
             self.team = None;
             self.note_retrieval(Some(Retrieval { stage: RetrievalStage::MakingRoom, team: None, ..retrieval }));

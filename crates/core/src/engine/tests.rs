@@ -2,6 +2,7 @@
 //! shown meanwhile in `shown`.
 
 mod by_hand;
+mod fetching;
 mod floods;
 mod shown;
 

@@ -218,14 +218,6 @@ impl Team {
         }
     }
 
-    /// Goes on after a fault whose cause is gone: the tree that has failed begins anew.
-    pub fn go_on(&mut self) {
-        if matches!(self.stage, Stage::Faulted(_)) {
-            self.routes.forget();
-            (self.stage, self.losses) = (Stage::Working, 0);
-        }
-    }
-
     /// How far the work has come.
     #[must_use]
     pub const fn stage(&self) -> &Stage {
@@ -342,6 +334,19 @@ mod tests {
     }
 
     #[test]
+    fn two_robots_that_never_agree_whether_they_hold_something_are_a_fault() {
+        let mut team = Team::new();
+        let parcel = Parcel { piece: Piece(7), place: Place::Cell(Cell::new(2, 0)) };
+        let mut tick = |holds| {
+            ticked_holding(&mut team, [Place::ENTRANCE; 2], Some(Cell::new(2, 0)), 0, holds);
+            team.stage().clone()
+        };
+        let ticks = REPORTING.as_millis() / TICK.as_millis();
+        assert!((0..ticks).all(|_| tick([Some(parcel), None]) == Stage::Working), "they have so long");
+        assert_eq!(tick([Some(parcel), None]), Stage::Faulted(RetrievalFault::NotAligned));
+    }
+
+    #[test]
     fn a_parcel_whose_fall_nobody_has_heard_of_is_looked_for_where_it_was_carried() {
         let mut team = Team::new();
         let corner = [Place::Cell(Cell::new(1, 0)), Place::Cell(Cell::new(2, 1))];
@@ -383,8 +388,6 @@ mod tests {
             ticked(&mut team, [Place::ENTRANCE; 2], piece, failures);
             assert_eq!(team.stage(), &Stage::Faulted(fault));
             assert_eq!(ticked(&mut team, [Place::ENTRANCE; 2], Some(Cell::new(3, 3)), 0), Turn::default());
-            team.go_on();
-            assert_eq!(ticked(&mut team, [Place::ENTRANCE; 2], Some(Cell::new(3, 3)), 0).proposals.len(), 1, "its cause is gone");
         }
     }
 
