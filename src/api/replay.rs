@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use hallsweep_core::behaviour::log::Standing;
+use hallsweep_core::behaviour::log::NodeState;
 use hallsweep_core::behaviour::{TickLog, Tree};
 use hallsweep_core::world::retrieval::{NodeShown, TreeView, TreesView};
 
@@ -92,7 +92,8 @@ impl TreeLogJson {
         let mut ticks: Vec<TickJson> = log.records().map(TickJson::from).collect();
         // What a full log has forgotten stands in how things stood at the first tick that is left.
         if let Some((first, stood)) = ticks.first_mut().and_then(|first| Some((log.moment(first.tick)?, first))) {
-            stood.nodes = first.nodes.iter().enumerate().filter(|(_, node)| **node != Standing::default()).map(changed).collect();
+            stood.nodes =
+                first.nodes.iter().enumerate().filter(|(_, node)| **node != NodeState::default()).map(changed).collect();
             stood.entries = first.entries.iter().map(|(name, value)| (name.to_string(), Some(value.to_string()))).collect();
         }
         TreeLogJson { id: tree.id().to_owned(), nodes: tree.nodes().map(label).collect(), ticks }
@@ -130,7 +131,7 @@ impl From<&hallsweep_core::behaviour::log::TickRecord> for TickJson {
 }
 
 /// A node with what it said if it was ticked, else how it stands.
-fn changed((index, standing): (usize, &Standing)) -> (usize, &'static str, bool) {
+fn changed((index, standing): (usize, &NodeState)) -> (usize, &'static str, bool) {
     (index, standing.returned.unwrap_or(standing.after).word(), standing.returned.is_some())
 }
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use tokio::sync::watch;
 
 use super::Adapter;
-use super::sim::{self, Moved, SimPair, SimRobot, UnusableHall};
+use super::sim::{self, SimPair, SimRobot, UnusableHall};
 use crate::config::{RobotKind, RobotSettings, Settings};
 use crate::runtime::clock::Clock;
 use hallsweep_core::event::RobotId;
@@ -19,8 +19,9 @@ pub struct Robots {
     hall: Arc<Hall>,
     /// The one that searches first.
     all: Vec<(RobotId, Robot)>,
-    /// The pair that fetches, where the settings want one.
-    pair: Option<SimPair>,
+    /// The pair that fetches. Where the settings want none it is not started, and what it has taken away stays away.
+    pair: SimPair,
+    wants_pair: bool,
     /// The names of all, those of the pair last.
     ids: Vec<RobotId>,
 }
@@ -35,10 +36,10 @@ impl Robots {
         let fetches = |id: &RobotId| settings.core.fetcher == Fetcher::Discovery && *id == RobotId::discovery();
         let robot = |id: RobotId, robot: &RobotSettings| (id.clone(), Robot::of(id.clone(), robot, &hall, fetches(&id)));
         let all: Vec<(RobotId, Robot)> = settings.robots().map(|(id, settings)| robot(id, settings)).collect();
-        let wanted = settings.core.fetcher == Fetcher::Pair;
-        let pair = wanted.then(|| SimPair::new(Arc::clone(&hall), &settings.robot, settings.pair));
-        let ids = all.iter().map(|(id, _)| id.clone()).chain(SimPair::ids().into_iter().filter(|_| wanted)).collect();
-        Ok(Robots { hall, all, pair, ids })
+        let wants_pair = settings.core.fetcher == Fetcher::Pair;
+        let pair = SimPair::new(Arc::clone(&hall), &settings.robot, settings.pair);
+        let ids = all.iter().map(|(id, _)| id.clone()).chain(SimPair::ids().into_iter().filter(|_| wants_pair)).collect();
+        Ok(Robots { hall, all, pair, wants_pair, ids })
     }
 
     pub fn hall_name(&self) -> &str {
@@ -57,10 +58,8 @@ impl Robots {
 
     /// Looks for what is remembered of them in the data folder. Nothing is written.
     pub fn recall(&mut self, folder: &Path) {
-        if let Some(pair) = &mut self.pair {
-            pair.recall(folder);
-        }
-        let floor = self.pair.as_ref().map_or_else(|| Arc::clone(&self.hall), SimPair::floor);
+        self.pair.recall(folder);
+        let floor = self.pair.floor();
         for (_, Robot::Sim(robot)) in &mut self.all {
             robot.recall(folder, &floor);
         }
@@ -69,7 +68,7 @@ impl Robots {
     /// Of each that may be anywhere, why nobody knows where it is. It will not be started.
     pub fn lost(&self) -> Vec<String> {
         let robots = self.all.iter().filter_map(|(_, Robot::Sim(robot))| robot.lost());
-        robots.chain(self.pair.as_ref().and_then(SimPair::lost)).map(str::to_owned).collect()
+        robots.chain(self.pair.lost().filter(|_| self.wants_pair)).map(str::to_owned).collect()
     }
 
     /// The hall in which the one that searches was left, when that is not the hall of the settings.
@@ -83,9 +82,7 @@ impl Robots {
         for (_, Robot::Sim(robot)) in &mut self.all {
             robot.put_down();
         }
-        if let Some(pair) = &mut self.pair {
-            pair.put_down();
-        }
+        self.pair.put_down();
     }
 
     /// Leaves what is remembered of another hall as it is: those that were put down here are there again at the next start.
@@ -93,17 +90,15 @@ impl Robots {
         for (_, Robot::Sim(robot)) in &mut self.all {
             robot.keep_other_hall();
         }
-        if let Some(pair) = &mut self.pair {
-            pair.keep_other_hall();
-        }
+        self.pair.keep_other_hall();
     }
 
     /// What is run for each of them, in the order of their names in `ids`.
     pub fn adapters(self, clock: Clock) -> Vec<Adapter> {
-        let still = watch::channel(Moved::new()).1;
-        let moved = self.pair.as_ref().map_or(still, SimPair::moved);
+        let moved = if self.wants_pair { self.pair.moved() } else { watch::channel(self.pair.taken_away()).1 };
         let robots = self.all.into_iter().map(|(_, Robot::Sim(robot))| robot.adapter(clock, moved.clone()));
-        robots.collect::<Vec<_>>().into_iter().chain(self.pair.into_iter().flat_map(|pair| pair.adapters(clock))).collect()
+        let pair = self.wants_pair.then(|| self.pair.adapters(clock));
+        robots.collect::<Vec<_>>().into_iter().chain(pair.into_iter().flatten()).collect()
     }
 }
 

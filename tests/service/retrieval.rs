@@ -31,6 +31,10 @@ fn is_held(state: &Value, hold: &str) -> bool {
     holds(state).iter().any(|it| it == hold)
 }
 
+fn alarms(state: &Value) -> &[Value] {
+    state["alarms"].as_array().expect("the state lists the alarms")
+}
+
 /// The robots of the pair, in order.
 fn pair(state: &Value) -> Vec<&Value> {
     let robots = state["robots"].as_array().expect("the state lists the robots");
@@ -126,14 +130,35 @@ fn a_lost_parcel_calls_the_operator_who_acknowledges_and_starts() {
     let program = serve(&folder, "max", &[("HALLSWEEP__PAIR__SLIPS", "1")]);
     let piece = locate(&program);
     program.command("retrieve").accepted();
-    let state = program.until("the call", |state| is_held(state, "alarm"));
+    let open = |alarm: &&Value| alarm["acknowledged"].is_null() && alarm["id"].is_u64();
+    let is_called = |state: &Value| is_held(state, "alarm") && alarms(state).iter().any(|alarm| open(&alarm));
+    let state = program.until("the pair's call, on record", is_called);
     let words = program.command("start").problem(409);
     assert!(words.contains("acknowledge"), "{words}");
-    let alarms = state["alarms"].as_array().expect("a list");
-    let call = alarms.iter().rfind(|alarm| alarm["acknowledged"].is_null()).expect("the pair's call");
+    let call = alarms(&state).iter().rfind(open).expect("the pair's call");
     program.press(&format!("/api/v1/alarms/{}/acknowledge", call["id"])).accepted();
     let held = program.until("it waits for START", |state| !is_held(state, "alarm"));
     assert!(!holds(&held).is_empty(), "acknowledging alone moves nothing: {held:#}");
     program.command("start").accepted();
     secured(&program, piece);
+}
+
+#[test]
+fn a_bag_in_the_container_stays_there_though_the_settings_name_nobody_who_fetches_any_more() {
+    let folder = Folder::new("kept");
+    let program = serve(&folder, "max", &[]);
+    let bomb = locate(&program);
+    program.command("retrieve").accepted();
+    secured(&program, bomb);
+    drop(program);
+
+    let program = serve(&folder, "max", &[("HALLSWEEP__MISSION__RETRIEVAL", "none")]);
+    program.until("it is linked", |state| !is_held(state, "robotLink"));
+    program.command("start").accepted();
+    program.until("a new mission", |state| state["mission"]["id"] == 2);
+    for _ in 0..2 {
+        program.verdict(program.until_asked(), "safe").accepted();
+    }
+    let state = program.until_phase("explored");
+    assert_eq!(state["luggage"].as_array().map(Vec::len), Some(2), "the third is in the container: {state:#}");
 }

@@ -14,7 +14,7 @@ use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::event::{Piece, RobotId};
 use hallsweep_core::mission::{FaultCause, Goal, Hold, Inspection, Phase, Stage};
 use hallsweep_core::refused::CODES;
-use hallsweep_core::retrieval::{Parcel, Place, RetrievalFault, Stage as TeamStage, Team, TeamState};
+use hallsweep_core::retrieval::{Parcel, Place, RetrievalFault, Team, TeamStage, TeamState};
 use hallsweep_core::search::{Search, Strategy as Order};
 use hallsweep_core::settings::Fetcher;
 use hallsweep_core::state::{PersistentState, Retrieval, RetrievalStage};

@@ -7,7 +7,7 @@ use super::Unparsed;
 use super::places::Point;
 use hallsweep_core::behaviour::{Status, Value, ValueType};
 use hallsweep_core::event::Piece;
-use hallsweep_core::retrieval::{Parcel, Place, RetrievalFault, Stage, TeamState};
+use hallsweep_core::retrieval::{Parcel, Place, RetrievalFault, TeamStage, TeamState};
 
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
@@ -55,10 +55,10 @@ impl From<&TeamState> for TeamShape {
             said: team.said.map(|status| status.word().to_owned()),
             blackboard: team.blackboard.iter().map(entry).collect(),
             stage: match &team.stage {
-                Stage::Working => StageShape::Working,
-                Stage::Lost => StageShape::Lost,
-                Stage::Done => StageShape::Done,
-                Stage::Faulted(fault) => StageShape::Faulted(fault.name().to_owned()),
+                TeamStage::Working => StageShape::Working,
+                TeamStage::Lost => StageShape::Lost,
+                TeamStage::Done => StageShape::Done,
+                TeamStage::Faulted(fault) => StageShape::Faulted(fault.name().to_owned()),
             },
             losses: team.losses,
             has_called: team.has_called,
@@ -101,12 +101,12 @@ fn entry([name, kind, text]: [String; 3]) -> Option<(String, Value)> {
 }
 
 impl StageShape {
-    fn stage(self) -> Option<Stage> {
+    fn stage(self) -> Option<TeamStage> {
         Some(match self {
-            StageShape::Working => Stage::Working,
-            StageShape::Lost => Stage::Lost,
-            StageShape::Done => Stage::Done,
-            StageShape::Faulted(name) => Stage::Faulted(RetrievalFault::ALL.into_iter().find(|fault| fault.name() == name)?),
+            StageShape::Working => TeamStage::Working,
+            StageShape::Lost => TeamStage::Lost,
+            StageShape::Done => TeamStage::Done,
+            StageShape::Faulted(name) => TeamStage::Faulted(RetrievalFault::ALL.into_iter().find(|fault| fault.name() == name)?),
         })
     }
 }

@@ -10,6 +10,5 @@ mod settings;
 mod state_file;
 
 pub(super) use pair::SimPair;
-pub(in crate::robots) use pair_link::Moved;
 pub(super) use robot::SimRobot;
 pub use settings::{UnusableHall, hall, sim_settings};

@@ -67,9 +67,13 @@ impl SimPair {
 
     /// The hall as the pair left it: what it has taken away others do not meet.
     pub(in crate::robots) fn floor(&self) -> Arc<Hall> {
-        let Remembered::Here(_, Some(memory)) = &self.remembered else { return Arc::clone(&self.hall) };
-        let pair = Pair::remembering(Arc::clone(&self.hall), self.settings.clone(), (**memory).clone(), Now::default());
-        Arc::new(self.hall.rearranged(&pair.moved()))
+        Arc::new(self.hall.rearranged(&self.taken_away()))
+    }
+
+    /// What it had lifted when it was left.
+    pub(in crate::robots) fn taken_away(&self) -> Moved {
+        let Remembered::Here(_, Some(memory)) = &self.remembered else { return Moved::new() };
+        Pair::remembering(Arc::clone(&self.hall), self.settings.clone(), (**memory).clone(), Now::default()).moved()
     }
 
     /// Why nobody knows where it is, when that is so.

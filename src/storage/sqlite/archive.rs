@@ -11,7 +11,7 @@ use super::fault::{Fault, Then, count};
 use super::folder::Folder;
 use super::memory::{self, MemoryJournal};
 use super::photos::Pictures;
-use super::rows::{self, Which};
+use super::rows::{self, EntryFilter};
 use super::{connect, project, recall};
 use crate::api::journal::{self, Picture};
 use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadable};
@@ -53,7 +53,7 @@ impl SqliteArchive {
         answer.map_err(|fault| Unreadable(fault.words(self.path(), Then::StartAgain)))
     }
 
-    fn happened(&self, connection: &Connection, which: Which) -> Result<Vec<Happened>, Fault> {
+    fn happened(&self, connection: &Connection, which: EntryFilter) -> Result<Vec<Happened>, Fault> {
         let mut entries = Vec::new();
         rows::each(connection, which, |seq, line| {
             let entry = line.map(|line| line.entry).map_err(|fault| Unreadable(fault.words_of_an_entry(self.path())));
@@ -164,7 +164,7 @@ impl Archive for SqliteArchive {
             return Ok(Vec::new());
         }
         self.ask(|connection| {
-            let which = Which { after: Some(after), mission: Some(mission), most: Some(most), ..Which::default() };
+            let which = EntryFilter { after: Some(after), mission: Some(mission), most: Some(most), ..EntryFilter::default() };
             self.happened(connection, which)
         })
     }
@@ -175,7 +175,8 @@ impl Archive for SqliteArchive {
         }
         self.ask(|connection| {
             let after = rows::before_the_last(connection, Some(mission), SEARCHED)?;
-            let which = Which { after, mission: Some(mission), most: Some(most), retrieval: true, ..Which::default() };
+            let which =
+                EntryFilter { after, mission: Some(mission), most: Some(most), retrieval: true, ..EntryFilter::default() };
             self.happened(connection, which)
         })
     }

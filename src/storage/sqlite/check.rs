@@ -7,7 +7,7 @@ use rusqlite::types::Value;
 use super::fault::{ALL, Fault, Then, count, one_line};
 use super::folder::Folder;
 use super::photos::Pictures;
-use super::rows::{self, Which};
+use super::rows::{self, EntryFilter};
 use super::{marker, project, recall, schema};
 use crate::api::journal::Picture;
 use hallsweep_core::units::Seq;
@@ -72,7 +72,7 @@ fn entries(connection: &Connection, folder: &Folder, findings: &mut Findings) ->
     let mut anew = Connection::open_in_memory()?;
     schema::bring_up_to_date(&mut anew)?;
     let (mut before, mut unclear) = (Seq(0), false);
-    rows::each(connection, Which::default(), |_, line| {
+    rows::each(connection, EntryFilter::default(), |_, line| {
         findings.entries += 1;
         let line = match line {
             Ok(line) => line,

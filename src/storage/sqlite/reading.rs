@@ -8,7 +8,7 @@ use rusqlite::{Connection, TransactionBehavior};
 use super::check::{self, Findings};
 use super::fault::{Fault, Then};
 use super::folder::Folder;
-use super::rows::{self, Which};
+use super::rows::{self, EntryFilter};
 use super::{connect, project};
 use crate::api::journal::Line;
 use crate::runtime::archive::Unreadable;
@@ -42,7 +42,7 @@ impl Reading {
             // Both looks see the same entries, though a running program writes on.
             let _unchanging = self.connection.unchecked_transaction()?;
             let after = last.map_or(Ok(None), |last| rows::before_the_last(&self.connection, mission, last))?;
-            rows::each(&self.connection, Which { after, mission, ..Which::default() }, |seq, line| {
+            rows::each(&self.connection, EntryFilter { after, mission, ..EntryFilter::default() }, |seq, line| {
                 if visit(seq, line.map_err(words)) { Ok(()) } else { Err(Fault::GivenUp) }
             })
         };

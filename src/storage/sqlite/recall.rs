@@ -8,7 +8,7 @@ use rusqlite::{Connection, ErrorCode};
 use super::connect;
 use super::fault::Fault;
 use super::folder::Folder;
-use super::rows::{self, Which};
+use super::rows::{self, EntryFilter};
 use crate::api::journal::Line;
 use crate::api::journal_words;
 use crate::runtime::archive::Sound;
@@ -101,7 +101,7 @@ fn sound_standing(connection: &Connection, before: Option<Seq>) -> Result<Option
     let mut from = rows::last_standing(connection, before)?;
     while let Some(seq) = from {
         let mut is_sound = false;
-        let one = Which { after: Some(Seq(seq.0.saturating_sub(1))), before: Some(seq.next()), ..Which::default() };
+        let one = EntryFilter { after: Some(Seq(seq.0.saturating_sub(1))), before: Some(seq.next()), ..EntryFilter::default() };
         rows::each(connection, one, |_, line| {
             is_sound = line.is_ok();
             Ok(())
@@ -122,7 +122,7 @@ fn each_from_standing(
     mut visit: impl FnMut(Result<Line, Fault>) -> Result<(), Fault>,
 ) -> Result<(), Fault> {
     let after = from.map(|seq| Seq(seq.0.saturating_sub(1)));
-    rows::each(connection, Which { after, before, ..Which::default() }, |_, line| visit(line))
+    rows::each(connection, EntryFilter { after, before, ..EntryFilter::default() }, |_, line| visit(line))
 }
 
 struct Damage<W> {
@@ -153,7 +153,7 @@ fn repeatable(connection: &Connection, written: Seq) -> Result<Vec<Entry>, Fault
     let mut commands = Vec::new();
     let after = rows::before_the_last_named(connection, written, IDS as u64)?;
     let before = Some(written.next());
-    rows::each(connection, Which { after, before, named: true, ..Which::default() }, |_, line| {
+    rows::each(connection, EntryFilter { after, before, named: true, ..EntryFilter::default() }, |_, line| {
         commands.push(line?.entry);
         Ok(())
     })?;

@@ -20,7 +20,7 @@ const BY_NAME: &str = "INDEXED BY named_commands";
 
 /// Which entries are meant; all of them, when nothing is said.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Which {
+pub(super) struct EntryFilter {
     pub(super) after: Option<Seq>,
     pub(super) before: Option<Seq>,
     pub(super) mission: Option<MissionId>,
@@ -103,7 +103,7 @@ fn place(connection: &Connection, sql: &str, values: impl Params) -> Result<Opti
 /// Walks over entries, oldest first. One that cannot be understood is given as such; the walk ends when `visit` fails.
 pub(super) fn each(
     connection: &Connection,
-    which: Which,
+    which: EntryFilter,
     mut visit: impl FnMut(Seq, Result<Line, Fault>) -> Result<(), Fault>,
 ) -> Result<(), Fault> {
     let (sql, values) = which.query()?;
@@ -116,7 +116,7 @@ pub(super) fn each(
     Ok(())
 }
 
-impl Which {
+impl EntryFilter {
     fn query(self) -> Result<(String, Vec<Value>), Fault> {
         let bounds = [("seq > ?", self.after.map(|seq| seq.0)), ("seq < ?", self.before.map(|seq| seq.0))];
         let mission = [("mission = ?", self.mission.map(|mission| mission.0))];

@@ -16,7 +16,7 @@ pub const MOST_CHANGES: usize = 360_000;
 
 /// How a node stands after a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Standing {
+pub struct NodeState {
     /// Its status once the tick is over.
     pub after: Status,
     /// What it said in the tick, if it was ticked in it.
@@ -31,7 +31,7 @@ pub struct TickRecord {
     /// When it was, by the clock of whoever keeps the log: a tree's own time stands still while nobody ticks it.
     pub at: Duration,
     /// The nodes that stand otherwise than in the record before.
-    pub nodes: Vec<(NodeId, Standing)>,
+    pub nodes: Vec<(NodeId, NodeState)>,
     /// The entries that hold something else than in the record before, by whomever they were written; `None` holds nothing any more.
     pub entries: Vec<(Arc<str>, Option<Value>)>,
 }
@@ -47,24 +47,24 @@ impl TickRecord {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Moment {
     /// How each node stands, by its number.
-    pub nodes: Vec<Standing>,
+    pub nodes: Vec<NodeState>,
     /// What each entry holds.
     pub entries: BTreeMap<Arc<str>, Value>,
 }
 
 /// Nodes and entries that are otherwise than before.
-type Changes = (Vec<(NodeId, Standing)>, Vec<(Arc<str>, Option<Value>)>);
+type Changes = (Vec<(NodeId, NodeState)>, Vec<(Arc<str>, Option<Value>)>);
 
 impl Moment {
     fn of(tree: &Tree, blackboard: &Blackboard) -> Moment {
         let held = blackboard.entries().filter_map(|entry| Some((Arc::from(entry.name()), entry.value()?.clone())));
-        let standing = |node: NodeView<'_>| Standing { after: node.after, returned: node.returned };
+        let standing = |node: NodeView<'_>| NodeState { after: node.after, returned: node.returned };
         Moment { nodes: tree.nodes().map(standing).collect(), entries: held.collect() }
     }
 
     /// The nodes and the entries that are otherwise in another moment of the same tree.
     fn changes(&self, other: &Moment) -> Changes {
-        let before = self.nodes.iter().copied().chain(std::iter::repeat(Standing::default()));
+        let before = self.nodes.iter().copied().chain(std::iter::repeat(NodeState::default()));
         let nodes = (0..).map(NodeId).zip(other.nodes.iter().copied()).zip(before);
         let nodes = nodes.filter(|((_, now), before)| now != before).map(|(node, _)| node).collect();
         let gone = self.entries.keys().filter(|name| !other.entries.contains_key(*name)).map(|name| (Arc::clone(name), None));
@@ -77,7 +77,7 @@ impl Moment {
         for (node, standing) in &record.nodes {
             let at = node.0 as usize;
             if at >= self.nodes.len() {
-                self.nodes.resize(at + 1, Standing::default());
+                self.nodes.resize(at + 1, NodeState::default());
             }
             self.nodes[at] = *standing;
         }
@@ -153,7 +153,7 @@ impl TickLog {
             return None;
         }
         let mut moment = self.before.clone();
-        moment.nodes.resize(self.last.nodes.len().max(moment.nodes.len()), Standing::default());
+        moment.nodes.resize(self.last.nodes.len().max(moment.nodes.len()), NodeState::default());
         self.records.iter().take_while(|record| record.tick <= tick).for_each(|record| moment.apply(record));
         Some(moment)
     }

@@ -9,7 +9,7 @@ use super::motion::Turn;
 use crate::effect::Fact;
 use crate::mission::{Hold, Phase};
 use crate::retrieval::team::TICK;
-use crate::retrieval::{Place, Proposal, Saying, Stage, Team, View, Which};
+use crate::retrieval::{Place, Proposal, Saying, Team, TeamStage, View, Which};
 use crate::settings::Fetcher;
 use crate::state::{Retrieval, RetrievalStage};
 use crate::world::log::Tone;
@@ -68,21 +68,21 @@ impl Engine {
         if let Some(found) = self.seen.take() {
             ticked.team.handle_found(found, self.wanted_piece());
         }
-        let turn = self.with_view(|view| ticked.team.tick(view, since_last));
-        let outcome = ticked.team.stage().clone();
+        let outcome = self.with_view(|view| ticked.team.tick(view, since_last));
+        let stage = ticked.team.stage().clone();
         let words = ticked.team.words().map(str::to_owned);
         self.note_tick(&ticked.team);
         self.team = Some(ticked);
-        for Proposal { which, action } in turn.proposals {
+        for Proposal { which, action } in outcome.proposals {
             self.let_through(which, action);
         }
-        for saying in turn.sayings {
+        for saying in outcome.sayings {
             self.call_operator(saying);
         }
-        match outcome {
-            Stage::Working | Stage::Lost => Turn::Rest,
-            Stage::Done => self.secured(),
-            Stage::Faulted(fault) => {
+        match stage {
+            TeamStage::Working | TeamStage::Lost => Turn::Rest,
+            TeamStage::Done => self.secured(),
+            TeamStage::Faulted(fault) => {
                 self.forget_failures();
                 let more = words.map(|words| format!(" ({words})")).unwrap_or_default();
                 self.set_retrieval_stage(RetrievalStage::GoingOut(Some(format!("{}{more}", fault.in_words()))));

@@ -2,7 +2,7 @@
 
 use super::Parcel;
 use super::leaves::routes::Routes;
-use super::team::{Stage, Team};
+use super::team::{Team, TeamStage};
 use crate::behaviour::state::{StateError, TreeState};
 use crate::behaviour::{Status, Value};
 use crate::event::Piece;
@@ -17,7 +17,7 @@ pub struct TeamState {
     /// What the entries of the blackboard hold that hold anything.
     pub blackboard: Vec<(String, Value)>,
     /// How far the work has come.
-    pub stage: Stage,
+    pub stage: TeamStage,
     /// How often a parcel was lost.
     pub losses: u32,
     /// Whether this run of the Supervisor has told of a loss.

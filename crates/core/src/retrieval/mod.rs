@@ -18,6 +18,6 @@ pub(crate) use self::leaves::MOST_FAILURES;
 pub use self::leaves::catalogue;
 pub use self::place::Place;
 pub use self::steer::{Gear, steer};
-pub use self::team::{Stage, Team, Turn};
+pub use self::team::{Team, TeamStage, TickOutcome};
 pub use self::view::{BasePose, BaseView, Proposal, Saying, View, Which};
 pub use self::way::{Floor, Stands, Train};

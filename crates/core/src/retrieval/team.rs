@@ -41,7 +41,7 @@ const SUPERVISOR: usize = 2;
 
 /// How far the work has come.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Stage {
+pub enum TeamStage {
     /// The trees are at work.
     Working,
     /// The parcel is lost; it goes on when the call has been acknowledged.
@@ -54,7 +54,7 @@ pub enum Stage {
 
 /// What one tick of the three trees came to.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Turn {
+pub struct TickOutcome {
     /// What the robots are to do: at most one thing each.
     pub proposals: Vec<Proposal>,
     /// What is said to the operator now.
@@ -69,7 +69,7 @@ pub struct Team {
     pub(super) routes: Routes,
     /// What each tree said last.
     pub(super) said: [Status; 3],
-    pub(super) stage: Stage,
+    pub(super) stage: TeamStage,
     pub(super) losses: u32,
     /// The loss was told already in this run of the Supervisor, by its tree.
     pub(super) has_called: bool,
@@ -106,7 +106,7 @@ impl Team {
             blackboard,
             routes: Routes::default(),
             said: [Status::Idle; 3],
-            stage: Stage::Working,
+            stage: TeamStage::Working,
             losses: 0,
             has_called: false,
             dropped: None,
@@ -125,12 +125,12 @@ impl Team {
     }
 
     /// Ticks the three trees once, `since_last` after the last time. Nothing happens when the work is done, or cannot go on.
-    pub fn tick(&mut self, view: &View<'_>, since_last: Duration) -> Turn {
-        let mut turn = Turn::default();
+    pub fn tick(&mut self, view: &View<'_>, since_last: Duration) -> TickOutcome {
+        let mut outcome = TickOutcome::default();
         match self.stage {
-            Stage::Lost if !view.is_calling => self.stage = Stage::Working,
-            Stage::Done | Stage::Faulted(_) | Stage::Lost => return turn,
-            Stage::Working => {}
+            TeamStage::Lost if !view.is_calling => self.stage = TeamStage::Working,
+            TeamStage::Done | TeamStage::Faulted(_) | TeamStage::Lost => return outcome,
+            TeamStage::Working => {}
         }
         let [one, two] = view.bases.map(|base| base.arm.holds);
         if let Some(parcel) = one.filter(|_| one == two) {
@@ -139,13 +139,13 @@ impl Team {
         }
         let mut output = Output::default();
         for index in 0..self.trees.len() {
-            if self.stage == Stage::Working && !(index == SUPERVISOR && self.waits_to_begin(view, since_last)) {
-                self.tick_tree(index, view, since_last, &mut output, &mut turn);
+            if self.stage == TeamStage::Working && !(index == SUPERVISOR && self.waits_to_begin(view, since_last)) {
+                self.tick_tree(index, view, since_last, &mut output, &mut outcome);
             }
         }
         let proposals = Which::ALL.into_iter().zip(output.proposals);
-        turn.proposals = proposals.filter_map(|(which, action)| Some(Proposal { which, action: action? })).collect();
-        turn
+        outcome.proposals = proposals.filter_map(|(which, action)| Some(Proposal { which, action: action? })).collect();
+        outcome
     }
 
     /// The two report one after the other: no run begins while one of them still says that it holds what the other has lost.
@@ -154,12 +154,12 @@ impl Team {
         let waits = self.said[SUPERVISOR] != Status::Running && one != two;
         self.waited = if waits { self.waited.saturating_add(since_last) } else { Duration::ZERO };
         if self.waited > REPORTING {
-            self.stage = Stage::Faulted(RetrievalFault::NotAligned);
+            self.stage = TeamStage::Faulted(RetrievalFault::NotAligned);
         }
         waits
     }
 
-    fn tick_tree(&mut self, index: usize, view: &View<'_>, since_last: Duration, output: &mut Output, turn: &mut Turn) {
+    fn tick_tree(&mut self, index: usize, view: &View<'_>, since_last: Duration, output: &mut Output, outcome: &mut TickOutcome) {
         // The trees of the two robots end when both are at the pallet.
         if index != SUPERVISOR && self.said[index] == Status::Success {
             return;
@@ -186,41 +186,41 @@ impl Team {
         }
         self.said[index] = said;
         self.has_called |= index == SUPERVISOR && output.sayings.contains(&Saying::PackageLost);
-        turn.sayings.append(&mut output.sayings);
+        outcome.sayings.append(&mut output.sayings);
         self.dropped = output.dropped.or(self.dropped);
         if output.released {
             self.delivered.extend(self.dropped.take().map(|parcel| parcel.piece));
             self.losses = 0;
         }
-        self.follow(index, said, output.fault, view, turn);
+        self.follow(index, said, output.fault, view, outcome);
     }
 
     /// What follows when a tree ends.
-    fn follow(&mut self, index: usize, said: Status, fault: Option<RetrievalFault>, view: &View<'_>, turn: &mut Turn) {
+    fn follow(&mut self, index: usize, said: Status, fault: Option<RetrievalFault>, view: &View<'_>, outcome: &mut TickOutcome) {
         match (said, fault) {
-            (Status::Failure, Some(fault)) => self.stage = Stage::Faulted(fault),
-            (Status::Failure, None) if index == SUPERVISOR => self.lose(turn),
-            (Status::Success, _) if index == SUPERVISOR && view.piece.is_empty() => self.stage = Stage::Done,
+            (Status::Failure, Some(fault)) => self.stage = TeamStage::Faulted(fault),
+            (Status::Failure, None) if index == SUPERVISOR => self.lose(outcome),
+            (Status::Success, _) if index == SUPERVISOR && view.piece.is_empty() => self.stage = TeamStage::Done,
             (Status::Success | Status::Failure | Status::Running | Status::Skipped | Status::Idle, _) => {}
         }
     }
 
     /// The Supervisor has failed for no other reason: the parcel is not where it should be, in the grippers.
-    fn lose(&mut self, turn: &mut Turn) {
+    fn lose(&mut self, outcome: &mut TickOutcome) {
         self.routes.forget();
         self.dropped = None;
         self.losses = self.losses.saturating_add(1);
         if self.losses > MOST_LOSSES {
-            self.stage = Stage::Faulted(RetrievalFault::LostTooOften);
+            self.stage = TeamStage::Faulted(RetrievalFault::LostTooOften);
         } else if !self.has_called {
-            turn.sayings.push(Saying::PackageLost);
-            self.stage = Stage::Lost;
+            outcome.sayings.push(Saying::PackageLost);
+            self.stage = TeamStage::Lost;
         }
     }
 
     /// How far the work has come.
     #[must_use]
-    pub const fn stage(&self) -> &Stage {
+    pub const fn stage(&self) -> &TeamStage {
         &self.stage
     }
 
@@ -284,7 +284,7 @@ mod tests {
     use crate::world::hall_map::HallMap;
 
     /// What is looked at: the two at these places, and a piece in this cell.
-    fn ticked(team: &mut Team, places: [Place; 2], piece: Option<Cell>, failures: u32) -> Turn {
+    fn ticked(team: &mut Team, places: [Place; 2], piece: Option<Cell>, failures: u32) -> TickOutcome {
         ticked_holding(team, places, piece, failures, [None; 2])
     }
 
@@ -294,7 +294,7 @@ mod tests {
         piece: Option<Cell>,
         failures: u32,
         holds: [Option<Parcel>; 2],
-    ) -> Turn {
+    ) -> TickOutcome {
         let map = HallMap::new(Cell::HOME, Revision(0));
         let piece: BTreeSet<Cell> = piece.into_iter().collect();
         let base = |index: usize| BaseView {
@@ -342,8 +342,8 @@ mod tests {
             team.stage().clone()
         };
         let ticks = REPORTING.as_millis() / TICK.as_millis();
-        assert!((0..ticks).all(|_| tick([Some(parcel), None]) == Stage::Working), "they have so long");
-        assert_eq!(tick([Some(parcel), None]), Stage::Faulted(RetrievalFault::NotAligned));
+        assert!((0..ticks).all(|_| tick([Some(parcel), None]) == TeamStage::Working), "they have so long");
+        assert_eq!(tick([Some(parcel), None]), TeamStage::Faulted(RetrievalFault::NotAligned));
     }
 
     #[test]
@@ -353,10 +353,10 @@ mod tests {
         let over = Parcel { piece: Piece(7), place: Place::Cell(Cell::new(2, 0)) };
         ticked_holding(&mut team, corner, None, 0, [Some(over); 2]);
         let mut team = Team::resume(team.state()).unwrap();
-        (team.said, team.stage) = ([Status::Success, Status::Success, Status::Failure], Stage::Working);
-        let turn = (0..3).map(|_| ticked(&mut team, corner, None, 0)).find(|turn| !turn.proposals.is_empty()).unwrap();
+        (team.said, team.stage) = ([Status::Success, Status::Success, Status::Failure], TeamStage::Working);
+        let outcome = (0..3).map(|_| ticked(&mut team, corner, None, 0)).find(|outcome| !outcome.proposals.is_empty()).unwrap();
         let look = Action::Arm(crate::retrieval::ArmAction::FindParcel(over.place));
-        assert_eq!(turn.proposals, [Proposal { which: Which::Srm1, action: look }]);
+        assert_eq!(outcome.proposals, [Proposal { which: Which::Srm1, action: look }]);
     }
 
     #[test]
@@ -374,8 +374,8 @@ mod tests {
     #[test]
     fn srm1_comes_in_first_and_srm2_stays_until_it_has_been_told_where_to() {
         let mut team = Team::new();
-        let turn = ticked(&mut team, [Place::ENTRANCE; 2], Some(Cell::new(3, 3)), 0);
-        assert_eq!(turn.proposals, [Proposal { which: Which::Srm1, action: Action::Enter }]);
+        let outcome = ticked(&mut team, [Place::ENTRANCE; 2], Some(Cell::new(3, 3)), 0);
+        assert_eq!(outcome.proposals, [Proposal { which: Which::Srm1, action: Action::Enter }]);
         assert_eq!(team.said(), [Status::Running, Status::Failure, Status::Running]);
     }
 
@@ -386,8 +386,8 @@ mod tests {
         {
             let mut team = Team::new();
             ticked(&mut team, [Place::ENTRANCE; 2], piece, failures);
-            assert_eq!(team.stage(), &Stage::Faulted(fault));
-            assert_eq!(ticked(&mut team, [Place::ENTRANCE; 2], Some(Cell::new(3, 3)), 0), Turn::default());
+            assert_eq!(team.stage(), &TeamStage::Faulted(fault));
+            assert_eq!(ticked(&mut team, [Place::ENTRANCE; 2], Some(Cell::new(3, 3)), 0), TickOutcome::default());
         }
     }
 

@@ -27,7 +27,7 @@ use super::pair::{Holding, Mishaps, Pair, PairSettings};
 use hallsweep_core::behaviour::log::TickLog;
 use hallsweep_core::event::RobotEvent;
 use hallsweep_core::retrieval::team::TICK;
-use hallsweep_core::retrieval::{Stage, Team, Which};
+use hallsweep_core::retrieval::{Team, TeamStage, Which};
 use hallsweep_core::units::{Cell, Now, WallTime};
 
 /// The longest run for each parcel, in simulated time: a hundred times what one takes.
@@ -289,27 +289,27 @@ impl PalletRun {
             return;
         }
         self.ticks += 1;
-        let turn = self.team.tick(&self.crew.view(self.is_calling), TICK);
+        let outcome = self.team.tick(&self.crew.view(self.is_calling), TICK);
         self.log_ticks();
         watch(&self.team);
         self.note_phases();
-        for proposal in turn.proposals {
+        for proposal in outcome.proposals {
             if let Some(order) = self.crew.order(proposal) {
                 self.pair.handle_order(proposal.which, order, self.now());
             }
         }
         self.take_reports();
-        for saying in turn.sayings {
+        for saying in outcome.sayings {
             self.note(News::Said(saying));
             (self.is_calling, self.awaits_start, self.waits_since) = (true, true, Some(self.now));
             self.operator.called(Deed::Acknowledge, self.now);
             self.halt();
         }
         match self.team.stage() {
-            Stage::Faulted(fault) => self.ended = Some(Some(PalletFault::Pair(*fault))),
-            Stage::Done if self.pair.taken_in().len() == self.yard.parcels.len() => self.ended = Some(None),
-            Stage::Done => self.ended = Some(Some(PalletFault::NotAllThere)),
-            Stage::Working | Stage::Lost => {}
+            TeamStage::Faulted(fault) => self.ended = Some(Some(PalletFault::Pair(*fault))),
+            TeamStage::Done if self.pair.taken_in().len() == self.yard.parcels.len() => self.ended = Some(None),
+            TeamStage::Done => self.ended = Some(Some(PalletFault::NotAllThere)),
+            TeamStage::Working | TeamStage::Lost => {}
         }
     }
 

@@ -6,7 +6,7 @@ use rusqlite::Connection;
 
 use super::super::MemoryStore;
 use super::super::memory::{ENTRIES, PHOTOS};
-use super::super::rows::{self, Which};
+use super::super::rows::{self, EntryFilter};
 use crate::runtime::store::Store;
 use hallsweep_core::command::Verdict;
 use hallsweep_core::effect::{Entry, Fact, Page};
@@ -33,7 +33,7 @@ fn luggage(id: u64, photo: Result<&str, &str>) -> Entry {
 fn entries(memory: &MemoryStore) -> Vec<(Seq, Entry)> {
     let mut entries = Vec::new();
     let all = |connection: &Connection| {
-        rows::each(connection, Which::default(), |seq, line| {
+        rows::each(connection, EntryFilter::default(), |seq, line| {
             entries.push((seq, line?.entry));
             Ok(())
         })
