@@ -130,12 +130,12 @@ fn a_lost_parcel_calls_the_operator_who_acknowledges_and_starts() {
     let program = serve(&folder, "max", &[("HALLSWEEP__PAIR__SLIPS", "1")]);
     let piece = locate(&program);
     program.command("retrieve").accepted();
-    let open = |alarm: &&Value| alarm["acknowledged"].is_null() && alarm["id"].is_u64();
-    let is_called = |state: &Value| is_held(state, "alarm") && alarms(state).iter().any(|alarm| open(&alarm));
-    let state = program.until("the pair's call, on record", is_called);
+    let is_call = |alarm: &&Value| alarm["id"].is_u64() && alarm["text"].as_str().is_some_and(|text| text.contains("lost"));
+    let state = program.until("the pair's call, on record", |state| alarms(state).iter().any(|alarm| is_call(&alarm)));
+    assert!(is_held(&state, "alarm"), "{state:#}");
     let words = program.command("start").problem(409);
     assert!(words.contains("acknowledge"), "{words}");
-    let call = alarms(&state).iter().rfind(open).expect("the pair's call");
+    let call = alarms(&state).iter().find(is_call).expect("the pair's call");
     program.press(&format!("/api/v1/alarms/{}/acknowledge", call["id"])).accepted();
     let held = program.until("it waits for START", |state| !is_held(state, "alarm"));
     assert!(!holds(&held).is_empty(), "acknowledging alone moves nothing: {held:#}");
