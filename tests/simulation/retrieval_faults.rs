@@ -22,6 +22,9 @@ const LONG: usize = 100_000;
 /// Late enough that not all is said in the same moment.
 const DELAYS: Delays = Delays { reports_ms: [20; 3], orders_ms: 10, disk_ms: 10 };
 
+/// Grippers and hook alike.
+const CLOSE: Action = Action::Arm(ArmAction::CloseGripper);
+
 fn hall() -> Arc<Hall> {
     Arc::new(Hall::named_or_file("seed").expect("it comes with the program"))
 }
@@ -176,6 +179,21 @@ fn a_gripper_that_does_not_close_is_a_fault_with_everybody_outside_as_often_as_i
 }
 
 #[test]
+fn one_gripper_that_closed_alone_is_opened_before_they_go_out() {
+    for other in [1, 2] {
+        let mut trio = sent(trio(Settings::default(), usual(), Mishaps::default()));
+        let one: Spoils = |index, action| (index == 1 && action == CLOSE).then_some(Spoiled::Fails);
+        let two: Spoils = |index, action| (index == 2 && action == CLOSE).then_some(Spoiled::Fails);
+        trio.spoils = if other == 1 { one } else { two };
+        check_fault(&mut trio, "a robot of the pair");
+        check_nobody_is_left_inside(&mut trio, "one of them did not close");
+        trio.spoils = |_, _| None;
+        must(&mut trio, Command::Start);
+        check_secured(&mut trio);
+    }
+}
+
+#[test]
 fn a_piece_that_was_recorded_without_an_identity_is_fetched_from_where_it_stands() {
     let rules = Settings { inspect_everything: true, ..Settings::default() };
     let mut trio = trio(rules, SimSettings { unknown_rate: 1.0, ..usual() }, Mishaps::default());
@@ -226,8 +244,8 @@ fn alone() -> Trio {
 
 #[test]
 fn a_hook_that_closes_round_nothing_is_a_fault_and_start_tries_once_more() {
-    let pretends: Spoils = |_, action| (action == HOOK).then_some(Spoiled::Pretends);
-    let fails: Spoils = |_, action| (action == HOOK).then_some(Spoiled::Fails);
+    let pretends: Spoils = |_, action| (action == CLOSE).then_some(Spoiled::Pretends);
+    let fails: Spoils = |_, action| (action == CLOSE).then_some(Spoiled::Fails);
     for (spoils, words) in [(pretends, "cannot take hold of the piece"), (fails, "could not carry out its order")] {
         let mut trio = alone();
         trio.spoils = spoils;
@@ -239,8 +257,6 @@ fn a_hook_that_closes_round_nothing_is_a_fault_and_start_tries_once_more() {
         assert_eq!(trio.sim.taken_in().count(), 1);
     }
 }
-
-const HOOK: Action = Action::Arm(ArmAction::CloseGripper);
 
 #[test]
 fn a_bag_on_the_back_of_a_robot_that_is_out_of_reach_for_a_while_is_brought_home() {
