@@ -131,7 +131,10 @@ impl Mortal {
 
     fn settle(&mut self) {
         loop {
-            self.memory = self.sim.poll_memory().or(self.memory);
+            if let Some(memory) = self.sim.poll_memory() {
+                assert!(memory.fits(&self.hall), "the next start would take it for damaged: {memory:?}");
+                self.memory = Some(memory);
+            }
             if let Some(effect) = self.engine.poll_effect() {
                 self.perform(effect);
             } else if let Some((order, exposure)) = self.sim.take_exposure() {

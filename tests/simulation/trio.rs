@@ -307,8 +307,13 @@ impl Trio {
     }
 
     fn keep_memories(&mut self) {
-        self.memory = self.sim.poll_memory().or(self.memory);
+        if let Some(memory) = self.sim.poll_memory() {
+            let floor = self.hall.rearranged(&self.moved);
+            assert!(memory.fits(&floor), "the next start would take it for damaged: {memory:?}");
+            self.memory = Some(memory);
+        }
         if let Some(memory) = self.pair.poll_memory() {
+            assert!(memory.fits(&self.hall), "the next start would take it for damaged: {memory:?}");
             self.pair_memory = Some(memory);
             let moved = self.pair.moved();
             if moved != self.moved {

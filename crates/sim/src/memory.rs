@@ -138,17 +138,25 @@ impl SimMemory {
     /// Whether all of this can be in that hall: a robot on free floor, no further astray than obstacles let it go.
     pub fn fits(&self, hall: &Hall) -> bool {
         let hall = &hall.rearranged(&self.taken.gone().map(|piece| (piece, None)).collect());
-        if self.outside > 0 {
-            return self.outside <= Place::FURTHEST && self.pose == Pose::START;
-        }
+        let stands = match self.outside {
+            0 => hall.truth(self.pose.cell) == Truth::Free,
+            steps => steps <= Place::FURTHEST && self.pose == Pose::START,
+        };
         let moving = self.motion.is_none_or(|motion| self.reaches(motion.to, hall));
-        hall.truth(self.pose.cell) == Truth::Free && self.reaches(self.stands, hall) && moving
+        stands && self.reaches(self.stands, hall) && moving
     }
 
     /// Whether a body that belongs on the free floor of `pose` can come to be so far astray.
     fn reaches(&self, astray: Astray, hall: &Hall) -> bool {
-        let heading = if astray.ahead_um < 0 { self.pose.heading.opposite() } else { self.pose.heading };
-        let way = way_to_contact(hall.truth(self.pose.cell.ahead(heading))).unwrap_or(1.0) * hall.cell_m();
+        let backs = astray.ahead_um < 0;
+        let heading = if backs { self.pose.heading.opposite() } else { self.pose.heading };
+        // The entrance is at the back of whoever stands at home as a mission begins, and he is outside already in the middle of it.
+        let way = if self.outside > 0 || backs && self.pose == Pose::START {
+            1.0
+        } else {
+            way_to_contact(hall.truth(self.pose.cell.ahead(heading))).unwrap_or(1.0)
+        };
+        let way = way * hall.cell_m();
         let ahead = astray.ahead_um.unsigned_abs() <= (micro(way) + ROUNDING).unsigned_abs();
         let turned = astray.turned_urad.unsigned_abs() <= (micro(FRAC_PI_2) + ROUNDING).unsigned_abs();
         ahead && turned && (astray.ahead_um == 0 || astray.turned_urad == 0)
@@ -272,14 +280,21 @@ mod tests {
     #[test]
     fn a_robot_in_a_wall_or_too_far_astray_fits_no_hall() {
         let hall = Hall::from_rows("test", &["S.", "a#"]).unwrap();
-        for fits in [ahead(0), ahead(100_000), ahead(-40_000), turned(1_570_796), turned(-1_570_796)] {
+        // The entrance is at its back.
+        for fits in [ahead(0), ahead(100_000), ahead(-500_000), turned(1_570_796), turned(-1_570_796)] {
             assert!(standing(fits).fits(&hall), "{fits:?}");
+            assert!(moving(fits, 100).fits(&hall), "{fits:?}");
         }
-        for wrong in [ahead(100_010), ahead(-40_010), turned(1_600_000), ahead(i64::MIN), turned(i64::MAX)] {
+        for wrong in [ahead(100_010), ahead(-500_010), turned(1_600_000), ahead(i64::MIN), turned(i64::MAX)] {
             assert!(!standing(wrong).fits(&hall), "{wrong:?}");
             assert!(!moving(wrong, 100).fits(&hall), "{wrong:?}");
         }
         assert!(!standing(Astray { ahead_um: 10, turned_urad: 10 }).fits(&hall), "both at once");
+        let west = |ahead_um| SimMemory { pose: Pose { cell: Cell::HOME, heading: Heading::East }, ..standing(ahead(ahead_um)) };
+        assert!(west(-40_000).fits(&hall) && !west(-40_010).fits(&hall), "to the west is a wall");
+        let outside = |steps, ahead_um| SimMemory { outside: steps, ..standing(ahead(ahead_um)) };
+        assert!(outside(1, 500_000).fits(&hall) && outside(Place::FURTHEST, -500_000).fits(&hall), "out there is nothing");
+        assert!(!outside(1, 500_010).fits(&hall) && !outside(Place::FURTHEST + 1, 0).fits(&hall));
         for cell in [Cell::new(1, 1), Cell::new(0, 1), Cell::new(i32::MAX, i32::MIN)] {
             let there = SimMemory { pose: Pose { cell, heading: Heading::South }, ..SimMemory::NEW };
             assert!(!there.fits(&hall), "{cell}");
