@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use hallsweep_core::behaviour::Status;
 use hallsweep_core::command::{Command, LuggageRef, Verdict};
 use hallsweep_core::effect::Action;
 use hallsweep_core::event::Piece;
@@ -235,6 +236,27 @@ fn who_began_it_ends_it_although_the_settings_name_somebody_else_since() {
     until(&mut trio, "all are linked", |_, state| can_start(state));
     must(&mut trio, Command::Start);
     check_secured(&mut trio);
+}
+
+#[test]
+fn after_a_kill_everybody_sees_the_trees_as_they_stood_before_anything_goes_on() {
+    let mut killed = sent(trio(Settings::default(), usual(), Mishaps::default()));
+    carried(&mut killed);
+    let stood = |trio: &mut Trio| {
+        let trees = Arc::clone(&trio.state().retrieval.as_ref().expect("it is under way").trees);
+        let nodes = trees.trees.iter().flat_map(|tree| tree.nodes.iter());
+        let running: Vec<_> = nodes.filter(|node| node.status == Status::Running).map(|node| Arc::clone(&node.path)).collect();
+        let mut blackboard = trees.blackboard.clone();
+        blackboard.sort();
+        (running, blackboard, trees.ticks)
+    };
+    must(&mut killed, Command::Stop);
+    let before = stood(&mut killed);
+    let mut trio = killed.killed(9);
+    let after = stood(&mut trio);
+    assert!(before.0.len() > 3 && before.1.len() > 3, "{before:?}");
+    assert_eq!((&after.0, &after.1), (&before.0, &before.1));
+    assert!(after.2 > 0 && after.2 <= before.2, "they are counted on from {} of {}", after.2, before.2);
 }
 
 fn alone() -> Trio {

@@ -110,6 +110,7 @@ impl Engine {
             self.outbox.send(Effect::Led(self.robots.searching_id().clone(), true));
         }
         self.state = state.after_restart();
+        self.recall_team();
         let cell = self.state.pose.cell;
         // Before the entrance it stands in no cell: a parcel may lie at home by now.
         if self.steps_outside(self.robots.searching_id()) == 0 && self.state.map.at(cell) != Mark::Visited {

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use super::Engine;
 use super::motion::Turn;
+use crate::behaviour::Tree;
 use crate::effect::Fact;
 use crate::mission::{Hold, Phase};
 use crate::retrieval::team::TICK;
@@ -124,13 +125,18 @@ impl Engine {
         look(&view)
     }
 
+    /// After a restart everybody sees the trees as they stood, before anything goes on.
+    pub(super) fn recall_team(&mut self) {
+        if self.state.retrieval.as_ref().is_some_and(|retrieval| retrieval.team.is_some()) {
+            let ticked = self.resumed_team();
+            self.trees = shown(&ticked.team);
+            self.team = Some(ticked);
+        }
+    }
+
     /// What is shown of the trees is new with each tick; on record goes what they could not go on without.
     fn note_tick(&mut self, team: &Team) {
-        let ticks = self.trees.ticks + 1;
-        let blackboard = team.blackboard().entries();
-        let held = blackboard.filter_map(|entry| Some((Arc::from(entry.name()), entry.value()?.to_string())));
-        self.trees =
-            Arc::new(TreesView { ticks, trees: team.trees().iter().map(TreeView::of).collect(), blackboard: held.collect() });
+        self.trees = shown(team);
         let state = team.state();
         let Some(retrieval) = self.state.retrieval.clone() else { return };
         if !retrieval.team.as_ref().is_some_and(|kept| kept.stands_as(&state)) {
@@ -160,4 +166,10 @@ impl Engine {
         self.set_retrieval_stage(if is_outside { RetrievalStage::GoingOut(None) } else { RetrievalStage::ComingHome(None) });
         Turn::Again
     }
+}
+
+fn shown(team: &Team) -> Arc<TreesView> {
+    let ticks = team.trees().iter().map(Tree::ticks).max().unwrap_or(0);
+    let held = team.blackboard().entries().filter_map(|entry| Some((Arc::from(entry.name()), entry.value()?.to_string())));
+    Arc::new(TreesView { ticks, trees: team.trees().iter().map(TreeView::of).collect(), blackboard: held.collect() })
 }
