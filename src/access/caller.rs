@@ -29,6 +29,14 @@ impl Access {
         (matches!(self, Access::Open) && is_this_machine(address)).then_some(Caller::Here)
     }
 
+    /// The key by which shares are counted; `None` where nobody shows one.
+    pub fn key_of(&self, caller: &Caller) -> Option<Arc<str>> {
+        match self {
+            Access::Open => None,
+            Access::Keys(_) => Some(caller.name()),
+        }
+    }
+
     /// Whether somebody who was let in would be let in still; `now_s` in seconds since 1970.
     pub fn still_knows(&self, caller: &Caller, now_s: i64) -> bool {
         match (self, caller) {

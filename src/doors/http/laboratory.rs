@@ -3,28 +3,43 @@
 
 mod asked;
 
+use std::sync::Arc;
+
 use askama::Template;
+use axum::extract::State;
 use axum::http::header;
 use axum::response::{Html, IntoResponse, Response};
 use tokio::sync::Semaphore;
 
 use self::asked::{AskedPage, AskedPallet, AskedRoomba};
+use super::HttpDoor;
 use super::console::{Row as TreeRow, html, rows, sign};
+use super::gate::LetIn;
 use super::problem::Problem;
 use super::query::Query;
+use crate::access::Caller;
 use crate::api::laboratory::mishap::Mishap;
 use crate::api::laboratory::pallet::Pallet;
 use crate::api::laboratory::roomba::{Roomba, Row};
+use crate::doors::shares::{Limits, Shares};
 use hallsweep_core::behaviour::Status;
 use hallsweep_core::world::retrieval::{TreeView, TreesView};
 
+/// So many runs are computed or wait for it, each of less than a tenth of a second. Of these one key has three at most, and four are kept
+/// for keys that have none or one.
+const RUNS: Limits = Limits { most: 12, of_one_key: 3, kept: 4, few: 2 };
+
 /// One run after the other, whoever asks: a crowd in the laboratory keeps one thread busy, and none that carries out a STOP.
-static TURN: Semaphore = Semaphore::const_new(1);
+#[derive(Clone, Debug)]
+pub(super) struct Laboratory {
+    places: Shares,
+    turn: Arc<Semaphore>,
+}
 
 /// `GET laboratory`
-pub(super) async fn page(query: Query) -> Result<Html<String>, Problem> {
+pub(super) async fn page(State(door): State<HttpDoor>, LetIn(caller): LetIn, query: Query) -> Result<Html<String>, Problem> {
     let asked = AskedPage::of(&query)?;
-    let page = computed(move || {
+    let page = door.computed(&caller, move || {
         let (roomba, pallet) = (asked.roomba.run()?, asked.pallet.run()?);
         Ok(Page::of(asked, &roomba, &pallet))
     });
@@ -32,27 +47,41 @@ pub(super) async fn page(query: Query) -> Result<Html<String>, Problem> {
 }
 
 /// `GET laboratory/roomba`
-pub(super) async fn roomba(query: Query) -> Result<Response, Problem> {
+pub(super) async fn roomba(State(door): State<HttpDoor>, LetIn(caller): LetIn, query: Query) -> Result<Response, Problem> {
     let asked = AskedRoomba::of(&query)?;
-    Ok(json(computed(move || Ok(asked.run()?.json())).await?))
+    Ok(json(door.computed(&caller, move || Ok(asked.run()?.json())).await?))
 }
 
 /// `GET laboratory/pallet`
-pub(super) async fn pallet(query: Query) -> Result<Response, Problem> {
+pub(super) async fn pallet(State(door): State<HttpDoor>, LetIn(caller): LetIn, query: Query) -> Result<Response, Problem> {
     let asked = AskedPallet::of(&query)?;
-    Ok(json(computed(move || Ok(asked.run()?.json())).await?))
+    Ok(json(door.computed(&caller, move || Ok(asked.run()?.json())).await?))
 }
 
 fn json(text: String) -> Response {
     ([(header::CONTENT_TYPE, "application/json")], text).into_response()
 }
 
-/// Computes it on a thread on which nobody waits for a robot.
-async fn computed<T: Send + 'static>(run: impl FnOnce() -> Result<T, Problem> + Send + 'static) -> Result<T, Problem> {
-    let turn = TURN.acquire().await.map_err(|_| Problem::internal())?;
-    // The turn is given back when the run has ended, also when nobody waits for it any more.
-    let computing = tokio::task::spawn_blocking(move || (run(), turn));
-    computing.await.map_err(|_| Problem::internal())?.0
+impl Default for Laboratory {
+    fn default() -> Laboratory {
+        Laboratory { places: Shares::new(RUNS), turn: Arc::new(Semaphore::new(1)) }
+    }
+}
+
+impl HttpDoor {
+    /// Computes it on a thread on which nobody waits for a robot.
+    async fn computed<T: Send + 'static>(
+        &self,
+        caller: &Caller,
+        run: impl FnOnce() -> Result<T, Problem> + Send + 'static,
+    ) -> Result<T, Problem> {
+        let Laboratory { places, turn } = &self.laboratory;
+        let place = places.take(self.access.key_of(caller)).map_err(Problem::too_many_runs)?;
+        let turn = Arc::clone(turn).acquire_owned().await.map_err(|_| Problem::internal())?;
+        // Place and turn are given back when the run has ended, also when nobody waits for it any more.
+        let computing = tokio::task::spawn_blocking(move || (run(), turn, place));
+        computing.await.map_err(|_| Problem::internal())?.0
+    }
 }
 
 #[derive(Template)]
@@ -134,6 +163,7 @@ impl Page {
 #[cfg(test)]
 mod tests {
     use super::super::testing::{app, read, text};
+    use super::*;
     use crate::api::fixture::searching;
 
     #[tokio::test]
@@ -153,6 +183,36 @@ mod tests {
         }
         assert_eq!(page.matches("class=\"roomba-wall\"").count(), 2);
         assert!(app.given.lock().unwrap().is_empty(), "it moves nothing");
+    }
+
+    /// Safety S9: whoever has a place computes while the others wait, and one key has a few of them.
+    #[tokio::test]
+    async fn one_key_has_a_few_runs_and_some_places_are_kept_for_keys_that_have_few() {
+        let places = Laboratory::default().places;
+        let all = |key: &str| std::iter::from_fn(|| places.take(Some(Arc::from(key))).ok()).take(100).collect::<Vec<_>>();
+        let taken: Vec<_> = ["a", "b", "c"].map(all).into();
+        assert_eq!(taken.iter().map(Vec::len).collect::<Vec<_>>(), [3, 3, 2]);
+        assert_eq!(all("d").len(), 2, "whoever has few finds one");
+        drop(taken);
+        assert_eq!(all("a").len(), 3, "what has ended is free");
+    }
+
+    #[tokio::test(flavor = "multi_thread")]
+    async fn when_too_many_runs_wait_the_next_is_refused_and_the_others_come() {
+        let app = app(searching());
+        let app = Arc::new(app);
+        let mut asked = tokio::task::JoinSet::new();
+        for _ in 0..40 {
+            let app = Arc::clone(&app);
+            asked.spawn(async move { read(app.get("/api/v1/laboratory/roomba?seconds=600").await).await });
+        }
+        let mut counts = std::collections::BTreeMap::new();
+        for (status, told) in asked.join_all().await {
+            *counts.entry(status.as_u16()).or_insert(0) += 1;
+            assert!(status == 200 || told["detail"].as_str().unwrap().contains("laboratory"), "{told}");
+        }
+        assert!(counts[&200] >= 12 && counts[&503] > 0, "{counts:?}");
+        assert_eq!(app.get("/api/v1/laboratory/roomba?seconds=1").await.status(), 200);
     }
 
     #[tokio::test]

@@ -49,6 +49,12 @@ impl Problem {
         Problem::new(("tooManyStreams", ProblemKind::Unavailable), detail)
     }
 
+    /// So many runs of the laboratory are computed or wait for it.
+    pub(super) fn too_many_runs(waiting: usize) -> Problem {
+        let detail = format!("{waiting} runs of the laboratory are waited for: try again in a moment");
+        Problem::new(("tooManyRuns", ProblemKind::Unavailable), detail)
+    }
+
     /// Nobody gives way to one more connection; a STOP was heard before.
     pub(super) fn no_place(has_halted: bool) -> Problem {
         let so = if has_halted { "; the STOP that came with it has halted the robot" } else { "" };

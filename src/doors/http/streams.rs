@@ -37,10 +37,7 @@ impl Streams {
 
     /// Opens one for somebody; `None` when he has his share, or nobody can have one more.
     pub(super) fn open(&self, caller: &Caller, access: &Access) -> Option<OpenStream> {
-        let key = match access {
-            Access::Open => None,
-            Access::Keys(_) => Some(caller.name()),
-        };
+        let key = access.key_of(caller);
         let is_viewer = key.is_some() && caller.role() != Role::Operator;
         let of_viewers = if is_viewer { Some(self.viewers.take(None).ok()?) } else { None };
         Some(OpenStream { _of_all: self.all.take(key).ok()?, _of_viewers: of_viewers })
