@@ -56,6 +56,9 @@ pub enum Reason {
     /// An element where it does not belong.
     #[error("<{0}> does not belong here")]
     Misplaced(String),
+    /// Names that belong to somebody else.
+    #[error("xmlns is not read here: files of trees have no namespaces")]
+    Namespace,
     /// Another file is to be read.
     #[error("<include> is not read here: put all trees into one file")]
     Include,

@@ -34,6 +34,7 @@ pub fn read(text: &str) -> Result<Document, TreeError> {
     if text.len() > LONGEST_FILE {
         return Err(TreeError::at(start, Reason::TooLong { length: text.len(), most: LONGEST_FILE }));
     }
+    look_at_attributes(text)?;
     let options = ParsingOptions { nodes_limit: MOST_XML_NODES, ..ParsingOptions::default() };
     let xml = Xml::parse_with_options(text, options).map_err(|error| {
         let at = error.pos();
@@ -47,6 +48,46 @@ pub fn read(text: &str) -> Result<Document, TreeError> {
         TreeError::at(Place { line: at.row, column: at.col }, Reason::NotXml(said.to_owned()))
     })?;
     Reader { xml: &xml, line_starts: line_starts(text), text, last: Cell::new((0, 1)) }.document()
+}
+
+/// The parser compares each attribute with all others of its element, and each namespace with all that hold there: what would take it
+/// long is refused before.
+fn look_at_attributes(text: &str) -> Result<(), TreeError> {
+    let refuse = |at: usize, reason: Reason| {
+        let line = text[..at].matches('\n').count() + 1;
+        let column = text[..at].rsplit('\n').next().map_or(0, |before| before.chars().count()) + 1;
+        let number = |number| u32::try_from(number).unwrap_or(u32::MAX);
+        Err(TreeError::at(Place { line: number(line), column: number(column) }, reason))
+    };
+    let behind = |from: usize, end: &str| text[from..].find(end).map(|found| from + found + end.len());
+    let mut at = 0;
+    while let Some(open) = text[at..].find('<').map(|found| at + found) {
+        let passed = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
+        if let Some((_, end)) = passed.into_iter().find(|(begin, _)| text[open..].starts_with(begin)) {
+            let Some(end) = behind(open, end) else { return Ok(()) };
+            at = end;
+            continue;
+        }
+        let mut attributes = 0;
+        at = open + 1;
+        while let Some(next) = text[at..].find(['"', '\'', '>']).map(|found| at + found) {
+            if text[at..next].split_ascii_whitespace().any(|word| word.starts_with("xmlns")) {
+                return refuse(open, Reason::Namespace);
+            }
+            let quote = text.as_bytes()[next];
+            at = next + 1;
+            if quote == b'>' {
+                break;
+            }
+            attributes += 1;
+            if attributes > MOST_ATTRIBUTES {
+                return refuse(open, Reason::TooMany { what: "attributes in one element", most: MOST_ATTRIBUTES });
+            }
+            let Some(end) = behind(at, if quote == b'"' { "\"" } else { "'" }) else { return Ok(()) };
+            at = end;
+        }
+    }
+    Ok(())
 }
 
 struct Reader<'x> {
@@ -92,10 +133,6 @@ impl<'x> Reader<'x> {
         }
         if name(root) != "root" {
             return self.refuse(root, Reason::NotTrees(name(root).to_owned()));
-        }
-        let crowded = root.descendants().find(|node| node.attributes().len() > MOST_ATTRIBUTES);
-        if let Some(crowded) = crowded {
-            return self.refuse(crowded, Reason::TooMany { what: "attributes in one element", most: MOST_ATTRIBUTES });
         }
         let mut document = Document::default();
         let mut format = None;
