@@ -210,11 +210,16 @@ document.addEventListener("submit", (event) => {
   if (form.closest("#inspect") && performance.now() < settledAt) {
     return tell(form.dataset.why, "The piece has just changed: this was not sent. Look, then press again.");
   }
-  if (settling && event.submitter === settling.button && performance.now() < settling.until) return;
+  if (settling && event.submitter === settling.button && performance.now() < settling.until && !isAimed) {
+    return tell(form.dataset.why, "This came with the press before it: it was not sent. Press again.");
+  }
   if (form.dataset.confirm) return ask(form);
   if (form.closest("#confirm")) unask();
   send(form, new URLSearchParams(new FormData(form, event.submitter)), event.submitter);
 });
+
+let isAimed = false; // whether the last press was one of its own with a pointer, and neither a key nor the second of a double click
+document.addEventListener("click", (event) => (isAimed = event.detail === 1), true);
 
 const sending = new Set();
 

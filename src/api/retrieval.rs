@@ -109,7 +109,7 @@ impl From<ArmState> for ArmJson {
         ArmJson {
             gripper: arm.gripper.name(),
             holds: arm.holds.is_some(),
-            lifted: arm.lifted,
+            lifted: arm.holds.is_some() && !arm.on_floor,
             force_n: hundredths(f64::from(arm.force_mn) / 1e3),
             angle_deg: hundredths((f64::from(arm.angle_urad) / 1e6).to_degrees()),
             gap_mm: hundredths(f64::from(arm.gap_um) / 1e3),

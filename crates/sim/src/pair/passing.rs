@@ -274,6 +274,8 @@ impl Pair {
         }
         let together = task.run.is_some_and(|run| run.together);
         self.unkept = true;
+        // Nobody is to see an arm change when it stands already.
+        self.tell_arms();
         self.halt_alone(which);
         if together {
             self.halt_alone(which.other());

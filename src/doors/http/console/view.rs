@@ -186,6 +186,10 @@ impl View<'_> {
             if *hold == Hold::Alarm && self.snapshot.mission.phase == PhaseName::Retrieving {
                 return "the robots that fetch have called: acknowledge their alarm first".to_owned();
             }
+            // There it is RETRIEVE, or RESET, and not START.
+            if *hold == Hold::AwaitingStart && self.snapshot.mission.phase == PhaseName::BombLocated {
+                return "waiting for the operator".to_owned();
+            }
             if *hold != Hold::Temperature || heat.is_empty() {
                 return hold.in_words().to_owned();
             }
