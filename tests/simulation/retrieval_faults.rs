@@ -8,7 +8,7 @@ use hallsweep_core::command::{Command, LuggageRef, Verdict};
 use hallsweep_core::effect::Action;
 use hallsweep_core::event::Piece;
 use hallsweep_core::mission::PhaseName;
-use hallsweep_core::retrieval::{ArmAction, Gripper, Place, Which};
+use hallsweep_core::retrieval::{ArmAction, Gripper, Parcel, Place, Which};
 use hallsweep_core::settings::{Fetcher, Settings};
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::snapshot::Snapshot;
@@ -297,4 +297,41 @@ fn a_bag_on_the_back_of_a_robot_that_is_out_of_reach_for_a_while_is_brought_home
     assert_eq!(ended(&mut trio).mission.phase, PhaseName::BagSecured, "{:?}", trio.state().mission.fault);
     let bags: Vec<Piece> = trio.sim.taken_in().collect();
     assert_eq!(bags.len(), 1);
+}
+
+#[test]
+fn a_piece_of_which_everybody_has_lost_all_memory_is_looked_for_where_it_was_found() {
+    let is_far = |parcel: Parcel| parcel.place.cell().is_none_or(|cell| cell.x.abs_diff(3) + cell.y.abs_diff(3) > 2);
+    let is_on_its_way = |trio: &Trio| trio.pair.load().is_some_and(is_far) || trio.sim.hook().holds.is_some();
+    for begun in [trio(Settings::default(), usual(), Mishaps::default()), alone()] {
+        let mut begun = sent(begun);
+        until(&mut begun, "it is carried", |trio, _| is_on_its_way(trio));
+        let end = begun.now() + Duration::from_millis(100);
+        while begun.advance_to(end) {}
+        begun.forget();
+        let mut trio = begun.killed(9);
+        let mut faults = 0;
+        until(&mut trio, "all are linked", |_, state| can_start(state));
+        for _ in 0..6 {
+            let end = trio.now() + Duration::from_millis(100);
+            while trio.advance_to(end) {}
+            let alarm = trio.state().alarms.iter().rfind(|alarm| alarm.acknowledged.is_none()).and_then(|alarm| alarm.id);
+            if let Some(alarm) = alarm {
+                must(&mut trio, Command::Acknowledge(alarm));
+            }
+            if trio.state().mission.refusals.start.is_none() {
+                must(&mut trio, Command::Start);
+            }
+            until(&mut trio, "it has gone on", |trio, state| {
+                trio.is_quiet() && (state.mission.phase != PhaseName::Retrieving || !state.mission.holds.is_empty())
+            });
+            match trio.state().mission.phase {
+                PhaseName::BagSecured => break,
+                PhaseName::Fault => faults += 1,
+                _ => {}
+            }
+        }
+        assert_eq!((trio.state().mission.phase, faults), (PhaseName::BagSecured, 1), "{:?}", trio.state().mission.fault);
+        assert_eq!(trio.pair.taken_in().len() + trio.sim.taken_in().count(), 1);
+    }
 }

@@ -184,6 +184,12 @@ impl Trio {
         trio
     }
 
+    /// Somebody has moved away what the robots remember: they are where they begin, and the hall is as it was opened.
+    pub(crate) fn forget(&mut self) {
+        let outside = BasePose { place: Place::ENTRANCE, heading: Pose::START.heading };
+        (self.memory, self.pair_memory) = (Some(SimMemory::NEW), Some(PairMemory::new([outside; 2])));
+    }
+
     /// One robot cannot be reached: it halts by itself, and what was on its way to it is gone.
     pub(crate) fn lose_link(&mut self, index: usize) {
         match member(index) {

@@ -16,7 +16,7 @@ use crate::retrieval::{
 use crate::robots::Part;
 use crate::settings::Fetcher;
 use crate::state::{Retrieval, RetrievalStage};
-use crate::units::{Cell, Heading, OrderId};
+use crate::units::{Cell, Heading, LuggageId, OrderId};
 use crate::world::hall_map::Mark;
 use crate::world::luggage::Luggage;
 use crate::world::resource::Resource;
@@ -91,12 +91,27 @@ impl Engine {
 
     /// One that came to nothing begins anew, with what is known by now; with something in the grip they first go out.
     pub(super) fn retry_retrieval(&mut self) {
-        let has_empty_hands = Which::ALL.iter().all(|which| self.base_view(*which).arm.holds.is_none());
-        let gave_up = self.state.retrieval.as_ref().filter(|retrieval| retrieval.stage.reason().is_some() && has_empty_hands);
-        if let Some(retrieval) = gave_up.cloned() {
-            self.team = None;
-            self.note_retrieval(Some(Retrieval { stage: RetrievalStage::MakingRoom, team: None, ..retrieval }));
+        let Some(retrieval) = self.state.retrieval.clone() else { return };
+        let pair = Which::ALL.map(|which| self.base_view(which).arm);
+        if pair.iter().chain([&self.robots.searching().arm]).any(|arm| arm.holds.is_some()) {
+            return;
         }
+        let has_vanished = retrieval.piece.is_empty();
+        let is_alone = retrieval.fetcher == Fetcher::Discovery && retrieval.stage == RetrievalStage::Fetching;
+        if retrieval.stage.reason().is_some() || has_vanished && is_alone {
+            let piece = if has_vanished { self.stands_again(retrieval.luggage) } else { retrieval.piece };
+            self.team = None;
+            self.note_retrieval(Some(Retrieval { stage: RetrievalStage::MakingRoom, piece, team: None, ..retrieval }));
+        }
+    }
+
+    /// Nobody has what was lifted, and nobody knows where it lies: it is looked for where it was found.
+    fn stands_again(&mut self, luggage: LuggageId) -> BTreeSet<Cell> {
+        let piece = self.state.luggage.get(&luggage).map(|luggage| self.cells_of(luggage)).unwrap_or_default();
+        for cell in &piece {
+            self.mark(*cell, Mark::Luggage);
+        }
+        piece
     }
 
     pub(super) fn retrieval_as_it_is(&self) -> Option<Arc<RetrievalView>> {

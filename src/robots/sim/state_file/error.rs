@@ -8,19 +8,19 @@ use std::path::PathBuf;
 pub(crate) enum StateFileError {
     #[error(
         "cannot read {} ({error}): make it a file that whoever runs hallsweep can read, or move it away, and start again: \
-         without it the simulated robot is put down at home",
+         without it what is simulated begins anew where a mission begins",
         .path.display()
     )]
     Unreadable { path: PathBuf, error: std::io::Error },
     #[error(
-        "{} is damaged: {fault}; move it away and start again: the simulated robot is then put down at home, and what is \
-         on record stays",
+        "{} is damaged: {fault}; move it away and start again: what is simulated then begins anew where a mission begins, and \
+         what is on record stays",
         .path.display()
     )]
     Damaged { path: PathBuf, fault: String },
     #[error(
         "{} was written in version {found} of its format, this hallsweep knows version 1: start the hallsweep that wrote \
-         it, or move the file away and the simulated robot is put down at home",
+         it, or move the file away and what is simulated begins anew where a mission begins",
         .path.display()
     )]
     OtherVersion { path: PathBuf, found: String },
