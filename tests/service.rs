@@ -67,5 +67,7 @@ mod stream;
 mod third_party;
 #[path = "service/tls.rs"]
 mod tls;
+#[path = "service/trees.rs"]
+mod trees;
 #[path = "service/verdicts.rs"]
 mod verdicts;

@@ -38,7 +38,7 @@ pub struct Roomba {
 pub fn run(flags: &Roomba) -> Result<(), Failure> {
     let prints_drawing = flags.svg.as_deref() == Some(Path::new("-"));
     if prints_drawing && flags.json {
-        return Err(Failure::Run("--json and --svg - both print to standard output: give --svg a file".to_owned()));
+        return Err(Failure::Usage("--json and --svg - both print to standard output: give --svg a file".to_owned()));
     }
     let runs = Runs::new(flags.controllers(), flags.seed, flags.seconds);
     match &flags.svg {

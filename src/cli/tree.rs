@@ -133,7 +133,11 @@ fn held(document: &Document) -> String {
     fn count(element: &Element) -> usize {
         1 + element.children.iter().map(count).sum::<usize>()
     }
-    let trees: Vec<String> = document.trees.iter().map(|tree| format!("{} ({} nodes)", tree.id, count(&tree.root))).collect();
+    let size = |tree: &Element| match count(tree) {
+        1 => "1 node".to_owned(),
+        many => format!("{many} nodes"),
+    };
+    let trees: Vec<String> = document.trees.iter().map(|tree| format!("{} ({})", tree.id, size(&tree.root))).collect();
     let main = match &document.main {
         Some(main) if document.trees.len() > 1 => format!("; {main} runs"),
         Some(_) | None => String::new(),

@@ -98,7 +98,7 @@ pub enum Reason {
     #[error("the file has several trees, and no main_tree_to_execute says which one runs: {0}")]
     NoMain(String),
     /// A tree is named that is not there.
-    #[error("there is no tree {0} in the file")]
+    #[error("there is no tree {} in the file", .0.escape_debug())]
     UnknownTree(String),
     /// A tree uses itself.
     #[error("the tree {0} uses itself")]

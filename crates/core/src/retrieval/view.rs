@@ -141,7 +141,7 @@ impl Saying {
     #[must_use]
     pub const fn in_words(self) -> &'static str {
         match self {
-            Saying::CallOperator => "the pair recognises no parcel: look what stands there, then acknowledge",
+            Saying::CallOperator => "the pair recognises no parcel: look what stands there, then acknowledge and press START",
             Saying::PackageLost => "the pair has lost the parcel: look where it lies, then acknowledge and press START",
         }
     }

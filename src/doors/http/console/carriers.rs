@@ -1,7 +1,7 @@
 //! The robots that fetch, in the picture of the hall: where each stands, its name, its arm reaching to the piece, and the piece where
 //! it is now. The robot that searches is drawn by `hall`, before the entrance by `porch`.
 
-use super::hall::{CELL, larger, luggage, middle, turn, write};
+use super::hall::{CELL, draw_luggage, larger, middle, turn, write};
 use super::porch::{Column, Porch};
 use hallsweep_core::retrieval::Place;
 use hallsweep_core::units::LuggageId;
@@ -23,7 +23,6 @@ pub(super) fn carriers(snapshot: &Snapshot) -> String {
             snapshot.luggage.iter().filter(|piece| piece.secured.is_some()).map(|piece| piece.id).collect();
         scene.porch.draw(&mut group, &secured);
         let others = || (1..).zip(snapshot.robots.iter().skip(1));
-        others().for_each(|(waits, robot)| scene.arm(&mut group, waits, robot));
         others().for_each(|(waits, robot)| scene.robot(&mut group, waits, robot));
         scene.parcel(&mut group, snapshot);
     }
@@ -91,21 +90,22 @@ impl Scene {
         }
     }
 
-    fn arm(&self, group: &mut String, waits: i32, robot: &RobotShown) {
-        let Some(place) = reaches(robot) else { return };
+    /// From the robot, with which it moves, to the piece.
+    fn arm(&self, waits: i32, robot: &RobotShown) -> String {
+        let Some(place) = reaches(robot) else { return String::new() };
         let ((x, y), (to_x, to_y)) = (self.at(waits, robot), self.place(place));
         let class = if robot.arm.is_some_and(|arm| arm.holds.is_some()) { "arm holding" } else { "arm" };
-        write(group, format_args!("<path class=\"{class}\" stroke-width=\"{}\" d=\"M{x} {y}L{to_x} {to_y}\"/>", 2 * self.size));
+        format!("<path class=\"{class}\" stroke-width=\"{}\" d=\"M0 0L{} {}\"/>", 2 * self.size, to_x - x, to_y - y)
     }
 
     fn robot(&self, group: &mut String, waits: i32, robot: &RobotShown) {
         let ((x, y), size) = (self.at(waits, robot), self.size);
         let off_centre = if robot.view.off_centre { " off-centre" } else { "" };
-        let name = robot.id.name();
+        let (name, arm) = (robot.id.name(), self.arm(waits, robot));
         write(
             group,
             format_args!(
-                "<g id=\"hall-carrier-{waits}\" class=\"robot carrier{off_centre}\" transform=\"translate({x} {y})\"><title>{name}</title>\
+                "<g id=\"hall-carrier-{waits}\" class=\"robot carrier{off_centre}\" transform=\"translate({x} {y})\"><title>{name}</title>{arm}\
                  <g transform=\"scale({size})\"><g transform=\"rotate({})\"><rect class=\"body\" x=\"-3.8\" y=\"-3.8\" width=\"7.6\" height=\"7.6\" rx=\"1.6\"/>\
                  <path class=\"nose\" d=\"M0 -3L2.2 1.2H-2.2Z\"/></g><text class=\"name\" y=\"8.2\">{name}</text></g></g>",
                 turn(robot.view.pose.heading)
@@ -116,7 +116,16 @@ impl Scene {
     fn parcel(&self, group: &mut String, snapshot: &Snapshot) {
         let fetched = snapshot.retrieval.as_deref().and_then(|retrieval| snapshot.luggage(retrieval.luggage));
         if let (Some(place), Some(piece)) = (held_at(snapshot), fetched) {
-            luggage(group, piece, self.place(place), self.size);
+            // It moves as the robots do, and leaves room for their names.
+            let (x, y) = self.place(place);
+            write(
+                group,
+                format_args!(
+                    "<g id=\"hall-load\" class=\"robot load\" transform=\"translate({x} {y})\"><g transform=\"scale(.75)\">"
+                ),
+            );
+            draw_luggage(group, piece, (0, 0), self.size, false);
+            group.push_str("</g></g>");
         }
     }
 }

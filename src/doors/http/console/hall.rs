@@ -232,7 +232,12 @@ fn home(group: &mut String, size: i32) {
     );
 }
 
-pub(super) fn luggage(group: &mut String, piece: &Luggage, (x, y): (i32, i32), size: i32) {
+pub(super) fn luggage(group: &mut String, piece: &Luggage, at: (i32, i32), size: i32) {
+    // Where cells are tiny the numbers would cover each other; the title still says which piece it is.
+    draw_luggage(group, piece, at, size, size == 1);
+}
+
+pub(super) fn draw_luggage(group: &mut String, piece: &Luggage, (x, y): (i32, i32), size: i32, has_number: bool) {
     let verdict = piece.verdict_name();
     let (shape, letter) = match verdict {
         "safe" => ("<circle r=\"4.2\"/>", "S"),
@@ -240,8 +245,7 @@ pub(super) fn luggage(group: &mut String, piece: &Luggage, (x, y): (i32, i32), s
         _ => ("<rect x=\"-4.2\" y=\"-4.2\" width=\"8.4\" height=\"8.4\"/>", "?"),
     };
     let id = piece.id;
-    // Where cells are tiny the numbers would cover each other; the title still says which piece it is.
-    let number = if size == 1 { format!("<text class=\"number\" y=\"7.4\">#{id}</text>") } else { String::new() };
+    let number = if has_number { format!("<text class=\"number\" y=\"7.4\">#{id}</text>") } else { String::new() };
     write(
         group,
         format_args!(

@@ -101,7 +101,8 @@ impl Porch {
             ),
         );
         for (place, id) in (0..).zip(secured.iter().take(SEEN)) {
-            let (x, y) = (if place % 2 == 0 { -4 } else { 4 }, if place < 2 { -4 } else { 5 });
+            let among = (if place % 2 == 0 { -4 } else { 4 }, if place < 2 { -4 } else { 5 });
+            let (x, y) = if secured.len() == 1 { (0, 2) } else { among };
             write(
                 group,
                 format_args!(
