@@ -132,7 +132,7 @@ impl Trio {
     }
 
     pub(crate) fn ruled(rules: Settings, hall: Arc<Hall>, sim: SimSettings, pair: PairSettings, delays: Delays) -> Trio {
-        let engine = Engine::new(rules.clone(), Default::default(), "trio".into());
+        let engine = Engine::new(rules, Default::default(), "trio".into());
         let outside = BasePose { place: Place::ENTRANCE, heading: Pose::START.heading };
         let mut trio = Trio {
             engine,
@@ -171,7 +171,7 @@ impl Trio {
         let memory = self.memory.expect("a robot is written down as soon as it is put down");
         let pair_memory = self.pair_memory.take().expect("a pair is written down as soon as it is put down");
         let mut trio = Trio {
-            engine: Engine::recall(self.rules.clone(), "again".into(), self.recalled(), now),
+            engine: Engine::recall(self.rules, "again".into(), self.recalled(), now),
             sim: Sim::remembering(Arc::clone(&self.hall), sim, memory),
             pair: Pair::remembering(Arc::clone(&self.hall), pair, pair_memory, now),
             pages: Line::default(),

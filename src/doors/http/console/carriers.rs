@@ -102,12 +102,15 @@ impl Scene {
         let ((x, y), size) = (self.at(waits, robot), self.size);
         let off_centre = if robot.view.off_centre { " off-centre" } else { "" };
         let (name, arm) = (robot.id.name(), self.arm(waits, robot));
+        // The name stands where the piece does not.
+        let is_above = reaches(robot).is_some_and(|place| self.place(place).1 > y);
+        let name_y = if is_above { "-5" } else { "8.2" };
         write(
             group,
             format_args!(
                 "<g id=\"hall-carrier-{waits}\" class=\"robot carrier{off_centre}\" transform=\"translate({x} {y})\"><title>{name}</title>{arm}\
                  <g transform=\"scale({size})\"><g transform=\"rotate({})\"><rect class=\"body\" x=\"-3.8\" y=\"-3.8\" width=\"7.6\" height=\"7.6\" rx=\"1.6\"/>\
-                 <path class=\"nose\" d=\"M0 -3L2.2 1.2H-2.2Z\"/></g><text class=\"name\" y=\"8.2\">{name}</text></g></g>",
+                 <path class=\"nose\" d=\"M0 -3L2.2 1.2H-2.2Z\"/></g><text class=\"name\" y=\"{name_y}\">{name}</text></g></g>",
                 turn(robot.view.pose.heading)
             ),
         );
