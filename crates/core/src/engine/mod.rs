@@ -8,6 +8,7 @@
 //! ```
 
 mod acts;
+mod arms;
 mod decide;
 mod facts;
 mod fetch_alone;

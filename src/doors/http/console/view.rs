@@ -182,19 +182,15 @@ impl View<'_> {
     /// What holds the robot, in words, each with what to do about it.
     pub(super) fn holds(&self) -> Vec<String> {
         let heat = self.hot();
-        let words = |hold: &Hold| {
-            if *hold == Hold::Alarm && self.snapshot.mission.phase == PhaseName::Retrieving {
-                return "the robots that fetch have called: acknowledge their alarm first".to_owned();
-            }
+        let words = |hold: &Hold| match (hold, self.snapshot.mission.phase) {
+            (Hold::Alarm, PhaseName::Retrieving) => "the robots that fetch have called: acknowledge their alarm first".to_owned(),
             // There it is RETRIEVE, or RESET, and not START.
-            if *hold == Hold::AwaitingStart && self.snapshot.mission.phase == PhaseName::BombLocated {
-                return "waiting for the operator".to_owned();
+            (Hold::AwaitingStart, PhaseName::BombLocated) => "waiting for the operator".to_owned(),
+            (Hold::Temperature, _) if !heat.is_empty() => {
+                let hot: Vec<String> = heat.iter().map(|(source, reading)| format!("{source} {reading}")).collect();
+                format!("too hot: {}; {} or less is wanted", hot.join(", "), self.snapshot.temperature.cool)
             }
-            if *hold != Hold::Temperature || heat.is_empty() {
-                return hold.in_words().to_owned();
-            }
-            let hot: Vec<String> = heat.iter().map(|(source, reading)| format!("{source} {reading}")).collect();
-            format!("too hot: {}; {} or less is wanted", hot.join(", "), self.snapshot.temperature.cool)
+            (hold, _) => hold.in_words().to_owned(),
         };
         self.snapshot.mission.holds.iter().map(words).collect()
     }
