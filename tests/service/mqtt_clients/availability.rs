@@ -36,13 +36,16 @@ fn a_newcomer_is_told_what_stands() {
         // What is kept is as it stands a moment later at the latest; only then there is nothing more to come.
         let early = RunningClient::begin(client, &program, Hello::following(&[OURS], 0));
         let shown = |name: &str| format!("hallsweep/discovery/state/{name}");
-        let resources = ["mission", "robot", "map", "luggage", "temperature", "alarms", "log"];
+        let resources = ["mission", "robot", "map", "luggage", "temperature", "alarms", "retrieval", "log"];
         for name in resources {
             early.until_newest(&shown(name), "as it stands", |message| message.json() == state[name]);
         }
         early.leave();
         let late = RunningClient::begin(client, &program, Hello::following(&[OURS], 1));
-        late.until("all that is kept", |heard| (heard.len() > resources.len()).then_some(()));
+        let topics = || resources.iter().map(|name| shown(name)).chain([AVAILABILITY.to_owned()]);
+        late.until("all that is kept", |heard| {
+            topics().all(|topic| heard.iter().any(|message| message.topic == topic)).then_some(())
+        });
         let heard = late.heard();
         assert!(heard.iter().all(|message| message.kept && message.qos == 1), "{heard:#?}");
         for name in resources {
