@@ -34,7 +34,8 @@ pub fn read(text: &str) -> Result<Document, TreeError> {
     if text.len() > LONGEST_FILE {
         return Err(TreeError::at(start, Reason::TooLong { length: text.len(), most: LONGEST_FILE }));
     }
-    look_at_attributes(text)?;
+    let lines = Lines::of(text);
+    look_at_attributes(&lines)?;
     let options = ParsingOptions { nodes_limit: MOST_XML_NODES, ..ParsingOptions::default() };
     let xml = Xml::parse_with_options(text, options).map_err(|error| {
         let at = error.pos();
@@ -47,24 +48,20 @@ pub fn read(text: &str) -> Result<Document, TreeError> {
         let said = said.strip_suffix(&format!(" at {at}")).unwrap_or(&said);
         TreeError::at(Place { line: at.row, column: at.col }, Reason::NotXml(said.to_owned()))
     })?;
-    Reader { xml: &xml, line_starts: line_starts(text), text, last: Cell::new((0, 1)) }.document()
+    Reader { xml: &xml, lines }.document()
 }
 
 /// The parser compares each attribute with all others of its element, and each namespace with all that hold there: what would take it
 /// long is refused before.
-fn look_at_attributes(text: &str) -> Result<(), TreeError> {
-    let refuse = |at: usize, reason: Reason| {
-        let line = text[..at].matches('\n').count() + 1;
-        let column = text[..at].rsplit('\n').next().map_or(0, |before| before.chars().count()) + 1;
-        let number = |number| u32::try_from(number).unwrap_or(u32::MAX);
-        Err(TreeError::at(Place { line: number(line), column: number(column) }, reason))
-    };
+fn look_at_attributes(lines: &Lines<'_>) -> Result<(), TreeError> {
+    let text = lines.text;
+    let refuse = |at: usize, reason: Reason| Err(TreeError::at(lines.place(at), reason));
     let behind = |from: usize, end: &str| text[from..].find(end).map(|found| from + found + end.len());
     let mut at = 0;
     while let Some(open) = text[at..].find('<').map(|found| at + found) {
         let passed = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
-        if let Some((_, end)) = passed.into_iter().find(|(begin, _)| text[open..].starts_with(begin)) {
-            let Some(end) = behind(open, end) else { return Ok(()) };
+        if let Some((begin, end)) = passed.into_iter().find(|(begin, _)| text[open..].starts_with(begin)) {
+            let Some(end) = behind(open + begin.len(), end) else { return Ok(()) };
             at = end;
             continue;
         }
@@ -90,23 +87,24 @@ fn look_at_attributes(text: &str) -> Result<(), TreeError> {
     Ok(())
 }
 
-struct Reader<'x> {
-    xml: &'x Xml<'x>,
+/// The text, and where in it things are.
+struct Lines<'x> {
     text: &'x str,
     /// Where each line begins, in bytes: looking for it anew for each node would take quadratic time.
-    line_starts: Vec<usize>,
+    starts: Vec<usize>,
     /// The place that was asked for last, in bytes, and its column: most are a little behind it, and a file may be one long line.
     last: Cell<(usize, usize)>,
 }
 
-fn line_starts(text: &str) -> Vec<usize> {
-    std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect()
-}
+impl<'x> Lines<'x> {
+    fn of(text: &'x str) -> Lines<'x> {
+        let starts = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
+        Lines { text, starts, last: Cell::new((0, 1)) }
+    }
 
-impl<'x> Reader<'x> {
     fn place(&self, at: usize) -> Place {
-        let line = self.line_starts.partition_point(|start| *start <= at);
-        let start = self.line_starts[line - 1];
+        let line = self.starts.partition_point(|start| *start <= at);
+        let start = self.starts[line - 1];
         let (last, before) = self.last.get();
         let (from, counted) = if (start..=at).contains(&last) { (last, before) } else { (start, 1) };
         let column = counted + self.text[from..at].chars().count();
@@ -114,9 +112,16 @@ impl<'x> Reader<'x> {
         let number = |number| u32::try_from(number).unwrap_or(u32::MAX);
         Place { line: number(line), column: number(column) }
     }
+}
 
+struct Reader<'x> {
+    xml: &'x Xml<'x>,
+    lines: Lines<'x>,
+}
+
+impl<'x> Reader<'x> {
     fn of(&self, node: Node<'_, '_>) -> Place {
-        self.place(node.range().start)
+        self.lines.place(node.range().start)
     }
 
     fn refuse<T>(&self, node: Node<'_, '_>, reason: Reason) -> Result<T, TreeError> {
@@ -254,7 +259,7 @@ impl<'x> Reader<'x> {
         let attribute = |attribute: roxmltree::Attribute<'_, '_>| Attribute {
             name: attribute.name().to_owned(),
             value: attribute.value().to_owned(),
-            place: self.place(attribute.range().start),
+            place: self.lines.place(attribute.range().start),
         };
         node.attributes().map(attribute).collect()
     }

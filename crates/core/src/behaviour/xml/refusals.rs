@@ -207,6 +207,10 @@ fn what_would_fill_the_memory_is_refused() {
     refused(&tree(&deeper), "1:1: there are more than 32768 elements, comments and texts between them in one file");
     let crowd: String = (0..65).map(|n| format!(" a{n}=\"1\"")).collect();
     refused(&tree(&format!("<Say{crowd}/>")), "2:1: there are more than 64 attributes in one element");
+    // What looks like the end of a comment at its beginning is none.
+    refused(&tree(&format!("<!--> <x a=\"--><Say{crowd}/>")), "2:16: there are more than 64 attributes in one element");
+    let passed = format!("<!-- <Say{crowd} xmlns='x'/> --><?say {crowd} xmlns='x'?><AlwaysSuccess/>");
+    assert!(checked(&tree(&passed)).is_ok(), "what is no element is not counted");
     let trees = "<BehaviorTree ID=\"x\"><Say/></BehaviorTree>".repeat(201);
     let file = format!("<root BTCPP_format=\"4\">{trees}</root>");
     assert!(checked(&file).expect_err("too many").ends_with("there are more than 200 trees in one file"));
