@@ -23,6 +23,14 @@ fn locate(program: &Program) -> u64 {
     piece
 }
 
+/// The program over this folder, with whoever fetches on his way to the dangerous piece; the piece's number.
+fn fetching(folder: &Folder, speed: &str, settings: &[(&str, &str)]) -> (Program, u64) {
+    let program = serve(folder, speed, settings);
+    let piece = locate(&program);
+    program.command("retrieve").accepted();
+    (program, piece)
+}
+
 fn holds(state: &Value) -> &[Value] {
     state["mission"]["holds"].as_array().expect("a mission says what holds it")
 }
@@ -81,9 +89,7 @@ fn coap_sends_the_pair_too() {
 #[test]
 fn discovery_fetches_the_bag_itself_where_the_settings_say_so() {
     let folder = Folder::new("discovery");
-    let program = serve(&folder, "max", &[("HALLSWEEP__MISSION__RETRIEVAL", "discovery")]);
-    let piece = locate(&program);
-    program.command("retrieve").accepted();
+    let (program, piece) = fetching(&folder, "max", &[("HALLSWEEP__MISSION__RETRIEVAL", "discovery")]);
     let state = program.until_phase("bagSecured");
     assert_eq!(state["robots"].as_array().map(Vec::len), Some(1), "nobody else is there");
     assert!(program.json(&format!("luggage/{piece}"))["secured"].is_string());
@@ -102,9 +108,7 @@ fn where_nobody_fetches_a_person_does_and_retrieve_says_so() {
 #[test]
 fn stop_and_kill_leave_pair_and_parcel_where_they_are_until_start() {
     let folder = Folder::new("carried");
-    let program = serve(&folder, "20", &[]);
-    let piece = locate(&program);
-    program.command("retrieve").accepted();
+    let (program, piece) = fetching(&folder, "20", &[]);
     program.until("the bag is lifted", carries);
     program.command("stop").accepted();
     let stands = |state: &Value| pair(state).iter().all(|robot| robot["state"] == "stopped" && robot["halting"] == false);
@@ -127,9 +131,7 @@ fn stop_and_kill_leave_pair_and_parcel_where_they_are_until_start() {
 #[test]
 fn a_lost_parcel_calls_the_operator_who_acknowledges_and_starts() {
     let folder = Folder::new("lost");
-    let program = serve(&folder, "max", &[("HALLSWEEP__PAIR__SLIPS", "1")]);
-    let piece = locate(&program);
-    program.command("retrieve").accepted();
+    let (program, piece) = fetching(&folder, "max", &[("HALLSWEEP__PAIR__SLIPS", "1")]);
     let is_call = |alarm: &&Value| alarm["id"].is_u64() && alarm["text"].as_str().is_some_and(|text| text.contains("lost"));
     let state = program.until("the pair's call, on record", |state| alarms(state).iter().any(|alarm| is_call(&alarm)));
     assert!(is_held(&state, "alarm"), "{state:#}");
@@ -146,9 +148,7 @@ fn a_lost_parcel_calls_the_operator_who_acknowledges_and_starts() {
 #[test]
 fn a_bag_in_the_container_stays_there_though_the_settings_name_nobody_who_fetches_any_more() {
     let folder = Folder::new("kept");
-    let program = serve(&folder, "max", &[]);
-    let bomb = locate(&program);
-    program.command("retrieve").accepted();
+    let (program, bomb) = fetching(&folder, "max", &[]);
     secured(&program, bomb);
     drop(program);
 
