@@ -1,14 +1,13 @@
 //! A run of the pallet scenario as doors and command line show it: its events and figures in words, its trees as they stand at the end.
 //! The drawing and the JSON stand in the files beside this one, what happens in the run in `hallsweep_sim::pallet`.
 
-use std::sync::Arc;
 use std::time::Duration;
 
 use super::mishap::AskedFault;
 pub use super::pallet_drawing::drawing;
 use super::pallet_json::PalletJson;
 use hallsweep_core::units::Cell;
-use hallsweep_core::world::retrieval::{TreeView, TreesView};
+use hallsweep_core::world::retrieval::TreesView;
 use hallsweep_sim::pair::Spread;
 use hallsweep_sim::pallet::{Asked, Entry, Figures, Frame, News, PalletFault, PalletRun, ParcelsError};
 
@@ -85,11 +84,9 @@ impl Pallet {
     /// The trees as they stand at the end.
     pub fn trees(&self) -> TreesView {
         let team = self.run.team();
-        let held = team.blackboard().entries();
-        let held = held.filter_map(|entry| Some((Arc::from(entry.name()), entry.value()?.to_string())));
-        let mut blackboard: Vec<(Arc<str>, String)> = held.collect();
-        blackboard.sort();
-        TreesView { ticks: self.figures.ticks, trees: team.trees().iter().map(TreeView::of).collect(), blackboard }
+        let mut trees = TreesView::of(team.trees(), team.blackboard());
+        trees.blackboard.sort();
+        trees
     }
 }
 

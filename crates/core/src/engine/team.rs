@@ -6,7 +6,6 @@ use std::time::Duration;
 
 use super::Engine;
 use super::motion::Turn;
-use crate::behaviour::Tree;
 use crate::effect::Fact;
 use crate::mission::{Hold, Phase};
 use crate::retrieval::team::TICK;
@@ -15,7 +14,7 @@ use crate::settings::Fetcher;
 use crate::state::{Retrieval, RetrievalStage};
 use crate::world::log::Tone;
 use crate::world::resource::Resource;
-use crate::world::retrieval::{TreeView, TreesView};
+use crate::world::retrieval::TreesView;
 
 /// The trees, and when they were last ticked.
 #[derive(Clone, Debug)]
@@ -129,14 +128,14 @@ impl Engine {
     pub(super) fn recall_team(&mut self) {
         if self.state.retrieval.as_ref().is_some_and(|retrieval| retrieval.team.is_some()) {
             let ticked = self.resumed_team();
-            self.trees = shown(&ticked.team);
+            self.trees = Arc::new(TreesView::of(ticked.team.trees(), ticked.team.blackboard()));
             self.team = Some(ticked);
         }
     }
 
     /// What is shown of the trees is new with each tick; on record goes what they could not go on without.
     fn note_tick(&mut self, team: &Team) {
-        self.trees = shown(team);
+        self.trees = Arc::new(TreesView::of(team.trees(), team.blackboard()));
         let state = team.state();
         let Some(retrieval) = self.state.retrieval.clone() else { return };
         if !retrieval.team.as_ref().is_some_and(|kept| kept.stands_as(&state)) {
@@ -166,10 +165,4 @@ impl Engine {
         self.set_retrieval_stage(if is_outside { RetrievalStage::GoingOut(None) } else { RetrievalStage::ComingHome(None) });
         Turn::Again
     }
-}
-
-fn shown(team: &Team) -> Arc<TreesView> {
-    let ticks = team.trees().iter().map(Tree::ticks).max().unwrap_or(0);
-    let held = team.blackboard().entries().filter_map(|entry| Some((Arc::from(entry.name()), entry.value()?.to_string())));
-    Arc::new(TreesView { ticks, trees: team.trees().iter().map(TreeView::of).collect(), blackboard: held.collect() })
 }

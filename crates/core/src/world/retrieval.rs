@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::behaviour::{Status, Tree};
+use crate::behaviour::{Blackboard, Status, Tree};
 use crate::settings::Fetcher;
 use crate::units::{Cell, LuggageId};
 
@@ -30,8 +30,21 @@ pub struct TreesView {
     pub ticks: u64,
     /// In the order in which they are ticked.
     pub trees: Vec<TreeView>,
-    /// What they share: each entry's name and value, by name.
+    /// What they share: the name and the value of each entry that holds something.
     pub blackboard: Vec<(Arc<str>, String)>,
+}
+
+impl TreesView {
+    /// Trees as they are after their last tick.
+    #[must_use]
+    pub fn of(trees: &[Tree], blackboard: &Blackboard) -> TreesView {
+        let held = blackboard.entries().filter_map(|entry| Some((Arc::from(entry.name()), entry.value()?.to_string())));
+        TreesView {
+            ticks: trees.iter().map(Tree::ticks).max().unwrap_or(0),
+            trees: trees.iter().map(TreeView::of).collect(),
+            blackboard: held.collect(),
+        }
+    }
 }
 
 /// A tree after a tick.
