@@ -80,15 +80,37 @@ pub struct Serve {
     /// Where all chance in the simulation comes from.
     #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
     seed: Option<String>,
-    /// The order of the search: snail.
-    #[arg(long, value_name = "NAME")]
-    strategy: Option<String>,
+    #[command(flatten)]
+    search: Search,
     /// A settings file, laid over the defaults.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
     /// The folder of everything that outlives the program; "none": nothing is kept.
     #[arg(long, value_name = "DIR")]
     data: Option<String>,
+}
+
+/// The flags that say how to search.
+#[derive(Args, Clone, Debug, Default)]
+pub struct Search {
+    /// The order of the search: auto, scored, frontier, columns, spiral, snail.
+    #[arg(long, value_name = "NAME")]
+    strategy: Option<String>,
+    /// What the search is to be good at: find, cover.
+    #[arg(long, value_name = "NAME")]
+    goal: Option<String>,
+    /// How the robot learns that a cell is free: bump, sonar.
+    #[arg(long, value_name = "NAME")]
+    sensing: Option<String>,
+    /// What a step, a turn and a bump cost, as 1,1,1; "robot": as long as they take it.
+    #[arg(long, value_name = "STEP,TURN,BUMP", allow_hyphen_values = true)]
+    costs: Option<String>,
+}
+
+impl Search {
+    fn flags(&self) -> impl Iterator<Item = (&'static str, &Option<String>)> {
+        [("--strategy", &self.strategy), ("--goal", &self.goal), ("--sensing", &self.sensing), ("--costs", &self.costs)].into_iter()
+    }
 }
 
 /// The flags of `healthcheck`.
@@ -137,10 +159,9 @@ impl Serve {
             ("--mqtt", &self.mqtt),
             ("--speed", &self.speed),
             ("--seed", &self.seed),
-            ("--strategy", &self.strategy),
             ("--data", &self.data),
         ];
-        given.into_iter().filter_map(|(flag, value)| Some(Flag::given(flag, value.clone()?))).collect()
+        given.into_iter().chain(self.search.flags()).filter_map(|(flag, value)| Some(Flag::given(flag, value.clone()?))).collect()
     }
 }
 
@@ -219,8 +240,8 @@ mod tests {
 
     #[test]
     fn every_flag_is_a_setting() {
-        let given = flags("hallsweep --hall h --http a --coap c --mqtt m --speed -1 --seed -2 --strategy s --data d");
-        assert_eq!(given.len(), 8);
+        let given = flags("hallsweep --hall h --http a --coap c --mqtt m --speed -1 --seed -2 --strategy s --goal g --sensing n --costs -1 --data d");
+        assert_eq!(given.len(), 11);
         for (key, _) in given {
             assert!(crate::config::Key::named(key).is_some(), "{key} is no setting");
         }

@@ -26,9 +26,8 @@ pub struct Explore {
     /// The hall: the name of a built-in one, a hall file (.toml) or a MovingAI grid (.map).
     #[arg(long, value_name = "HALL")]
     hall: Option<String>,
-    /// The order of the search: snail.
-    #[arg(long, value_name = "NAME")]
-    strategy: Option<String>,
+    #[command(flatten)]
+    search: super::Search,
     /// Where all chance comes from: the same number gives the same run.
     #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
     seed: Option<String>,
@@ -76,8 +75,8 @@ pub fn run(flags: &Explore) -> Result<(), Failure> {
 
 impl Explore {
     fn sources(&self) -> Sources {
-        let given = [("--hall", &self.hall), ("--seed", &self.seed), ("--strategy", &self.strategy)];
-        let flags = given.into_iter().filter_map(|(flag, value)| Some(Flag::given(flag, value.clone()?)));
+        let given = [("--hall", &self.hall), ("--seed", &self.seed)];
+        let flags = given.into_iter().chain(self.search.flags()).filter_map(|(flag, value)| Some(Flag::given(flag, value.clone()?)));
         // Nothing of it is kept, so a user without a home can run it too.
         let nothing = Flag { flag: "of explore", key: "store.folder", value: "none".to_owned() };
         config::sources(self.config.clone(), flags.chain([nothing]).collect())

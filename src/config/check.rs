@@ -16,7 +16,8 @@ use super::layers::Layers;
 use super::{HttpSettings, OldClients, PairMishaps, Settings, TlsFiles, folder};
 use super::{mqtt, robots};
 use hallsweep_core::command::TemperatureReport;
-use hallsweep_core::search::Strategy;
+use hallsweep_core::search::costs::Costs;
+use hallsweep_core::search::{Objective, Sensing, Strategy};
 use hallsweep_core::settings::{Fetcher, Settings as CoreSettings};
 use hallsweep_core::units::Celsius;
 
@@ -160,8 +161,7 @@ fn store(layers: &Layers) -> Result<Option<PathBuf>, SettingsError> {
 }
 
 fn strategy(layers: &Layers) -> Result<Strategy, SettingsError> {
-    let name: String = read(layers, "mission.strategy")?;
-    Strategy::named(&name).ok_or_else(|| layers.wrong("mission.strategy", "there is no such strategy"))
+    one_of(layers, "mission.strategy", &Strategy::ALL, Strategy::name, "there is no such strategy")
 }
 
 fn core(layers: &Layers) -> Result<CoreSettings, SettingsError> {
@@ -171,15 +171,33 @@ fn core(layers: &Layers) -> Result<CoreSettings, SettingsError> {
         threshold,
         hysteresis: number(layers, "temperature.hysteresis_celsius")?,
         inspect_everything: read(layers, "mission.inspect_everything")?,
-        fetcher: fetcher(layers)?,
+        fetcher: one_of(layers, "mission.retrieval", &Fetcher::ALL, Fetcher::name, "nobody of this name fetches")?,
+        objective: one_of(layers, "mission.goal", &Objective::ALL, Objective::name, "there is no such goal")?,
+        sensing: one_of(layers, "mission.sensing", &Sensing::ALL, Sensing::name, "there is no such sensing")?,
+        costs: costs(layers)?,
         wall_lines: read(layers, "mission.wall_lines")?,
     })
 }
 
-fn fetcher(layers: &Layers) -> Result<Fetcher, SettingsError> {
-    let name: String = read(layers, "mission.retrieval")?;
-    let fetcher = Fetcher::ALL.into_iter().find(|fetcher| fetcher.name() == name);
-    fetcher.ok_or_else(|| layers.wrong("mission.retrieval", "nobody of this name fetches"))
+/// The value of this name.
+fn one_of<T: Copy>(layers: &Layers, key: &str, all: &[T], name: fn(T) -> &'static str, wrong: &str) -> Result<T, SettingsError> {
+    let written: String = read(layers, key)?;
+    all.iter().copied().find(|value| name(*value) == written).ok_or_else(|| layers.wrong(key, wrong))
+}
+
+/// What moves cost; `None`: as long as they take the robot.
+fn costs(layers: &Layers) -> Result<Option<Costs>, SettingsError> {
+    let written: String = read(layers, "mission.costs")?;
+    if written == "robot" {
+        return Ok(None);
+    }
+    let numbers: Option<Vec<f64>> = written.split(',').map(|number| number.trim().parse().ok()).collect();
+    let Some([step, turn, bump]) = numbers.as_deref() else {
+        return Err(layers.wrong("mission.costs", "it is not three numbers"));
+    };
+    Costs::weighed(*step, *turn, *bump)
+        .map(Some)
+        .ok_or_else(|| layers.wrong("mission.costs", "a step must cost something, and the others nothing to 25 steps"))
 }
 
 fn sensors(layers: &Layers) -> Result<Vec<Arc<str>>, SettingsError> {

@@ -70,7 +70,7 @@ pub(super) const ROBOTS: &str = "robots";
 pub(super) const ROBOT: &str = "robot";
 
 /// Every setting, in the order of `config/default.toml`.
-pub const KEYS: [Key; 37] = [
+pub const KEYS: [Key; 40] = [
     text("hall.file", "name a built-in hall, as airport, or the path of a .toml or .map file").set_by("--hall"),
     text("http.bind", "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080")
         .set_by("--http"),
@@ -111,7 +111,10 @@ pub const KEYS: [Key; 37] = [
     key("robot.sonar_noise_cm", SONAR_NOISE_CM, "write a number of centimetres from 0 to 100"),
     key("pair.slips", MISHAPS, "write a whole number from 0 to 10"),
     key("pair.unrecognised", MISHAPS, "write a whole number from 0 to 10"),
-    text("mission.strategy", "write one of: snail").set_by("--strategy"),
+    text("mission.strategy", "write one of: auto, scored, frontier, columns, spiral, snail").set_by("--strategy"),
+    text("mission.goal", "write one of: find, cover").set_by("--goal"),
+    text("mission.sensing", "write one of: bump, sonar").set_by("--sensing"),
+    text("mission.costs", "write robot, or what a step, a turn and a bump cost, as 1,1,1").set_by("--costs"),
     text("mission.retrieval", "write one of: pair, discovery, none"),
     yes_no("mission.inspect_everything"),
     yes_no("mission.wall_lines"),
@@ -195,13 +198,22 @@ const fn yes_no(name: &'static str) -> Key {
 mod tests {
     use super::*;
     use crate::config::RobotKind;
-    use hallsweep_core::search::Strategy;
+    use hallsweep_core::search::{Objective, Sensing, Strategy};
 
     #[test]
     fn the_advice_lists_every_strategy() {
         let names: Vec<&str> = Strategy::ALL.iter().map(|strategy| strategy.name()).collect();
         let advice = Key::named("mission.strategy").expect("it is a setting").advice;
         assert_eq!(advice, format!("write one of: {}", names.join(", ")));
+    }
+
+    #[test]
+    fn the_advice_lists_every_goal_and_every_sensing() {
+        let check = |key: &str, names: &str| {
+            assert_eq!(Key::named(key).expect("it is a setting").advice, format!("write one of: {names}"));
+        };
+        check("mission.goal", &Objective::ALL.map(Objective::name).join(", "));
+        check("mission.sensing", &Sensing::ALL.map(Sensing::name).join(", "));
     }
 
     #[test]
@@ -226,7 +238,7 @@ mod tests {
     fn an_unknown_name_is_answered_with_those_that_are_near() {
         assert_eq!(
             Key::advice_for_unknown("mission.order"),
-            "in [mission] there are mission.strategy, mission.retrieval, mission.inspect_everything, mission.wall_lines"
+            "in [mission] there are mission.strategy, mission.goal, mission.sensing, mission.costs, mission.retrieval, mission.inspect_everything, mission.wall_lines"
         );
         assert!(
             Key::advice_for_unknown("htpp.bind")

@@ -1,5 +1,7 @@
 //! What can be set in the core; reading settings from files is `config`'s job.
 
+use super::search::costs::Costs;
+use super::search::{Objective, Sensing};
 use super::units::Celsius;
 
 /// The settings of an engine.
@@ -13,6 +15,12 @@ pub struct Settings {
     pub inspect_everything: bool,
     /// Who fetches a dangerous piece.
     pub fetcher: Fetcher,
+    /// What the search is to be good at.
+    pub objective: Objective,
+    /// How the robot learns that a cell is free.
+    pub sensing: Sensing,
+    /// What moves cost in the eyes of the search; `None`: as long as they take the robot.
+    pub costs: Option<Costs>,
     /// Whether a recognised wall reveals the straight line it belongs to as far as the camera sees it.
     pub wall_lines: bool,
 }
@@ -34,6 +42,15 @@ named! {
 impl Default for Settings {
     fn default() -> Settings {
         let threshold = Celsius::new(25.0).expect("25 °C is within a thermometer's range");
-        Settings { threshold, hysteresis: 1.0, inspect_everything: false, fetcher: Fetcher::Pair, wall_lines: true }
+        Settings {
+            threshold,
+            hysteresis: 1.0,
+            inspect_everything: false,
+            fetcher: Fetcher::Pair,
+            objective: Objective::default(),
+            sensing: Sensing::default(),
+            costs: None,
+            wall_lines: true,
+        }
     }
 }

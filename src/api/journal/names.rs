@@ -73,10 +73,7 @@ pub(super) fn celsius(degrees: f64) -> Result<Celsius, Unparsed> {
 
 impl From<&Search> for SearchShape {
     fn from(search: &Search) -> SearchShape {
-        let strategy = match search {
-            Search::Snail(_) => Strategy::Snail,
-        };
-        SearchShape { strategy: strategy.name().to_owned(), notes: search.notes() }
+        SearchShape { strategy: search.strategy().name().to_owned(), notes: search.notes() }
     }
 }
 

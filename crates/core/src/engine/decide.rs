@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::Engine;
 use crate::command::{Move, Refused, Request, Verdict};
 use crate::mission::{Act, Case, FaultCause, Guard, Hold, Input, InputContext, Phase, PhaseName, Rule, Stage, To, rules};
-use crate::search::plan::{Planner, Through, after};
+use crate::search::plan::after;
 use crate::units::{Cell, Epoch, LuggageId};
 use crate::world::hall_map::Mark;
 use crate::world::luggage::Luggage;
@@ -176,8 +176,8 @@ impl Engine {
         let cause = phase.fault()?;
         let stands = match cause {
             FaultCause::NoWayHome => {
-                let way = Planner::default().way_to_cell(&self.state.map, self.state.pose, Cell::HOME, Through::Known);
-                self.state.blocked.is_empty() && (way.is_none() || self.state.map.at(Cell::HOME).is_obstacle())
+                let is_shut = self.state.map.at(Cell::HOME).is_obstacle() || !self.planner.knows_way(self.state.pose, Cell::HOME);
+                self.state.blocked.is_empty() && is_shut
             }
             FaultCause::Undecided => true,
             FaultCause::NotFetched(_) => self.unreached().is_some(),

@@ -12,6 +12,7 @@ impl Engine {
     /// This has happened: what outlives the program follows from it at once, and it goes on record. Its place in the journal.
     pub(super) fn record(&mut self, fact: Fact) -> Seq {
         self.state.follow(&fact, self.now.wall, self.world.revision());
+        self.planner.follow(&fact, &self.state.map);
         self.outbox.record(self.now.wall, fact)
     }
 

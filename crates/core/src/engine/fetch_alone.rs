@@ -92,7 +92,7 @@ impl Engine {
     fn way_to_piece(&mut self) -> Option<Vec<crate::command::Move>> {
         let before = |cell: Cell| Heading::ALL.map(|heading| Pose { cell: cell.ahead(heading.opposite()), heading });
         let poses: Vec<Pose> = self.piece_to_fetch().flat_map(before).collect();
-        let ways = poses.into_iter().filter_map(|pose| self.planner.way_to_pose(&self.state.map, self.state.pose, pose));
+        let ways = poses.into_iter().filter_map(|pose| self.planner.way_to_pose(self.state.pose, pose));
         ways.min_by_key(Vec::len)
     }
 

@@ -58,7 +58,8 @@ use super::search::Strategy;
 use super::search::plan::Planner;
 use super::settings::Settings;
 use super::state::PersistentState;
-use super::units::{Epoch, LuggageId, Now, Seq, Ticket};
+use super::units::{Cell, Epoch, LuggageId, Now, Revision, Seq, Ticket};
+use super::world::hall_map::HallMap;
 use super::world::log::Tone;
 use super::world::model::World;
 use super::world::resource::Resource;
@@ -104,7 +105,7 @@ impl Engine {
             world: World::new(run, &settings),
             mission: Mission::default(),
             robots: Robots::of(RobotId::discovery()),
-            planner: Planner::default(),
+            planner: Planner::of(&HallMap::new(Cell::HOME, Revision(1))),
             outbox: Outbox::default(),
             watchdog: SensorWatchdog::default(),
             repeats: Repeats::default(),

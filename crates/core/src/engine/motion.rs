@@ -8,7 +8,7 @@ use crate::mission::{FaultCause, Goal, Hold, Input, InputContext, Phase, Stage};
 use crate::retrieval::Place;
 use crate::robots::Part;
 use crate::search::plan::Through;
-use crate::search::{NextGoal, Search, View};
+use crate::search::{NextGoal, Search};
 use crate::units::{Cell, Now, OrderId};
 use crate::world::hall_map::Mark;
 use crate::world::log::Tone;
@@ -215,18 +215,19 @@ impl Engine {
     fn next_goal(&mut self) -> Option<Goal> {
         let mut search = self.state.search.clone();
         loop {
-            let view = View { map: &self.state.map, pose: self.state.pose };
-            let goal = match search.next(&view, &mut self.planner) {
-                NextGoal::Visit(cell) => Goal::Visit(cell),
-                NextGoal::GoHome => Goal::Home,
+            let next = self.planner.ask(&mut search, self.state.pose, self.mission.gait, &self.settings);
+            let (goal, route) = match next {
+                NextGoal::Visit(cell, route) => (Goal::Visit(cell), route),
+                NextGoal::GoHome => (Goal::Home, Vec::new()),
                 NextGoal::Finished if self.is_home() => {
                     self.set_goal(None, search);
                     return None;
                 }
-                NextGoal::Finished => Goal::Home,
+                NextGoal::Finished => (Goal::Home, Vec::new()),
             };
             if self.is_wanted(goal) {
                 self.set_goal(Some(goal), search);
+                self.mission.route = route.into();
                 return Some(goal);
             }
         }
@@ -245,7 +246,7 @@ impl Engine {
             return;
         }
         let way = match goal {
-            Goal::Visit(cell) => self.planner.way_to_cell(&self.state.map, self.state.pose, cell, Through::Unknown),
+            Goal::Visit(cell) => self.planner.way_to_cell(self.state.pose, cell, Through::Unknown),
             Goal::Home => self.way_home(Through::Known).or_else(|| self.way_home(Through::Unknown)),
         };
         self.set_route(way);
@@ -272,7 +273,7 @@ impl Engine {
             return Some(Turn::Again);
         }
         if self.mission.route.is_empty() {
-            let way = self.planner.way_to_pose(&self.state.map, self.state.pose, pose)?;
+            let way = self.planner.way_to_pose(self.state.pose, pose)?;
             self.set_route(Some(way));
         }
         self.follow_route().then_some(Turn::Rest)
@@ -294,7 +295,7 @@ impl Engine {
     /// The way home; none leads there while something stands in the home cell itself.
     pub(super) fn way_home(&mut self, through: Through) -> Option<Vec<Move>> {
         let free = !self.state.map.at(Cell::HOME).is_obstacle();
-        free.then(|| self.planner.way_to_cell(&self.state.map, self.state.pose, Cell::HOME, through))?
+        free.then(|| self.planner.way_to_cell(self.state.pose, Cell::HOME, through))?
     }
 
     fn no_way_home(&mut self) {
@@ -309,7 +310,7 @@ impl Engine {
         let wanted = goal.filter(|goal| here.cell != *goal && !self.state.map.at(*goal).is_obstacle());
         if let Some(goal) = wanted {
             if self.mission.route.is_empty() {
-                let way = self.planner.way_to_cell(&self.state.map, here, goal, Through::Unknown);
+                let way = self.planner.way_to_cell(here, goal, Through::Unknown);
                 self.set_route(way);
             }
             if self.follow_route() {

@@ -110,6 +110,7 @@ impl Engine {
             self.outbox.send(Effect::Led(self.robots.searching_id().clone(), true));
         }
         self.state = state.after_restart();
+        self.planner.learn(&self.state.map);
         self.recall_team();
         let cell = self.state.pose.cell;
         // Before the entrance it stands in no cell: a parcel may lie at home by now.

@@ -8,6 +8,7 @@ use crate::effect::{Action, Fact, Order};
 use crate::event::{Capabilities, Obstacle, OffCentre, Photo, Piece, RobotEvent, RobotId, Whereabouts};
 use crate::mission::{FaultCause, Hold, Input, InputContext, Phase, Stage};
 use crate::retrieval::{ArmAction, ArmState, Place};
+use crate::search::costs::Costs;
 use crate::search::plan::after;
 use crate::units::{Cell, Heading, OrderId, Pose};
 use crate::world::hall_map::{Mark, REACH};
@@ -133,6 +134,10 @@ impl Engine {
     fn link_up(&mut self, robot: &RobotId, can: Capabilities) {
         let Some(known) = self.robots.get_mut(robot) else { return };
         known.controller.link_up(can);
+        if self.robots.searching_id() == robot {
+            self.planner.costs = self.settings.costs.unwrap_or_else(|| Costs::of(can.step, can.turn));
+        }
+        let Some(known) = self.robots.get_mut(robot) else { return };
         known.holds.clear(Hold::RobotLink);
         self.world.touch(Resource::Robot);
         // What a retrieval needs it needs all of.
@@ -206,6 +211,7 @@ impl Engine {
 
     /// What a move of the robot that searches means for the map, and for the way ahead.
     fn follow_move(&mut self, step: Move, before: Pose, pose: Pose) {
+        self.mission.gait = self.mission.gait.after(step);
         if self.mission.route.front() == Some(&step) {
             self.mission.route.pop_front();
             self.world.touch(Resource::Mission);

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use crate::command::{Move, Verdict};
 use crate::effect::Fact;
+use crate::search::outlook::Gait;
 use crate::units::{Cell, LuggageId, Seq, WallTime};
 
 /// How many cells of the way behind the robot are shown.
@@ -15,6 +16,8 @@ const TRAIL: usize = 48;
 pub(crate) struct Mission {
     /// The moves still to be made towards the goal; empty when they are to be planned anew.
     pub(crate) route: VecDeque<Move>,
+    /// How the robot came to where it stands.
+    pub(crate) gait: Gait,
     /// The cells behind the robot, the latest last.
     pub(crate) trail: VecDeque<Cell>,
     /// Whether the move by hand that the phase names has been ordered.

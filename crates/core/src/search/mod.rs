@@ -1,23 +1,119 @@
-//! The order in which a hall is searched: one file a strategy, behind one enum, and the planner under them.
-//! A strategy looks at a view and returns the next goal; it performs nothing.
+//! The order in which a hall is searched: one file a strategy, registered in one list, and the ways under them.
+//! A strategy looks at a view and says what to do next; it performs nothing. That nothing reachable is left out is seen to here, for
+//! all of them.
+//!
+//! ```text
+//!   map ─ marks ─► Grid ─┐
+//!   pose, costs, sensing ─┴─► View ─► strategy ─► a cell and the moves that enter it · home · nothing left
+//!                                        └─ weighs entries (entries) by their outlook (outlook)
+//! ```
 
+mod auto;
+mod columns;
+pub mod costs;
+mod entries;
+pub mod grid;
+mod frontier;
+pub mod outlook;
 pub(crate) mod plan;
+pub mod scored;
 mod snail;
+mod spiral;
+pub mod ways;
+pub mod weights;
 
-use self::plan::Planner;
+use self::costs::Costs;
+use self::entries::{Visit, nearest};
+use self::grid::Grid;
+use self::outlook::Gait;
 use self::snail::Snail;
+use self::ways::Ways;
+use super::command::Move;
 use super::units::{Cell, Pose};
-use super::world::hall_map::HallMap;
 
 named! {
     ALL by name;
     /// The ways to search a hall.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum Strategy {
-        /// The seeds' *chiocciola*: growing squares, home after each.
+        /// The best of the others for what is asked for and for what the map shows.
         #[default]
+        Auto = "auto",
+        /// Whatever comes to the least by a tuned score of the way there and of what lies round it.
+        Scored = "scored",
+        /// The nearest unknown cell, lone ones first.
+        Frontier = "frontier",
+        /// To and fro, column after column.
+        Columns = "columns",
+        /// Round and round, from the walls inwards.
+        Spiral = "spiral",
+        /// The seeds' *chiocciola*: growing squares, home after each.
         Snail = "snail",
     }
+}
+
+named! {
+    ALL by name;
+    /// What a search is to be good at.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub enum Objective {
+        /// Luggage soon.
+        #[default]
+        Find = "find",
+        /// The whole hall with few moves.
+        Cover = "cover",
+    }
+}
+
+named! {
+    ALL by name;
+    /// How a robot learns that a cell is free.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub enum Sensing {
+        /// By driving into it.
+        #[default]
+        Bump = "bump",
+        /// By its front sonar, before it drives.
+        Sonar = "sonar",
+    }
+}
+
+/// What a strategy sees.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a> {
+    /// What is known of the hall.
+    pub grid: &'a Grid,
+    /// Where the robot stands.
+    pub pose: Pose,
+    /// How it came there.
+    pub gait: Gait,
+    /// What moves cost it.
+    pub costs: Costs,
+    /// What the search is to be good at.
+    pub objective: Objective,
+    /// How the robot learns that a cell is free.
+    pub sensing: Sensing,
+}
+
+/// What to do next.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NextGoal {
+    /// Go to this cell, or find out what stands there: by these moves, or without any by the cheapest way there is, unknown cells
+    /// taken for free ones.
+    Visit(Cell, Vec<Move>),
+    /// Go home, and ask again there.
+    GoHome,
+    /// Nothing that can be reached is unknown.
+    Finished,
+}
+
+/// A search under way.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Search {
+    /// A snail's.
+    Snail(Snail),
+    /// One that keeps nothing in mind.
+    Of(Strategy),
 }
 
 impl Strategy {
@@ -32,54 +128,50 @@ impl Strategy {
     pub fn resume(self, notes: &[i64]) -> Search {
         match self {
             Strategy::Snail => Search::Snail(Snail::from_notes(notes)),
+            Strategy::Auto | Strategy::Scored | Strategy::Frontier | Strategy::Columns | Strategy::Spiral => Search::Of(self),
         }
     }
 
     /// A search that has not begun yet.
     #[must_use]
     pub fn begin(self) -> Search {
-        match self {
-            Strategy::Snail => Search::Snail(Snail::default()),
-        }
+        self.resume(&[])
     }
 }
 
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct View<'a> {
-    pub(crate) map: &'a HallMap,
-    pub(crate) pose: Pose,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum NextGoal {
-    /// Go to this cell, or find out what stands there.
-    Visit(Cell),
-    /// Go home, and ask again there.
-    GoHome,
-    /// Everything that can be reached is known, and the robot was sent home.
-    Finished,
-}
-
-/// A search under way.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Search {
-    /// A snail's.
-    Snail(Snail),
-}
-
 impl Search {
+    /// Whose it is.
+    #[must_use]
+    pub const fn strategy(&self) -> Strategy {
+        match self {
+            Search::Snail(_) => Strategy::Snail,
+            Search::Of(strategy) => *strategy,
+        }
+    }
+
     /// How far it has come, as plain numbers for the record.
     #[must_use]
     pub fn notes(&self) -> Vec<i64> {
         match self {
             Search::Snail(snail) => snail.notes(),
+            Search::Of(_) => Vec::new(),
         }
     }
 
     /// What to do now that the last goal is reached, has turned out to be an obstacle, or cannot be reached.
-    pub(crate) fn next(&mut self, view: &View<'_>, planner: &mut Planner) -> NextGoal {
-        match self {
-            Search::Snail(snail) => snail.next(view, planner),
+    pub fn next(&mut self, view: &View<'_>, ways: &mut Ways) -> NextGoal {
+        let visit = match self {
+            Search::Snail(snail) => return snail.next(view, ways),
+            Search::Of(Strategy::Auto | Strategy::Snail) => auto::next(view, ways),
+            Search::Of(Strategy::Scored) => scored::next(view, ways),
+            Search::Of(Strategy::Frontier) => frontier::next(view, ways),
+            Search::Of(Strategy::Columns) => columns::next(view, ways),
+            Search::Of(Strategy::Spiral) => spiral::next(view, ways),
+        };
+        // The one guard of completeness: a strategy that has nothing more to propose has not searched the hall thereby.
+        match visit.or_else(|| nearest(view, ways, |_| true)) {
+            Some(Visit { cell, route }) => NextGoal::Visit(cell, route),
+            None => NextGoal::Finished,
         }
     }
 }

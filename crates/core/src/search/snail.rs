@@ -5,10 +5,12 @@
 //! when nothing unknown lies next to a visited cell south-east of home; and a ring beyond a far wall aims at the last column or
 //! row in front of it, as the seeds clamp their goals. The search is over when nothing unknown can be reached anywhere.
 
-use super::plan::Planner;
+use super::entries::{Visit, is_open, nearest};
+use super::grid::onward;
+use super::ways::Ways;
 use super::{NextGoal, View};
 use crate::units::Cell;
-use crate::world::hall_map::REACH;
+use crate::world::hall_map::{Bounds, REACH};
 
 /// Where a snail has come to.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -55,68 +57,63 @@ impl Snail {
     }
 
     /// What to do now that the last goal is reached, or given up.
-    pub(super) fn next(&mut self, view: &View<'_>, planner: &mut Planner) -> NextGoal {
+    pub(super) fn next(&mut self, view: &View<'_>, ways: &mut Ways) -> NextGoal {
         loop {
             match self.stage {
                 Stage::Corner => {
                     self.stage = Stage::Fill;
-                    return NextGoal::Visit(self.corner(view));
+                    return NextGoal::Visit(self.corner(view, ways), Vec::new());
                 }
-                Stage::Fill => match self.nearest_in_square(view, planner) {
-                    Some(cell) => return NextGoal::Visit(cell),
-                    None => {
-                        self.stage = Stage::NextRing;
-                        return NextGoal::GoHome;
+                Stage::Fill => {
+                    let square = Bounds { least: Cell::HOME, most: Cell::new(self.ring, self.ring) };
+                    if let Some(Visit { cell, route }) = nearest(view, ways, |cell| square.contains(cell)) {
+                        return NextGoal::Visit(cell, route);
                     }
-                },
+                    self.stage = Stage::NextRing;
+                    return NextGoal::GoHome;
+                }
                 Stage::NextRing => {
-                    self.stage = if nothing_lies_beyond(view, self.ring) { Stage::Finish } else { Stage::Corner };
+                    self.stage = if nothing_lies_beyond(view, ways, self.ring) { Stage::Finish } else { Stage::Corner };
                     self.ring += 1;
                 }
-                Stage::Finish => match planner.nearest(view.map, view.pose, |_| true) {
-                    Some(cell) => return NextGoal::Visit(cell),
-                    None => {
-                        self.stage = Stage::Done;
-                        return NextGoal::GoHome;
+                Stage::Finish => {
+                    if let Some(Visit { cell, route }) = nearest(view, ways, |_| true) {
+                        return NextGoal::Visit(cell, route);
                     }
-                },
-                Stage::Done if planner.nearest(view.map, view.pose, |_| true).is_some() => self.stage = Stage::Finish,
+                    self.stage = Stage::Done;
+                    return NextGoal::GoHome;
+                }
+                Stage::Done if nearest(view, ways, |_| true).is_some() => self.stage = Stage::Finish,
                 Stage::Done => return NextGoal::Finished,
             }
         }
     }
 
     /// (k,k), or the last column and row in front of a far wall.
-    fn corner(&self, view: &View<'_>) -> Cell {
-        let most = view.map.visited_bounds().most;
-        let frontier = view.map.frontier().iter();
-        let most = frontier.fold(most, |most, cell| Cell::new(most.x.max(cell.x), most.y.max(cell.y)));
+    fn corner(&self, view: &View<'_>, ways: &mut Ways) -> Cell {
+        let mut most = view.pose.cell;
+        ways.spread(view.grid, view.costs, view.pose, |at| {
+            let ahead = onward(at.spot, view.grid.step(at.heading));
+            let cell = view.grid.cell(if is_open(view.grid.here(ahead)) { ahead } else { at.spot });
+            most = Cell::new(most.x.max(cell.x), most.y.max(cell.y));
+            u32::MAX
+        });
         Cell::new(self.ring.min(most.x), self.ring.min(most.y))
-    }
-
-    fn nearest_in_square(&self, view: &View<'_>, planner: &mut Planner) -> Option<Cell> {
-        let square = 0..=self.ring;
-        // A search of everything reachable is spared when the frontier has nothing in the square.
-        let any = view
-            .map
-            .frontier()
-            .range(Cell::new(0, 0)..)
-            .take_while(|cell| cell.x <= self.ring)
-            .any(|cell| square.contains(&cell.y));
-        let inside = |cell: Cell| square.contains(&cell.x) && square.contains(&cell.y);
-        if any || view.map.uninspected() > 0 { planner.nearest(view.map, view.pose, inside) } else { None }
     }
 }
 
-/// Whether both far walls are known: south-east of home nothing unknown lies next to a visited cell outside the ring's square.
-/// What is left inside it could not be reached.
-fn nothing_lies_beyond(view: &View<'_>, ring: i32) -> bool {
-    view.map.frontier().range(Cell::new(0, i32::MIN)..).all(|cell| cell.y < 0 || cell.x.max(cell.y) <= ring)
+/// Whether both far walls are known: south-east of home nothing unknown can be reached outside the ring's square.
+fn nothing_lies_beyond(view: &View<'_>, ways: &mut Ways, ring: i32) -> bool {
+    nearest(view, ways, |cell| cell.x >= 0 && cell.y >= 0 && cell.x.max(cell.y) > ring).is_none()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::search::costs::Costs;
+    use crate::search::grid::Grid;
+    use crate::search::outlook::Gait;
+    use crate::search::{Objective, Sensing};
     use crate::units::{Pose, Revision};
     use crate::world::hall_map::{HallMap, Mark};
 
@@ -130,9 +127,10 @@ mod tests {
         for cell in [Cell::new(-1, 0), Cell::new(1, 0), Cell::new(0, -1), Cell::new(0, 1)] {
             map.mark(cell, Mark::Wall, Revision(2));
         }
-        let (mut snail, mut planner) = (Snail::default(), Planner::default());
-        let view = View { map: &map, pose: Pose::START };
-        let finished = (0..100).any(|_| snail.next(&view, &mut planner) == NextGoal::Finished);
+        let (mut snail, mut ways, grid) = (Snail::default(), Ways::default(), Grid::of(&map));
+        let (gait, objective, sensing) = (Gait::default(), Objective::Find, Sensing::Bump);
+        let view = View { grid: &grid, pose: Pose::START, gait, costs: Costs::EVEN, objective, sensing };
+        let finished = (0..100).any(|_| snail.next(&view, &mut ways) == NextGoal::Finished);
         assert!(finished);
     }
 }

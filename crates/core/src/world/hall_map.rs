@@ -73,7 +73,8 @@ impl Bounds {
     }
 
     /// Larger by so many cells on every side.
-    pub(crate) const fn grown(self, by: i32) -> Bounds {
+    #[must_use]
+    pub const fn grown(self, by: i32) -> Bounds {
         Bounds { least: Cell::new(self.least.x - by, self.least.y - by), most: Cell::new(self.most.x + by, self.most.y + by) }
     }
 

@@ -121,7 +121,7 @@ fn reading_begins_at_the_last_entry_that_says_everything() {
     let scratch = Scratch::new();
     let mut scribe = Scribe::new(scratch.open());
     scribe.keep(vec![wall(1, 1)]);
-    scribe.keep(vec![Fact::State(Box::new(PersistentState::first(Order::Snail)))]);
+    scribe.keep(vec![Fact::State(Box::new(PersistentState::first(Order::default())))]);
     scribe.keep(vec![wall(2, 2)]);
     drop(scribe);
     let state = scratch.open().recalled.expect("something was kept").state;
@@ -211,7 +211,7 @@ fn a_journal_of_the_first_format_is_brought_up_to_date() {
     let state = Line {
         seq: Seq(8),
         mission: None,
-        entry: at_noon(Fact::State(Box::new(PersistentState::first(Order::Snail)))),
+        entry: at_noon(Fact::State(Box::new(PersistentState::first(Order::default())))),
         picture: None,
     };
     rows::insert(&old, &state).unwrap();

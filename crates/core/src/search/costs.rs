@@ -1,0 +1,58 @@
+//! What moves cost: steps, turns and bumps weighed against each other.
+
+use std::time::Duration;
+
+/// What a move of each kind costs. Only their ratios count; they are small whole numbers, so that a search can sort by them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Costs {
+    /// One cell forward; never 0.
+    pub step: u32,
+    /// A quarter turn.
+    pub turn: u32,
+    /// A step that meets an obstacle, and the way back.
+    pub bump: u32,
+}
+
+/// A step comes to so many units, in the costs of a robot.
+const STEP: u32 = 4;
+
+/// No turn counts for more than this: it bounds the memory of a search.
+const MOST: u32 = 100;
+
+impl Costs {
+    /// What moves cost a robot that takes so long for a step and for a quarter turn, to a quarter of a step. A bump is about a step.
+    #[must_use]
+    pub fn of(step: Duration, turn: Duration) -> Costs {
+        let steps = turn.as_secs_f64() / step.as_secs_f64().max(1e-3);
+        Costs { step: STEP, turn: units(steps), bump: STEP }
+    }
+
+    /// What moves cost that weigh so much against each other, to a quarter of a step; `None` where a step weighs nothing, or anything
+    /// more than 25 steps.
+    #[must_use]
+    pub fn weighed(step: f64, turn: f64, bump: f64) -> Option<Costs> {
+        let in_steps = [turn / step, bump / step];
+        let are_sound = step > 0.0 && in_steps.iter().all(|steps| (0.0..=f64::from(MOST / STEP)).contains(steps));
+        are_sound.then(|| Costs { step: STEP, turn: units(in_steps[0]), bump: units(in_steps[1]) })
+    }
+
+    /// One unit for each.
+    pub const EVEN: Costs = Costs { step: 1, turn: 1, bump: 1 };
+
+    /// A cost in thousandths of a step.
+    pub(crate) fn in_thousandths(self, cost: u32) -> i32 {
+        i32::try_from(u64::from(cost) * 1000 / u64::from(self.step)).unwrap_or(i32::MAX)
+    }
+
+    /// The dearest way that so many thousandths of a step pay for.
+    pub(crate) fn affordable(self, thousandths: i32) -> u32 {
+        let thousandths = u64::try_from(thousandths).unwrap_or(0);
+        u32::try_from(thousandths * u64::from(self.step) / 1000).unwrap_or(u32::MAX)
+    }
+}
+
+/// So many steps in units.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is clamped to small positive numbers")]
+fn units(steps: f64) -> u32 {
+    (steps * f64::from(STEP)).round().clamp(0.0, f64::from(MOST)) as u32
+}

@@ -1,0 +1,69 @@
+//! The entries of a grid: where something unknown can be entered from a visited cell, or a piece still to be inspected be met.
+//! Every strategy but the snail is a way to weigh them.
+
+use super::View;
+use super::grid::{Grid, Spot, Square, onward};
+use super::ways::{Reached, Ways};
+use crate::command::Move;
+use crate::units::{Cell, Heading};
+
+/// A cell that could be entered next, and from where.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Entry {
+    /// The state before it, and the way there.
+    pub(crate) at: Reached,
+    /// The cell that would be entered.
+    pub(crate) target: Spot,
+}
+
+/// A cell to be entered, and the moves that do so, the last step into it among them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Visit {
+    pub(crate) cell: Cell,
+    pub(crate) route: Vec<Move>,
+}
+
+/// The entry for which the way there, in thousandths of a step, and what it is worth come to the least. `worth` gives less for what
+/// is to be done sooner, and never less than `least`, which ends the search.
+pub(crate) fn best_entry(view: &View<'_>, ways: &mut Ways, least: i32, mut worth: impl FnMut(&Entry) -> i32) -> Option<Visit> {
+    let View { grid, pose, costs, .. } = *view;
+    let mut best: Option<(i32, Spot, (Spot, Heading))> = None;
+    let mut limit = u32::MAX;
+    ways.spread(grid, costs, pose, |at| {
+        let target = onward(at.spot, grid.step(at.heading));
+        if is_open(grid.here(target)) {
+            let score = costs.in_thousandths(at.cost).saturating_add(worth(&Entry { at, target }));
+            if best.is_none_or(|(so_far, ..)| score < so_far) {
+                best = Some((score, target, (at.spot, at.heading)));
+                limit = costs.affordable(score.saturating_sub(least));
+            }
+        }
+        limit
+    });
+    best.map(|(_, target, state)| visit(grid, ways, target, state))
+}
+
+/// The nearest entry whose cell is `wanted`.
+pub(crate) fn nearest(view: &View<'_>, ways: &mut Ways, wanted: impl Fn(Cell) -> bool) -> Option<Visit> {
+    let View { grid, pose, costs, .. } = *view;
+    let mut found = None;
+    ways.spread(grid, costs, pose, |at| {
+        let target = onward(at.spot, grid.step(at.heading));
+        if found.is_none() && is_open(grid.here(target)) && wanted(grid.cell(target)) {
+            found = Some((target, (at.spot, at.heading)));
+        }
+        if found.is_some() { 0 } else { u32::MAX }
+    });
+    found.map(|(target, state)| visit(grid, ways, target, state))
+}
+
+fn visit(grid: &Grid, ways: &Ways, target: Spot, state: (Spot, Heading)) -> Visit {
+    let mut route = ways.way_to(grid, state);
+    route.push(Move::Forward);
+    Visit { cell: grid.cell(target), route }
+}
+
+/// Whether something is still to be found out there.
+pub(crate) const fn is_open(square: Square) -> bool {
+    matches!(square, Square::Unknown | Square::Seen | Square::Target)
+}

@@ -1,0 +1,17 @@
+//! The nearest unknown cell, with the pocket rule: a cell whose unvisited neighbours would be left over waits for them, so that few lone
+//! cells are left behind to come back for.
+
+use super::View;
+use super::entries::{Entry, Visit, best_entry, is_open};
+use super::grid::onward;
+use super::ways::Ways;
+use crate::units::Heading;
+
+/// So many thousandths of a step each unvisited neighbour of a cell counts against it; 2000 to 3000 do about as well.
+const NEIGHBOUR: i32 = 2500;
+
+pub(super) fn next(view: &View<'_>, ways: &mut Ways) -> Option<Visit> {
+    let grid = view.grid;
+    let unvisited = |entry: &Entry| Heading::ALL.iter().filter(|side| is_open(grid.here(onward(entry.target, grid.step(**side))))).count();
+    best_entry(view, ways, 0, |entry| NEIGHBOUR * i32::try_from(unvisited(entry)).unwrap_or(0))
+}

@@ -1,0 +1,152 @@
+//! The occupancy grid that a search looks at: one byte a cell in one block of memory, with room to spare on every side, so that a look round a
+//! cell is a few plain reads. The map that the doors show stands in `crate::world::hall_map`; both are told the same marks.
+
+use crate::units::{Cell, Heading};
+use crate::world::hall_map::{Bounds, HallMap, Mark};
+
+/// What a search needs to know of a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Square {
+    /// Nothing is known.
+    Unknown = 0,
+    /// Seen to be free, and not visited yet.
+    Seen = 1,
+    /// The robot was there.
+    Visited = 2,
+    /// Something stands there, and what it is has been settled.
+    Obstacle = 3,
+    /// Something stands there that is still to be inspected.
+    Target = 4,
+}
+
+/// Every cell further than this from the edge of the memory may be looked round without asking where the memory ends.
+pub(crate) const RIM: i32 = 8;
+
+/// So many cells are laid out beyond the first ones on every side.
+const SPARE: i32 = 32;
+
+/// The number of a cell in the memory of a grid.
+pub(crate) type Spot = usize;
+
+/// What is known of every cell, laid out row by row.
+#[derive(Clone, Debug)]
+pub struct Grid {
+    squares: Vec<Square>,
+    room: Bounds,
+    known: Bounds,
+    /// One step to the north, east, south and west.
+    steps: [isize; 4],
+}
+
+impl Grid {
+    /// A grid in which nothing is known, with room for these cells.
+    #[must_use]
+    pub fn with_room_for(bounds: Bounds) -> Grid {
+        let room = bounds.grown(RIM + 1);
+        let size = usize::try_from(i64::from(room.width()) * i64::from(room.height())).expect("a room has a positive size");
+        let width = isize::try_from(room.width()).expect("a room is narrower than a memory");
+        Grid { squares: vec![Square::Unknown; size], room, known: Bounds::of(Cell::HOME), steps: [-width, 1, width, -1] }
+    }
+
+    /// The grid of this map.
+    #[must_use]
+    pub fn of(map: &HallMap) -> Grid {
+        let mut grid = Grid::with_room_for(map.known_bounds().grown(SPARE));
+        for (cell, mark) in map.known() {
+            grid.mark(cell, mark);
+        }
+        grid
+    }
+
+    /// Takes over a mark of the map.
+    pub fn mark(&mut self, cell: Cell, mark: Mark) {
+        let square = match mark {
+            Mark::Unknown => Square::Unknown,
+            Mark::Visited => Square::Visited,
+            Mark::Wall | Mark::Luggage => Square::Obstacle,
+            Mark::NotInspected => Square::Target,
+        };
+        self.set(cell, square);
+    }
+
+    /// From now on this is known of a cell.
+    pub fn set(&mut self, cell: Cell, square: Square) {
+        if self.at(cell) == square {
+            return;
+        }
+        if !self.room.grown(-RIM).contains(cell) {
+            self.make_room(cell);
+        }
+        let spot = self.spot(cell);
+        self.squares[spot] = square;
+        self.known = self.known.including(cell);
+    }
+
+    /// The least rectangle that holds home and every cell of which anything was ever known.
+    pub(crate) const fn known(&self) -> Bounds {
+        self.known
+    }
+
+    /// What is known of a cell.
+    #[must_use]
+    pub fn at(&self, cell: Cell) -> Square {
+        if self.room.contains(cell) { self.squares[self.spot(cell)] } else { Square::Unknown }
+    }
+
+    /// Doubles on every side that is too near.
+    fn make_room(&mut self, cell: Cell) {
+        let (room, more) = (self.room, self.room.width().max(self.room.height()));
+        let mut wider = room.grown(-RIM - 1).including(cell);
+        if wider.least.x < room.least.x + RIM {
+            wider.least.x -= more;
+        }
+        if wider.least.y < room.least.y + RIM {
+            wider.least.y -= more;
+        }
+        if wider.most.x > room.most.x - RIM {
+            wider.most.x += more;
+        }
+        if wider.most.y > room.most.y - RIM {
+            wider.most.y += more;
+        }
+        let mut larger = Grid::with_room_for(wider);
+        let width = usize::try_from(room.width()).expect("a room has a positive width");
+        for (y, row) in (room.least.y..).zip(self.squares.chunks(width)) {
+            let to = larger.spot(Cell::new(room.least.x, y));
+            larger.squares[to..to + width].copy_from_slice(row);
+        }
+        larger.known = self.known;
+        *self = larger;
+    }
+
+    /// How many cells there is memory for.
+    pub(crate) const fn size(&self) -> usize {
+        self.squares.len()
+    }
+
+    pub(crate) fn spot(&self, cell: Cell) -> Spot {
+        let (column, row) = (i64::from(cell.x - self.room.least.x), i64::from(cell.y - self.room.least.y));
+        usize::try_from(row * i64::from(self.room.width()) + column).expect("a cell inside the room has a place")
+    }
+
+    pub(crate) fn cell(&self, spot: Spot) -> Cell {
+        let width = usize::try_from(self.room.width()).expect("a room has a positive width");
+        let number = |n: usize| i32::try_from(n).expect("a room is smaller than the reach of a robot");
+        Cell::new(self.room.least.x + number(spot % width), self.room.least.y + number(spot / width))
+    }
+
+    pub(crate) fn here(&self, spot: Spot) -> Square {
+        self.squares[spot]
+    }
+
+    /// How far it is in memory to the next cell in this direction.
+    pub(crate) const fn step(&self, heading: Heading) -> isize {
+        self.steps[heading as usize]
+    }
+}
+
+/// The spot so far on in memory.
+pub(crate) const fn onward(spot: Spot, by: isize) -> Spot {
+    spot.wrapping_add_signed(by)
+}

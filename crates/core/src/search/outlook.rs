@@ -1,0 +1,421 @@
+//! What a robot would look into: the cells round an unknown one, seen in the direction in which it would be entered, as the numbers
+//! by which `scored` weighs it. Left and right count alike: an outlook is turned over so that the heavier side lies on the right.
+//!
+//! ```text
+//!      ahead   4 … 1, 0 = the target, the unknown cell, −1 = the visited cell from which it is entered, −2
+//!      aside  −2, −1 left of that line, 0 on it, 1, 2 right
+//! ```
+//! A cell counts as unknown (0), also when it was only seen, as visited (1) or as blocked (2).
+
+use super::View;
+use super::entries::Entry;
+use super::grid::{Grid, Spot, Square, onward};
+use crate::command::Move;
+use crate::units::{Cell, Heading};
+
+/// How many numbers the linear part of a score weighs.
+pub const LINEAR: usize = 28;
+
+/// What each of them is, as files of weights call it.
+pub const LINEAR_NAMES: [&str; LINEAR] = [
+    "behindUnknown",
+    "oneSideUnknown",
+    "bothSidesUnknown",
+    "aloneStraightOn",
+    "runAhead",
+    "manhattanGain",
+    "chebyshevGain",
+    "smallComponent",
+    "unknownAheadAside",
+    "unknownBackAside",
+    "unknownFarAside",
+    "unknownFarAheadAside",
+    "unknownAheadFarAside",
+    "unknownBackFarAside",
+    "unknownTwoAhead",
+    "unknownThreeAhead",
+    "blockedAhead",
+    "blockedAside",
+    "blockedAheadAside",
+    "blockedBackAside",
+    "straightOn",
+    "turnsBack",
+    "sameTurn",
+    "knownDiagonal",
+    "unknownDiagonal",
+    "vertical",
+    "rightKnown",
+    "seenRun",
+];
+
+/// The tables: what each is called in files of weights, and how many rows it has.
+pub const TABLES: [(&str, usize); 14] = [
+    ("round", power(3, 7)),
+    ("unknown", power(2, 12)),
+    ("behind", power(3, 5) * 4),
+    ("left", power(2, 10)),
+    ("right", power(2, 10)),
+    ("ahead", power(3, 9)),
+    ("runAndWidth", (RUN + 1) * 4 * (RUN + 1) * (RUN + 1)),
+    ("turnAndWay", 4 * 12 * 9),
+    ("component", (SMALL + 1) * 16),
+    ("blocked", 8 * power(3, 4)),
+    ("wall", 8 * power(3, 4)),
+    ("roundTurnAndWay", power(3, 7) * 4 * 3),
+    ("wide", power(2, 12) * 4),
+    ("far", power(3, 8)),
+];
+
+/// Where each table begins among the rows of all.
+pub const STARTS: [usize; TABLES.len() + 1] = {
+    let mut starts = [0; TABLES.len() + 1];
+    let mut n = 0;
+    while n < TABLES.len() {
+        starts[n + 1] = starts[n] + TABLES[n].1;
+        n += 1;
+    }
+    starts
+};
+
+/// How many rows all tables have.
+pub const ROWS: usize = STARTS[TABLES.len()];
+
+/// So far ahead a run, or an edge along it, is followed.
+const RUN: usize = 6;
+
+/// Unknown cells that hang together are counted up to so many.
+const SMALL: usize = 10;
+
+const fn power(base: usize, exponent: u32) -> usize {
+    base.pow(exponent)
+}
+
+/// The numbers of one entry.
+#[derive(Clone, Copy, Debug)]
+pub struct Outlook {
+    /// For the linear part, in the order of `LINEAR_NAMES`, in thousandths.
+    pub linear: [i16; LINEAR],
+    /// For each table the row, counted from the first of all.
+    pub rows: [u32; TABLES.len()],
+}
+
+/// How a robot came to where it stands, as far as the looks of an entry depend on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Gait {
+    /// The last turn: −1 to the left, 1 to the right, 0 none yet.
+    pub turn: i8,
+    /// The cells driven straight on since.
+    pub run: u8,
+}
+
+impl Gait {
+    /// The gait after a move.
+    #[must_use]
+    pub const fn after(self, step: Move) -> Gait {
+        match step {
+            Move::Forward => Gait { run: self.run.saturating_add(1), ..self },
+            Move::TurnLeft => Gait { turn: -1, run: 0 },
+            Move::TurnRight => Gait { turn: 1, run: 0 },
+            Move::Backward | Move::NudgeLeft | Move::NudgeRight => self,
+        }
+    }
+}
+
+/// How an entry lies to the way the robot faces where it stands.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Turn {
+    StraightOn,
+    Aside,
+    Back,
+    /// The robot goes elsewhere first.
+    Elsewhere,
+}
+
+/// Where the robot stands that looks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Looking<'a> {
+    grid: &'a Grid,
+    spot: Spot,
+    heading: Heading,
+    cell: Cell,
+    gait: Gait,
+}
+
+/// A place in the window: ahead of the target, and aside.
+type Place = (isize, isize);
+
+/// An entry as it is seen.
+struct Sight<'a> {
+    looking: &'a Looking<'a>,
+    entry: &'a Entry,
+    forward: isize,
+    right: isize,
+    is_mirrored: bool,
+    /// The cells round the target, `[ahead + 2][aside + 2]`.
+    window: [[u8; 5]; 7],
+    turn: Turn,
+    /// How many cells behind the target are unknown in a row.
+    run: usize,
+    /// How many unknown cells hang together with the target.
+    component: usize,
+}
+
+impl<'a> Looking<'a> {
+    pub(crate) fn of(view: &View<'a>) -> Looking<'a> {
+        let View { grid, pose, gait, .. } = *view;
+        Looking { grid, spot: grid.spot(pose.cell), heading: pose.heading, cell: pose.cell, gait }
+    }
+
+    pub(crate) fn at(&self, entry: &Entry) -> Outlook {
+        let sight = Sight::of(self, entry);
+        Outlook { linear: sight.linear(), rows: sight.rows() }
+    }
+
+    fn turn(&self, entry: &Entry) -> Turn {
+        if entry.at.spot != self.spot {
+            Turn::Elsewhere
+        } else if entry.at.heading == self.heading {
+            Turn::StraightOn
+        } else if entry.at.heading == self.heading.opposite() {
+            Turn::Back
+        } else {
+            Turn::Aside
+        }
+    }
+}
+
+impl<'a> Sight<'a> {
+    fn of(looking: &'a Looking<'a>, entry: &'a Entry) -> Sight<'a> {
+        let grid = looking.grid;
+        let (forward, right) = (grid.step(entry.at.heading), grid.step(entry.at.heading.right()));
+        let look = |(ahead, aside): Place, right: isize| kind(grid.here(onward(entry.target, ahead * forward + aside * right)));
+        let weight = |right: isize| {
+            let side: [Place; 7] = [(0, 1), (1, 1), (-1, 1), (0, 2), (1, 2), (2, 1), (-1, 2)];
+            side.into_iter().fold(0, |sum, place| sum * 3 + u32::from(look(place, right)))
+        };
+        let is_mirrored = weight(-right) > weight(right);
+        let right = if is_mirrored { -right } else { right };
+        let mut window = [[0; 5]; 7];
+        for (row, ahead) in window.iter_mut().zip(-2..) {
+            for (square, aside) in row.iter_mut().zip(-2..) {
+                *square = look((ahead, aside), right);
+            }
+        }
+        let run = (1..=RUN).take_while(|n| look((n.cast_signed(), 0), right) == 0).count();
+        let (turn, component) = (looking.turn(entry), component(grid, entry.target));
+        Sight { looking, entry, forward, right, is_mirrored, window, turn, run, component }
+    }
+
+    fn at(&self, (ahead, aside): Place) -> u8 {
+        self.window[(ahead + 2).cast_unsigned()][(aside + 2).cast_unsigned()]
+    }
+
+    fn is_unknown(&self, place: Place) -> bool {
+        self.at(place) == 0
+    }
+
+    fn is_blocked(&self, place: Place) -> bool {
+        self.at(place) == 2
+    }
+
+    /// A cell anywhere round the target.
+    fn beyond(&self, (ahead, aside): Place) -> u8 {
+        kind(self.looking.grid.here(onward(self.entry.target, ahead * self.forward + aside * self.right)))
+    }
+
+    fn linear(&self) -> [i16; LINEAR] {
+        let pair = |(ahead, aside): Place| i16::from(self.is_unknown((ahead, aside))) + i16::from(self.is_unknown((ahead, -aside)));
+        let blocked = |(ahead, aside): Place| i16::from(self.is_blocked((ahead, aside))) + i16::from(self.is_blocked((ahead, -aside)));
+        let diagonal = |aside: isize, is_known: bool| {
+            i16::from(self.is_unknown((0, aside)) == is_known && self.is_unknown((1, aside)) != is_known)
+        };
+        let grid = self.looking.grid;
+        let seen = (0..RUN.cast_signed())
+            .take_while(|n| grid.here(onward(self.entry.target, n * self.forward)) == Square::Seen)
+            .count();
+        let (sides, behind, straight_on) = (pair((0, 1)), self.is_unknown((1, 0)), self.turn == Turn::StraightOn);
+        let count = |n: usize| i16::try_from(n).unwrap_or(0) * 1000;
+        let whole = |n: i16| n * 1000;
+        let is = |so: bool| whole(i16::from(so));
+        [
+            is(behind),
+            is(sides == 1),
+            is(sides == 2),
+            is(straight_on && sides == 0 && !behind),
+            count(self.run),
+            self.gain(|x, y| x + y),
+            self.gain(i32::max),
+            if self.component <= SMALL { i16::try_from((SMALL + 1 - self.component) * 100).unwrap_or(0) } else { 0 },
+            whole(pair((1, 1))),
+            whole(pair((-1, 1))),
+            whole(pair((0, 2))),
+            whole(pair((2, 1))),
+            whole(pair((1, 2))),
+            whole(pair((-1, 2))),
+            is(self.is_unknown((2, 0))),
+            is(self.is_unknown((3, 0))),
+            is(self.is_blocked((1, 0))),
+            whole(blocked((0, 1))),
+            whole(blocked((1, 1))),
+            whole(blocked((-1, 1))),
+            is(straight_on),
+            is(self.turn == Turn::Back),
+            is(self.is_same_turn()),
+            whole(diagonal(1, true) + diagonal(-1, true)),
+            whole(diagonal(1, false) + diagonal(-1, false)),
+            is(matches!(self.entry.at.heading, Heading::North | Heading::South)),
+            is(!self.is_unknown((0, if self.is_mirrored { -1 } else { 1 }))),
+            count(seen),
+        ]
+    }
+
+    /// How much further from home the target lies than the robot, in tens of cells.
+    fn gain(&self, distance: fn(i32, i32) -> i32) -> i16 {
+        let from_home = |cell: Cell| distance(cell.x.abs(), cell.y.abs());
+        let cells = from_home(self.looking.grid.cell(self.entry.target)) - from_home(self.looking.cell);
+        i16::try_from(cells * 100).unwrap_or(0)
+    }
+
+    fn is_same_turn(&self) -> bool {
+        let side = if self.entry.at.heading == self.looking.heading.right() { 1 } else { -1 };
+        self.turn == Turn::Aside && side == self.looking.gait.turn
+    }
+
+    fn rows(&self) -> [u32; TABLES.len()] {
+        const ROUND: [Place; 7] = [(0, -1), (0, 1), (1, 0), (1, -1), (1, 1), (-1, -1), (-1, 1)];
+        const NEAR: [Place; 12] = [
+            (0, -1),
+            (0, 1),
+            (1, 0),
+            (1, -1),
+            (1, 1),
+            (-1, -1),
+            (-1, 1),
+            (2, 0),
+            (0, -2),
+            (0, 2),
+            (2, -1),
+            (2, 1),
+        ];
+        const WIDE: [Place; 12] = [
+            (1, -2),
+            (1, 2),
+            (2, -2),
+            (2, 2),
+            (3, -1),
+            (3, 1),
+            (3, 0),
+            (-1, -2),
+            (-1, 2),
+            (0, -1),
+            (0, 1),
+            (1, 0),
+        ];
+        const BEHIND: [Place; 5] = [(-1, -1), (-1, 1), (-2, 0), (-2, -1), (-2, 1)];
+        const AHEAD: [Place; 9] = [(1, -1), (1, 0), (1, 1), (2, -1), (2, 0), (2, 1), (3, -1), (3, 0), (3, 1)];
+        const FAR: [Place; 8] = [(4, 0), (3, 0), (2, -2), (2, 2), (1, -2), (1, 2), (0, -2), (0, 2)];
+        let way = self.entry.at.cost as usize;
+        let way_class = match way {
+            0..=1 => 0,
+            2..=4 => 1,
+            _ => 2,
+        };
+        let (round, entering) = (self.ternary(&ROUND), self.entering());
+        let four = self.ternary(&[(0, -1), (0, 1), (1, 0), (1, 1)]);
+        let blocked = self.window.iter().flatten().filter(|square| **square == 2).count();
+        let width = (self.width(1) + self.width(-1)).min(3);
+        let run = usize::from(self.looking.gait.run.min(8));
+        let column = |aside: isize| -> usize {
+            let place = |n: usize| (n.cast_signed() % 5 - 2, if n < 5 { aside } else { 2 * aside });
+            (0..10).fold(0, |sum, n| sum * 2 + usize::from(self.is_unknown(place(n))))
+        };
+        let rows = [
+            round,
+            self.binary(&NEAR),
+            self.ternary(&BEHIND) * 4 + entering,
+            column(-1),
+            column(1),
+            self.ternary(&AHEAD),
+            ((self.run * 4 + width) * (RUN + 1) + self.edge(1)) * (RUN + 1) + self.edge(-1),
+            (entering * 12 + way.min(11)) * 9 + run,
+            (self.component - 1).min(SMALL) * 16 + self.binary(&[(0, -1), (0, 1), (1, 0), (2, 0)]),
+            blocked.min(7) * 81 + four,
+            self.wall() * 81 + four,
+            (round * 4 + entering) * 3 + way_class,
+            self.binary(&WIDE) * 4 + entering,
+            self.ternary(&FAR),
+        ];
+        let mut counted = [0; TABLES.len()];
+        for ((row, start), to) in rows.into_iter().zip(STARTS).zip(&mut counted) {
+            *to = u32::try_from(start + row).unwrap_or(0);
+        }
+        counted
+    }
+
+    fn ternary(&self, places: &[Place]) -> usize {
+        places.iter().fold(0, |sum, place| sum * 3 + usize::from(self.at(*place)))
+    }
+
+    fn binary(&self, places: &[Place]) -> usize {
+        places.iter().fold(0, |sum, place| sum * 2 + usize::from(self.is_unknown(*place)))
+    }
+
+    /// By which turn the target is entered: 0 none, 1 to the right or 2 to the left as it is turned over, 3 back. On a way it is the
+    /// last one, if the way ends with it.
+    fn entering(&self) -> usize {
+        let side = |is_right: bool| usize::from(is_right == self.is_mirrored) + 1;
+        match (self.turn, self.entry.at.by) {
+            (Turn::Back, _) => 3,
+            (Turn::Aside, _) => side(self.entry.at.heading == self.looking.heading.right()),
+            (Turn::Elsewhere, Some(Move::TurnRight)) => side(true),
+            (Turn::Elsewhere, Some(Move::TurnLeft)) => side(false),
+            (Turn::StraightOn | Turn::Elsewhere, _) => 0,
+        }
+    }
+
+    /// How many unknown cells lie beside the target on one side, up to 3.
+    fn width(&self, side: isize) -> usize {
+        (1..=3).take_while(|away| self.beyond((0, away * side)) == 0).count()
+    }
+
+    /// How far the edge on one side stays closed along the run.
+    fn edge(&self, side: isize) -> usize {
+        (0..RUN.cast_signed()).take_while(|ahead| self.beyond((*ahead, side)) != 0).count()
+    }
+
+    /// Where two blocked cells in a row lie beside the target: 1 to 3 to the right, 4 to 6 to the left, 0 nowhere near.
+    fn wall(&self) -> usize {
+        let is_wall = |aside: isize| self.beyond((0, aside)) == 2 && self.beyond((1, aside)) == 2;
+        (1..=3usize)
+            .find_map(|away| {
+                let aside = away.cast_signed();
+                is_wall(aside).then_some(away).or_else(|| is_wall(-aside).then_some(away + 3))
+            })
+            .unwrap_or(0)
+    }
+}
+
+const fn kind(square: Square) -> u8 {
+    match square {
+        Square::Unknown | Square::Seen => 0,
+        Square::Visited => 1,
+        Square::Obstacle | Square::Target => 2,
+    }
+}
+
+/// How many unknown cells hang together with this one, counted to one more than `SMALL`.
+fn component(grid: &Grid, target: Spot) -> usize {
+    let mut cells = [target; SMALL + 1];
+    let (mut count, mut done) = (1, 0);
+    while done < count && count < cells.len() {
+        for heading in Heading::ALL {
+            let next = onward(cells[done], grid.step(heading));
+            if count < cells.len() && kind(grid.here(next)) == 0 && !cells[..count].contains(&next) {
+                cells[count] = next;
+                count += 1;
+            }
+        }
+        done += 1;
+    }
+    count
+}

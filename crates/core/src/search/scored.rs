@@ -1,0 +1,62 @@
+//! The tuned score: of all unknown cells that can be entered, the one for which the way there, and what its surroundings are worth, come
+//! to the least. The weights come from `hallsweep tune`.
+
+use super::View;
+use super::entries::{Entry, Visit, best_entry};
+use super::outlook::{Looking, Outlook};
+use super::ways::Ways;
+use super::weights::Weights;
+use crate::command::Move;
+use crate::units::{Cell, Heading};
+
+pub(super) fn next(view: &View<'_>, ways: &mut Ways) -> Option<Visit> {
+    let weights = Weights::shipped(view.objective, view.sensing);
+    let looking = Looking::of(view);
+    best_entry(view, ways, weights.least, |entry| weights.worth(&looking.at(entry)))
+}
+
+/// An unknown cell that could be entered next, as `hallsweep tune` sees it.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// The cell.
+    pub cell: Cell,
+    /// The way in which it would be entered.
+    pub heading: Heading,
+    /// The way and the worth, in thousandths of a step.
+    pub score: i32,
+    /// What is seen of it.
+    pub outlook: Outlook,
+}
+
+/// The entry of least score by these weights, and the moves that enter it; `seen` is told of every entry that was weighed, and those
+/// up to `slack` above the best are.
+pub fn choose(
+    view: &View<'_>,
+    ways: &mut Ways,
+    weights: &Weights,
+    slack: i32,
+    mut seen: impl FnMut(Candidate),
+) -> Option<(Cell, Vec<Move>)> {
+    let looking = Looking::of(view);
+    let visit = best_entry(view, ways, weights.least - slack, |entry: &Entry| {
+        let outlook = looking.at(entry);
+        let worth = weights.worth(&outlook);
+        let score = view.costs.in_thousandths(entry.at.cost) + worth;
+        seen(Candidate { cell: view.grid.cell(entry.target), heading: entry.at.heading, score, outlook });
+        worth
+    });
+    visit.map(|Visit { cell, route }| (cell, route))
+}
+
+/// The moves that enter a candidate.
+pub fn visit(view: &View<'_>, ways: &mut Ways, candidate: &Candidate) -> Option<(Cell, Vec<Move>)> {
+    let mut found = false;
+    let at = view.grid.spot(candidate.cell.ahead(candidate.heading.opposite()));
+    ways.spread(view.grid, view.costs, view.pose, |here| {
+        found |= here.spot == at && here.heading == candidate.heading;
+        if found { 0 } else { u32::MAX }
+    });
+    let mut route = found.then(|| ways.way_to(view.grid, (at, candidate.heading)))?;
+    route.push(Move::Forward);
+    Some((candidate.cell, route))
+}

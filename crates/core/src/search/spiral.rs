@@ -1,0 +1,17 @@
+//! Round and round from the walls inwards: what is visited or blocked stays on the robot's right hand as long as it can.
+
+use super::View;
+use super::entries::{Entry, Visit, best_entry, is_open};
+use super::grid::onward;
+use super::ways::Ways;
+
+/// What it counts against a cell, in thousandths of a step, that its right side is open.
+const OPEN: i32 = 2500;
+
+pub(super) fn next(view: &View<'_>, ways: &mut Ways) -> Option<Visit> {
+    let grid = view.grid;
+    best_entry(view, ways, 0, |entry: &Entry| {
+        let right = onward(entry.target, grid.step(entry.at.heading.right()));
+        if is_open(grid.here(right)) { OPEN } else { 0 }
+    })
+}

@@ -1,0 +1,162 @@
+//! Ways from where the robot stands, the cheapest first: over cell × heading, because turns cost as well as steps. What is worth
+//! aiming at is a strategy's business; whether the robot may move is the mission's.
+//!
+//! States wait by what they cost in a ring of buckets as long as the dearest move, which for whole numbers is a queue in constant
+//! time; with an estimate of what is left the same loop is A*. A state is settled when it is taken out for the first time.
+
+use super::costs::Costs;
+use super::grid::{Grid, Spot, Square, onward};
+use crate::command::Move;
+use crate::units::{Cell, Heading, Pose};
+
+/// Finds ways; keeps its working memory from one search to the next.
+#[derive(Clone, Debug, Default)]
+pub struct Ways {
+    /// For each state the search that settled it, so that nothing needs to be wiped.
+    settled: Vec<u32>,
+    /// For each settled state the move that led to it.
+    came_by: Vec<u8>,
+    search: u32,
+    ring: Vec<Vec<u64>>,
+}
+
+/// A state that a search has come to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reached {
+    pub(crate) spot: Spot,
+    pub(crate) heading: Heading,
+    /// What it costs to come here, in the units of `Costs`.
+    pub(crate) cost: u32,
+    /// The last move; `None` where the robot stands.
+    pub(crate) by: Option<Move>,
+}
+
+const MOVES: [Move; 3] = [Move::Forward, Move::TurnLeft, Move::TurnRight];
+
+/// No move led here: here the robot stands.
+const NONE: u8 = 3;
+
+impl Ways {
+    /// Goes through the states that are reached over visited cells, the cheapest first, until they cost more than `reached` says
+    /// that it is worth.
+    pub(crate) fn spread(&mut self, grid: &Grid, costs: Costs, start: Pose, reached: impl FnMut(Reached) -> u32) {
+        self.search(grid, costs, start, |_| 0, |spot| grid.here(spot) == Square::Visited, reached);
+    }
+
+    /// The cheapest way to a cell through what is `passable`, guided by the steps that are left at least.
+    pub(crate) fn way_to_cell(
+        &mut self,
+        grid: &Grid,
+        costs: Costs,
+        start: Pose,
+        goal: Cell,
+        passable: impl Fn(Spot) -> bool,
+    ) -> Option<Vec<Move>> {
+        let (at, mut end) = (grid.spot(goal), None);
+        let left = |spot: Spot| {
+            let cell = grid.cell(spot);
+            (cell.x.abs_diff(goal.x) + cell.y.abs_diff(goal.y)) * costs.step
+        };
+        self.search(grid, costs, start, left, passable, |here| {
+            end = end.or((here.spot == at).then_some((here.spot, here.heading)));
+            if end.is_some() { 0 } else { u32::MAX }
+        });
+        end.map(|end| self.way_to(grid, end))
+    }
+
+    /// The cheapest way to a cell over visited cells.
+    #[must_use]
+    pub fn way_over_visited(&mut self, grid: &Grid, costs: Costs, start: Pose, goal: Cell) -> Option<Vec<Move>> {
+        self.way_to_cell(grid, costs, start, goal, |spot| grid.here(spot) == Square::Visited)
+    }
+
+    /// The cheapest way to a cell, unknown ones taken for free; towards it, when it lies beyond what is known.
+    #[must_use]
+    pub fn way_over_unknown(&mut self, grid: &Grid, costs: Costs, start: Pose, goal: Cell) -> Option<Vec<Move>> {
+        super::plan::way(grid, self, costs, start, goal, super::plan::Through::Unknown)
+    }
+
+    /// `left` is what a way from there to the goal costs at least, and no less than a move on is nearer.
+    pub(crate) fn search(
+        &mut self,
+        grid: &Grid,
+        costs: Costs,
+        start: Pose,
+        left: impl Fn(Spot) -> u32,
+        passable: impl Fn(Spot) -> bool,
+        mut reached: impl FnMut(Reached) -> u32,
+    ) {
+        self.prepare(grid, costs);
+        let price = [costs.step, costs.turn, costs.turn];
+        let length = self.ring.len();
+        let from = grid.spot(start.cell);
+        // Whole costs: what was spent, and what is left at least.
+        let (mut whole, mut worth) = (left(from), u32::MAX);
+        self.ring[whole as usize % length].push(pack(from, start.heading, NONE));
+        let mut waiting = 1usize;
+        while waiting > 0 && whole <= worth {
+            let Some(packed) = self.ring[whole as usize % length].pop() else {
+                whole += 1;
+                continue;
+            };
+            waiting -= 1;
+            let (spot, heading, by) = unpack(packed);
+            let state = spot * 4 + heading as usize;
+            if self.settled[state] == self.search {
+                continue;
+            }
+            (self.settled[state], self.came_by[state]) = (self.search, by);
+            let cost = whole - left(spot);
+            worth = reached(Reached { spot, heading, cost, by: MOVES.get(usize::from(by)).copied() });
+            let ahead = onward(spot, grid.step(heading));
+            let next = [(ahead, heading), (spot, heading.left()), (spot, heading.right())];
+            for (by, (spot, heading)) in (0u8..).zip(next).skip(usize::from(!passable(ahead))) {
+                if self.settled[spot * 4 + heading as usize] != self.search {
+                    let whole = cost + price[usize::from(by)] + left(spot);
+                    self.ring[whole as usize % length].push(pack(spot, heading, by));
+                    waiting += 1;
+                }
+            }
+        }
+        self.ring.iter_mut().for_each(Vec::clear);
+    }
+
+    fn prepare(&mut self, grid: &Grid, costs: Costs) {
+        let states = grid.size() * 4;
+        if self.settled.len() != states || self.search == u32::MAX {
+            (self.settled, self.came_by, self.search) = (vec![0; states], vec![0; states], 0);
+        }
+        self.search += 1;
+        // A step away from the goal costs itself and the way back.
+        self.ring.resize_with((2 * costs.step).max(costs.turn) as usize + 1, Vec::new);
+    }
+
+    /// The moves that led to a state that the last search has settled.
+    #[must_use]
+    pub fn way_to(&self, grid: &Grid, end: (usize, Heading)) -> Vec<Move> {
+        let (mut spot, mut heading) = end;
+        let mut moves = Vec::new();
+        while let Some(step) = MOVES.get(usize::from(self.came_by[spot * 4 + heading as usize])) {
+            moves.push(*step);
+            match step {
+                Move::TurnLeft => heading = heading.right(),
+                Move::TurnRight => heading = heading.left(),
+                Move::Forward | Move::Backward | Move::NudgeLeft | Move::NudgeRight => {
+                    spot = onward(spot, grid.step(heading.opposite()));
+                }
+            }
+        }
+        moves.reverse();
+        moves
+    }
+}
+
+/// A state and the move that leads there, in one number.
+const fn pack(spot: Spot, heading: Heading, by: u8) -> u64 {
+    ((spot as u64) << 4) | ((heading as u64) << 2) | by as u64
+}
+
+const fn unpack(packed: u64) -> (Spot, Heading, u8) {
+    let heading = Heading::ALL[(packed >> 2 & 3) as usize];
+    ((packed >> 4) as usize, heading, (packed & 3) as u8)
+}

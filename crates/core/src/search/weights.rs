@@ -1,0 +1,159 @@
+//! The weights of the score: what they are, and how they are written in a file.
+//!
+//! ```text
+//!   # where they come from, in any words
+//!   least -3000
+//!   behindUnknown 1870          a line for each number of the linear part that counts
+//!   [round] 0:-120 7:15 …       and one for each table, with the rows that count
+//! ```
+//! Everything is in thousandths of a step, which is what the way to an entry is counted in.
+
+use std::fmt::Write;
+use std::sync::LazyLock;
+
+use super::outlook::{LINEAR, LINEAR_NAMES, Outlook, ROWS, STARTS, TABLES};
+use super::{Objective, Sensing};
+
+/// What the numbers of an outlook are worth, in thousandths of a step.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Weights {
+    /// For the linear part.
+    pub linear: [i32; LINEAR],
+    /// For every row of every table.
+    pub rows: Vec<i16>,
+    /// No outlook counts for less than this: it bounds the search.
+    pub least: i32,
+}
+
+/// What is wrong with a file of weights.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("line {line} of the weights: {found:?} is not {wanted}")]
+pub struct WeightsError {
+    line: usize,
+    found: String,
+    wanted: &'static str,
+}
+
+impl Weights {
+    /// Weights that count nothing but the way.
+    #[must_use]
+    pub fn nothing() -> Weights {
+        Weights { linear: [0; LINEAR], rows: vec![0; ROWS], least: 0 }
+    }
+
+    /// Those that were tuned for this.
+    #[must_use]
+    pub fn shipped(objective: Objective, sensing: Sensing) -> &'static Weights {
+        macro_rules! shipped {
+            ($file:literal) => {{
+                static WEIGHTS: LazyLock<Weights> = LazyLock::new(|| {
+                    let read = Weights::read(include_str!(concat!("../../weights/", $file, ".txt")));
+                    read.expect("what is shipped is read in a test")
+                });
+                &WEIGHTS
+            }};
+        }
+        match (objective, sensing) {
+            (Objective::Cover, Sensing::Bump) => shipped!("cover-bump"),
+            (Objective::Cover, Sensing::Sonar) => shipped!("cover-sonar"),
+            (Objective::Find, Sensing::Bump) => shipped!("find-bump"),
+            (Objective::Find, Sensing::Sonar) => shipped!("find-sonar"),
+        }
+    }
+
+    /// The weights that a file says.
+    ///
+    /// # Errors
+    /// The first line that is not as it should be.
+    pub fn read(text: &str) -> Result<Weights, WeightsError> {
+        let mut weights = Weights::nothing();
+        for (line, written) in (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#')) {
+            let wrong = |found: &str, wanted| WeightsError { line, found: found.to_owned(), wanted };
+            let mut words = written.split_whitespace();
+            let name = words.next().unwrap_or_default();
+            if let Some(table) = name.strip_prefix('[').and_then(|name| name.strip_suffix(']')) {
+                let table = TABLES.iter().position(|(known, _)| *known == table).ok_or_else(|| wrong(table, "the name of a table"))?;
+                for word in words {
+                    let row = read_row(word, TABLES[table].1).ok_or_else(|| wrong(word, "ROW:WEIGHT of this table"))?;
+                    weights.rows[STARTS[table] + row.0] = row.1;
+                }
+                continue;
+            }
+            let value = words.next().unwrap_or_default();
+            let value: i32 = value.parse().map_err(|_| wrong(value, "a whole number"))?;
+            if name == "least" {
+                weights.least = value;
+            } else {
+                let number = LINEAR_NAMES.iter().position(|known| *known == name);
+                weights.linear[number.ok_or_else(|| wrong(name, "the name of a weight"))?] = value;
+            }
+        }
+        Ok(weights)
+    }
+
+    /// A file of these weights that says of itself where it comes from. Rows of less than `smallest` are left out.
+    #[must_use]
+    pub fn write(&self, origin: &str, smallest: i16) -> String {
+        let mut text: String = origin.lines().map(|line| format!("# {line}\n")).collect();
+        let _ = writeln!(text, "least {}", self.least);
+        for (name, weight) in LINEAR_NAMES.iter().zip(self.linear).filter(|(_, weight)| *weight != 0) {
+            let _ = writeln!(text, "{name} {weight}");
+        }
+        for ((name, size), start) in TABLES.iter().zip(STARTS) {
+            let rows = self.rows[start..start + size].iter().enumerate().filter(|(_, weight)| weight.abs() >= smallest);
+            let rows: String = rows.map(|(row, weight)| format!(" {row}:{weight}")).collect();
+            if !rows.is_empty() {
+                let _ = writeln!(text, "[{name}]{rows}");
+            }
+        }
+        text
+    }
+
+    /// What an outlook is worth, beside the way.
+    #[must_use]
+    pub fn worth(&self, outlook: &Outlook) -> i32 {
+        let linear: i64 = self.linear.iter().zip(outlook.linear).map(|(weight, n)| i64::from(*weight) * i64::from(n)).sum();
+        let rows: i32 = outlook.rows.iter().map(|row| i32::from(self.rows[*row as usize])).sum();
+        i32::try_from(linear / 1000).unwrap_or(0).saturating_add(rows).max(self.least)
+    }
+}
+
+/// `ROW:WEIGHT` of a table with so many rows.
+fn read_row(word: &str, size: usize) -> Option<(usize, i16)> {
+    let (row, weight) = word.split_once(':')?;
+    let row = row.parse().ok().filter(|row| *row < size)?;
+    Some((row, weight.parse().ok()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_shipped_can_be_read_and_counts_something() {
+        for objective in Objective::ALL {
+            for sensing in Sensing::ALL {
+                let weights = Weights::shipped(objective, sensing);
+                assert!(weights.rows.iter().any(|row| *row != 0), "{} by {}", objective.name(), sensing.name());
+                assert!(weights.least < 0, "a search without a bound goes through the whole hall at every step");
+            }
+        }
+    }
+
+    #[test]
+    fn weights_are_read_back_as_they_were_written() {
+        let mut weights = Weights { least: -2500, ..Weights::nothing() };
+        weights.linear[3] = -17;
+        (weights.rows[0], weights.rows[ROWS - 1]) = (40, -5000);
+        assert_eq!(Weights::read(&weights.write("a test\nof two lines", 1)), Ok(weights));
+    }
+
+    #[test]
+    fn a_line_that_is_not_as_it_should_be_is_named() {
+        let check = |text: &str, expect: &str| assert_eq!(Weights::read(text).unwrap_err().to_string(), expect);
+        check("# x\nleast y", "line 2 of the weights: \"y\" is not a whole number");
+        check("speed 3", "line 1 of the weights: \"speed\" is not the name of a weight");
+        check("[rond] 1:2", "line 1 of the weights: \"rond\" is not the name of a table");
+        check("[round] 2187:2", "line 1 of the weights: \"2187:2\" is not ROW:WEIGHT of this table");
+    }
+}
