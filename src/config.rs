@@ -91,6 +91,8 @@ pub struct RobotSettings {
     pub photo_failure_rate: f64,
     /// The standard deviation of the front sonar, in centimetres.
     pub sonar_noise_cm: f64,
+    /// How many cells ahead its sonar tells whether they are free; 0 where the search does not go by sonar.
+    pub sonar_cells: u8,
 }
 
 /// What goes wrong with the simulated pair, for practice: how many times.

@@ -148,13 +148,13 @@ pub fn map_revision(snapshot: &Snapshot) -> Revision {
     snapshot.revision_of(Resource::Map).max(snapshot.revision_of(Resource::Robot))
 }
 
-/// How a cell is written: `r` robot, `1` visited, `0` unknown, `X` obstacle.
+/// How a cell is written: `r` robot, `1` visited, `0` not yet, `X` obstacle. What was only seen to be free is not yet visited.
 pub fn mark_char(plan: Plan<'_>, cell: Cell) -> char {
     if cell == plan.robot {
         return 'r';
     }
     match plan.hall.at(cell) {
-        Mark::Unknown => '0',
+        Mark::Unknown | Mark::Seen => '0',
         Mark::Visited => '1',
         Mark::Wall | Mark::Luggage | Mark::NotInspected => 'X',
     }

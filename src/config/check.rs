@@ -173,7 +173,7 @@ fn core(layers: &Layers) -> Result<CoreSettings, SettingsError> {
         inspect_everything: read(layers, "mission.inspect_everything")?,
         fetcher: one_of(layers, "mission.retrieval", &Fetcher::ALL, Fetcher::name, "nobody of this name fetches")?,
         objective: one_of(layers, "mission.goal", &Objective::ALL, Objective::name, "there is no such goal")?,
-        sensing: one_of(layers, "mission.sensing", &Sensing::ALL, Sensing::name, "there is no such sensing")?,
+        sensing: sensing(layers)?,
         costs: costs(layers)?,
         wall_lines: read(layers, "mission.wall_lines")?,
     })
@@ -183,6 +183,10 @@ fn core(layers: &Layers) -> Result<CoreSettings, SettingsError> {
 fn one_of<T: Copy>(layers: &Layers, key: &str, all: &[T], name: fn(T) -> &'static str, wrong: &str) -> Result<T, SettingsError> {
     let written: String = read(layers, key)?;
     all.iter().copied().find(|value| name(*value) == written).ok_or_else(|| layers.wrong(key, wrong))
+}
+
+pub(super) fn sensing(layers: &Layers) -> Result<Sensing, SettingsError> {
+    one_of(layers, "mission.sensing", &Sensing::ALL, Sensing::name, "there is no such sensing")
 }
 
 /// What moves cost; `None`: as long as they take the robot.
@@ -232,7 +236,7 @@ pub(super) fn number(layers: &Layers, key: &str) -> Result<f64, SettingsError> {
 
 /// A whole number within the bounds of its setting.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is whole, and its setting bounds it")]
-fn count(layers: &Layers, key: &str) -> Result<u32, SettingsError> {
+pub(super) fn count(layers: &Layers, key: &str) -> Result<u32, SettingsError> {
     let value = number(layers, key)?;
     if value.fract() == 0.0 { Ok(value as u32) } else { Err(layers.wrong(key, "it is not a whole number")) }
 }

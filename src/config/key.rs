@@ -56,6 +56,9 @@ const HYSTERESIS: Kind = Kind::Number { least: 0.0, most: 50.0 };
 /// A sonar that errs by more than a metre is no sonar.
 const SONAR_NOISE_CM: Kind = Kind::Number { least: 0.0, most: 100.0 };
 
+/// What a sonar of four metres sees of cells of half a metre.
+const SONAR_CELLS: Kind = Kind::Number { least: 1.0, most: 7.0 };
+
 /// A sensor that reports more seldom than once an hour does not say how hot it is now.
 const SENSOR_SILENCE_S: Kind = Kind::Number { least: 1.0, most: 3600.0 };
 
@@ -70,7 +73,7 @@ pub(super) const ROBOTS: &str = "robots";
 pub(super) const ROBOT: &str = "robot";
 
 /// Every setting, in the order of `config/default.toml`.
-pub const KEYS: [Key; 40] = [
+pub const KEYS: [Key; 41] = [
     text("hall.file", "name a built-in hall, as airport, or the path of a .toml or .map file").set_by("--hall"),
     text("http.bind", "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080")
         .set_by("--http"),
@@ -109,6 +112,7 @@ pub const KEYS: [Key; 40] = [
     key("robot.unknown_rate", RATE, "write a rate from 0 (never) to 1 (always)"),
     key("robot.photo_failure_rate", RATE, "write a rate from 0 (never) to 1 (always)"),
     key("robot.sonar_noise_cm", SONAR_NOISE_CM, "write a number of centimetres from 0 to 100"),
+    key("robot.sonar_cells", SONAR_CELLS, "write a whole number of cells from 1 to 7"),
     key("pair.slips", MISHAPS, "write a whole number from 0 to 10"),
     key("pair.unrecognised", MISHAPS, "write a whole number from 0 to 10"),
     text("mission.strategy", "write one of: auto, scored, frontier, columns, spiral, snail").set_by("--strategy"),

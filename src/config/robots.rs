@@ -1,13 +1,14 @@
 //! The robots in the settings: the one that searches in `[robot]`, every further one in a section `[robots.NAME]` with the same keys.
 //! That `[robots.discovery]` means the one that searches, `layers` knows; what a robot of some kind does with its settings is not here.
 
-use super::check::{NumberOrWord, number, read, within};
+use super::check::{NumberOrWord, count, number, read, sensing, within};
 use super::error::SettingsError;
 use super::key::ROBOTS;
 use super::layers::Layers;
 use super::{RobotSettings, Settings, Speed};
 use hallsweep_core::event::RobotId;
 use hallsweep_core::retrieval::Which;
+use hallsweep_core::search::Sensing;
 
 /// As many robots as there may be, the one that searches among them: their links share one thread, over which a STOP goes to each
 /// before anything else (safety S7), and each simulated one may have a photo drawn at any moment.
@@ -66,7 +67,13 @@ pub(super) fn robot(layers: &Layers, section: &str) -> Result<RobotSettings, Set
         unknown_rate: number(layers, &key("unknown_rate"))?,
         photo_failure_rate: number(layers, &key("photo_failure_rate"))?,
         sonar_noise_cm: number(layers, &key("sonar_noise_cm"))?,
+        sonar_cells: sonar_cells(layers, &key("sonar_cells"))?,
     })
+}
+
+fn sonar_cells(layers: &Layers, key: &str) -> Result<u8, SettingsError> {
+    let cells = u8::try_from(count(layers, key)?).map_err(|_| layers.wrong(key, "it is out of range"))?;
+    Ok(if sensing(layers)? == Sensing::Sonar { cells } else { 0 })
 }
 
 fn kind(layers: &Layers, key: &str) -> Result<RobotKind, SettingsError> {

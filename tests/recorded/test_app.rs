@@ -36,7 +36,7 @@ pub(crate) struct Inside {
 impl TestApp {
     /// A robot at home. Must be called inside a runtime.
     pub(crate) fn new(hall: &Arc<Hall>, sim: SimSettings, with_sensor: bool) -> TestApp {
-        let run = Run::new(Arc::clone(hall), sim, Settings::default(), Strategy::default());
+        let run = Run::new(Arc::clone(hall), sim, Settings::default(), Strategy::Snail);
         TestApp::of(hall, run, with_sensor)
     }
 
@@ -44,7 +44,7 @@ impl TestApp {
     pub(crate) fn with_pair(hall: &Arc<Hall>, sim: SimSettings) -> TestApp {
         let mut pair = PairSettings { way_out: true, ..PairSettings::new(1, Place::ENTRANCE) };
         pair.mishaps.slips = vec![Slip { parcel: 1, after_steps: 1 }];
-        let run = Run::with_pair(Arc::clone(hall), sim, Settings::default(), Strategy::default(), pair);
+        let run = Run::with_pair(Arc::clone(hall), sim, Settings::default(), Strategy::Snail, pair);
         TestApp::of(hall, run, false)
     }
 

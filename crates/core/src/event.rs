@@ -58,8 +58,19 @@ pub enum RobotEvent {
     ParcelLost(Parcel),
     /// The front sonar: centimetres to what is ahead, `None` beyond its range.
     Sonar(Option<u16>),
+    /// What its front sonar makes of the cells ahead of where the order under way leaves it, just before that is `Done`.
+    Ahead(Ahead),
     /// The robot's own thermometer.
     Temperature(Celsius),
+}
+
+/// What is ahead of a robot that stands in the centre of a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ahead {
+    /// So many cells are free, as far as its sonar is believed.
+    pub free: u16,
+    /// What stands in the very next cell, as the camera takes it.
+    pub obstacle: Option<Obstacle>,
 }
 
 /// Whether a halted robot stands away from where its last completed order left it.

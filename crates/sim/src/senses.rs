@@ -6,10 +6,10 @@ use std::time::Duration;
 
 use super::curve;
 use super::drive::BodyPose;
-use super::hall::Hall;
+use super::hall::{Hall, Truth};
 use super::settings::SimSettings;
 use super::{recognise, sonar};
-use hallsweep_core::event::{Obstacle, RobotEvent};
+use hallsweep_core::event::{Ahead, Obstacle, RobotEvent};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::Pose;
 
@@ -52,6 +52,14 @@ impl Senses {
         let before = self.reported;
         let reading = self.listen(body);
         (self.reported != before).then_some(reading)
+    }
+
+    /// What the last reading makes of the cells ahead of a robot that stands centred in `pose`. That something stands in the next one
+    /// is said only when the camera sees it too.
+    pub(super) fn look_ahead(&mut self, pose: Pose, cells: u8) -> Ahead {
+        let free = self.reported.flatten().map_or(u16::from(cells), |cm| sonar::free_cells(cm, self.hall.cell_m()));
+        let there = free == 0 && self.hall.truth(pose.ahead()) != Truth::Free;
+        Ahead { free: free.min(u16::from(cells)), obstacle: there.then(|| self.recognise(pose)) }
     }
 
     pub(super) fn recognise(&mut self, pose: Pose) -> Obstacle {

@@ -13,6 +13,8 @@ pub struct SimSettings {
     pub photo_failure_rate: f64,
     /// The standard deviation of the sonar, in centimetres.
     pub sonar_noise_cm: f64,
+    /// So many cells ahead it says of itself whether they are free; 0: it bumps into what is there.
+    pub sonar_cells: u8,
     /// What photos are made of.
     pub camera: Camera,
     /// How long a step of one cell takes.
@@ -68,6 +70,7 @@ impl Default for SimSettings {
             unknown_rate: 0.0,
             photo_failure_rate: 0.0,
             sonar_noise_cm: 0.4,
+            sonar_cells: 0,
             camera: Camera::Rendered,
             step: Duration::from_millis(330),
             turn: Duration::from_millis(500),

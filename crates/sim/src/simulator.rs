@@ -335,6 +335,10 @@ impl Sim {
                 self.body = self.centre();
                 self.events.extend(self.senses.listen_for_change(self.body));
                 self.tell_hook();
+                if self.settings.sonar_cells > 0 {
+                    let ahead = self.senses.look_ahead(self.pose, self.settings.sonar_cells);
+                    self.events.push_back(RobotEvent::Ahead(ahead));
+                }
                 self.events.push_back(RobotEvent::Done(order));
             }
             Work::Drive { motion, end: End::Against { ahead } } => {

@@ -21,6 +21,14 @@ pub(super) fn distance_cm(hall: &Hall, body: BodyPose) -> Option<f64> {
     Some((way - BODY_HALF).max(0.0) * cell_m * 100.0)
 }
 
+/// How many whole cells are free before what a reading of so many centimetres comes from, the robot standing centred. Walls and luggage
+/// begin within the first quarter of their cells, so half a cell is the middle between one and the next.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a reading ends at the sonar's range")]
+pub(super) fn free_cells(cm: u16, cell_m: f64) -> u16 {
+    let begins = 0.5 - BODY_HALF + LUGGAGE_INSET / 2.0;
+    (f64::from(cm) / (cell_m * 100.0) - begins).round().max(0.0) as u16
+}
+
 /// How far a robot at the centre of a cell drives until it touches what fills the next one, in cells; `None` for a free one.
 pub(super) fn way_to_contact(truth: Truth) -> Option<f64> {
     inset(truth).map(|inset| 0.5 - BODY_HALF + inset)
@@ -110,6 +118,18 @@ mod tests {
         check(&["S.a"], Heading::East, Some(60.0));
         check(&["S.#"], Heading::West, Some(4.0));
         check(&["#", ".", "S"], Heading::North, Some(54.0));
+    }
+
+    #[test]
+    fn a_reading_tells_how_many_cells_are_free() {
+        for (rows, free) in [("S#", 0), ("Sa", 0), ("S.#", 1), ("S.a", 1), ("S...a", 3), ("S......#", 6)] {
+            let hall = Hall::from_rows("test", &[rows]).unwrap();
+            let body = BodyPose::centred(Pose { cell: Cell::HOME, heading: Heading::East }, hall.cell_m());
+            let cm = distance_cm(&hall, body).unwrap().round();
+            for error in [-15.0, 0.0, 15.0] {
+                assert_eq!(free_cells((cm + error).max(0.0) as u16, hall.cell_m()), free, "{rows} {error}");
+            }
+        }
     }
 
     #[test]

@@ -23,7 +23,7 @@ use hallsweep_core::world::alarm::Alarm;
 use hallsweep_core::world::hall_map::{HallMap, Mark, REACH};
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
 
-const MARKS: [Mark; 5] = [Mark::Unknown, Mark::Visited, Mark::Wall, Mark::Luggage, Mark::NotInspected];
+const MARKS: [Mark; 6] = [Mark::Unknown, Mark::Seen, Mark::Visited, Mark::Wall, Mark::Luggage, Mark::NotInspected];
 const MOVES: [Move; 6] = [Move::Forward, Move::Backward, Move::TurnLeft, Move::TurnRight, Move::NudgeLeft, Move::NudgeRight];
 
 pub(crate) fn entry() -> impl Strategy<Value = Entry> {

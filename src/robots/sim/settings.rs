@@ -26,6 +26,7 @@ pub fn sim_settings(robot: &RobotSettings, camera: Camera) -> SimSettings {
         unknown_rate: robot.unknown_rate,
         photo_failure_rate: robot.photo_failure_rate,
         sonar_noise_cm: robot.sonar_noise_cm,
+        sonar_cells: robot.sonar_cells,
         ..SimSettings::new(robot.seed, camera)
     }
 }

@@ -206,7 +206,7 @@ impl Engine {
 
     fn is_wanted(&self, goal: Goal) -> bool {
         match goal {
-            Goal::Visit(cell) => matches!(self.state.map.at(cell), Mark::Unknown | Mark::NotInspected),
+            Goal::Visit(cell) => matches!(self.state.map.at(cell), Mark::Unknown | Mark::Seen | Mark::NotInspected),
             Goal::Home => self.state.pose.cell != Cell::HOME,
         }
     }

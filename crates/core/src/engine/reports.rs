@@ -5,9 +5,10 @@ use std::sync::Arc;
 use super::Engine;
 use crate::command::Move;
 use crate::effect::{Action, Fact, Order};
-use crate::event::{Capabilities, Obstacle, OffCentre, Photo, Piece, RobotEvent, RobotId, Whereabouts};
+use crate::event::{Ahead, Capabilities, Obstacle, OffCentre, Photo, Piece, RobotEvent, RobotId, Whereabouts};
 use crate::mission::{FaultCause, Hold, Input, InputContext, Phase, Stage};
 use crate::retrieval::{ArmAction, ArmState, Place};
+use crate::search::Sensing;
 use crate::search::costs::Costs;
 use crate::search::plan::after;
 use crate::units::{Cell, Heading, OrderId, Pose};
@@ -39,6 +40,11 @@ impl Engine {
             RobotEvent::PhotoFailed(id, words) => self.photo_failed(robot, id, words),
             RobotEvent::Failed(id, words) => self.failed(robot, id, words),
             RobotEvent::Sonar(cm) => self.sonar(robot, cm),
+            RobotEvent::Ahead(ahead) => {
+                if let Some(robot) = self.robots.get_mut(robot) {
+                    robot.ahead = Some(ahead);
+                }
+            }
             RobotEvent::Temperature(celsius) => {
                 // With a blank, which no sensor has in its name: a robot's reading is never taken for that of something else.
                 let source = if self.searches(robot) { ROBOT.to_owned() } else { format!("{ROBOT} {robot}") };
@@ -193,7 +199,28 @@ impl Engine {
         }
         if self.searches(robot) {
             self.feed(Input::Done, &InputContext::default());
+            self.look_ahead();
         }
+    }
+
+    /// What the sonar of the robot that searches has seen from where it has come to: free cells, and what stands in the next one, which
+    /// it need not bump into.
+    fn look_ahead(&mut self) {
+        let seen = self.robots.searching_mut().ahead.take();
+        let Some(Ahead { free, obstacle }) = seen.filter(|_| self.settings.sensing == Sensing::Sonar) else { return };
+        let Pose { mut cell, heading } = self.state.pose;
+        for _ in 0..free {
+            cell = cell.ahead(heading);
+            if self.state.map.at(cell) == Mark::Unknown {
+                self.mark(cell, Mark::Seen);
+            }
+        }
+        let cell = self.state.pose.ahead();
+        let Some(obstacle) = obstacle.filter(|_| free == 0 && self.state.map.at(cell).is_unvisited()) else { return };
+        let obstacle = if self.settings.inspect_everything { Obstacle::Unknown } else { obstacle };
+        self.mission.route.clear();
+        self.meet(cell, heading, obstacle);
+        self.feed(Input::Blocked, &InputContext { cell: Some(cell), obstacle: Some(obstacle), ..InputContext::default() });
     }
 
     /// The robot stands where the move led; after a late answer too, so it is not off centre any more.
@@ -292,7 +319,7 @@ impl Engine {
         let mut cell = from;
         for _ in 0..i32::from(count).min(REACH) {
             cell = cell.ahead(towards);
-            if self.state.map.at(cell) == Mark::Unknown {
+            if self.state.map.at(cell).is_unvisited() {
                 self.mark(cell, Mark::Wall);
             }
         }

@@ -148,7 +148,7 @@ impl Floor<'_> {
         match self.map.at(cell) {
             _ if self.freed.contains(&cell) => Some(1),
             Mark::Visited => Some(1),
-            Mark::Unknown => Some(UNKNOWN),
+            Mark::Unknown | Mark::Seen => Some(UNKNOWN),
             Mark::Wall | Mark::Luggage | Mark::NotInspected => None,
         }
     }

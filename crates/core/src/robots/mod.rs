@@ -10,6 +10,7 @@ use std::time::Duration;
 
 pub(crate) use self::controller::RobotController;
 pub use self::parts::{Part, Parts};
+use crate::event::Ahead;
 use crate::mission::{Hold, Holds};
 use crate::retrieval::ArmState;
 
@@ -55,6 +56,8 @@ pub(crate) struct Robot {
     pub(crate) off_centre: bool,
     /// The last reading of its front sonar, in centimetres.
     pub(crate) sonar_cm: Option<u16>,
+    /// What is ahead of it once the order under way is done.
+    pub(crate) ahead: Option<Ahead>,
     /// What holds this robot and no other. What holds the one that searches is among the holds of the mission.
     pub(crate) holds: Holds,
     /// Its arm, if it has one, as it last said.

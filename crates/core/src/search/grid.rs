@@ -63,6 +63,7 @@ impl Grid {
     pub fn mark(&mut self, cell: Cell, mark: Mark) {
         let square = match mark {
             Mark::Unknown => Square::Unknown,
+            Mark::Seen => Square::Seen,
             Mark::Visited => Square::Visited,
             Mark::Wall | Mark::Luggage => Square::Obstacle,
             Mark::NotInspected => Square::Target,

@@ -29,6 +29,8 @@ named! {
         /// Nothing.
         #[default]
         Unknown = "unknown",
+        /// Its sonar has seen that it is free; the robot was not there yet.
+        Seen = "seen",
         /// The robot was there: it is free.
         Visited = "visited",
         /// A wall.
@@ -41,6 +43,12 @@ named! {
 }
 
 impl Mark {
+    /// Whether the robot is still to go there, and nothing is known to stand in its way.
+    #[must_use]
+    pub const fn is_unvisited(self) -> bool {
+        matches!(self, Mark::Unknown | Mark::Seen)
+    }
+
     /// Whether the robot cannot go there.
     #[must_use]
     pub const fn is_obstacle(self) -> bool {
@@ -175,7 +183,7 @@ impl HallMap {
         }
     }
 
-    /// The unknown cells next to visited ones, by column and row.
+    /// The unvisited cells next to visited ones, by column and row.
     #[must_use]
     pub fn frontier(&self) -> &BTreeSet<Cell> {
         &self.frontier
@@ -268,8 +276,8 @@ impl HallMap {
 
     fn move_frontier(&mut self, cell: Cell, mark: Mark) {
         let fresh: Vec<Cell> = match mark {
-            Mark::Visited => cell.neighbours().into_iter().filter(|next| self.at(*next) == Mark::Unknown).collect(),
-            Mark::Unknown => Some(cell).filter(|_| self.has_visited_neighbour(cell)).into_iter().collect(),
+            Mark::Visited => cell.neighbours().into_iter().filter(|next| self.at(*next).is_unvisited()).collect(),
+            Mark::Unknown | Mark::Seen => Some(cell).filter(|_| self.has_visited_neighbour(cell)).into_iter().collect(),
             Mark::Wall | Mark::Luggage | Mark::NotInspected => Vec::new(),
         };
         let frontier = Arc::make_mut(&mut self.frontier);

@@ -122,6 +122,7 @@ impl Crew {
             | RobotEvent::Photo(..)
             | RobotEvent::PhotoFailed(..)
             | RobotEvent::Sonar(_)
+            | RobotEvent::Ahead(_)
             | RobotEvent::Temperature(_) => {}
         }
     }

@@ -76,7 +76,7 @@ pub(super) fn tile_id(corner: Cell) -> String {
 pub(super) fn tile(map: &HallMap, corner: Cell) -> String {
     let mut group = format!("<g id=\"{}\">", tile_id(corner));
     for (class, wanted) in
-        [("visited", Mark::Visited), ("wall", Mark::Wall), ("bag", Mark::Luggage), ("todo", Mark::NotInspected)]
+        [("seen", Mark::Seen), ("visited", Mark::Visited), ("wall", Mark::Wall), ("bag", Mark::Luggage), ("todo", Mark::NotInspected)]
     {
         let path = runs(map, corner, wanted);
         if !path.is_empty() {
