@@ -152,7 +152,7 @@ impl Engine {
 
     fn progress(&self) -> Progress {
         let map = self.shown_map();
-        Progress { visited: map.visited(), unknown: map.frontier().len() + map.uninspected() }
+        Progress { visited: map.visited(), unknown: map.frontier_size() + map.uninspected() }
     }
 
     /// What each button would be refused with, as far as it is on record.

@@ -1,22 +1,11 @@
-//! The hall as far as it is known: a mark for every cell, in shared tiles, and the frontier where the known ends.
-//! How a map is written on a wire is `hallsweep::api`'s business.
-//!
-//! ```text
-//!   tiles of 32 × 32 cells in a grid that grows; a snapshot shares them, a change copies the tile it touches and the frontier
-//!   ┌────┬────┬────┐
-//!   │ Arc│    │ Arc│   None = nothing known there
-//!   ├────┼────┼────┤
-//!   │ Arc│ Arc│    │   each tile knows the revision of its last change
-//!   └────┴────┴────┘
-//! ```
+//! The hall as far as it is known: a mark for every cell, and the frontier where the known ends. How they are kept in memory that
+//! snapshots share stands in `tiles`; how a map is written on a wire is `hallsweep::api`'s business.
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use super::tiles::{Tiles, place_in_tile, tile_of};
+pub use super::tiles::{TILE, Tile, cells_of};
 use crate::units::{Cell, Revision};
-
-/// The side of a tile in cells.
-pub const TILE: i32 = 32;
 
 /// No cell further from home than this, in either direction, is kept: a robot that reports more is wrong.
 pub const REACH: i32 = 8192;
@@ -105,25 +94,16 @@ impl Bounds {
     }
 }
 
-/// A square of cells and when it last changed.
-#[derive(Clone, Debug)]
-pub struct Tile {
-    /// The revision of its last change.
-    pub revision: Revision,
-    marks: [Mark; (TILE * TILE) as usize],
-}
-
 /// Everything known of the hall.
 #[derive(Clone, Debug)]
 pub struct HallMap {
-    /// Where there is room for tiles, in tiles; they lie row by row.
-    grid: Bounds,
-    tiles: Vec<Option<Arc<Tile>>>,
+    tiles: Tiles,
     visited: usize,
     uninspected: usize,
+    /// How many cells the frontier has.
+    open: usize,
     visited_bounds: Bounds,
     known_bounds: Bounds,
-    frontier: Arc<BTreeSet<Cell>>,
 }
 
 impl HallMap {
@@ -131,13 +111,12 @@ impl HallMap {
     #[must_use]
     pub fn new(home: Cell, revision: Revision) -> HallMap {
         let mut map = HallMap {
-            grid: Bounds::of(tile_of(home)),
-            tiles: vec![None],
+            tiles: Tiles::around(home),
             visited: 0,
             uninspected: 0,
+            open: 0,
             visited_bounds: Bounds::of(home),
             known_bounds: Bounds::of(home),
-            frontier: Arc::default(),
         };
         map.mark(home, Mark::Visited, revision);
         map
@@ -146,7 +125,7 @@ impl HallMap {
     /// What is known of `cell`.
     #[must_use]
     pub fn at(&self, cell: Cell) -> Mark {
-        self.tile(tile_of(cell)).map_or(Mark::Unknown, |tile| tile.marks[place_in_tile(cell)])
+        self.tiles.at(cell)
     }
 
     /// Whether this mark would change anything.
@@ -160,9 +139,9 @@ impl HallMap {
             return false;
         }
         let before = self.at(cell);
-        let tile = self.tile_mut(tile_of(cell));
+        let tile = self.tiles.tile_mut(cell);
         tile.revision = revision;
-        tile.marks[place_in_tile(cell)] = mark;
+        tile.set(place_in_tile(cell), mark);
         self.known_bounds = self.known_bounds.including(cell);
         if mark == Mark::Visited {
             self.visited += 1;
@@ -172,21 +151,27 @@ impl HallMap {
         }
         self.uninspected += usize::from(mark == Mark::NotInspected);
         self.uninspected -= usize::from(before == Mark::NotInspected);
-        self.move_frontier(cell, mark);
+        self.move_frontier(cell, revision);
+        if mark == Mark::Visited || before == Mark::Visited {
+            cell.neighbours().into_iter().for_each(|next| self.move_frontier(next, revision));
+        }
         true
     }
 
     /// Nobody has seen this map before this revision: all of it counts as changed then.
     pub(crate) fn show_first_at(&mut self, revision: Revision) {
-        for tile in self.tiles.iter_mut().flatten() {
-            Arc::make_mut(tile).revision = revision;
-        }
+        self.tiles.iter_mut().for_each(|tile| tile.revision = revision);
     }
 
-    /// The unvisited cells next to visited ones, by column and row.
+    /// The unvisited cells next to visited ones, tile by tile.
+    pub fn frontier(&self) -> impl Iterator<Item = Cell> {
+        self.tiles.iter().flat_map(|(corner, tile)| tile.frontier(corner))
+    }
+
+    /// How many of them there are.
     #[must_use]
-    pub fn frontier(&self) -> &BTreeSet<Cell> {
-        &self.frontier
+    pub const fn frontier_size(&self) -> usize {
+        self.open
     }
 
     /// How many cells the robot has visited.
@@ -213,18 +198,19 @@ impl HallMap {
         self.known_bounds
     }
 
-    /// The tiles that hold anything, with the cell of their north-west corner.
+    /// The tiles of which anything is kept, with the cell of their north-west corner.
     pub fn tiles(&self) -> impl Iterator<Item = (Cell, &Arc<Tile>)> {
-        self.tiles.iter().enumerate().filter_map(|(index, tile)| {
-            let (index, Bounds { least, .. }, columns) = (i32::try_from(index).ok()?, self.grid, self.grid.width());
-            let corner = Cell::new((least.x + index % columns) * TILE, (least.y + index / columns) * TILE);
-            tile.as_ref().map(|tile| (corner, tile))
-        })
+        self.tiles.iter()
+    }
+
+    /// Those of them that may have changed since `older`, an earlier state of this map.
+    pub fn tiles_changed_since<'a>(&'a self, older: &'a HallMap) -> impl Iterator<Item = (Cell, &'a Arc<Tile>)> {
+        self.tiles.changed(&older.tiles)
     }
 
     /// Every cell of which anything is known, with its mark.
     pub fn known(&self) -> impl Iterator<Item = (Cell, Mark)> {
-        let marked = self.tiles().flat_map(|(corner, tile)| cells_of(corner).map(|cell| (cell, tile.marks[place_in_tile(cell)])));
+        let marked = self.tiles().flat_map(|(corner, tile)| cells_of(corner).map(|cell| (cell, tile.at(place_in_tile(cell)))));
         marked.filter(|(_, mark)| *mark != Mark::Unknown)
     }
 
@@ -232,61 +218,25 @@ impl HallMap {
     #[must_use]
     pub fn changes_since(&self, older: &HallMap) -> Vec<(Cell, Mark)> {
         let mut changes = Vec::new();
-        for (corner, tile) in self.tiles() {
-            if older.tile(tile_of(corner)).is_some_and(|old| Arc::ptr_eq(old, tile)) {
-                continue;
-            }
+        for (corner, _) in self.tiles_changed_since(older) {
             changes.extend(cells_of(corner).map(|cell| (cell, self.at(cell))).filter(|(cell, mark)| older.at(*cell) != *mark));
         }
-        for (corner, _) in older.tiles().filter(|(corner, _)| self.tile(tile_of(*corner)).is_none()) {
+        for (corner, _) in older.tiles_changed_since(self).filter(|(corner, _)| self.tiles.tile(tile_of(*corner)).is_none()) {
             changes.extend(cells_of(corner).filter(|cell| older.at(*cell) != Mark::Unknown).map(|cell| (cell, Mark::Unknown)));
         }
         changes
     }
 
-    fn tile(&self, place: Cell) -> Option<&Arc<Tile>> {
-        self.tiles.get(self.index(place)?)?.as_ref()
-    }
-
-    fn index(&self, place: Cell) -> Option<usize> {
-        let (column, row) = (place.x - self.grid.least.x, place.y - self.grid.least.y);
-        self.grid.contains(place).then(|| usize::try_from(row * self.grid.width() + column).ok())?
-    }
-
-    fn tile_mut(&mut self, place: Cell) -> &mut Tile {
-        if self.index(place).is_none() {
-            self.grow_to(place);
+    /// Looks whether the known ends in `cell` now.
+    fn move_frontier(&mut self, cell: Cell, revision: Revision) {
+        let is_open = self.at(cell).is_unvisited() && cell.neighbours().into_iter().any(|next| self.at(next) == Mark::Visited);
+        let was_open = self.tiles.tile(tile_of(cell)).is_some_and(|tile| tile.is_open(place_in_tile(cell)));
+        if is_open != was_open {
+            self.open = if is_open { self.open + 1 } else { self.open - 1 };
+            let tile = self.tiles.tile_mut(cell);
+            tile.turn_open(place_in_tile(cell));
+            tile.revision = tile.revision.max(revision);
         }
-        let index = self.index(place).expect("the grid has just been grown to hold this place");
-        let tile = self.tiles[index]
-            .get_or_insert_with(|| Arc::new(Tile { revision: Revision(0), marks: [Mark::Unknown; (TILE * TILE) as usize] }));
-        Arc::make_mut(tile)
-    }
-
-    fn grow_to(&mut self, place: Cell) {
-        let old = self.clone();
-        self.grid = old.grid.including(place);
-        let count = usize::try_from(self.grid.width() * self.grid.height()).expect("a grid of tiles has a positive size");
-        self.tiles = vec![None; count];
-        for (corner, tile) in old.tiles() {
-            let index = self.index(tile_of(corner)).expect("the grown grid holds what the old one held");
-            self.tiles[index] = Some(Arc::clone(tile));
-        }
-    }
-
-    fn move_frontier(&mut self, cell: Cell, mark: Mark) {
-        let fresh: Vec<Cell> = match mark {
-            Mark::Visited => cell.neighbours().into_iter().filter(|next| self.at(*next).is_unvisited()).collect(),
-            Mark::Unknown | Mark::Seen => Some(cell).filter(|_| self.has_visited_neighbour(cell)).into_iter().collect(),
-            Mark::Wall | Mark::Luggage | Mark::NotInspected => Vec::new(),
-        };
-        let frontier = Arc::make_mut(&mut self.frontier);
-        frontier.remove(&cell);
-        frontier.extend(fresh);
-    }
-
-    fn has_visited_neighbour(&self, cell: Cell) -> bool {
-        cell.neighbours().into_iter().any(|next| self.at(next) == Mark::Visited)
     }
 }
 
@@ -297,29 +247,18 @@ impl PartialEq for HallMap {
     }
 }
 
-fn tile_of(cell: Cell) -> Cell {
-    Cell::new(cell.x.div_euclid(TILE), cell.y.div_euclid(TILE))
-}
-
-fn place_in_tile(cell: Cell) -> usize {
-    let place = cell.y.rem_euclid(TILE) * TILE + cell.x.rem_euclid(TILE);
-    usize::try_from(place).expect("a Euclidean remainder is not negative")
-}
-
-/// The cells of the tile whose north-west corner is `corner`.
-pub fn cells_of(corner: Cell) -> impl Iterator<Item = Cell> {
-    (0..TILE * TILE).map(move |n| Cell::new(corner.x + n % TILE, corner.y + n / TILE))
-}
-
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
 
     #[test]
     fn a_new_map_knows_home_and_asks_for_its_neighbours() {
         let map = HallMap::new(Cell::HOME, Revision(1));
         assert_eq!(map.at(Cell::HOME), Mark::Visited);
-        assert_eq!(map.frontier().iter().copied().collect::<BTreeSet<_>>(), Cell::HOME.neighbours().into());
+        assert_eq!(map.frontier().collect::<BTreeSet<_>>(), Cell::HOME.neighbours().into());
+        assert_eq!(map.frontier_size(), 4);
     }
 
     #[test]
@@ -340,7 +279,7 @@ mod tests {
         for (cell, asked) in [(Cell::new(1, 0), true), (Cell::new(2, 0), false)] {
             map.mark(cell, Mark::Luggage, Revision(2));
             map.mark(cell, Mark::Unknown, Revision(3));
-            assert_eq!((map.at(cell), map.frontier().contains(&cell)), (Mark::Unknown, asked));
+            assert_eq!((map.at(cell), map.frontier().any(|open| open == cell)), (Mark::Unknown, asked));
         }
     }
 

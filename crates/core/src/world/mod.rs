@@ -10,3 +10,4 @@ pub mod retrieval;
 pub mod robot;
 pub mod snapshot;
 pub mod temperature;
+mod tiles;

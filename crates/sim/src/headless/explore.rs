@@ -152,5 +152,5 @@ fn is_complete(state: &Snapshot, hall: &Hall, reachable: &BTreeSet<Cell>, journa
     };
     let neighbours: BTreeSet<Cell> = reachable.iter().flat_map(|cell| cell.neighbours()).collect();
     let luggage = neighbours.into_iter().filter(|cell| matches!(hall.truth(*cell), Truth::Luggage(_))).all(inspected);
-    visited && luggage && state.map.frontier().is_empty() && state.map.uninspected() == 0
+    visited && luggage && state.map.frontier_size() == 0 && state.map.uninspected() == 0
 }

@@ -112,10 +112,9 @@ fn label(group: &mut String, (x, y): (i32, i32), size: i32, number: i32) {
 /// Unknown cells beside visited ones: where the search goes on.
 pub(super) fn frontier(map: &HallMap) -> String {
     let mut group = String::from("<g id=\"hall-frontier\">");
-    let cells = map.frontier();
-    if !cells.is_empty() && cells.len() <= FRONTIER {
+    if (1..=FRONTIER).contains(&map.frontier_size()) {
         let mut path = String::new();
-        for cell in cells {
+        for cell in map.frontier() {
             write(&mut path, format_args!("M{} {}h{CELL}v{CELL}h-{CELL}z", cell.x * CELL, cell.y * CELL));
         }
         write(&mut group, format_args!("<path class=\"frontier\" d=\"{path}\"/>"));
