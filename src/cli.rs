@@ -109,7 +109,8 @@ pub struct Search {
 
 impl Search {
     fn flags(&self) -> impl Iterator<Item = (&'static str, &Option<String>)> {
-        [("--strategy", &self.strategy), ("--goal", &self.goal), ("--sensing", &self.sensing), ("--costs", &self.costs)].into_iter()
+        [("--strategy", &self.strategy), ("--goal", &self.goal), ("--sensing", &self.sensing), ("--costs", &self.costs)]
+            .into_iter()
     }
 }
 
@@ -240,7 +241,9 @@ mod tests {
 
     #[test]
     fn every_flag_is_a_setting() {
-        let given = flags("hallsweep --hall h --http a --coap c --mqtt m --speed -1 --seed -2 --strategy s --goal g --sensing n --costs -1 --data d");
+        let given = flags(
+            "hallsweep --hall h --http a --coap c --mqtt m --speed -1 --seed -2 --strategy s --goal g --sensing n --costs -1 --data d",
+        );
         assert_eq!(given.len(), 11);
         for (key, _) in given {
             assert!(crate::config::Key::named(key).is_some(), "{key} is no setting");

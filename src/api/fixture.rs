@@ -39,7 +39,7 @@ pub(crate) fn idle() -> Snapshot {
         robot,
         robots: alone(robot),
         map: HallMap::new(Cell::HOME, Revision(1)),
-        luggage: Arc::from([]),
+        luggage: Default::default(),
         temperature: TemperatureView {
             celsius: None,
             status: TemperatureStatus::Ok,
@@ -71,11 +71,12 @@ pub(crate) fn searching() -> Snapshot {
     snapshot.mission.progress = Progress { visited: 15, unknown: 4 };
     snapshot.mission.refusals.start = Some("luggage #3 waits for its verdict: answer safe or danger first".to_owned());
     snapshot.temperature.celsius = Some(degrees(21.4));
-    snapshot.luggage = Arc::from([
+    snapshot.luggage = [
         piece(1, Cell::new(3, 0), Some(Verdict::Safe)),
         piece(2, Cell::new(1, 2), Some(Verdict::Danger)),
         piece(3, Cell::new(3, 2), None),
-    ]);
+    ]
+    .into();
     let text = "luggage #2 is dangerous".to_owned();
     let alarm = AlarmView { id: Some(AlarmId(1)), raised: TEN, text, luggage: Some(LuggageId(2)), acknowledged: None };
     snapshot.alarms = Arc::from([alarm]);

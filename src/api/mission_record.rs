@@ -76,7 +76,7 @@ impl Links {
 impl MissionWholeJson {
     /// A mission and what stood, and what of that cannot be understood.
     pub fn new(record: MissionRecordJson, state: Option<&PersistentState>, damage: Vec<String>) -> MissionWholeJson {
-        let luggage = state.into_iter().flat_map(|state| state.luggage.values());
+        let luggage = state.into_iter().flat_map(|state| state.luggage.iter());
         let luggage = luggage.map(|luggage| LuggageJson::from(&**luggage)).collect();
         MissionWholeJson { record, luggage, map: state.map(|state| MapJson::from(Plan::from(state))), damage }
     }
@@ -120,7 +120,7 @@ mod tests {
         let mut state = PersistentState::first(Strategy::Snail);
         state.map = drawn(&["11W"], 1);
         let piece = piece(7, Cell::new(2, 0), None);
-        state.luggage.insert(piece.id, piece);
+        state.luggage.insert(piece);
         let json = serde_json::to_value(MissionWholeJson::new(record(), Some(&state), Vec::new())).unwrap();
         assert_eq!((&json["id"], &json["luggage"][0]["id"]), (&3.into(), &7.into()));
         assert_eq!(json["luggage"][0]["photo"]["url"], "/api/v1/luggage/7/photo?take=1");

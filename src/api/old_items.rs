@@ -45,7 +45,6 @@ pub const fn direction(heading: Heading) -> &'static str {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
 
     use super::*;
     use crate::api::fixture::{drawn, idle, piece, searching};
@@ -73,7 +72,7 @@ mod tests {
     fn a_piece_is_written_with_the_cell_of_the_bag() {
         let mut state = idle();
         assert_eq!(luggage(&state), None);
-        state.luggage = Arc::from([piece(1, Cell::new(0, 2), None)]);
+        state.luggage = [piece(1, Cell::new(0, 2), None)].into();
         let item = "luggage( state( 'photo 1, position: (0, 2), date: 2026-02-03T10:00:00.000+01:00' ) )";
         assert_eq!(luggage(&state).as_deref(), Some(item));
     }
@@ -88,10 +87,10 @@ mod tests {
     fn the_piece_that_is_shown_is_the_one_a_bare_word_would_decide_else_the_last() {
         let mut state = searching();
         assert!(luggage(&state).unwrap().contains("photo 3,"));
-        state.luggage = Arc::from([piece(7, Cell::new(1, 0), None), searching().luggage[1].clone()]);
+        state.luggage = [piece(7, Cell::new(1, 0), None), searching().luggage[1].clone()].into();
         state.mission.inspected = Some(LuggageId(7));
         assert!(luggage(&state).unwrap().contains("photo 7,"));
-        state.luggage = searching().luggage[..2].into();
+        state.luggage = searching().luggage.iter().take(2).cloned().collect();
         assert!(luggage(&state).unwrap().contains("photo 2,"));
     }
 }

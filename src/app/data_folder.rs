@@ -88,14 +88,15 @@ impl DataFolder {
 
 /// A pending piece whose picture is gone cannot be judged by it: it counts as one whose photo failed (safety V2).
 fn without_lost_photos(mut recalled: Recalled, archive: &dyn Archive) -> Recalled {
-    for luggage in recalled.state.luggage.values_mut().filter(|luggage| luggage.is_pending() && luggage.has_photo()) {
+    let pending: Vec<Arc<Luggage>> = recalled.state.luggage.pending().filter(|luggage| luggage.has_photo()).cloned().collect();
+    for luggage in pending {
         let words = match archive.photo(luggage.id) {
             Ok(Some(_)) => continue,
             Ok(None) => "the photo is gone from the record".to_owned(),
             Err(unreadable) => unreadable.to_string(),
         };
         tracing::error!(luggage = luggage.id.0, words, "a photo is lost: take it again");
-        *luggage = Arc::new(Luggage { photo: PhotoState::Failed(words), ..Luggage::clone(luggage) });
+        recalled.state.luggage.change(luggage.id, |luggage| luggage.photo = PhotoState::Failed(words));
     }
     recalled
 }

@@ -61,13 +61,16 @@ pub fn run(flags: &Explore) -> Result<(), Failure> {
     let hall = sim::hall(&settings).map_err(AppError::from)?;
     let sim = sim::sim_settings(&settings.robot, Camera::Stub);
     let bar = progress_bar(hall.reachable().len());
-    let watch = |state: &Snapshot| bar.set_position(state.mission.progress.visited as u64);
-    let figures = headless::explore(&hall, sim, settings.core, settings.strategy, flags.verdicts.into(), watch);
+    let mut log = flags.log.as_deref().map(Log::create).transpose()?;
+    let watch = |state: &Snapshot, entries: &[Entry]| {
+        bar.set_position(state.mission.progress.visited as u64);
+        if let Some(log) = &mut log {
+            log.write(entries);
+        }
+    };
+    let figures = headless::explore_and_tell(&hall, sim, settings.core, settings.strategy, flags.verdicts.into(), watch);
     bar.finish_and_clear();
-    if let Some(path) = &flags.log {
-        write_log(path, &figures.journal)
-            .map_err(|error| Failure::Run(format!("the log {} cannot be written: {error}", path.display())))?;
-    }
+    log.map_or(Ok(()), Log::finish)?;
     let text = if flags.json { figures::json(&figures) } else { for_people(&figures) };
     super::print(&text)?;
     figures.stuck.map_or(Ok(()), |why| Err(Failure::Run(format!("the mission could not end: {why}"))))
@@ -76,7 +79,8 @@ pub fn run(flags: &Explore) -> Result<(), Failure> {
 impl Explore {
     fn sources(&self) -> Sources {
         let given = [("--hall", &self.hall), ("--seed", &self.seed)];
-        let flags = given.into_iter().chain(self.search.flags()).filter_map(|(flag, value)| Some(Flag::given(flag, value.clone()?)));
+        let flags =
+            given.into_iter().chain(self.search.flags()).filter_map(|(flag, value)| Some(Flag::given(flag, value.clone()?)));
         // Nothing of it is kept, so a user without a home can run it too.
         let nothing = Flag { flag: "of explore", key: "store.folder", value: "none".to_owned() };
         config::sources(self.config.clone(), flags.chain([nothing]).collect())
@@ -103,10 +107,35 @@ fn for_people(figures: &Figures) -> String {
     format!("{}\n{}", map_text::lines(&*figures.state), figures::table(figures))
 }
 
-fn write_log(path: &Path, journal: &[Entry]) -> std::io::Result<()> {
-    let mut file = BufWriter::new(File::create(path)?);
-    for entry in journal {
-        writeln!(file, "{}", journal_words::line(entry))?;
+/// The file to which everything goes that is put on record.
+struct Log<'a> {
+    path: &'a Path,
+    /// Broken once something could not be written.
+    file: std::io::Result<BufWriter<File>>,
+}
+
+impl<'a> Log<'a> {
+    fn create(path: &'a Path) -> Result<Log<'a>, Failure> {
+        match File::create(path) {
+            Ok(file) => Ok(Log { path, file: Ok(BufWriter::new(file)) }),
+            Err(error) => Err(unwritable(path, &error)),
+        }
     }
-    file.flush()
+
+    fn write(&mut self, entries: &[Entry]) {
+        let Ok(file) = &mut self.file else { return };
+        let written = entries.iter().try_for_each(|entry| writeln!(file, "{}", journal_words::line(entry)));
+        if let Err(error) = written {
+            self.file = Err(error);
+        }
+    }
+
+    fn finish(self) -> Result<(), Failure> {
+        let finished = self.file.and_then(|mut file| file.flush());
+        finished.map_err(|error| unwritable(self.path, &error))
+    }
+}
+
+fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::Run(format!("the log {} cannot be written: {error}", path.display()))
 }

@@ -58,7 +58,7 @@ fn a_mission_after_a_mission_is_folded_from_its_own_beginning() {
     run.journal[last..].iter().for_each(|entry| state.apply(entry));
     assert_eq!(state, run.engine.persistent_state());
     assert_eq!(state.mission.0, 2);
-    assert!(state.luggage.values().all(|luggage| luggage.verdict.as_ref().unwrap().verdict == Verdict::Safe));
+    assert!(state.luggage.iter().all(|luggage| luggage.verdict.as_ref().unwrap().verdict == Verdict::Safe));
 }
 
 /// Safety R1: the holds that somebody must end are as they were; those with a cause outside are raised by it anew.

@@ -76,7 +76,7 @@ impl Record {
         }
         assert_eq!(mission.strategy, stands.strategy, "seed {seed}");
         for piece in state.luggage.iter() {
-            let kept = stands.luggage.get(&piece.id).unwrap_or_else(|| panic!("seed {seed}: {:?} is not on record", piece.id));
+            let kept = stands.luggage.get(piece.id).unwrap_or_else(|| panic!("seed {seed}: {:?} is not on record", piece.id));
             assert_eq!((piece.cell, piece.pose), (kept.cell, kept.pose), "seed {seed}: {:?}", piece.id);
             assert!(piece.verdict.is_none() || piece.verdict == kept.verdict, "seed {seed}: a verdict is not on record");
             let meant = *self.luggage.entry(piece.id).or_insert(piece.cell);

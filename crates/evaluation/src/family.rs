@@ -91,7 +91,13 @@ fn line_walls(drawn: &mut [Vec<char>], dice: &mut RandomStream) {
         for x in 0..columns {
             let away = x.min(y).min(columns - 1 - x).min(lines - 1 - y);
             let corner = x.min(columns - 1 - x) < 4 && y.min(lines - 1 - y) < 4;
-            let chance = if corner { 0.4 } else if away == 0 { 0.3 } else { 0.0 };
+            let chance = if corner {
+                0.4
+            } else if away == 0 {
+                0.3
+            } else {
+                0.0
+            };
             if dice.happens(chance) {
                 drawn[y][x] = 'T';
             }

@@ -11,15 +11,15 @@ use std::collections::HashMap;
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use hallsweep_core::command::Move;
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::search::costs::Costs;
+use hallsweep_core::search::grid::Square;
 use hallsweep_core::search::outlook::{LINEAR, Outlook, ROWS};
 use hallsweep_core::search::scored::Candidate;
-use hallsweep_core::search::weights::Weights;
-use hallsweep_core::command::Move;
 use hallsweep_core::search::ways::Ways;
+use hallsweep_core::search::weights::Weights;
 use hallsweep_core::units::Cell;
-use hallsweep_core::search::grid::Square;
 
 use crate::family::{Family, hall};
 use crate::walk::{Ground, Walk};
@@ -229,7 +229,12 @@ fn rest(ground: &Ground, walk: &Walk, cells: &[Cell], way: i32, space: &mut Spac
         };
         rest[class] += 1.0;
         if part.len() <= 20 {
-            let near = parts.iter().enumerate().filter(|(m, _)| *m != n).flat_map(|(_, other)| other.iter().map(|c| apart(*c, part[0]))).min();
+            let near = parts
+                .iter()
+                .enumerate()
+                .filter(|(m, _)| *m != n)
+                .flat_map(|(_, other)| other.iter().map(|c| apart(*c, part[0])))
+                .min();
             let near = near.unwrap_or(0) as f32;
             rest[16] += near;
             rest[17] += near.sqrt();

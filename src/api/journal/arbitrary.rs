@@ -117,7 +117,7 @@ fn state() -> impl Strategy<Value = PersistentState> {
             map,
             pieces,
             met_again,
-            luggage: luggage.into_iter().map(|record| (record.id, Arc::new(record))).collect(),
+            luggage: luggage.into_iter().map(Arc::new).collect(),
             last_luggage: LuggageId(last_luggage),
             alarms: alarms.into_iter().map(Arc::new).collect(),
             last_alarm: AlarmId(last_alarm),

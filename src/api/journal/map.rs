@@ -12,8 +12,14 @@ use crate::api::fields::in_short;
 use hallsweep_core::units::{Cell, Revision};
 use hallsweep_core::world::hall_map::{HallMap, Mark, REACH};
 
-const LETTERS: [(Mark, char); 6] =
-    [(Mark::Unknown, '.'), (Mark::Seen, 'S'), (Mark::Visited, 'V'), (Mark::Wall, 'W'), (Mark::Luggage, 'L'), (Mark::NotInspected, 'N')];
+const LETTERS: [(Mark, char); 6] = [
+    (Mark::Unknown, '.'),
+    (Mark::Seen, 'S'),
+    (Mark::Visited, 'V'),
+    (Mark::Wall, 'W'),
+    (Mark::Luggage, 'L'),
+    (Mark::NotInspected, 'N'),
+];
 
 /// A row: its `y`, the `x` of its first known cell, and its runs.
 #[derive(Serialize, Deserialize)]

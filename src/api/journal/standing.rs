@@ -16,7 +16,7 @@ use hallsweep_core::event::Piece;
 use hallsweep_core::event::RobotId;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{AlarmId, Epoch, LuggageId, MissionId, Pose};
-use hallsweep_core::world::luggage::Luggage;
+use hallsweep_core::world::records::LuggageRecords;
 
 /// Everything that stands.
 #[derive(Serialize, Deserialize)]
@@ -73,7 +73,7 @@ impl From<&PersistentState> for StandingShape {
             led_blinking: state.led_blinking,
             map: map::rows(&state.map),
             pieces: state.pieces.iter().map(|piece| piece.0).collect(),
-            luggage: state.luggage.values().map(|record| LuggageShape::from(&**record)).collect(),
+            luggage: state.luggage.iter().map(|record| LuggageShape::from(&**record)).collect(),
             last_luggage: state.last_luggage.0,
             alarms: state.alarms.iter().map(|alarm| AlarmShape::from(&**alarm)).collect(),
             last_alarm: state.last_alarm.0,
@@ -115,13 +115,14 @@ fn poses(shapes: &BTreeMap<String, PoseShape>) -> Result<BTreeMap<RobotId, Pose>
     shapes.iter().map(|(robot, pose)| Ok((names::robot(robot)?, pose.pose()?))).collect()
 }
 
-fn records(shapes: Vec<LuggageShape>) -> Result<BTreeMap<LuggageId, Arc<Luggage>>, Unparsed> {
-    let mut records = BTreeMap::new();
+fn records(shapes: Vec<LuggageShape>) -> Result<LuggageRecords, Unparsed> {
+    let mut records = LuggageRecords::default();
     for shape in shapes {
         let record = shape.record()?;
-        if records.insert(record.id, Arc::new(record.clone())).is_some() {
+        if records.get(record.id).is_some() {
             return Err(Unparsed(format!("luggage #{} is there twice", record.id)));
         }
+        records.insert(Arc::new(record));
     }
     Ok(records)
 }

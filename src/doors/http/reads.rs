@@ -157,7 +157,7 @@ mod tests {
     async fn a_failed_photo_says_why_it_is_not_there() {
         let mut snapshot = searching();
         let failed = Luggage { photo: PhotoState::Failed("lens covered".to_owned()), ..(*snapshot.luggage[2]).clone() };
-        Arc::make_mut(&mut snapshot.luggage)[2] = Arc::new(failed);
+        snapshot.luggage.insert(Arc::new(failed));
         let (status, json) = read(app(snapshot).get("/api/v1/luggage/3/photo").await).await;
         assert_eq!(status, 404);
         assert!(json["detail"].as_str().unwrap().contains("lens covered"), "{json}");

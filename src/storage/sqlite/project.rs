@@ -119,7 +119,7 @@ fn stands(connection: &Connection, state: &PersistentState, wall: WallTime, seq:
     let Some(mission) = current else { return Ok(()) };
     began(connection, mission, state.strategy, wall)?;
     came_to(connection, mission, &state.phase, wall)?;
-    for record in state.luggage.values() {
+    for record in state.luggage.iter() {
         found(connection, current, record, None)?;
         record.verdict.as_ref().map_or(Ok(()), |decision| decided(connection, record.id, decision))?;
     }

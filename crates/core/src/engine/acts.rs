@@ -170,7 +170,7 @@ impl Engine {
     }
 
     fn alarm_about(&mut self, luggage: Option<LuggageId>, what: &str) {
-        let Some(record) = luggage.and_then(|id| self.state.luggage.get(&id)) else { return };
+        let Some(record) = luggage.and_then(|id| self.state.luggage.get(id)) else { return };
         let text = format!("luggage #{} at {} is {what}", record.id, record.cell);
         let is_same = |alarm: &Alarm| alarm.acknowledged.is_none() && alarm.luggage == luggage && alarm.text == text;
         if !self.state.alarms.iter().any(|alarm| is_same(alarm)) {
@@ -189,7 +189,7 @@ impl Engine {
 
     /// The hold ends when of every piece that alarms danger is on record, or the alarm was seen.
     pub(super) fn end_alarm_hold(&mut self) {
-        let dangerous = |id: LuggageId| self.state.luggage.get(&id).is_some_and(|luggage| luggage.is_dangerous());
+        let dangerous = |id: LuggageId| self.state.luggage.get(id).is_some_and(|luggage| luggage.is_dangerous());
         let unseen = self.state.alarms.iter().filter(|alarm| alarm.acknowledged.is_none());
         if unseen.filter_map(|alarm| alarm.luggage).all(dangerous) && !self.is_calling() {
             self.clear(Hold::Alarm);
@@ -246,7 +246,7 @@ impl Engine {
     /// Puts the mission away; its records stay in the journal.
     pub(super) fn archive(&mut self) {
         if self.state.under_way {
-            let bombs = self.state.luggage.values().filter(|luggage| luggage.is_bomb_left()).map(|luggage| luggage.id).collect();
+            let bombs = self.state.luggage.bombs_left().map(|luggage| luggage.id).collect();
             self.record(Fact::MissionArchived(self.state.mission, bombs));
         } else {
             // Of this there is no fact but the one with which the page ends, which says everything.

@@ -52,7 +52,7 @@ impl Engine {
     /// Obstacles that touch the piece and that nobody has recognised for another one: they may have been it.
     fn doubtful(&self, piece: &BTreeSet<Cell>) -> BTreeSet<Cell> {
         let recognised = |cell: &Cell| {
-            let recorded = self.state.luggage.values().any(|luggage| luggage.cell == *cell && luggage.piece.is_some());
+            let recorded = self.state.luggage.iter().any(|luggage| luggage.cell == *cell && luggage.piece.is_some());
             recorded || self.state.met_again.contains_key(cell)
         };
         let mut found = BTreeSet::new();
@@ -92,7 +92,7 @@ impl Engine {
     /// One more cell of the piece that is to be lifted.
     pub(super) fn grow_piece(&mut self, cell: Cell, piece: Piece) {
         let Some(retrieval) = self.state.retrieval.clone() else { return };
-        let is_it = self.state.luggage.get(&retrieval.luggage).is_some_and(|luggage| luggage.piece == Some(piece));
+        let is_it = self.state.luggage.get(retrieval.luggage).is_some_and(|luggage| luggage.piece == Some(piece));
         if is_it && !retrieval.piece.is_empty() && !retrieval.piece.contains(&cell) {
             let cells = retrieval.piece.iter().copied().chain([cell]).collect();
             self.note_retrieval(Some(Retrieval { piece: cells, ..retrieval }));

@@ -8,7 +8,6 @@ use crate::mission::{Act, Case, FaultCause, Guard, Hold, Input, InputContext, Ph
 use crate::search::plan::after;
 use crate::units::{Cell, Epoch, LuggageId};
 use crate::world::hall_map::Mark;
-use crate::world::luggage::Luggage;
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
@@ -56,7 +55,7 @@ impl Engine {
 
     /// Whether this guard forbids the input, and with which words.
     fn guard(&self, guard: Guard, phase: &Phase, input: Input, context: &InputContext) -> Option<Refused> {
-        let luggage = context.luggage.and_then(|id| self.state.luggage.get(&id));
+        let luggage = context.luggage.and_then(|id| self.state.luggage.get(id));
         let forbids = |yes: bool, refused: Refused| yes.then_some(refused);
         match guard {
             Guard::Held => self.held(self.state.holds.standing_against_start()),
@@ -123,7 +122,7 @@ impl Engine {
             }
             Case::FromIdle => matches!(phase.underlying(), Phase::Idle),
             Case::RobotAtHome => self.rests_at_home(),
-            Case::BombLeft => self.state.luggage.values().any(|luggage| luggage.is_bomb_left()),
+            Case::BombLeft => self.state.luggage.bombs_left().next().is_some(),
         }
     }
 
@@ -141,13 +140,12 @@ impl Engine {
 
     /// The first piece whose verdict is pending, or with a usable photo and pending.
     fn first_pending(&self, with_photo: bool) -> Option<LuggageId> {
-        let is_meant = |luggage: &&Arc<Luggage>| luggage.is_pending() && (!with_photo || luggage.has_photo());
-        self.state.luggage.values().find(is_meant).map(|luggage| luggage.id)
+        self.state.luggage.pending().find(|luggage| !with_photo || luggage.has_photo()).map(|luggage| luggage.id)
     }
 
     /// The piece in front of the robot, if it waits for its verdict.
     pub(super) fn asked(&self) -> Option<LuggageId> {
-        self.inspected().filter(|id| self.state.luggage.get(id).is_some_and(|luggage| luggage.is_pending()))
+        self.inspected().filter(|id| self.state.luggage.get(*id).is_some_and(|luggage| luggage.is_pending()))
     }
 
     /// The cell a move or goto would enter first of all, or aims at.
@@ -168,7 +166,7 @@ impl Engine {
     fn bomb_unseen(&self) -> Option<LuggageId> {
         let unseen =
             |id: LuggageId| self.state.alarms.iter().any(|alarm| alarm.luggage == Some(id) && alarm.acknowledged.is_none());
-        self.state.luggage.values().filter(|luggage| luggage.is_bomb_left()).map(|luggage| luggage.id).find(|id| unseen(*id))
+        self.state.luggage.bombs_left().map(|luggage| luggage.id).find(|id| unseen(*id))
     }
 
     /// The cause of the fault, if START would not get past it. A cell that was free once may be tried again.

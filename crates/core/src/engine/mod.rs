@@ -378,7 +378,7 @@ impl Engine {
 
     /// The piece that a bare word means: the one in front of the robot, else the only one that is pending.
     fn pending(&self) -> Option<LuggageId> {
-        let mut pending = self.state.luggage.values().filter(|luggage| luggage.is_pending()).map(|luggage| luggage.id);
+        let mut pending = self.state.luggage.pending().map(|luggage| luggage.id);
         let first = pending.next();
         self.asked().or(first.filter(|_| pending.next().is_none()))
     }

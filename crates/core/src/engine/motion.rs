@@ -266,7 +266,7 @@ impl Engine {
 
     /// A piece whose photo failed and that was left behind is driven back to.
     fn revisit(&mut self) -> Option<Turn> {
-        let left_behind = self.state.luggage.values().find(|luggage| luggage.is_pending() && !luggage.has_photo());
+        let left_behind = self.state.luggage.photoless().next();
         let (id, pose) = left_behind.map(|luggage| (luggage.id, luggage.pose))?;
         if self.state.pose == pose {
             self.feed(Input::AtPiece, &InputContext { luggage: Some(id), ..InputContext::default() });

@@ -15,7 +15,7 @@ use crate::search::Strategy;
 use crate::units::{AlarmId, Cell, LuggageId, MissionId, Revision, Seq};
 use crate::world::alarm::Alarm;
 use crate::world::hall_map::HallMap;
-use crate::world::luggage::Luggage;
+use crate::world::records::LuggageRecords;
 use crate::world::resource::Resource;
 use crate::world::retrieval::RetrievalView;
 use crate::world::snapshot::Refusals;
@@ -40,7 +40,7 @@ pub(super) struct StateView {
     pub(super) goal: Option<Cell>,
     pub(super) holds: Vec<Hold>,
     pub(super) led_blinking: bool,
-    pub(super) luggage: Arc<[Arc<Luggage>]>,
+    pub(super) luggage: LuggageRecords,
     pub(super) alarms: Arc<[Arc<Alarm>]>,
     pub(super) retrieval: Option<Arc<RetrievalView>>,
     pub(super) refusals: Refusals,
@@ -203,12 +203,12 @@ impl Engine {
             phase: state.phase.name(),
             interrupted: state.phase.interrupted().map(Phase::name),
             fault: state.phase.fault().map(ToString::to_string),
-            inspected: self.inspected().filter(|id| state.luggage.contains_key(id)),
+            inspected: self.inspected().filter(|id| state.luggage.get(*id).is_some()),
             strategy: state.strategy,
             goal: self.goal(),
             holds: state.holds.to_vec(),
             led_blinking: state.led_blinking,
-            luggage: state.luggage.values().map(Arc::clone).collect(),
+            luggage: state.luggage.clone(),
             alarms: state.alarms.iter().map(Arc::clone).collect(),
             retrieval: self.retrieval_as_it_is(),
             refusals: self.refusals(),

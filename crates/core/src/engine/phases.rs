@@ -77,7 +77,7 @@ impl Engine {
     fn inspection(&self, context: &InputContext) -> Inspection {
         let pose = self.state.pose;
         let piece = context.obstacle.and_then(super::reports::piece_of);
-        match context.luggage.and_then(|id| self.state.luggage.get(&id)) {
+        match context.luggage.and_then(|id| self.state.luggage.get(id)) {
             Some(luggage) => {
                 Inspection { cell: luggage.cell, piece: luggage.piece, pose, stage: Stage::RetakingPhoto(luggage.id) }
             }

@@ -125,7 +125,7 @@ impl Engine {
     /// A kill may fall between a record and what follows from it: then it follows now.
     fn finish(&mut self) {
         let about = |luggage: &Luggage| InputContext { luggage: Some(luggage.id), ..InputContext::default() };
-        for luggage in self.state.luggage.values().map(Arc::clone).collect::<Vec<_>>() {
+        for luggage in self.state.luggage.iter().map(Arc::clone).collect::<Vec<_>>() {
             if self.state.map.at(luggage.cell) == Mark::NotInspected {
                 self.feed(Input::LuggageRecorded, &about(&luggage));
             }

@@ -35,7 +35,7 @@ impl Engine {
     pub(super) fn record_retake(&mut self, context: &InputContext) {
         let Some(Stage::RetakingPhoto(id)) = self.stage() else { return };
         self.set_stage(Stage::AwaitingVerdict(id));
-        let Some(known) = self.state.luggage.get(&id) else { return };
+        let Some(known) = self.state.luggage.get(id) else { return };
         if context.photo.is_none() && known.has_photo() {
             let text = format!("photo of luggage #{id} could not be taken again; the first one stays");
             self.world.write(self.now.wall, Tone::Warning, text);
@@ -55,7 +55,7 @@ impl Engine {
 
     /// The record of a piece is kept: show it and wait for the operator.
     pub(super) fn ask_operator(&mut self, context: &InputContext) {
-        let Some(luggage) = context.luggage.and_then(|id| self.state.luggage.get(&id)).map(Arc::clone) else { return };
+        let Some(luggage) = context.luggage.and_then(|id| self.state.luggage.get(id)).map(Arc::clone) else { return };
         self.mark(luggage.cell, Mark::Luggage);
         self.set_stage(Stage::AwaitingVerdict(luggage.id));
     }
@@ -92,7 +92,7 @@ impl Engine {
         let Fact::Luggage { record, .. } = fact else { return };
         let (id, cell) = (record.id, record.cell);
         let what = if record.has_photo() { "" } else { ", but its photo failed: take it again, or answer danger" };
-        let is_known = self.state.luggage.contains_key(&id);
+        let is_known = self.state.luggage.get(id).is_some();
         self.world.touch(Resource::Mission);
         self.state.follow(fact, *wall, self.world.revision());
         let text =
@@ -104,7 +104,7 @@ impl Engine {
     }
 
     fn decide_piece(&mut self, Deciding { wall, luggage, verdict, who, .. }: Deciding) {
-        if !self.state.luggage.contains_key(&luggage) {
+        if self.state.luggage.get(luggage).is_none() {
             return;
         }
         self.world.touch(Resource::Mission);
@@ -170,7 +170,7 @@ impl Engine {
     }
 
     pub(super) fn verdict_kept(&self, id: LuggageId) -> Option<Verdict> {
-        self.state.luggage.get(&id)?.verdict.as_ref().map(|decision| decision.verdict)
+        self.state.luggage.get(id)?.verdict.as_ref().map(|decision| decision.verdict)
     }
 }
 

@@ -14,6 +14,7 @@ use crate::search::plan::after;
 use crate::units::{Cell, Heading, OrderId, Pose};
 use crate::world::hall_map::{Mark, REACH};
 use crate::world::log::Tone;
+use crate::world::luggage::Luggage;
 use crate::world::resource::Resource;
 use crate::world::temperature::ROBOT;
 
@@ -307,9 +308,10 @@ impl Engine {
     /// A piece that was known already stands here, too: so much more of it is to be lifted.
     fn note_piece_at(&mut self, cell: Cell, obstacle: Obstacle) {
         let Obstacle::Luggage(piece) = obstacle else { return };
-        let is_new = !self.state.met_again.contains_key(&cell)
-            && !self.state.luggage.values().any(|luggage| luggage.cell == cell && luggage.piece == Some(piece));
-        if is_new && self.state.pieces.contains(&piece) {
+        let is_known = self.state.pieces.contains(&piece);
+        let has_met = |luggage: &Luggage| luggage.cell == cell && luggage.piece == Some(piece);
+        let is_new = || !self.state.met_again.contains_key(&cell) && !self.state.luggage.iter().any(|luggage| has_met(luggage));
+        if is_known && is_new() {
             self.record(Fact::MetAgain(cell, piece));
             self.grow_piece(cell, piece);
         }

@@ -73,7 +73,7 @@ impl Engine {
 
     /// The bomb that was found first is fetched first.
     pub(super) fn begin_retrieval(&mut self) {
-        let Some(bomb) = self.state.luggage.values().find(|luggage| luggage.is_bomb_left()).cloned() else { return };
+        let Some(bomb) = self.state.luggage.bombs_left().next().cloned() else { return };
         let piece = self.cells_of(&bomb);
         let (luggage, fetcher) = (bomb.id, self.settings.fetcher);
         let stage = RetrievalStage::MakingRoom;
@@ -105,7 +105,7 @@ impl Engine {
 
     /// Nobody has what was lifted, and nobody knows where it lies: it is looked for where it was found.
     fn stands_again(&mut self, luggage: LuggageId) -> BTreeSet<Cell> {
-        let piece = self.state.luggage.get(&luggage).map(|luggage| self.cells_of(luggage)).unwrap_or_default();
+        let piece = self.state.luggage.get(luggage).map(|luggage| self.cells_of(luggage)).unwrap_or_default();
         for cell in &piece {
             self.mark(*cell, Mark::Luggage);
         }

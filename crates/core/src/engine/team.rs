@@ -105,7 +105,7 @@ impl Engine {
 
     pub(super) fn wanted_piece(&self) -> Option<crate::event::Piece> {
         let luggage = self.state.retrieval.as_ref()?.luggage;
-        self.state.luggage.get(&luggage)?.piece
+        self.state.luggage.get(luggage)?.piece
     }
 
     /// What the leaves see.

@@ -58,7 +58,7 @@ fn sweep_in(name: PhaseName, holds: &[Hold]) -> Engine {
         piece: None,
         secured: None,
     };
-    engine.state.luggage.insert(LuggageId(1), Arc::new(luggage));
+    engine.state.luggage.insert(Arc::new(luggage));
     engine.state.last_luggage = LuggageId(1);
     engine.state.phase = phase(name);
     engine.state.holds = Holds::default();
@@ -197,7 +197,7 @@ fn an_order_that_is_not_answered_in_time_is_a_fault_and_start_recentres_first() 
     let mut engine = sweep_in(PhaseName::Exploring, &[]);
     engine.pump();
     assert!(matches!(settle(&mut engine)[..], [Action::Move(_)]));
-    engine.state.luggage.clear();
+    engine.state.luggage = Default::default();
     let due = engine.poll_timeout().expect("an open order has a deadline");
     engine.handle_timeout(Now { since_start: due, wall: WallTime::default() });
     assert_eq!(engine.phase_name(), PhaseName::Fault);

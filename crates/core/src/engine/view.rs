@@ -80,7 +80,7 @@ impl Engine {
             mission: shown.mission,
             robot: shown.robot,
             map: self.shown_map().clone(),
-            luggage: Arc::clone(&self.on_record.shown.luggage),
+            luggage: self.on_record.shown.luggage.clone(),
             temperature: shown.temperature,
             alarms: same(Resource::Alarms).map_or_else(|| self.alarms_shown(), |taken| Arc::clone(&taken.alarms)),
             retrieval: self.on_record.shown.retrieval.clone(),

@@ -2,6 +2,7 @@
 //! Every strategy but the snail is a way to weigh them.
 
 use super::View;
+use super::far::turn;
 use super::grid::{Grid, Spot, Square, onward};
 use super::ways::{Reached, Ways};
 use crate::command::Move;
@@ -27,11 +28,14 @@ pub(crate) struct Visit {
 /// is to be done sooner, and never less than `least`, which ends the search.
 pub(crate) fn best_entry(view: &View<'_>, ways: &mut Ways, least: i32, mut worth: impl FnMut(&Entry) -> i32) -> Option<Visit> {
     let View { grid, pose, costs, .. } = *view;
+    if !grid.has_open() {
+        return None;
+    }
     let mut best: Option<(i32, Spot, (Spot, Heading))> = None;
     let mut limit = u32::MAX;
-    ways.spread(grid, costs, pose, |at| {
+    let all = ways.spread(grid, costs, pose, |at| {
         let target = onward(at.spot, grid.step(at.heading));
-        if is_open(grid.here(target)) {
+        if grid.here(target).is_open() {
             let score = costs.in_thousandths(at.cost).saturating_add(worth(&Entry { at, target }));
             if best.is_none_or(|(so_far, ..)| score < so_far) {
                 best = Some((score, target, (at.spot, at.heading)));
@@ -40,30 +44,54 @@ pub(crate) fn best_entry(view: &View<'_>, ways: &mut Ways, least: i32, mut worth
         }
         limit
     });
-    best.map(|(_, target, state)| visit(grid, ways, target, state))
+    match best {
+        Some((_, target, state)) => Some(visit(grid, ways, target, state)),
+        None if all => None,
+        None => far(view, ways, |_| true),
+    }
 }
 
 /// The nearest entry whose cell is `wanted`.
 pub(crate) fn nearest(view: &View<'_>, ways: &mut Ways, wanted: impl Fn(Cell) -> bool) -> Option<Visit> {
     let View { grid, pose, costs, .. } = *view;
+    if !grid.has_open() {
+        return None;
+    }
     let mut found = None;
-    ways.spread(grid, costs, pose, |at| {
+    let all = ways.spread(grid, costs, pose, |at| {
         let target = onward(at.spot, grid.step(at.heading));
-        if found.is_none() && is_open(grid.here(target)) && wanted(grid.cell(target)) {
+        if found.is_none() && grid.here(target).is_open() && wanted(grid.cell(target)) {
             found = Some((target, (at.spot, at.heading)));
         }
         if found.is_some() { 0 } else { u32::MAX }
     });
-    found.map(|(target, state)| visit(grid, ways, target, state))
+    match found {
+        Some((target, state)) => Some(visit(grid, ways, target, state)),
+        None if all => None,
+        None => far(view, ways, wanted),
+    }
+}
+
+/// The nearest entry by steps alone, however far away.
+fn far(view: &View<'_>, ways: &mut Ways, wanted: impl Fn(Cell) -> bool) -> Option<Visit> {
+    let grid = view.grid;
+    let opens = |spot: Spot| {
+        let is_wanted = |heading: &Heading| {
+            let target = onward(spot, grid.step(*heading));
+            grid.here(target).is_open() && wanted(grid.cell(target))
+        };
+        Heading::ALL.into_iter().find(is_wanted)
+    };
+    let passable = |spot: Spot| grid.here(spot) == Square::Visited;
+    let (end, mut route) = ways.steps.way(grid, view.pose, passable, |spot| opens(spot).is_some())?;
+    let heading = opens(grid.spot(end.cell)).expect("the search has ended where something opens");
+    turn(&mut route, end.heading, heading);
+    route.push(Move::Forward);
+    Some(Visit { cell: end.cell.ahead(heading), route })
 }
 
 fn visit(grid: &Grid, ways: &Ways, target: Spot, state: (Spot, Heading)) -> Visit {
     let mut route = ways.way_to(grid, state);
     route.push(Move::Forward);
     Visit { cell: grid.cell(target), route }
-}
-
-/// Whether something is still to be found out there.
-pub(crate) const fn is_open(square: Square) -> bool {
-    matches!(square, Square::Unknown | Square::Seen | Square::Target)
 }

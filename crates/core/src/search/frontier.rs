@@ -2,7 +2,7 @@
 //! cells are left behind to come back for.
 
 use super::View;
-use super::entries::{Entry, Visit, best_entry, is_open};
+use super::entries::{Entry, Visit, best_entry};
 use super::grid::onward;
 use super::ways::Ways;
 use crate::units::Heading;
@@ -12,6 +12,7 @@ const NEIGHBOUR: i32 = 2500;
 
 pub(super) fn next(view: &View<'_>, ways: &mut Ways) -> Option<Visit> {
     let grid = view.grid;
-    let unvisited = |entry: &Entry| Heading::ALL.iter().filter(|side| is_open(grid.here(onward(entry.target, grid.step(**side))))).count();
+    let unvisited =
+        |entry: &Entry| Heading::ALL.iter().filter(|side| grid.here(onward(entry.target, grid.step(**side))).is_open()).count();
     best_entry(view, ways, 0, |entry| NEIGHBOUR * i32::try_from(unvisited(entry)).unwrap_or(0))
 }

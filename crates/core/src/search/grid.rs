@@ -20,6 +20,13 @@ pub enum Square {
     Target = 4,
 }
 
+impl Square {
+    /// Whether something is still to be found out there.
+    pub(crate) const fn is_open(self) -> bool {
+        matches!(self, Square::Unknown | Square::Seen | Square::Target)
+    }
+}
+
 /// Every cell further than this from the edge of the memory may be looked round without asking where the memory ends.
 pub(crate) const RIM: i32 = 8;
 
@@ -35,6 +42,8 @@ pub struct Grid {
     squares: Vec<Square>,
     room: Bounds,
     known: Bounds,
+    /// How many cells are open and next to a visited one.
+    open: usize,
     /// One step to the north, east, south and west.
     steps: [isize; 4],
 }
@@ -46,7 +55,7 @@ impl Grid {
         let room = bounds.grown(RIM + 1);
         let size = usize::try_from(i64::from(room.width()) * i64::from(room.height())).expect("a room has a positive size");
         let width = isize::try_from(room.width()).expect("a room is narrower than a memory");
-        Grid { squares: vec![Square::Unknown; size], room, known: Bounds::of(Cell::HOME), steps: [-width, 1, width, -1] }
+        Grid { squares: vec![Square::Unknown; size], room, known: Bounds::of(Cell::HOME), open: 0, steps: [-width, 1, width, -1] }
     }
 
     /// The grid of this map.
@@ -80,8 +89,23 @@ impl Grid {
             self.make_room(cell);
         }
         let spot = self.spot(cell);
+        let before = self.open_round(spot);
         self.squares[spot] = square;
+        self.open = self.open - before + self.open_round(spot);
         self.known = self.known.including(cell);
+    }
+
+    /// Whether anything is open next to a visited cell.
+    pub(crate) const fn has_open(&self) -> bool {
+        self.open > 0
+    }
+
+    /// How many of a cell and the four round it are open and next to a visited one.
+    fn open_round(&self, spot: Spot) -> usize {
+        let around = |spot: Spot| self.steps.into_iter().map(move |step| onward(spot, step));
+        let is_at_edge =
+            |spot: Spot| self.squares[spot].is_open() && around(spot).any(|next| self.squares[next] == Square::Visited);
+        around(spot).chain([spot]).filter(|spot| is_at_edge(*spot)).count()
     }
 
     /// The least rectangle that holds home and every cell of which anything was ever known.
@@ -117,7 +141,7 @@ impl Grid {
             let to = larger.spot(Cell::new(room.least.x, y));
             larger.squares[to..to + width].copy_from_slice(row);
         }
-        larger.known = self.known;
+        (larger.known, larger.open) = (self.known, self.open);
         *self = larger;
     }
 

@@ -224,15 +224,16 @@ impl<'a> Sight<'a> {
     }
 
     fn linear(&self) -> [i16; LINEAR] {
-        let pair = |(ahead, aside): Place| i16::from(self.is_unknown((ahead, aside))) + i16::from(self.is_unknown((ahead, -aside)));
-        let blocked = |(ahead, aside): Place| i16::from(self.is_blocked((ahead, aside))) + i16::from(self.is_blocked((ahead, -aside)));
+        let pair =
+            |(ahead, aside): Place| i16::from(self.is_unknown((ahead, aside))) + i16::from(self.is_unknown((ahead, -aside)));
+        let blocked =
+            |(ahead, aside): Place| i16::from(self.is_blocked((ahead, aside))) + i16::from(self.is_blocked((ahead, -aside)));
         let diagonal = |aside: isize, is_known: bool| {
             i16::from(self.is_unknown((0, aside)) == is_known && self.is_unknown((1, aside)) != is_known)
         };
         let grid = self.looking.grid;
-        let seen = (0..RUN.cast_signed())
-            .take_while(|n| grid.here(onward(self.entry.target, n * self.forward)) == Square::Seen)
-            .count();
+        let seen =
+            (0..RUN.cast_signed()).take_while(|n| grid.here(onward(self.entry.target, n * self.forward)) == Square::Seen).count();
         let (sides, behind, straight_on) = (pair((0, 1)), self.is_unknown((1, 0)), self.turn == Turn::StraightOn);
         let count = |n: usize| i16::try_from(n).unwrap_or(0) * 1000;
         let whole = |n: i16| n * 1000;
@@ -283,34 +284,10 @@ impl<'a> Sight<'a> {
 
     fn rows(&self) -> [u32; TABLES.len()] {
         const ROUND: [Place; 7] = [(0, -1), (0, 1), (1, 0), (1, -1), (1, 1), (-1, -1), (-1, 1)];
-        const NEAR: [Place; 12] = [
-            (0, -1),
-            (0, 1),
-            (1, 0),
-            (1, -1),
-            (1, 1),
-            (-1, -1),
-            (-1, 1),
-            (2, 0),
-            (0, -2),
-            (0, 2),
-            (2, -1),
-            (2, 1),
-        ];
-        const WIDE: [Place; 12] = [
-            (1, -2),
-            (1, 2),
-            (2, -2),
-            (2, 2),
-            (3, -1),
-            (3, 1),
-            (3, 0),
-            (-1, -2),
-            (-1, 2),
-            (0, -1),
-            (0, 1),
-            (1, 0),
-        ];
+        const NEAR: [Place; 12] =
+            [(0, -1), (0, 1), (1, 0), (1, -1), (1, 1), (-1, -1), (-1, 1), (2, 0), (0, -2), (0, 2), (2, -1), (2, 1)];
+        const WIDE: [Place; 12] =
+            [(1, -2), (1, 2), (2, -2), (2, 2), (3, -1), (3, 1), (3, 0), (-1, -2), (-1, 2), (0, -1), (0, 1), (1, 0)];
         const BEHIND: [Place; 5] = [(-1, -1), (-1, 1), (-2, 0), (-2, -1), (-2, 1)];
         const AHEAD: [Place; 9] = [(1, -1), (1, 0), (1, 1), (2, -1), (2, 0), (2, 1), (3, -1), (3, 0), (3, 1)];
         const FAR: [Place; 8] = [(4, 0), (3, 0), (2, -2), (2, 2), (1, -2), (1, 2), (0, -2), (0, 2)];

@@ -2,6 +2,7 @@
 //! business; whether the robot may move is the mission's.
 
 use super::costs::Costs;
+use super::far::turn;
 use super::grid::{Grid, Spot, Square};
 use super::outlook::Gait;
 use super::ways::Ways;
@@ -72,11 +73,17 @@ impl Planner {
             return None;
         }
         let (at, mut is_found) = ((grid.spot(goal.cell), goal.heading), false);
-        ways.spread(grid, *costs, start, |here| {
+        let all = ways.spread(grid, *costs, start, |here| {
             is_found |= (here.spot, here.heading) == at;
             if is_found { 0 } else { u32::MAX }
         });
-        is_found.then(|| ways.way_to(grid, at))
+        if is_found || all {
+            return is_found.then(|| ways.way_to(grid, at));
+        }
+        let passable = |spot: Spot| grid.here(spot) == Square::Visited;
+        let (end, mut way) = ways.steps.way(grid, start, passable, |spot| spot == at.0)?;
+        turn(&mut way, end.heading, goal.heading);
+        Some(way)
     }
 }
 
@@ -87,8 +94,7 @@ pub(super) fn way(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal:
         return if through == Through::Unknown { towards(grid, ways, costs, start, goal, area) } else { None };
     }
     let target = grid.spot(goal);
-    let passable =
-        |spot: Spot| may_enter(grid, area, spot, through) || (spot == target && grid.here(spot) != Square::Obstacle);
+    let passable = |spot: Spot| may_enter(grid, area, spot, through) || (spot == target && grid.here(spot) != Square::Obstacle);
     ways.way_to_cell(grid, costs, start, goal, passable)
 }
 
@@ -96,14 +102,21 @@ pub(super) fn way(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal:
 fn towards(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal: Cell, area: Bounds) -> Option<Vec<Move>> {
     let inner = area.grown(-1);
     let mut best: Option<(u32, (Spot, Heading))> = None;
-    ways.search(grid, costs, start, |_| 0, |spot| may_enter(grid, area, spot, Through::Unknown), |here| {
-        let cell = grid.cell(here.spot);
-        let whole = here.cost + (cell.x.abs_diff(goal.x) + cell.y.abs_diff(goal.y)) * costs.step;
-        if !inner.contains(cell) && best.is_none_or(|(least, _)| whole < least) {
-            best = Some((whole, (here.spot, here.heading)));
-        }
-        u32::MAX
-    });
+    ways.search(
+        grid,
+        costs,
+        start,
+        |_| 0,
+        |spot| may_enter(grid, area, spot, Through::Unknown),
+        |here| {
+            let cell = grid.cell(here.spot);
+            let whole = here.cost + (cell.x.abs_diff(goal.x) + cell.y.abs_diff(goal.y)) * costs.step;
+            if !inner.contains(cell) && best.is_none_or(|(least, _)| whole < least) {
+                best = Some((whole, (here.spot, here.heading)));
+            }
+            u32::MAX
+        },
+    );
     best.map(|(_, end)| ways.way_to(grid, end))
 }
 

@@ -5,11 +5,11 @@
 //! when nothing unknown lies next to a visited cell south-east of home; and a ring beyond a far wall aims at the last column or
 //! row in front of it, as the seeds clamp their goals. The search is over when nothing unknown can be reached anywhere.
 
-use super::entries::{Visit, is_open, nearest};
-use super::grid::onward;
+use super::entries::{Visit, nearest};
+use super::grid::{Square, onward};
 use super::ways::Ways;
 use super::{NextGoal, View};
-use crate::units::Cell;
+use crate::units::{Cell, Heading};
 use crate::world::hall_map::{Bounds, REACH};
 
 /// Where a snail has come to.
@@ -92,11 +92,15 @@ impl Snail {
     /// (k,k), or the last column and row in front of a far wall.
     fn corner(&self, view: &View<'_>, ways: &mut Ways) -> Cell {
         let mut most = view.pose.cell;
-        ways.spread(view.grid, view.costs, view.pose, |at| {
-            let ahead = onward(at.spot, view.grid.step(at.heading));
-            let cell = view.grid.cell(if is_open(view.grid.here(ahead)) { ahead } else { at.spot });
-            most = Cell::new(most.x.max(cell.x), most.y.max(cell.y));
-            u32::MAX
+        let grid = view.grid;
+        let passable = |spot| grid.here(spot) == Square::Visited;
+        let _nowhere = ways.steps.way(grid, view.pose, passable, |spot| {
+            let around = Heading::ALL.map(|heading| onward(spot, grid.step(heading)));
+            for spot in around.into_iter().filter(|next| grid.here(*next).is_open()).chain([spot]) {
+                let cell = grid.cell(spot);
+                most = Cell::new(most.x.max(cell.x), most.y.max(cell.y));
+            }
+            false
         });
         Cell::new(self.ring.min(most.x), self.ring.min(most.y))
     }

@@ -1,7 +1,7 @@
 //! Round and round from the walls inwards: what is visited or blocked stays on the robot's right hand as long as it can.
 
 use super::View;
-use super::entries::{Entry, Visit, best_entry, is_open};
+use super::entries::{Entry, Visit, best_entry};
 use super::grid::onward;
 use super::ways::Ways;
 
@@ -12,6 +12,6 @@ pub(super) fn next(view: &View<'_>, ways: &mut Ways) -> Option<Visit> {
     let grid = view.grid;
     best_entry(view, ways, 0, |entry: &Entry| {
         let right = onward(entry.target, grid.step(entry.at.heading.right()));
-        if is_open(grid.here(right)) { OPEN } else { 0 }
+        if grid.here(right).is_open() { OPEN } else { 0 }
     })
 }

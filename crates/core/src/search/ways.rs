@@ -2,9 +2,11 @@
 //! aiming at is a strategy's business; whether the robot may move is the mission's.
 //!
 //! States wait by what they cost in a ring of buckets as long as the dearest move, which for whole numbers is a queue in constant
-//! time; with an estimate of what is left the same loop is A*. A state is settled when it is taken out for the first time.
+//! time; with an estimate of what is left the same loop is A*. A state is settled when it is taken out for the first time. What lies
+//! further away than so many states is looked for by steps alone, which is not exact and several times faster (`far`).
 
 use super::costs::Costs;
+use super::far::Steps;
 use super::grid::{Grid, Spot, Square, onward};
 use crate::command::Move;
 use crate::units::{Cell, Heading, Pose};
@@ -18,7 +20,11 @@ pub struct Ways {
     came_by: Vec<u8>,
     search: u32,
     ring: Vec<Vec<u64>>,
+    pub(super) steps: Steps,
 }
+
+/// So many states are settled at most before a search counts as one that leads far: about a millisecond.
+const MOST: usize = 1 << 16;
 
 /// A state that a search has come to.
 #[derive(Clone, Copy, Debug)]
@@ -38,9 +44,9 @@ const NONE: u8 = 3;
 
 impl Ways {
     /// Goes through the states that are reached over visited cells, the cheapest first, until they cost more than `reached` says
-    /// that it is worth.
-    pub(crate) fn spread(&mut self, grid: &Grid, costs: Costs, start: Pose, reached: impl FnMut(Reached) -> u32) {
-        self.search(grid, costs, start, |_| 0, |spot| grid.here(spot) == Square::Visited, reached);
+    /// that it is worth. False when there were more states than are looked at.
+    pub(crate) fn spread(&mut self, grid: &Grid, costs: Costs, start: Pose, reached: impl FnMut(Reached) -> u32) -> bool {
+        self.search(grid, costs, start, |_| 0, |spot| grid.here(spot) == Square::Visited, reached)
     }
 
     /// The cheapest way to a cell through what is `passable`, guided by the steps that are left at least.
@@ -57,11 +63,15 @@ impl Ways {
             let cell = grid.cell(spot);
             (cell.x.abs_diff(goal.x) + cell.y.abs_diff(goal.y)) * costs.step
         };
-        self.search(grid, costs, start, left, passable, |here| {
+        let all = self.search(grid, costs, start, left, &passable, |here| {
             end = end.or((here.spot == at).then_some((here.spot, here.heading)));
             if end.is_some() { 0 } else { u32::MAX }
         });
-        end.map(|end| self.way_to(grid, end))
+        match end {
+            Some(end) => Some(self.way_to(grid, end)),
+            None if all => None,
+            None => self.steps.way(grid, start, passable, |spot| spot == at).map(|(_, moves)| moves),
+        }
     }
 
     /// The cheapest way to a cell over visited cells.
@@ -76,7 +86,8 @@ impl Ways {
         super::plan::way(grid, self, costs, start, goal, super::plan::Through::Unknown)
     }
 
-    /// `left` is what a way from there to the goal costs at least, and no less than a move on is nearer.
+    /// `left` is what a way from there to the goal costs at least, and no less than a move on is nearer. False when there were more
+    /// states than are looked at.
     pub(crate) fn search(
         &mut self,
         grid: &Grid,
@@ -85,7 +96,7 @@ impl Ways {
         left: impl Fn(Spot) -> u32,
         passable: impl Fn(Spot) -> bool,
         mut reached: impl FnMut(Reached) -> u32,
-    ) {
+    ) -> bool {
         self.prepare(grid, costs);
         let price = [costs.step, costs.turn, costs.turn];
         let length = self.ring.len();
@@ -93,8 +104,8 @@ impl Ways {
         // Whole costs: what was spent, and what is left at least.
         let (mut whole, mut worth) = (left(from), u32::MAX);
         self.ring[whole as usize % length].push(pack(from, start.heading, NONE));
-        let mut waiting = 1usize;
-        while waiting > 0 && whole <= worth {
+        let (mut waiting, mut settled) = (1usize, 0);
+        while waiting > 0 && whole <= worth && settled < MOST {
             let Some(packed) = self.ring[whole as usize % length].pop() else {
                 whole += 1;
                 continue;
@@ -106,6 +117,7 @@ impl Ways {
                 continue;
             }
             (self.settled[state], self.came_by[state]) = (self.search, by);
+            settled += 1;
             let cost = whole - left(spot);
             worth = reached(Reached { spot, heading, cost, by: MOVES.get(usize::from(by)).copied() });
             let ahead = onward(spot, grid.step(heading));
@@ -119,6 +131,7 @@ impl Ways {
             }
         }
         self.ring.iter_mut().for_each(Vec::clear);
+        settled < MOST
     }
 
     fn prepare(&mut self, grid: &Grid, costs: Costs) {

@@ -72,7 +72,8 @@ impl Weights {
             let mut words = written.split_whitespace();
             let name = words.next().unwrap_or_default();
             if let Some(table) = name.strip_prefix('[').and_then(|name| name.strip_suffix(']')) {
-                let table = TABLES.iter().position(|(known, _)| *known == table).ok_or_else(|| wrong(table, "the name of a table"))?;
+                let table =
+                    TABLES.iter().position(|(known, _)| *known == table).ok_or_else(|| wrong(table, "the name of a table"))?;
                 for word in words {
                     let row = read_row(word, TABLES[table].1).ok_or_else(|| wrong(word, "ROW:WEIGHT of this table"))?;
                     weights.rows[STARTS[table] + row.0] = row.1;

@@ -17,6 +17,7 @@ use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId, MissionId, Pose, Re
 use super::world::alarm::Alarm;
 use super::world::hall_map::{HallMap, Mark};
 use super::world::luggage::{Decision, Luggage};
+use super::world::records::LuggageRecords;
 use super::world::temperature::OPERATOR;
 
 /// Everything that is as it was after a restart.
@@ -57,7 +58,7 @@ pub struct PersistentState {
     /// The cells where a piece that was known already was met once more.
     pub met_again: BTreeMap<Cell, Piece>,
     /// The luggage of the mission.
-    pub luggage: BTreeMap<LuggageId, Arc<Luggage>>,
+    pub luggage: LuggageRecords,
     /// The number of the last piece of all missions.
     pub last_luggage: LuggageId,
     /// The alarms, oldest first.
@@ -90,7 +91,7 @@ impl PersistentState {
             map: HallMap::new(Cell::HOME, Revision(1)),
             pieces: BTreeSet::new(),
             met_again: BTreeMap::new(),
-            luggage: BTreeMap::new(),
+            luggage: LuggageRecords::default(),
             last_luggage: LuggageId(0),
             alarms: Vec::new(),
             last_alarm: AlarmId(0),
@@ -157,7 +158,7 @@ impl PersistentState {
     pub(crate) fn put_away(&mut self) {
         self.under_way = false;
         self.search_anew();
-        self.luggage.clear();
+        self.luggage = LuggageRecords::default();
         self.alarms.retain(|alarm| alarm.acknowledged.is_none());
     }
 
@@ -185,25 +186,21 @@ impl PersistentState {
 
     /// A record of a piece known already keeps the verdict that was given in the meantime.
     fn keep(&mut self, record: &Arc<Luggage>) {
-        let known = self.luggage.get(&record.id);
+        let known = self.luggage.get(record.id);
         let verdict = known.and_then(|known| known.verdict.clone());
         let secured = known.and_then(|known| known.secured);
-        self.luggage.insert(record.id, Arc::new(Luggage { verdict, secured, ..Luggage::clone(record) }));
+        self.luggage.insert(Arc::new(Luggage { verdict, secured, ..Luggage::clone(record) }));
         self.pieces.extend(record.piece);
         self.last_luggage = self.last_luggage.max(record.id);
     }
 
     /// The piece is in the container; it is not met again.
     fn secure(&mut self, luggage: LuggageId, wall: WallTime) {
-        if let Some(record) = self.luggage.get_mut(&luggage) {
-            *record = Arc::new(Luggage { secured: Some(wall), ..Luggage::clone(record) });
-        }
+        self.luggage.change(luggage, |record| record.secured = Some(wall));
     }
 
     fn decide(&mut self, luggage: LuggageId, decision: Decision) {
-        if let Some(record) = self.luggage.get_mut(&luggage) {
-            *record = Arc::new(Luggage { verdict: Some(decision), ..Luggage::clone(record) });
-        }
+        self.luggage.change(luggage, |record| record.verdict = Some(decision));
     }
 
     fn alarm(&mut self, id: AlarmId, luggage: Option<LuggageId>, text: &str, raised: WallTime) {

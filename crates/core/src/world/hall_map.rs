@@ -3,8 +3,8 @@
 
 use std::sync::Arc;
 
-use super::tiles::{Tiles, place_in_tile, tile_of};
 pub use super::tiles::{TILE, Tile, cells_of};
+use super::tiles::{Tiles, place_in_tile, tile_of};
 use crate::units::{Cell, Revision};
 
 /// No cell further from home than this, in either direction, is kept: a robot that reports more is wrong.
@@ -201,6 +201,12 @@ impl HallMap {
     /// The tiles of which anything is kept, with the cell of their north-west corner.
     pub fn tiles(&self) -> impl Iterator<Item = (Cell, &Arc<Tile>)> {
         self.tiles.iter()
+    }
+
+    /// Whether anything is kept of the tile whose north-west corner is `corner`.
+    #[must_use]
+    pub fn has_tile(&self, corner: Cell) -> bool {
+        self.tiles.tile(tile_of(corner)).is_some()
     }
 
     /// Those of them that may have changed since `older`, an earlier state of this map.

@@ -5,6 +5,7 @@ pub mod hall_map;
 pub mod log;
 pub mod luggage;
 pub(crate) mod model;
+pub mod records;
 pub mod resource;
 pub mod retrieval;
 pub mod robot;

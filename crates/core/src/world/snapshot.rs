@@ -6,6 +6,7 @@ use super::alarm::AlarmView;
 use super::hall_map::HallMap;
 use super::log::LogLine;
 use super::luggage::Luggage;
+use super::records::LuggageRecords;
 use super::resource::Resource;
 use super::retrieval::RetrievalView;
 use super::robot::{RobotShown, RobotView};
@@ -32,7 +33,7 @@ pub struct Snapshot {
     /// The hall; its tiles are shared with the core.
     pub map: HallMap,
     /// The luggage of this mission, by number.
-    pub luggage: Arc<[Arc<Luggage>]>,
+    pub luggage: LuggageRecords,
     /// The temperature.
     pub temperature: TemperatureView,
     /// The alarms, oldest first.
@@ -53,14 +54,14 @@ impl Snapshot {
     /// The record with this number.
     #[must_use]
     pub fn luggage(&self, id: LuggageId) -> Option<&Arc<Luggage>> {
-        self.luggage.iter().find(|luggage| luggage.id == id)
+        self.luggage.get(id)
     }
 
     /// The piece that waits for its verdict: the one being inspected first, then the oldest.
     #[must_use]
     pub fn pending(&self) -> Option<&Arc<Luggage>> {
         let inspected = self.mission.inspected.and_then(|id| self.luggage(id)).filter(|luggage| luggage.is_pending());
-        inspected.or_else(|| self.luggage.iter().find(|luggage| luggage.is_pending()))
+        inspected.or_else(|| self.luggage.pending().next())
     }
 }
 

@@ -8,12 +8,14 @@ use super::{Moves, Run};
 use crate::{Hall, SimSettings, Truth};
 use hallsweep_core::command::{Command, LuggageRef, Verdict};
 use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::event::Piece;
 use hallsweep_core::mission::{Hold, PhaseName};
 use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::luggage::Luggage;
+use hallsweep_core::world::records::LuggageRecords;
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// How the operator of such a run answers.
@@ -44,12 +46,12 @@ pub struct Figures {
     /// Whether the robot ended at home.
     pub home: bool,
     /// The luggage on record.
-    pub luggage: Arc<[Arc<Luggage>]>,
+    pub luggage: LuggageRecords,
     /// How many moves had been made when a dangerous piece was first met.
     pub bomb_found_at: Option<u64>,
     /// The last state.
     pub state: Arc<Snapshot>,
-    /// Everything that was put on record.
+    /// Everything that was put on record, where it was kept.
     pub journal: Vec<Entry>,
     /// Why the run ended without coming home, if it did.
     pub stuck: Option<String>,
@@ -64,12 +66,35 @@ pub fn explore(
     verdicts: Verdicts,
     mut watch: impl FnMut(&Snapshot),
 ) -> Figures {
+    let mut journal = Vec::new();
+    let figures = explore_and_tell(hall, sim, settings, strategy, verdicts, |state, entries| {
+        journal.extend_from_slice(entries);
+        watch(state);
+    });
+    Figures { journal, ..figures }
+}
+
+/// The same, but `watch` is also told what was put on record since, and nothing of it is kept: a journal takes a hundred times the memory
+/// of the hall it is about.
+pub fn explore_and_tell(
+    hall: &Arc<Hall>,
+    sim: SimSettings,
+    settings: Settings,
+    strategy: Strategy,
+    verdicts: Verdicts,
+    mut watch: impl FnMut(&Snapshot, &[Entry]),
+) -> Figures {
     let mut run = Run::new(Arc::clone(hall), sim, settings, strategy);
-    let mut bomb_found_at = None;
+    let (mut bomb_found_at, mut inspected) = (None, BTreeSet::new());
+    let mut tell = |run: &mut Run, state: &Snapshot| {
+        inspected.extend(run.journal.iter().filter_map(|entry| inspected_piece(entry, hall)));
+        watch(state, &run.journal);
+        run.journal.clear();
+    };
     let mut stuck = start(&mut run).err();
     while stuck.is_none() && !has_ended(&mut run) {
         let state = run.state();
-        watch(&state);
+        tell(&mut run, &state);
         if bomb_found_at.is_none() && meets_bomb(&state, hall) {
             bomb_found_at = Some(run.moves.total());
         }
@@ -79,7 +104,18 @@ pub fn explore(
             None => (!run.advance()).then(|| why_not(&state)),
         };
     }
-    figures(run, hall, sim.seed, bomb_found_at, stuck)
+    let state = run.state();
+    tell(&mut run, &state);
+    figures(&mut run, hall, sim.seed, bomb_found_at, stuck, &inspected)
+}
+
+/// The piece that an entry puts on record.
+fn inspected_piece(entry: &Entry, hall: &Hall) -> Option<Piece> {
+    if let Fact::Luggage { record, .. } = &entry.fact { piece_at(hall, record.cell) } else { None }
+}
+
+fn piece_at(hall: &Hall, cell: Cell) -> Option<Piece> {
+    if let Truth::Luggage(piece) = hall.truth(cell) { Some(piece) } else { None }
 }
 
 /// Presses START as soon as the hall is cool enough.
@@ -124,7 +160,14 @@ fn meets_bomb(state: &Snapshot, hall: &Hall) -> bool {
     state.mission.inspected.and_then(|id| state.luggage(id)).is_some_and(|luggage| is_bomb(luggage, hall))
 }
 
-fn figures(mut run: Run, hall: &Arc<Hall>, seed: u64, bomb_found_at: Option<u64>, stuck: Option<String>) -> Figures {
+fn figures(
+    run: &mut Run,
+    hall: &Arc<Hall>,
+    seed: u64,
+    bomb_found_at: Option<u64>,
+    stuck: Option<String>,
+    inspected: &BTreeSet<Piece>,
+) -> Figures {
     let state = run.state();
     let reachable = hall.reachable();
     Figures {
@@ -133,24 +176,19 @@ fn figures(mut run: Run, hall: &Arc<Hall>, seed: u64, bomb_found_at: Option<u64>
         seed,
         cells: reachable.len(),
         moves: run.moves,
-        complete: is_complete(&state, hall, &reachable, &run.journal),
+        complete: is_complete(&state, hall, &reachable, inspected),
         home: state.robot.pose.cell == Cell::HOME && !state.robot.off_centre,
         luggage: state.luggage.clone(),
         bomb_found_at,
         state,
-        journal: run.journal,
+        journal: Vec::new(),
         stuck,
     }
 }
 
-fn is_complete(state: &Snapshot, hall: &Hall, reachable: &BTreeSet<Cell>, journal: &[Entry]) -> bool {
+fn is_complete(state: &Snapshot, hall: &Hall, reachable: &BTreeSet<Cell>, inspected: &BTreeSet<Piece>) -> bool {
     let visited = reachable.iter().all(|cell| state.map.at(*cell) == Mark::Visited);
-    let inspected = |cell: Cell| {
-        journal
-            .iter()
-            .any(|entry| matches!(&entry.fact, Fact::Luggage { record, .. } if hall.truth(record.cell) == hall.truth(cell)))
-    };
-    let neighbours: BTreeSet<Cell> = reachable.iter().flat_map(|cell| cell.neighbours()).collect();
-    let luggage = neighbours.into_iter().filter(|cell| matches!(hall.truth(*cell), Truth::Luggage(_))).all(inspected);
+    let touched = reachable.iter().flat_map(|cell| cell.neighbours()).filter_map(|cell| piece_at(hall, cell));
+    let luggage = touched.into_iter().all(|piece| inspected.contains(&piece));
     visited && luggage && state.map.frontier_size() == 0 && state.map.uninspected() == 0
 }

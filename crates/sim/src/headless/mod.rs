@@ -2,7 +2,7 @@
 //! loop. `hallsweep explore`, the simulation tests and the benchmarks use it. The same seed gives the same run, byte for byte.
 
 mod explore;
-pub use explore::{Figures, Verdicts, explore};
+pub use explore::{Figures, Verdicts, explore, explore_and_tell};
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

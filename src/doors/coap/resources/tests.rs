@@ -261,7 +261,7 @@ async fn the_list_of_links_is_made_when_luggage_or_alarms_change_and_not_at_ever
     assert_eq!((first.response.max_age, first.observed.len()), (Some(0), 0));
     change(&app, 21, &[Resource::Robot, Resource::Map, Resource::Mission], |_| {});
     assert!(Arc::ptr_eq(&links().await.response, &first.response));
-    change(&app, 22, &[Resource::Luggage], |state| state.luggage = Arc::default());
+    change(&app, 22, &[Resource::Luggage], |state| state.luggage = Default::default());
     let second = links().await.response;
     assert!(String::from_utf8_lossy(&first.response.body).contains("</luggage/3>"));
     assert!(!String::from_utf8_lossy(&second.body).contains("</luggage/3>"));
@@ -289,7 +289,7 @@ async fn whoever_observes_is_shown_what_holds_now() {
 async fn an_observed_piece_ends_with_its_mission_and_can_still_be_read() {
     let app = app(searching());
     assert_eq!(app.resources.things(&get("/luggage/3"))[0].code, Code::CONTENT);
-    change(&app, 21, &[Resource::Luggage], |state| state.luggage = Arc::from([]));
+    change(&app, 21, &[Resource::Luggage], |state| state.luggage = Default::default());
     assert_eq!(app.resources.things(&get("/luggage/3"))[0].code, Code::NOT_FOUND);
     let past = app.ask(get(&format!("/luggage/{PAST}"))).await;
     assert!(past.response.code == Code::CONTENT && past.observed.is_empty());
@@ -316,7 +316,7 @@ async fn a_photo_is_read_once_and_again_after_a_retake() {
     assert_eq!(app.photos_read.load(Ordering::SeqCst), 1);
     change(&app, 21, &[Resource::Luggage], |state| {
         let again = Luggage { photo: PhotoState::Taken { bytes: 4, take: 2 }, ..(*state.luggage[2]).clone() };
-        state.luggage = Arc::from([Arc::new(again)]);
+        state.luggage = [Arc::new(again)].into();
     });
     assert_ne!(app.ask(photo()).await.response.tag, first.tag);
     assert_eq!(app.photos_read.load(Ordering::SeqCst), 2);
@@ -332,7 +332,7 @@ async fn a_photo_of_a_mission_that_is_over_is_there_and_one_that_failed_says_why
     assert_eq!(app.photos_read.load(Ordering::SeqCst), 1);
     change(&app, 21, &[Resource::Luggage], |state| {
         let failed = Luggage { photo: PhotoState::Failed("lens covered".to_owned()), ..(*state.luggage[2]).clone() };
-        state.luggage = Arc::from([Arc::new(failed)]);
+        state.luggage = [Arc::new(failed)].into();
     });
     let (code, words) = app.said(get("/luggage/3/photo")).await;
     assert_eq!((code.as_str(), words.as_str()), ("4.04", "there is no photo of luggage #3: lens covered; take it again"));
@@ -350,7 +350,7 @@ async fn the_old_model_shows_the_robot_until_something_changes_and_then_that() {
     assert_eq!(shown().await, "robot( state(movingForward), direction(downDir), position(0, 0))");
     change(&app, 3, &[Resource::Map], |state| state.map = crate::api::fixture::drawn(&["11X", "11W"], 3));
     assert_eq!(shown().await, "roomMap( 'r 1 0 @1 1 X @' )");
-    change(&app, 4, &[Resource::Luggage], |state| state.luggage = Arc::from([piece(1, Cell::new(0, 2), None)]));
+    change(&app, 4, &[Resource::Luggage], |state| state.luggage = [piece(1, Cell::new(0, 2), None)].into());
     let luggage = "luggage( state( 'photo 1, position: (0, 2), date: 2026-02-03T10:00:00.000+01:00' ) )";
     assert_eq!(shown().await, luggage);
     change(&app, 5, &[Resource::Temperature, Resource::Robot], |state| state.robot.sonar_cm = Some(12));
@@ -368,13 +368,13 @@ async fn the_old_model_shows_what_changed_last_however_seldom_somebody_looks() {
         let is_forward = state.robot.state == RobotState::MovingForward;
         state.robot.state = if is_forward { RobotState::Stopped } else { RobotState::MovingForward };
     };
-    let finds = |state: &mut Snapshot| state.luggage = Arc::from([piece(1, Cell::new(0, 2), None)]);
+    let finds = |state: &mut Snapshot| state.luggage = [piece(1, Cell::new(0, 2), None)].into();
     change(&app, 2, &[Resource::Luggage], finds);
     change(&app, 3, &[Resource::Robot, Resource::Mission], moves);
     assert!(shown().await.starts_with("robot("), "the mission is no piece of luggage");
     change(&app, 4, &[Resource::Robot], moves);
     app.resources.handle_change();
-    change(&app, 5, &[Resource::Luggage], |state| state.luggage = Arc::from([piece(2, Cell::new(0, 3), None)]));
+    change(&app, 5, &[Resource::Luggage], |state| state.luggage = [piece(2, Cell::new(0, 3), None)].into());
     app.resources.handle_change();
     change(&app, 6, &[Resource::Robot, Resource::Mission], |state| state.robot.sonar_cm = Some(7));
     assert!(shown().await.starts_with("luggage("), "what is not shown of the robot hides nothing");

@@ -75,9 +75,13 @@ pub(super) fn tile_id(corner: Cell) -> String {
 /// A tile's group: one path for each kind of mark there is in it.
 pub(super) fn tile(map: &HallMap, corner: Cell) -> String {
     let mut group = format!("<g id=\"{}\">", tile_id(corner));
-    for (class, wanted) in
-        [("seen", Mark::Seen), ("visited", Mark::Visited), ("wall", Mark::Wall), ("bag", Mark::Luggage), ("todo", Mark::NotInspected)]
-    {
+    for (class, wanted) in [
+        ("seen", Mark::Seen),
+        ("visited", Mark::Visited),
+        ("wall", Mark::Wall),
+        ("bag", Mark::Luggage),
+        ("todo", Mark::NotInspected),
+    ] {
         let path = runs(map, corner, wanted);
         if !path.is_empty() {
             write(&mut group, format_args!("<path class=\"{class}\" d=\"{path}\"/>"));

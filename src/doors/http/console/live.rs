@@ -1,7 +1,7 @@
 //! `GET /console/live`: the parts of the page that changed, rendered, over server-sent events. The first message has all of
 //! them, so a page that was away catches up by opening the stream again. What a part shows stands in `parts`.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
@@ -21,7 +21,7 @@ use super::super::watcher::{Wake, Watcher};
 use super::parts::PARTS;
 use super::view::{HallInfo, View, Who};
 use super::{began, hall, who};
-use hallsweep_core::units::WallTime;
+use hallsweep_core::units::{Cell, WallTime};
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// The least time between two messages: ten a second are as many as an eye can use.
@@ -118,16 +118,12 @@ impl Shown {
 
 /// The tiles that differ from the older snapshot's; shared ones are not looked into.
 fn tiles(older: Option<&Snapshot>, snapshot: &Snapshot) -> BTreeMap<String, String> {
-    let known: BTreeMap<_, _> = older.into_iter().flat_map(|older| older.map.tiles()).collect();
-    let mut parts = BTreeMap::new();
-    for (corner, tile) in snapshot.map.tiles() {
-        if !known.get(&corner).is_some_and(|old| Arc::ptr_eq(old, tile)) {
-            parts.insert(hall::tile_id(corner), hall::tile(&snapshot.map, corner));
-        }
-    }
-    let there: BTreeSet<_> = snapshot.map.tiles().map(|(corner, _)| corner).collect();
-    parts.extend(known.keys().filter(|corner| !there.contains(corner)).map(|corner| (hall::tile_id(*corner), String::new())));
-    parts
+    let map = &snapshot.map;
+    let drawn = |corner: Cell| (hall::tile_id(corner), hall::tile(map, corner));
+    let Some(older) = older.map(|older| &older.map) else { return map.tiles().map(|(corner, _)| drawn(corner)).collect() };
+    let gone = older.tiles_changed_since(map).filter(|(corner, _)| !map.has_tile(*corner));
+    let gone = gone.map(|(corner, _)| (hall::tile_id(corner), String::new()));
+    gone.chain(map.tiles_changed_since(older).map(|(corner, _)| drawn(corner))).collect()
 }
 
 #[cfg(test)]

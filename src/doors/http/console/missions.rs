@@ -154,15 +154,11 @@ impl One {
     fn hall(&self, state: &PersistentState) -> String {
         let map = &state.map;
         let tiles: String = map.tiles().map(|(corner, _)| hall::tile(map, corner)).collect();
-        format!(
-            "{tiles}{}{}",
-            hall::labels(map),
-            hall::found(map, porch(state), state.luggage.values().map(|luggage| &**luggage))
-        )
+        format!("{tiles}{}{}", hall::labels(map), hall::found(map, porch(state), state.luggage.iter().map(|luggage| &**luggage)))
     }
 
     fn pieces<'s>(&self, state: &'s PersistentState) -> Vec<(&'s Luggage, Option<String>)> {
-        state.luggage.values().map(|luggage| (&**luggage, photo_url(luggage))).collect()
+        state.luggage.iter().map(|luggage| (&**luggage, photo_url(luggage))).collect()
     }
 
     fn events(&self) -> Vec<Event> {
@@ -222,7 +218,7 @@ impl Event {
 
 /// The place before the entrance, where there is something in the container.
 fn porch(state: &PersistentState) -> Option<Porch> {
-    state.luggage.values().any(|luggage| luggage.secured.is_some()).then(|| Porch::of(&state.map))
+    state.luggage.iter().any(|luggage| luggage.secured.is_some()).then(|| Porch::of(&state.map))
 }
 
 /// What a mission came to, in words for an operator.

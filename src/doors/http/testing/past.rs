@@ -52,11 +52,10 @@ pub(super) fn missions() -> [MissionRecord; 2] {
 /// What stood when the first was put away: the map and the luggage of the fixture.
 pub(super) fn state() -> PersistentState {
     let state = searching();
-    let luggage = state.luggage.iter().map(|luggage| (luggage.id, luggage.clone())).collect();
     PersistentState {
         mission: MissionId(1),
         map: state.map,
-        luggage,
+        luggage: state.luggage,
         phase: Phase::BombLocated,
         ..PersistentState::first(Strategy::Snail)
     }

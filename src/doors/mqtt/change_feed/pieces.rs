@@ -13,10 +13,6 @@ pub(super) fn changed<'a>(
     differs: impl Fn(&Luggage, &Luggage) -> bool + 'a,
 ) -> impl Iterator<Item = &'a Arc<Luggage>> {
     let is_touched = older.revision_of(Resource::Luggage) != newer.revision_of(Resource::Luggage);
-    let before =
-        |piece: &Luggage| older.luggage.binary_search_by_key(&piece.id, |other| other.id).ok().map(|at| &older.luggage[at]);
-    let is_news = move |piece: &&'a Arc<Luggage>| {
-        before(piece).is_none_or(|earlier| !Arc::ptr_eq(earlier, piece) && differs(earlier, piece))
-    };
-    newer.luggage.iter().filter(move |_| is_touched).filter(is_news)
+    let is_news = move |piece: &&'a Arc<Luggage>| older.luggage.get(piece.id).is_none_or(|earlier| differs(earlier, piece));
+    newer.luggage.changed_since(&older.luggage).filter(move |_| is_touched).filter(is_news)
 }

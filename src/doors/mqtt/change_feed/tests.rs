@@ -81,7 +81,7 @@ fn put(snapshot: &mut Snapshot, luggage: Arc<Luggage>) {
     let mut all: Vec<Arc<Luggage>> = snapshot.luggage.iter().filter(|other| other.id != luggage.id).cloned().collect();
     all.push(luggage);
     all.sort_by_key(|piece| piece.id);
-    snapshot.luggage = all.into();
+    snapshot.luggage = all.into_iter().collect();
     let revision = snapshot.revision.0 + 1;
     touch(snapshot, revision, &[Resource::Luggage]);
 }
@@ -271,7 +271,7 @@ fn a_piece_that_is_gone_before_it_was_said_is_said_all_the_same() {
     feed.handle_state(Arc::new(state.clone()));
     put(&mut state, found(1, 9));
     feed.handle_state(Arc::new(state.clone()));
-    state.luggage = Arc::from([]);
+    state.luggage = Default::default();
     touch(&mut state, 40, &[Resource::Luggage]);
     let said = old(&show(&mut feed, &state, ms(100)));
     assert_eq!(said, ["luggage(state('photo 1, position: (1, 2), date: 2026-02-03T10:00:09.000+01:00'))"]);

@@ -342,7 +342,7 @@ async fn to_go_on_is_to_take_a_photo_again_that_has_failed_and_else_to_start() {
     let failed = |phase| {
         let mut state = searching();
         let piece = Luggage { photo: PhotoState::Failed("lens".to_owned()), ..Luggage::clone(&state.luggage[2]) };
-        state.luggage = [state.luggage[0].clone(), state.luggage[1].clone(), Arc::new(piece)].into();
+        state.luggage.insert(Arc::new(piece));
         state.mission.phase = phase;
         state
     };

@@ -165,7 +165,7 @@ fn an_alarm_stands_until_it_is_seen_and_a_danger_until_it_is_secured() {
     assert!(state(&snapshot).alarm);
     snapshot.alarms = seen(Some((Arc::from("operator"), TEN)));
     assert!(!state(&snapshot).alarm);
-    snapshot.luggage = Arc::from([piece(1, Cell::new(1, 0), Some(Verdict::Danger))]);
+    snapshot.luggage = [piece(1, Cell::new(1, 0), Some(Verdict::Danger))].into();
     snapshot.mission.phase = PhaseName::BombLocated;
     assert!(state(&snapshot).alarm, "it was seen, and lies there still");
     snapshot.mission.phase = PhaseName::BagSecured;

@@ -252,7 +252,7 @@ fn what_was_given_up_while_the_disk_hung_is_taken_back() {
     drop(reader);
     writer.conclude(written, losses, Seq(6));
     assert_eq!(state().written, Seq(5));
-    assert!(state().state.luggage[&LuggageId(1)].is_pending());
+    assert!(state().state.luggage[0].is_pending());
     let word = status.word().borrow().clone();
     assert_eq!((word.kept, word.losses, word.failure), (Seq(5), 1, None));
     assert_eq!(notes(&scratch), Vec::<String>::new());
@@ -318,7 +318,7 @@ fn what_was_given_up_stays_lost_when_the_program_is_killed_then() {
     for _ in 0..2 {
         let recalled = recalled(&scratch.data()).unwrap().unwrap();
         assert_eq!(recalled.written, Seq(5));
-        assert!(recalled.state.luggage[&LuggageId(1)].is_pending());
+        assert!(recalled.state.luggage[0].is_pending());
         drop(scratch.open());
     }
     let archive = scratch.open().archive;
@@ -329,7 +329,7 @@ fn what_was_given_up_stays_lost_when_the_program_is_killed_then() {
     drop(scribe);
     let recalled = scratch.open().recalled.unwrap();
     assert_eq!(recalled.written, Seq(7));
-    assert!(recalled.state.luggage[&LuggageId(1)].is_dangerous());
+    assert!(recalled.state.luggage[0].is_dangerous());
     assert_eq!(notes(&scratch), Vec::<String>::new());
 }
 

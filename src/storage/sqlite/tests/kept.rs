@@ -84,7 +84,7 @@ fn what_was_kept_stands_at_the_next_start() {
     let commands = vec![at_noon(command(Some("a-1")))];
     let latest = recalled.latest.clone();
     assert_eq!(recalled, Recalled { state: fold(&entries), written: Seq(7), commands, latest });
-    assert!(recalled.state.luggage[&LuggageId(1)].is_dangerous());
+    assert!(recalled.state.luggage[0].is_dangerous());
 }
 
 proptest! {
@@ -150,7 +150,7 @@ fn a_mission_that_is_over_is_read_as_it_ended() {
 
     let ended = archive.state(MissionId(1)).unwrap().expect("there was a mission 1").of;
     assert_eq!((ended.phase.name().name(), ended.under_way), ("inspecting", true));
-    assert!(ended.luggage[&LuggageId(1)].is_dangerous());
+    assert!(ended.luggage[0].is_dangerous());
     assert!(ended.map.at(hallsweep_core::units::Cell::new(5, 5)).is_obstacle());
     let now = archive.state(MissionId(2)).unwrap().expect("there is a mission 2").of;
     assert_eq!((now.phase, now.luggage.len()), (Phase::Exploring, 1));

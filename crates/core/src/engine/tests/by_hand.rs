@@ -179,8 +179,8 @@ fn moment(name: PhaseName, table: &'static str, holds: &[Hold]) -> Engine {
             who: Issuer::operator(Door::LOCAL).who,
             wall: WallTime::default(),
         };
-        let luggage = Luggage { verdict: Some(decision), ..Luggage::clone(&engine.state.luggage[&LuggageId(1)]) };
-        engine.state.luggage.insert(LuggageId(1), Arc::new(luggage));
+        let luggage = Luggage { verdict: Some(decision), ..Luggage::clone(&engine.state.luggage[0]) };
+        engine.state.luggage.insert(Arc::new(luggage));
     }
     engine.record_state();
     while let Some(effect) = engine.poll_effect() {
@@ -248,7 +248,7 @@ fn check_command(table: &'static str, name: PhaseName, input: Input, holds: &'st
 fn check_effects(before: &Engine, after: &Engine, input: Input, table: &str, pair: &str) {
     let (was, is) = (&before.state.holds, &after.state.holds);
     let waits = [Hold::Operator, Hold::Restart, Hold::AwaitingStart];
-    let verdict = after.state.luggage.get(&LuggageId(1)).and_then(|luggage| luggage.verdict.as_ref()).map(|kept| kept.verdict);
+    let verdict = after.state.luggage.get(LuggageId(1)).and_then(|luggage| luggage.verdict.as_ref()).map(|kept| kept.verdict);
     match input {
         Input::Start | Input::BackHome | Input::Retrieve | Input::Move | Input::Goto | Input::Reset => {
             assert!(!waits.into_iter().any(|hold| is.contains(hold)), "{pair}: it clears what waits for it");

@@ -56,7 +56,7 @@ fn a_piece_is_secured_once_the_robot_says_that_it_has_let_go_of_it() {
     waits(&mut engine);
     tells(&mut engine, ArmState::default());
     assert_eq!(engine.state.phase.name(), PhaseName::BagSecured);
-    assert!(engine.state.luggage[&LuggageId(1)].secured.is_some());
+    assert!(engine.state.luggage[0].secured.is_some());
 }
 
 #[test]
@@ -87,8 +87,8 @@ fn whoever_has_taken_another_piece_is_at_fault() {
 
 /// Its camera could tell that the piece is number 7.
 fn identify(engine: &mut Engine) {
-    let luggage = Luggage { piece: Some(Piece(7)), ..Luggage::clone(&engine.state.luggage[&LuggageId(1)]) };
-    engine.state.luggage.insert(LuggageId(1), Arc::new(luggage));
+    let luggage = Luggage { piece: Some(Piece(7)), ..Luggage::clone(&engine.state.luggage[0]) };
+    engine.state.luggage.insert(Arc::new(luggage));
 }
 
 /// With a pair whose piece stands in these cells.

@@ -18,7 +18,7 @@ struct Recorder {
 impl Recorder {
     fn new() -> Recorder {
         let mut engine = sweep_in(PhaseName::Exploring, &[]);
-        engine.state.luggage.clear();
+        engine.state.luggage = Default::default();
         Recorder { engine, millis: 0, pages: 0, entries: Vec::new(), answers: 0, epoch: Epoch(0) }
     }
 

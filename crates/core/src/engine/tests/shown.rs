@@ -12,7 +12,7 @@ fn give(engine: &mut Engine, command: Command) -> Result<Ticket, Refused> {
 #[test]
 fn at_most_64_views_wait_for_a_store_that_lags_and_none_is_shown_early() {
     let mut engine = sweep_in(PhaseName::Idle, &[]);
-    engine.state.luggage.clear();
+    engine.state.luggage = Default::default();
     let mut begun = Vec::new();
     for _ in 0..60 {
         give(&mut engine, Command::Start).unwrap();

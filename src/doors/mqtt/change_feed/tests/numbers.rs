@@ -49,7 +49,7 @@ proptest! {
                 Happens::Step => step(&mut state),
                 Happens::Found(id) | Happens::Retaken(id) => put(&mut state, found(id, i64::try_from(now).unwrap())),
                 Happens::Emptied => {
-                    state.luggage = Arc::from([]);
+                    state.luggage = Default::default();
                     let revision = state.revision.0 + 1;
                     touch(&mut state, revision, &[Resource::Luggage]);
                 }

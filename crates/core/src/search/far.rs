@@ -1,0 +1,139 @@
+//! Ways that lead far: by steps alone, cell by cell, whatever turns they take. In a hall of a million cells it is found in a few
+//! milliseconds; among ways of equally many steps one that goes straight on is taken.
+
+use super::grid::{Grid, Spot, onward};
+use crate::command::Move;
+use crate::units::{Heading, Pose};
+
+/// Finds ways by steps; keeps its working memory from one search to the next.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Steps {
+    /// For each cell the steps to it, and `before`: what is not larger was not reached in this search.
+    reached: Vec<u32>,
+    before: u32,
+    wave: Vec<Spot>,
+    next: Vec<Spot>,
+}
+
+impl Steps {
+    /// The nearest cell that is `wanted`, and the moves there, over cells that are `passable`.
+    pub(super) fn way(
+        &mut self,
+        grid: &Grid,
+        start: Pose,
+        passable: impl Fn(Spot) -> bool,
+        mut wanted: impl FnMut(Spot) -> bool,
+    ) -> Option<(Pose, Vec<Move>)> {
+        let from = grid.spot(start.cell);
+        let (end, most) = self.flood(grid, from, passable, &mut wanted);
+        let way = end.map(|end| self.trace(grid, start, end));
+        self.before = most;
+        way
+    }
+
+    /// Wave after wave until a wanted cell is in one; and the largest number that was written.
+    fn flood(
+        &mut self,
+        grid: &Grid,
+        from: Spot,
+        passable: impl Fn(Spot) -> bool,
+        wanted: &mut impl FnMut(Spot) -> bool,
+    ) -> (Option<Spot>, u32) {
+        let size = u32::try_from(grid.size()).unwrap_or(u32::MAX);
+        if self.reached.len() != grid.size() || self.before > u32::MAX - size.saturating_add(2) {
+            (self.reached, self.before) = (vec![0; grid.size()], 0);
+        }
+        let mut number = self.before + 1;
+        self.reached[from] = number;
+        self.wave.clear();
+        self.wave.push(from);
+        let around = Heading::ALL.map(|heading| grid.step(heading));
+        while !self.wave.is_empty() {
+            if let Some(end) = self.wave.iter().copied().find(|spot| wanted(*spot)) {
+                return (Some(end), number);
+            }
+            number += 1;
+            self.next.clear();
+            for spot in &self.wave {
+                for step in around {
+                    let to = onward(*spot, step);
+                    if self.reached[to] <= self.before && passable(to) {
+                        self.reached[to] = number;
+                        self.next.push(to);
+                    }
+                }
+            }
+            std::mem::swap(&mut self.wave, &mut self.next);
+        }
+        (None, number)
+    }
+
+    /// Back from the end, straight on where that is as short.
+    fn trace(&self, grid: &Grid, start: Pose, end: Spot) -> (Pose, Vec<Move>) {
+        let (from, mut spot) = (grid.spot(start.cell), end);
+        let mut headings: Vec<Heading> = Vec::new();
+        while spot != from {
+            let comes_from =
+                |heading: &Heading| self.reached[onward(spot, grid.step(heading.opposite()))] + 1 == self.reached[spot];
+            let straight = headings.last().copied().filter(comes_from);
+            let heading =
+                straight.or_else(|| Heading::ALL.into_iter().find(comes_from)).expect("each wave came from the one before");
+            headings.push(heading);
+            spot = onward(spot, grid.step(heading.opposite()));
+        }
+        let mut moves = Vec::new();
+        let mut facing = start.heading;
+        for heading in headings.into_iter().rev() {
+            turn(&mut moves, facing, heading);
+            moves.push(Move::Forward);
+            facing = heading;
+        }
+        (Pose { cell: grid.cell(end), heading: facing }, moves)
+    }
+}
+
+/// The turns from one heading to another.
+pub(super) fn turn(moves: &mut Vec<Move>, from: Heading, to: Heading) {
+    if to == from.left() {
+        moves.push(Move::TurnLeft);
+    } else if to == from.right() {
+        moves.push(Move::TurnRight);
+    } else if to != from {
+        moves.extend([Move::TurnLeft, Move::TurnLeft]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::search::costs::Costs;
+    use crate::search::grid::Square;
+    use crate::search::plan::after;
+    use crate::search::ways::Ways;
+    use crate::units::Cell;
+    use crate::world::hall_map::Bounds;
+
+    /// By steps alone a way is as short in steps as the exact one, and leads where it says.
+    #[test]
+    fn a_far_way_takes_as_few_steps_as_there_are() {
+        let mut dice = crate::rng::RandomStream::new(3, "far");
+        for _ in 0..100 {
+            let mut grid = Grid::with_room_for(Bounds { least: Cell::HOME, most: Cell::new(15, 15) });
+            for n in 0..256 {
+                let is_free = n == 0 || dice.below(4) > 0;
+                grid.set(Cell::new(n % 16, n / 16), if is_free { Square::Visited } else { Square::Obstacle });
+            }
+            let goal = Cell::new(i32::try_from(dice.below(16)).unwrap(), i32::try_from(dice.below(16)).unwrap());
+            let passable = |spot| grid.here(spot) == Square::Visited;
+            let far = Steps::default().way(&grid, Pose::START, passable, |spot| spot == grid.spot(goal));
+            let costs = Costs { step: 1, turn: 0, bump: 0 };
+            let exact = Ways::default().way_over_visited(&grid, costs, Pose::START, goal);
+            let steps = |moves: &[Move]| moves.iter().filter(|step| **step == Move::Forward).count();
+            assert_eq!(far.as_ref().map(|(_, moves)| steps(moves)), exact.as_ref().map(|moves| steps(moves)), "to {goal}");
+            if let Some((pose, moves)) = far {
+                assert_eq!(moves.iter().fold(Pose::START, |pose, step| after(pose, *step)), pose);
+                assert_eq!(pose.cell, goal);
+            }
+        }
+    }
+}

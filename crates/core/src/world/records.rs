@@ -1,0 +1,227 @@
+//! The luggage records by their numbers, in memory that snapshots share: a copy costs next to nothing, and what has changed between two
+//! states is found without looking at the rest. Which of them wait for a verdict, and which are bombs still in the hall, is kept at hand.
+
+use std::collections::BTreeSet;
+use std::ops::Index;
+use std::sync::Arc;
+
+use super::luggage::Luggage;
+use crate::units::LuggageId;
+
+/// So many records hang together: a change copies as many pointers, and a snapshot one for each such part.
+const PART: usize = 128;
+
+type Part = Arc<Vec<Arc<Luggage>>>;
+
+/// Records of luggage, each number once, in the order of the numbers.
+#[derive(Clone, Debug, Default)]
+pub struct LuggageRecords {
+    /// None of them is empty.
+    parts: Arc<Vec<Part>>,
+    size: usize,
+    pending: BTreeSet<LuggageId>,
+    bombs_left: BTreeSet<LuggageId>,
+    photoless: BTreeSet<LuggageId>,
+}
+
+impl LuggageRecords {
+    /// How many there are.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.size
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.size == 0
+    }
+
+    /// All of them.
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = &Arc<Luggage>> {
+        self.parts.iter().flat_map(|part| part.iter())
+    }
+
+    /// The one of this number.
+    #[must_use]
+    pub fn get(&self, id: LuggageId) -> Option<&Arc<Luggage>> {
+        let part = self.parts.get(self.part_of(id)?)?;
+        part.binary_search_by_key(&id, |record| record.id).ok().map(|place| &part[place])
+    }
+
+    /// The latest.
+    #[must_use]
+    pub fn last(&self) -> Option<&Arc<Luggage>> {
+        self.parts.last()?.last()
+    }
+
+    /// Those that wait for their verdict, the oldest first.
+    pub fn pending(&self) -> impl Iterator<Item = &Arc<Luggage>> {
+        self.pending.iter().filter_map(|id| self.get(*id))
+    }
+
+    /// Those that were found dangerous and are still in the hall, the oldest first.
+    pub fn bombs_left(&self) -> impl Iterator<Item = &Arc<Luggage>> {
+        self.bombs_left.iter().filter_map(|id| self.get(*id))
+    }
+
+    /// Those that wait for their verdict and have no photo, the oldest first.
+    pub fn photoless(&self) -> impl Iterator<Item = &Arc<Luggage>> {
+        self.photoless.iter().filter_map(|id| self.get(*id))
+    }
+
+    /// Those that are not the same memory as in `older`, an earlier state of these.
+    pub fn changed_since<'a>(&'a self, older: &'a LuggageRecords) -> impl Iterator<Item = &'a Arc<Luggage>> {
+        let is_shared = |n: usize, part: &Part| older.parts.get(n).is_some_and(|old| Arc::ptr_eq(old, part));
+        let parts = self.parts.iter().enumerate().filter(move |(n, part)| !is_shared(*n, part));
+        let is_same = |record: &Arc<Luggage>| older.get(record.id).is_some_and(|old| Arc::ptr_eq(old, record));
+        parts.flat_map(|(_, part)| part.iter()).filter(move |record| !is_same(record))
+    }
+
+    /// Puts a record in the place of the one of its number, or where its number belongs.
+    pub fn insert(&mut self, record: Arc<Luggage>) {
+        let id = record.id;
+        let is_pending = record.is_pending();
+        for (set, belongs) in [
+            (&mut self.pending, is_pending),
+            (&mut self.bombs_left, record.is_bomb_left()),
+            (&mut self.photoless, is_pending && !record.has_photo()),
+        ] {
+            if belongs {
+                set.insert(id);
+            } else {
+                set.remove(&id);
+            }
+        }
+        let known = self.part_of(id);
+        let parts = Arc::make_mut(&mut self.parts);
+        let Some(n) = known else {
+            parts.insert(0, Arc::new(vec![record]));
+            self.size += 1;
+            return;
+        };
+        match parts[n].binary_search_by_key(&id, |record| record.id) {
+            Ok(place) => Arc::make_mut(&mut parts[n])[place] = record,
+            // Numbers grow, so a new one nearly always comes last.
+            Err(PART) if n + 1 == parts.len() => {
+                parts.push(Arc::new(vec![record]));
+                self.size += 1;
+            }
+            Err(place) => {
+                Arc::make_mut(&mut parts[n]).insert(place, record);
+                self.size += 1;
+            }
+        }
+    }
+
+    /// Changes the record of this number, if there is one.
+    pub fn change(&mut self, id: LuggageId, change: impl FnOnce(&mut Luggage)) {
+        if let Some(record) = self.get(id) {
+            let mut changed = Luggage::clone(record);
+            change(&mut changed);
+            self.insert(Arc::new(changed));
+        }
+    }
+
+    /// The part in which a number belongs; `None` where it is less than all there are.
+    fn part_of(&self, id: LuggageId) -> Option<usize> {
+        self.parts.partition_point(|part| part[0].id <= id).checked_sub(1)
+    }
+}
+
+impl PartialEq for LuggageRecords {
+    fn eq(&self, other: &LuggageRecords) -> bool {
+        let is_same = |(a, b): (&Arc<Luggage>, &Arc<Luggage>)| Arc::ptr_eq(a, b) || a == b;
+        let is_same_part = |(a, b): (&Part, &Part)| Arc::ptr_eq(a, b) || a.iter().zip(b.iter()).all(is_same);
+        let is_divided_alike = self.parts.iter().map(|part| part.len()).eq(other.parts.iter().map(|part| part.len()));
+        if Arc::ptr_eq(&self.parts, &other.parts) {
+            true
+        } else if is_divided_alike {
+            self.parts.iter().zip(other.parts.iter()).all(is_same_part)
+        } else {
+            self.size == other.size && self.iter().zip(other.iter()).all(is_same)
+        }
+    }
+}
+
+impl FromIterator<Arc<Luggage>> for LuggageRecords {
+    fn from_iter<T: IntoIterator<Item = Arc<Luggage>>>(records: T) -> LuggageRecords {
+        let mut all = LuggageRecords::default();
+        records.into_iter().for_each(|record| all.insert(record));
+        all
+    }
+}
+
+impl<const N: usize> From<[Arc<Luggage>; N]> for LuggageRecords {
+    fn from(records: [Arc<Luggage>; N]) -> LuggageRecords {
+        records.into_iter().collect()
+    }
+}
+
+/// By place, the oldest being the first.
+impl Index<usize> for LuggageRecords {
+    type Output = Arc<Luggage>;
+
+    fn index(&self, place: usize) -> &Arc<Luggage> {
+        self.iter().nth(place).expect("there are more records than this place")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::command::Verdict;
+    use crate::units::{Cell, Pose, WallTime};
+    use crate::world::luggage::{Decision, PhotoState};
+
+    fn record(id: u64, verdict: Option<Verdict>) -> Arc<Luggage> {
+        let decision = |verdict| Decision { verdict, who: Arc::from("somebody"), wall: WallTime::default() };
+        Arc::new(Luggage {
+            id: LuggageId(id),
+            cell: Cell::HOME,
+            pose: Pose::START,
+            taken: WallTime::default(),
+            photo: PhotoState::Failed("dark".to_owned()),
+            verdict: verdict.map(decision),
+            piece: None,
+            secured: None,
+        })
+    }
+
+    #[test]
+    fn records_are_found_by_their_numbers_whatever_order_they_came_in() {
+        let numbers: Vec<u64> = (1..1000).map(|n| n * 7919 % 1009).collect();
+        let records: LuggageRecords = numbers.iter().map(|id| record(*id, None)).collect();
+        let mut sorted = numbers.clone();
+        sorted.sort_unstable();
+        assert_eq!(records.iter().map(|record| record.id.0).collect::<Vec<_>>(), sorted);
+        assert!(numbers.iter().all(|id| records.get(LuggageId(*id)).is_some_and(|record| record.id.0 == *id)));
+        assert_eq!((records.len(), records.get(LuggageId(0)), records.get(LuggageId(5000))), (999, None, None));
+    }
+
+    #[test]
+    fn what_waits_and_what_is_dangerous_is_at_hand_after_every_change() {
+        let mut records: LuggageRecords = (1..=300).map(|id| record(id, Some(Verdict::Safe))).collect();
+        records.insert(record(301, None));
+        records.insert(record(200, Some(Verdict::Danger)));
+        let ids = |found: Vec<&Arc<Luggage>>| found.iter().map(|record| record.id.0).collect::<Vec<_>>();
+        assert_eq!(ids(records.pending().collect()), [301]);
+        assert_eq!(ids(records.photoless().collect()), [301]);
+        assert_eq!(ids(records.bombs_left().collect()), [200]);
+        records.change(LuggageId(200), |bomb| bomb.secured = Some(WallTime::default()));
+        records.insert(record(301, Some(Verdict::Safe)));
+        assert_eq!(records.pending().count() + records.bombs_left().count() + records.photoless().count(), 0);
+    }
+
+    #[test]
+    fn a_change_is_found_without_what_is_shared() {
+        let older: LuggageRecords = (1..=1000).map(|id| record(id, Some(Verdict::Safe))).collect();
+        let mut newer = older.clone();
+        assert_eq!(newer, older);
+        newer.insert(record(400, Some(Verdict::Danger)));
+        newer.insert(record(1001, None));
+        let changed: Vec<u64> = newer.changed_since(&older).map(|record| record.id.0).collect();
+        assert_eq!(changed, [400, 1001]);
+        assert_ne!(newer, older);
+    }
+}
