@@ -21,6 +21,7 @@ pub mod roomba;
 pub mod serve;
 pub mod token;
 pub mod tree;
+pub mod tune;
 
 pub use failure::Failure;
 
@@ -55,6 +56,8 @@ pub enum Task {
     Tree(tree::Trees),
     /// Run the Roomba of the laboratory, as state machine and as behaviour tree, and print what it came to.
     Roomba(roomba::Roomba),
+    /// Find weights for the search by walks through random halls, and write them to a file.
+    Tune(tune::Tune),
     /// Print the table of the mission, phase by phase, as markdown.
     Table,
 }
@@ -222,6 +225,7 @@ mod tests {
             | Task::Roomba(_)
             | Task::Token(_)
             | Task::Tree(_)
+            | Task::Tune(_)
             | Task::Table) => {
                 panic!("{other:?} is not serve")
             }

@@ -195,13 +195,10 @@ fn costs(layers: &Layers) -> Result<Option<Costs>, SettingsError> {
     if written == "robot" {
         return Ok(None);
     }
-    let numbers: Option<Vec<f64>> = written.split(',').map(|number| number.trim().parse().ok()).collect();
-    let Some([step, turn, bump]) = numbers.as_deref() else {
-        return Err(layers.wrong("mission.costs", "it is not three numbers"));
-    };
-    Costs::weighed(*step, *turn, *bump)
-        .map(Some)
-        .ok_or_else(|| layers.wrong("mission.costs", "a step must cost something, and the others nothing to 25 steps"))
+    let costs = Costs::read(&written);
+    costs.map(Some).ok_or_else(|| {
+        layers.wrong("mission.costs", "it is not three numbers, the first above 0, the others up to 25 times as large")
+    })
 }
 
 fn sensors(layers: &Layers) -> Result<Vec<Arc<str>>, SettingsError> {

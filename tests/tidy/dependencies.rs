@@ -90,7 +90,17 @@ const RULES: [Rule; 11] = [
     Rule {
         module: "cli",
         modules: &["access", "api", "app", "config", "doors", "robots", "storage", "runtime", "telemetry"],
-        crates: &["clap", "hallsweep_core", "hallsweep_sim", "indicatif", "rustls", "serde", "serde_json", "thiserror"],
+        crates: &[
+            "clap",
+            "hallsweep_core",
+            "hallsweep_evaluation",
+            "hallsweep_sim",
+            "indicatif",
+            "rustls",
+            "serde",
+            "serde_json",
+            "thiserror",
+        ],
     },
     Rule { module: "main", modules: &["cli"], crates: &["clap"] },
 ];

@@ -1,4 +1,4 @@
-//! Random halls by family: what a strategy is tuned and measured on.
+//! Random halls by family: what strategies are tuned and measured on.
 
 use hallsweep_core::rng::RandomStream;
 use hallsweep_sim::Hall;
@@ -20,129 +20,148 @@ pub enum Family {
     Maze,
 }
 
-/// A hall of this family: rows of `.`, `#`, `T` and one `S`.
-pub fn rows(family: Family, columns: usize, lines: usize, dice: &mut RandomStream) -> Vec<String> {
-    let mut drawn = vec![vec!['.'; columns]; lines];
-    match family {
-        Family::Luggage(share) => strew(&mut drawn, share, dice),
-        Family::Walls => line_walls(&mut drawn, dice),
-        Family::Islands => {
-            strew(&mut drawn, 0.1, dice);
-            enclose(&mut drawn, dice);
-        }
-        Family::Pockets => {
-            for _ in 0..columns * lines / 40 {
-                let (x, y) = (place(columns, dice), place(lines, dice));
-                let ways = [(0, 1), (1, 0), (0, -1), (-1, 0)];
-                let open = dice.below(4) as usize;
-                for (n, (dx, dy)) in ways.into_iter().enumerate() {
-                    if n != open {
-                        put(&mut drawn, x as i64 + dx, y as i64 + dy, 'T');
-                    }
-                }
-            }
-        }
-        Family::Corridors => {
-            let (bx, by) = (2 + dice.below(4) as usize, 2 + dice.below(4) as usize);
-            let gap = 1 + dice.below(3) as usize;
-            for (y, row) in drawn.iter_mut().enumerate() {
-                for (x, square) in row.iter_mut().enumerate() {
-                    if x % (bx + gap) >= gap && y % (by + gap) >= gap {
-                        *square = '#';
-                    }
-                }
-            }
-            strew(&mut drawn, 0.03, dice);
-        }
-        Family::Maze => maze(&mut drawn, dice),
-    }
-    drawn[0][0] = 'S';
-    drawn.into_iter().map(|row| row.into_iter().collect()).collect()
+impl Family {
+    /// Each of them, luggage in the three densities that are measured.
+    pub const ALL: [Family; 9] = [
+        Family::Luggage(0.0),
+        Family::Luggage(0.05),
+        Family::Luggage(0.1),
+        Family::Luggage(0.2),
+        Family::Walls,
+        Family::Islands,
+        Family::Pockets,
+        Family::Corridors,
+        Family::Maze,
+    ];
 }
 
-/// The same as a hall.
+/// A hall of this family, home in its north-west corner.
+#[must_use]
 pub fn hall(family: Family, columns: usize, lines: usize, dice: &mut RandomStream) -> Hall {
-    let rows = rows(family, columns, lines, dice);
-    Hall::from_rows("random", &rows.iter().map(String::as_str).collect::<Vec<_>>()).expect("a drawn hall is sound")
-}
-
-fn place(most: usize, dice: &mut RandomStream) -> usize {
-    usize::try_from(dice.below(most as u64)).unwrap_or(0)
-}
-
-fn put(drawn: &mut [Vec<char>], x: i64, y: i64, mark: char) {
-    let square = usize::try_from(y).ok().and_then(|y| drawn.get_mut(y)).zip(usize::try_from(x).ok());
-    if let Some(square) = square.and_then(|(row, x)| row.get_mut(x)) {
-        *square = mark;
+    let mut drawing = Drawing { columns, lines, squares: vec!['.'; columns * lines] };
+    match family {
+        Family::Luggage(share) => drawing.strew(share, dice),
+        Family::Walls => drawing.line_walls(dice),
+        Family::Islands => {
+            drawing.strew(0.1, dice);
+            drawing.enclose(dice);
+        }
+        Family::Pockets => drawing.fold(dice),
+        Family::Corridors => {
+            drawing.block(dice);
+            drawing.strew(0.03, dice);
+        }
+        Family::Maze => drawing.carve(dice),
     }
+    drawing.squares[0] = 'S';
+    let rows: Vec<String> = drawing.squares.chunks(columns).map(|row| row.iter().collect()).collect();
+    Hall::from_rows("random", &rows.iter().map(String::as_str).collect::<Vec<_>>())
+        .expect("a hall is drawn by the rules of drawings")
 }
 
-fn strew(drawn: &mut [Vec<char>], share: f64, dice: &mut RandomStream) {
-    for square in drawn.iter_mut().flatten() {
-        if dice.happens(share) && *square == '.' {
-            *square = 'T';
+/// A hall as it is drawn: `.` free, `#` wall, `T` luggage.
+struct Drawing {
+    columns: usize,
+    lines: usize,
+    squares: Vec<char>,
+}
+
+impl Drawing {
+    fn places(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let columns = self.columns;
+        (0..self.lines).flat_map(move |y| (0..columns).map(move |x| (x, y)))
+    }
+
+    fn at(&mut self, (x, y): (usize, usize)) -> &mut char {
+        &mut self.squares[y * self.columns + x]
+    }
+
+    /// A place so far from another, where it is inside.
+    fn beside(&self, (x, y): (usize, usize), (dx, dy): (isize, isize)) -> Option<(usize, usize)> {
+        let (x, y) = (x.checked_add_signed(dx)?, y.checked_add_signed(dy)?);
+        (x < self.columns && y < self.lines).then_some((x, y))
+    }
+
+    fn strew(&mut self, share: f64, dice: &mut RandomStream) {
+        for square in &mut self.squares {
+            if dice.happens(share) && *square == '.' {
+                *square = 'T';
+            }
         }
     }
-}
 
-fn line_walls(drawn: &mut [Vec<char>], dice: &mut RandomStream) {
-    let (lines, columns) = (drawn.len(), drawn[0].len());
-    for y in 0..lines {
-        for x in 0..columns {
-            let away = x.min(y).min(columns - 1 - x).min(lines - 1 - y);
-            let corner = x.min(columns - 1 - x) < 4 && y.min(lines - 1 - y) < 4;
-            let chance = if corner {
-                0.4
-            } else if away == 0 {
-                0.3
-            } else {
-                0.0
+    fn line_walls(&mut self, dice: &mut RandomStream) {
+        for (x, y) in self.places() {
+            let (across, down) = (x.min(self.columns - 1 - x), y.min(self.lines - 1 - y));
+            let share = match (across.max(down), across.min(down)) {
+                (0..4, _) => 0.4,
+                (_, 0) => 0.3,
+                _ => 0.0,
             };
-            if dice.happens(chance) {
-                drawn[y][x] = 'T';
+            if dice.happens(share) {
+                *self.at((x, y)) = 'T';
             }
+        }
+    }
+
+    fn enclose(&mut self, dice: &mut RandomStream) {
+        for _ in 0..self.squares.len() / 150 {
+            let (w, h) = (3 + below(4, dice), 3 + below(4, dice));
+            if self.columns < w + 4 || self.lines < h + 4 {
+                continue;
+            }
+            let (x, y) = (2 + below(self.columns - w - 3, dice), 2 + below(self.lines - h - 3, dice));
+            for (dx, dy) in (0..h).flat_map(|dy| (0..w).map(move |dx| (dx, dy))) {
+                let is_edge = dx == 0 || dy == 0 || dx == w - 1 || dy == h - 1;
+                *self.at((x + dx, y + dy)) = if is_edge { 'T' } else { '.' };
+            }
+        }
+    }
+
+    fn fold(&mut self, dice: &mut RandomStream) {
+        for _ in 0..self.squares.len() / 40 {
+            let middle = (below(self.columns, dice), below(self.lines, dice));
+            let open = below(4, dice);
+            for (_, away) in [(0, 1), (1, 0), (0, -1), (-1, 0)].into_iter().enumerate().filter(|(n, _)| *n != open) {
+                if let Some(place) = self.beside(middle, away) {
+                    *self.at(place) = 'T';
+                }
+            }
+        }
+    }
+
+    fn block(&mut self, dice: &mut RandomStream) {
+        let (across, down, gap) = (2 + below(4, dice), 2 + below(4, dice), 1 + below(3, dice));
+        for (x, y) in self.places() {
+            if x % (across + gap) >= gap && y % (down + gap) >= gap {
+                *self.at((x, y)) = '#';
+            }
+        }
+    }
+
+    /// Depth first through rooms that lie two apart.
+    fn carve(&mut self, dice: &mut RandomStream) {
+        self.squares.fill('#');
+        *self.at((0, 0)) = '.';
+        let mut way = vec![(0, 0)];
+        while let Some(here) = way.last().copied() {
+            let ways = [(2, 0), (-2, 0), (0, 2), (0, -2)];
+            let is_closed =
+                |away: &(isize, isize)| self.beside(here, *away).is_some_and(|(x, y)| self.squares[y * self.columns + x] == '#');
+            let closed: Vec<(isize, isize)> = ways.into_iter().filter(is_closed).collect();
+            let Some((dx, dy)) = closed.get(below(closed.len(), dice)).copied() else {
+                way.pop();
+                continue;
+            };
+            for away in [(dx / 2, dy / 2), (dx, dy)] {
+                let place = self.beside(here, away).expect("a closed room is inside, and so is what lies before it");
+                *self.at(place) = '.';
+            }
+            way.push(self.beside(here, (dx, dy)).expect("a closed room is inside"));
         }
     }
 }
 
-fn enclose(drawn: &mut [Vec<char>], dice: &mut RandomStream) {
-    let (lines, columns) = (drawn.len(), drawn[0].len());
-    for _ in 0..columns * lines / 150 {
-        let (w, h) = (3 + place(4, dice), 3 + place(4, dice));
-        if columns < w + 4 || lines < h + 4 {
-            continue;
-        }
-        let (x, y) = (2 + place(columns - w - 3, dice), 2 + place(lines - h - 3, dice));
-        for dy in 0..h {
-            for dx in 0..w {
-                let edge = dx == 0 || dy == 0 || dx == w - 1 || dy == h - 1;
-                drawn[y + dy][x + dx] = if edge { 'T' } else { '.' };
-            }
-        }
-    }
-}
-
-/// Depth first through a lattice of rooms.
-fn maze(drawn: &mut [Vec<char>], dice: &mut RandomStream) {
-    let (lines, columns) = (drawn.len(), drawn[0].len());
-    drawn.iter_mut().flatten().for_each(|square| *square = '#');
-    drawn[0][0] = '.';
-    let mut way = vec![(0usize, 0usize)];
-    while let Some((x, y)) = way.last().copied() {
-        let open: Vec<(i64, i64)> = [(2, 0), (-2, 0), (0, 2), (0, -2)]
-            .into_iter()
-            .filter(|(dx, dy)| {
-                let (x, y) = (x as i64 + dx, y as i64 + dy);
-                (0..columns as i64).contains(&x) && (0..lines as i64).contains(&y) && drawn[y as usize][x as usize] == '#'
-            })
-            .collect();
-        if open.is_empty() {
-            way.pop();
-            continue;
-        }
-        let (dx, dy) = open[place(open.len(), dice)];
-        put(drawn, x as i64 + dx / 2, y as i64 + dy / 2, '.');
-        put(drawn, x as i64 + dx, y as i64 + dy, '.');
-        way.push(((x as i64 + dx) as usize, (y as i64 + dy) as usize));
-    }
+fn below(bound: usize, dice: &mut RandomStream) -> usize {
+    usize::try_from(dice.below(bound as u64)).expect("it is below a number of this type")
 }

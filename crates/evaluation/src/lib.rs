@@ -1,6 +1,15 @@
-//! Strategies of search compared over many halls, and tuned: random halls by family, bare walks without a mission round them, figures
-//! with their intervals. Nothing here is needed to run a mission.
+//! Strategies of search, measured and tuned: random halls by family, bare walks through them without a mission round them, and the
+//! finding of weights. Nothing here is needed to run a mission, and no file is written.
+//!
+//! ```text
+//!   family ─► hall ─► ground ─┬─► walk: strategy and floor, move by move, as a mission makes them
+//!                             └─► tune: cross-entropy ─► counterfactuals ─► weights
+//! ```
 
 pub mod family;
+mod ground;
+mod parallel;
 pub mod tune;
 pub mod walk;
+
+pub use ground::Ground;

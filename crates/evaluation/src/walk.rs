@@ -1,321 +1,281 @@
-//! A search without a mission round it: strategy, grid and the truth of a hall, move by move. It is what `explore` does, less
-//! everything that takes no moves.
+//! A search without a mission round it: strategy, what is known, and the truth, move by move. It makes the moves that a mission makes
+//! whose operator finds everything safe, in a hundredth of the time.
 
 use hallsweep_core::command::Move;
 use hallsweep_core::search::costs::Costs;
 use hallsweep_core::search::grid::{Grid, Square};
 use hallsweep_core::search::outlook::Gait;
-use hallsweep_core::search::scored::{Candidate, choose};
 use hallsweep_core::search::ways::Ways;
-use hallsweep_core::search::weights::Weights;
 use hallsweep_core::search::{NextGoal, Objective, Search, Sensing, View};
 use hallsweep_core::units::{Cell, Heading, Pose};
-use hallsweep_core::world::hall_map::Bounds;
-use hallsweep_sim::{Hall, Truth};
+use hallsweep_sim::Truth;
+use hallsweep_sim::headless::Moves;
 
-/// What a cell really is, laid out for speed.
-#[derive(Clone, Debug)]
-pub struct Ground {
-    bounds: Bounds,
-    width: i32,
-    /// 0 free, 1 wall, 2 luggage; a rim of walls round it.
-    squares: Vec<u8>,
-    /// Cells that can be reached, home included.
-    pub reachable: usize,
-    /// Luggage that can be touched.
-    pub touchable: usize,
-    /// For each cell whether it can be reached, or touched.
-    within: Vec<u8>,
+use crate::Ground;
+
+/// What moves cost, in steps.
+#[must_use]
+#[expect(clippy::cast_precision_loss, reason = "no search makes 2^53 moves")]
+pub fn cost(moves: Moves, costs: Costs) -> f64 {
+    let units = |moves: u64, each: u32| moves as f64 * f64::from(each);
+    let sum = units(moves.steps, costs.step) + units(moves.turns, costs.turn) + units(moves.bumps, costs.bump);
+    sum / f64::from(costs.step)
 }
 
-impl Ground {
-    /// The ground of a hall.
-    pub fn of(hall: &Hall) -> Ground {
-        let bounds = hall.bounds().grown(1);
-        let width = bounds.width();
-        let mut squares = Vec::new();
-        for y in bounds.least.y..=bounds.most.y {
-            for x in bounds.least.x..=bounds.most.x {
-                squares.push(match hall.truth(Cell::new(x, y)) {
-                    Truth::Free => 0,
-                    Truth::Wall => 1,
-                    Truth::Luggage(_) => 2,
-                });
-            }
-        }
-        let mut ground = Ground { bounds, width, within: vec![0; squares.len()], squares, reachable: 0, touchable: 0 };
-        ground.flood();
-        ground
-    }
-
-    fn flood(&mut self) {
-        let mut border = vec![Cell::HOME];
-        let home = self.place(Cell::HOME);
-        self.within[home] = 1;
-        while let Some(cell) = border.pop() {
-            self.reachable += 1;
-            for next in cell.neighbours() {
-                let place = self.place(next);
-                if self.within[place] != 0 {
-                    continue;
-                }
-                match self.squares[place] {
-                    0 => {
-                        self.within[place] = 1;
-                        border.push(next);
-                    }
-                    2 => {
-                        self.within[place] = 2;
-                        self.touchable += 1;
-                    }
-                    _ => {}
-                }
-            }
-        }
-    }
-
-    /// How many cells it is laid out with.
-    pub fn size(&self) -> usize {
-        self.squares.len()
-    }
-
-    /// The number of a cell.
-    pub fn place(&self, cell: Cell) -> usize {
-        ((cell.y - self.bounds.least.y) * self.width + cell.x - self.bounds.least.x) as usize
-    }
-
-    /// 0 free, 1 wall, 2 luggage.
-    pub fn at(&self, cell: Cell) -> u8 {
-        if self.bounds.contains(cell) { self.squares[self.place(cell)] } else { 1 }
-    }
-
-    /// All cells that can be reached or touched.
-    pub fn cells(&self) -> Vec<Cell> {
-        let bounds = self.bounds;
-        (bounds.least.y..=bounds.most.y)
-            .flat_map(|y| (bounds.least.x..=bounds.most.x).map(move |x| Cell::new(x, y)))
-            .filter(|cell| self.within(*cell) != 0)
-            .collect()
-    }
-
-    /// 1 reachable, 2 luggage that can be touched.
-    pub fn within(&self, cell: Cell) -> u8 {
-        if self.bounds.contains(cell) { self.within[self.place(cell)] } else { 0 }
-    }
+/// What a walk is asked to do, and how it senses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Terms {
+    /// What it is to be good at.
+    pub objective: Objective,
+    /// The cells that its sonar sees ahead; 0: it bumps into what is there.
+    pub sonar_cells: u8,
+    /// What moves cost it.
+    pub costs: Costs,
 }
 
 /// How far a walk has come.
 #[derive(Clone, Debug)]
 pub struct Walk {
+    terms: Terms,
     /// What is known.
     pub grid: Grid,
     /// Where the robot stands.
     pub pose: Pose,
-    /// How it came there.
-    pub gait: Gait,
-    /// Cells driven, quarter turns, bumps.
-    pub moves: [u64; 3],
+    gait: Gait,
+    /// What it has done.
+    pub moves: Moves,
     /// Cells visited.
     pub visited: usize,
-    /// Pieces touched.
-    pub touched: usize,
-    /// The sum over the pieces touched of the moves before.
-    pub touch_sum: u64,
-    /// The sum over cells entered or touched of the moves before.
-    pub enter_sum: u64,
-    /// The cells seen ahead; 0: bump only.
-    pub sonar: u8,
-    /// A hash of what is known.
-    pub hash: u64,
-}
-
-fn mix(cell: Cell, salt: u64) -> u64 {
-    let mut x = (cell.x as u32 as u64) << 32 | cell.y as u32 as u64;
-    x = x.wrapping_add(salt).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    x ^= x >> 29;
-    x = x.wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    x ^ x >> 32
+    /// Cells of luggage found.
+    pub found: usize,
+    /// For all luggage found, the moves before it, added up.
+    pub found_after: u64,
+    /// The same for all luggage and all cells visited: when a piece would have been found that stood there.
+    pub known_after: u64,
+    /// A number for what is known.
+    known: u64,
 }
 
 impl Walk {
     /// A robot at home.
-    pub fn new(ground: &Ground, sonar: u8) -> Walk {
-        let mut grid = Grid::with_room_for(ground.bounds);
+    #[must_use]
+    pub fn new(ground: &Ground, terms: Terms) -> Walk {
+        let mut grid = Grid::with_room_for(ground.bounds());
         grid.set(Cell::HOME, Square::Visited);
-        let mut walk = Walk {
-            grid,
-            pose: Pose::START,
-            gait: Gait::default(),
-            moves: [0; 3],
-            visited: 1,
-            touched: 0,
-            touch_sum: 0,
-            enter_sum: 0,
-            sonar,
-            hash: 0,
-        };
-        walk.look(ground);
-        walk
+        let (pose, gait, moves) = (Pose::START, Gait::default(), Moves::default());
+        Walk { terms, grid, pose, gait, moves, visited: 1, found: 0, found_after: 0, known_after: 0, known: 0 }
     }
 
-    /// All moves, one unit each.
-    pub fn total(&self) -> u64 {
-        self.moves.iter().sum()
+    /// What a strategy sees.
+    #[must_use]
+    pub fn view(&self) -> View<'_> {
+        let Terms { objective, sonar_cells, costs } = self.terms;
+        let sensing = if sonar_cells > 0 { Sensing::Sonar } else { Sensing::Bump };
+        View { grid: &self.grid, pose: self.pose, gait: self.gait, costs, objective, sensing }
     }
 
-    /// A number for what is known and where the robot stands.
+    /// Two walks through the same hall with the same number go on alike, but for their gait.
+    #[must_use]
     pub fn state(&self) -> u64 {
-        self.hash ^ mix(self.pose.cell, 77 + self.pose.heading as u64)
+        self.known ^ mixed(self.pose.cell, 64 + self.pose.heading as u64)
+    }
+
+    /// What the moves cost so far, in steps.
+    #[must_use]
+    pub fn cost(&self) -> f64 {
+        cost(self.moves, self.terms.costs)
+    }
+
+    /// The whole search from here until nothing is left and the robot is home.
+    pub fn finish(&mut self, ground: &Ground, ways: &mut Ways, mut search: Search) {
+        loop {
+            match search.next(&self.view(), ways) {
+                NextGoal::Visit(cell, route) if route.is_empty() => self.dare(ground, ways, cell),
+                NextGoal::Visit(cell, route) => self.enter(ground, cell, &route),
+                NextGoal::GoHome => self.go_home(ground, ways),
+                NextGoal::Finished => return self.go_home(ground, ways),
+            }
+        }
+    }
+
+    /// Makes the moves that lead into an open cell, until something is in the way, or is seen to be, or the cell is known.
+    pub fn enter(&mut self, ground: &Ground, cell: Cell, route: &[Move]) {
+        for step in route {
+            let is_shut = *step == Move::Forward && self.grid.at(self.pose.ahead()) == Square::Obstacle;
+            if is_shut || self.grid.at(cell) == Square::Obstacle || !self.make(ground, *step) {
+                return;
+            }
+        }
+    }
+
+    /// Goes home over visited cells.
+    pub fn go_home(&mut self, ground: &Ground, ways: &mut Ways) {
+        let way = ways.way_over_visited(&self.grid, self.terms.costs, self.pose, Cell::HOME);
+        for step in way.expect("the robot came from home, and nothing has moved since") {
+            self.make(ground, step);
+        }
+    }
+
+    /// Towards a cell as if everything unknown were free, until it is known what it is or it cannot be reached.
+    fn dare(&mut self, ground: &Ground, ways: &mut Ways, cell: Cell) {
+        while !matches!(self.grid.at(cell), Square::Visited | Square::Obstacle) {
+            let way = ways.way_over_unknown(&self.grid, self.terms.costs, self.pose, cell);
+            let Some(way) = way.filter(|way| !way.is_empty()) else { return };
+            self.enter(ground, cell, &way);
+        }
     }
 
     /// Makes one move; false when it met an obstacle.
-    pub fn make(&mut self, ground: &Ground, step: Move) -> bool {
-        self.gait = self.gait.after(step);
+    fn make(&mut self, ground: &Ground, step: Move) -> bool {
         match step {
-            Move::TurnLeft => self.turn(self.pose.heading.left(), ground),
-            Move::TurnRight => self.turn(self.pose.heading.right(), ground),
-            _ => {
+            Move::TurnLeft => self.turn(self.pose.heading.left()),
+            Move::TurnRight => self.turn(self.pose.heading.right()),
+            Move::Forward | Move::Backward | Move::NudgeLeft | Move::NudgeRight => {
                 let ahead = self.pose.ahead();
-                if ground.at(ahead) != 0 {
-                    self.moves[2] += 1;
-                    self.meet(ground, ahead, self.pose.heading);
+                if ground.at(ahead) != Truth::Free {
+                    self.moves.bumps += 1;
+                    self.meet(ground, ahead);
                     return false;
                 }
-                self.moves[0] += 1;
-                self.pose.cell = ahead;
-                if self.grid.at(ahead) != Square::Visited {
-                    self.grid.set(ahead, Square::Visited);
-                    self.hash ^= mix(ahead, 2);
-                    self.visited += 1;
-                    self.enter_sum += self.total();
-                }
-                self.look(ground);
+                self.step_into(ahead);
             }
         }
+        self.gait = self.gait.after(step);
+        self.look_ahead(ground);
         true
     }
 
-    fn turn(&mut self, heading: Heading, ground: &Ground) {
-        self.moves[1] += 1;
+    fn turn(&mut self, heading: Heading) {
+        self.moves.turns += 1;
         self.pose.heading = heading;
-        self.look(ground);
     }
 
-    fn block(&mut self, cell: Cell) {
-        if self.grid.at(cell) != Square::Obstacle {
-            self.grid.set(cell, Square::Obstacle);
-            self.hash ^= mix(cell, 3);
+    fn step_into(&mut self, cell: Cell) {
+        self.moves.steps += 1;
+        self.pose.cell = cell;
+        if self.grid.at(cell) != Square::Visited {
+            self.learn(cell, Square::Visited);
+            self.visited += 1;
+            self.known_after += self.moves.total();
         }
     }
 
-    fn meet(&mut self, ground: &Ground, cell: Cell, heading: Heading) {
+    fn learn(&mut self, cell: Cell, square: Square) {
+        self.grid.set(cell, square);
+        self.known ^= mixed(cell, square as u64);
+    }
+
+    /// What stands ahead is seen for what it is; of a wall the straight line it belongs to.
+    fn meet(&mut self, ground: &Ground, cell: Cell) {
         if self.grid.at(cell) == Square::Obstacle {
             return;
         }
-        self.block(cell);
-        if ground.at(cell) == 2 {
-            self.touched += 1;
-            self.touch_sum += self.total();
-            self.enter_sum += self.total();
+        self.learn(cell, Square::Obstacle);
+        if ground.at(cell) != Truth::Wall {
+            self.found += 1;
+            self.found_after += self.moves.total();
+            self.known_after += self.moves.total();
             return;
         }
-        for side in [heading.left(), heading.right()] {
-            let mut here = cell.ahead(heading.opposite());
-            loop {
-                here = here.ahead(side);
-                if ground.at(here) != 0 || ground.at(here.ahead(heading)) != 1 {
-                    break;
+        for side in [self.pose.heading.left(), self.pose.heading.right()] {
+            let mut before = self.pose.cell.ahead(side);
+            while ground.at(before) == Truth::Free && ground.at(before.ahead(self.pose.heading)) == Truth::Wall {
+                let wall = before.ahead(self.pose.heading);
+                if self.grid.at(wall) != Square::Obstacle {
+                    self.learn(wall, Square::Obstacle);
                 }
-                self.block(here.ahead(heading));
+                before = before.ahead(side);
             }
         }
     }
 
     /// The front sonar, where there is one.
-    fn look(&mut self, ground: &Ground) {
+    fn look_ahead(&mut self, ground: &Ground) {
         let mut cell = self.pose.cell;
-        for away in 0..self.sonar {
+        for away in 0..self.terms.sonar_cells {
             cell = cell.ahead(self.pose.heading);
-            if ground.at(cell) == 0 {
-                if self.grid.at(cell) == Square::Unknown {
-                    self.grid.set(cell, Square::Seen);
-                    self.hash ^= mix(cell, 5);
-                }
-            } else {
+            if ground.at(cell) != Truth::Free {
                 if away == 0 {
-                    self.meet(ground, cell, self.pose.heading);
+                    self.meet(ground, cell);
                 }
-                break;
-            }
-        }
-    }
-
-    /// What a strategy sees.
-    pub fn view(&self, costs: Costs, objective: Objective) -> View<'_> {
-        let sensing = if self.sonar > 0 { Sensing::Sonar } else { Sensing::Bump };
-        View { grid: &self.grid, pose: self.pose, gait: self.gait, costs, objective, sensing }
-    }
-
-    /// Chooses the next entry by these weights; `None` when nothing is left.
-    pub fn choose(
-        &self,
-        ways: &mut Ways,
-        costs: Costs,
-        weights: &Weights,
-        slack: i32,
-        seen: impl FnMut(Candidate),
-    ) -> Option<(Cell, Vec<Move>)> {
-        choose(&self.view(costs, Objective::Cover), ways, weights, slack, seen)
-    }
-
-    /// Goes a way into an unknown cell, as far as nothing is in the way. With sonar it ends as soon as the cell proves blocked.
-    pub fn enter(&mut self, ground: &Ground, (cell, route): &(Cell, Vec<Move>)) {
-        for step in route {
-            if self.grid.at(*cell) == Square::Obstacle || !self.make(ground, *step) {
                 return;
             }
-        }
-    }
-
-    /// Goes home.
-    pub fn go_home(&mut self, ground: &Ground, ways: &mut Ways, costs: Costs) {
-        for step in ways.way_over_visited(&self.grid, costs, self.pose, Cell::HOME).expect("the robot came from home") {
-            self.make(ground, step);
-        }
-    }
-
-    /// The whole search with these weights.
-    pub fn run(ground: &Ground, sonar: u8, ways: &mut Ways, costs: Costs, weights: &Weights) -> Walk {
-        let mut walk = Walk::new(ground, sonar);
-        while let Some(visit) = walk.choose(ways, costs, weights, 0, |_| ()) {
-            walk.enter(ground, &visit);
-        }
-        walk.go_home(ground, ways, costs);
-        walk
-    }
-
-    /// The whole search by this strategy.
-    pub fn search(ground: &Ground, sonar: u8, ways: &mut Ways, costs: Costs, objective: Objective, mut search: Search) -> Walk {
-        let mut walk = Walk::new(ground, sonar);
-        loop {
-            match search.next(&walk.view(costs, objective), ways) {
-                NextGoal::Visit(cell, route) if route.is_empty() => walk.dare(ground, ways, costs, cell),
-                NextGoal::Visit(cell, route) => walk.enter(ground, &(cell, route)),
-                NextGoal::GoHome => walk.go_home(ground, ways, costs),
-                NextGoal::Finished => break,
+            if self.grid.at(cell) == Square::Unknown {
+                self.learn(cell, Square::Seen);
             }
         }
-        walk.go_home(ground, ways, costs);
-        walk
+    }
+}
+
+/// A number for one thing that is known of a cell, so different from others that their exclusive or tells sets of them apart.
+fn mixed(cell: Cell, salt: u64) -> u64 {
+    let place = (u64::from(cell.x.cast_unsigned()) << 32) | u64::from(cell.y.cast_unsigned());
+    let mut x = place.wrapping_add(salt.wrapping_mul(0x2545_F491_4F6C_DD1D)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    x ^= x >> 29;
+    x = x.wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    x ^ (x >> 32)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::family::{Family, hall};
+    use hallsweep_core::rng::RandomStream;
+    use hallsweep_core::search::Strategy;
+    use hallsweep_core::settings::Settings;
+    use hallsweep_sim::headless::{Verdicts, explore};
+    use hallsweep_sim::{Camera, SimSettings};
+
+    const BUMP: Terms = Terms { objective: Objective::Cover, sonar_cells: 0, costs: Costs::EVEN };
+
+    #[test]
+    fn every_strategy_visits_all_that_can_be_reached_in_every_family_and_comes_home() {
+        let mut ways = Ways::default();
+        for (n, family) in (0..).zip(Family::ALL) {
+            for strategy in Strategy::ALL {
+                for sonar_cells in [0, 1, 3] {
+                    let ground = Ground::of(&hall(family, 17, 13, &mut RandomStream::new(n, "walk")));
+                    let mut walk = Walk::new(&ground, Terms { sonar_cells, ..BUMP });
+                    walk.finish(&ground, &mut ways, strategy.begin());
+                    let of = format!("{family:?} by {}, sonar {sonar_cells}", strategy.name());
+                    assert_eq!((walk.visited, walk.found), (ground.reachable, ground.touchable), "{of}");
+                    assert_eq!(walk.pose.cell, Cell::HOME, "{of}");
+                    // Before its first move a robot has not looked.
+                    assert!(if sonar_cells == 0 { walk.moves.bumps > 0 } else { walk.moves.bumps <= 1 }, "{of}");
+                }
+            }
+        }
     }
 
-    /// To a cell as if everything unknown were free; until it is visited, blocked or out of reach.
-    fn dare(&mut self, ground: &Ground, ways: &mut Ways, costs: Costs, cell: Cell) {
-        while !matches!(self.grid.at(cell), Square::Visited | Square::Obstacle) {
-            let Some(route) = ways.way_over_unknown(&self.grid, costs, self.pose, cell).filter(|route| !route.is_empty()) else {
-                return;
-            };
-            self.enter(ground, &(cell, route));
+    /// A walk is what a mission does, move by move, whose operator finds everything safe.
+    #[test]
+    fn a_walk_makes_the_moves_of_a_mission() {
+        let mut ways = Ways::default();
+        for (n, family) in (0..).zip(Family::ALL) {
+            for strategy in Strategy::ALL {
+                for (sonar_cells, sensing) in [(0, Sensing::Bump), (1, Sensing::Sonar), (3, Sensing::Sonar)] {
+                    let hall = Arc::new(hall(family, 14, 11, &mut RandomStream::new(n, "mission")));
+                    let objective = Objective::ALL[usize::try_from(n % 2).unwrap()];
+                    let costs = Costs::weighed(1.0, 1.5, 1.0).unwrap();
+                    let mut walk = Walk::new(&Ground::of(&hall), Terms { objective, sonar_cells, costs });
+                    walk.finish(&Ground::of(&hall), &mut ways, strategy.begin());
+                    let sim = SimSettings { sonar_cells, ..SimSettings::new(n, Camera::Stub) };
+                    let settings = Settings { objective, sensing, costs: Some(costs), ..Settings::default() };
+                    let mission = explore(&hall, sim, settings, strategy, Verdicts::AllSafe, |_| {});
+                    let of = format!("{family:?} by {}, sonar {sonar_cells}", strategy.name());
+                    assert_eq!(walk.moves, mission.moves, "{of}");
+                    assert!(mission.complete && mission.home, "{of}");
+                }
+            }
         }
+    }
+
+    #[test]
+    fn costs_weigh_moves_against_a_step() {
+        let moves = Moves { steps: 10, turns: 4, bumps: 2 };
+        assert_eq!(cost(moves, Costs::EVEN), 16.0);
+        assert_eq!(cost(moves, Costs::weighed(2.0, 3.0, 1.0).unwrap()), 10.0 + 6.0 + 1.0);
     }
 }

@@ -219,7 +219,9 @@ impl Engine {
         let cell = self.state.pose.ahead();
         let Some(obstacle) = obstacle.filter(|_| free == 0 && self.state.map.at(cell).is_unvisited()) else { return };
         let obstacle = if self.settings.inspect_everything { Obstacle::Unknown } else { obstacle };
-        self.mission.route.clear();
+        if self.mission.route.front() == Some(&Move::Forward) {
+            self.mission.route.clear();
+        }
         self.meet(cell, heading, obstacle);
         self.feed(Input::Blocked, &InputContext { cell: Some(cell), obstacle: Some(obstacle), ..InputContext::default() });
     }

@@ -32,8 +32,17 @@ impl Costs {
     #[must_use]
     pub fn weighed(step: f64, turn: f64, bump: f64) -> Option<Costs> {
         let in_steps = [turn / step, bump / step];
-        let are_sound = step > 0.0 && in_steps.iter().all(|steps| (0.0..=f64::from(MOST / STEP)).contains(steps));
+        let are_sound =
+            step > 0.0 && step.is_finite() && in_steps.iter().all(|steps| (0.0..=f64::from(MOST / STEP)).contains(steps));
         are_sound.then(|| Costs { step: STEP, turn: units(in_steps[0]), bump: units(in_steps[1]) })
+    }
+
+    /// What is written as `STEP,TURN,BUMP`, as `1,1.5,1`; `None` where it is not three numbers that can be weighed.
+    #[must_use]
+    pub fn read(written: &str) -> Option<Costs> {
+        let numbers: Option<Vec<f64>> = written.split(',').map(|number| number.trim().parse().ok()).collect();
+        let [step, turn, bump] = numbers?.try_into().ok()?;
+        Costs::weighed(step, turn, bump)
     }
 
     /// One unit for each.
@@ -55,4 +64,19 @@ impl Costs {
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is clamped to small positive numbers")]
 fn units(steps: f64) -> u32 {
     (steps * f64::from(STEP)).round().clamp(0.0, f64::from(MOST)) as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn costs_are_weighed_to_a_quarter_of_a_step() {
+        assert_eq!(Costs::of(Duration::from_millis(330), Duration::from_millis(500)), Costs { step: 4, turn: 6, bump: 4 });
+        assert_eq!(Costs::read("1,1.5,2"), Some(Costs { step: 4, turn: 6, bump: 8 }));
+        assert_eq!(Costs::read("2, 0, 0"), Some(Costs { step: 4, turn: 0, bump: 0 }));
+        for unusable in ["", "1", "1,1", "1,1,1,1", "0,1,1", "-1,1,1", "1,26,1", "1,-1,1", "1,NaN,1", "inf,1,1", "a,b,c"] {
+            assert_eq!(Costs::read(unusable), None, "{unusable}");
+        }
+    }
 }

@@ -1,0 +1,126 @@
+//! Finds the weights of the score: the linear part by cross-entropy, the tables by regression on counterfactuals. The same task and
+//! seed find the same weights, however many processors work on it.
+//!
+//! ```text
+//!   cross_entropy    candidates round a mean ─► each over the same fresh halls ─► mean and spread of the best ─► again
+//!   counterfactual   at random decisions another entry is forced, and the policy followed on for a while; what is left of the hall
+//!                    then is judged by somebody who knows it (rest). Ridge regression of the difference of costs, less that of the
+//!                    scores, on the differences of the outlooks ─► a better policy ─► again
+//! ```
+
+mod counterfactual;
+mod cross_entropy;
+mod rest;
+mod ridge;
+
+pub use self::counterfactual::{Lessons, Round};
+pub use self::cross_entropy::cross_entropy;
+
+use hallsweep_core::rng::RandomStream;
+use hallsweep_core::search::Objective;
+use hallsweep_core::search::scored::choose;
+use hallsweep_core::search::ways::Ways;
+use hallsweep_core::search::weights::Weights;
+
+use crate::Ground;
+use crate::family::{Family, hall};
+use crate::walk::{Terms, Walk};
+
+/// What is tuned for, and on which halls.
+#[derive(Clone, Copy, Debug)]
+pub struct Task {
+    /// The goal, the sensing and the costs.
+    pub terms: Terms,
+    /// The sides of the halls, the least and the most.
+    pub sides: (usize, usize),
+    /// The families, one as often as the other.
+    pub families: &'static [Family],
+    /// Where all chance comes from.
+    pub seed: u64,
+}
+
+impl Task {
+    /// Halls of 20 to 30 cells a side with a tenth luggage.
+    #[must_use]
+    pub const fn usual(terms: Terms, seed: u64) -> Task {
+        Task { terms, sides: (20, 30), families: &[Family::Luggage(0.1)], seed }
+    }
+
+    /// Weights to begin with: none for luggage soon, and for few moves the pocket rule.
+    #[must_use]
+    pub fn first_weights(&self) -> Weights {
+        let mut weights = Weights { least: -3000, ..Weights::nothing() };
+        if self.terms.objective == Objective::Cover {
+            weights.linear[..3].copy_from_slice(&[2500, 2500, 5000]);
+        }
+        weights
+    }
+
+    /// A hall of which most can be reached.
+    fn ground(&self, purpose: &str, number: u64) -> Ground {
+        let mut dice = RandomStream::new(self.seed.wrapping_mul(1_000_003).wrapping_add(number), purpose);
+        let (least, most) = self.sides;
+        loop {
+            let family = self.families[below(self.families.len(), &mut dice)];
+            let mut side = || least + below(most - least + 1, &mut dice);
+            let (columns, lines) = (side(), side());
+            let ground = Ground::of(&hall(family, columns, lines, &mut dice));
+            if ground.reachable * 3 > columns * lines {
+                return ground;
+            }
+        }
+    }
+
+    /// What a whole search by these weights comes to, a cell: moves, or the moves before a piece is found anywhere.
+    #[must_use]
+    #[expect(clippy::cast_precision_loss, reason = "a hall has fewer cells than 2^53")]
+    pub fn price(&self, ground: &Ground, weights: &Weights, ways: &mut Ways) -> f64 {
+        let mut walk = Walk::new(ground, self.terms);
+        while let Some((cell, route)) = choose(&walk.view(), ways, weights, 0, |_| ()) {
+            walk.enter(ground, cell, &route);
+        }
+        walk.go_home(ground, ways);
+        let cells = ground.reachable as f64;
+        match self.terms.objective {
+            Objective::Cover => walk.cost() / cells,
+            Objective::Find => walk.known_after as f64 / (ground.reachable + ground.touchable) as f64 / cells,
+        }
+    }
+}
+
+fn below(bound: usize, dice: &mut RandomStream) -> usize {
+    usize::try_from(dice.below(bound as u64)).expect("it is below a number of this type")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hallsweep_core::search::costs::Costs;
+
+    fn task(objective: Objective) -> Task {
+        let terms = Terms { objective, sonar_cells: 0, costs: Costs::EVEN };
+        Task { sides: (10, 14), ..Task::usual(terms, 3) }
+    }
+
+    /// A short tuning, on halls as small as can be: better than before on halls that it has not seen, and the same every time.
+    #[test]
+    fn tuning_finds_better_weights_and_the_same_ones_again() {
+        for objective in Objective::ALL {
+            let task = task(objective);
+            let tuned = || {
+                let linear = cross_entropy(&task, &task.first_weights(), 4, |_, _| ());
+                let mut lessons = Lessons::new(&task, &linear, 30);
+                let round = Round { number: 0, halls: 60, horizon: 100.0, tried: 0.3, ridge: 3000.0, taken: 0.9 };
+                lessons.learn(&linear, &round).weights
+            };
+            let weights = tuned();
+            let price = |weights: &Weights| {
+                let grounds = (0..40).map(|n| task.ground("test", n));
+                grounds.map(|ground| task.price(&ground, weights, &mut Ways::default())).sum::<f64>() / 40.0
+            };
+            let (before, after) = (price(&task.first_weights()), price(&weights));
+            assert!(after < before, "{}: {after} after tuning, {before} before", objective.name());
+            assert_eq!(tuned(), weights);
+        }
+    }
+}

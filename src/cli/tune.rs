@@ -1,0 +1,131 @@
+//! `hallsweep tune`: finds weights for the score of unknown cells, and writes them to a file.
+//! How they are found stands in `hallsweep_evaluation::tune`; here it is asked for, and its progress shown.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::Failure;
+use hallsweep_core::search::Objective;
+use hallsweep_core::search::costs::Costs;
+use hallsweep_core::search::weights::Weights;
+use hallsweep_evaluation::tune::{Lessons, Round, Task, cross_entropy};
+use hallsweep_evaluation::walk::Terms;
+
+/// The flags of `tune`.
+#[derive(Args, Clone, Debug)]
+#[command(
+    after_help = "The same flags find the same weights. The weights that come with the program were found so; docs/search.md says by which flags."
+)]
+pub struct Tune {
+    /// What the search is to be good at: find, cover.
+    #[arg(long, value_name = "NAME", default_value = "cover", value_parser = objective)]
+    goal: Objective,
+    /// How many cells the sonar sees ahead, 1 to 7; 0: the robot bumps into what is there.
+    #[arg(long, value_name = "CELLS", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=7))]
+    sonar: u8,
+    /// What a step, a turn and a bump cost.
+    #[arg(long, value_name = "STEP,TURN,BUMP", default_value = "1,1,1", value_parser = costs)]
+    costs: Costs,
+    /// Where all chance comes from.
+    #[arg(long, value_name = "NUMBER", default_value_t = 1)]
+    seed: u64,
+    /// Generations of cross-entropy over the linear part.
+    #[arg(long, value_name = "NUMBER", default_value_t = 30)]
+    generations: u64,
+    /// Rounds of counterfactuals for the tables.
+    #[arg(long, value_name = "NUMBER", default_value_t = 4)]
+    rounds: u64,
+    /// Halls a round.
+    #[arg(long, value_name = "NUMBER", default_value_t = 6000)]
+    halls: usize,
+    /// Steps that a counterfactual is followed.
+    #[arg(long, value_name = "STEPS", default_value_t = 100.0)]
+    horizon: f64,
+    /// Begin with the weights in this file, and leave cross-entropy out.
+    #[arg(long, value_name = "FILE")]
+    from: Option<PathBuf>,
+    /// Where the weights are written.
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+}
+
+/// How stiff the regression is, and the share of decisions that are tried otherwise: what did best of what was tried.
+const RIDGE: f64 = 1500.0;
+const TRIED: f64 = 0.4;
+
+/// Rows that count for less than this, in thousandths of a step, are not written.
+const SMALLEST: i16 = 20;
+
+/// Tunes, and writes what it came to.
+pub fn run(flags: &Tune) -> Result<(), Failure> {
+    let terms = Terms { objective: flags.goal, sonar_cells: flags.sonar, costs: flags.costs };
+    let task = Task::usual(terms, flags.seed);
+    let bar = progress_bar(flags.generations + flags.rounds);
+    let mut origin = flags.origin();
+    let mut weights = match &flags.from {
+        Some(path) => read(path)?,
+        None => cross_entropy(&task, &task.first_weights(), flags.generations, |generation, price| {
+            bar.inc(1);
+            bar.set_message(format!("generation {generation}: {price:.4} a cell"));
+        }),
+    };
+    let mut lessons = Lessons::new(&task, &weights, flags.halls);
+    for number in 0..flags.rounds {
+        // The first fit is far from what it starts with; later ones only mend it.
+        let taken = if number == 0 { 0.9 } else { 0.7 };
+        let round = Round { number, halls: flags.halls, horizon: flags.horizon, tried: TRIED, ridge: RIDGE, taken };
+        let learnt = lessons.learn(&weights, &round);
+        weights = learnt.weights;
+        let (before, after) = learnt.missed;
+        let _ = write!(origin, "\nround {number}: {} counterfactuals; missed by {before:.2}, then {after:.2}", learnt.tried);
+        bar.inc(1);
+        bar.set_message(format!("round {number}: {} counterfactuals", learnt.tried));
+    }
+    bar.finish_and_clear();
+    std::fs::write(&flags.out, weights.write(&origin, SMALLEST))
+        .map_err(|error| Failure::Run(format!("the weights {} cannot be written: {error}", flags.out.display())))?;
+    super::print(&format!("the weights stand in {}", flags.out.display()))
+}
+
+impl Tune {
+    /// What a file says of where its weights come from.
+    fn origin(&self) -> String {
+        let Costs { step, turn, bump } = self.costs;
+        let from = self.from.as_ref().map_or_else(String::new, |path| format!(" --from {}", path.display()));
+        format!(
+            "What an unknown cell is worth to a search: hallsweep tune --goal {} --sonar {} --costs {step},{turn},{bump} --seed {} \
+             --generations {} --rounds {} --halls {} --horizon {}{from}",
+            self.goal.name(),
+            self.sonar,
+            self.seed,
+            self.generations,
+            self.rounds,
+            self.halls,
+            self.horizon
+        )
+    }
+}
+
+fn read(path: &PathBuf) -> Result<Weights, Failure> {
+    let unusable = |error: String| Failure::Usage(format!("{}: {error}", path.display()));
+    let text = std::fs::read_to_string(path).map_err(|error| unusable(error.to_string()))?;
+    Weights::read(&text).map_err(|error| unusable(error.to_string()))
+}
+
+fn objective(written: &str) -> Result<Objective, String> {
+    let known = Objective::ALL.into_iter().find(|objective| objective.name() == written);
+    known.ok_or_else(|| format!("write one of: {}", Objective::ALL.map(Objective::name).join(", ")))
+}
+
+fn costs(written: &str) -> Result<Costs, String> {
+    Costs::read(written).ok_or_else(|| "write what a step, a turn and a bump cost, as 1,1,1".to_owned())
+}
+
+/// A bar on standard error, shown only where that is a terminal.
+fn progress_bar(parts: u64) -> ProgressBar {
+    let style = ProgressStyle::with_template("tuning {wide_bar} {pos} of {len} · {elapsed} · {msg}");
+    ProgressBar::new(parts).with_style(style.expect("the template is a constant and names only fields that there are"))
+}
