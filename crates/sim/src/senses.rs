@@ -19,6 +19,7 @@ pub(super) struct Senses {
     hall: Arc<Hall>,
     sonar: RandomStream,
     sonar_noise_cm: f64,
+    sonar_cells: u8,
     camera: RandomStream,
     unknown_rate: f64,
     reported: Option<Option<u16>>,
@@ -30,6 +31,7 @@ impl Senses {
             hall,
             sonar: RandomStream::new(settings.seed, "sonar"),
             sonar_noise_cm: settings.sonar_noise_cm,
+            sonar_cells: settings.sonar_cells,
             camera: RandomStream::new(settings.seed, "camera"),
             unknown_rate: settings.unknown_rate,
             reported: None,
@@ -54,12 +56,14 @@ impl Senses {
         (self.reported != before).then_some(reading)
     }
 
-    /// What the last reading makes of the cells ahead of a robot that stands centred in `pose`. That something stands in the next one
+    /// What the last reading makes of the cells ahead of a robot that stands centred in `pose`, if it tells of any. That something stands in the next one
     /// is said only when the camera sees it too.
-    pub(super) fn look_ahead(&mut self, pose: Pose, cells: u8) -> Ahead {
-        let free = self.reported.flatten().map_or(u16::from(cells), |cm| sonar::free_cells(cm, self.hall.cell_m()));
-        let there = free == 0 && self.hall.truth(pose.ahead()) != Truth::Free;
-        Ahead { free: free.min(u16::from(cells)), obstacle: there.then(|| self.recognise(pose)) }
+    pub(super) fn look_ahead(&mut self, pose: Pose) -> Option<RobotEvent> {
+        let cells = u16::from(self.sonar_cells);
+        let free = self.reported.flatten().map_or(cells, |cm| sonar::free_cells(cm, self.hall.cell_m()).min(cells));
+        let is_there = cells > 0 && free == 0 && self.hall.truth(pose.ahead()) != Truth::Free;
+        let obstacle = is_there.then(|| self.recognise(pose));
+        (cells > 0).then_some(RobotEvent::Ahead(Ahead { free, obstacle }))
     }
 
     pub(super) fn recognise(&mut self, pose: Pose) -> Obstacle {

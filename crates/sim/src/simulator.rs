@@ -25,8 +25,7 @@ mod hook;
 mod photo;
 mod recall;
 
-use self::hook::Handling;
-use self::photo::Film;
+use self::{hook::Handling, photo::Film};
 
 /// A robot in a hall.
 #[derive(Debug)]
@@ -335,10 +334,7 @@ impl Sim {
                 self.body = self.centre();
                 self.events.extend(self.senses.listen_for_change(self.body));
                 self.tell_hook();
-                if self.settings.sonar_cells > 0 {
-                    let ahead = self.senses.look_ahead(self.pose, self.settings.sonar_cells);
-                    self.events.push_back(RobotEvent::Ahead(ahead));
-                }
+                self.events.extend(self.senses.look_ahead(self.pose));
                 self.events.push_back(RobotEvent::Done(order));
             }
             Work::Drive { motion, end: End::Against { ahead } } => {

@@ -13,6 +13,7 @@ mod decide;
 mod facts;
 mod fetch_alone;
 mod motion;
+mod obstacles;
 mod on_record;
 mod outbox;
 mod phases;

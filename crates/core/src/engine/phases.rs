@@ -76,7 +76,7 @@ impl Engine {
     /// The inspection of the obstacle just met, or of a recorded piece whose photo is still missing.
     fn inspection(&self, context: &InputContext) -> Inspection {
         let pose = self.state.pose;
-        let piece = context.obstacle.and_then(super::reports::piece_of);
+        let piece = context.obstacle.and_then(super::obstacles::piece_of);
         match context.luggage.and_then(|id| self.state.luggage.get(id)) {
             Some(luggage) => {
                 Inspection { cell: luggage.cell, piece: luggage.piece, pose, stage: Stage::RetakingPhoto(luggage.id) }

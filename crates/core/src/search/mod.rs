@@ -20,6 +20,7 @@ pub(crate) mod plan;
 pub mod scored;
 mod snail;
 mod spiral;
+pub mod tables;
 pub mod ways;
 pub mod weights;
 

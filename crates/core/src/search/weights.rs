@@ -11,7 +11,8 @@
 use std::fmt::Write;
 use std::sync::LazyLock;
 
-use super::outlook::{LINEAR, LINEAR_NAMES, Outlook, ROWS, STARTS, TABLES};
+use super::outlook::Outlook;
+use super::tables::{LINEAR, LINEAR_NAMES, ROWS, STARTS, TABLES};
 use super::{Objective, Sensing};
 
 /// What the numbers of an outlook are worth, in thousandths of a step.

@@ -198,20 +198,20 @@ impl HallMap {
         self.known_bounds
     }
 
-    /// The tiles of which anything is kept, with the cell of their north-west corner.
+    /// The tiles of which anything is known, with the cell of their north-west corner.
     pub fn tiles(&self) -> impl Iterator<Item = (Cell, &Arc<Tile>)> {
-        self.tiles.iter()
+        self.tiles.iter().filter(|(_, tile)| tile.is_known())
     }
 
-    /// Whether anything is kept of the tile whose north-west corner is `corner`.
+    /// Whether anything is known of the tile whose north-west corner is `corner`.
     #[must_use]
     pub fn has_tile(&self, corner: Cell) -> bool {
-        self.tiles.tile(tile_of(corner)).is_some()
+        self.tiles.tile(tile_of(corner)).is_some_and(|tile| tile.is_known())
     }
 
     /// Those of them that may have changed since `older`, an earlier state of this map.
     pub fn tiles_changed_since<'a>(&'a self, older: &'a HallMap) -> impl Iterator<Item = (Cell, &'a Arc<Tile>)> {
-        self.tiles.changed(&older.tiles)
+        self.tiles.changed(&older.tiles).filter(|(_, tile)| tile.is_known())
     }
 
     /// Every cell of which anything is known, with its mark.
@@ -227,7 +227,7 @@ impl HallMap {
         for (corner, _) in self.tiles_changed_since(older) {
             changes.extend(cells_of(corner).map(|cell| (cell, self.at(cell))).filter(|(cell, mark)| older.at(*cell) != *mark));
         }
-        for (corner, _) in older.tiles_changed_since(self).filter(|(corner, _)| self.tiles.tile(tile_of(*corner)).is_none()) {
+        for (corner, _) in older.tiles_changed_since(self).filter(|(corner, _)| !self.has_tile(*corner)) {
             changes.extend(cells_of(corner).filter(|cell| older.at(*cell) != Mark::Unknown).map(|cell| (cell, Mark::Unknown)));
         }
         changes

@@ -30,6 +30,8 @@ pub struct Tile {
     /// For each row the cells where the known ends.
     frontier: [u32; TILE as usize],
     open: u16,
+    /// Cells of which anything is known. A tile without any lies beyond the known, and only its frontier counts.
+    known: u16,
 }
 
 /// Blocks of tiles in a grid that grows.
@@ -45,15 +47,27 @@ type Block = [Option<Arc<Tile>>; (BLOCK * BLOCK) as usize];
 const NOTHING: Option<Arc<Tile>> = None;
 
 impl Tile {
-    const EMPTY: Tile =
-        Tile { revision: Revision(0), marks: [Mark::Unknown; (TILE * TILE) as usize], frontier: [0; TILE as usize], open: 0 };
+    const EMPTY: Tile = Tile {
+        revision: Revision(0),
+        marks: [Mark::Unknown; (TILE * TILE) as usize],
+        frontier: [0; TILE as usize],
+        open: 0,
+        known: 0,
+    };
 
     pub(super) const fn at(&self, place: usize) -> Mark {
         self.marks[place]
     }
 
     pub(super) fn set(&mut self, place: usize, mark: Mark) {
+        self.known += u16::from(mark != Mark::Unknown);
+        self.known -= u16::from(self.marks[place] != Mark::Unknown);
         self.marks[place] = mark;
+    }
+
+    /// Whether anything is known of one of its cells.
+    pub(super) const fn is_known(&self) -> bool {
+        self.known > 0
     }
 
     /// Whether the known ends in this cell.

@@ -1,7 +1,7 @@
 //! Cross-entropy over the linear part of the weights: candidates are drawn round a mean, and mean and spread follow the best of them.
 
 use hallsweep_core::rng::RandomStream;
-use hallsweep_core::search::outlook::LINEAR;
+use hallsweep_core::search::tables::LINEAR;
 use hallsweep_core::search::weights::Weights;
 
 use super::Task;

@@ -1,0 +1,88 @@
+//! What stands in the way, met by a bump or seen by sonar: what it is taken for, and what the map learns of it.
+
+use super::Engine;
+use crate::command::Move;
+use crate::effect::Fact;
+use crate::event::{Ahead, Obstacle, Piece};
+use crate::mission::{Input, InputContext};
+use crate::search::Sensing;
+use crate::units::{Cell, Heading, Pose};
+use crate::world::hall_map::{Mark, REACH};
+use crate::world::luggage::Luggage;
+
+impl Engine {
+    /// What the sonar of the robot that searches has seen from where it has come to: free cells, and what stands in the next one, which
+    /// it need not bump into.
+    pub(super) fn look_ahead(&mut self) {
+        let seen = self.robots.searching_mut().ahead.take();
+        let Some(Ahead { free, obstacle }) = seen.filter(|_| self.settings.sensing == Sensing::Sonar) else { return };
+        let Pose { mut cell, heading } = self.state.pose;
+        for _ in 0..free {
+            cell = cell.ahead(heading);
+            if self.state.map.at(cell) == Mark::Unknown {
+                self.mark(cell, Mark::Seen);
+            }
+        }
+        let cell = self.state.pose.ahead();
+        let Some(obstacle) = obstacle.filter(|_| free == 0 && self.state.map.at(cell).is_unvisited()) else { return };
+        let obstacle = if self.settings.inspect_everything { Obstacle::Unknown } else { obstacle };
+        if self.mission.route.front() == Some(&Move::Forward) {
+            self.mission.route.clear();
+        }
+        self.meet(cell, heading, obstacle);
+        self.feed(Input::Blocked, &InputContext { cell: Some(cell), obstacle: Some(obstacle), ..InputContext::default() });
+    }
+
+    /// Marks the obstacle by what it was taken for (mission §3).
+    pub(super) fn meet(&mut self, cell: Cell, heading: Heading, obstacle: Obstacle) {
+        let mark = match obstacle {
+            Obstacle::Wall { .. } => Mark::Wall,
+            Obstacle::Luggage(piece) if self.state.pieces.contains(&piece) => Mark::Luggage,
+            Obstacle::Luggage(_) | Obstacle::Unknown => Mark::NotInspected,
+        };
+        // A mark that was settled stays: an inspected bag is not asked about again because the camera could not tell this time.
+        if !matches!(self.state.map.at(cell), Mark::Wall | Mark::Luggage) {
+            self.mark(cell, mark);
+        }
+        let taken_for = match obstacle {
+            Obstacle::Wall { .. } => "wall",
+            Obstacle::Luggage(_) => "luggage",
+            Obstacle::Unknown => "unknown",
+        };
+        self.record(Fact::Obstacle(cell, taken_for));
+        self.note_piece_at(cell, obstacle);
+        if let (Obstacle::Wall { left, right }, Mark::Wall, true) = (obstacle, mark, self.settings.wall_lines) {
+            self.reveal_wall(cell, heading.left(), left);
+            self.reveal_wall(cell, heading.right(), right);
+        }
+    }
+
+    /// A piece that was known already stands here, too: so much more of it is to be lifted.
+    fn note_piece_at(&mut self, cell: Cell, obstacle: Obstacle) {
+        let Obstacle::Luggage(piece) = obstacle else { return };
+        let is_known = self.state.pieces.contains(&piece);
+        let has_met = |luggage: &Luggage| luggage.cell == cell && luggage.piece == Some(piece);
+        let is_new = || !self.state.met_again.contains_key(&cell) && !self.state.luggage.iter().any(|luggage| has_met(luggage));
+        if is_known && is_new() {
+            self.record(Fact::MetAgain(cell, piece));
+            self.grow_piece(cell, piece);
+        }
+    }
+
+    fn reveal_wall(&mut self, from: Cell, towards: Heading, count: u16) {
+        let mut cell = from;
+        for _ in 0..i32::from(count).min(REACH) {
+            cell = cell.ahead(towards);
+            if self.state.map.at(cell).is_unvisited() {
+                self.mark(cell, Mark::Wall);
+            }
+        }
+    }
+}
+
+pub(super) fn piece_of(obstacle: Obstacle) -> Option<Piece> {
+    match obstacle {
+        Obstacle::Luggage(piece) => Some(piece),
+        Obstacle::Wall { .. } | Obstacle::Unknown => None,
+    }
+}
