@@ -21,7 +21,7 @@ fn the_state_holds_everything() {
     has(&state["robot"], "state heading position sonar led");
     has(&state["temperature"], "celsius status threshold");
     assert_eq!(state["mission"]["phase"], "idle");
-    assert_eq!(state["mission"]["strategy"], "snail");
+    assert_eq!(state["mission"]["strategy"], "auto");
     assert_eq!(state["robot"]["position"], serde_json::json!({"x": 0, "y": 0}));
     assert_eq!((&state["robot"]["heading"], &state["robot"]["led"]), (&"south".into(), &"off".into()));
     assert_eq!((&state["robot"]["state"], &state["temperature"]["threshold"]), (&"stopped".into(), &25.0.into()));
