@@ -9,6 +9,7 @@ use hallsweep_core::command::{Accepted, Command, Door, Issuer, Refused, Request}
 use hallsweep_core::effect::{Effect, Entry, Fact, Page};
 use hallsweep_core::engine::{Engine, Recalled};
 use hallsweep_core::event::{Event, RobotId};
+use hallsweep_core::search::{Sensing, Strategy};
 use hallsweep_core::settings::{Fetcher, Settings};
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Now, Seq, Ticket, WallTime};
@@ -26,20 +27,27 @@ pub(crate) struct Mortal {
     pub(crate) answers: BTreeMap<Ticket, Result<Accepted, Refused>>,
     memory: Option<SimMemory>,
     hall: Arc<Hall>,
+    strategy: Strategy,
     settings: SimSettings,
     now: Now,
 }
 
 impl Mortal {
     pub(crate) fn born(hall: Arc<Hall>, settings: SimSettings) -> Mortal {
+        Mortal::searching_by(Strategy::default(), hall, settings)
+    }
+
+    /// It goes by sonar if its robot does.
+    pub(crate) fn searching_by(strategy: Strategy, hall: Arc<Hall>, settings: SimSettings) -> Mortal {
         let mut mortal = Mortal {
-            engine: Engine::new(rules(&settings), Default::default(), "mortal".into()),
+            engine: Engine::new(rules(&settings), strategy, "mortal".into()),
             sim: Sim::new(Arc::clone(&hall), settings),
             disk: Vec::new(),
             on_the_way: VecDeque::new(),
             answers: BTreeMap::new(),
             memory: None,
             hall,
+            strategy,
             settings,
             now: Now::default(),
         };
@@ -64,7 +72,7 @@ impl Mortal {
 
     /// What a new start would read from the disk.
     pub(crate) fn recalled(&self) -> Recalled {
-        let mut state = PersistentState::first(Default::default());
+        let mut state = PersistentState::first(self.strategy);
         self.disk.iter().for_each(|entry| state.apply(entry));
         let named = |entry: &&Entry| matches!(entry.fact, Fact::Command { id: Some(_), .. });
         let commands = self.disk.iter().filter(named).cloned().collect();
@@ -161,5 +169,6 @@ impl Mortal {
 /// A robot with a hook fetches by itself.
 fn rules(sim: &SimSettings) -> Settings {
     let usual = Settings::default();
-    Settings { fetcher: if sim.has_hook { Fetcher::Discovery } else { usual.fetcher }, ..usual }
+    let fetcher = if sim.has_hook { Fetcher::Discovery } else { usual.fetcher };
+    Settings { fetcher, sensing: if sim.sonar_cells > 0 { Sensing::Sonar } else { Sensing::Bump }, ..usual }
 }

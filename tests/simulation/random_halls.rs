@@ -34,7 +34,7 @@ pub(crate) fn map_is_true(figures: &Figures, hall: &Hall) {
 }
 
 /// How a hall is searched: every strategy, goal and sensing has its turn.
-fn in_turn(seed: u64, settings: Settings) -> (SimSettings, Settings, Strategy) {
+pub(crate) fn in_turn(seed: u64, settings: Settings) -> (SimSettings, Settings, Strategy) {
     let pick = |n: u64, of: usize| usize::try_from(n).unwrap() % of;
     let strategy = Strategy::ALL[pick(seed, Strategy::ALL.len())];
     let turn = seed / Strategy::ALL.len() as u64;

@@ -8,13 +8,15 @@ use std::sync::Arc;
 use hallsweep_core::command::{Command, LuggageRef, Refused, TemperatureReport, Verdict};
 use hallsweep_core::mission::{Hold, PhaseName};
 use hallsweep_core::rng::RandomStream;
+use hallsweep_core::settings::Settings;
 use hallsweep_core::units::{AlarmId, Cell, LuggageId, Ticket};
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::snapshot::Snapshot;
-use hallsweep_sim::{Camera, Hall, SimSettings, Truth};
+use hallsweep_sim::{Hall, SimSettings, Truth};
 
 use crate::halls;
 use crate::mortal::Mortal;
+use crate::random_halls::in_turn;
 use crate::shown::Record;
 
 #[test]
@@ -22,10 +24,11 @@ fn whenever_the_program_is_killed_it_goes_on_from_where_it_was() {
     for seed in 0..300 {
         let hall = halls::random(seed, 10);
         let mut dice = RandomStream::new(seed, "kills");
-        let settings = SimSettings { unknown_rate: 0.1, photo_failure_rate: 0.2, ..SimSettings::new(seed, Camera::Stub) };
-        let mut mortal = Mortal::born(Arc::clone(&hall), settings);
+        let (sim, _, strategy) = in_turn(seed, Settings::default());
+        let sim = SimSettings { unknown_rate: 0.1, photo_failure_rate: 0.2, ..sim };
+        let mut mortal = Mortal::searching_by(strategy, Arc::clone(&hall), sim);
         let mut seen = Seen::default();
-        let mut record = Record::empty();
+        let mut record = Record::of(strategy);
         for _ in 0..dice.below(12) {
             live(&mut mortal, &mut seen, &mut record, &mut dice, seed);
             mortal = mortal.killed(dice.below(4) as usize);

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::mission::PhaseName;
+use hallsweep_core::search::Strategy;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{AlarmId, Cell, LuggageId, MissionId};
 use hallsweep_core::world::snapshot::Snapshot;
@@ -26,8 +27,13 @@ pub(crate) struct Record {
 
 impl Record {
     pub(crate) fn empty() -> Record {
+        Record::of(Strategy::default())
+    }
+
+    /// Of a program that began with this strategy.
+    pub(crate) fn of(strategy: Strategy) -> Record {
         Record {
-            standing: PersistentState::first(Default::default()),
+            standing: PersistentState::first(strategy),
             entries: 0,
             began: BTreeMap::new(),
             missions: BTreeMap::new(),
