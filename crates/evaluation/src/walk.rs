@@ -249,6 +249,22 @@ mod tests {
         }
     }
 
+    /// Larger than what a search looks at state by state, so that some ways lead far.
+    #[test]
+    fn large_halls_are_covered_too() {
+        let mut ways = Ways::default();
+        for (family, side) in [(Family::Luggage(0.1), 220), (Family::Maze, 181)] {
+            let ground = Ground::of(&hall(family, side, side, &mut RandomStream::new(1, "large")));
+            for strategy in [Strategy::Auto, Strategy::Frontier, Strategy::Columns] {
+                let mut walk = Walk::new(&ground, BUMP);
+                walk.finish(&ground, &mut ways, strategy.begin());
+                let of = format!("{family:?} by {}", strategy.name());
+                assert_eq!((walk.visited, walk.found), (ground.reachable, ground.touchable), "{of}");
+                assert_eq!(walk.pose.cell, Cell::HOME, "{of}");
+            }
+        }
+    }
+
     /// A walk is what a mission does, move by move, whose operator finds everything safe.
     #[test]
     fn a_walk_makes_the_moves_of_a_mission() {
