@@ -1,7 +1,8 @@
 //! `hallsweep tune`: finds weights for the score of unknown cells, and writes them to a file.
 //! How they are found stands in `hallsweep_evaluation::tune`; here it is asked for, and its progress shown.
 
-use std::fmt::Write;
+use std::fmt::Write as _;
+use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -16,9 +17,7 @@ use hallsweep_evaluation::walk::Terms;
 
 /// The flags of `tune`.
 #[derive(Args, Clone, Debug)]
-#[command(
-    after_help = "The same flags find the same weights. The weights that come with the program were found so; docs/search.md says by which flags."
-)]
+#[command(after_help = "The same flags find the same weights, and a file of weights says by which flags it was made.")]
 pub struct Tune {
     /// What the search is to be good at: find, cover.
     #[arg(long, value_name = "NAME", default_value = "cover", value_parser = objective)]
@@ -33,17 +32,17 @@ pub struct Tune {
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
     seed: u64,
     /// Generations of cross-entropy over the linear part.
-    #[arg(long, value_name = "NUMBER", default_value_t = 30)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 30, value_parser = clap::value_parser!(u64).range(0..=10_000))]
     generations: u64,
     /// Rounds of counterfactuals for the tables.
-    #[arg(long, value_name = "NUMBER", default_value_t = 4)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 4, value_parser = clap::value_parser!(u64).range(0..=1000))]
     rounds: u64,
     /// Halls a round.
-    #[arg(long, value_name = "NUMBER", default_value_t = 6000)]
-    halls: usize,
+    #[arg(long, value_name = "NUMBER", default_value_t = 6000, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    halls: u32,
     /// Steps that a counterfactual is followed.
-    #[arg(long, value_name = "STEPS", default_value_t = 100.0)]
-    horizon: f64,
+    #[arg(long, value_name = "STEPS", default_value_t = 400, value_parser = clap::value_parser!(u32).range(1..))]
+    horizon: u32,
     /// Begin with the weights in this file, and leave cross-entropy out.
     #[arg(long, value_name = "FILE")]
     from: Option<PathBuf>,
@@ -64,7 +63,11 @@ pub fn run(flags: &Tune) -> Result<(), Failure> {
     let terms = Terms { objective: flags.goal, sonar_cells: flags.sonar, costs: flags.costs };
     let task = Task::usual(terms, flags.seed);
     let bar = progress_bar(flags.generations + flags.rounds);
+    let halls = flags.halls as usize;
     let mut origin = flags.origin();
+    let unwritable = |error| Failure::Run(format!("the weights {} cannot be written: {error}", flags.out.display()));
+    // It takes long, so where it leads to nothing that shows at once.
+    let mut file = std::fs::OpenOptions::new().create(true).append(true).open(&flags.out).map_err(unwritable)?;
     let mut weights = match &flags.from {
         Some(path) => read(path)?,
         None => cross_entropy(&task, &task.first_weights(), flags.generations, |generation, price| {
@@ -72,11 +75,11 @@ pub fn run(flags: &Tune) -> Result<(), Failure> {
             bar.set_message(format!("generation {generation}: {price:.4} a cell"));
         }),
     };
-    let mut lessons = Lessons::new(&task, &weights, flags.halls);
+    let mut lessons = Lessons::new(&task, &weights, halls);
     for number in 0..flags.rounds {
         // The first fit is far from what it starts with; later ones only mend it.
         let taken = if number == 0 { 0.9 } else { 0.7 };
-        let round = Round { number, halls: flags.halls, horizon: flags.horizon, tried: TRIED, ridge: RIDGE, taken };
+        let round = Round { number, halls, horizon: f64::from(flags.horizon), tried: TRIED, ridge: RIDGE, taken };
         let learnt = lessons.learn(&weights, &round);
         weights = learnt.weights;
         let (before, after) = learnt.missed;
@@ -85,8 +88,8 @@ pub fn run(flags: &Tune) -> Result<(), Failure> {
         bar.set_message(format!("round {number}: {} counterfactuals", learnt.tried));
     }
     bar.finish_and_clear();
-    std::fs::write(&flags.out, weights.write(&origin, SMALLEST))
-        .map_err(|error| Failure::Run(format!("the weights {} cannot be written: {error}", flags.out.display())))?;
+    let written = file.set_len(0).and_then(|()| file.write_all(weights.write(&origin, SMALLEST).as_bytes()));
+    written.map_err(unwritable)?;
     super::print(&format!("the weights stand in {}", flags.out.display()))
 }
 

@@ -87,3 +87,56 @@ fn a_hall_that_cannot_be_read_is_refused_with_its_line() {
     assert!(said.contains(":3:") && said.contains('?'), "{said}");
     assert_eq!(run(&["explore", "--strategy", "zigzag"]).status.code(), Some(2));
 }
+
+#[test]
+fn every_strategy_goal_and_sensing_searches_the_whole_hall() {
+    for strategy in ["auto", "scored", "frontier", "columns", "spiral", "snail"] {
+        for (goal, sensing) in [("find", "bump"), ("cover", "sonar")] {
+            let asked = ["--hall", "airport", "--verdicts", "all-safe", "--strategy", strategy];
+            let run = explore(&[&asked[..], &["--goal", goal, "--sensing", sensing]].concat());
+            assert_eq!((&run["complete"], &run["home"]), (&true.into(), &true.into()), "{strategy} {goal} {sensing}: {run}");
+            assert_eq!(run["strategy"], strategy);
+            // By sonar a robot bumps into nothing, but for what it faces before its first move.
+            assert!(sensing == "bump" || run["bumps"].as_u64() <= Some(1), "{strategy}: {run}");
+        }
+    }
+}
+
+#[test]
+fn what_a_search_cannot_be_asked_for_is_said_with_what_it_can() {
+    let check = |arguments: &[&str], expect: &str| {
+        let output = run(&[&["explore"], arguments].concat());
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && said.contains(expect), "{arguments:?}: {said}");
+    };
+    check(&["--strategy", "zigzag"], "write one of: auto, scored, frontier, columns, spiral, snail");
+    check(&["--goal", "win"], "write one of: find, cover");
+    check(&["--sensing", "smell"], "write one of: bump, sonar");
+    for costs in ["1,1", "0,1,1", "-1,1,1", "1,26,1", "much"] {
+        check(&["--costs", costs], "write robot, or what a step, a turn and a bump cost, as 1,1,1");
+    }
+}
+
+/// As short as can be: what it writes can be read, names its flags, and is the same again.
+#[test]
+fn tune_writes_weights_that_are_the_same_again_and_says_at_once_where_it_cannot() {
+    let folder = std::env::temp_dir().join(format!("hallsweep-tune-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("the temporary directory can be written");
+    let tune = |name: &str, more: &[&str]| {
+        let out = folder.join(name);
+        let out = out.to_str().expect("a printable path");
+        run(&[&["tune", "--generations", "1", "--rounds", "1", "--halls", "2", "--horizon", "20", "--out", out], more].concat())
+    };
+    for name in ["one", "two"] {
+        assert!(tune(name, &["--goal", "find"]).status.success());
+    }
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).expect("it was written");
+    assert_eq!(read("one"), read("two"));
+    assert!(read("one").starts_with("# What an unknown cell is worth to a search: hallsweep tune --goal find --sonar 0"));
+    let from = folder.join("one");
+    assert!(tune("three", &["--from", from.to_str().expect("a printable path")]).status.success());
+    assert_eq!(tune("no/such/folder", &[]).status.code(), Some(1));
+    assert_eq!(tune("four", &["--goal", "win"]).status.code(), Some(2));
+    assert_eq!(tune("four", &["--halls", "0"]).status.code(), Some(2));
+    std::fs::remove_dir_all(&folder).expect("the folder is ours");
+}
