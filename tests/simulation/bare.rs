@@ -8,6 +8,7 @@ use hallsweep_core::effect::{Action, Effect, Entry, Fact, Order};
 use hallsweep_core::engine::Engine;
 use hallsweep_core::event::{Capabilities, Event, Obstacle, Parts, Photo, Piece, RobotEvent, RobotId};
 use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::{Cell, Epoch, LuggageId, Now, Seq, Ticket, WallTime};
 use hallsweep_core::world::snapshot::Snapshot;
@@ -33,14 +34,15 @@ pub(crate) struct Bare {
 impl Bare {
     /// Before the link is up.
     pub(crate) fn unlinked() -> Bare {
-        let engine = Engine::new(Settings::default(), Default::default(), "bare".into());
+        // What the tests say of cells and moves is said of the snail, whose way no tuning changes.
+        let engine = Engine::new(Settings::default(), Strategy::Snail, "bare".into());
         Bare {
             engine,
             seconds: 0,
             effects: Vec::new(),
             answers: Vec::new(),
             order: None,
-            record: Record::empty(),
+            record: Record::of(Strategy::Snail),
             on_the_way: Vec::new(),
             written: Seq(0),
             keeps: true,

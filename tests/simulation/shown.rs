@@ -26,11 +26,7 @@ pub(crate) struct Record {
 }
 
 impl Record {
-    pub(crate) fn empty() -> Record {
-        Record::of(Strategy::default())
-    }
-
-    /// Of a program that began with this strategy.
+    /// Nothing yet, of a program that began with this strategy.
     pub(crate) fn of(strategy: Strategy) -> Record {
         Record {
             standing: PersistentState::first(strategy),
