@@ -1,4 +1,4 @@
-//! The default: of the others the one that evaluation has shown to be the best for what is asked for.
+//! The default, for whoever does not want to choose. It is the tuned score, whatever the map shows.
 
 use super::View;
 use super::entries::Visit;

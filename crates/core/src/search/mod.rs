@@ -38,7 +38,7 @@ named! {
     /// The ways to search a hall.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum Strategy {
-        /// The best of the others for what is asked for and for what the map shows.
+        /// For whoever does not want to choose: the tuned score.
         #[default]
         Auto = "auto",
         /// Whatever comes to the least by a tuned score of the way there and of what lies round it.
