@@ -11,6 +11,7 @@ use crate::config::{self, Flag, Settings, Sources, from_here, sources};
 use crate::telemetry;
 use hallsweep_core::mission::table_markdown;
 
+pub mod evaluate;
 pub mod explore;
 mod failure;
 pub mod healthcheck;
@@ -44,6 +45,8 @@ pub enum Task {
     Serve(Serve),
     /// Run one mission without doors at full speed, and print the map and what it came to.
     Explore(explore::Explore),
+    /// Compare strategies of search on the same halls: random ones of a family, built-in ones, or files.
+    Evaluate(evaluate::Evaluate),
     /// Let two mobile manipulators carry parcels from a pallet to a target area, and print the phases and what it came to.
     Pallet(pallet::Pallet),
     /// Ask a running hallsweep whether it is well: exit code 0 if so, 1 if not.
@@ -218,7 +221,8 @@ mod tests {
         let cli = Cli::try_parse_from(arguments.split_whitespace()).expect("these arguments are good");
         match cli.task() {
             Task::Serve(serve) => serve.flags().into_iter().map(|flag| (flag.key, flag.value)).collect(),
-            other @ (Task::Explore(_)
+            other @ (Task::Evaluate(_)
+            | Task::Explore(_)
             | Task::Pallet(_)
             | Task::Healthcheck(_)
             | Task::Journal(_)

@@ -3,7 +3,9 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use hallsweep::cli::{Cli, Failure, Task, explore, healthcheck, journal, pallet, print_table, roomba, serve, token, tree, tune};
+use hallsweep::cli::{
+    Cli, Failure, Task, evaluate, explore, healthcheck, journal, pallet, print_table, roomba, serve, token, tree, tune,
+};
 
 fn main() -> ExitCode {
     match run(Cli::parse().task()) {
@@ -25,6 +27,7 @@ fn run(task: Task) -> Result<(), Failure> {
         Task::Token(asked) => token::run(&asked),
         Task::Tree(asked) => tree::run(&asked),
         Task::Roomba(flags) => roomba::run(&flags),
+        Task::Evaluate(flags) => evaluate::run(&flags),
         Task::Tune(flags) => tune::run(&flags),
         Task::Table => print_table(),
     }

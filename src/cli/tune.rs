@@ -12,6 +12,7 @@ use super::Failure;
 use hallsweep_core::search::Objective;
 use hallsweep_core::search::costs::Costs;
 use hallsweep_core::search::weights::Weights;
+use hallsweep_evaluation::family::Family;
 use hallsweep_evaluation::tune::{Lessons, Round, Task, cross_entropy};
 use hallsweep_evaluation::walk::Terms;
 
@@ -28,6 +29,13 @@ pub struct Tune {
     /// What a step, a turn and a bump cost.
     #[arg(long, value_name = "STEP,TURN,BUMP", default_value = "1,1,1", value_parser = costs)]
     costs: Costs,
+    /// The families of the halls to learn on, one as often as the other: empty, luggage-PERCENT, walls, islands, pockets, corridors,
+    /// maze.
+    #[arg(long, value_name = "FAMILIES", default_value = "luggage-10", value_delimiter = ',', value_parser = family)]
+    halls_of: Vec<Family>,
+    /// Their sides are this long at least and at most.
+    #[arg(long, value_name = "LEAST,MOST", default_value = "20,30", value_parser = sides)]
+    sides: (usize, usize),
     /// Where all chance comes from.
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
     seed: u64,
@@ -61,7 +69,7 @@ const SMALLEST: i16 = 20;
 /// Tunes, and writes what it came to.
 pub fn run(flags: &Tune) -> Result<(), Failure> {
     let terms = Terms { objective: flags.goal, sonar_cells: flags.sonar, costs: flags.costs };
-    let task = Task::usual(terms, flags.seed);
+    let task = Task { terms, sides: flags.sides, families: flags.halls_of.clone(), seed: flags.seed };
     let bar = progress_bar(flags.generations + flags.rounds);
     let halls = flags.halls as usize;
     let mut origin = flags.origin();
@@ -69,7 +77,7 @@ pub fn run(flags: &Tune) -> Result<(), Failure> {
     // It takes long, so where it leads to nothing that shows at once.
     let mut file = std::fs::OpenOptions::new().create(true).append(true).open(&flags.out).map_err(unwritable)?;
     let mut weights = match &flags.from {
-        Some(path) => read(path)?,
+        Some(path) => read_weights(path)?,
         None => cross_entropy(&task, &task.first_weights(), flags.generations, |generation, price| {
             bar.inc(1);
             bar.set_message(format!("generation {generation}: {price:.4} a cell"));
@@ -96,13 +104,18 @@ pub fn run(flags: &Tune) -> Result<(), Failure> {
 impl Tune {
     /// What a file says of where its weights come from.
     fn origin(&self) -> String {
-        let Costs { step, turn, bump } = self.costs;
         let from = self.from.as_ref().map_or_else(String::new, |path| format!(" --from {}", path.display()));
+        let families: Vec<String> = self.halls_of.iter().map(Family::to_string).collect();
         format!(
-            "What an unknown cell is worth to a search: hallsweep tune --goal {} --sonar {} --costs {step},{turn},{bump} --seed {} \
+            "What an unknown cell is worth to a search: hallsweep tune --goal {} --sonar {} --costs {} --halls-of {} \
+             --sides {},{} --seed {} \
              --generations {} --rounds {} --halls {} --horizon {}{from}",
             self.goal.name(),
             self.sonar,
+            self.costs,
+            families.join(","),
+            self.sides.0,
+            self.sides.1,
             self.seed,
             self.generations,
             self.rounds,
@@ -112,18 +125,35 @@ impl Tune {
     }
 }
 
-fn read(path: &PathBuf) -> Result<Weights, Failure> {
+/// The weights in a file.
+pub(super) fn read_weights(path: &PathBuf) -> Result<Weights, Failure> {
     let unusable = |error: String| Failure::Usage(format!("{}: {error}", path.display()));
     let text = std::fs::read_to_string(path).map_err(|error| unusable(error.to_string()))?;
     Weights::read(&text).map_err(|error| unusable(error.to_string()))
 }
 
-fn objective(written: &str) -> Result<Objective, String> {
+fn family(written: &str) -> Result<Family, String> {
+    written
+        .parse()
+        .map_err(|()| "write one of: empty, luggage-1 to luggage-30, walls, islands, pockets, corridors, maze".to_owned())
+}
+
+/// Two numbers of which the first is not the larger.
+fn sides(written: &str) -> Result<(usize, usize), String> {
+    let read = || {
+        let (least, most) = written.split_once(',')?;
+        let (least, most) = (least.parse().ok()?, most.parse().ok()?);
+        (5 <= least && least <= most && most <= 200).then_some((least, most))
+    };
+    read().ok_or_else(|| "write the shortest and the longest side, as 20,30, from 5 to 200".to_owned())
+}
+
+pub(super) fn objective(written: &str) -> Result<Objective, String> {
     let known = Objective::ALL.into_iter().find(|objective| objective.name() == written);
     known.ok_or_else(|| format!("write one of: {}", Objective::ALL.map(Objective::name).join(", ")))
 }
 
-fn costs(written: &str) -> Result<Costs, String> {
+pub(super) fn costs(written: &str) -> Result<Costs, String> {
     Costs::read(written).ok_or_else(|| "write what a step, a turn and a bump cost, as 1,1,1".to_owned())
 }
 

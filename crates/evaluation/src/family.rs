@@ -1,7 +1,12 @@
 //! Random halls by family: what strategies are tuned and measured on.
 
+use std::fmt;
+use std::str::FromStr;
+
 use hallsweep_core::rng::RandomStream;
 use hallsweep_sim::Hall;
+
+use crate::Ground;
 
 /// A kind of random hall.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,9 +40,59 @@ impl Family {
     ];
 }
 
-/// A hall of this family, home in its north-west corner.
+/// So much luggage can be asked for; with more, hardly any cell can be reached.
+const MOST_LUGGAGE: u8 = 30;
+
+/// The families that are one word; the others are luggage in so many of a hundred cells, as `luggage-10`.
+const NAMED: [(&str, Family); 6] = [
+    ("empty", Family::Luggage(0.0)),
+    ("walls", Family::Walls),
+    ("islands", Family::Islands),
+    ("pockets", Family::Pockets),
+    ("corridors", Family::Corridors),
+    ("maze", Family::Maze),
+];
+
+impl fmt::Display for Family {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (NAMED.iter().find(|(_, family)| family == self), self) {
+            (Some((name, _)), _) => f.write_str(name),
+            (None, Family::Luggage(share)) => write!(f, "luggage-{:.0}", share * 100.0),
+            (None, other) => unreachable!("{other:?} has a name"),
+        }
+    }
+}
+
+impl FromStr for Family {
+    type Err = ();
+
+    fn from_str(written: &str) -> Result<Family, ()> {
+        if let Some((_, family)) = NAMED.into_iter().find(|(name, _)| *name == written) {
+            return Ok(family);
+        }
+        let share: u8 = written.strip_prefix("luggage-").and_then(|share| share.parse().ok()).ok_or(())?;
+        if (1..=MOST_LUGGAGE).contains(&share) { Ok(Family::Luggage(f64::from(share) / 100.0)) } else { Err(()) }
+    }
+}
+
+/// So often a hall is drawn anew of which too little can be reached.
+const DRAWN: usize = 1000;
+
+/// A hall of this family of which more than a third can be reached: in one where luggage shuts home in there is nothing to search.
 #[must_use]
 pub fn hall(family: Family, columns: usize, lines: usize, dice: &mut RandomStream) -> Hall {
+    let mut hall = drawn(family, columns, lines, dice);
+    for _ in 1..DRAWN {
+        if Ground::of(&hall).reachable * 3 > columns * lines {
+            break;
+        }
+        hall = drawn(family, columns, lines, dice);
+    }
+    hall
+}
+
+/// A hall of this family, home in its north-west corner.
+fn drawn(family: Family, columns: usize, lines: usize, dice: &mut RandomStream) -> Hall {
     let mut drawing = Drawing { columns, lines, squares: vec!['.'; columns * lines] };
     match family {
         Family::Luggage(share) => drawing.strew(share, dice),
@@ -94,8 +149,8 @@ impl Drawing {
         for (x, y) in self.places() {
             let (across, down) = (x.min(self.columns - 1 - x), y.min(self.lines - 1 - y));
             let share = match (across.max(down), across.min(down)) {
-                (0..4, _) => 0.4,
-                (_, 0) => 0.3,
+                (0..4, _) => 0.25,
+                (_, 0) => 0.2,
                 _ => 0.0,
             };
             if dice.happens(share) {

@@ -2,10 +2,13 @@
 //! finding of weights. Nothing here is needed to run a mission, and no file is written.
 //!
 //! ```text
-//!   family ─► hall ─► ground ─┬─► walk: strategy and floor, move by move, as a mission makes them
-//!                             └─► tune: cross-entropy ─► counterfactuals ─► weights
+//!   family ─► hall ─► ground ─► walk: strategy and floor, move by move, as a mission makes them
+//!                                ├─► compare: strategies on the same halls ─► figures, drawing
+//!                                └─► tune: cross-entropy ─► counterfactuals ─► weights
 //! ```
 
+pub mod compare;
+pub mod drawing;
 pub mod family;
 mod ground;
 mod parallel;

@@ -52,6 +52,8 @@ pub struct Walk {
     pub found_after: u64,
     /// The same for all luggage and all cells visited: when a piece would have been found that stood there.
     pub known_after: u64,
+    /// Where somebody wants it, every cell the robot stood in, one after the other.
+    pub trail: Option<Vec<Cell>>,
     /// A number for what is known.
     known: u64,
 }
@@ -63,7 +65,7 @@ impl Walk {
         let mut grid = Grid::with_room_for(ground.bounds());
         grid.set(Cell::HOME, Square::Visited);
         let (pose, gait, moves) = (Pose::START, Gait::default(), Moves::default());
-        Walk { terms, grid, pose, gait, moves, visited: 1, found: 0, found_after: 0, known_after: 0, known: 0 }
+        Walk { terms, grid, pose, gait, moves, visited: 1, found: 0, found_after: 0, known_after: 0, trail: None, known: 0 }
     }
 
     /// What a strategy sees.
@@ -89,13 +91,25 @@ impl Walk {
     /// The whole search from here until nothing is left and the robot is home.
     pub fn finish(&mut self, ground: &Ground, ways: &mut Ways, mut search: Search) {
         loop {
-            match search.next(&self.view(), ways) {
-                NextGoal::Visit(cell, route) if route.is_empty() => self.dare(ground, ways, cell),
-                NextGoal::Visit(cell, route) => self.enter(ground, cell, &route),
-                NextGoal::GoHome => self.go_home(ground, ways),
-                NextGoal::Finished => return self.go_home(ground, ways),
+            let goal = search.next(&self.view(), ways);
+            if !self.follow(ground, ways, goal) {
+                return;
             }
         }
+    }
+
+    /// Does what a strategy wants; false when that was the end of the search, and the robot is home.
+    pub fn follow(&mut self, ground: &Ground, ways: &mut Ways, goal: NextGoal) -> bool {
+        match goal {
+            NextGoal::Visit(cell, route) if route.is_empty() => self.dare(ground, ways, cell),
+            NextGoal::Visit(cell, route) => self.enter(ground, cell, &route),
+            NextGoal::GoHome => self.go_home(ground, ways),
+            NextGoal::Finished => {
+                self.go_home(ground, ways);
+                return false;
+            }
+        }
+        true
     }
 
     /// Makes the moves that lead into an open cell, until something is in the way, or is seen to be, or the cell is known.
@@ -153,6 +167,9 @@ impl Walk {
     fn step_into(&mut self, cell: Cell) {
         self.moves.steps += 1;
         self.pose.cell = cell;
+        if let Some(trail) = &mut self.trail {
+            trail.push(cell);
+        }
         if self.grid.at(cell) != Square::Visited {
             self.learn(cell, Square::Visited);
             self.visited += 1;

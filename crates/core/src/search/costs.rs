@@ -1,5 +1,6 @@
 //! What moves cost: steps, turns and bumps weighed against each other.
 
+use std::fmt;
 use std::time::Duration;
 
 /// What a move of each kind costs. Only their ratios count; they are small whole numbers, so that a search can sort by them.
@@ -60,6 +61,14 @@ impl Costs {
     }
 }
 
+/// As it is read: `STEP,TURN,BUMP` in steps.
+impl fmt::Display for Costs {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let steps = |cost: u32| f64::from(cost) / f64::from(self.step);
+        write!(f, "1,{},{}", steps(self.turn), steps(self.bump))
+    }
+}
+
 /// So many steps in units.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is clamped to small positive numbers")]
 fn units(steps: f64) -> u32 {
@@ -75,6 +84,9 @@ mod tests {
         assert_eq!(Costs::of(Duration::from_millis(330), Duration::from_millis(500)), Costs { step: 4, turn: 6, bump: 4 });
         assert_eq!(Costs::read("1,1.5,2"), Some(Costs { step: 4, turn: 6, bump: 8 }));
         assert_eq!(Costs::read("2, 0, 0"), Some(Costs { step: 4, turn: 0, bump: 0 }));
+        for written in ["1,1.5,2", "1,0,0", "1,1,1"] {
+            assert_eq!(Costs::read(written).map(|costs| costs.to_string()).as_deref(), Some(written));
+        }
         for unusable in ["", "1", "1,1", "1,1,1,1", "0,1,1", "-1,1,1", "1,26,1", "1,-1,1", "1,NaN,1", "inf,1,1", "a,b,c"] {
             assert_eq!(Costs::read(unusable), None, "{unusable}");
         }

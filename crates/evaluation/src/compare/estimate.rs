@@ -1,0 +1,61 @@
+//! Means, and how sure they are.
+
+/// A mean and its 95 % interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// The mean.
+    pub mean: f64,
+    /// The interval reaches so far to either side; 0 for a single number, of which nothing can be said.
+    pub half_width: f64,
+    /// Of so many numbers.
+    pub count: usize,
+}
+
+impl Estimate {
+    /// The mean of these numbers with Student's interval; `None` of nothing.
+    #[must_use]
+    #[expect(clippy::cast_precision_loss, reason = "nobody walks through 2^53 halls")]
+    pub fn of(numbers: impl IntoIterator<Item = f64>) -> Option<Estimate> {
+        let numbers: Vec<f64> = numbers.into_iter().collect();
+        let count = numbers.len();
+        if count == 0 {
+            return None;
+        }
+        let n = count as f64;
+        let mean = numbers.iter().sum::<f64>() / n;
+        if count == 1 {
+            return Some(Estimate { mean, half_width: 0.0, count });
+        }
+        let freedom = n - 1.0;
+        let variance = numbers.iter().map(|number| (number - mean).powi(2)).sum::<f64>() / freedom;
+        Some(Estimate { mean, half_width: student(freedom) * (variance / n).sqrt(), count })
+    }
+}
+
+/// Student's quantile of 97.5 % with so many degrees of freedom, by the expansion of Cornish and Fisher in its inverse: a hundredth too small
+/// at five, exact to three digits from ten on.
+fn student(freedom: f64) -> f64 {
+    1.959_964 + 2.372_27 / freedom + 2.822_5 / freedom.powi(2) + 2.555_85 / freedom.powi(3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_interval_is_students() {
+        let estimate = Estimate::of([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).expect("there are numbers");
+        assert_eq!((estimate.mean, estimate.count), (3.5, 6));
+        // s = 1.8708, t(5) = 2.5706 in the tables.
+        assert!((estimate.half_width - 1.9633).abs() < 0.01, "{estimate:?}");
+        for (freedom, quantile) in [(5.0, 2.5706), (10.0, 2.2281), (30.0, 2.0423), (59.0, 2.0010)] {
+            assert!((student(freedom) - quantile).abs() < 0.012, "{freedom}");
+        }
+    }
+
+    #[test]
+    fn of_one_number_there_is_a_mean_and_of_none_nothing() {
+        assert_eq!(Estimate::of([7.0]), Some(Estimate { mean: 7.0, half_width: 0.0, count: 1 }));
+        assert_eq!(Estimate::of([]), None);
+    }
+}

@@ -1,0 +1,122 @@
+//! The halls of a comparison: random ones of a family, or one that somebody drew.
+
+use std::borrow::Cow;
+use std::fmt;
+use std::str::FromStr;
+
+use hallsweep_core::rng::RandomStream;
+use hallsweep_sim::Hall;
+
+use crate::Ground;
+use crate::family::{Family, hall};
+
+/// Where the halls of a comparison come from.
+#[derive(Clone, Debug)]
+pub enum Halls {
+    /// Random ones. No hall that anything was tuned on is among them: they come from a stream of their own.
+    Random {
+        /// Their family.
+        family: Family,
+        /// Their cells from west to east.
+        columns: usize,
+        /// Their cells from north to south.
+        lines: usize,
+        /// How many.
+        count: usize,
+        /// Where their chance comes from.
+        seed: u64,
+    },
+    /// This one.
+    Drawn(Box<Hall>),
+}
+
+/// The longest side of a random hall.
+const MOST_SIDE: usize = 2048;
+
+impl Halls {
+    /// How many there are.
+    #[must_use]
+    pub const fn count(&self) -> usize {
+        match self {
+            Halls::Random { count, .. } => *count,
+            Halls::Drawn(_) => 1,
+        }
+    }
+
+    /// The one of this number, counted from 0.
+    #[must_use]
+    pub fn hall(&self, number: usize) -> Cow<'_, Hall> {
+        match self {
+            Halls::Random { family, columns, lines, seed, .. } => {
+                let mut dice = RandomStream::new(seed.wrapping_mul(1_000_003).wrapping_add(number as u64), "evaluate");
+                Cow::Owned(hall(*family, *columns, *lines, &mut dice))
+            }
+            Halls::Drawn(hall) => Cow::Borrowed(hall),
+        }
+    }
+
+    pub(super) fn ground(&self, number: usize) -> Ground {
+        Ground::of(&self.hall(number))
+    }
+}
+
+impl fmt::Display for Halls {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Halls::Random { family, columns, lines, .. } => write!(f, "{family}:{columns}x{lines}"),
+            Halls::Drawn(hall) => f.write_str(hall.name()),
+        }
+    }
+}
+
+/// A family and a size, as `luggage-10:50x50`; neither count nor seed.
+impl FromStr for Halls {
+    type Err = HallsError;
+
+    fn from_str(written: &str) -> Result<Halls, HallsError> {
+        let (family, size) = written.split_once(':').ok_or(HallsError::NoFamily)?;
+        let family: Family = family.parse().map_err(|()| HallsError::NoFamily)?;
+        let side = |side: &str| side.parse().ok().filter(|side| (1..=MOST_SIDE).contains(side));
+        let sides = size.split_once('x').and_then(|(columns, lines)| Some((side(columns)?, side(lines)?)));
+        let (columns, lines) = sides.ok_or_else(|| HallsError::Size(size.to_owned()))?;
+        Ok(Halls::Random { family, columns, lines, count: 0, seed: 0 })
+    }
+}
+
+/// Why something written does not name random halls.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum HallsError {
+    /// It does not begin with a family: perhaps a file is meant.
+    #[error("no family of halls")]
+    NoFamily,
+    /// A family, but not its size.
+    #[error("{0:?} is no size: write columns and lines, as 50x50, each from 1 to 2048")]
+    Size(String),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn halls_are_read_as_they_are_written() {
+        for written in ["empty:10x8", "luggage-10:50x50", "walls:7x2048", "maze:1x1"] {
+            assert_eq!(written.parse::<Halls>().map(|halls| halls.to_string()), Ok(written.to_owned()));
+        }
+        let error = |written: &str| written.parse::<Halls>().map(|halls| halls.to_string()).unwrap_err();
+        for written in ["airport", "halls/x.toml", "c:/x.map", "luggage-99:5x5", ""] {
+            assert_eq!(error(written), HallsError::NoFamily, "{written}");
+        }
+        for size in ["", "5", "0x5", "5x2049", "5x-1", "5x5x5"] {
+            assert_eq!(error(&format!("walls:{size}")), HallsError::Size(size.to_owned()));
+        }
+    }
+
+    #[test]
+    fn halls_of_one_seed_are_the_same_and_of_another_others() {
+        let halls = |seed| Halls::Random { family: Family::Luggage(0.2), columns: 20, lines: 20, count: 2, seed };
+        assert_eq!(halls(1).hall(0), halls(1).hall(0));
+        assert_ne!(halls(1).hall(0), halls(1).hall(1));
+        assert_ne!(halls(1).hall(0), halls(2).hall(0));
+    }
+}

@@ -1,0 +1,159 @@
+//! Strategies side by side: the same halls for each of them, and what came of it.
+//!
+//! ```text
+//!   Halls ─ ground ─┐
+//!   Entrant ────────┼─► trial ─► Trial ─► Measure ─► Estimate: mean and interval, alone or hall by hall against another
+//!   Terms ──────────┘
+//! ```
+//! What is compared in the tables of the documentation stands in `rows`.
+
+mod estimate;
+mod halls;
+pub mod rows;
+mod trial;
+
+pub use self::estimate::Estimate;
+pub use self::halls::{Halls, HallsError};
+pub use self::trial::{Entrant, Timings, Trial, tour, trial};
+
+use std::time::Duration;
+
+use crate::parallel;
+use crate::walk::Terms;
+
+/// What one trial is judged by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// What all moves cost, a reachable cell.
+    MovesPerCell,
+    /// The moves before a piece of luggage was found, the mean of all of them, a reachable cell.
+    ToAPiece,
+    /// The steps against those that no closed tour over the same cells does with less.
+    StepsOverBound,
+    /// How long the moves take the robot.
+    Seconds,
+}
+
+impl Measure {
+    /// All of them, in the order in which they are shown.
+    pub const ALL: [Measure; 4] = [Measure::MovesPerCell, Measure::ToAPiece, Measure::StepsOverBound, Measure::Seconds];
+
+    /// What it comes to in this trial; `None` where the hall has nothing to measure it by.
+    #[must_use]
+    pub fn of(self, trial: &Trial) -> Option<f64> {
+        match self {
+            Measure::MovesPerCell => Some(trial.moves_per_cell),
+            Measure::ToAPiece => trial.to_a_piece,
+            Measure::StepsOverBound => Some(trial.steps_over_bound),
+            Measure::Seconds => Some(trial.seconds),
+        }
+    }
+}
+
+/// What all entrants are asked, and on which halls.
+#[derive(Clone, Debug)]
+pub struct Contest {
+    /// The halls.
+    pub halls: Halls,
+    /// The goal, the sensing and the costs.
+    pub terms: Terms,
+    /// How long the robot's moves take.
+    pub timings: Timings,
+}
+
+impl Contest {
+    /// Every entrant on every hall: for each entrant its trials, hall by hall. `clock` tells how long a decision takes; `done` is called
+    /// after each trial, from whatever thread.
+    pub fn run(&self, entrants: &[Entrant], clock: impl Fn() -> Duration + Sync, done: impl Fn() + Sync) -> Vec<Vec<Trial>> {
+        let halls = self.halls.count();
+        let mut trials = parallel::each(halls * entrants.len(), |n, ways| {
+            // Hall by hall, so that the last trials to end are not all of the slowest entrant.
+            let (hall, entrant) = (n / entrants.len(), n % entrants.len());
+            let trial = trial(&self.halls.ground(hall), self.terms, self.timings, &entrants[entrant], ways, &clock);
+            done();
+            trial
+        })
+        .into_iter();
+        let mut of_each: Vec<Vec<Trial>> = entrants.iter().map(|_| Vec::with_capacity(halls)).collect();
+        for _ in 0..halls {
+            for (trials, trial) in of_each.iter_mut().zip(&mut trials) {
+                trials.push(trial);
+            }
+        }
+        of_each
+    }
+}
+
+/// What a measure comes to over trials; `None` where no hall has anything to measure it by.
+#[must_use]
+pub fn over(trials: &[Trial], measure: Measure) -> Option<Estimate> {
+    Estimate::of(trials.iter().filter_map(|trial| measure.of(trial)))
+}
+
+/// How much more one entrant needs than another on the same halls, hall by hall.
+#[must_use]
+pub fn against(trials: &[Trial], others: &[Trial], measure: Measure) -> Option<Estimate> {
+    let pairs = trials.iter().zip(others);
+    Estimate::of(pairs.filter_map(|(trial, other)| Some(measure.of(trial)? - measure.of(other)?)))
+}
+
+/// How long the decisions of all these trials took: the median, the slowest of a hundred, and the slowest of all.
+#[must_use]
+pub fn decisions(trials: &[Trial]) -> [Duration; 3] {
+    let mut all: Vec<u32> = trials.iter().flat_map(|trial| &trial.decisions_ns).copied().collect();
+    all.sort_unstable();
+    let at = |share: usize| all.get((all.len() * share / 100).min(all.len().saturating_sub(1))).copied().unwrap_or(0);
+    [50, 99, 100].map(|share| Duration::from_nanos(u64::from(at(share))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::family::Family;
+    use hallsweep_core::search::costs::Costs;
+    use hallsweep_core::search::{Objective, Strategy};
+
+    fn contest(family: Family) -> Contest {
+        let terms = Terms { objective: Objective::Cover, sonar_cells: 0, costs: Costs::EVEN };
+        let halls = Halls::Random { family, columns: 12, lines: 9, count: 8, seed: 1 };
+        Contest { halls, terms, timings: Timings { step_s: 1.0, turn_s: 2.0, bump_s: 1.5 } }
+    }
+
+    #[test]
+    fn every_entrant_has_the_same_halls_in_the_same_order_however_many_threads_there_are() {
+        let entrants = [Entrant::Strategy(Strategy::Frontier), Entrant::Strategy(Strategy::Snail)];
+        let contest = contest(Family::Luggage(0.1));
+        let run = || contest.run(&entrants, || Duration::ZERO, || ());
+        let [frontier, snail] = run().try_into().expect("two entrants have two lists of trials");
+        assert_eq!(frontier.len(), 8);
+        for (one, other) in frontier.iter().zip(&snail) {
+            assert_eq!(one.cells, other.cells);
+            assert!(one.complete && other.complete);
+        }
+        let more = against(&snail, &frontier, Measure::MovesPerCell).expect("every hall has cells");
+        assert!(more.mean - more.half_width > 0.0, "the snail goes home after every square: {more:?}");
+        let moves = |trials: &[Vec<Trial>]| -> Vec<_> { trials.iter().flatten().map(|trial| trial.moves).collect() };
+        assert_eq!(moves(&run()), moves(&run()));
+    }
+
+    #[test]
+    fn a_hall_without_luggage_says_nothing_of_the_time_to_a_piece() {
+        let trials = contest(Family::Luggage(0.0)).run(&[Entrant::Strategy(Strategy::Columns)], || Duration::ZERO, || ());
+        assert_eq!(over(&trials[0], Measure::ToAPiece), None);
+        let seconds = over(&trials[0], Measure::Seconds).expect("it moves").mean;
+        let moves = trials[0][0].moves;
+        let expect = [(moves.steps, 1.0), (moves.turns, 2.0), (moves.bumps, 1.5)];
+        #[expect(clippy::cast_precision_loss, reason = "a small hall")]
+        let expect: f64 = expect.into_iter().map(|(moves, each)| moves as f64 * each).sum();
+        assert_eq!(seconds, expect, "all halls of this family are the same");
+    }
+
+    #[test]
+    fn decisions_are_told_by_their_median_the_slowest_of_a_hundred_and_the_slowest() {
+        let mut trial =
+            contest(Family::Maze).run(&[Entrant::Strategy(Strategy::Columns)], || Duration::ZERO, || ())[0][0].clone();
+        trial.decisions_ns = (0..=1000).rev().collect();
+        assert_eq!(decisions(&[trial]), [500, 990, 1000].map(Duration::from_nanos));
+        assert_eq!(decisions(&[]), [Duration::ZERO; 3]);
+    }
+}

@@ -1,0 +1,60 @@
+//! The rows of the tables in `docs/search.md`: which halls, asked for what, measured how, and the least that anybody is known to have
+//! reached there.
+
+use hallsweep_core::search::Objective;
+use hallsweep_core::search::costs::Costs;
+
+use super::{Halls, Measure};
+use crate::family::Family;
+use crate::walk::Terms;
+
+/// A turn takes as long as one and a half steps, as with the robot of the seeds.
+const SLOW_TURNS: Costs = Costs { step: 2, turn: 3, bump: 2 };
+
+/// Nothing counts but steps.
+const STEPS: Costs = Costs { step: 1, turn: 0, bump: 0 };
+
+/// A row of a table.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// The halls.
+    pub halls: Halls,
+    /// The goal, the sensing and the costs.
+    pub terms: Terms,
+    /// What is measured.
+    pub measure: Measure,
+    /// The best that was known before this program, on other random halls of the same kind.
+    pub known: f64,
+}
+
+/// All rows, with so many halls each.
+#[must_use]
+pub fn rows(count: usize, seed: u64) -> Vec<Row> {
+    let of = |family, (columns, lines): (usize, usize)| Halls::Random { family, columns, lines, count, seed };
+    let covers = [
+        (Family::Luggage(0.0), (10, 8), 1.300),
+        (Family::Luggage(0.1), (20, 20), 1.792),
+        (Family::Luggage(0.05), (50, 50), 1.444),
+        (Family::Luggage(0.1), (50, 50), 1.767),
+        (Family::Luggage(0.2), (50, 50), 2.524),
+        (Family::Walls, (50, 50), 1.213),
+        (Family::Islands, (50, 50), 2.121),
+        (Family::Luggage(0.1), (100, 100), 1.770),
+    ];
+    let terms = |objective, sonar_cells, costs| Terms { objective, sonar_cells, costs };
+    let cover = |sonar_cells, costs| terms(Objective::Cover, sonar_cells, costs);
+    let find = |sonar_cells| terms(Objective::Find, sonar_cells, Costs::EVEN);
+    let usual = || of(Family::Luggage(0.1), (50, 50));
+    let row = |halls, terms, measure, known| Row { halls, terms, measure, known };
+    let covers = covers.map(|(family, size, known)| row(of(family, size), cover(0, Costs::EVEN), Measure::MovesPerCell, known));
+    let others = [
+        row(usual(), cover(1, Costs::EVEN), Measure::MovesPerCell, 1.653),
+        row(usual(), cover(3, Costs::EVEN), Measure::MovesPerCell, 1.665),
+        row(usual(), cover(0, SLOW_TURNS), Measure::MovesPerCell, 1.890),
+        row(of(Family::Luggage(0.1), (20, 20)), cover(0, STEPS), Measure::StepsOverBound, 1.113),
+        row(usual(), find(0), Measure::ToAPiece, 0.760),
+        row(usual(), find(1), Measure::ToAPiece, 0.683),
+        row(usual(), find(3), Measure::ToAPiece, 0.559),
+    ];
+    covers.into_iter().chain(others).collect()
+}

@@ -1,0 +1,41 @@
+//! Pictures of searches as SVG that stands alone: a tour through a hall, and strategies side by side.
+
+mod plot;
+mod tour;
+
+pub use self::plot::{Band, Dot, plot};
+pub use self::tour::tour;
+
+use std::fmt::Arguments;
+
+/// The first tag of a picture of this size, and its ground.
+fn opening(width: f64, height: f64, title: &str) -> String {
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" role=\"img\" \
+         font-family=\"system-ui, sans-serif\" font-size=\"13\">\n<title>{0}</title>\n\
+         <rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n",
+        escaped(title)
+    )
+}
+
+/// Adds a line of the picture.
+fn push(out: &mut String, line: Arguments<'_>) {
+    use std::fmt::Write;
+    let _ = writeln!(out, "{line}");
+}
+
+/// What may stand in the text and the attributes of SVG; names come from files.
+fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            control if control.is_control() => out.push(' '),
+            other => out.push(other),
+        }
+    }
+    out
+}

@@ -1,0 +1,119 @@
+//! Strategies side by side: a band for each kind of hall, in it a line for each strategy with its mean and its interval.
+
+use super::{escaped, opening, push};
+use crate::compare::Estimate;
+
+/// What stands in one band.
+#[derive(Clone, Debug)]
+pub struct Band {
+    /// What it is about.
+    pub title: String,
+    /// Its lines.
+    pub dots: Vec<Dot>,
+}
+
+/// One line of a band.
+#[derive(Clone, Debug)]
+pub struct Dot {
+    /// Whose it is.
+    pub name: String,
+    /// Its mean and its interval.
+    pub estimate: Estimate,
+}
+
+const WIDTH: f64 = 820.0;
+const LEFT: f64 = 150.0;
+const RIGHT: f64 = 130.0;
+const LINE: f64 = 20.0;
+const TITLE: f64 = 34.0;
+
+/// One colour after the other, as far apart as they come for people who see few.
+const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#343a40"];
+
+/// The picture of these bands, each with a scale of its own from 0 to its largest number.
+#[must_use]
+pub fn plot(title: &str, bands: &[Band]) -> String {
+    let lines = bands.iter().map(|band| TITLE + LINE * count(band.dots.len()) + 12.0);
+    let height = 40.0 + lines.sum::<f64>();
+    let mut out = opening(WIDTH, height, title);
+    push(&mut out, format_args!("<text x=\"16\" y=\"24\" font-size=\"16\" font-weight=\"600\">{}</text>", escaped(title)));
+    let mut top = 40.0;
+    for band in bands {
+        draw(&mut out, band, top);
+        top += TITLE + LINE * count(band.dots.len()) + 12.0;
+    }
+    out.push_str("</svg>\n");
+    out
+}
+
+fn draw(out: &mut String, band: &Band, top: f64) {
+    let most = band.dots.iter().map(|dot| dot.estimate.mean + dot.estimate.half_width).fold(f64::MIN_POSITIVE, f64::max);
+    let across = |value: f64| LEFT + (WIDTH - LEFT - RIGHT) * value.max(0.0) / most;
+    push(out, format_args!("<text x=\"16\" y=\"{}\" font-weight=\"600\">{}</text>", top + 20.0, escaped(&band.title)));
+    for (number, dot) in band.dots.iter().enumerate() {
+        let (y, Estimate { mean, half_width, .. }) = (top + TITLE + LINE * count(number) + 6.0, dot.estimate);
+        let colour = COLOURS[number % COLOURS.len()];
+        push(
+            out,
+            format_args!("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>", LEFT - 10.0, y + 4.0, escaped(&dot.name)),
+        );
+        push(
+            out,
+            format_args!(
+                "<line x1=\"{LEFT}\" y1=\"{y}\" x2=\"{:.1}\" y2=\"{y}\" stroke=\"{colour}\" stroke-width=\"7\" opacity=\"0.35\"/>",
+                across(mean)
+            ),
+        );
+        push(
+            out,
+            format_args!(
+                "<line x1=\"{:.1}\" y1=\"{y}\" x2=\"{:.1}\" y2=\"{y}\" stroke=\"{colour}\" stroke-width=\"3\"/>",
+                across(mean - half_width),
+                across(mean + half_width)
+            ),
+        );
+        push(out, format_args!("<circle cx=\"{:.1}\" cy=\"{y}\" r=\"4.5\" fill=\"{colour}\"/>", across(mean)));
+        push(
+            out,
+            format_args!(
+                "<text x=\"{:.1}\" y=\"{}\">{} ± {}</text>",
+                across(mean + half_width) + 10.0,
+                y + 4.0,
+                digits(mean),
+                digits(half_width)
+            ),
+        );
+    }
+}
+
+/// Four digits that count are more than any interval is sure of.
+fn digits(number: f64) -> String {
+    if number.abs() < 100.0 { format!("{number:.3}") } else { format!("{number:.0}") }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "a picture has few lines")]
+fn count(lines: usize) -> f64 {
+    lines as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_strategy_has_its_line_with_the_numbers_it_stands_for() {
+        let dot = |name: &str, mean| Dot { name: name.to_owned(), estimate: Estimate { mean, half_width: 0.25, count: 60 } };
+        let band = Band { title: "walls & corners".to_owned(), dots: vec![dot("snail", 4.0), dot("columns", 2.0)] };
+        let picture = plot("moves", &[band.clone(), band]);
+        assert_eq!(picture.matches("<circle").count(), 4);
+        assert!(picture.contains("walls &amp; corners") && picture.contains("4.000 ± 0.250"), "{picture}");
+        // The longest bar ends at the right, and one of half the mean is half as long.
+        let ends: Vec<f64> = picture
+            .split("cx=\"")
+            .skip(1)
+            .filter_map(|rest| rest.split('"').next()?.parse().ok())
+            .map(|x: f64| x - LEFT)
+            .collect();
+        assert!((ends[0] / ends[1] - 2.0).abs() < 0.01, "{ends:?}");
+    }
+}

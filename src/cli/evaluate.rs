@@ -1,0 +1,222 @@
+//! `hallsweep evaluate`: strategies on the same halls, and what came of it.
+//! The walks are made by `hallsweep_evaluation::compare`; here they are asked for, their progress shown and their results written.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::Failure;
+use super::tune::{costs, objective, read_weights};
+use crate::runtime::clock::Clock;
+use hallsweep_core::search::costs::Costs;
+use hallsweep_core::search::ways::Ways;
+use hallsweep_core::search::{Objective, Strategy};
+use hallsweep_evaluation::compare::{Contest, Entrant, Halls, HallsError, Measure, Timings, Trial, rows, tour};
+use hallsweep_evaluation::walk::Terms;
+use hallsweep_evaluation::{Ground, drawing};
+use hallsweep_sim::{Hall, SimSettings};
+
+mod report;
+mod written;
+
+/// The flags of `evaluate`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "Without --halls: the tables of docs/search.md, which takes some minutes.\n\
+    Families of random halls: empty, luggage-PERCENT, walls, islands, pockets, corridors, maze; with their size, as luggage-10:50x50.\n\
+    The same flags walk through the same halls by the same moves; only the times of decisions differ.")]
+pub struct Evaluate {
+    /// A family of random halls with its size, a hall by its name, or a hall file; several with commas between them.
+    #[arg(long, value_name = "HALLS", value_delimiter = ',')]
+    halls: Vec<String>,
+    /// How many halls of each family.
+    #[arg(long, value_name = "NUMBER", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    count: u32,
+    /// Where the chance in random halls comes from.
+    #[arg(long, value_name = "NUMBER", default_value_t = 1)]
+    seed: u64,
+    /// The strategies, with commas between them; otherwise all of them.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = strategy)]
+    strategies: Vec<Strategy>,
+    /// One more that searches: the score by the weights in this file.
+    #[arg(long, value_name = "FILE")]
+    weights: Vec<PathBuf>,
+    /// Compare each to this strategy, hall by hall.
+    #[arg(long, value_name = "NAME", value_parser = strategy)]
+    against: Option<Strategy>,
+    /// What the searches are to be good at: find, cover.
+    #[arg(long, value_name = "NAME", default_value = "find", value_parser = objective)]
+    goal: Objective,
+    /// How many cells the sonar sees ahead, 1 to 7; 0: the robot bumps into what is there.
+    #[arg(long, value_name = "CELLS", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=7))]
+    sonar: u8,
+    /// What a step, a turn and a bump cost.
+    #[arg(long, value_name = "STEP,TURN,BUMP", default_value = "1,1,1", value_parser = costs)]
+    costs: Costs,
+    /// Print one JSON object instead of the tables.
+    #[arg(long)]
+    json: bool,
+    /// Write a line for each search to this file.
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Draw the strategies side by side as SVG into this file.
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Draw each strategy's tour through the first of the halls as SVG into this folder.
+    #[arg(long, value_name = "DIR")]
+    tours: Option<PathBuf>,
+}
+
+/// A comparison, and what it is shown by when it is a row of a table.
+struct Question {
+    contest: Contest,
+    row: Option<rows::Row>,
+}
+
+/// A comparison that was made: for each entrant its trials.
+struct Answer {
+    question: Question,
+    trials: Vec<Vec<Trial>>,
+}
+
+/// Compares, and prints what it came to.
+pub fn run(flags: &Evaluate) -> Result<(), Failure> {
+    let entrants = flags.entrants()?;
+    let against = flags.against.map(|other| place_of(other, &entrants)).transpose()?;
+    let questions = flags.questions()?;
+    let drawn: Vec<Vec<(PathBuf, String)>> = match &flags.tours {
+        Some(folder) => questions.iter().map(|question| tours(folder, question, &entrants)).collect(),
+        None => Vec::new(),
+    };
+    for (path, picture) in drawn.iter().flatten() {
+        write(path, picture)?;
+    }
+    let answers = compare(questions, &entrants);
+    if let Some(path) = &flags.csv {
+        write(path, &written::csv(&answers, &entrants))?;
+    }
+    if let Some(path) = &flags.plot {
+        write(path, &report::plot(&answers, &entrants))?;
+    }
+    let text = if flags.json {
+        written::json(&answers, &entrants, against)
+    } else if flags.halls.is_empty() {
+        report::rows(&answers, &entrants)
+    } else {
+        report::blocks(&answers, &entrants, against)
+    };
+    super::print(text.trim_end())?;
+    let missed = answers.iter().flat_map(|answer| answer.trials.iter().flatten()).filter(|trial| !trial.complete).count();
+    if missed > 0 {
+        Err(Failure::Run(format!("{missed} searches left something out: this is a fault of hallsweep")))
+    } else {
+        Ok(())
+    }
+}
+
+fn compare(questions: Vec<Question>, entrants: &[Entrant]) -> Vec<Answer> {
+    let searches: usize = questions.iter().map(|question| question.contest.halls.count() * entrants.len()).sum();
+    let (bar, clock) = (progress_bar(searches as u64), Clock::default());
+    let answer = |question: Question| {
+        bar.set_message(question.contest.halls.to_string());
+        let trials = question.contest.run(entrants, || clock.since_start(), || bar.inc(1));
+        Answer { question, trials }
+    };
+    let answers = questions.into_iter().map(answer).collect();
+    bar.finish_and_clear();
+    answers
+}
+
+impl Evaluate {
+    fn entrants(&self) -> Result<Vec<Entrant>, Failure> {
+        let named = if self.strategies.is_empty() { Strategy::ALL.to_vec() } else { self.strategies.clone() };
+        let mut entrants: Vec<Entrant> = Vec::new();
+        for strategy in named.into_iter().map(Entrant::Strategy) {
+            if !entrants.contains(&strategy) {
+                entrants.push(strategy);
+            }
+        }
+        for path in &self.weights {
+            let weights = Box::new(read_weights(path)?);
+            entrants.push(Entrant::Weights { name: path.display().to_string(), weights });
+        }
+        Ok(entrants)
+    }
+
+    fn questions(&self) -> Result<Vec<Question>, Failure> {
+        let (count, timings) = (self.count as usize, timings());
+        if self.halls.is_empty() {
+            let asked = |row: rows::Row| {
+                let contest = Contest { halls: row.halls.clone(), terms: row.terms, timings };
+                Question { contest, row: Some(row) }
+            };
+            return Ok(rows::rows(count, self.seed).into_iter().map(asked).collect());
+        }
+        let terms = Terms { objective: self.goal, sonar_cells: self.sonar, costs: self.costs };
+        let asked =
+            |written: &String| Ok(Question { contest: Contest { halls: self.halls(written)?, terms, timings }, row: None });
+        self.halls.iter().map(asked).collect()
+    }
+
+    /// A family with its size, or else a hall by its name or its file.
+    fn halls(&self, written: &str) -> Result<Halls, Failure> {
+        match written.parse() {
+            Ok(Halls::Random { family, columns, lines, .. }) => {
+                Ok(Halls::Random { family, columns, lines, count: self.count as usize, seed: self.seed })
+            }
+            Ok(drawn @ Halls::Drawn(_)) => Ok(drawn),
+            Err(error @ HallsError::Size(_)) => Err(Failure::Usage(format!("--halls {written}: {error}"))),
+            Err(HallsError::NoFamily) => {
+                let hall = Hall::named_or_file(written).map_err(|error| Failure::Usage(format!("--halls {error}")))?;
+                Ok(Halls::Drawn(Box::new(hall)))
+            }
+        }
+    }
+}
+
+/// How long the simulated robot takes, as it is without settings; a bump is a step.
+fn timings() -> Timings {
+    let SimSettings { step, turn, .. } = SimSettings::default();
+    Timings { step_s: step.as_secs_f64(), turn_s: turn.as_secs_f64(), bump_s: step.as_secs_f64() }
+}
+
+/// Which of the entrants this strategy is.
+fn place_of(strategy: Strategy, entrants: &[Entrant]) -> Result<usize, Failure> {
+    entrants.iter().position(|entrant| *entrant == Entrant::Strategy(strategy)).ok_or_else(|| {
+        Failure::Usage(format!("--against {0}: {0} does not search: name it in --strategies too", strategy.name()))
+    })
+}
+
+/// The tours of all entrants through the first hall of a comparison, and the files they go to.
+fn tours(folder: &Path, question: &Question, entrants: &[Entrant]) -> Vec<(PathBuf, String)> {
+    let Contest { halls, terms, .. } = &question.contest;
+    let hall = halls.hall(0);
+    let ground = Ground::of(&hall);
+    let drawn = |entrant: &Entrant| {
+        let way = tour(&ground, *terms, entrant, &mut Ways::default());
+        let caption = format!("{} · {halls} · {}", entrant.name(), report::asked(*terms));
+        let name: String =
+            format!("{}-{halls}", entrant.name()).chars().map(|letter| if is_plain(letter) { letter } else { '-' }).collect();
+        (folder.join(format!("{name}.svg")), drawing::tour(&hall, &way, &caption))
+    };
+    entrants.iter().map(drawn).collect()
+}
+
+/// Whether a letter may stand in the name of a file anywhere.
+const fn is_plain(letter: char) -> bool {
+    letter.is_ascii_alphanumeric() || letter == '.'
+}
+
+fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    std::fs::write(path, text).map_err(|error| Failure::Run(format!("{} cannot be written: {error}", path.display())))
+}
+
+fn strategy(written: &str) -> Result<Strategy, String> {
+    Strategy::named(written).ok_or_else(|| format!("write one of: {}", Strategy::ALL.map(Strategy::name).join(", ")))
+}
+
+/// A bar on standard error, shown only where that is a terminal.
+fn progress_bar(searches: u64) -> ProgressBar {
+    let style = ProgressStyle::with_template("evaluating {wide_bar} {pos} of {len} searches · {elapsed} · {msg}");
+    ProgressBar::new(searches).with_style(style.expect("the template is a constant and names only fields that there are"))
+}

@@ -1,0 +1,126 @@
+//! What a comparison came to, as tables for people and as a picture.
+
+use super::{Answer, Measure};
+use hallsweep_core::search::Objective;
+use hallsweep_evaluation::compare::{Entrant, Estimate, against as differences, decisions, over};
+use hallsweep_evaluation::drawing::{self, Band, Dot};
+use hallsweep_evaluation::walk::Terms;
+
+/// What a search was asked, in words.
+pub(super) fn asked(terms: Terms) -> String {
+    let goal = terms.objective.name();
+    let sensing = if terms.sonar_cells == 0 { "bump".to_owned() } else { format!("sonar of {}", terms.sonar_cells) };
+    format!("goal {goal} · {sensing} · costs {}", terms.costs)
+}
+
+/// What a measure is called in the head of a column.
+pub(super) const fn head(measure: Measure) -> &'static str {
+    match measure {
+        Measure::MovesPerCell => "moves a cell",
+        Measure::ToAPiece => "to a piece",
+        Measure::StepsOverBound => "steps/bound",
+        Measure::Seconds => "seconds",
+    }
+}
+
+/// A line for each row of the tables of the documentation, a column for each entrant, and the best that was known before.
+pub(super) fn rows(answers: &[Answer], entrants: &[Entrant]) -> String {
+    let mut table = vec![
+        [vec!["halls".to_owned(), "asked".to_owned(), "measured".to_owned()], names(entrants), vec!["known before".to_owned()]]
+            .concat(),
+    ];
+    for Answer { question, trials } in answers {
+        let Some(row) = &question.row else { continue };
+        let halls = vec![row.halls.to_string(), asked(row.terms), head(row.measure).to_owned()];
+        let estimates = trials.iter().map(|trials| shown(over(trials, row.measure))).collect();
+        table.push([halls, estimates, vec![format!("{:.3}", row.known)]].concat());
+    }
+    let halls = answers.first().map_or(0, |answer| answer.question.contest.halls.count());
+    format!(
+        "{}\n\nMeans of {halls} halls each, with their 95 % intervals. What was known before stands for other halls of the same kind.",
+        aligned(&table)
+    )
+}
+
+/// A table for each comparison, with a line for each entrant.
+pub(super) fn blocks(answers: &[Answer], entrants: &[Entrant], against: Option<usize>) -> String {
+    let blocks: Vec<String> = answers.iter().map(|answer| block(answer, entrants, against)).collect();
+    blocks.join("\n\n")
+}
+
+fn block(answer: &Answer, entrants: &[Entrant], against: Option<usize>) -> String {
+    let Answer { question, trials } = answer;
+    let contest = &question.contest;
+    let mut columns: Vec<String> = ["strategy"].into_iter().chain(Measure::ALL.map(head)).map(str::to_owned).collect();
+    columns.extend(["decision p50", "p99", "worst"].map(str::to_owned));
+    let judged = measure(contest.terms.objective);
+    if let Some(other) = against {
+        columns.push(format!("{} less {}", head(judged), entrants[other].name()));
+    }
+    let mut table = vec![columns];
+    for (entrant, mine) in entrants.iter().zip(trials) {
+        let mut line = vec![entrant.name().to_owned()];
+        line.extend(Measure::ALL.map(|measure| shown(over(mine, measure))));
+        line.extend(decisions(mine).map(|time| format!("{:.1} µs", time.as_secs_f64() * 1e6)));
+        if let Some(other) = against {
+            line.push(shown(differences(mine, &trials[other], judged)));
+        }
+        table.push(line);
+    }
+    let count = contest.halls.count();
+    let halls = if count == 1 { "one hall".to_owned() } else { format!("{count} halls") };
+    format!("{} · {halls} · {}\n{}", contest.halls, asked(contest.terms), aligned(&table))
+}
+
+/// What a search with this goal is to be good at.
+const fn measure(objective: Objective) -> Measure {
+    match objective {
+        Objective::Cover => Measure::MovesPerCell,
+        Objective::Find => Measure::ToAPiece,
+    }
+}
+
+/// The picture of all comparisons.
+pub(super) fn plot(answers: &[Answer], entrants: &[Entrant]) -> String {
+    let bands: Vec<Band> = answers
+        .iter()
+        .map(|Answer { question, trials }| {
+            let terms = question.contest.terms;
+            let measure = question.row.as_ref().map_or(measure(terms.objective), |row| row.measure);
+            let dot = |(entrant, trials): (&Entrant, &Vec<_>)| {
+                Some(Dot { name: entrant.name().to_owned(), estimate: over(trials, measure)? })
+            };
+            let title = format!("{} · {} · {}", question.contest.halls, asked(terms), head(measure));
+            Band { title, dots: entrants.iter().zip(trials).filter_map(dot).collect() }
+        })
+        .collect();
+    drawing::plot("Strategies side by side: the mean and its 95 % interval, less is better", &bands)
+}
+
+fn names(entrants: &[Entrant]) -> Vec<String> {
+    entrants.iter().map(|entrant| entrant.name().to_owned()).collect()
+}
+
+fn shown(estimate: Option<Estimate>) -> String {
+    match estimate {
+        None => "-".to_owned(),
+        Some(Estimate { mean, count: 1, .. }) => number(mean),
+        Some(Estimate { mean, half_width, .. }) => format!("{} ± {}", number(mean), number(half_width)),
+    }
+}
+
+fn number(number: f64) -> String {
+    if number.abs() < 100.0 { format!("{number:.3}") } else { format!("{number:.0}") }
+}
+
+/// The table with every column as wide as its widest entry.
+fn aligned(table: &[Vec<String>]) -> String {
+    let columns = table.first().map_or(0, Vec::len);
+    let width = |column: usize| table.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let line = |line: &Vec<String>| {
+        let cells: Vec<String> = line.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}")).collect();
+        cells.join("  ").trim_end().to_owned()
+    };
+    table.iter().map(line).collect::<Vec<_>>().join("\n")
+}
