@@ -9,11 +9,11 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::Failure;
 use super::tune::{costs, objective, read_weights};
 use crate::runtime::clock::Clock;
+use hallsweep_core::search::Terms;
 use hallsweep_core::search::costs::Costs;
 use hallsweep_core::search::ways::Ways;
 use hallsweep_core::search::{Objective, Strategy};
 use hallsweep_evaluation::compare::{Contest, Entrant, Halls, HallsError, Measure, Timings, Trial, rows, tour};
-use hallsweep_evaluation::walk::Terms;
 use hallsweep_evaluation::{Ground, drawing};
 use hallsweep_sim::{Hall, SimSettings};
 

@@ -10,11 +10,11 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::Failure;
 use hallsweep_core::search::Objective;
+use hallsweep_core::search::Terms;
 use hallsweep_core::search::costs::Costs;
 use hallsweep_core::search::weights::Weights;
 use hallsweep_evaluation::family::Family;
 use hallsweep_evaluation::tune::{Lessons, Round, Task, cross_entropy};
-use hallsweep_evaluation::walk::Terms;
 
 /// The flags of `tune`.
 #[derive(Args, Clone, Debug)]

@@ -173,7 +173,7 @@ fn core(layers: &Layers) -> Result<CoreSettings, SettingsError> {
         inspect_everything: read(layers, "mission.inspect_everything")?,
         fetcher: one_of(layers, "mission.retrieval", &Fetcher::ALL, Fetcher::name, "nobody of this name fetches")?,
         objective: one_of(layers, "mission.goal", &Objective::ALL, Objective::name, "there is no such goal")?,
-        sensing: sensing(layers)?,
+        sonar_cells: robots::sonar_cells(layers, "robot.sonar_cells")?,
         costs: costs(layers)?,
         wall_lines: read(layers, "mission.wall_lines")?,
     })

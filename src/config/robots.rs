@@ -71,7 +71,8 @@ pub(super) fn robot(layers: &Layers, section: &str) -> Result<RobotSettings, Set
     })
 }
 
-fn sonar_cells(layers: &Layers, key: &str) -> Result<u8, SettingsError> {
+/// The cells that the sonar is to see ahead, where the search goes by it.
+pub(super) fn sonar_cells(layers: &Layers, key: &str) -> Result<u8, SettingsError> {
     let cells = u8::try_from(count(layers, key)?).map_err(|_| layers.wrong(key, "it is out of range"))?;
     Ok(if sensing(layers)? == Sensing::Sonar { cells } else { 0 })
 }

@@ -9,7 +9,7 @@ use hallsweep_core::command::{Accepted, Command, Door, Issuer, Refused, Request}
 use hallsweep_core::effect::{Effect, Entry, Fact, Page};
 use hallsweep_core::engine::{Engine, Recalled};
 use hallsweep_core::event::{Event, RobotId};
-use hallsweep_core::search::{Sensing, Strategy};
+use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::{Fetcher, Settings};
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Now, Seq, Ticket, WallTime};
@@ -170,5 +170,5 @@ impl Mortal {
 fn rules(sim: &SimSettings) -> Settings {
     let usual = Settings::default();
     let fetcher = if sim.has_hook { Fetcher::Discovery } else { usual.fetcher };
-    Settings { fetcher, sensing: if sim.sonar_cells > 0 { Sensing::Sonar } else { Sensing::Bump }, ..usual }
+    Settings { fetcher, sonar_cells: sim.sonar_cells, ..usual }
 }

@@ -1,7 +1,7 @@
 //! The explorer on a thousand random halls: all complete, all home, and the map equal to the truth wherever it says anything.
 
 use hallsweep_core::search::costs::Costs;
-use hallsweep_core::search::{Objective, Sensing, Strategy};
+use hallsweep_core::search::{Objective, Strategy};
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::Mark;
@@ -38,19 +38,18 @@ pub(crate) fn in_turn(seed: u64, settings: Settings) -> (SimSettings, Settings, 
     let pick = |n: u64, of: usize| usize::try_from(n).unwrap() % of;
     let strategy = Strategy::ALL[pick(seed, Strategy::ALL.len())];
     let turn = seed / Strategy::ALL.len() as u64;
-    let (sensing, sonar_cells) =
-        [(Sensing::Bump, 0), (Sensing::Sonar, 1), (Sensing::Bump, 0), (Sensing::Sonar, 3)][pick(turn, 4)];
+    let sonar_cells = [0, 1, 0, 3][pick(turn, 4)];
     let objective = Objective::ALL[pick(turn / 4, 2)];
     let costs = [None, Costs::weighed(1.0, 1.0, 1.0), Costs::weighed(1.0, 0.0, 0.0)][pick(turn / 8, 3)];
     let sim = SimSettings { sonar_cells, ..SimSettings::new(seed, Camera::Stub) };
-    (sim, Settings { sensing, objective, costs, ..settings }, strategy)
+    (sim, Settings { sonar_cells, objective, costs, ..settings }, strategy)
 }
 
 fn run(seed: u64, most: u64, settings: Settings) -> Figures {
     let hall = halls::random(seed, most);
     let (sim, settings, strategy) = in_turn(seed, settings);
     let figures = explore(&hall, sim, settings, strategy, Verdicts::AllSafe, |_| {});
-    let of = format!("hall {seed} by {}, sensing {}", strategy.name(), settings.sensing.name());
+    let of = format!("hall {seed} by {}, sonar {}", strategy.name(), settings.sonar_cells);
     assert_eq!(figures.stuck, None, "{of}");
     assert!(figures.complete && figures.home, "{of}: complete {}, home {}", figures.complete, figures.home);
     map_is_true(&figures, &hall);

@@ -1,7 +1,7 @@
 //! What can be set in the core; reading settings from files is `config`'s job.
 
+use super::search::Objective;
 use super::search::costs::Costs;
-use super::search::{Objective, Sensing};
 use super::units::Celsius;
 
 /// The settings of an engine.
@@ -17,8 +17,8 @@ pub struct Settings {
     pub fetcher: Fetcher,
     /// What the search is to be good at.
     pub objective: Objective,
-    /// How the robot learns that a cell is free.
-    pub sensing: Sensing,
+    /// So many cells ahead the robot's sonar tells the search whether they are free; 0: it learns by driving into them.
+    pub sonar_cells: u8,
     /// What moves cost in the eyes of the search; `None`: as long as they take the robot.
     pub costs: Option<Costs>,
     /// Whether a recognised wall reveals the straight line it belongs to as far as the camera sees it.
@@ -48,7 +48,7 @@ impl Default for Settings {
             inspect_everything: false,
             fetcher: Fetcher::Pair,
             objective: Objective::default(),
-            sensing: Sensing::default(),
+            sonar_cells: 0,
             costs: None,
             wall_lines: true,
         }

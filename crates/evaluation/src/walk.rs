@@ -6,7 +6,7 @@ use hallsweep_core::search::costs::Costs;
 use hallsweep_core::search::grid::{Grid, Square};
 use hallsweep_core::search::outlook::Gait;
 use hallsweep_core::search::ways::Ways;
-use hallsweep_core::search::{NextGoal, Objective, Search, Sensing, View};
+use hallsweep_core::search::{NextGoal, Search, Terms, View};
 use hallsweep_core::units::{Cell, Heading, Pose};
 use hallsweep_sim::Truth;
 use hallsweep_sim::headless::Moves;
@@ -20,17 +20,6 @@ pub fn cost(moves: Moves, costs: Costs) -> f64 {
     let units = |moves: u64, each: u32| moves as f64 * f64::from(each);
     let sum = units(moves.steps, costs.step) + units(moves.turns, costs.turn) + units(moves.bumps, costs.bump);
     sum / f64::from(costs.step)
-}
-
-/// What a walk is asked to do, and how it senses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Terms {
-    /// What it is to be good at.
-    pub objective: Objective,
-    /// The cells that its sonar sees ahead; 0: it bumps into what is there.
-    pub sonar_cells: u8,
-    /// What moves cost it.
-    pub costs: Costs,
 }
 
 /// How far a walk has come.
@@ -71,9 +60,7 @@ impl Walk {
     /// What a strategy sees.
     #[must_use]
     pub fn view(&self) -> View<'_> {
-        let Terms { objective, sonar_cells, costs } = self.terms;
-        let sensing = if sonar_cells > 0 { Sensing::Sonar } else { Sensing::Bump };
-        View { grid: &self.grid, pose: self.pose, gait: self.gait, costs, objective, sensing }
+        View { grid: &self.grid, pose: self.pose, gait: self.gait, terms: self.terms }
     }
 
     /// Two walks through the same hall with the same number go on alike, but for their gait.
@@ -115,8 +102,8 @@ impl Walk {
     /// Makes the moves that lead into an open cell, until something is in the way, or is seen to be, or the cell is known.
     pub fn enter(&mut self, ground: &Ground, cell: Cell, route: &[Move]) {
         for step in route {
-            let is_shut = *step == Move::Forward && self.grid.at(self.pose.ahead()) == Square::Obstacle;
-            if is_shut || self.grid.at(cell) == Square::Obstacle || !self.make(ground, *step) {
+            let is_shut = *step == Move::Forward && self.grid.at(self.pose.ahead()).is_settled();
+            if is_shut || self.grid.at(cell).is_settled() || !self.make(ground, *step) {
                 return;
             }
         }
@@ -132,7 +119,7 @@ impl Walk {
 
     /// Towards a cell as if everything unknown were free, until it is known what it is or it cannot be reached.
     fn dare(&mut self, ground: &Ground, ways: &mut Ways, cell: Cell) {
-        while !matches!(self.grid.at(cell), Square::Visited | Square::Obstacle) {
+        while self.grid.at(cell) != Square::Visited && !self.grid.at(cell).is_settled() {
             let way = ways.way_over_unknown(&self.grid, self.terms.costs, self.pose, cell);
             let Some(way) = way.filter(|way| !way.is_empty()) else { return };
             self.enter(ground, cell, &way);
@@ -184,11 +171,12 @@ impl Walk {
 
     /// What stands ahead is seen for what it is; of a wall the straight line it belongs to.
     fn meet(&mut self, ground: &Ground, cell: Cell) {
-        if self.grid.at(cell) == Square::Obstacle {
+        if self.grid.at(cell).is_settled() {
             return;
         }
-        self.learn(cell, Square::Obstacle);
-        if ground.at(cell) != Truth::Wall {
+        let is_wall = ground.at(cell) == Truth::Wall;
+        self.learn(cell, if is_wall { Square::Obstacle } else { Square::Luggage });
+        if !is_wall {
             self.found += 1;
             self.found_after += self.moves.total();
             self.known_after += self.moves.total();
@@ -198,7 +186,7 @@ impl Walk {
             let mut before = self.pose.cell.ahead(side);
             while ground.at(before) == Truth::Free && ground.at(before.ahead(self.pose.heading)) == Truth::Wall {
                 let wall = before.ahead(self.pose.heading);
-                if self.grid.at(wall) != Square::Obstacle {
+                if !self.grid.at(wall).is_settled() {
                     self.learn(wall, Square::Obstacle);
                 }
                 before = before.ahead(side);
@@ -240,7 +228,7 @@ mod tests {
     use super::*;
     use crate::family::{Family, hall};
     use hallsweep_core::rng::RandomStream;
-    use hallsweep_core::search::Strategy;
+    use hallsweep_core::search::{Objective, Strategy};
     use hallsweep_core::settings::Settings;
     use hallsweep_sim::headless::{Verdicts, explore};
     use hallsweep_sim::{Camera, SimSettings};
@@ -288,14 +276,14 @@ mod tests {
         let mut ways = Ways::default();
         for (n, family) in (0..).zip(Family::ALL) {
             for strategy in Strategy::ALL {
-                for (sonar_cells, sensing) in [(0, Sensing::Bump), (1, Sensing::Sonar), (3, Sensing::Sonar)] {
+                for sonar_cells in [0, 1, 3] {
                     let hall = Arc::new(hall(family, 14, 11, &mut RandomStream::new(n, "mission")));
                     let objective = Objective::ALL[usize::try_from(n % 2).unwrap()];
                     let costs = Costs::weighed(1.0, 1.5, 1.0).unwrap();
                     let mut walk = Walk::new(&Ground::of(&hall), Terms { objective, sonar_cells, costs });
                     walk.finish(&Ground::of(&hall), &mut ways, strategy.begin());
                     let sim = SimSettings { sonar_cells, ..SimSettings::new(n, Camera::Stub) };
-                    let settings = Settings { objective, sensing, costs: Some(costs), ..Settings::default() };
+                    let settings = Settings { objective, sonar_cells, costs: Some(costs), ..Settings::default() };
                     let mission = explore(&hall, sim, settings, strategy, Verdicts::AllSafe, |_| {});
                     let of = format!("{family:?} by {}, sonar {sonar_cells}", strategy.name());
                     assert_eq!(walk.moves, mission.moves, "{of}");

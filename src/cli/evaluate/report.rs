@@ -2,9 +2,9 @@
 
 use super::{Answer, Measure};
 use hallsweep_core::search::Objective;
+use hallsweep_core::search::Terms;
 use hallsweep_evaluation::compare::{Entrant, Estimate, against as differences, decisions, over};
 use hallsweep_evaluation::drawing::{self, Band, Dot};
-use hallsweep_evaluation::walk::Terms;
 
 /// What a search was asked, in words.
 pub(super) fn asked(terms: Terms) -> String {

@@ -5,7 +5,6 @@ use crate::command::Move;
 use crate::effect::Fact;
 use crate::event::{Ahead, Obstacle, Piece};
 use crate::mission::{Input, InputContext};
-use crate::search::Sensing;
 use crate::units::{Cell, Heading, Pose};
 use crate::world::hall_map::{Mark, REACH};
 use crate::world::luggage::Luggage;
@@ -15,7 +14,7 @@ impl Engine {
     /// it need not bump into.
     pub(super) fn look_ahead(&mut self) {
         let seen = self.robots.searching_mut().ahead.take();
-        let Some(Ahead { free, obstacle }) = seen.filter(|_| self.settings.sensing == Sensing::Sonar) else { return };
+        let Some(Ahead { free, obstacle }) = seen.filter(|_| self.settings.sonar_cells > 0) else { return };
         let Pose { mut cell, heading } = self.state.pose;
         for _ in 0..free {
             cell = cell.ahead(heading);

@@ -1,10 +1,10 @@
 //! The entries of a grid: where something unknown can be entered from a visited cell, or a piece still to be inspected be met.
 //! Every strategy but the snail is a way to weigh them.
 
-use super::View;
 use super::far::turn;
 use super::grid::{Grid, Spot, Square, onward};
 use super::ways::{Reached, Ways};
+use super::{Terms, View};
 use crate::command::Move;
 use crate::units::{Cell, Heading};
 
@@ -27,7 +27,7 @@ pub(crate) struct Visit {
 /// The entry for which the way there, in thousandths of a step, and what it is worth come to the least. `worth` gives less for what
 /// is to be done sooner, and never less than `least`, which ends the search.
 pub(crate) fn best_entry(view: &View<'_>, ways: &mut Ways, least: i32, mut worth: impl FnMut(&Entry) -> i32) -> Option<Visit> {
-    let View { grid, pose, costs, .. } = *view;
+    let View { grid, pose, terms: Terms { costs, .. }, .. } = *view;
     if !grid.has_open() {
         return None;
     }
@@ -53,7 +53,7 @@ pub(crate) fn best_entry(view: &View<'_>, ways: &mut Ways, least: i32, mut worth
 
 /// The nearest entry whose cell is `wanted`.
 pub(crate) fn nearest(view: &View<'_>, ways: &mut Ways, wanted: impl Fn(Cell) -> bool) -> Option<Visit> {
-    let View { grid, pose, costs, .. } = *view;
+    let View { grid, pose, terms: Terms { costs, .. }, .. } = *view;
     if !grid.has_open() {
         return None;
     }

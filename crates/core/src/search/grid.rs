@@ -1,6 +1,7 @@
 //! The occupancy grid that a search looks at: one byte a cell in one block of memory, with room to spare on every side, so that a look round a
 //! cell is a few plain reads. The map that the doors show stands in `crate::world::hall_map`; both are told the same marks.
 
+use super::census::Census;
 use crate::units::{Cell, Heading};
 use crate::world::hall_map::{Bounds, HallMap, Mark};
 
@@ -14,16 +15,24 @@ pub enum Square {
     Seen = 1,
     /// The robot was there.
     Visited = 2,
-    /// Something stands there, and what it is has been settled.
+    /// A wall stands there, or whatever else is no luggage.
     Obstacle = 3,
     /// Something stands there that is still to be inspected.
     Target = 4,
+    /// Luggage that was inspected.
+    Luggage = 5,
 }
 
 impl Square {
     /// Whether something is still to be found out there.
     pub(crate) const fn is_open(self) -> bool {
         matches!(self, Square::Unknown | Square::Seen | Square::Target)
+    }
+
+    /// Whether something stands there of which it is settled what it is.
+    #[must_use]
+    pub const fn is_settled(self) -> bool {
+        matches!(self, Square::Obstacle | Square::Luggage)
     }
 }
 
@@ -44,6 +53,7 @@ pub struct Grid {
     known: Bounds,
     /// How many cells are open and next to a visited one.
     open: usize,
+    census: Census,
     /// One step to the north, east, south and west.
     steps: [isize; 4],
 }
@@ -55,7 +65,14 @@ impl Grid {
         let room = bounds.grown(RIM + 1);
         let size = usize::try_from(i64::from(room.width()) * i64::from(room.height())).expect("a room has a positive size");
         let width = isize::try_from(room.width()).expect("a room is narrower than a memory");
-        Grid { squares: vec![Square::Unknown; size], room, known: Bounds::of(Cell::HOME), open: 0, steps: [-width, 1, width, -1] }
+        Grid {
+            squares: vec![Square::Unknown; size],
+            room,
+            known: Bounds::of(Cell::HOME),
+            open: 0,
+            census: Census::default(),
+            steps: [-width, 1, width, -1],
+        }
     }
 
     /// The grid of this map.
@@ -74,7 +91,8 @@ impl Grid {
             Mark::Unknown => Square::Unknown,
             Mark::Seen => Square::Seen,
             Mark::Visited => Square::Visited,
-            Mark::Wall | Mark::Luggage => Square::Obstacle,
+            Mark::Wall => Square::Obstacle,
+            Mark::Luggage => Square::Luggage,
             Mark::NotInspected => Square::Target,
         };
         self.set(cell, square);
@@ -89,9 +107,10 @@ impl Grid {
             self.make_room(cell);
         }
         let spot = self.spot(cell);
-        let before = self.open_round(spot);
+        let (open, census) = (self.open_round(spot), self.census_round(spot));
         self.squares[spot] = square;
-        self.open = self.open - before + self.open_round(spot);
+        self.open = self.open - open + self.open_round(spot);
+        self.census = self.census.less(census).and(self.census_round(spot));
         self.known = self.known.including(cell);
     }
 
@@ -106,6 +125,31 @@ impl Grid {
         let is_at_edge =
             |spot: Spot| self.squares[spot].is_open() && around(spot).any(|next| self.squares[next] == Square::Visited);
         around(spot).chain([spot]).filter(|spot| is_at_edge(*spot)).count()
+    }
+
+    /// What is known of where luggage stands.
+    pub const fn census(&self) -> Census {
+        self.census
+    }
+
+    /// What a cell and the eight round it bring to the census.
+    fn census_round(&self, spot: Spot) -> Census {
+        let down = self.steps[2];
+        let around = |spot: Spot| {
+            [-down - 1, -down, -down + 1, -1, 1, down - 1, down, down + 1].into_iter().map(move |by| onward(spot, by))
+        };
+        let mut census = Census::default();
+        for spot in around(spot).chain([spot]) {
+            let is_along = || around(spot).any(|next| self.squares[next] == Square::Obstacle);
+            match self.squares[spot] {
+                Square::Visited if is_along() => census.visited_along += 1,
+                Square::Luggage if is_along() => census.luggage_along += 1,
+                Square::Visited => census.visited_inside += 1,
+                Square::Luggage => census.luggage_inside += 1,
+                Square::Unknown | Square::Seen | Square::Obstacle | Square::Target => {}
+            }
+        }
+        census
     }
 
     /// The least rectangle that holds home and every cell of which anything was ever known.
@@ -141,7 +185,7 @@ impl Grid {
             let to = larger.spot(Cell::new(room.least.x, y));
             larger.squares[to..to + width].copy_from_slice(row);
         }
-        (larger.known, larger.open) = (self.known, self.open);
+        (larger.known, larger.open, larger.census) = (self.known, self.open, self.census);
         *self = larger;
     }
 

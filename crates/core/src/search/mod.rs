@@ -4,11 +4,12 @@
 //!
 //! ```text
 //!   map ─ marks ─► Grid ─┐
-//!   pose, costs, sensing ─┴─► View ─► strategy ─► a cell and the moves that enter it · home · nothing left
+//!   pose, gait, terms ────┴─► View ─► strategy ─► a cell and the moves that enter it · home · nothing left
 //!                                        └─ weighs entries (entries) by their outlook (outlook)
 //! ```
 
 mod auto;
+pub mod census;
 mod columns;
 pub mod costs;
 mod entries;
@@ -80,6 +81,17 @@ named! {
     }
 }
 
+/// What a search is asked to do, and how the robot senses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Terms {
+    /// What it is to be good at.
+    pub objective: Objective,
+    /// So many cells ahead the robot sees whether they are free; 0: it bumps into what is there.
+    pub sonar_cells: u8,
+    /// What moves cost it.
+    pub costs: Costs,
+}
+
 /// What a strategy sees.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
@@ -89,12 +101,8 @@ pub struct View<'a> {
     pub pose: Pose,
     /// How it came there.
     pub gait: Gait,
-    /// What moves cost it.
-    pub costs: Costs,
-    /// What the search is to be good at.
-    pub objective: Objective,
-    /// How the robot learns that a cell is free.
-    pub sensing: Sensing,
+    /// What it is asked.
+    pub terms: Terms,
 }
 
 /// What to do next.

@@ -300,7 +300,7 @@ const fn kind(square: Square) -> u8 {
     match square {
         Square::Unknown | Square::Seen => 0,
         Square::Visited => 1,
-        Square::Obstacle | Square::Target => 2,
+        Square::Obstacle | Square::Luggage | Square::Target => 2,
     }
 }
 

@@ -6,7 +6,7 @@ use super::far::turn;
 use super::grid::{Grid, Spot, Square};
 use super::outlook::Gait;
 use super::ways::Ways;
-use super::{NextGoal, Search, View};
+use super::{NextGoal, Search, Terms, View};
 use crate::command::Move;
 use crate::effect::Fact;
 use crate::settings::Settings;
@@ -51,8 +51,8 @@ impl Planner {
     /// What the search wants next of a robot that stands here.
     pub(crate) fn ask(&mut self, search: &mut Search, pose: Pose, gait: Gait, settings: &Settings) -> NextGoal {
         let Planner { grid, ways, costs } = self;
-        let (objective, sensing) = (settings.objective, settings.sensing);
-        search.next(&View { grid, pose, gait, costs: *costs, objective, sensing }, ways)
+        let terms = Terms { objective: settings.objective, sonar_cells: settings.sonar_cells, costs: *costs };
+        search.next(&View { grid, pose, gait, terms }, ways)
     }
 
     /// Whether a way over visited cells leads there.
@@ -94,7 +94,7 @@ pub(super) fn way(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal:
         return if through == Through::Unknown { towards(grid, ways, costs, start, goal, area) } else { None };
     }
     let target = grid.spot(goal);
-    let passable = |spot: Spot| may_enter(grid, area, spot, through) || (spot == target && grid.here(spot) != Square::Obstacle);
+    let passable = |spot: Spot| may_enter(grid, area, spot, through) || (spot == target && !grid.here(spot).is_settled());
     ways.way_to_cell(grid, costs, start, goal, passable)
 }
 
@@ -125,7 +125,7 @@ fn may_enter(grid: &Grid, area: Bounds, spot: Spot, through: Through) -> bool {
     match grid.here(spot) {
         Square::Visited => true,
         Square::Unknown | Square::Seen => through == Through::Unknown && area.contains(grid.cell(spot)),
-        Square::Obstacle | Square::Target => false,
+        Square::Obstacle | Square::Luggage | Square::Target => false,
     }
 }
 

@@ -10,7 +10,7 @@ use crate::command::Move;
 use crate::units::{Cell, Heading};
 
 pub(super) fn next(view: &View<'_>, ways: &mut Ways) -> Option<Visit> {
-    let weights = Weights::shipped(view.objective, view.sensing);
+    let weights = Weights::shipped(view.terms, view.grid.census().terrain());
     let looking = Looking::of(view);
     best_entry(view, ways, weights.least, |entry| weights.worth(&looking.at(entry)))
 }
@@ -41,7 +41,7 @@ pub fn choose(
     let visit = best_entry(view, ways, weights.least - slack, |entry: &Entry| {
         let outlook = looking.at(entry);
         let worth = weights.worth(&outlook);
-        let score = view.costs.in_thousandths(entry.at.cost) + worth;
+        let score = view.terms.costs.in_thousandths(entry.at.cost) + worth;
         seen(Candidate { cell: view.grid.cell(entry.target), heading: entry.at.heading, score, outlook });
         worth
     });
@@ -52,7 +52,7 @@ pub fn choose(
 pub fn visit(view: &View<'_>, ways: &mut Ways, candidate: &Candidate) -> Option<(Cell, Vec<Move>)> {
     let mut found = false;
     let at = view.grid.spot(candidate.cell.ahead(candidate.heading.opposite()));
-    ways.spread(view.grid, view.costs, view.pose, |here| {
+    ways.spread(view.grid, view.terms.costs, view.pose, |here| {
         found |= here.spot == at && here.heading == candidate.heading;
         if found { 0 } else { u32::MAX }
     });

@@ -117,7 +117,7 @@ mod tests {
     use crate::search::costs::Costs;
     use crate::search::grid::Grid;
     use crate::search::outlook::Gait;
-    use crate::search::{Objective, Sensing};
+    use crate::search::{Objective, Terms};
     use crate::units::{Pose, Revision};
     use crate::world::hall_map::{HallMap, Mark};
 
@@ -132,8 +132,8 @@ mod tests {
             map.mark(cell, Mark::Wall, Revision(2));
         }
         let (mut snail, mut ways, grid) = (Snail::default(), Ways::default(), Grid::of(&map));
-        let (gait, objective, sensing) = (Gait::default(), Objective::Find, Sensing::Bump);
-        let view = View { grid: &grid, pose: Pose::START, gait, costs: Costs::EVEN, objective, sensing };
+        let terms = Terms { objective: Objective::Find, sonar_cells: 0, costs: Costs::EVEN };
+        let view = View { grid: &grid, pose: Pose::START, gait: Gait::default(), terms };
         let finished = (0..100).any(|_| snail.next(&view, &mut ways) == NextGoal::Finished);
         assert!(finished);
     }

@@ -11,9 +11,10 @@
 use std::fmt::Write;
 use std::sync::LazyLock;
 
+use super::census::Terrain;
 use super::outlook::Outlook;
 use super::tables::{LINEAR, LINEAR_NAMES, ROWS, STARTS, TABLES};
-use super::{Objective, Sensing};
+use super::{Objective, Terms};
 
 /// What the numbers of an outlook are worth, in thousandths of a step.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,6 +25,58 @@ pub struct Weights {
     pub rows: Vec<i16>,
     /// No outlook counts for less than this: it bounds the search.
     pub least: i32,
+}
+
+/// Weights that are shipped, and what they were tuned for.
+struct Set {
+    objective: Objective,
+    sonar_cells: u8,
+    /// What a turn cost, in quarters of a step.
+    turn: u32,
+    terrain: Terrain,
+    weights: LazyLock<Weights>,
+}
+
+macro_rules! set {
+    ($objective:ident, $sonar_cells:literal, $turn:literal, $terrain:ident, $file:literal) => {
+        Set {
+            objective: Objective::$objective,
+            sonar_cells: $sonar_cells,
+            turn: $turn,
+            terrain: Terrain::$terrain,
+            weights: LazyLock::new(|| {
+                let read = Weights::read(include_str!(concat!("../../weights/", $file, ".txt")));
+                read.expect("what is shipped is read in a test")
+            }),
+        }
+    };
+}
+
+static SETS: [Set; 8] = [
+    set!(Cover, 0, 4, Usual, "cover-bump"),
+    set!(Cover, 0, 4, Open, "cover-open"),
+    set!(Cover, 0, 4, Dense, "cover-dense"),
+    set!(Cover, 0, 0, Usual, "cover-steps"),
+    set!(Cover, 1, 4, Usual, "cover-sonar"),
+    set!(Find, 0, 4, Usual, "find-bump"),
+    set!(Find, 0, 6, Usual, "find-slow-turns"),
+    set!(Find, 1, 4, Usual, "find-sonar"),
+];
+
+impl Set {
+    /// How far this is from what is asked, the weightiest first. Whether turns cost anything weighs more than what the hall is like, and that
+    /// more than what they cost.
+    fn distance(&self, terms: Terms, terrain: Terrain) -> (bool, bool, bool, bool, bool, u32) {
+        let turn = terms.costs.turn * 4 / terms.costs.step.max(1);
+        (
+            self.objective != terms.objective,
+            (self.sonar_cells > 0) != (terms.sonar_cells > 0),
+            (self.turn > 0) != (turn > 0),
+            self.terrain != terrain && self.terrain != Terrain::Usual,
+            self.terrain != terrain,
+            self.turn.abs_diff(turn),
+        )
+    }
 }
 
 /// What is wrong with a file of weights.
@@ -42,24 +95,11 @@ impl Weights {
         Weights { linear: [0; LINEAR], rows: vec![0; ROWS], least: 0 }
     }
 
-    /// Those that were tuned for this.
+    /// Those that were tuned for this, or else for what is nearest to it.
     #[must_use]
-    pub fn shipped(objective: Objective, sensing: Sensing) -> &'static Weights {
-        macro_rules! shipped {
-            ($file:literal) => {{
-                static WEIGHTS: LazyLock<Weights> = LazyLock::new(|| {
-                    let read = Weights::read(include_str!(concat!("../../weights/", $file, ".txt")));
-                    read.expect("what is shipped is read in a test")
-                });
-                &WEIGHTS
-            }};
-        }
-        match (objective, sensing) {
-            (Objective::Cover, Sensing::Bump) => shipped!("cover-bump"),
-            (Objective::Cover, Sensing::Sonar) => shipped!("cover-sonar"),
-            (Objective::Find, Sensing::Bump) => shipped!("find-bump"),
-            (Objective::Find, Sensing::Sonar) => shipped!("find-sonar"),
-        }
+    pub fn shipped(terms: Terms, terrain: Terrain) -> &'static Weights {
+        let nearest = SETS.iter().min_by_key(|set| set.distance(terms, terrain));
+        &nearest.expect("some sets are shipped").weights
     }
 
     /// The weights that a file says.
@@ -133,12 +173,10 @@ mod tests {
 
     #[test]
     fn what_is_shipped_can_be_read_and_counts_something() {
-        for objective in Objective::ALL {
-            for sensing in Sensing::ALL {
-                let weights = Weights::shipped(objective, sensing);
-                assert!(weights.rows.iter().any(|row| *row != 0), "{} by {}", objective.name(), sensing.name());
-                assert!(weights.least < 0, "a search without a bound goes through the whole hall at every step");
-            }
+        for set in &SETS {
+            let of = format!("{} by sonar of {}, turn {}, {:?}", set.objective.name(), set.sonar_cells, set.turn, set.terrain);
+            assert!(set.weights.rows.iter().any(|row| *row != 0), "{of}");
+            assert!(set.weights.least < 0, "a search without a bound goes through the whole hall at every step: {of}");
         }
     }
 

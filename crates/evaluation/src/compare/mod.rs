@@ -19,7 +19,7 @@ pub use self::trial::{Entrant, Timings, Trial, tour, trial};
 use std::time::Duration;
 
 use crate::parallel;
-use crate::walk::Terms;
+use hallsweep_core::search::Terms;
 
 /// What one trial is judged by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use hallsweep_core::search::costs::Costs;
 
 use super::{Halls, Measure};
 use crate::family::Family;
-use crate::walk::Terms;
+use hallsweep_core::search::Terms;
 
 /// A turn takes as long as one and a half steps, as with the robot of the seeds.
 const SLOW_TURNS: Costs = Costs { step: 2, turn: 3, bump: 2 };

@@ -11,7 +11,8 @@ use hallsweep_sim::Truth;
 use hallsweep_sim::headless::Moves;
 
 use crate::Ground;
-use crate::walk::{Terms, Walk, cost};
+use crate::walk::{Walk, cost};
+use hallsweep_core::search::Terms;
 
 /// Who searches.
 #[derive(Clone, Debug, PartialEq)]

@@ -24,7 +24,8 @@ use hallsweep_core::search::weights::Weights;
 
 use crate::Ground;
 use crate::family::{Family, hall};
-use crate::walk::{Terms, Walk};
+use crate::walk::Walk;
+use hallsweep_core::search::Terms;
 
 /// What is tuned for, and on which halls.
 #[derive(Clone, Debug)]
