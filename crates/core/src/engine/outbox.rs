@@ -247,7 +247,7 @@ mod tests {
             }
             said
         };
-        assert_eq!((summed_up(100), summed_up(5_000)), (1_900, 95_000));
+        assert_eq!((summed_up(100), summed_up(5_000)), (2_000, 100_000));
         assert!(summed_up(20_000) <= 100_000 && summed_up(60_000) <= 100_000);
     }
 
