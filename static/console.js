@@ -125,11 +125,11 @@ function show(message) {
   const piece = at("inspect").dataset.luggage;
   const here = document.activeElement;
   for (const [id, markup] of Object.entries(message.parts)) {
-    if (id.startsWith("hall-") || id.startsWith("tile_")) draw(id, markup);
+    if (/^(hall-|tile_|pieces_)/.test(id)) draw(id, markup);
     else morph(id, markup);
   }
   if (message.whole) {
-    for (const tile of [...at("tiles").children]) if (!(tile.id in message.parts)) tile.remove();
+    for (const part of [...at("tiles").children, ...at("pieces").children]) if (!(part.id in message.parts)) part.remove();
     at("confirm-yes").disabled = at("confirm-no").disabled = false;
   }
   if (document.title !== message.title) document.title = message.title;
@@ -153,7 +153,7 @@ function draw(id, markup) {
   if (!markup) return old?.remove();
   const parsed = new DOMParser().parseFromString(`<svg xmlns="http://www.w3.org/2000/svg">${markup}</svg>`, "image/svg+xml");
   const fresh = document.importNode(parsed.documentElement.firstElementChild, true);
-  if (!old) at("tiles").append(fresh);
+  if (!old) at(id.startsWith("tile_") ? "tiles" : "pieces").append(fresh);
   else if (id === "hall-robot") {
     for (const { name, value } of fresh.attributes) old.setAttribute(name, value);
     old.replaceChildren(...fresh.childNodes);

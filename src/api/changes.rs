@@ -16,6 +16,10 @@ use hallsweep_core::units::Revision;
 use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::snapshot::Snapshot;
 
+/// So many pieces are sent whole whenever one of them changes. Of more only those that changed, since all of them would be most of what
+/// is sent.
+const WHOLE: usize = 256;
+
 /// The resources that changed; what did not is absent.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "the fields are documented at `StateJson`")]
@@ -30,8 +34,12 @@ pub struct ChangesJson {
     pub robots: Option<Vec<NamedRobotJson>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map: Option<MapChange>,
+    /// All of it, up to `WHOLE` pieces.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub luggage: Option<Vec<LuggageJson>>,
+    /// Where there are more: those that changed, each in the place of the one of its number.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pieces: Option<Vec<LuggageJson>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub temperature: Option<TemperatureJson>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -51,13 +59,20 @@ impl ChangesJson {
         let changes = ChangesJson::gathered(snapshot, older.revision, map, read);
         // What holds a robot may hold the mission too, which says so more often than that.
         let is_same = changes.robot.is_none() && older.robots == snapshot.robots;
-        ChangesJson { robots: changes.robots.filter(|_| !is_same), ..changes }
+        let robots = changes.robots.filter(|_| !is_same);
+        if snapshot.revision_of(Resource::Luggage) <= older.revision {
+            return ChangesJson { robots, ..changes };
+        }
+        let (luggage, pieces) = luggage(older, snapshot);
+        ChangesJson { robots, luggage, pieces, ..changes }
     }
 
     /// What a reader lacks of whom only the revision is known. Log lines carry their numbers, so all at hand are sent when
     /// the log has grown, and the reader drops those it has.
     pub fn since(snapshot: &Snapshot, revision: Revision) -> ChangesJson {
-        ChangesJson::gathered(snapshot, revision, MapChange::since(snapshot, revision), 0)
+        let changes = ChangesJson::gathered(snapshot, revision, MapChange::since(snapshot, revision), 0);
+        let is_other = snapshot.revision_of(Resource::Luggage) > revision;
+        ChangesJson { luggage: is_other.then(|| state::luggage(snapshot)), ..changes }
     }
 
     fn gathered(snapshot: &Snapshot, since: Revision, map: Option<MapChange>, read: u64) -> ChangesJson {
@@ -68,7 +83,8 @@ impl ChangesJson {
             robot: changed(Resource::Robot).then(|| state::robot(snapshot)),
             robots: (changed(Resource::Robot) || changed(Resource::Mission)).then(|| state::robots(snapshot)),
             map,
-            luggage: changed(Resource::Luggage).then(|| state::luggage(snapshot)),
+            luggage: None,
+            pieces: None,
             temperature: changed(Resource::Temperature).then(|| state::temperature(snapshot)),
             alarms: changed(Resource::Alarms).then(|| state::alarms(snapshot)),
             retrieval: changed(Resource::Retrieval).then(|| state::retrieval(snapshot)),
@@ -77,11 +93,23 @@ impl ChangesJson {
     }
 }
 
+/// The luggage as a reader of `older` is told of it: all, or else what changed. Where there is less than before all is new.
+fn luggage(older: &Snapshot, snapshot: &Snapshot) -> (Option<Vec<LuggageJson>>, Option<Vec<LuggageJson>>) {
+    if snapshot.luggage.len() <= WHOLE || snapshot.luggage.len() < older.luggage.len() || older.mission.id != snapshot.mission.id
+    {
+        return (Some(state::luggage(snapshot)), None);
+    }
+    let changed = snapshot.luggage.changed_since(&older.luggage);
+    (None, Some(changed.map(|piece| LuggageJson::from(&**piece)).collect()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::fixture::{searching, touch, write};
+    use crate::api::fixture::{idle, piece, searching, touch, write};
+    use hallsweep_core::command::Verdict;
     use hallsweep_core::mission::Hold;
+    use hallsweep_core::units::Cell;
     use hallsweep_core::world::log::Tone;
 
     #[test]
@@ -114,6 +142,26 @@ mod tests {
         let mut newer = older.clone();
         touch(&mut newer, 21, &[Resource::Robot]);
         assert_eq!(robots(&newer), Some(state::robots(&newer)), "their revision is another");
+    }
+
+    #[test]
+    fn where_there_is_much_luggage_only_what_changed_of_it_is_sent() {
+        let mut older = searching();
+        for id in 4..=300 {
+            older.luggage.insert(piece(id, Cell::new(3, 2), Some(Verdict::Safe)));
+        }
+        let mut newer = older.clone();
+        newer.luggage.insert(piece(3, Cell::new(3, 2), Some(Verdict::Safe)));
+        newer.luggage.insert(piece(301, Cell::new(4, 2), None));
+        touch(&mut newer, 21, &[Resource::Luggage]);
+        let changes = ChangesJson::between(&older, &newer);
+        let ids = |pieces: Option<Vec<LuggageJson>>| pieces.map(|pieces| pieces.iter().map(|piece| piece.id).collect::<Vec<_>>());
+        assert_eq!((ids(changes.luggage), ids(changes.pieces)), (None, Some(vec![3, 301])));
+        let missed = ChangesJson::since(&newer, older.revision);
+        assert_eq!((missed.luggage.map(|all| all.len()), missed.pieces), (Some(301), None), "who knows what was sent before");
+        let mut emptied = idle();
+        touch(&mut emptied, 22, &[Resource::Luggage]);
+        assert_eq!(ChangesJson::between(&newer, &emptied).luggage, Some(Vec::new()));
     }
 
     #[test]

@@ -106,7 +106,7 @@ const RULES: [Rule; 11] = [
 ];
 
 /// What lies beside the doors for those with connections, and is none itself.
-const SHARED: [&str; 7] = ["listeners", "problem", "room", "seldom", "shares", "vestibule", "write_timeout"];
+const SHARED: [&str; 8] = ["listeners", "pace", "problem", "room", "seldom", "shares", "vestibule", "write_timeout"];
 
 /// The one file of `runtime` that may use `jiff`, because it reads the clock.
 const CLOCK: &str = "src/runtime/clock.rs";

@@ -1,14 +1,16 @@
 //! That there is a newer state: said to the loop of the door, and not too often, and told to the endpoint. What is new in it is
 //! found out there.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
 use tokio::sync::watch;
 
 use super::application::{self, Application};
+use crate::doors::pace;
 use crate::runtime::clock::Clock;
-use coap_endpoint::{Answer, Endpoint, limits::PACE};
+use coap_endpoint::{Answer, Endpoint, SubjectId, limits::PACE};
 use hallsweep_core::world::snapshot::Snapshot;
 
 pub(super) struct ChangeFeed {
@@ -16,21 +18,35 @@ pub(super) struct ChangeFeed {
     clock: Clock,
     /// Until then nothing is said; `None` once that is over.
     next: Option<Duration>,
+    paces: Paces<SubjectId>,
+}
+
+/// When each subject may be shown anew. What it shows is written whole, however much of it there is; so a large map is not written as
+/// often as a small one, and what was not shown when it changed is shown later.
+#[derive(Debug)]
+struct Paces<K> {
+    next: BTreeMap<K, Duration>,
+    /// When the first of those that were passed over may be shown.
+    passed_over: Option<Duration>,
 }
 
 impl ChangeFeed {
     pub(super) fn of(states: watch::Receiver<Arc<Snapshot>>, clock: Clock) -> ChangeFeed {
-        ChangeFeed { states, clock, next: None }
+        ChangeFeed { states, clock, next: None, paces: Paces { next: BTreeMap::new(), passed_over: None } }
     }
 
-    /// Waits for a state that is newer than at the last time; for ever, when none will come. May be dropped while it waits.
+    /// Waits for a state that is newer than at the last time, or until what was passed over may be shown; for ever, when neither will
+    /// come. May be dropped while it waits.
     pub(super) async fn next(&mut self) {
         if self.next.is_some() {
             self.clock.reach(self.next).await;
             self.next = None;
         }
-        if self.states.changed().await.is_err() {
-            std::future::pending::<()>().await;
+        tokio::select! {
+            changed = self.states.changed() => if changed.is_err() {
+                std::future::pending::<()>().await;
+            },
+            () = self.clock.reach(self.paces.passed_over) => {}
         }
         self.next = Some(self.clock.since_start() + PACE);
     }
@@ -41,14 +57,62 @@ impl ChangeFeed {
             self.states.mark_changed();
         }
     }
+
+    /// Tells the endpoint what the observers of each subject see now.
+    pub(super) fn tell(&mut self, endpoint: &mut Endpoint, application: &impl Application, now: Duration) {
+        application::changed(application);
+        let subjects = endpoint.subjects();
+        for (subject, request) in self.paces.due(subjects, now) {
+            if let Some(things) = application::things(application, &request) {
+                self.paces.shown(subject, things.iter().map(|thing| thing.body.len()).sum(), now);
+                endpoint.handle_change(subject, things, now);
+            }
+        }
+    }
 }
 
-/// Tells the endpoint what the observers of each subject see now.
-pub(super) fn tell(endpoint: &mut Endpoint, application: &impl Application, now: Duration) {
-    application::changed(application);
-    for (subject, request) in endpoint.subjects() {
-        if let Some(things) = application::things(application, &request) {
-            endpoint.handle_change(subject, things, now);
+impl<K: Copy + Ord> Paces<K> {
+    /// Those of all subjects that may be shown now.
+    fn due<T>(&mut self, subjects: Vec<(K, T)>, now: Duration) -> Vec<(K, T)> {
+        // One that nobody observes any more need not be known.
+        let next = std::mem::take(&mut self.next);
+        self.next = subjects.iter().filter_map(|(id, _)| Some((*id, *next.get(id)?))).filter(|(_, next)| *next > now).collect();
+        self.passed_over = self.next.values().min().copied();
+        subjects.into_iter().filter(|(id, _)| !self.next.contains_key(id)).collect()
+    }
+
+    fn shown(&mut self, subject: K, bytes: usize, now: Duration) {
+        self.next.insert(subject, now + pace::of_size(bytes));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_large_is_written_more_seldom_and_always_once_more_after_the_last_change() {
+        let mut paces = Paces { next: BTreeMap::new(), passed_over: None };
+        let (robot, map) = (1, 2);
+        let mut written = BTreeMap::from([(robot, 0), (map, 0)]);
+        for tick in 0..100 {
+            let now = PACE * tick;
+            for (subject, bytes) in paces.due(vec![(robot, 100), (map, 500_000)], now) {
+                *written.entry(subject).or_default() += 1;
+                paces.shown(subject, bytes, now);
+            }
         }
+        assert_eq!(written, BTreeMap::from([(robot, 100), (map, 4)]));
+        let later = paces.passed_over.expect("the map has changed since it was written");
+        assert_eq!(paces.due(vec![(map, 0)], later), [(map, 0)]);
+        assert_eq!(paces.passed_over, None);
+    }
+
+    #[test]
+    fn a_subject_that_nobody_observes_any_more_is_forgotten() {
+        let mut paces = Paces { next: BTreeMap::new(), passed_over: None };
+        paces.shown(1, 500_000, Duration::ZERO);
+        assert_eq!(paces.due(Vec::<(u64, ())>::new(), PACE), []);
+        assert_eq!((paces.next.len(), paces.passed_over), (0, None));
     }
 }

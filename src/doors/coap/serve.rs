@@ -7,7 +7,7 @@ use std::time::Duration;
 use tokio::sync::watch;
 
 use super::application::{self, Application, HALTED, Reply};
-use super::change_feed::{self, ChangeFeed};
+use super::change_feed::ChangeFeed;
 use super::flood_filter::{FloodFilter, KindCounts};
 use super::pending::{PendingAnswers, RequestKind, busy};
 use super::socket::{BATCH, Socket};
@@ -66,7 +66,7 @@ pub async fn serve<A: Application>(
             }
             () = clock.reach(due) => driver.endpoint.handle_timeout(clock.since_start()),
             () = clock.reach(driver.filter.due()) => driver.loosen(),
-            () = changes.next() => change_feed::tell(&mut driver.endpoint, &driver.application, clock.since_start()),
+            () = changes.next() => changes.tell(&mut driver.endpoint, &driver.application, clock.since_start()),
             () = async { if !is_behind { driver.socket.readable().await } } => driver.turn().await,
         }
         driver.settle(clock.since_start());

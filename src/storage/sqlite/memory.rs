@@ -19,8 +19,8 @@ use hallsweep_core::effect::{Fact, Page};
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{MissionId, Seq};
 
-/// How many entries are kept: some missions of a large hall. More than the core lets come between two of those that say everything
-/// that stands, so that what stands can always be folded from them.
+/// How many entries are kept: some missions of a hall. All since the last that says everything that stands are kept besides, so that what
+/// stands can always be folded from them; the core lets no more come between than in proportion to what stands.
 pub(super) const ENTRIES: u64 = 16_384;
 
 /// How many pieces have a photo that is kept: more than a hall holds, at some 100 KB each.
@@ -36,14 +36,20 @@ const MISSIONS: u64 = 256;
 /// of each mission, whose entries may be gone.
 const TABLES: &str = "
     CREATE TABLE pictures (digest TEXT PRIMARY KEY, content BLOB NOT NULL) STRICT;
-    CREATE TABLE ended (mission INTEGER PRIMARY KEY, standing TEXT NOT NULL) STRICT;";
+    CREATE TABLE ended (mission INTEGER PRIMARY KEY, standing TEXT NOT NULL) STRICT;
+    CREATE INDEX photographed ON luggage (id, photo) WHERE photo IS NOT NULL;
+    CREATE INDEX luggage_of_photo ON luggage (photo) WHERE photo IS NOT NULL;";
 
-/// What gives way behind the bounds when something new was found or has begun.
+/// Some of the entries behind the bound at a time, more than a page has: that all of them may go at once must not hold up a page.
+const ENTRIES_GIVE_WAY: &str = "DELETE FROM events WHERE seq IN (SELECT seq FROM events WHERE seq <= ?1 ORDER BY seq LIMIT 32)";
+
+/// What gives way behind the bounds when something new was found or has begun. Found by the indices above, without a look at all luggage;
+/// the numbers of pieces have no gaps.
 const GIVES_WAY: &str = "
-    UPDATE luggage SET photo = NULL WHERE photo IS NOT NULL
-        AND id <= (SELECT id FROM luggage WHERE photo IS NOT NULL ORDER BY id DESC LIMIT 1 OFFSET {PHOTOS});
-    DELETE FROM luggage WHERE id <= (SELECT id FROM luggage ORDER BY id DESC LIMIT 1 OFFSET {RECORDS});
-    DELETE FROM photos WHERE digest NOT IN (SELECT photo FROM luggage WHERE photo IS NOT NULL);
+    UPDATE luggage SET photo = NULL WHERE id IN (SELECT id FROM luggage INDEXED BY photographed
+        WHERE photo IS NOT NULL ORDER BY id DESC LIMIT -1 OFFSET {PHOTOS});
+    DELETE FROM luggage WHERE id <= (SELECT max(id) FROM luggage) - {RECORDS};
+    DELETE FROM photos WHERE digest NOT IN (SELECT photo FROM luggage INDEXED BY photographed WHERE photo IS NOT NULL);
     DELETE FROM pictures WHERE digest NOT IN (SELECT digest FROM photos);
     DELETE FROM missions WHERE id <= (SELECT id FROM missions ORDER BY id DESC LIMIT 1 OFFSET {MISSIONS});
     DELETE FROM ended WHERE mission NOT IN (SELECT id FROM missions);";
@@ -68,12 +74,14 @@ struct Writing {
     connection: Connection,
     /// The mission to which the next entry belongs.
     under_way: Option<MissionId>,
+    /// The last entry that says everything that stands.
+    standing: Seq,
 }
 
 impl Default for MemoryStore {
     fn default() -> MemoryStore {
         let connection = empty().expect("an empty database in memory takes the tables, which the tests have made in it");
-        let writing = Mutex::new(Writing { connection, under_way: None });
+        let writing = Mutex::new(Writing { connection, under_way: None, standing: Seq(0) });
         let journal = Arc::new(MemoryJournal { writing, turn: Mutex::default() });
         MemoryStore { journal, word: watch::Sender::new(StoreStatus::default()) }
     }
@@ -129,21 +137,24 @@ impl Writing {
     fn keep(&mut self, page: &Page) -> Result<(), Fault> {
         let transaction = self.connection.transaction()?;
         let under_way = pages::write(&transaction, Pictures::Table, page, self.under_way)?;
-        let (mut is_more, mut seq) = (false, page.first);
+        let (mut is_more, mut seq, mut standing) = (false, page.first, self.standing);
         for entry in &page.entries {
+            if matches!(entry.fact, Fact::State(_)) {
+                standing = seq;
+            }
             if let Fact::MissionArchived(mission, _) = &entry.fact {
                 remember_end(&transaction, *mission, seq)?;
             }
             is_more |= matches!(entry.fact, Fact::Luggage { .. } | Fact::MissionBegan(..) | Fact::State(_));
             seq = seq.next();
         }
-        let oldest = page.last().0.saturating_sub(ENTRIES);
-        transaction.prepare_cached("DELETE FROM events WHERE seq <= ?1")?.execute([whole(oldest)?])?;
+        let past = page.last().0.saturating_sub(ENTRIES).min(standing.0.saturating_sub(1));
+        transaction.prepare_cached(ENTRIES_GIVE_WAY)?.execute([whole(past)?])?;
         if is_more {
             transaction.execute_batch(&gives_way())?;
         }
         transaction.commit()?;
-        self.under_way = under_way;
+        (self.under_way, self.standing) = (under_way, standing);
         Ok(())
     }
 }
@@ -167,7 +178,7 @@ fn remember_end(connection: &Connection, mission: MissionId, before: Seq) -> Res
     Ok(())
 }
 
-fn gives_way() -> String {
+pub(super) fn gives_way() -> String {
     let bounds = [("{PHOTOS}", PHOTOS), ("{RECORDS}", RECORDS), ("{MISSIONS}", MISSIONS)];
     bounds.into_iter().fold(GIVES_WAY.to_owned(), |sql, (name, bound)| sql.replace(name, &bound.to_string()))
 }

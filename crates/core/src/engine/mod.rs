@@ -251,7 +251,7 @@ impl Engine {
     pub fn poll_effect(&mut self) -> Option<Effect> {
         // What is on its way to the store is not in what stands yet, and must not be forgotten by reading on from there.
         let in_flight = !self.mission.recording.is_empty() || !self.mission.deciding.is_empty();
-        if self.outbox.is_to_sum_up() && !in_flight {
+        if self.outbox.is_to_sum_up(self.state.size_in_entries()) && !in_flight {
             self.record_state();
         }
         self.outbox.poll()

@@ -8,7 +8,8 @@ use crate::effect::{Effect, Entry, Fact, Order, Page};
 use crate::event::RobotId;
 use crate::units::{LuggageId, Now, Seq, Ticket, WallTime};
 
-/// After so many entries everything that stands is put on record, so that a start need not read more than these: half a second.
+/// After so many entries everything that stands is put on record, so that a start need not read more than these: half a second. After
+/// more where so much stands that saying it costs more than these (`PersistentState::size_in_entries`).
 const SUM_UP_AFTER: u64 = 10_000;
 
 /// So long at most the epoch of a stop waits for an entry with which it goes on record.
@@ -99,8 +100,10 @@ impl Outbox {
         self.sums_up = true;
     }
 
-    pub(super) const fn is_to_sum_up(&self) -> bool {
-        self.sums_up || self.since_summed_up >= SUM_UP_AFTER
+    /// Whether everything that stands, which takes as much as `size` entries, is to go on record now. Twice as many entries as it is
+    /// large lie between two of these, so that a move costs as much in a large hall as in a small one.
+    pub(super) fn is_to_sum_up(&self, size: u64) -> bool {
+        self.sums_up || self.since_summed_up >= SUM_UP_AFTER.max(2 * size)
     }
 
     /// Puts a fact on its way to the store with the next one, or in a moment, unless it is replaced by then: so a flood of them makes
@@ -226,6 +229,27 @@ impl Outbox {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::search::Strategy;
+    use crate::state::PersistentState;
+
+    #[test]
+    fn what_is_said_of_all_that_stands_grows_with_the_entries_between_and_not_with_the_hall() {
+        let summed_up = |size: u64| {
+            let mut outbox = Outbox::default();
+            let all = || Fact::State(Box::new(PersistentState::first(Strategy::default())));
+            let mut said = 0;
+            for _ in 0..200_000 {
+                outbox.record(WallTime::default(), Fact::Led(true));
+                if outbox.is_to_sum_up(size) {
+                    outbox.record(WallTime::default(), all());
+                    said += size;
+                }
+            }
+            said
+        };
+        assert_eq!((summed_up(100), summed_up(5_000)), (2_000, 100_000));
+        assert!(summed_up(20_000) <= 100_000 && summed_up(60_000) <= 100_000);
+    }
 
     /// Safety S2.
     #[test]

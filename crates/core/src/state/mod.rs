@@ -20,6 +20,9 @@ use super::world::luggage::{Decision, Luggage};
 use super::world::records::LuggageRecords;
 use super::world::temperature::OPERATOR;
 
+/// So many cells of the map take as much on record as an entry, since rows are written in runs.
+const CELLS_AN_ENTRY: usize = 64;
+
 /// Everything that is as it was after a restart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PersistentState {
@@ -97,6 +100,12 @@ impl PersistentState {
             last_alarm: AlarmId(0),
             reading: None,
         }
+    }
+
+    /// How many entries would take as much, in bytes and in time, as saying all of this: luggage and the map, beside which the rest is
+    /// nothing.
+    pub(crate) fn size_in_entries(&self) -> u64 {
+        (self.luggage.len() + self.map.visited() / CELLS_AN_ENTRY) as u64
     }
 
     /// What stands after one more entry of a journal.

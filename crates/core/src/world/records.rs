@@ -1,5 +1,6 @@
 //! The luggage records by their numbers, in memory that snapshots share: a copy costs next to nothing, and what has changed between two
-//! states is found without looking at the rest. Which of them wait for a verdict, and which are bombs still in the hall, is kept at hand.
+//! states is found without looking at the rest. Which of them wait for a verdict, are bombs still in the hall or are secured is kept at
+//! hand.
 
 use std::collections::BTreeSet;
 use std::ops::Index;
@@ -9,7 +10,7 @@ use super::luggage::Luggage;
 use crate::units::LuggageId;
 
 /// So many records hang together: a change copies as many pointers, and a snapshot one for each such part.
-const PART: usize = 128;
+pub const PART: usize = 128;
 
 type Part = Arc<Vec<Arc<Luggage>>>;
 
@@ -21,6 +22,7 @@ pub struct LuggageRecords {
     size: usize,
     pending: BTreeSet<LuggageId>,
     bombs_left: BTreeSet<LuggageId>,
+    secured: BTreeSet<LuggageId>,
     photoless: BTreeSet<LuggageId>,
 }
 
@@ -65,17 +67,32 @@ impl LuggageRecords {
         self.bombs_left.iter().filter_map(|id| self.get(*id))
     }
 
+    /// Those that are in the container, the oldest first.
+    pub fn secured(&self) -> impl Iterator<Item = &Arc<Luggage>> {
+        self.secured.iter().filter_map(|id| self.get(*id))
+    }
+
     /// Those that wait for their verdict and have no photo, the oldest first.
     pub fn photoless(&self) -> impl Iterator<Item = &Arc<Luggage>> {
         self.photoless.iter().filter_map(|id| self.get(*id))
     }
 
-    /// Those that are not the same memory as in `older`, an earlier state of these.
-    pub fn changed_since<'a>(&'a self, older: &'a LuggageRecords) -> impl Iterator<Item = &'a Arc<Luggage>> {
+    /// All of them, part by part: none has more than `PART`.
+    pub fn parts(&self) -> impl ExactSizeIterator<Item = &[Arc<Luggage>]> {
+        self.parts.iter().map(|part| &part[..])
+    }
+
+    /// The parts that are not the same memory as in `older`, an earlier state of these, each with its place.
+    pub fn parts_changed_since<'a>(&'a self, older: &'a LuggageRecords) -> impl Iterator<Item = (usize, &'a [Arc<Luggage>])> {
         let is_shared = |n: usize, part: &Part| older.parts.get(n).is_some_and(|old| Arc::ptr_eq(old, part));
         let parts = self.parts.iter().enumerate().filter(move |(n, part)| !is_shared(*n, part));
+        parts.map(|(n, part)| (n, &part[..]))
+    }
+
+    /// Those that are not the same memory as in `older`, an earlier state of these.
+    pub fn changed_since<'a>(&'a self, older: &'a LuggageRecords) -> impl Iterator<Item = &'a Arc<Luggage>> {
         let is_same = |record: &Arc<Luggage>| older.get(record.id).is_some_and(|old| Arc::ptr_eq(old, record));
-        parts.flat_map(|(_, part)| part.iter()).filter(move |record| !is_same(record))
+        self.parts_changed_since(older).flat_map(|(_, part)| part).filter(move |record| !is_same(record))
     }
 
     /// Puts a record in the place of the one of its number, or where its number belongs.
@@ -85,6 +102,7 @@ impl LuggageRecords {
         for (set, belongs) in [
             (&mut self.pending, is_pending),
             (&mut self.bombs_left, record.is_bomb_left()),
+            (&mut self.secured, record.secured.is_some()),
             (&mut self.photoless, is_pending && !record.has_photo()),
         ] {
             if belongs {
@@ -129,17 +147,18 @@ impl LuggageRecords {
     }
 }
 
+/// Parts that are shared are not looked into, as long as both are divided alike, which they are unless numbers came out of order.
 impl PartialEq for LuggageRecords {
     fn eq(&self, other: &LuggageRecords) -> bool {
+        if self.size != other.size || Arc::ptr_eq(&self.parts, &other.parts) {
+            return self.size == other.size;
+        }
         let is_same = |(a, b): (&Arc<Luggage>, &Arc<Luggage>)| Arc::ptr_eq(a, b) || a == b;
-        let is_same_part = |(a, b): (&Part, &Part)| Arc::ptr_eq(a, b) || a.iter().zip(b.iter()).all(is_same);
-        let is_divided_alike = self.parts.iter().map(|part| part.len()).eq(other.parts.iter().map(|part| part.len()));
-        if Arc::ptr_eq(&self.parts, &other.parts) {
-            true
-        } else if is_divided_alike {
-            self.parts.iter().zip(other.parts.iter()).all(is_same_part)
+        let differing = || self.parts.iter().zip(other.parts.iter()).filter(|(a, b)| !Arc::ptr_eq(a, b));
+        if self.parts.len() == other.parts.len() && differing().all(|(a, b)| a.len() == b.len()) {
+            differing().all(|(a, b)| a.iter().zip(b.iter()).all(is_same))
         } else {
-            self.size == other.size && self.iter().zip(other.iter()).all(is_same)
+            self.iter().zip(other.iter()).all(is_same)
         }
     }
 }
@@ -211,6 +230,7 @@ mod tests {
         records.change(LuggageId(200), |bomb| bomb.secured = Some(WallTime::default()));
         records.insert(record(301, Some(Verdict::Safe)));
         assert_eq!(records.pending().count() + records.bombs_left().count() + records.photoless().count(), 0);
+        assert_eq!(ids(records.secured().collect()), [200]);
     }
 
     #[test]

@@ -49,7 +49,7 @@ impl Resources {
     /// The resources in front of the loop behind `handle`; `manual_driving` says whether old clients may drive the robot.
     pub fn new(handle: Handle, archive: Reader, manual_driving: bool) -> Resources {
         let cache = RepresentationCache::default();
-        let old = OldModel::new(&handle.snapshot(), &cache);
+        let old = OldModel::new(handle.snapshot());
         let (table, photos, strangers) = (Table::default(), Arc::default(), Seldom::default());
         Resources { handle, archive, table, cache, old, photos, strangers, manual_driving }
     }
@@ -65,7 +65,7 @@ impl Application for Resources {
     }
 
     fn handle_change(&self) {
-        self.old.look(&self.handle.snapshot(), &self.cache);
+        self.old.look(&self.handle.snapshot());
     }
 
     fn things(&self, request: &Request) -> Vec<Arc<Response>> {

@@ -2,14 +2,15 @@
 //! observer gets the newest of each; and the bare words by which these clients command. How an item is written stands in
 //! `crate::api::old_items`.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
-use super::cache::{Copies, RepresentationCache};
+use super::cache::RepresentationCache;
 use super::problem::Problem;
 use super::shows::{LUGGAGE, MAP, ROBOT, revision};
 use super::table::Show;
 use crate::api::halt::is_halt;
-use crate::api::old_clients;
+use crate::api::map::MapChange;
+use crate::api::{old_clients, old_items};
 use coap_endpoint::{Answer, Format, Request};
 use hallsweep_core::command::Command;
 use hallsweep_core::mission::in_words;
@@ -18,56 +19,64 @@ use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// Which of the items changed last. It is looked at each newer state, so that what follows a change without changing an item does
-/// not hide which it was.
+/// not hide which it was; only what changed is looked at, and no item is written for it.
 pub(super) struct OldModel(Mutex<Seen>);
 
 struct Seen {
-    items: Vec<Copies>,
-    latest: usize,
+    snapshot: Arc<Snapshot>,
+    latest: u64,
 }
 
 impl OldModel {
     /// Nothing has changed yet.
-    pub(super) fn new(snapshot: &Snapshot, cache: &RepresentationCache) -> OldModel {
-        let items = items(snapshot, cache).into_iter().map(|(_, item)| item).collect();
-        OldModel(Mutex::new(Seen { items, latest: 0 }))
+    pub(super) fn new(snapshot: Arc<Snapshot>) -> OldModel {
+        OldModel(Mutex::new(Seen { snapshot, latest: ROBOT }))
     }
 
-    /// Sees what has changed since the last look.
-    pub(super) fn look(&self, snapshot: &Snapshot, cache: &RepresentationCache) {
-        drop(self.seen(snapshot, cache));
+    /// Sees what has changed since the last look; the item that changed last. Of several that changed since it is the one whose own
+    /// part of the state changed last; of those that changed at once, the last in their order, as observers are told of them.
+    pub(super) fn look(&self, snapshot: &Arc<Snapshot>) -> u64 {
+        let mut seen = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let changed = there(snapshot).iter().copied().filter(|number| differs(*number, &seen.snapshot, snapshot));
+        let latest = changed.max_by_key(|number| (own_revision(*number, snapshot), *number)).unwrap_or(seen.latest);
+        *seen = Seen { snapshot: Arc::clone(snapshot), latest };
+        // An item that is there no more was followed by the robot's, as at the beginning.
+        if there(snapshot).contains(&latest) { latest } else { ROBOT }
     }
 
     /// The item that changed last, and all of them for observers, in the order robot, map, luggage.
-    pub(super) fn answer(&self, snapshot: &Snapshot, cache: &RepresentationCache) -> Answer {
-        let seen = self.seen(snapshot, cache);
-        let shown = seen.items.get(seen.latest).unwrap_or(&seen.items[0]).plain.clone();
-        let observed = seen.items.iter().map(|item| item.watched.clone()).collect();
-        Answer { response: shown, observed }
-    }
-
-    /// Of several items that changed since the last look it is the one whose own part of the state changed last; of those that
-    /// changed at once, the last in this order, as observers are told of them.
-    fn seen(&self, snapshot: &Snapshot, cache: &RepresentationCache) -> MutexGuard<'_, Seen> {
-        let now = items(snapshot, cache);
-        let mut seen = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let before = &seen.items;
-        let is_new = |at: usize, item: &Copies| before.get(at).is_none_or(|old| old.watched.body != item.watched.body);
-        let changed = now.iter().enumerate().filter(|(at, (_, item))| is_new(*at, item));
-        let latest = changed.max_by_key(|(at, (revision, _))| (*revision, *at)).map_or(seen.latest, |(at, _)| at);
-        *seen = Seen { items: now.into_iter().map(|(_, item)| item).collect(), latest };
-        seen
+    pub(super) fn answer(&self, snapshot: &Arc<Snapshot>, cache: &RepresentationCache) -> Answer {
+        let copies = |number| cache.copies(Show::OldItems, number, Format::TEXT, snapshot);
+        let response = copies(self.look(snapshot)).plain;
+        Answer { response, observed: there(snapshot).iter().map(|number| copies(*number).watched).collect() }
     }
 }
 
-/// The items there are, each with the revision at which its own part of the state last changed; never none.
-fn items(snapshot: &Snapshot, cache: &RepresentationCache) -> Vec<(Revision, Copies)> {
-    let there = if snapshot.luggage.is_empty() { &[ROBOT, MAP][..] } else { &[ROBOT, MAP, LUGGAGE] };
-    let show = Show::OldItems;
-    // The mission says which piece is shown, and changes for many other reasons.
-    let own = |number| if number == LUGGAGE { snapshot.revision_of(Resource::Luggage) } else { revision(show, number, snapshot) };
-    let item = |number| (own(number), cache.copies(show, number, Format::TEXT, snapshot));
-    there.iter().copied().map(item).collect()
+/// The items there are; never none.
+fn there(snapshot: &Snapshot) -> &'static [u64] {
+    if snapshot.luggage.is_empty() { &[ROBOT, MAP] } else { &[ROBOT, MAP, LUGGAGE] }
+}
+
+/// When an item's own part of the state last changed. The mission says which piece is shown, and changes for many other reasons.
+fn own_revision(number: u64, snapshot: &Snapshot) -> Revision {
+    if number == LUGGAGE { snapshot.revision_of(Resource::Luggage) } else { revision(Show::OldItems, number, snapshot) }
+}
+
+/// Whether an item is another than it was.
+fn differs(number: u64, older: &Snapshot, newer: &Snapshot) -> bool {
+    match number {
+        ROBOT => old_items::robot(&older.robot) != old_items::robot(&newer.robot),
+        MAP => changes_a_cell(older, newer),
+        _ => old_items::luggage(older) != old_items::luggage(newer),
+    }
+}
+
+fn changes_a_cell(older: &Snapshot, newer: &Snapshot) -> bool {
+    match MapChange::between(older, newer) {
+        Some(MapChange::Cells(map)) => !map.cells.is_empty(),
+        Some(MapChange::Whole(_)) => true,
+        None => false,
+    }
 }
 
 /// The command behind a bare word, bare or in the quotes of JSON, whatever it is labelled as: `h` and `stop` are STOP, and nothing that is

@@ -26,7 +26,7 @@ impl Resources {
         Ok(Reply::Now(self.at_hand(shown.show, number, format, &snapshot, request)))
     }
 
-    fn at_hand(&self, show: Show, number: u64, format: Format, snapshot: &Snapshot, request: &Request) -> Answer {
+    fn at_hand(&self, show: Show, number: u64, format: Format, snapshot: &Arc<Snapshot>, request: &Request) -> Answer {
         match show {
             Show::Links if !request.queries.is_empty() => Answer::once(discovery::filtered(snapshot, &request.queries)),
             Show::Links => {

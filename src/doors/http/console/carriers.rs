@@ -11,7 +11,7 @@ use hallsweep_core::world::snapshot::Snapshot;
 
 /// Whether there is anybody, or anything, before the entrance: a robot that fetches, or a piece in the container.
 pub(super) fn has_porch(snapshot: &Snapshot) -> bool {
-    snapshot.robots.len() > 1 || snapshot.luggage.iter().any(|piece| piece.secured.is_some())
+    snapshot.robots.len() > 1 || snapshot.luggage.secured().next().is_some()
 }
 
 /// The ground before the entrance, the robots that fetch, and the piece in their grip.
@@ -19,8 +19,7 @@ pub(super) fn carriers(snapshot: &Snapshot) -> String {
     let mut group = String::from("<g id=\"hall-carriers\">");
     if has_porch(snapshot) {
         let scene = Scene::of(snapshot);
-        let secured: Vec<LuggageId> =
-            snapshot.luggage.iter().filter(|piece| piece.secured.is_some()).map(|piece| piece.id).collect();
+        let secured: Vec<LuggageId> = snapshot.luggage.secured().map(|piece| piece.id).collect();
         scene.porch.draw(&mut group, &secured);
         let others = || (1..).zip(snapshot.robots.iter().skip(1));
         others().for_each(|(waits, robot)| scene.robot(&mut group, waits, robot));
@@ -38,19 +37,20 @@ pub(super) fn searcher_at(snapshot: &Snapshot) -> (i32, i32) {
     }
 }
 
-/// Where a piece lies in the hall; nowhere once it is secured, and while it is held.
-pub(super) fn lies_at(snapshot: &Snapshot, piece: &Luggage) -> Option<(i32, i32)> {
-    if piece.secured.is_some() {
+/// The piece that is being fetched.
+pub(super) fn fetched(snapshot: &Snapshot) -> Option<&Luggage> {
+    let retrieval = snapshot.retrieval.as_deref()?;
+    snapshot.luggage(retrieval.luggage).map(|piece| &**piece)
+}
+
+/// Where the piece that is being fetched lies in the hall; nowhere once it is secured, and while it is held.
+pub(super) fn fetched_lies_at(snapshot: &Snapshot, piece: &Luggage) -> Option<(i32, i32)> {
+    if piece.secured.is_some() || held_at(snapshot).is_some() {
         return None;
     }
-    let Some(fetched) = snapshot.retrieval.as_deref().filter(|retrieval| retrieval.luggage == piece.id) else {
-        return Some(middle(piece.cell));
-    };
-    if held_at(snapshot).is_some() {
-        return None;
-    }
-    let found = fetched.piece.contains(&piece.cell) || fetched.piece.is_empty();
-    Some(middle(if found { piece.cell } else { fetched.piece[0] }))
+    let cells = &snapshot.retrieval.as_deref()?.piece;
+    let found = cells.contains(&piece.cell) || cells.is_empty();
+    Some(middle(if found { piece.cell } else { cells[0] }))
 }
 
 /// Over which place a piece is held.
@@ -117,8 +117,7 @@ impl Scene {
     }
 
     fn parcel(&self, group: &mut String, snapshot: &Snapshot) {
-        let fetched = snapshot.retrieval.as_deref().and_then(|retrieval| snapshot.luggage(retrieval.luggage));
-        if let (Some(place), Some(piece)) = (held_at(snapshot), fetched) {
+        if let (Some(place), Some(piece)) = (held_at(snapshot), fetched(snapshot)) {
             // It moves as the robots do, and leaves room for their names.
             let (x, y) = self.place(place);
             write(

@@ -1,10 +1,10 @@
-//! The hall as a picture, in pieces that can be sent one by one: a group per map tile, the labels, and the small layer of
-//! everything that moves. One cell is `CELL` units; runs of equal cells are one stroke of one path, so that a large hall stays
+//! The hall as a picture, in parts that can be sent one by one: a group per map tile, the labels, and the small layer of
+//! everything that moves; the luggage is drawn by `pieces`. One cell is `CELL` units; runs of equal cells are one stroke of one path, so that a large hall stays
 //! light. Frames, legend and colours stand in template and style sheet.
 
 use std::fmt::Write;
 
-use super::carriers::{has_porch, lies_at, searcher_at};
+use super::carriers::{fetched, fetched_lies_at, has_porch, searcher_at};
 use super::porch::Porch;
 use hallsweep_core::units::{Cell, Heading};
 use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark, TILE};
@@ -127,16 +127,16 @@ pub(super) fn frontier(map: &HallMap) -> String {
     group
 }
 
-/// Everything that moves or is decided: trail, route, goal, home, luggage.
+/// Everything that moves: trail, route, goal, the piece that is fetched; and home.
 pub(super) fn layer(snapshot: &Snapshot) -> String {
     let size = larger(&snapshot.map);
     let mut group = format!("<g id=\"hall-layer\"{}>", if size > 1 { " class=\"far\"" } else { "" });
     trail(&mut group, snapshot);
     home(&mut group, size);
-    for piece in snapshot.luggage.iter() {
-        if let Some(at) = lies_at(snapshot, piece) {
-            luggage(&mut group, piece, at, size);
-        }
+    if let Some(piece) = fetched(snapshot)
+        && let Some(at) = fetched_lies_at(snapshot, piece)
+    {
+        luggage(&mut group, piece, at, size);
     }
     route(&mut group, snapshot, size);
     if snapshot.robot.outside == 0 {
@@ -265,7 +265,7 @@ fn route(group: &mut String, snapshot: &Snapshot, size: i32) {
         write(group, format_args!("<polyline class=\"route\" points=\"{points}\"/>"));
     }
     // A piece in the goal's cell says more than the goal's cross over it would.
-    let goal = snapshot.mission.goal.filter(|goal| snapshot.luggage.iter().all(|luggage| luggage.cell != *goal));
+    let goal = snapshot.mission.goal.filter(|goal| snapshot.map.at(*goal) != Mark::Luggage);
     if let Some(goal) = goal {
         let (x, y) = middle(goal);
         write(
@@ -344,9 +344,9 @@ mod tests {
     }
 
     #[test]
-    fn the_layer_shows_goal_route_trail_and_every_piece() {
+    fn the_layer_shows_goal_route_and_trail() {
         let layer = layer(&searching());
-        for part in ["class=\"goal\"", "class=\"route\"", "trail fade-0", "piece safe", "piece danger", "piece pending", "#3"] {
+        for part in ["class=\"goal\"", "class=\"route\"", "trail fade-0", "class=\"home\""] {
             assert!(layer.contains(part), "{part} in {layer}");
         }
     }
@@ -354,10 +354,11 @@ mod tests {
     #[test]
     fn in_a_large_hall_what_matters_is_drawn_larger_and_the_numbers_are_left_out() {
         let mut snapshot = searching();
-        assert!(robot(&snapshot).contains("scale(1)") && layer(&snapshot).contains(">#3<"));
+        let luggage = |snapshot: &Snapshot| super::super::pieces::all(snapshot);
+        assert!(robot(&snapshot).contains("scale(1)") && luggage(&snapshot).contains(">#3<"));
         snapshot.map.mark(Cell::new(199, 90), Mark::Visited, Revision(21));
         assert!(robot(&snapshot).contains("scale(7)"), "{}", robot(&snapshot));
-        assert!(!layer(&snapshot).contains(">#3<") && layer(&snapshot).contains("luggage #3"));
+        assert!(!luggage(&snapshot).contains(">#3<") && luggage(&snapshot).contains("luggage #3"));
     }
 
     #[test]

@@ -20,7 +20,7 @@ use super::super::problem::Problem;
 use super::super::watcher::{Wake, Watcher};
 use super::parts::PARTS;
 use super::view::{HallInfo, View, Who};
-use super::{began, hall, who};
+use super::{began, hall, pieces, who};
 use hallsweep_core::units::{Cell, WallTime};
 use hallsweep_core::world::snapshot::Snapshot;
 
@@ -38,7 +38,7 @@ struct Message {
     whole: bool,
     /// The `viewBox` of the hall.
     view: String,
-    /// The markup of a part by its element's id; empty for a tile that is gone.
+    /// The markup of a part by its element's id; empty for a tile, or pieces, that are gone.
     parts: BTreeMap<String, String>,
 }
 
@@ -93,6 +93,7 @@ impl Shown {
         let view = View { snapshot: &snapshot, hall, began, who, why: None, now };
         let older = self.older.take();
         let mut parts = tiles(older.as_deref(), &snapshot);
+        parts.extend(pieces::changed(older.as_deref(), &snapshot));
         for part in &PARTS {
             let touched = |older: &Arc<Snapshot>| part.shows.iter().any(|r| snapshot.revision_of(*r) > older.revision_of(*r));
             if older.as_ref().is_none_or(touched) {
@@ -137,10 +138,10 @@ mod tests {
     const AIRPORT: HallInfo<'static> = HallInfo { name: "airport", cell_m: None };
 
     #[test]
-    fn the_first_message_has_every_part_and_every_tile() {
+    fn the_first_message_has_every_part_every_tile_and_all_pieces() {
         let message = Shown::default().update(Arc::new(searching()), AIRPORT, None, None, TEN);
         assert!(message.whole);
-        assert_eq!(message.parts.len(), PARTS.len() + 1);
+        assert_eq!(message.parts.len(), PARTS.len() + 2);
         for (id, html) in &message.parts {
             assert!(html.contains(&format!("id=\"{id}\"")), "{id} is in {html}");
         }

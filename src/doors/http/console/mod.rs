@@ -9,6 +9,7 @@ mod live;
 pub(super) mod missions;
 mod parts;
 pub(super) mod photo;
+mod pieces;
 mod porch;
 pub(super) mod replay;
 mod retrieval;

@@ -5,6 +5,7 @@ use askama::Template;
 
 use super::carriers::carriers;
 use super::hall;
+use super::pieces;
 use super::retrieval::{Row, armed, rows, sign, stages};
 use super::view::{View, failure, place};
 use crate::api::luggage::photo_url;
@@ -107,6 +108,10 @@ impl<'a> Page<'a> {
     fn tiles(&self) -> String {
         let map = &self.v.snapshot.map;
         map.tiles().map(|(corner, _)| hall::tile(map, corner)).collect()
+    }
+
+    fn pieces(&self) -> String {
+        pieces::all(self.v.snapshot)
     }
 }
 

@@ -204,7 +204,7 @@ impl View<'_> {
     pub(super) fn next_step(&self) -> Option<String> {
         match self.snapshot.mission.phase {
             PhaseName::BombLocated => {
-                let bomb = self.snapshot.luggage.iter().find(|luggage| luggage.is_bomb_left());
+                let bomb = self.snapshot.luggage.bombs_left().next();
                 let at =
                     bomb.map_or_else(String::new, |bomb| format!("Luggage #{} at {} is dangerous. ", bomb.id, place(bomb.cell)));
                 let next = if self.unseen_alarms() > 0 { "acknowledge the alarm, then press RESET" } else { "press RESET" };
@@ -212,7 +212,7 @@ impl View<'_> {
                 Some(format!("{at}{fetch}When the hall is safe again, {next} to put this mission away."))
             }
             PhaseName::BagSecured => {
-                let secured = secured_in_words(self.snapshot.luggage.iter().map(|luggage| &**luggage))?;
+                let secured = secured_in_words(self.snapshot.luggage.secured().map(|luggage| &**luggage))?;
                 Some(format!("{}. START begins a new search, RESET puts this mission away.", capital(&secured)))
             }
             PhaseName::Explored => {

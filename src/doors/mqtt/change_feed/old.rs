@@ -8,6 +8,7 @@ use std::time::Duration;
 use super::super::qak::outgoing;
 use super::pieces;
 use crate::api::old_items::luggage_state;
+use crate::doors::pace;
 use hallsweep_core::units::{Cell, Pose, Revision};
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
@@ -32,8 +33,10 @@ pub(super) struct Old {
     /// The pieces still to be said, oldest news first.
     luggage: VecDeque<Arc<Luggage>>,
     round: VecDeque<Item>,
-    /// No other round before this.
+    /// No other round before this,
     next: Duration,
+    /// and no other map, which is said whole, before this.
+    next_map: Duration,
     /// The pieces that were said, each with the number of its message.
     said: VecDeque<(u64, Arc<Luggage>)>,
 }
@@ -62,8 +65,10 @@ impl Old {
         if !self.round.is_empty() {
             return Some(Duration::ZERO);
         }
-        let is_news = self.robot != Some(robot_of(snapshot)) || self.map != Some(map_of(snapshot)) || !self.luggage.is_empty();
-        is_news.then_some(self.next)
+        let is_news = self.robot != Some(robot_of(snapshot)) || !self.luggage.is_empty();
+        let is_other_map = self.map != Some(map_of(snapshot));
+        let map = is_other_map.then_some(self.next.max(self.next_map));
+        is_news.then_some(self.next).into_iter().chain(map).min()
     }
 
     pub(super) fn take(&mut self, snapshot: &Snapshot, now: Duration) -> Option<String> {
@@ -79,7 +84,9 @@ impl Old {
             }
             Item::Map => {
                 self.map = Some(map_of(snapshot));
-                outgoing::room_map(snapshot)
+                let message = outgoing::message(outgoing::room_map(snapshot), self.number);
+                self.next_map = now + pace::of_size(message.len());
+                return Some(message);
             }
             Item::Luggage(piece) => {
                 let content = outgoing::luggage(&piece);
@@ -112,7 +119,7 @@ impl Old {
         if self.robot != Some(robot_of(snapshot)) {
             self.round.push_back(Item::Robot);
         }
-        if self.map != Some(map_of(snapshot)) {
+        if self.map != Some(map_of(snapshot)) && now >= self.next_map {
             self.round.push_back(Item::Map);
         }
         self.round.extend(self.luggage.drain(..).map(Item::Luggage));

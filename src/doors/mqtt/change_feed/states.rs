@@ -4,11 +4,12 @@ use std::convert::identity;
 use std::time::Duration;
 
 use crate::api::resources::{Form, ResourceKind};
+use crate::doors::pace;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::snapshot::Snapshot;
 
-/// The least time between two states of one resource: ten a second are enough to watch, and do not fill a slow line.
+/// The least time between two states of one resource, unless it is large: ten a second are enough to watch, and do not fill a slow line.
 const PACE: Duration = Duration::from_millis(100);
 
 #[derive(Default)]
@@ -32,8 +33,10 @@ impl States {
     /// The state of a resource, in JSON.
     pub(super) fn take(&mut self, resource: Resource, snapshot: &Snapshot, now: Duration) -> Vec<u8> {
         let shown = ResourceKind::Of(resource);
-        self.0[resource as usize] = Said { revision: Some(shown.revision(snapshot)), next: now + PACE };
-        shown.written(0, Form::Json, snapshot, identity)
+        let state = shown.written(0, Form::Json, snapshot, identity);
+        let next = now + pace::of_size(state.len()).max(PACE);
+        self.0[resource as usize] = Said { revision: Some(shown.revision(snapshot)), next };
+        state
     }
 
     /// Everything is to be said again, at the same pace.

@@ -9,7 +9,7 @@ use crate::api::resources::ResourceKind;
 use crate::api::state::StateJson;
 use crate::doors::mqtt::topics::TopicKind;
 use hallsweep_core::command::Verdict;
-use hallsweep_core::units::{Cell, LuggageId, WallTime};
+use hallsweep_core::units::{Cell, LuggageId, Revision, WallTime};
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::log::Tone;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
@@ -183,6 +183,42 @@ fn a_hasty_resource_is_said_ten_times_a_second_and_the_newest_last() {
     assert_eq!(show(&mut feed, &state, ms(1001)), []);
     assert_eq!(feed.poll_timeout(), Some(ms(1100)));
     assert_eq!(json(&all(&mut feed, ms(1100)), "hallsweep/discovery/state/temperature")["celsius"], Value::Null);
+}
+
+/// How many bytes are said of the map, whole each time, while a robot takes a step every 10 ms for ten seconds, in a hall of so many
+/// cells a side.
+fn said_of_maps(side: i32) -> usize {
+    let (mut feed, mut state) = (feed(), searching());
+    for cell in (0..side).flat_map(|y| (0..side).map(move |x| Cell::new(x, y))) {
+        state.map.mark(cell, Mark::Visited, Revision(20));
+    }
+    show(&mut feed, &state, ms(0));
+    let mut bytes = 0;
+    for tick in 1..=1000 {
+        state.robot.pose.cell = Cell::new(i32::try_from(tick % 2).unwrap(), 0);
+        touch(&mut state, 20 + tick, &[Resource::Robot, Resource::Map]);
+        let said = show(&mut feed, &state, ms(10 * tick));
+        let is_map = |said: &&Publication| said.topic.ends_with("/map") || said.payload.starts_with(MAP.as_bytes());
+        bytes += said.iter().filter(is_map).map(|map| map.payload.len()).sum::<usize>();
+    }
+    bytes
+}
+
+/// The beginning of an old message with a map.
+const MAP: &str = "msg(modelContent,event,resourcemodel,none,content(roomMap(";
+
+#[test]
+fn a_map_is_said_the_more_seldom_the_larger_it_is_and_at_last_as_it_is() {
+    let (middling, large) = (said_of_maps(300), said_of_maps(600));
+    assert!(large < middling + middling / 5, "{middling} bytes, then {large}");
+    let (mut feed, mut state) = (feed(), searching());
+    state.map.mark(Cell::new(1000, 1000), Mark::Visited, Revision(20));
+    show(&mut feed, &state, ms(0));
+    step(&mut state);
+    assert_eq!(names(&show(&mut feed, &state, ms(200))), ["events", "robot"], "the robot is said at once");
+    assert!(feed.poll_timeout().is_some_and(|due| due > ms(900)));
+    assert_eq!(names(&all(&mut feed, ms(60_000))), ["map", "events"]);
+    assert_eq!(feed.poll_timeout(), None);
 }
 
 #[test]

@@ -82,5 +82,7 @@ const fn must_be_mended(hold: Hold) -> bool {
 fn is_alarmed(snapshot: &Snapshot) -> bool {
     let is_unseen = snapshot.alarms.iter().any(|alarm| alarm.acknowledged.is_none());
     let is_secured = snapshot.mission.phase == PhaseName::BagSecured;
-    is_unseen || (!is_secured && snapshot.luggage.iter().any(|piece| piece.is_dangerous()))
+    // Of all luggage, only what is at hand: this is asked at every change.
+    let mut grave = snapshot.luggage.bombs_left().chain(snapshot.luggage.secured());
+    is_unseen || (!is_secured && grave.any(|piece| piece.is_dangerous()))
 }

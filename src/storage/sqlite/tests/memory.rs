@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use rusqlite::Connection;
+use rusqlite::{Connection, StatementStatus};
 
 use super::super::MemoryStore;
-use super::super::memory::{ENTRIES, PHOTOS};
+use super::super::memory::{ENTRIES, PHOTOS, gives_way};
 use super::super::rows::{self, EntryFilter};
 use crate::runtime::store::Store;
 use hallsweep_core::command::Verdict;
@@ -13,11 +13,16 @@ use hallsweep_core::effect::{Entry, Fact, Page};
 use hallsweep_core::event::Photo;
 use hallsweep_core::mission::Phase;
 use hallsweep_core::search::Strategy;
+use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Cell, LuggageId, MissionId, Pose, Seq, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
 fn phase() -> Entry {
     Entry { wall: WallTime::default(), fact: Fact::Phase(Phase::Exploring) }
+}
+
+fn standing() -> Entry {
+    Entry { wall: WallTime::default(), fact: Fact::State(Box::new(PersistentState::first(Strategy::Snail))) }
 }
 
 fn luggage(id: u64, photo: Result<&str, &str>) -> Entry {
@@ -111,9 +116,38 @@ fn the_oldest_entries_and_photos_give_way() {
     assert_eq!(memory.archive().photo(LuggageId(many - PHOTOS)), Ok(None));
     assert!(memory.archive().photo(LuggageId(many - PHOTOS + 1)).unwrap().is_some());
     record(&mut memory, (0..ENTRIES).map(|_| phase()));
+    assert_eq!(entries(&memory).len() as u64, many + ENTRIES, "what stands could not be folded without the first of them");
+    record(&mut memory, [standing(), phase()]);
+    record(&mut memory, (0..many).map(|_| phase()));
     let entries = entries(&memory);
     assert_eq!(entries.len() as u64, ENTRIES);
-    assert_eq!(entries.first().map(|(seq, _)| *seq), Some(Seq(many + 1)));
+    assert_eq!(entries.first().map(|(seq, _)| *seq), Some(Seq(2 * many + 3)));
+}
+
+/// How many steps SQLite takes to let go of what is behind the bounds, when one more piece has come.
+fn steps_of_giving_way(pieces: u64) -> i32 {
+    let mut memory = MemoryStore::new();
+    record(&mut memory, (1..=pieces).map(|id| luggage(id, Ok(&format!("photo {id}")))));
+    let count = |connection: &Connection| {
+        connection.execute_batch(
+            "INSERT INTO photos VALUES ('new', 'image/png', 1);
+             INSERT INTO luggage (id, record, photo) SELECT max(id) + 1, '{}', 'new' FROM luggage;",
+        )?;
+        let mut steps = 0;
+        for sql in gives_way().split(';').filter(|sql| !sql.trim().is_empty()) {
+            let mut statement = connection.prepare(sql)?;
+            statement.execute([])?;
+            steps += statement.get_status(StatementStatus::VmStep);
+        }
+        Ok(steps)
+    };
+    memory.journal.ask(count).expect("it is in memory")
+}
+
+#[test]
+fn what_gives_way_is_found_without_a_look_at_all_luggage() {
+    let (few, many) = (steps_of_giving_way(2 * PHOTOS), steps_of_giving_way(8 * PHOTOS));
+    assert!(many < few + few / 10, "{few} steps, then {many}");
 }
 
 #[test]
@@ -150,7 +184,7 @@ fn how_a_mission_ended_is_known_when_its_entries_have_given_way() {
     record(&mut memory, [phase(), at(Fact::MissionBegan(mission, Strategy::Snail)), luggage(1, Ok("first"))]);
     let archived = at(Fact::MissionArchived(mission, Vec::new()));
     memory.record(Page { first: kept(&memory).next(), entries: vec![at(Fact::Phase(Phase::Idle)), archived] }, 0);
-    record(&mut memory, (0..ENTRIES).map(|_| at(Fact::Phase(Phase::Idle))));
+    record(&mut memory, (0..ENTRIES).map(|_| at(Fact::Phase(Phase::Idle))).chain([standing(), phase()]));
     assert_eq!(memory.archive().entries(mission, Seq(0), 9).unwrap(), []);
     let state = memory.archive().state(mission).unwrap().expect("it was there").of;
     assert_eq!((state.phase.clone(), state.luggage.len()), (Phase::Exploring, 1));
