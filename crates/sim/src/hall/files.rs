@@ -1,18 +1,18 @@
 //! Where halls come from: the built-in ones by name, and files in either format, told apart by their content.
-//! What the formats mean stands in `hall_toml` and `hall_movingai`.
+//! What the formats mean stands in `toml` and `movingai`.
 
 use std::io::Read;
 use std::path::Path;
 
-use super::hall::Hall;
-use super::hall_error::{HallError, HallFault};
-use super::{hall_movingai, hall_toml};
+use super::Hall;
+use super::error::{HallError, HallFault};
+use super::{movingai, toml};
 
 const BUILT_IN: [(&str, &str); 4] = [
-    ("airport", include_str!("../../../config/halls/airport.toml")),
-    ("empty-8x8", include_str!("../../../config/halls/empty-8x8.toml")),
-    ("seed-9x8", include_str!("../../../config/halls/seed-9x8.toml")),
-    ("seed", include_str!("../../../config/halls/seed.toml")),
+    ("airport", include_str!("../../../../config/halls/airport.toml")),
+    ("empty-8x8", include_str!("../../../../config/halls/empty-8x8.toml")),
+    ("seed-9x8", include_str!("../../../../config/halls/seed-9x8.toml")),
+    ("seed", include_str!("../../../../config/halls/seed.toml")),
 ];
 
 /// A hall of the largest size, drawn with a byte a cell, and as much again for the rest of its file.
@@ -44,7 +44,7 @@ impl Hall {
     pub fn parse(file: &str, text: &str) -> Result<Hall, HallError> {
         let name = Path::new(file).file_stem().map_or_else(|| file.into(), |stem| stem.to_string_lossy());
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        if is_movingai(file, text) { hall_movingai::read(file, &name, text) } else { hall_toml::read(file, &name, text) }
+        if is_movingai(file, text) { movingai::read(file, &name, text) } else { toml::read(file, &name, text) }
     }
 }
 
@@ -167,7 +167,7 @@ mod tests {
 
     #[test]
     fn the_example_in_the_documentation_is_a_sound_hall() {
-        let page = include_str!("../../../docs/halls.md");
+        let page = include_str!("../../../../docs/halls.md");
         let example = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
         let hall = Hall::parse("docs/halls.md", example).unwrap();
         assert_eq!((hall.name(), hall.pieces().len()), ("arrivals", 2));

@@ -7,11 +7,11 @@ use std::ops::{Range, RangeInclusive};
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::bag::{Bag, Colour, Kind};
-use super::curve::Curve;
-use super::hall::{Hall, MAX_SIDE, Plan, USUAL_CELL_M};
-use super::hall_error::{HallError, HallFault};
-use super::hall_rows::{self, Drawing};
+use super::error::{HallError, HallFault};
+use super::rows::{self, Drawing};
+use super::{Hall, MAX_SIDE, Plan, USUAL_CELL_M};
+use crate::bag::{Bag, Colour, Kind};
+use crate::curve::Curve;
 use hallsweep_core::event::Piece;
 use hallsweep_core::units::Celsius;
 
@@ -138,7 +138,7 @@ impl Source<'_> {
         }
         let (columns, rows) = (self.side("width", width)?, self.side("height", height)?);
         let worst = if columns == 0 || (columns > rows && rows > 0) { width } else { height };
-        hall_rows::empty(columns, rows).map_err(|fault| self.at(&worst.span(), fault))
+        rows::empty(columns, rows).map_err(|fault| self.at(&worst.span(), fault))
     }
 
     fn side(&self, key: &'static str, side: &Spanned<i64>) -> Result<u64, HallError> {
@@ -153,7 +153,7 @@ impl Source<'_> {
         }
         let blank = rows.iter().take_while(|row| row.is_empty()).count();
         let first_line = self.first_row_line(&drawing.span()) + blank;
-        let read = hall_rows::read(&rows[blank..]).map_err(|(row, fault)| match row {
+        let read = rows::read(&rows[blank..]).map_err(|(row, fault)| match row {
             0 => self.at(&drawing.span(), fault),
             row => fault.at(self.file, first_line + row - 1),
         })?;

@@ -1,9 +1,9 @@
 //! Reads the grid maps of the MovingAI benchmark (N. Sturtevant, "Benchmarks for Grid-Based Pathfinding", 2012): `T` is
 //! luggage, each cell a piece; the other obstacles are walls. Nothing is dangerous, and there is no thermometer.
 
-use super::hall::{Hall, Truth};
-use super::hall_error::{HallError, HallFault};
-use super::hall_rows::{Reading, drawn, sides};
+use super::error::{HallError, HallFault};
+use super::rows::{Reading, drawn, sides};
+use super::{Hall, Truth};
 
 /// The lines before the rows: `type …`, `height N`, `width N`, `map`.
 const HEADER_LINES: usize = 4;

@@ -1,5 +1,5 @@
 //! What can be wrong with a hall file, said so that its author can mend it: file, line, reason, what to do.
-//! Finding the faults is the business of the readers, `hall_toml` and `hall_movingai`.
+//! Finding the faults is the business of the readers, `toml` and `movingai`.
 
 use std::fmt;
 

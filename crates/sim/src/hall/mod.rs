@@ -1,14 +1,22 @@
 //! A simulated hall: the truth about every cell, the luggage in it and its temperature over time.
-//! How halls are read from files stands in `hall_toml`, `hall_movingai` and `hall_files`.
+//! How halls are read from files stands in `toml`, `movingai` and `files`.
 //!
 //! Files count columns from the west and rows from the north of the drawing; everything here is in map coordinates,
 //! where the robot's start is (0, 0).
 
+mod error;
+mod files;
+mod movingai;
+mod rows;
+mod toml;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use super::bag::Bag;
-use super::curve::Curve;
+pub use error::{HallError, HallFault};
+
+use crate::bag::Bag;
+use crate::curve::Curve;
 use hallsweep_core::event::Piece;
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::Bounds;

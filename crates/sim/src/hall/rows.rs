@@ -2,9 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::bag::Bag;
-use super::hall::{Hall, MAX_PIECES, MAX_SIDE, Plan, Truth};
-use super::hall_error::{HallError, HallFault};
+use super::error::{HallError, HallFault};
+use super::{Hall, MAX_PIECES, MAX_SIDE, Plan, Truth};
+use crate::bag::Bag;
 use hallsweep_core::event::Piece;
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::Bounds;
