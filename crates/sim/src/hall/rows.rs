@@ -91,6 +91,15 @@ impl Reading {
         Ok(())
     }
 
+    /// One more square, where no mark says where the robot starts: then it is the free cell nearest to the north-west corner,
+    /// columns plus rows. Rows come from the north and each from the west, so of equally near cells the first stays home.
+    pub(super) fn place(&mut self, cell: Cell, square: Truth) {
+        if square == Truth::Free && self.start.is_none_or(|home| cell.x + cell.y < home.x + home.y) {
+            self.start = Some(cell);
+        }
+        self.squares.push(square);
+    }
+
     /// The piece of this letter, which now covers this cell too.
     fn lettered(&mut self, letter: char, cell: Cell) -> Result<Piece, HallFault> {
         if let Some(piece) = self.letters.get(&letter) {
