@@ -153,7 +153,7 @@ pub enum HallFault {
     HomeNotFree { x: u32, y: u32 },
     #[error("cells of {cell} m are finer than the pixels of {resolution} m: give {resolution} or more")]
     CellTooFine { cell: String, resolution: String },
-    #[error("cells of {asked} m are asked for, but this file has its own of {has} m: leave the size out")]
+    #[error("cells of {asked} m are asked for, but those of this file are of {has} m: leave --cell out")]
     CellGiven { asked: String, has: String },
 }
 

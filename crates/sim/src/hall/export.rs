@@ -48,6 +48,9 @@ impl Format {
     }
 }
 
+/// What is said of an explored hall to whoever reads its file.
+const EXPLORED: &str = "As far as it was explored; where nothing is known it has walls.";
+
 /// A hall as it is written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Written {
@@ -101,7 +104,15 @@ impl Export {
         let dangerous: BTreeSet<Cell> =
             state.luggage.iter().filter(|piece| piece.is_bomb_left()).map(|piece| piece.cell).collect();
         plan.bags.iter_mut().for_each(|bag| bag.dangerous = bag.cells.iter().any(|cell| dangerous.contains(cell)));
-        Export { hall: Hall::of(name, plan).measured(cell_m, None), marks: Some(marks) }
+        let hall = Hall::of(name, plan).measured(cell_m, None).described(Some(EXPLORED));
+        Export { hall, marks: Some(marks) }
+    }
+
+    /// How large it is, and how much luggage lies in it.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let (bounds, cell_m) = (self.hall.bounds(), self.hall.cell_m());
+        format!("{} × {} cells of {cell_m} m, {} of luggage", bounds.width(), bounds.height(), pieces(self.hall.pieces().len()))
     }
 
     pub(super) const fn hall(&self) -> &Hall {
@@ -163,7 +174,8 @@ impl Export {
         let is_said = |is_lost: bool, what: &str| is_lost.then(|| what.to_owned());
         lost.extend(is_said(hall.curve() != again.curve(), "the temperature"));
         lost.extend(is_said(hall.name() != again.name(), "the name"));
-        lost.extend(is_said(hall.description != again.description, "the description"));
+        let described = hall.description.as_deref().filter(|words| *words != EXPLORED);
+        lost.extend(is_said(described.is_some() && hall.description != again.description, "the description"));
         lost
     }
 

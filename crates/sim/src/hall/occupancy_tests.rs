@@ -131,7 +131,7 @@ fn our_own_files_say_where_luggage_lies_and_the_robot_starts() {
     }
     assert_eq!(
         said(&own, Some(1.0)),
-        "m.yaml: cells of 1 m are asked for, but this file has its own of 0.5 m: leave the size out"
+        "m.yaml: cells of 1 m are asked for, but those of this file are of 0.5 m: leave --cell out"
     );
     assert!(drawn(&own, &pixels, Some(0.5)).is_ok());
     check(&own.replace("cell_m: 0.5", "cell_m: 9"), "m.yaml:7: `cell_m` is 9: give a number from 0.1 to 5");
