@@ -14,9 +14,11 @@ use hallsweep_core::mission::table_markdown;
 pub mod evaluate;
 pub mod explore;
 mod failure;
+pub mod hall;
 pub mod healthcheck;
 pub mod journal;
 mod link;
+mod map_file;
 pub mod pallet;
 pub mod roomba;
 pub mod serve;
@@ -51,6 +53,8 @@ pub enum Task {
     Pallet(pallet::Pallet),
     /// Ask a running hallsweep whether it is well: exit code 0 if so, 1 if not.
     Healthcheck(Healthcheck),
+    /// Write halls in other formats.
+    Hall(hall::Halls),
     /// Show, add, replace and remove the keys by which people and programs get in.
     Token(token::Keyrings),
     /// Print, check and export what is on record, and mend its tables.
@@ -68,7 +72,7 @@ pub enum Task {
 /// The flags of `serve`; each wins over the environment and the settings file.
 #[derive(Args, Clone, Debug, Default)]
 pub struct Serve {
-    /// The hall: the name of a built-in one, a hall file (.toml) or a MovingAI grid (.map).
+    /// The hall: the name of a built-in one, or a file (.toml, MovingAI .map, ROS .yaml, or the text of old clients, .txt).
     #[arg(long, value_name = "HALL")]
     hall: Option<String>,
     /// Where the console and the API listen; port 0 takes a free one.
@@ -224,6 +228,7 @@ mod tests {
             other @ (Task::Evaluate(_)
             | Task::Explore(_)
             | Task::Pallet(_)
+            | Task::Hall(_)
             | Task::Healthcheck(_)
             | Task::Journal(_)
             | Task::Roomba(_)

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use hallsweep::cli::{
-    Cli, Failure, Task, evaluate, explore, healthcheck, journal, pallet, print_table, roomba, serve, token, tree, tune,
+    Cli, Failure, Task, evaluate, explore, hall, healthcheck, journal, pallet, print_table, roomba, serve, token, tree, tune,
 };
 
 fn main() -> ExitCode {
@@ -21,6 +21,7 @@ fn run(task: Task) -> Result<(), Failure> {
     match task {
         Task::Serve(flags) => serve::run(&flags),
         Task::Explore(flags) => explore::run(&flags),
+        Task::Hall(asked) => hall::run(&asked),
         Task::Pallet(flags) => pallet::run(&flags),
         Task::Healthcheck(flags) => flags.address().and_then(healthcheck::run),
         Task::Journal(asked) => journal::run(&asked),

@@ -22,6 +22,7 @@ pub mod laboratory;
 pub mod log;
 pub mod luggage;
 pub mod map;
+pub mod map_files;
 pub mod map_text;
 pub mod mission;
 pub mod mission_record;

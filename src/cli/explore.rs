@@ -9,21 +9,22 @@ use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::Failure;
+use super::map_file::MapFile;
 use crate::api::{journal_words, map_text};
 use crate::app::AppError;
 use crate::config::{self, Flag, Sources};
 use crate::robots::sim;
 use hallsweep_core::effect::Entry;
 use hallsweep_core::world::snapshot::Snapshot;
-use hallsweep_sim::Camera;
 use hallsweep_sim::headless::{self, Figures, Verdicts};
+use hallsweep_sim::{Camera, Export};
 
 mod figures;
 
 /// The flags of `explore`; each wins over the environment and the settings file.
 #[derive(Args, Clone, Debug)]
 pub struct Explore {
-    /// The hall: the name of a built-in one, a hall file (.toml) or a MovingAI grid (.map).
+    /// The hall: the name of a built-in one, or a file (.toml, MovingAI .map, ROS .yaml, or the text of old clients, .txt).
     #[arg(long, value_name = "HALL")]
     hall: Option<String>,
     #[command(flatten)]
@@ -43,6 +44,12 @@ pub struct Explore {
     /// Write everything that was put on record to this file, a line each.
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
+    /// Write the map as far as it was explored to this file, which ends in .toml, .map, .yaml (with a .pgm beside it) or .txt.
+    #[arg(long, value_name = "FILE")]
+    map: Option<String>,
+    /// Replace a map that is there.
+    #[arg(long, requires = "map")]
+    force: bool,
 }
 
 /// How the luggage is answered for.
@@ -59,6 +66,7 @@ enum Answers {
 pub fn run(flags: &Explore) -> Result<(), Failure> {
     let settings = super::settings(&flags.sources())?;
     let hall = sim::hall(&settings).map_err(AppError::from)?;
+    let map = flags.map.as_deref().map(|path| MapFile::at(path, flags.force)).transpose()?;
     let sim = sim::sim_settings(&settings.robot, Camera::Stub);
     let bar = progress_bar(hall.reachable().len());
     let mut log = flags.log.as_deref().map(Log::create).transpose()?;
@@ -73,6 +81,11 @@ pub fn run(flags: &Explore) -> Result<(), Failure> {
     log.map_or(Ok(()), Log::finish)?;
     let text = if flags.json { figures::json(&figures) } else { for_people(&figures) };
     super::print(&text)?;
+    if let Some(map) = map {
+        let line = map.write(&Export::explored(hall.name(), hall.cell_m(), &figures.state))?;
+        // Of JSON there is one object and nothing else.
+        if flags.json { eprintln!("{line}") } else { super::print(&line)? }
+    }
     figures.stuck.map_or(Ok(()), |why| Err(Failure::Run(format!("the mission could not end: {why}"))))
 }
 

@@ -33,7 +33,7 @@ const RULES: [Rule; 11] = [
         module: "api",
         // The table of commands says what each asks of its sender.
         modules: &["access"],
-        // Of the simulator the laboratory alone, which is arithmetic and drives nothing of the hall.
+        // Of the simulator what drives nothing of the hall: the laboratory, which is arithmetic, and how halls are written in files.
         crates: &["hallsweep_core", "hallsweep_sim", "jiff", "minicbor", "minicbor_serde", "serde", "serde_json", "thiserror"],
     },
     Rule {

@@ -17,6 +17,7 @@ use super::{HttpDoor, assets, command, console, events, laboratory, missions, mq
 use crate::access::Need;
 use crate::access::Need::{Act, Nothing, See, Stop};
 use crate::api::commands::{self, COMMANDS, CommandKind, Methods, Subject};
+use crate::api::map_files;
 use crate::api::old_clients::{self, posted};
 use crate::api::resources::{self, RESOURCES, ResourceKind};
 use hallsweep_core::command::Command;
@@ -35,8 +36,9 @@ pub(super) struct Row {
 
 /// Every route. STOP is everywhere in reach of anyone signed in; a `move` may be one, its other words ask for an operator.
 pub(super) fn table() -> Vec<Row> {
-    let rows = [for_anybody(), resources(), changes_and_past(), commands(), page(), laboratory(), buttons(), old_console()];
-    rows.into_iter().flatten().collect()
+    let seen = [for_anybody(), resources(), map_files(), changes_and_past()];
+    let rows = seen.into_iter().chain([commands(), page(), laboratory(), buttons(), old_console()]);
+    rows.flatten().collect()
 }
 
 /// What one needs to sign in, what says nothing of the hall, and the way to a door that asks by itself.
@@ -76,6 +78,16 @@ fn resources() -> Vec<Row> {
         }
     };
     RESOURCES.iter().map(row).collect()
+}
+
+/// The map in every file of the one table.
+fn map_files() -> Vec<Row> {
+    let row = |row: &'static map_files::Row| {
+        get(format!("/api/v1/map/{}", row.name), See, async |State(door): State<HttpDoor>, headers: HeaderMap| {
+            reads::map_file(row, &door, &headers)
+        })
+    };
+    map_files::FILES.iter().map(row).collect()
 }
 
 /// What programs see besides: every change, and the past.

@@ -1,14 +1,29 @@
 //! A simulated hall: the truth about every cell, the luggage in it and its temperature over time.
-//! How halls are read from files stands in `hall_toml`, `hall_movingai` and `hall_files`.
+//! `files` finds and tells apart the files in which halls stand, `export` writes them; each format has a file of its own, in
+//! which it is read and written: `toml`, `movingai`, `seed_text`, and `occupancy` with `pixels` and `pgm`.
 //!
 //! Files count columns from the west and rows from the north of the drawing; everything here is in map coordinates,
 //! where the robot's start is (0, 0).
 
+mod error;
+mod export;
+mod files;
+mod movingai;
+mod occupancy;
+mod pgm;
+mod pixels;
+mod rows;
+mod seed_text;
+mod toml;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use super::bag::Bag;
-use super::curve::Curve;
+pub use error::{HallError, HallFault};
+pub use export::{Export, Format, Written};
+
+use crate::bag::Bag;
+use crate::curve::Curve;
 use hallsweep_core::event::Piece;
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::Bounds;
@@ -37,6 +52,7 @@ pub enum Truth {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hall {
     name: Arc<str>,
+    description: Option<Arc<str>>,
     cell_m: f64,
     bounds: Bounds,
     squares: Vec<Truth>,
@@ -58,12 +74,17 @@ impl Hall {
     /// A hall of this plan, with cells of `USUAL_CELL_M` and no thermometer.
     pub(super) fn of(name: &str, plan: Plan) -> Hall {
         let Plan { bounds, squares, bags } = plan;
-        Hall { name: name.into(), cell_m: USUAL_CELL_M, bounds, squares, bags, temperature: None }
+        Hall { name: name.into(), description: None, cell_m: USUAL_CELL_M, bounds, squares, bags, temperature: None }
     }
 
     /// The same hall with what a hall file says beside the drawing.
     pub(super) fn measured(self, cell_m: f64, temperature: Option<Curve>) -> Hall {
         Hall { cell_m, temperature, ..self }
+    }
+
+    /// The same hall with a description for whoever reads its file.
+    pub(super) fn described(self, description: Option<&str>) -> Hall {
+        Hall { description: description.map(Arc::from), ..self }
     }
 
     /// Its name.
@@ -144,6 +165,16 @@ impl Hall {
         reached
     }
 
+    /// The column and row of the robot's start, counted from 0 in the north-west corner.
+    pub(super) const fn home(&self) -> Cell {
+        Cell::new(-self.bounds.least.x, -self.bounds.least.y)
+    }
+
+    /// Its rows of squares, from the north, each from the west.
+    pub(super) fn rows(&self) -> impl Iterator<Item = &[Truth]> {
+        self.squares.chunks(usize::try_from(self.bounds.width()).unwrap_or(1))
+    }
+
     pub(super) const fn curve(&self) -> Option<&Curve> {
         self.temperature.as_ref()
     }
@@ -200,3 +231,6 @@ mod tests {
         assert!(!hall.is_dangerous(Piece(1)) && !hall.is_dangerous(Piece(0)) && !hall.is_dangerous(Piece(9)));
     }
 }
+
+#[cfg(test)]
+mod shared_maps_tests;

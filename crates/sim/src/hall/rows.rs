@@ -2,9 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::bag::Bag;
-use super::hall::{Hall, MAX_PIECES, MAX_SIDE, Plan, Truth};
-use super::hall_error::{HallError, HallFault};
+use super::error::{HallError, HallFault};
+use super::{Hall, MAX_PIECES, MAX_SIDE, Plan, Truth};
+use crate::bag::Bag;
 use hallsweep_core::event::Piece;
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::Bounds;
@@ -89,6 +89,15 @@ impl Reading {
             self.squares.push(square);
         }
         Ok(())
+    }
+
+    /// One more square, where no mark says where the robot starts: then it is the free cell nearest to the north-west corner,
+    /// columns plus rows. Rows come from the north and each from the west, so of equally near cells the first stays home.
+    pub(super) fn place(&mut self, cell: Cell, square: Truth) {
+        if square == Truth::Free && self.start.is_none_or(|home| cell.x + cell.y < home.x + home.y) {
+            self.start = Some(cell);
+        }
+        self.squares.push(square);
     }
 
     /// The piece of this letter, which now covers this cell too.

@@ -1,17 +1,18 @@
-//! Reads a hall file in TOML: `name`, `description`, `cell_m`, a `drawing` or `width` and `height`, `[[luggage]]` and
+//! Reads and writes a hall file in TOML: `name`, `description`, `cell_m`, a `drawing` or `width` and `height`, `[[luggage]]` and
 //! `[[temperature]]`. What each key means to an author is told in `docs/halls.md`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
 use std::ops::{Range, RangeInclusive};
 
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::bag::{Bag, Colour, Kind};
-use super::curve::Curve;
-use super::hall::{Hall, MAX_SIDE, Plan, USUAL_CELL_M};
-use super::hall_error::{HallError, HallFault};
-use super::hall_rows::{self, Drawing};
+use super::error::{HallError, HallFault};
+use super::rows::{self, Drawing};
+use super::{Hall, MAX_SIDE, Plan, Truth, USUAL_CELL_M};
+use crate::bag::{Bag, Colour, Kind};
+use crate::curve::Curve;
 use hallsweep_core::event::Piece;
 use hallsweep_core::units::Celsius;
 
@@ -68,7 +69,8 @@ pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError
         None => source.empty(content.width.as_ref(), content.height.as_ref(), &content.luggage)?,
     };
     let curve = source.curve(&content.temperature)?;
-    Ok(Hall::of(content.name.as_ref().map_or(name, |name| name.get_ref()), plan).measured(cell_m, curve))
+    let hall = Hall::of(content.name.as_ref().map_or(name, |name| name.get_ref()), plan).measured(cell_m, curve);
+    Ok(hall.described(content.description.as_ref().map(|words| words.get_ref().as_str())))
 }
 
 /// The text that is read, for the lines of its faults.
@@ -138,7 +140,7 @@ impl Source<'_> {
         }
         let (columns, rows) = (self.side("width", width)?, self.side("height", height)?);
         let worst = if columns == 0 || (columns > rows && rows > 0) { width } else { height };
-        hall_rows::empty(columns, rows).map_err(|fault| self.at(&worst.span(), fault))
+        rows::empty(columns, rows).map_err(|fault| self.at(&worst.span(), fault))
     }
 
     fn side(&self, key: &'static str, side: &Spanned<i64>) -> Result<u64, HallError> {
@@ -153,7 +155,7 @@ impl Source<'_> {
         }
         let blank = rows.iter().take_while(|row| row.is_empty()).count();
         let first_line = self.first_row_line(&drawing.span()) + blank;
-        let read = hall_rows::read(&rows[blank..]).map_err(|(row, fault)| match row {
+        let read = rows::read(&rows[blank..]).map_err(|(row, fault)| match row {
             0 => self.at(&drawing.span(), fault),
             row => fault.at(self.file, first_line + row - 1),
         })?;
@@ -228,6 +230,77 @@ impl Source<'_> {
         }
         Ok(Curve::through(keys))
     }
+}
+
+/// The hall as a file. Pieces that need words have a letter as far as there are letters; the rest is drawn as `T`, and the file
+/// says so.
+pub(super) fn write(hall: &Hall) -> String {
+    let letters = letters(hall.pieces());
+    let mut text = String::new();
+    // A name too long for a file comes from the file's own name.
+    if (1..=64).contains(&hall.name().chars().count()) {
+        key(&mut text, "name", &toml::Value::from(hall.name()));
+    }
+    if let Some(description) = &hall.description {
+        key(&mut text, "description", &toml::Value::from(&**description));
+    }
+    key(&mut text, "cell_m", &hall.cell_m());
+    let without = hall.pieces().iter().filter(|bag| needs_words(bag)).count() - letters.len();
+    if without > 0 {
+        let _ = writeln!(text, "\n# {without} pieces are drawn as T without their words, since there are only 26 letters.");
+    }
+    let home = hall.home();
+    text.push_str("\ndrawing = \"\"\"\n");
+    for (y, row) in (0..).zip(hall.rows()) {
+        text.extend((0..).zip(row).map(|(x, truth)| match truth {
+            Truth::Free if (x, y) == (home.x, home.y) => 'S',
+            Truth::Free => '.',
+            Truth::Wall => '#',
+            Truth::Luggage(piece) => letters.get(piece).copied().unwrap_or('T'),
+        }));
+        text.push('\n');
+    }
+    text.push_str("\"\"\"\n");
+    for bag in hall.pieces() {
+        if let Some(mark) = letters.get(&bag.piece) {
+            describe(&mut text, *mark, bag);
+        }
+    }
+    for (at_s, celsius) in hall.curve().map_or(&[][..], Curve::keys) {
+        let _ = write!(text, "\n[[temperature]]\nat_s = {at_s}\ncelsius = {}\n", celsius.degrees());
+    }
+    text
+}
+
+fn key(text: &mut String, key: &str, value: &dyn std::fmt::Display) {
+    let _ = writeln!(text, "{key} = {value}");
+}
+
+fn describe(text: &mut String, mark: char, bag: &Bag) {
+    let Colour { red, green, blue } = bag.colour;
+    let named = Colour::NAMED.into_iter().find(|(_, colour)| *colour == bag.colour);
+    let colour = named.map_or_else(|| format!("#{red:02x}{green:02x}{blue:02x}"), |(name, _)| name.to_owned());
+    let kind = bag.kind.name();
+    let _ = write!(text, "\n[[luggage]]\nmark = \"{mark}\"\nkind = \"{kind}\"\ncolour = \"{colour}\"\n");
+    if bag.height_m.to_bits() != bag.kind.usual_height_m().to_bits() {
+        key(text, "height_m", &bag.height_m);
+    }
+    if bag.dangerous {
+        key(text, "dangerous", &true);
+    }
+}
+
+/// Whether a `T` would not be the same piece.
+fn needs_words(bag: &Bag) -> bool {
+    bag.cells.len() != 1 || *bag != Bag::plain(bag.piece, bag.cells.clone())
+}
+
+/// A letter for every piece that needs words, or for the 26 that would lose most: the dangerous ones, then those of several cells.
+fn letters(bags: &[Bag]) -> BTreeMap<Piece, char> {
+    let mut wanted: Vec<&Bag> = bags.iter().filter(|bag| needs_words(bag)).collect();
+    wanted.sort_by_key(|bag| (!bag.dangerous, bag.cells.len() == 1, bag.piece));
+    let chosen: BTreeSet<Piece> = wanted.into_iter().map(|bag| bag.piece).take(('a'..='z').count()).collect();
+    chosen.into_iter().zip('a'..='z').collect()
 }
 
 #[cfg(test)]

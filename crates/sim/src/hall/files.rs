@@ -1,18 +1,19 @@
-//! Where halls come from: the built-in ones by name, and files in either format, told apart by their content.
-//! What the formats mean stands in `hall_toml` and `hall_movingai`.
+//! Where halls come from: the built-in ones by name, and files in any format, told apart by their content; those of an image and
+//! its YAML by their names. What the formats mean stands in a file each.
 
+use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use super::hall::Hall;
-use super::hall_error::{HallError, HallFault};
-use super::{hall_movingai, hall_toml};
+use super::error::{HallError, HallFault};
+use super::pixels::{Image, MAX_IMAGE_BYTES};
+use super::{Hall, movingai, occupancy, seed_text, toml};
 
 const BUILT_IN: [(&str, &str); 4] = [
-    ("airport", include_str!("../../../config/halls/airport.toml")),
-    ("empty-8x8", include_str!("../../../config/halls/empty-8x8.toml")),
-    ("seed-9x8", include_str!("../../../config/halls/seed-9x8.toml")),
-    ("seed", include_str!("../../../config/halls/seed.toml")),
+    ("airport", include_str!("../../../../config/halls/airport.toml")),
+    ("empty-8x8", include_str!("../../../../config/halls/empty-8x8.toml")),
+    ("seed-9x8", include_str!("../../../../config/halls/seed-9x8.toml")),
+    ("seed", include_str!("../../../../config/halls/seed.toml")),
 ];
 
 /// A hall of the largest size, drawn with a byte a cell, and as much again for the rest of its file.
@@ -24,28 +25,113 @@ impl Hall {
         BUILT_IN.into_iter().map(|(name, _)| name)
     }
 
-    /// A built-in hall by its name, or else the hall in the file of this path (`.toml`, or a MovingAI `.map`).
+    /// A built-in hall by its name, or else the hall in the file of this path, in any format.
     ///
     /// # Errors
     /// The file cannot be read, or what is wrong in it.
     pub fn named_or_file(name_or_path: &str) -> Result<Hall, HallError> {
-        if let Some((name, text)) = BUILT_IN.into_iter().find(|(name, _)| *name == name_or_path) {
-            return Hall::parse(name, text);
-        }
-        let text = read_file(name_or_path).map_err(|fault| fault.of(name_or_path))?;
-        Hall::parse(name_or_path, &text)
+        Hall::open(name_or_path, None)
     }
 
-    /// The hall described by `text`: a MovingAI map when it begins like one, else TOML; a byte order mark is passed over.
-    /// `file` is named in errors, and its stem is the hall's name when the text gives none.
+    /// The same, with cells of this many metres where the file leaves that open: a map of pixels.
+    ///
+    /// # Errors
+    /// The file cannot be read, has cells of its own, or what is wrong in it.
+    pub fn open(name_or_path: &str, cell_m: Option<f64>) -> Result<Hall, HallError> {
+        if let Some((name, text)) = BUILT_IN.into_iter().find(|(name, _)| *name == name_or_path) {
+            return Hall::parse(name, text).and_then(|hall| hall.with_own_cells(name, cell_m));
+        }
+        let path = Path::new(name_or_path);
+        if has_extension(path, &YAML) {
+            return open_yaml(name_or_path, path, cell_m);
+        }
+        let bytes = read_file(path).map_err(|fault| fault.of(name_or_path))?;
+        if Image::begins(&bytes) || has_extension(path, &["pgm", "png"]) {
+            let beside = YAML.map(|extension| path.with_extension(extension)).into_iter().find(|yaml| yaml.is_file());
+            let missing = || HallFault::NoYaml(path.with_extension(YAML[0]).display().to_string()).of(name_or_path);
+            let yaml = beside.ok_or_else(missing)?;
+            return open_yaml(&yaml.display().to_string(), &yaml, cell_m);
+        }
+        if bytes.len() as u64 > MAX_FILE_BYTES {
+            return Err(HallFault::FileTooLarge(MAX_FILE_BYTES).of(name_or_path));
+        }
+        let text = String::from_utf8(bytes).map_err(|_| HallFault::NotText.of(name_or_path))?;
+        Hall::parse(name_or_path, &text)?.with_own_cells(name_or_path, cell_m)
+    }
+
+    /// The hall described by `text`: a MovingAI map when it begins like one, a map of old clients when it is nothing else, else
+    /// TOML; a byte order mark is passed over. `file` is named in errors, and its stem is the hall's name when the text gives none.
     ///
     /// # Errors
     /// What is wrong, and in which line.
     pub fn parse(file: &str, text: &str) -> Result<Hall, HallError> {
-        let name = Path::new(file).file_stem().map_or_else(|| file.into(), |stem| stem.to_string_lossy());
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        if is_movingai(file, text) { hall_movingai::read(file, &name, text) } else { hall_toml::read(file, &name, text) }
+        let (name, text) = (stem(file), unmarked(text));
+        if has_extension(Path::new(file), &YAML) {
+            Err(HallFault::NeedsImage.of(file))
+        } else if is_movingai(file, text) {
+            movingai::read(file, &name, text)
+        } else if is_seed_text(file, text) {
+            seed_text::read(file, &name, text)
+        } else {
+            toml::read(file, &name, text)
+        }
     }
+
+    /// The hall of an image, by the YAML file `file` that says what it means. `cell_m` is the side of a cell; half a metre, or a
+    /// pixel where that is longer, when neither it nor the file says.
+    ///
+    /// # Errors
+    /// What is wrong, in which of the files, and in which line.
+    pub fn parse_occupancy(
+        file: &str,
+        yaml: &str,
+        image_file: &str,
+        image: &[u8],
+        cell_m: Option<f64>,
+    ) -> Result<Hall, HallError> {
+        occupancy::describe(file, unmarked(yaml))?.hall(file, &stem(file), image_file, image, cell_m)
+    }
+
+    /// This hall, whose file says how long its cells are, unless other ones are asked for.
+    fn with_own_cells(self, file: &str, asked: Option<f64>) -> Result<Hall, HallError> {
+        match asked {
+            Some(asked) if asked != self.cell_m => {
+                Err(HallFault::CellGiven { asked: asked.to_string(), has: self.cell_m.to_string() }.of(file))
+            }
+            _ => Ok(self),
+        }
+    }
+}
+
+/// How the files end that say what an image means.
+const YAML: [&str; 2] = ["yaml", "yml"];
+
+fn has_extension(path: &Path, extensions: &[&str]) -> bool {
+    path.extension().is_some_and(|found| extensions.iter().any(|extension| found.eq_ignore_ascii_case(extension)))
+}
+
+fn stem(file: &str) -> String {
+    Path::new(file).file_stem().map_or_else(|| file.into(), |stem| stem.to_string_lossy()).into_owned()
+}
+
+/// A text without its byte order mark.
+fn unmarked(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
+}
+
+fn open_yaml(file: &str, path: &Path, cell_m: Option<f64>) -> Result<Hall, HallError> {
+    let bytes = read_at_most(path, occupancy::MAX_YAML_BYTES).map_err(|error| unreadable(&error).of(file))?;
+    let bytes = bytes.ok_or_else(|| HallFault::YamlTooLarge(occupancy::MAX_YAML_BYTES).of(file))?;
+    let yaml = String::from_utf8(bytes).map_err(|_| HallFault::NotText.of(file))?;
+    let description = occupancy::describe(file, unmarked(&yaml))?;
+    // An absolute path stays as it is.
+    let image_path: PathBuf = path.parent().unwrap_or(Path::new("")).join(&description.image);
+    let image_file = image_path.display().to_string();
+    let image = read_at_most(&image_path, MAX_IMAGE_BYTES).map_err(|error| {
+        HallFault::UnreadableImage { path: image_file.clone(), error: error.to_string() }.at(file, description.image_line)
+    })?;
+    let image = image.ok_or_else(|| HallFault::ImageFileTooLarge(MAX_IMAGE_BYTES).of(&image_file))?;
+    description.hall(file, &stem(file), &image_file, &image, cell_m)
 }
 
 /// Whether a text is meant as a MovingAI map: it begins with a word of such a header, also when the lines are in the wrong
@@ -58,16 +144,28 @@ fn is_movingai(file: &str, text: &str) -> bool {
     (begins && !assigns) || (called && !text.contains('='))
 }
 
-fn read_file(path: &str) -> Result<String, HallFault> {
-    let unreadable =
-        |error: std::io::Error| HallFault::Unreadable(error.to_string(), Hall::builtin_names().collect::<Vec<_>>().join(", "));
+/// Whether a text is meant as a map of old clients: it is one, or its file is called so and nothing in it can be TOML.
+fn is_seed_text(file: &str, text: &str) -> bool {
+    seed_text::is_one(text) || (has_extension(Path::new(file), &["txt"]) && !text.contains('='))
+}
+
+/// All of a file, or as much of an image as is needed to know it for one.
+fn read_file(path: &Path) -> Result<Vec<u8>, HallFault> {
     let mut bytes = Vec::new();
-    let file = std::fs::File::open(path).map_err(unreadable)?;
-    file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
-    if bytes.len() as u64 > MAX_FILE_BYTES {
-        return Err(HallFault::FileTooLarge(MAX_FILE_BYTES));
-    }
-    String::from_utf8(bytes).map_err(|_| HallFault::NotText)
+    let file = File::open(path).map_err(|error| unreadable(&error))?;
+    file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(|error| unreadable(&error))?;
+    Ok(bytes)
+}
+
+/// All of a file; `None` when it has more bytes than these.
+fn read_at_most(path: &Path, most: u64) -> std::io::Result<Option<Vec<u8>>> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    Ok((bytes.len() as u64 <= most).then_some(bytes))
+}
+
+fn unreadable(error: &std::io::Error) -> HallFault {
+    HallFault::Unreadable(error.to_string(), Hall::builtin_names().collect::<Vec<_>>().join(", "))
 }
 
 #[cfg(test)]
@@ -134,11 +232,14 @@ mod tests {
     #[test]
     fn a_text_of_neither_format_is_told_what_a_hall_file_is() {
         let no_hall = "x:1: this is no hall: a hall file is TOML with a `drawing`, or with `width` and `height`; a MovingAI map \
-                       begins with `type octile`";
+                       begins with `type octile`; a ROS map is named by its .yaml; a map in text has only `r` `1` `0` `X`";
         for text in ["hello", "hello\nworld\n", "{\"width\": 3}", "S..#\n....\n", "type"] {
             let error = Hall::parse("x", text).unwrap_err().to_string();
-            let expect =
-                if text == "type" { "x:2: not a MovingAI map: line 2 is empty, it should read `height NUMBER`" } else { no_hall };
+            let expect = if text == "type" {
+                "x:1: not a MovingAI map: line 1 reads \"type\", it should read `type octile`"
+            } else {
+                no_hall
+            };
             assert_eq!(error, expect, "{text}");
         }
         let empty = Hall::parse("x", "").unwrap_err().to_string();
@@ -167,7 +268,7 @@ mod tests {
 
     #[test]
     fn the_example_in_the_documentation_is_a_sound_hall() {
-        let page = include_str!("../../../docs/halls.md");
+        let page = include_str!("../../../../docs/halls.md");
         let example = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
         let hall = Hall::parse("docs/halls.md", example).unwrap();
         assert_eq!((hall.name(), hall.pieces().len()), ("arrivals", 2));

@@ -1,5 +1,5 @@
 //! What can be wrong with a hall file, said so that its author can mend it: file, line, reason, what to do.
-//! Finding the faults is the business of the readers, `hall_toml` and `hall_movingai`.
+//! Finding the faults is the business of the readers, one for each format.
 
 use std::fmt;
 
@@ -29,15 +29,19 @@ impl std::error::Error for HallError {}
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[expect(missing_docs, reason = "the messages say it")]
 pub enum HallFault {
-    #[error("cannot read this file ({0}): give the path of a .toml or .map file, or one of the built-in halls {1}")]
+    #[error("cannot read this file ({0}): give the path of a .toml, .map, .yaml or .txt file, or one of the built-in halls {1}")]
     Unreadable(String, String),
     #[error("this file is larger than {0} bytes: a hall has at most 2048 × 2048 cells")]
     FileTooLarge(u64),
+    #[error("this image is larger than {0} bytes: save it with larger pixels")]
+    ImageFileTooLarge(u64),
+    #[error("this file is larger than {0} bytes: what is said of an image takes a few lines")]
+    YamlTooLarge(u64),
     #[error("this file is not UTF-8 text: save it as UTF-8")]
     NotText,
     #[error(
         "this is no hall: a hall file is TOML with a `drawing`, or with `width` and `height`; a MovingAI map begins with \
-         `type octile`"
+         `type octile`; a ROS map is named by its .yaml; a map in text has only `r` `1` `0` `X`"
     )]
     NoHall,
     #[error("{0}")]
@@ -96,6 +100,61 @@ pub enum HallFault {
     UnknownTerrain { row: usize, column: usize, mark: char },
     #[error("no free cell: the robot has nowhere to stand")]
     NoFreeCell,
+    #[error("maps of type {0:?} are not read: the types known are `octile` and `octile-corner`")]
+    UnknownType(String),
+    #[error(
+        "an octile-corner map of height {height} has {wanted} rows after `map`, half of corner heights and half of terrain, but \
+         there are {found}: correct `height` or the rows"
+    )]
+    CornerRowCount { height: usize, wanted: usize, found: usize },
+    #[error("row {row} of the corner heights has {mark:?} in column {column}: use digits")]
+    CornerHeight { row: usize, column: usize, mark: char },
+    #[error(
+        "row {row} has {mark:?} in column {column}: a map in text has only `r` (robot), `1` (visited), `0` (not yet), `X` (obstacle)"
+    )]
+    UnknownMark { row: usize, column: usize, mark: char },
+    #[error("no robot: put one `r` where the robot starts")]
+    NoRobot,
+    #[error("a second robot `r` in row {row}, column {column}: keep one")]
+    SecondRobot { row: usize, column: usize },
+    #[error(
+        "an image alone does not say how long a pixel is: put {0} beside it, with `image`, `resolution`, `origin`, `negate`, `occupied_thresh` and `free_thresh`"
+    )]
+    NoYaml(String),
+    #[error("cannot read the image {path} ({error}): correct `image`")]
+    UnreadableImage { path: String, error: String },
+    #[error("this file names an image: a hall is made of both, so give the path of the .yaml")]
+    NeedsImage,
+    #[error("this is no image that can be read: save it as PGM (P5 or P2) or PNG")]
+    NoImage,
+    #[error("not a PGM image: {0}")]
+    Pgm(String),
+    #[error("the image says {wanted} pixels, but ends after {found}: save it again")]
+    ShortImage { wanted: usize, found: usize },
+    #[error("pixel {column} of row {row} is {value}, and the lightest is {most}: correct it")]
+    PixelTooLight { row: usize, column: usize, value: u64, most: u16 },
+    #[error("not a PNG image that can be read ({0}): save it again, not interlaced, or as PGM")]
+    Png(String),
+    #[error("an image of {0} × {1} pixels has no floor: give at least one column and one row")]
+    EmptyImage(u64, u64),
+    #[error("an image of {0} × {1} pixels is too large: at most {2} × {2} pixels are read")]
+    ImageTooLarge(u64, u64, u32),
+    #[error("`mode` is {0:?}: use trinary, scale or raw")]
+    UnknownMode(String),
+    #[error("`negate` is {0}: use 0 or 1")]
+    UnknownNegate(i64),
+    #[error("`origin` has {0} numbers: give three, [x, y, yaw]")]
+    OriginLength(usize),
+    #[error("`origin` turns the image by {0} radians: turn the image itself, and give 0")]
+    Turned(String),
+    #[error(
+        "`home` is [{x}, {y}], which is no free cell of this hall: give column and row of one, counted from 0 in the north-west corner"
+    )]
+    HomeNotFree { x: u32, y: u32 },
+    #[error("cells of {cell} m are finer than the pixels of {resolution} m: give {resolution} or more")]
+    CellTooFine { cell: String, resolution: String },
+    #[error("cells of {asked} m are asked for, but those of this file are of {has} m: leave --cell out")]
+    CellGiven { asked: String, has: String },
 }
 
 /// The most characters of a wrong line that are repeated: the file may be no text for people at all.

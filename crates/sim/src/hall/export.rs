@@ -1,0 +1,241 @@
+//! Halls and explored maps on their way into files: which formats there are, what is written in each, and what is lost in it.
+//! How each format is written stands beside its reader.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use super::error::HallError;
+use super::rows::Reading;
+use super::{Hall, Truth, movingai, occupancy, rows, seed_text, toml};
+use crate::bag::Bag;
+use hallsweep_core::units::Cell;
+use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark};
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// A format in which a hall can be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Our own hall file.
+    Toml,
+    /// A map of the MovingAI benchmark.
+    MovingAi,
+    /// A map of ROS `map_server`: YAML, and a PGM image beside it.
+    Occupancy,
+    /// The text of old clients.
+    SeedText,
+}
+
+impl Format {
+    /// All of them.
+    pub const ALL: [Format; 4] = [Format::Toml, Format::MovingAi, Format::Occupancy, Format::SeedText];
+
+    /// How its files end.
+    #[must_use]
+    pub const fn extension(self) -> &'static str {
+        match self {
+            Format::Toml => "toml",
+            Format::MovingAi => "map",
+            Format::Occupancy => "yaml",
+            Format::SeedText => "txt",
+        }
+    }
+
+    /// The format of a file, by how its name ends.
+    #[must_use]
+    pub fn of_file(path: &Path) -> Option<Format> {
+        let extension = path.extension()?;
+        Format::ALL.into_iter().find(|format| extension.eq_ignore_ascii_case(format.extension()))
+    }
+}
+
+/// What is said of an explored hall to whoever reads its file.
+const EXPLORED: &str = "As far as it was explored; where nothing is known it has walls.";
+
+/// A hall as it is written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Written {
+    /// The file that is named.
+    pub file: Vec<u8>,
+    /// The PGM image beside it, in the format that has one.
+    pub image: Option<Vec<u8>>,
+    /// What the file does not say of the hall, a few words each.
+    pub lost: Vec<String>,
+}
+
+/// What is to be written: a hall, or as much of one as has been explored.
+#[derive(Clone, Debug)]
+pub struct Export {
+    /// Where nothing is known it has walls.
+    hall: Hall,
+    /// What is known of each square, of an explored hall.
+    marks: Option<Vec<Mark>>,
+}
+
+impl From<Hall> for Export {
+    fn from(hall: Hall) -> Export {
+        Export { hall, marks: None }
+    }
+}
+
+impl Export {
+    /// The hall as far as it is explored, walls round it included; `cell_m` is the side of a cell. Each cell of luggage is a piece,
+    /// of which nothing is known but whether it is dangerous.
+    #[must_use]
+    pub fn explored(name: &str, cell_m: f64, state: &Snapshot) -> Export {
+        let bounds = known_bounds(&state.map);
+        let mut reading = Reading::default();
+        let mut marks = Vec::new();
+        for y in bounds.least.y..=bounds.most.y {
+            for cell in (bounds.least.x..=bounds.most.x).map(|x| Cell::new(x, y)) {
+                // Where it started the robot has been, whatever was forgotten since.
+                let mark = if cell == Cell::HOME { Mark::Visited } else { state.map.at(cell) };
+                let in_drawing = Cell::new(cell.x - bounds.least.x, cell.y - bounds.least.y);
+                let truth = match mark {
+                    Mark::Visited | Mark::Seen => Truth::Free,
+                    Mark::Wall | Mark::Unknown => Truth::Wall,
+                    Mark::Luggage | Mark::NotInspected => reading.new_piece(in_drawing).map_or(Truth::Wall, Truth::Luggage),
+                };
+                reading.squares.push(truth);
+                marks.push(mark);
+            }
+        }
+        let home = Cell::new(-bounds.least.x, -bounds.least.y);
+        let mut plan = reading.plan(home, (bounds.width(), bounds.height()));
+        let dangerous: BTreeSet<Cell> =
+            state.luggage.iter().filter(|piece| piece.is_bomb_left()).map(|piece| piece.cell).collect();
+        plan.bags.iter_mut().for_each(|bag| bag.dangerous = bag.cells.iter().any(|cell| dangerous.contains(cell)));
+        let hall = Hall::of(name, plan).measured(cell_m, None).described(Some(EXPLORED));
+        Export { hall, marks: Some(marks) }
+    }
+
+    /// How large it is, and how much luggage lies in it.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let (bounds, cell_m) = (self.hall.bounds(), self.hall.cell_m());
+        format!("{} × {} cells of {cell_m} m, {} of luggage", bounds.width(), bounds.height(), pieces(self.hall.pieces().len()))
+    }
+
+    pub(super) const fn hall(&self) -> &Hall {
+        &self.hall
+    }
+
+    /// Every square, row after row from the north, with what is known of it where not everything is.
+    pub(super) fn squares(&self) -> impl Iterator<Item = (Truth, Option<Mark>)> {
+        let marks = self.marks.iter().flatten().copied().map(Some).chain(std::iter::repeat(None));
+        self.hall.squares.iter().copied().zip(marks)
+    }
+
+    /// The file in this format; `stem` is its name without its ending.
+    #[must_use]
+    pub fn file(&self, format: Format, stem: &str) -> Vec<u8> {
+        match format {
+            Format::Toml => toml::write(&self.hall).into_bytes(),
+            Format::MovingAi => movingai::write(&self.hall).into_bytes(),
+            Format::Occupancy => occupancy::yaml(self, &format!("{stem}.pgm")).into_bytes(),
+            Format::SeedText => seed_text::write(self).into_bytes(),
+        }
+    }
+
+    /// The image of the format `Occupancy`.
+    #[must_use]
+    pub fn image(&self) -> Vec<u8> {
+        occupancy::image(self)
+    }
+
+    /// All files of this format, and what they do not say: they are read again and compared.
+    ///
+    /// # Errors
+    /// What is written could not be read again, as a map wider than a hall may be.
+    pub fn written(&self, format: Format, stem: &str) -> Result<Written, HallError> {
+        let (file, image) = (self.file(format, stem), (format == Format::Occupancy).then(|| self.image()));
+        let name = format!("{stem}.{}", format.extension());
+        let text = String::from_utf8_lossy(&file);
+        let again = match &image {
+            Some(image) => Hall::parse_occupancy(&name, &text, &format!("{stem}.pgm"), image, None)?,
+            None => Hall::parse(&name, &text)?,
+        };
+        let lost = self.lost(&again, format);
+        Ok(Written { file, image, lost })
+    }
+
+    fn lost(&self, again: &Hall, format: Format) -> Vec<String> {
+        let hall = &self.hall;
+        let mut lost = Vec::new();
+        let (home, home_again) = (hall.home(), again.home());
+        if home != home_again {
+            let place = |cell: Cell| format!("column {}, row {}", cell.x + 1, cell.y + 1);
+            lost.push(format!("the start moves from {} to {}", place(home), place(home_again)));
+        }
+        lost.extend(self.lost_knowledge(format));
+        lost.extend(lost_luggage(hall, again));
+        if hall.cell_m().to_bits() != again.cell_m().to_bits() {
+            lost.push(format!("cells of {} m become cells of {} m", hall.cell_m(), again.cell_m()));
+        }
+        let is_said = |is_lost: bool, what: &str| is_lost.then(|| what.to_owned());
+        lost.extend(is_said(hall.curve() != again.curve(), "the temperature"));
+        lost.extend(is_said(hall.name() != again.name(), "the name"));
+        let described = hall.description.as_deref().filter(|words| *words != EXPLORED);
+        lost.extend(is_said(described.is_some() && hall.description != again.description, "the description"));
+        lost
+    }
+
+    /// What was known of cells or was not, and is not told from others any more.
+    fn lost_knowledge(&self, format: Format) -> Vec<String> {
+        let count = |mark: Mark| self.marks.iter().flatten().filter(|known| **known == mark).count();
+        let (unknown, seen) = (count(Mark::Unknown), count(Mark::Seen));
+        let (unknown_are, seen_are) = match format {
+            Format::Toml | Format::MovingAi => (Some("walls"), Some("visited")),
+            Format::Occupancy => (None, Some("visited")),
+            Format::SeedText => (Some("floor not visited yet"), None),
+        };
+        let said = |what: &str, count: usize, are: Option<&str>| {
+            are.filter(|_| count > 0).map(|are| format!("which cells {what} ({count}, now {are})"))
+        };
+        [said("are unknown", unknown, unknown_are), said("were only seen", seen, seen_are)].into_iter().flatten().collect()
+    }
+}
+
+fn pieces(count: usize) -> String {
+    format!("{count} {}", if count == 1 { "piece" } else { "pieces" })
+}
+
+/// What is not said of the luggage any more.
+fn lost_luggage(hall: &Hall, again: &Hall) -> Vec<String> {
+    let is_luggage = |truth: &Truth| matches!(truth, Truth::Luggage(_));
+    if !hall.pieces().is_empty() && !again.squares.iter().any(is_luggage) {
+        return vec![format!("what is luggage ({}, now walls)", pieces(hall.pieces().len()))];
+    }
+    // A piece is known again by where it begins, in either drawing.
+    let begins =
+        |hall: &Hall, bag: &Bag| bag.cells.first().map(|cell| (cell.x - hall.bounds().least.x, cell.y - hall.bounds().least.y));
+    let known: BTreeMap<_, &Bag> = again.pieces().iter().map(|bag| (begins(again, bag), bag)).collect();
+    let differ = |differs: &dyn Fn(&Bag, &Bag) -> bool| {
+        hall.pieces().iter().filter(|bag| known.get(&begins(hall, bag)).is_none_or(|again| differs(bag, again))).count()
+    };
+    let looks = |bag: &Bag| (bag.kind, bag.colour, bag.height_m.to_bits());
+    let counted = [
+        (differ(&|bag, again| bag.cells.len() != again.cells.len()), "the shape"),
+        (differ(&|bag, again| looks(bag) != looks(again)), "kind, colour or height"),
+        (differ(&|bag, again| bag.dangerous && !again.dangerous), "the danger"),
+    ];
+    counted.into_iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{what} of {}", pieces(count))).collect()
+}
+
+/// What is known, and home. The walls round a hall of the largest size are left out: it could not be read again with them, and
+/// outside a hall everything is wall.
+fn known_bounds(map: &HallMap) -> Bounds {
+    let with = |bounds: Bounds, cell: Cell| Bounds {
+        least: Cell::new(bounds.least.x.min(cell.x), bounds.least.y.min(cell.y)),
+        most: Cell::new(bounds.most.x.max(cell.x), bounds.most.y.max(cell.y)),
+    };
+    let bounds = with(map.known_bounds(), Cell::HOME);
+    let side = |cells: i32| u64::try_from(cells).unwrap_or(0);
+    if rows::sides(side(bounds.width()), side(bounds.height())).is_ok() {
+        return bounds;
+    }
+    map.known().filter(|(_, mark)| *mark != Mark::Wall).fold(Bounds::of(Cell::HOME), |bounds, (cell, _)| with(bounds, cell))
+}
+
+#[cfg(test)]
+#[path = "export_tests.rs"]
+mod tests;

@@ -1,0 +1,357 @@
+//! Reads and writes the maps of ROS `map_server`: a YAML file that says what the greys of an image mean. `pixels` reads the image.
+//!
+//! Which pixel is free follows the `map_io` of ROS 2 (Nav2): `occ` is how dark a pixel is (how light with `negate`), above
+//! `occupied_thresh` it is occupied, below `free_thresh` free, between them unknown (trinary) or a percentage (scale).
+
+use serde::Deserialize;
+use serde_saphyr::Spanned;
+
+use super::error::{HallError, HallFault};
+use super::export::Export;
+use super::pixels::{Image, Pixel};
+use super::rows::{self, Reading, drawn};
+use super::{Hall, Truth, USUAL_CELL_M, pgm};
+use hallsweep_core::units::Cell;
+use hallsweep_core::world::hall_map::Mark;
+
+/// The most bytes of a YAML file: a few lines, and room for somebody's comments.
+pub(super) const MAX_YAML_BYTES: u64 = 64 << 10;
+
+/// The limits of a side of a cell in metres, as in hall files.
+const CELL_M: std::ops::RangeInclusive<f64> = 0.1..=5.0;
+
+/// Cells whose borders lie nearer to those of pixels than this share of a pixel meet them: decimal fractions are not exact.
+const NEAR: f64 = 1e-4;
+
+/// What is written for each kind of cell, out of 255. `map_saver` writes the same three.
+const FREE: u8 = 254;
+const OCCUPIED: u8 = 0;
+const UNKNOWN: u8 = 205;
+
+/// Luggage, which is occupied for whoever knows no luggage.
+const LUGGAGE: u8 = 50;
+
+/// As `map_saver` writes it: 205 is (255 − 205) / 255 = 0.1961 dark, which is not free.
+const GREYS: &str = "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+
+#[derive(Deserialize)]
+struct File {
+    image: Option<Spanned<String>>,
+    resolution: Option<Spanned<f64>>,
+    origin: Option<Spanned<Vec<f64>>>,
+    negate: Option<Spanned<Negate>>,
+    occupied_thresh: Option<Spanned<f64>>,
+    free_thresh: Option<Spanned<f64>>,
+    mode: Option<Spanned<String>>,
+    hallsweep: Option<Spanned<Own>>,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(untagged)]
+enum Negate {
+    Said(bool),
+    Number(i64),
+}
+
+/// What our own files say besides, which `map_server` passes over.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Own {
+    cell_m: f64,
+    /// The grey of luggage.
+    luggage: u8,
+    /// Column and row of the robot's start, counted from 0 in the north-west corner.
+    home: (u32, u32),
+}
+
+/// How greys become occupancy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Mode {
+    Trinary,
+    Scale,
+    Raw,
+}
+
+/// What a YAML file says of its image.
+#[derive(Debug)]
+pub(super) struct Description {
+    /// The path of the image, as it is written, and the line in which it is.
+    pub(super) image: String,
+    pub(super) image_line: usize,
+    resolution: f64,
+    mode: Mode,
+    negate: bool,
+    occupied_thresh: f64,
+    free_thresh: f64,
+    own: Option<(Own, usize)>,
+}
+
+/// Reads a YAML file.
+pub(super) fn describe(file: &str, text: &str) -> Result<Description, HallError> {
+    let content: File = serde_saphyr::from_str_with_options(text, limits()).map_err(|error| syntax(file, &error))?;
+    let image = content.image.ok_or_else(|| missing("`image`", "name the image file").of(file))?;
+    let resolution = content.resolution.ok_or_else(|| missing("`resolution`", "say how many metres a pixel is long").of(file))?;
+    let origin = content.origin.ok_or_else(|| missing("`origin`", "give [x, y, yaw], as [0, 0, 0]").of(file))?;
+    let negate = content.negate.ok_or_else(|| missing("`negate`", "give 0 where dark is occupied, else 1").of(file))?;
+    let threshold = |key, what, given: Option<Spanned<f64>>| {
+        let given = given.ok_or_else(|| missing(what, "give how dark a pixel is, from 0 to 1").of(file))?;
+        within(file, key, given.value, 0.0..=1.0, line(&given))
+    };
+    let own = content.hallsweep.map(|own| (own.value, line(&own)));
+    if let Some((own, line)) = own {
+        within(file, "cell_m", own.cell_m, CELL_M, line)?;
+    }
+    check_origin(&origin.value).map_err(|fault| fault.at(file, line(&origin)))?;
+    Ok(Description {
+        image_line: line(&image),
+        image: image.value,
+        resolution: within(file, "resolution", resolution.value, 0.001..=*CELL_M.end(), line(&resolution))?,
+        mode: content.mode.map_or(Ok(Mode::Trinary), |mode| {
+            Mode::named(&mode.value).ok_or_else(|| HallFault::UnknownMode(mode.value.clone()).at(file, line(&mode)))
+        })?,
+        negate: match negate.value {
+            Negate::Said(negate) => negate,
+            Negate::Number(0) => false,
+            Negate::Number(1) => true,
+            Negate::Number(other) => return Err(HallFault::UnknownNegate(other).at(file, line(&negate))),
+        },
+        occupied_thresh: threshold("occupied_thresh", "`occupied_thresh`", content.occupied_thresh)?,
+        free_thresh: threshold("free_thresh", "`free_thresh`", content.free_thresh)?,
+        own,
+    })
+}
+
+/// A dozen keys need no more: neither aliases nor depth.
+fn limits() -> serde_saphyr::Options {
+    serde_saphyr::options! {
+        budget: serde_saphyr::budget! { max_events: 4096, max_aliases: 64, max_anchors: 64, max_depth: 16, max_documents: 1 },
+        alias_limits: serde_saphyr::alias_limits! { max_total_replayed_events: 4096, max_replay_stack_depth: 4 },
+    }
+}
+
+fn line<T>(spanned: &Spanned<T>) -> usize {
+    usize::try_from(spanned.referenced.line()).unwrap_or(1)
+}
+
+fn missing(key: &'static str, what: &'static str) -> HallFault {
+    HallFault::Missing(key, what)
+}
+
+fn within(
+    file: &str,
+    key: &'static str,
+    value: f64,
+    limits: std::ops::RangeInclusive<f64>,
+    line: usize,
+) -> Result<f64, HallError> {
+    let (least, most) = (limits.start().to_string(), limits.end().to_string());
+    let fault = HallFault::OutOfRange { key, value: value.to_string(), least, most };
+    if limits.contains(&value) { Ok(value) } else { Err(fault.at(file, line)) }
+}
+
+fn check_origin(origin: &[f64]) -> Result<(), HallFault> {
+    let [x, y, yaw] = origin else { return Err(HallFault::OriginLength(origin.len())) };
+    for value in [x, y] {
+        if !value.is_finite() {
+            let (least, most) = (f64::MIN.to_string(), f64::MAX.to_string());
+            return Err(HallFault::OutOfRange { key: "origin", value: value.to_string(), least, most });
+        }
+    }
+    if *yaw == 0.0 { Ok(()) } else { Err(HallFault::Turned(yaw.to_string())) }
+}
+
+fn syntax(file: &str, error: &serde_saphyr::Error) -> HallError {
+    let formatter = serde_saphyr::UserMessageFormatter;
+    let said = error.without_snippet().render_with_formatter(&formatter);
+    let fault = HallFault::Syntax(format!("{}: correct this line", said.lines().next().unwrap_or("this is no YAML")));
+    match error.location().and_then(|location| usize::try_from(location.line()).ok()).filter(|line| *line > 0) {
+        Some(line) => fault.at(file, line),
+        None => fault.of(file),
+    }
+}
+
+impl Mode {
+    fn named(name: &str) -> Option<Mode> {
+        match name.to_ascii_lowercase().as_str() {
+            "trinary" => Some(Mode::Trinary),
+            "scale" => Some(Mode::Scale),
+            "raw" => Some(Mode::Raw),
+            _ => None,
+        }
+    }
+}
+
+impl Description {
+    /// The hall of this image. `cell_m` is the side of a cell, where it is asked for.
+    pub(super) fn hall(
+        &self,
+        file: &str,
+        name: &str,
+        image_file: &str,
+        image: &[u8],
+        cell_m: Option<f64>,
+    ) -> Result<Hall, HallError> {
+        let cell_m = self.cell_m(cell_m).map_err(|fault| fault.of(file))?;
+        let of_image = |fault: HallFault| fault.of(image_file);
+        let mut image = Image::open(image).map_err(of_image)?;
+        let (columns, rows) = image.size();
+        let ratio = cell_m / self.resolution;
+        let (columns, rows) = (Cells::over(columns, ratio), Cells::over(rows, ratio));
+        let size = rows::sides(columns.count as u64, rows.count as u64).map_err(of_image)?;
+        let mut truths = vec![Ground::Free; columns.count * rows.count];
+        let mut pixels = Vec::new();
+        for above in &rows.of_pixel {
+            image.next_row(&mut pixels).map_err(of_image)?;
+            for (pixel, beside) in pixels.iter().zip(&columns.of_pixel) {
+                let ground = self.ground(*pixel);
+                for row in above.clone() {
+                    for truth in &mut truths[row * columns.count..][beside.clone()] {
+                        *truth = ground.max(*truth);
+                    }
+                }
+            }
+        }
+        let mut reading = Reading::default();
+        for (index, ground) in truths.into_iter().enumerate() {
+            let cell = drawn(index % columns.count, index / columns.count);
+            let truth = match ground {
+                Ground::Free => Truth::Free,
+                Ground::Luggage => Truth::Luggage(reading.new_piece(cell).map_err(of_image)?),
+                Ground::Blocked => Truth::Wall,
+            };
+            reading.place(cell, truth);
+        }
+        let home = reading.start.ok_or_else(|| of_image(HallFault::NoFreeCell))?;
+        let home = self.home(&reading, home, columns.count).map_err(|(fault, line)| fault.at(file, line))?;
+        Ok(Hall::of(name, reading.plan(home, size)).measured(cell_m, None))
+    }
+
+    /// The side of a cell: as the file says, as it is asked for, or the usual one, never finer than a pixel.
+    fn cell_m(&self, asked: Option<f64>) -> Result<f64, HallFault> {
+        let Some(asked) = asked else {
+            return Ok(self.own.map_or(USUAL_CELL_M.max(self.resolution), |(own, _)| own.cell_m.max(self.resolution)));
+        };
+        let value = asked.to_string();
+        if !CELL_M.contains(&asked) {
+            let (least, most) = (CELL_M.start().to_string(), CELL_M.end().to_string());
+            return Err(HallFault::OutOfRange { key: "--cell", value, least, most });
+        }
+        if let Some((own, _)) = self.own.filter(|(own, _)| own.cell_m != asked) {
+            return Err(HallFault::CellGiven { asked: value, has: own.cell_m.to_string() });
+        }
+        if asked < self.resolution {
+            return Err(HallFault::CellTooFine { cell: value, resolution: self.resolution.to_string() });
+        }
+        Ok(asked)
+    }
+
+    fn home(&self, reading: &Reading, usual: Cell, columns: usize) -> Result<Cell, (HallFault, usize)> {
+        let Some((Own { home: (x, y), .. }, line)) = self.own else { return Ok(usual) };
+        let place = (x as usize, y as usize);
+        let square = reading.squares.get(place.1.saturating_mul(columns).saturating_add(place.0));
+        if place.0 < columns && square == Some(&Truth::Free) {
+            Ok(drawn(place.0, place.1))
+        } else {
+            Err((HallFault::HomeNotFree { x, y }, line))
+        }
+    }
+
+    fn ground(&self, pixel: Pixel) -> Ground {
+        match self.own {
+            Some((own, _)) if pixel.shade == f64::from(own.luggage) / 255.0 => Ground::Luggage,
+            _ if self.is_free(pixel) => Ground::Free,
+            _ => Ground::Blocked,
+        }
+    }
+
+    fn is_free(&self, pixel: Pixel) -> bool {
+        // Trinary takes how opaque a pixel is for one more colour.
+        let shade = match (self.mode, pixel.alpha) {
+            (Mode::Trinary, Some(alpha)) => (3.0 * pixel.shade + alpha) / 4.0,
+            _ => pixel.shade,
+        };
+        let occ = if self.negate { shade } else { 1.0 - shade };
+        match self.mode {
+            Mode::Trinary => occ <= self.occupied_thresh && occ < self.free_thresh,
+            Mode::Scale => {
+                let share = (occ - self.free_thresh) / (self.occupied_thresh - self.free_thresh);
+                let is_opaque = pixel.alpha.is_none_or(|alpha| alpha == 1.0);
+                is_opaque && occ <= self.occupied_thresh && (occ < self.free_thresh || (share * 100.0).round_ties_even() == 0.0)
+            }
+            Mode::Raw => (pixel.shade * 255.0).round() == 0.0,
+        }
+    }
+}
+
+/// What pixels leave of a cell; the greater wins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Ground {
+    Free,
+    Luggage,
+    Blocked,
+}
+
+/// How many cells lie along a side of an image, and over which of them each pixel lies.
+struct Cells {
+    count: usize,
+    of_pixel: Vec<std::ops::Range<usize>>,
+}
+
+impl Cells {
+    /// Cells so many pixels long, at least one, counted from the first pixel; the last takes what is left.
+    fn over(pixels: u32, ratio: f64) -> Cells {
+        let near = |border: f64| (border.round(), (border - border.round()).abs() * ratio < NEAR);
+        let begin = |border: f64| whole(if near(border).1 { near(border).0 } else { border.floor() });
+        let end = |border: f64| whole(if near(border).1 { near(border).0 } else { border.ceil() });
+        let of_pixel = |pixel: u32| begin(f64::from(pixel) / ratio)..end(f64::from(pixel + 1) / ratio);
+        Cells { count: end(f64::from(pixels) / ratio).max(1), of_pixel: (0..pixels).map(of_pixel).collect() }
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an image has at most some thousand pixels a side")]
+fn whole(cells: f64) -> usize {
+    cells as usize
+}
+
+/// The YAML file; `image_file` is how its image is called.
+pub(super) fn yaml(export: &Export, image_file: &str) -> String {
+    let hall = export.hall();
+    let (bounds, home, cell_m) = (hall.bounds(), hall.home(), hall.cell_m());
+    // World (0, 0) is the centre of the home cell; the image is laid by its south-west corner.
+    let metres = |cells: i32| to_micrometres(-(f64::from(cells) + 0.5) * cell_m);
+    let (x, y) = (metres(home.x), metres(bounds.height() - 1 - home.y));
+    format!(
+        "image: {}\nmode: trinary\nresolution: {cell_m}\norigin: [{x}, {y}, 0]\n{GREYS}\
+         hallsweep: {{cell_m: {cell_m}, luggage: {LUGGAGE}, home: [{}, {}]}}\n",
+        quoted(image_file),
+        home.x,
+        home.y
+    )
+}
+
+/// The image, a pixel a cell.
+pub(super) fn image(export: &Export) -> Vec<u8> {
+    let grey = |(truth, mark): (Truth, Option<Mark>)| match truth {
+        Truth::Free => FREE,
+        Truth::Luggage(_) => LUGGAGE,
+        Truth::Wall if mark == Some(Mark::Unknown) => UNKNOWN,
+        Truth::Wall => OCCUPIED,
+    };
+    let pixels: Vec<u8> = export.squares().map(grey).collect();
+    pgm::write(usize::try_from(export.hall().bounds().width()).unwrap_or(1), &pixels)
+}
+
+fn to_micrometres(metres: f64) -> f64 {
+    (metres * 1e6).round() / 1e6
+}
+
+/// A file name as YAML reads it, in quotes where it needs them.
+fn quoted(name: &str) -> String {
+    let plain = |letter: char| letter.is_ascii_alphanumeric() || "._-".contains(letter);
+    let is_plain = name.starts_with(|first: char| first.is_ascii_alphabetic()) && name.chars().all(plain);
+    if is_plain { name.to_owned() } else { serde_json::Value::from(name).to_string() }
+}
+
+#[cfg(test)]
+#[path = "occupancy_tests.rs"]
+mod tests;

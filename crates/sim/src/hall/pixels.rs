@@ -1,0 +1,153 @@
+//! The images of which halls are made, row by row: PGM and PNG, told apart by how they begin. How light a pixel must be to be
+//! floor is said in `occupancy`.
+
+use std::io::Cursor;
+
+use png::{BitDepth, ColorType, Decoder, Limits, Reader, Transformations};
+
+use super::error::HallFault;
+use super::pgm::Pgm;
+
+/// The most columns or rows of an image: a hall of the largest size with eight pixels a cell's side.
+pub(super) const MAX_IMAGE_SIDE: u32 = 16_384;
+
+/// The most bytes of an image file.
+pub(super) const MAX_IMAGE_BYTES: u64 = 64 << 20;
+
+/// What a PNG may take in memory besides its file: a few rows of the widest, with room.
+const PNG_BYTES: usize = 16 << 20;
+
+const PNG_BEGIN: &[u8] = b"\x89PNG\r\n\x1a\n";
+
+/// How light a pixel is, from 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Pixel {
+    /// The mean of its colours.
+    pub(super) shade: f64,
+    /// How opaque it is, in an image where that is said.
+    pub(super) alpha: Option<f64>,
+}
+
+/// An image of which some rows have been read.
+pub(super) enum Image<'a> {
+    Pgm(Pgm<'a>),
+    Png(Box<Reader<Cursor<&'a [u8]>>>),
+}
+
+impl<'a> Image<'a> {
+    /// Whether bytes begin as one of the images does that are read.
+    pub(super) fn begins(bytes: &[u8]) -> bool {
+        Pgm::begins(bytes) || bytes.starts_with(PNG_BEGIN)
+    }
+
+    pub(super) fn open(bytes: &'a [u8]) -> Result<Image<'a>, HallFault> {
+        if Pgm::begins(bytes) {
+            return Pgm::open(bytes).map(Image::Pgm);
+        }
+        if !bytes.starts_with(PNG_BEGIN) {
+            return Err(HallFault::NoImage);
+        }
+        let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: PNG_BYTES });
+        decoder.set_transformations(Transformations::EXPAND);
+        let reader = decoder.read_info().map_err(|error| HallFault::Png(error.to_string()))?;
+        sides(reader.info().width.into(), reader.info().height.into())?;
+        // Its rows would come in seven passes.
+        if reader.info().interlaced {
+            return Err(HallFault::Png("it is interlaced".to_owned()));
+        }
+        Ok(Image::Png(Box::new(reader)))
+    }
+
+    /// Columns and rows.
+    pub(super) fn size(&self) -> (u32, u32) {
+        match self {
+            Image::Pgm(image) => (image.width, image.height),
+            Image::Png(reader) => (reader.info().width, reader.info().height),
+        }
+    }
+
+    /// Reads the next row of pixels into `row`.
+    pub(super) fn next_row(&mut self, row: &mut Vec<Pixel>) -> Result<(), HallFault> {
+        match self {
+            Image::Pgm(image) => image.next_row(row),
+            Image::Png(reader) => png_row(reader, row),
+        }
+    }
+}
+
+fn png_row(reader: &mut Reader<Cursor<&[u8]>>, row: &mut Vec<Pixel>) -> Result<(), HallFault> {
+    let (colour, depth) = reader.output_color_type();
+    let read = reader.next_row().map_err(|error| HallFault::Png(error.to_string()))?;
+    let bytes = read.as_ref().map_or(&[][..], |row| row.data());
+    let sample_bytes = if depth == BitDepth::Sixteen { 2 } else { 1 };
+    let white = if depth == BitDepth::Sixteen { 65535.0 } else { 255.0 };
+    let samples: Vec<f64> = bytes
+        .chunks(sample_bytes)
+        .map(|sample| sample.iter().fold(0.0, |value, byte| value * 256.0 + f64::from(*byte)))
+        .collect();
+    row.clear();
+    row.extend(samples.chunks(colour.samples()).map(|samples| match (colour, samples) {
+        (ColorType::GrayscaleAlpha | ColorType::Rgba, [colours @ .., alpha]) => {
+            Pixel { shade: mean(colours) / white, alpha: Some(alpha / white) }
+        }
+        (_, colours) => Pixel { shade: mean(colours) / white, alpha: None },
+    }));
+    Ok(())
+}
+
+fn mean(colours: &[f64]) -> f64 {
+    let count = u32::try_from(colours.len()).unwrap_or(1);
+    colours.iter().sum::<f64>() / f64::from(count.max(1))
+}
+
+/// The sides of an image within the bounds.
+pub(super) fn sides(width: u64, height: u64) -> Result<(u32, u32), HallFault> {
+    if width == 0 || height == 0 {
+        return Err(HallFault::EmptyImage(width, height));
+    }
+    let side = |pixels: u64| u32::try_from(pixels).ok().filter(|pixels| *pixels <= MAX_IMAGE_SIDE);
+    side(width).zip(side(height)).ok_or(HallFault::ImageTooLarge(width, height, MAX_IMAGE_SIDE))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn png(colour: ColorType, depth: BitDepth, width: u32, bytes: &[u8]) -> Vec<u8> {
+        let height = u32::try_from(bytes.len()).unwrap() / (width * colour.samples() as u32 * depth as u32 / 8);
+        let mut file = Vec::new();
+        let mut encoder = png::Encoder::new(&mut file, width, height);
+        encoder.set_color(colour);
+        encoder.set_depth(depth);
+        encoder.write_header().unwrap().write_image_data(bytes).unwrap();
+        file
+    }
+
+    fn first_row(bytes: &[u8]) -> Result<Vec<(f64, Option<f64>)>, String> {
+        let mut row = Vec::new();
+        Image::open(bytes).and_then(|mut image| image.next_row(&mut row)).map_err(|fault| fault.to_string())?;
+        Ok(row.iter().map(|pixel| (pixel.shade, pixel.alpha)).collect())
+    }
+
+    #[test]
+    fn a_png_of_any_colours_says_how_light_its_pixels_are() {
+        let eight = BitDepth::Eight;
+        assert_eq!(first_row(&png(ColorType::Grayscale, eight, 2, &[0, 51])), Ok(vec![(0.0, None), (0.2, None)]));
+        assert_eq!(first_row(&png(ColorType::Rgb, eight, 1, &[51, 102, 153])), Ok(vec![(0.4, None)]));
+        assert_eq!(first_row(&png(ColorType::Rgba, eight, 1, &[51, 102, 153, 51])), Ok(vec![(0.4, Some(0.2))]));
+        assert_eq!(first_row(&png(ColorType::GrayscaleAlpha, eight, 1, &[102, 255])), Ok(vec![(0.4, Some(1.0))]));
+        assert_eq!(first_row(&png(ColorType::Grayscale, BitDepth::Sixteen, 1, &[0x33, 0x33])), Ok(vec![(0.2, None)]));
+        assert_eq!(first_row(&png(ColorType::Grayscale, BitDepth::Two, 4, &[0b00_01_10_11])).unwrap().len(), 4);
+    }
+
+    #[test]
+    fn what_is_no_image_or_a_broken_one_is_refused() {
+        assert_eq!(first_row(b"GIF89a").unwrap_err(), "this is no image that can be read: save it as PGM (P5 or P2) or PNG");
+        assert!(first_row(b"P6 1 1 255\n...").unwrap_err().starts_with("this is no image"), "colours are PNG's");
+        let whole = png(ColorType::Grayscale, BitDepth::Eight, 40, &[7; 1600]);
+        for length in [8, 20, 33, 45] {
+            let said = first_row(&whole[..length]).unwrap_err();
+            assert!(said.starts_with("not a PNG image that can be read ("), "{said}");
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! THE TABLE of files in which the map can be fetched, under `/map`: as far as the hall is explored, in every format that halls are
+//! read from. What stands in each is written by `hallsweep_sim`; the map for screens is `map`.
+
+use hallsweep_core::units::Revision;
+use hallsweep_core::world::resource::Resource;
+use hallsweep_core::world::snapshot::Snapshot;
+use hallsweep_sim::{Export, Format};
+
+/// One file.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Its name, which stands in its path and in the YAML.
+    pub name: &'static str,
+    pub media_type: &'static str,
+    pub title: &'static str,
+    part: Part,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Part {
+    File(Format),
+    /// The image that the YAML names.
+    Image,
+}
+
+/// What all of them are called, without their endings.
+const STEM: &str = "hall";
+
+/// The side of a cell where nobody knows it: that of a hall file that says nothing.
+const USUAL_CELL_M: f64 = 0.5;
+
+/// All of them, in the order in which they are listed.
+#[rustfmt::skip]
+pub const FILES: [Row; 5] = [
+    row("hall.toml", "application/toml", "A hall file", Part::File(Format::Toml)),
+    row("hall.map", "text/plain; charset=utf-8", "A MovingAI map", Part::File(Format::MovingAi)),
+    row("hall.yaml", "application/yaml", "What ROS `map_server` reads, of `hall.pgm`", Part::File(Format::Occupancy)),
+    row("hall.pgm", "image/x-portable-graymap", "Its image, a pixel a cell", Part::Image),
+    row("hall.txt", "text/plain; charset=utf-8", "The text of old clients, from the first cell known", Part::File(Format::SeedText)),
+];
+
+const fn row(name: &'static str, media_type: &'static str, title: &'static str, part: Part) -> Row {
+    Row { name, media_type, title, part }
+}
+
+impl Row {
+    /// When what stands in it last changed.
+    pub fn revision(&self, snapshot: &Snapshot) -> Revision {
+        snapshot.revision_of(Resource::Map).max(snapshot.revision_of(Resource::Luggage))
+    }
+
+    /// The file, of a hall of this name with cells of this side, where that is known.
+    pub fn written(&self, hall: &str, cell_m: Option<f64>, snapshot: &Snapshot) -> Vec<u8> {
+        let export = Export::explored(hall, cell_m.unwrap_or(USUAL_CELL_M), snapshot);
+        match self.part {
+            Part::File(format) => export.file(format, STEM),
+            Part::Image => export.image(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::api::fixture::searching;
+    use hallsweep_core::event::Piece;
+    use hallsweep_core::units::Cell;
+    use hallsweep_sim::{Hall, Truth};
+
+    fn file(name: &str) -> Vec<u8> {
+        let row = FILES.iter().find(|row| row.name == name).expect("it is in the table");
+        row.written("airport", Some(0.3), &searching())
+    }
+
+    #[test]
+    fn every_file_is_read_as_the_hall_that_is_known() {
+        let text = |name: &str| String::from_utf8(file(name)).expect("UTF-8");
+        let yaml = text("hall.yaml");
+        assert!(yaml.starts_with("image: hall.pgm\n"), "{yaml}");
+        let of_image = Hall::parse_occupancy("hall.yaml", &yaml, "hall.pgm", &file("hall.pgm"), None).unwrap();
+        assert_eq!(of_image.cell_m(), 0.3);
+        let read = |name: &str| Hall::parse(name, &text(name)).unwrap();
+        for hall in [read("hall.toml"), read("hall.map"), of_image] {
+            assert_eq!((hall.bounds().width(), hall.bounds().height(), hall.pieces().len()), (6, 5, 3));
+            assert_eq!(hall.truth(Cell::new(3, 0)), Truth::Luggage(Piece(1)));
+            assert_eq!(hall.truth(Cell::new(4, 1)), Truth::Wall, "nothing is known of it");
+        }
+        assert!(read("hall.toml").is_dangerous(Piece(2)) && !read("hall.toml").is_dangerous(Piece(1)));
+        assert_eq!(
+            text("hall.txt").lines().next(),
+            Some("|r, 1, 1, X, 1, X, "),
+            "the robot starts at home, wherever it stands now"
+        );
+        assert_eq!(read("hall.txt").truth(Cell::new(4, 1)), Truth::Free, "what was not visited yet is floor");
+    }
+}

@@ -1,0 +1,110 @@
+//! A file into which a hall or an explored map is written, in the format that its name says: never over another one unasked, and
+//! whole or not at all. What stands in each format is `hallsweep_sim`'s business.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use super::Failure;
+use hallsweep_sim::{Export, Format};
+
+/// Where to write, and how.
+pub(super) struct MapFile<'a> {
+    path: &'a Path,
+    format: Format,
+    replace: bool,
+}
+
+impl<'a> MapFile<'a> {
+    /// The file of this name. That it cannot be written shows here as far as it can.
+    pub(super) fn at(path: &'a str, replace: bool) -> Result<MapFile<'a>, Failure> {
+        let path = Path::new(path);
+        let format = Format::of_file(path).ok_or_else(|| {
+            let known = Format::ALL.map(|format| format!(".{}", format.extension())).join(", ");
+            Failure::Usage(format!("{} says no format that can be written: end its name with one of {known}", path.display()))
+        })?;
+        let file = MapFile { path, format, replace };
+        file.paths().iter().try_for_each(|path| file.check(path))?;
+        let probe = unfinished(path);
+        let probed = File::create_new(&probe).and_then(|_| fs::remove_file(&probe));
+        probed.map_err(|error| unwritable(path, &error))?;
+        Ok(file)
+    }
+
+    /// Writes it, and says in a line what was written and what is lost in it.
+    pub(super) fn write(&self, export: &Export) -> Result<String, Failure> {
+        let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
+        let written = export.written(self.format, &stem).map_err(|error| Failure::Run(error.to_string()))?;
+        let contents: Vec<Vec<u8>> = written.image.into_iter().chain([written.file]).collect();
+        let files: Vec<(PathBuf, Vec<u8>)> = self.paths().into_iter().zip(contents).collect();
+        put(&files, self.replace).map_err(|(path, error)| match error.kind() {
+            io::ErrorKind::AlreadyExists => taken(&path),
+            _ => unwritable(&path, &error),
+        })?;
+        let names: Vec<String> = files.iter().rev().map(|(path, _)| path.display().to_string()).collect();
+        let lost =
+            if written.lost.is_empty() { "nothing is lost".to_owned() } else { format!("lost: {}", written.lost.join("; ")) };
+        Ok(format!("{}: {}; {lost}", names.join(" and "), export.in_words()))
+    }
+
+    /// The files that there will be; the one that is named comes last, when what it names is there.
+    fn paths(&self) -> Vec<PathBuf> {
+        let image = (self.format == Format::Occupancy).then(|| self.path.with_extension("pgm"));
+        image.into_iter().chain([self.path.to_owned()]).collect()
+    }
+
+    fn check(&self, path: &Path) -> Result<(), Failure> {
+        if path.is_dir() {
+            return Err(unwritable(path, &io::Error::other("it is a folder")));
+        }
+        // A link that leads nowhere is there, too.
+        if !self.replace && path.symlink_metadata().is_ok() { Err(taken(path)) } else { Ok(()) }
+    }
+}
+
+/// Writes all of these files or none: each first beside its place under another name.
+fn put(files: &[(PathBuf, Vec<u8>)], replace: bool) -> Result<(), (PathBuf, io::Error)> {
+    let mut ours = Vec::new();
+    let done =
+        files.iter().try_for_each(|(path, bytes)| fill(path, bytes, &mut ours).map_err(|error| (path.clone(), error))).and_then(
+            |()| files.iter().try_for_each(|(path, _)| place(path, replace, &mut ours).map_err(|error| (path.clone(), error))),
+        );
+    if done.is_err() {
+        for path in ours {
+            let _ = fs::remove_file(path);
+        }
+    }
+    done
+}
+
+fn fill(path: &Path, bytes: &[u8], ours: &mut Vec<PathBuf>) -> io::Result<()> {
+    let fresh = unfinished(path);
+    let mut file = File::create_new(&fresh)?;
+    ours.push(fresh);
+    file.write_all(bytes)?;
+    file.sync_all()
+}
+
+/// Gives a file its name. Where nothing may be replaced the name is taken first, so that nobody else can have it in between.
+fn place(path: &Path, replace: bool, ours: &mut Vec<PathBuf>) -> io::Result<()> {
+    if !replace {
+        File::create_new(path)?;
+        ours.push(path.to_owned());
+    }
+    fs::rename(unfinished(path), path)
+}
+
+/// What a file is called until it is whole.
+fn unfinished(path: &Path) -> PathBuf {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{}.new", std::process::id()));
+    path.with_file_name(name)
+}
+
+fn taken(path: &Path) -> Failure {
+    Failure::Run(format!("{} is there already: choose another name, or let --force replace it", path.display()))
+}
+
+fn unwritable(path: &Path, error: &io::Error) -> Failure {
+    Failure::Run(format!("{} cannot be written: {error}", path.display()))
+}
