@@ -98,6 +98,17 @@ fn a_start_that_moves_is_said() {
 }
 
 #[test]
+fn a_hall_of_the_largest_size_comes_back_from_a_file_of_every_format() {
+    let folder = Folder::new("largest");
+    let from = folder.write("from.toml", "width = 2048\nheight = 2048\n");
+    for name in ["m.toml", "m.map", "m.yaml", "m.txt"] {
+        convert(&from, &folder.path(name), &[]);
+        let line = convert(&folder.path(name), &folder.path("again.map"), &["--force"]);
+        assert!(line.contains(": 2048 × 2048 cells of 0.5 m"), "{line}");
+    }
+}
+
+#[test]
 fn a_cell_of_an_image_is_as_long_as_it_is_asked_for() {
     let folder = Folder::new("cell");
     folder.write("m.pgm", b"P2 4 2 255\n254 254 254 254\n254 254 254 0\n");
@@ -114,6 +125,11 @@ fn a_cell_of_an_image_is_as_long_as_it_is_asked_for() {
         "{line}"
     );
     assert_eq!(folder.read("quarter.txt"), b"|r, 1, 1, 1, \n|1, 1, 1, X, \n");
+    // The image may lie anywhere.
+    let text = String::from_utf8(folder.read("m.yaml")).expect("UTF-8").replace("m.pgm", &folder.path("m.pgm"));
+    std::fs::create_dir(folder.path("far")).expect("the folder is ours");
+    let far = folder.write("far/away.yml", text);
+    assert!(convert(&far, &folder.path("away.txt"), &[]).contains(": 2 × 1 cells of 0.5 m"));
     for (cell, words) in [
         ("0.1", "cells of 0.1 m are finer than the pixels of 0.25 m: give 0.25 or more"),
         ("nan", "`--cell` is NaN: give a number from 0.1 to 5"),
@@ -163,7 +179,10 @@ fn what_cannot_be_read_or_written_is_said_and_leaves_nothing() {
         "turned.yaml",
         "image: good.pgm\nresolution: 0.5\norigin: [0, 0, 1.5]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
     );
+    let large = std::fs::File::create(folder.path("large.pgm")).and_then(|file| file.set_len((64 << 20) + 1));
+    large.expect("a file with a hole takes no room");
     let faults = [
+        (yaml("large.yaml", "large.pgm", "0.5"), "large.pgm: this image is larger than 67108864 bytes"),
         (folder.path("none.toml"), "none.toml: cannot read this file ("),
         (folder.path("."), "cannot read this file ("),
         (
