@@ -19,6 +19,8 @@ mod explore;
 mod few_descriptors;
 #[path = "service/formats.rs"]
 mod formats;
+#[path = "service/halls.rs"]
+mod halls;
 #[path = "service/http_attacks.rs"]
 mod http_attacks;
 #[path = "service/journal.rs"]

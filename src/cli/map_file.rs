@@ -26,7 +26,7 @@ impl<'a> MapFile<'a> {
         let file = MapFile { path, format, replace };
         file.paths().iter().try_for_each(|path| file.check(path))?;
         let probe = unfinished(path);
-        let probed = File::create_new(&probe).and_then(|_| fs::remove_file(&probe));
+        let probed = begin(&probe).and_then(|_| fs::remove_file(&probe));
         probed.map_err(|error| unwritable(path, &error))?;
         Ok(file)
     }
@@ -37,9 +37,8 @@ impl<'a> MapFile<'a> {
         let written = export.written(self.format, &stem).map_err(|error| Failure::Run(error.to_string()))?;
         let contents: Vec<Vec<u8>> = written.image.into_iter().chain([written.file]).collect();
         let files: Vec<(PathBuf, Vec<u8>)> = self.paths().into_iter().zip(contents).collect();
-        put(&files, self.replace).map_err(|(path, error)| match error.kind() {
-            io::ErrorKind::AlreadyExists => taken(&path),
-            _ => unwritable(&path, &error),
+        put(&files, self.replace).map_err(|(path, error)| {
+            if error.kind() == io::ErrorKind::AlreadyExists { taken(&path) } else { unwritable(&path, &error) }
         })?;
         let names: Vec<String> = files.iter().rev().map(|(path, _)| path.display().to_string()).collect();
         let lost =
@@ -79,10 +78,16 @@ fn put(files: &[(PathBuf, Vec<u8>)], replace: bool) -> Result<(), (PathBuf, io::
 
 fn fill(path: &Path, bytes: &[u8], ours: &mut Vec<PathBuf>) -> io::Result<()> {
     let fresh = unfinished(path);
-    let mut file = File::create_new(&fresh)?;
+    let mut file = begin(&fresh)?;
     ours.push(fresh);
     file.write_all(bytes)?;
     file.sync_all()
+}
+
+/// Makes a file of a name that only a process of our number uses: what is there was left behind by one that was killed.
+fn begin(fresh: &Path) -> io::Result<File> {
+    let _ = fs::remove_file(fresh);
+    File::create_new(fresh)
 }
 
 /// Gives a file its name. Where nothing may be replaced the name is taken first, so that nobody else can have it in between.
@@ -107,4 +112,28 @@ fn taken(path: &Path) -> Failure {
 
 fn unwritable(path: &Path, error: &io::Error) -> Failure {
     Failure::Run(format!("{} cannot be written: {error}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_files_come_or_neither_does() {
+        let folder = std::env::temp_dir().join(format!("hallsweep-map-file-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let [image, yaml] = ["m.pgm", "m.yaml"].map(|name| folder.join(name));
+        let files = [(image.clone(), b"image".to_vec()), (yaml.clone(), b"yaml".to_vec())];
+        // Somebody else makes the second just before it gets its name.
+        fs::write(&yaml, "theirs").unwrap();
+        let (path, error) = put(&files, false).unwrap_err();
+        assert_eq!((path, error.kind()), (yaml.clone(), io::ErrorKind::AlreadyExists));
+        assert_eq!((fs::read(&yaml).unwrap(), fs::read_dir(&folder).unwrap().count()), (b"theirs".to_vec(), 1));
+        // What a killed process of our number left behind is in nobody's way.
+        fs::write(unfinished(&image), "half").unwrap();
+        put(&files, true).unwrap();
+        assert_eq!((fs::read(&image).unwrap(), fs::read(&yaml).unwrap()), (b"image".to_vec(), b"yaml".to_vec()));
+        assert_eq!(fs::read_dir(&folder).unwrap().count(), 2);
+        fs::remove_dir_all(&folder).unwrap();
+    }
 }

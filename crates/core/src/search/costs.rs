@@ -3,7 +3,8 @@
 use std::fmt;
 use std::time::Duration;
 
-/// What a move of each kind costs. Only their ratios count; they are small whole numbers, so that a search can sort by them.
+/// What a move of each kind costs, in quarters of a step: small whole numbers, so that a search can sort by them. The score looks at the cost of
+/// a way as it is, so another unit would be another score.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Costs {
     /// One cell forward; never 0.
@@ -46,8 +47,8 @@ impl Costs {
         Costs::weighed(step, turn, bump)
     }
 
-    /// One unit for each.
-    pub const EVEN: Costs = Costs { step: 1, turn: 1, bump: 1 };
+    /// The same for each.
+    pub const EVEN: Costs = Costs { step: STEP, turn: STEP, bump: STEP };
 
     /// A cost in thousandths of a step.
     pub(crate) fn in_thousandths(self, cost: u32) -> i32 {

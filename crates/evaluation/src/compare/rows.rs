@@ -9,10 +9,10 @@ use crate::family::Family;
 use hallsweep_core::search::Terms;
 
 /// A turn takes as long as one and a half steps, as with the robot of the seeds.
-const SLOW_TURNS: Costs = Costs { step: 2, turn: 3, bump: 2 };
+const SLOW_TURNS: Costs = Costs { step: 4, turn: 6, bump: 4 };
 
 /// Nothing counts but steps.
-const STEPS: Costs = Costs { step: 1, turn: 0, bump: 0 };
+const STEPS: Costs = Costs { step: 4, turn: 0, bump: 0 };
 
 /// A row of a table.
 #[derive(Clone, Debug)]

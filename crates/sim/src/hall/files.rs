@@ -16,8 +16,8 @@ const BUILT_IN: [(&str, &str); 4] = [
     ("seed", include_str!("../../../../config/halls/seed.toml")),
 ];
 
-/// A hall of the largest size, drawn with a byte a cell, and as much again for the rest of its file.
-const MAX_FILE_BYTES: u64 = 8 << 20;
+/// A hall of the largest size in the text of old clients, three bytes a cell, and room for whatever else a file says.
+const MAX_FILE_BYTES: u64 = 16 << 20;
 
 impl Hall {
     /// The names of the built-in halls; the first is the default.

@@ -49,13 +49,14 @@ impl<'a> Image<'a> {
         }
         let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: PNG_BYTES });
         decoder.set_transformations(Transformations::EXPAND);
-        let reader = decoder.read_info().map_err(|error| HallFault::Png(error.to_string()))?;
-        sides(reader.info().width.into(), reader.info().height.into())?;
+        let broken = |error: png::DecodingError| HallFault::Png(error.to_string());
+        let header = decoder.read_header_info().map_err(broken)?;
+        sides(header.width.into(), header.height.into())?;
         // Its rows would come in seven passes.
-        if reader.info().interlaced {
+        if header.interlaced {
             return Err(HallFault::Png("it is interlaced".to_owned()));
         }
-        Ok(Image::Png(Box::new(reader)))
+        decoder.read_info().map(|reader| Image::Png(Box::new(reader))).map_err(broken)
     }
 
     /// Columns and rows.
@@ -138,6 +139,29 @@ mod tests {
         assert_eq!(first_row(&png(ColorType::GrayscaleAlpha, eight, 1, &[102, 255])), Ok(vec![(0.4, Some(1.0))]));
         assert_eq!(first_row(&png(ColorType::Grayscale, BitDepth::Sixteen, 1, &[0x33, 0x33])), Ok(vec![(0.2, None)]));
         assert_eq!(first_row(&png(ColorType::Grayscale, BitDepth::Two, 4, &[0b00_01_10_11])).unwrap().len(), 4);
+    }
+
+    /// The checksum of a chunk (PNG, annex D).
+    fn checksum(bytes: &[u8]) -> u32 {
+        !bytes.iter().fold(u32::MAX, |sum, byte| {
+            (0..8).fold(sum ^ u32::from(*byte), |sum, _| if sum & 1 == 1 { sum >> 1 ^ 0xedb8_8320 } else { sum >> 1 })
+        })
+    }
+
+    #[test]
+    fn an_interlaced_or_endless_png_is_refused() {
+        let header = |place: usize, byte: u8| {
+            let mut file = png(ColorType::Grayscale, BitDepth::Eight, 2, &[0, 51]);
+            file[place] = byte;
+            let sum = checksum(&file[12..29]).to_be_bytes();
+            file[29..33].copy_from_slice(&sum);
+            file
+        };
+        assert!(first_row(&header(16, 0)).is_ok());
+        let said = first_row(&header(28, 1)).unwrap_err();
+        assert_eq!(said, "not a PNG image that can be read (it is interlaced): save it again, not interlaced, or as PGM");
+        let said = first_row(&header(16, 1)).unwrap_err();
+        assert_eq!(said, "an image of 16777218 × 1 pixels is too large: at most 16384 × 16384 pixels are read");
     }
 
     #[test]
