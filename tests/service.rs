@@ -13,6 +13,8 @@ mod commands;
 mod damage;
 #[path = "service/earlier.rs"]
 mod earlier;
+#[path = "service/evaluate.rs"]
+mod evaluate;
 #[path = "service/explore.rs"]
 mod explore;
 #[path = "service/few_descriptors.rs"]

@@ -52,11 +52,12 @@ macro_rules! set {
     };
 }
 
-static SETS: [Set; 8] = [
+static SETS: [Set; 9] = [
     set!(Cover, 0, 4, Usual, "cover-bump"),
     set!(Cover, 0, 4, Open, "cover-open"),
     set!(Cover, 0, 4, Dense, "cover-dense"),
     set!(Cover, 0, 0, Usual, "cover-steps"),
+    set!(Cover, 0, 6, Usual, "cover-slow-turns"),
     set!(Cover, 1, 4, Usual, "cover-sonar"),
     set!(Find, 0, 4, Usual, "find-bump"),
     set!(Find, 0, 6, Usual, "find-slow-turns"),

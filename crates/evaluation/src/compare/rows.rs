@@ -8,9 +8,6 @@ use super::{Halls, Measure};
 use crate::family::Family;
 use hallsweep_core::search::Terms;
 
-/// A turn takes as long as one and a half steps, as with the robot of the seeds.
-const SLOW_TURNS: Costs = Costs { step: 4, turn: 6, bump: 4 };
-
 /// Nothing counts but steps.
 const STEPS: Costs = Costs { step: 4, turn: 0, bump: 0 };
 
@@ -50,7 +47,6 @@ pub fn rows(count: usize, seed: u64) -> Vec<Row> {
     let others = [
         row(usual(), cover(1, Costs::EVEN), Measure::MovesPerCell, 1.653),
         row(usual(), cover(3, Costs::EVEN), Measure::MovesPerCell, 1.665),
-        row(usual(), cover(0, SLOW_TURNS), Measure::MovesPerCell, 1.890),
         row(of(Family::Luggage(0.1), (20, 20)), cover(0, STEPS), Measure::StepsOverBound, 1.113),
         row(usual(), find(0), Measure::ToAPiece, 0.760),
         row(usual(), find(1), Measure::ToAPiece, 0.683),

@@ -1,0 +1,84 @@
+//! Comparisons on the command line: the same halls for all, in tables, JSON, CSV and pictures.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::program::run;
+
+fn evaluate(arguments: &[&str]) -> String {
+    let output = run(&[&["evaluate", "--count", "4"], arguments].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("UTF-8")
+}
+
+/// What is the same every time: decisions take as long as they take.
+fn without_times(json: &str) -> Value {
+    let mut value: Value = serde_json::from_str(json).expect("exactly one JSON object");
+    for comparison in value["comparisons"].as_array_mut().expect("a list") {
+        for strategy in comparison["strategies"].as_array_mut().expect("a list") {
+            strategy.as_object_mut().expect("an object").remove("decision_us");
+        }
+    }
+    value
+}
+
+#[test]
+fn the_same_flags_walk_through_the_same_halls_by_the_same_moves() {
+    let flags = ["--halls", "walls:12x9,airport", "--strategies", "auto,snail", "--goal", "cover", "--against", "auto", "--json"];
+    let figures = without_times(&evaluate(&flags));
+    assert_eq!(figures, without_times(&evaluate(&flags)));
+    let [walls, airport] = figures["comparisons"].as_array().expect("a list").as_slice() else { panic!("two kinds of halls") };
+    assert_eq!((&walls["count"], &airport["count"], &airport["seed"]), (&4.into(), &1.into(), &Value::Null));
+    let snail = &walls["strategies"][1];
+    assert_eq!((&snail["strategy"], &snail["complete"]), (&"snail".into(), &true.into()));
+    let more = &snail["more_than"]["moves_per_cell"];
+    assert!(more["mean"].as_f64() > more["interval"].as_f64(), "it goes home after every square: {more}");
+}
+
+#[test]
+fn a_walk_makes_the_moves_that_a_mission_makes() {
+    let explored = run(&["explore", "--json", "--hall", "airport", "--verdicts", "all-safe", "--costs", "1,1,1", "--goal", "cover"]);
+    let mission: Value = serde_json::from_slice(&explored.stdout).expect("one JSON object");
+    let walks = without_times(&evaluate(&["--halls", "airport", "--strategies", "auto", "--goal", "cover", "--json"]));
+    assert_eq!(walks["comparisons"][0]["strategies"][0]["moves_per_cell"]["mean"], mission["moves_per_cell"]);
+}
+
+#[test]
+fn every_search_is_a_line_of_csv_and_every_tour_a_picture() {
+    let folder = tempdir("evaluate");
+    let file = |name: &str| folder.join(name).display().to_string();
+    let flags = ["--halls", "empty:6x5,maze:9x9", "--strategies", "columns,spiral"];
+    let (csv, plot, tours) = (file("figures.csv"), file("plot.svg"), folder.display().to_string());
+    let table = evaluate(&[&flags[..], &["--csv", &csv, "--plot", &plot, "--tours", &tours]].concat());
+    assert!(table.starts_with("empty:6x5 · 4 halls · goal find · bump · costs 1,1,1\nstrategy"), "{table}");
+    let lines = std::fs::read_to_string(&csv).expect("it was written");
+    let columns: Vec<usize> = lines.lines().map(|line| line.split(',').count()).collect();
+    assert_eq!(columns, vec![22; 1 + 2 * 2 * 4]);
+    for picture in ["plot.svg", "columns-empty-6x5.svg", "spiral-maze-9x9.svg"] {
+        let svg = std::fs::read_to_string(folder.join(picture)).expect("it was written");
+        assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"), "{picture}");
+    }
+}
+
+#[test]
+fn what_cannot_be_compared_is_said_with_what_can() {
+    let check = |arguments: &[&str], expect: &str| {
+        let output = run(&[&["evaluate"], arguments].concat());
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(!output.status.success() && error.contains(expect), "{arguments:?}: {error}");
+    };
+    check(&["--halls", "walls:5"], "--halls walls:5: \"5\" is no size: write columns and lines, as 50x50, each from 1 to 2048");
+    check(&["--halls", "nowhere"], "--halls nowhere: cannot read this file");
+    check(&["--strategies", "best"], "write one of: auto, scored, frontier, columns, spiral, snail");
+    check(&["--strategies", "auto", "--against", "snail"], "snail does not search: name it in --strategies too");
+    check(&["--count", "0"], "0 is not in 1..=100000");
+    check(&["--halls", "empty:5x5", "--count", "1", "--csv", "/nowhere/x.csv"], "/nowhere/x.csv cannot be written");
+}
+
+/// A folder of this test's own.
+fn tempdir(name: &str) -> std::path::PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("the folder of tests can be written");
+    folder
+}
