@@ -38,7 +38,8 @@ fn the_same_flags_walk_through_the_same_halls_by_the_same_moves() {
 
 #[test]
 fn a_walk_makes_the_moves_that_a_mission_makes() {
-    let explored = run(&["explore", "--json", "--hall", "airport", "--verdicts", "all-safe", "--costs", "1,1,1", "--goal", "cover"]);
+    let explored =
+        run(&["explore", "--json", "--hall", "airport", "--verdicts", "all-safe", "--costs", "1,1,1", "--goal", "cover"]);
     let mission: Value = serde_json::from_slice(&explored.stdout).expect("one JSON object");
     let walks = without_times(&evaluate(&["--halls", "airport", "--strategies", "auto", "--goal", "cover", "--json"]));
     assert_eq!(walks["comparisons"][0]["strategies"][0]["moves_per_cell"]["mean"], mission["moves_per_cell"]);

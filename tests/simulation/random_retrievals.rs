@@ -324,7 +324,8 @@ impl Mission {
                 let mission = &self.state().mission;
                 let at_rest = mission.phase != PhaseName::Retrieving;
                 assert!(at_rest || !mission.holds.is_empty(), "seed {}: cool again, it goes on by itself", self.seed);
-            } else if holds.is_empty() {
+            } else if holds.is_empty() || state.mission.phase == PhaseName::BagSecured {
+                // A stop that came when the bag was home already holds nothing that was under way: START would begin another mission.
                 return;
             } else {
                 self.must(Command::Start);
