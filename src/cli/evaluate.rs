@@ -13,7 +13,7 @@ use hallsweep_core::search::Terms;
 use hallsweep_core::search::costs::Costs;
 use hallsweep_core::search::ways::Ways;
 use hallsweep_core::search::{Objective, Strategy};
-use hallsweep_evaluation::compare::{Contest, Entrant, Halls, HallsError, Measure, Timings, Trial, rows, tour};
+use hallsweep_evaluation::compare::{Contest, Entrant, Halls, Kind, KindError, Measure, Timings, Trial, rows, tour};
 use hallsweep_evaluation::{Ground, drawing};
 use hallsweep_sim::{Hall, SimSettings};
 
@@ -22,11 +22,12 @@ mod written;
 
 /// The flags of `evaluate`.
 #[derive(Args, Clone, Debug)]
-#[command(after_help = "Without --halls: the tables of docs/search.md, which takes some minutes.\n\
+#[command(after_help = "Without --halls: the table of docs/search.md, which takes less than a minute.\n\
     Families of random halls: empty, luggage-PERCENT, walls, islands, pockets, corridors, maze; with their size, as luggage-10:50x50.\n\
     The same flags walk through the same halls by the same moves; only the times of decisions differ.")]
 pub struct Evaluate {
-    /// A family of random halls with its size, a hall by its name, or a hall file; several with commas between them.
+    /// A family of random halls with its size, a hall by its name, or a hall file; several with commas between them. Without any, what the
+    /// table asks is asked.
     #[arg(long, value_name = "HALLS", value_delimiter = ',')]
     halls: Vec<String>,
     /// How many halls of each family.
@@ -42,16 +43,16 @@ pub struct Evaluate {
     #[arg(long, value_name = "FILE")]
     weights: Vec<PathBuf>,
     /// Compare each to this strategy, hall by hall.
-    #[arg(long, value_name = "NAME", value_parser = strategy)]
+    #[arg(long, value_name = "NAME", value_parser = strategy, requires = "halls")]
     against: Option<Strategy>,
     /// What the searches are to be good at: find, cover.
-    #[arg(long, value_name = "NAME", default_value = "find", value_parser = objective)]
+    #[arg(long, value_name = "NAME", default_value = "find", value_parser = objective, requires = "halls")]
     goal: Objective,
     /// How many cells the sonar sees ahead, 1 to 7; 0: the robot bumps into what is there.
-    #[arg(long, value_name = "CELLS", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=7))]
+    #[arg(long, value_name = "CELLS", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=7), requires = "halls")]
     sonar: u8,
     /// What a step, a turn and a bump cost.
-    #[arg(long, value_name = "STEP,TURN,BUMP", default_value = "1,1,1", value_parser = costs)]
+    #[arg(long, value_name = "STEP,TURN,BUMP", default_value = "1,1,1", value_parser = costs, requires = "halls")]
     costs: Costs,
     /// Print one JSON object instead of the tables.
     #[arg(long)]
@@ -63,14 +64,16 @@ pub struct Evaluate {
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
     /// Draw each strategy's tour through the first of the halls as SVG into this folder.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", requires = "halls")]
     tours: Option<PathBuf>,
 }
 
-/// A comparison, and what it is shown by when it is a row of a table.
+/// A comparison, and what it is judged by.
 struct Question {
     contest: Contest,
-    row: Option<rows::Row>,
+    measure: Measure,
+    /// The least that was known before, where it is a row of the documentation.
+    known: Option<f64>,
 }
 
 /// A comparison that was made: for each entrant its trials.
@@ -146,27 +149,29 @@ impl Evaluate {
     fn questions(&self) -> Result<Vec<Question>, Failure> {
         let (count, timings) = (self.count as usize, timings());
         if self.halls.is_empty() {
-            let asked = |row: rows::Row| {
-                let contest = Contest { halls: row.halls.clone(), terms: row.terms, timings };
-                Question { contest, row: Some(row) }
-            };
-            return Ok(rows::rows(count, self.seed).into_iter().map(asked).collect());
+            let rows = rows::rows(count, self.seed, timings).into_iter();
+            return Ok(rows
+                .map(|rows::Row { contest, measure, known }| Question { contest, measure, known: Some(known) })
+                .collect());
         }
         let terms = Terms { objective: self.goal, sonar_cells: self.sonar, costs: self.costs };
-        let asked =
-            |written: &String| Ok(Question { contest: Contest { halls: self.halls(written)?, terms, timings }, row: None });
+        let measure = match self.goal {
+            Objective::Cover => Measure::MovesPerCell,
+            Objective::Find => Measure::ToAPiece,
+        };
+        let asked = |written: &String| {
+            let contest = Contest { halls: self.halls(written)?, terms, timings };
+            Ok(Question { contest, measure, known: None })
+        };
         self.halls.iter().map(asked).collect()
     }
 
     /// A family with its size, or else a hall by its name or its file.
     fn halls(&self, written: &str) -> Result<Halls, Failure> {
-        match written.parse() {
-            Ok(Halls::Random { family, columns, lines, .. }) => {
-                Ok(Halls::Random { family, columns, lines, count: self.count as usize, seed: self.seed })
-            }
-            Ok(drawn @ Halls::Drawn(_)) => Ok(drawn),
-            Err(error @ HallsError::Size(_)) => Err(Failure::Usage(format!("--halls {written}: {error}"))),
-            Err(HallsError::NoFamily) => {
+        match written.parse::<Kind>() {
+            Ok(kind) => Ok(Halls::Random { kind, count: self.count as usize, seed: self.seed }),
+            Err(error @ KindError::Size(_)) => Err(Failure::Usage(format!("--halls {written}: {error}"))),
+            Err(KindError::NoFamily) => {
                 let hall = Hall::named_or_file(written).map_err(|error| Failure::Usage(format!("--halls {error}")))?;
                 Ok(Halls::Drawn(Box::new(hall)))
             }

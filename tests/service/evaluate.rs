@@ -37,6 +37,18 @@ fn the_same_flags_walk_through_the_same_halls_by_the_same_moves() {
 }
 
 #[test]
+fn without_halls_it_is_the_table_of_the_documentation() {
+    let table = evaluate(&["--strategies", "columns"]);
+    let rows: Vec<&str> = table.lines().collect();
+    let page = include_str!("../../docs/search.md");
+    let documented =
+        page.lines().skip_while(|line| !line.ends_with("| known before |")).skip(2).take_while(|line| line.starts_with('|'));
+    assert_eq!(rows.len(), 1 + documented.count() + 2, "{table}");
+    assert!(rows[0].starts_with("halls") && rows[0].ends_with("known before"), "{table}");
+    assert!(rows[1].starts_with("empty:10x8") && rows[1].ends_with("1.300"), "{table}");
+}
+
+#[test]
 fn a_walk_makes_the_moves_that_a_mission_makes() {
     let explored =
         run(&["explore", "--json", "--hall", "airport", "--verdicts", "all-safe", "--costs", "1,1,1", "--goal", "cover"]);
@@ -72,7 +84,14 @@ fn what_cannot_be_compared_is_said_with_what_can() {
     check(&["--halls", "walls:5"], "--halls walls:5: \"5\" is no size: write columns and lines, as 50x50, each from 1 to 2048");
     check(&["--halls", "nowhere"], "--halls nowhere: cannot read this file");
     check(&["--strategies", "best"], "write one of: auto, scored, frontier, columns, spiral, snail");
-    check(&["--strategies", "auto", "--against", "snail"], "snail does not search: name it in --strategies too");
+    check(
+        &["--halls", "airport", "--strategies", "auto", "--against", "snail"],
+        "snail does not search: name it in --strategies too",
+    );
+    // The table says by itself what is asked.
+    for flag in [["--goal", "cover"], ["--sonar", "1"], ["--costs", "1,0,0"], ["--against", "auto"], ["--tours", "x"]] {
+        check(&flag, "--halls <HALLS>");
+    }
     check(&["--count", "0"], "0 is not in 1..=100000");
     check(&["--halls", "empty:5x5", "--count", "1", "--csv", "/nowhere/x.csv"], "/nowhere/x.csv cannot be written");
 }

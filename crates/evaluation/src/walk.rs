@@ -2,7 +2,7 @@
 //! whose operator finds everything safe, in a hundredth of the time.
 
 use hallsweep_core::command::Move;
-use hallsweep_core::search::costs::Costs;
+use hallsweep_core::search::costs::{Costs, STEP};
 use hallsweep_core::search::grid::{Grid, Square};
 use hallsweep_core::search::outlook::Gait;
 use hallsweep_core::search::ways::Ways;
@@ -18,8 +18,8 @@ use crate::Ground;
 #[expect(clippy::cast_precision_loss, reason = "no search makes 2^53 moves")]
 pub fn cost(moves: Moves, costs: Costs) -> f64 {
     let units = |moves: u64, each: u32| moves as f64 * f64::from(each);
-    let sum = units(moves.steps, costs.step) + units(moves.turns, costs.turn) + units(moves.bumps, costs.bump);
-    sum / f64::from(costs.step)
+    let sum = units(moves.steps, STEP) + units(moves.turns, costs.turn) + units(moves.bumps, costs.bump);
+    sum / f64::from(STEP)
 }
 
 /// How far a walk has come.

@@ -1,9 +1,8 @@
 //! What a comparison came to, as tables for people and as a picture.
 
-use super::{Answer, Measure};
-use hallsweep_core::search::Objective;
+use super::{Answer, Measure, Question};
 use hallsweep_core::search::Terms;
-use hallsweep_evaluation::compare::{Entrant, Estimate, against as differences, decisions, over};
+use hallsweep_evaluation::compare::{Contest, Entrant, Estimate, against as differences, decisions, over};
 use hallsweep_evaluation::drawing::{self, Band, Dot};
 
 /// What a search was asked, in words.
@@ -30,10 +29,10 @@ pub(super) fn rows(answers: &[Answer], entrants: &[Entrant]) -> String {
             .concat(),
     ];
     for Answer { question, trials } in answers {
-        let Some(row) = &question.row else { continue };
-        let halls = vec![row.halls.to_string(), asked(row.terms), head(row.measure).to_owned()];
-        let estimates = trials.iter().map(|trials| shown(over(trials, row.measure))).collect();
-        table.push([halls, estimates, vec![format!("{:.3}", row.known)]].concat());
+        let Question { contest, measure, known } = question;
+        let halls = vec![contest.halls.to_string(), asked(contest.terms), head(*measure).to_owned()];
+        let estimates = trials.iter().map(|trials| shown(over(trials, *measure))).collect();
+        table.push([halls, estimates, vec![known.map_or_else(|| "-".to_owned(), |known| format!("{known:.3}"))]].concat());
     }
     let halls = answers.first().map_or(0, |answer| answer.question.contest.halls.count());
     format!(
@@ -53,7 +52,7 @@ fn block(answer: &Answer, entrants: &[Entrant], against: Option<usize>) -> Strin
     let contest = &question.contest;
     let mut columns: Vec<String> = ["strategy"].into_iter().chain(Measure::ALL.map(head)).map(str::to_owned).collect();
     columns.extend(["decision p50", "p99", "worst"].map(str::to_owned));
-    let judged = measure(contest.terms.objective);
+    let judged = question.measure;
     if let Some(other) = against {
         columns.push(format!("{} less {}", head(judged), entrants[other].name()));
     }
@@ -72,25 +71,16 @@ fn block(answer: &Answer, entrants: &[Entrant], against: Option<usize>) -> Strin
     format!("{} · {halls} · {}\n{}", contest.halls, asked(contest.terms), aligned(&table))
 }
 
-/// What a search with this goal is to be good at.
-const fn measure(objective: Objective) -> Measure {
-    match objective {
-        Objective::Cover => Measure::MovesPerCell,
-        Objective::Find => Measure::ToAPiece,
-    }
-}
-
 /// The picture of all comparisons.
 pub(super) fn plot(answers: &[Answer], entrants: &[Entrant]) -> String {
     let bands: Vec<Band> = answers
         .iter()
         .map(|Answer { question, trials }| {
-            let terms = question.contest.terms;
-            let measure = question.row.as_ref().map_or(measure(terms.objective), |row| row.measure);
+            let Question { contest: Contest { halls, terms, .. }, measure, .. } = question;
             let dot = |(entrant, trials): (&Entrant, &Vec<_>)| {
-                Some(Dot { name: entrant.name().to_owned(), estimate: over(trials, measure)? })
+                Some(Dot { name: entrant.name().to_owned(), estimate: over(trials, *measure)? })
             };
-            let title = format!("{} · {} · {}", question.contest.halls, asked(terms), head(measure));
+            let title = format!("{halls} · {} · {}", asked(*terms), head(*measure));
             Band { title, dots: entrants.iter().zip(trials).filter_map(dot).collect() }
         })
         .collect();
@@ -102,15 +92,7 @@ fn names(entrants: &[Entrant]) -> Vec<String> {
 }
 
 fn shown(estimate: Option<Estimate>) -> String {
-    match estimate {
-        None => "-".to_owned(),
-        Some(Estimate { mean, count: 1, .. }) => number(mean),
-        Some(Estimate { mean, half_width, .. }) => format!("{} ± {}", number(mean), number(half_width)),
-    }
-}
-
-fn number(number: f64) -> String {
-    if number.abs() < 100.0 { format!("{number:.3}") } else { format!("{number:.0}") }
+    estimate.map_or_else(|| "-".to_owned(), |estimate| estimate.to_string())
 }
 
 /// The table with every column as wide as its widest entry.

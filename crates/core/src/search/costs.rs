@@ -3,20 +3,17 @@
 use std::fmt;
 use std::time::Duration;
 
-/// What a move of each kind costs, in quarters of a step: small whole numbers, so that a search can sort by them. The score looks at the cost of
-/// a way as it is, so another unit would be another score.
+/// What a move of each kind costs, in quarters of a step: small whole numbers, so that a search can sort by them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Costs {
-    /// One cell forward; never 0.
-    pub step: u32,
     /// A quarter turn.
     pub turn: u32,
     /// A step that meets an obstacle, and the way back.
     pub bump: u32,
 }
 
-/// A step comes to so many units, in the costs of a robot.
-const STEP: u32 = 4;
+/// What one cell forward costs, in the same unit. The score looks at the cost of a way as it is, so in another unit it would be another score.
+pub const STEP: u32 = 4;
 
 /// No turn counts for more than this: it bounds the memory of a search.
 const MOST: u32 = 100;
@@ -26,7 +23,7 @@ impl Costs {
     #[must_use]
     pub fn of(step: Duration, turn: Duration) -> Costs {
         let steps = turn.as_secs_f64() / step.as_secs_f64().max(1e-3);
-        Costs { step: STEP, turn: units(steps), bump: STEP }
+        Costs { turn: units(steps), bump: STEP }
     }
 
     /// What moves cost that weigh so much against each other, to a quarter of a step; `None` where a step weighs nothing, or anything
@@ -36,7 +33,7 @@ impl Costs {
         let in_steps = [turn / step, bump / step];
         let are_sound =
             step > 0.0 && step.is_finite() && in_steps.iter().all(|steps| (0.0..=f64::from(MOST / STEP)).contains(steps));
-        are_sound.then(|| Costs { step: STEP, turn: units(in_steps[0]), bump: units(in_steps[1]) })
+        are_sound.then(|| Costs { turn: units(in_steps[0]), bump: units(in_steps[1]) })
     }
 
     /// What is written as `STEP,TURN,BUMP`, as `1,1.5,1`; `None` where it is not three numbers that can be weighed.
@@ -48,24 +45,24 @@ impl Costs {
     }
 
     /// The same for each.
-    pub const EVEN: Costs = Costs { step: STEP, turn: STEP, bump: STEP };
+    pub const EVEN: Costs = Costs { turn: STEP, bump: STEP };
+}
 
-    /// A cost in thousandths of a step.
-    pub(crate) fn in_thousandths(self, cost: u32) -> i32 {
-        i32::try_from(u64::from(cost) * 1000 / u64::from(self.step)).unwrap_or(i32::MAX)
-    }
+/// A cost in thousandths of a step.
+pub(crate) fn in_thousandths(cost: u32) -> i32 {
+    i32::try_from(u64::from(cost) * 1000 / u64::from(STEP)).unwrap_or(i32::MAX)
+}
 
-    /// The dearest way that so many thousandths of a step pay for.
-    pub(crate) fn affordable(self, thousandths: i32) -> u32 {
-        let thousandths = u64::try_from(thousandths).unwrap_or(0);
-        u32::try_from(thousandths * u64::from(self.step) / 1000).unwrap_or(u32::MAX)
-    }
+/// The dearest way that so many thousandths of a step pay for.
+pub(crate) fn affordable(thousandths: i32) -> u32 {
+    let thousandths = u64::try_from(thousandths).unwrap_or(0);
+    u32::try_from(thousandths * u64::from(STEP) / 1000).unwrap_or(u32::MAX)
 }
 
 /// As it is read: `STEP,TURN,BUMP` in steps.
 impl fmt::Display for Costs {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let steps = |cost: u32| f64::from(cost) / f64::from(self.step);
+        let steps = |cost: u32| f64::from(cost) / f64::from(STEP);
         write!(f, "1,{},{}", steps(self.turn), steps(self.bump))
     }
 }
@@ -82,9 +79,9 @@ mod tests {
 
     #[test]
     fn costs_are_weighed_to_a_quarter_of_a_step() {
-        assert_eq!(Costs::of(Duration::from_millis(330), Duration::from_millis(500)), Costs { step: 4, turn: 6, bump: 4 });
-        assert_eq!(Costs::read("1,1.5,2"), Some(Costs { step: 4, turn: 6, bump: 8 }));
-        assert_eq!(Costs::read("2, 0, 0"), Some(Costs { step: 4, turn: 0, bump: 0 }));
+        assert_eq!(Costs::of(Duration::from_millis(330), Duration::from_millis(500)), Costs { turn: 6, bump: 4 });
+        assert_eq!(Costs::read("1,1.5,2"), Some(Costs { turn: 6, bump: 8 }));
+        assert_eq!(Costs::read("2, 0, 0"), Some(Costs { turn: 0, bump: 0 }));
         for written in ["1,1.5,2", "1,0,0", "1,1,1"] {
             assert_eq!(Costs::read(written).map(|costs| costs.to_string()).as_deref(), Some(written));
         }

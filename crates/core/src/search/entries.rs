@@ -1,6 +1,7 @@
 //! The entries of a grid: where something unknown can be entered from a visited cell, or a piece still to be inspected be met.
 //! Every strategy but the snail is a way to weigh them.
 
+use super::costs::{affordable, in_thousandths};
 use super::far::turn;
 use super::grid::{Grid, Spot, Square, onward};
 use super::ways::{Reached, Ways};
@@ -36,10 +37,10 @@ pub(crate) fn best_entry(view: &View<'_>, ways: &mut Ways, least: i32, mut worth
     let all = ways.spread(grid, costs, pose, |at| {
         let target = onward(at.spot, grid.step(at.heading));
         if grid.here(target).is_open() {
-            let score = costs.in_thousandths(at.cost).saturating_add(worth(&Entry { at, target }));
+            let score = in_thousandths(at.cost).saturating_add(worth(&Entry { at, target }));
             if best.is_none_or(|(so_far, ..)| score < so_far) {
                 best = Some((score, target, (at.spot, at.heading)));
-                limit = costs.affordable(score.saturating_sub(least));
+                limit = affordable(score.saturating_sub(least));
             }
         }
         limit

@@ -126,7 +126,7 @@ mod tests {
             let goal = Cell::new(i32::try_from(dice.below(16)).unwrap(), i32::try_from(dice.below(16)).unwrap());
             let passable = |spot| grid.here(spot) == Square::Visited;
             let far = Steps::default().way(&grid, Pose::START, passable, |spot| spot == grid.spot(goal));
-            let costs = Costs { step: 1, turn: 0, bump: 0 };
+            let costs = Costs { turn: 0, bump: 0 };
             let exact = Ways::default().way_over_visited(&grid, costs, Pose::START, goal);
             let steps = |moves: &[Move]| moves.iter().filter(|step| **step == Move::Forward).count();
             assert_eq!(far.as_ref().map(|(_, moves)| steps(moves)), exact.as_ref().map(|moves| steps(moves)), "to {goal}");

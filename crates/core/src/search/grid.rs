@@ -219,3 +219,37 @@ impl Grid {
 pub(crate) const fn onward(spot: Spot, by: isize) -> Spot {
     spot.wrapping_add_signed(by)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::RandomStream;
+
+    /// What is kept as marks come is what would be counted anew, also when the memory has grown on the way.
+    #[test]
+    fn the_census_follows_every_mark() {
+        const SQUARES: [Square; 5] = [Square::Visited, Square::Obstacle, Square::Luggage, Square::Target, Square::Unknown];
+        let mut dice = RandomStream::new(1, "census");
+        let mut grid = Grid::with_room_for(Bounds::of(Cell::HOME));
+        let side = 60;
+        let mut place = || i32::try_from(dice.below(side)).expect("a small number") - 30;
+        for n in 0..20_000 {
+            grid.set(Cell::new(place(), place()), SQUARES[n % 5]);
+        }
+        let cells = (-31..=30).flat_map(|y| (-31..=30).map(move |x| Cell::new(x, y)));
+        let mut counted = Census::default();
+        for cell in cells {
+            let round = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| Cell::new(cell.x + dx, cell.y + dy)));
+            let is_along = round.filter(|next| *next != cell).any(|next| grid.at(next) == Square::Obstacle);
+            counted = counted.and(match (grid.at(cell), is_along) {
+                (Square::Visited, true) => Census { visited_along: 1, ..Census::default() },
+                (Square::Visited, false) => Census { visited_inside: 1, ..Census::default() },
+                (Square::Luggage, true) => Census { luggage_along: 1, ..Census::default() },
+                (Square::Luggage, false) => Census { luggage_inside: 1, ..Census::default() },
+                _ => Census::default(),
+            });
+        }
+        assert_eq!(grid.census(), counted);
+        assert!(counted.luggage_inside > 0 && counted.visited_along > 0, "{counted:?}");
+    }
+}

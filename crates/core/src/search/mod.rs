@@ -39,7 +39,7 @@ named! {
     /// The ways to search a hall.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum Strategy {
-        /// For whoever does not want to choose: the tuned score.
+        /// For whoever does not want to choose: the tuned score, or along the walls where that finds luggage sooner.
         #[default]
         Auto = "auto",
         /// Whatever comes to the least by a tuned score of the way there and of what lies round it.

@@ -1,7 +1,7 @@
 //! The planner: the occupancy grid as the engine knows it, and the cheapest ways over it to a cell or a pose. What to aim at is a strategy's
 //! business; whether the robot may move is the mission's.
 
-use super::costs::Costs;
+use super::costs::{Costs, STEP};
 use super::far::turn;
 use super::grid::{Grid, Spot, Square};
 use super::outlook::Gait;
@@ -110,7 +110,7 @@ fn towards(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal: Cell, 
         |spot| may_enter(grid, area, spot, Through::Unknown),
         |here| {
             let cell = grid.cell(here.spot);
-            let whole = here.cost + (cell.x.abs_diff(goal.x) + cell.y.abs_diff(goal.y)) * costs.step;
+            let whole = here.cost + (cell.x.abs_diff(goal.x) + cell.y.abs_diff(goal.y)) * STEP;
             if !inner.contains(cell) && best.is_none_or(|(least, _)| whole < least) {
                 best = Some((whole, (here.spot, here.heading)));
             }

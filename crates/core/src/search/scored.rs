@@ -2,6 +2,7 @@
 //! to the least. The weights come from `hallsweep tune`.
 
 use super::View;
+use super::costs::in_thousandths;
 use super::entries::{Entry, Visit, best_entry};
 use super::outlook::{Looking, Outlook};
 use super::ways::Ways;
@@ -41,7 +42,7 @@ pub fn choose(
     let visit = best_entry(view, ways, weights.least - slack, |entry: &Entry| {
         let outlook = looking.at(entry);
         let worth = weights.worth(&outlook);
-        let score = view.terms.costs.in_thousandths(entry.at.cost) + worth;
+        let score = in_thousandths(entry.at.cost) + worth;
         seen(Candidate { cell: view.grid.cell(entry.target), heading: entry.at.heading, score, outlook });
         worth
     });

@@ -5,7 +5,7 @@
 //! time; with an estimate of what is left the same loop is A*. A state is settled when it is taken out for the first time. What lies
 //! further away than so many states is looked for by steps alone, which is not exact and several times faster (`far`).
 
-use super::costs::Costs;
+use super::costs::{Costs, STEP};
 use super::far::Steps;
 use super::grid::{Grid, Spot, Square, onward};
 use crate::command::Move;
@@ -61,7 +61,7 @@ impl Ways {
         let (at, mut end) = (grid.spot(goal), None);
         let left = |spot: Spot| {
             let cell = grid.cell(spot);
-            (cell.x.abs_diff(goal.x) + cell.y.abs_diff(goal.y)) * costs.step
+            (cell.x.abs_diff(goal.x) + cell.y.abs_diff(goal.y)) * STEP
         };
         let all = self.search(grid, costs, start, left, &passable, |here| {
             end = end.or((here.spot == at).then_some((here.spot, here.heading)));
@@ -98,7 +98,7 @@ impl Ways {
         mut reached: impl FnMut(Reached) -> u32,
     ) -> bool {
         self.prepare(grid, costs);
-        let price = [costs.step, costs.turn, costs.turn];
+        let price = [STEP, costs.turn, costs.turn];
         let length = self.ring.len();
         let from = grid.spot(start.cell);
         // Whole costs: what was spent, and what is left at least.
@@ -141,7 +141,7 @@ impl Ways {
         }
         self.search += 1;
         // A step away from the goal costs itself and the way back.
-        self.ring.resize_with((2 * costs.step).max(costs.turn) as usize + 1, Vec::new);
+        self.ring.resize_with((2 * STEP).max(costs.turn) as usize + 1, Vec::new);
     }
 
     /// The moves that led to a state that the last search has settled.

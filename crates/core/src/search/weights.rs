@@ -14,7 +14,7 @@ use std::sync::LazyLock;
 use super::census::Terrain;
 use super::outlook::Outlook;
 use super::tables::{LINEAR, LINEAR_NAMES, ROWS, STARTS, TABLES};
-use super::{Objective, Terms};
+use super::{Objective, Sensing, Terms};
 
 /// What the numbers of an outlook are worth, in thousandths of a step.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,18 +30,18 @@ pub struct Weights {
 /// Weights that are shipped, and what they were tuned for.
 struct Set {
     objective: Objective,
-    sonar_cells: u8,
-    /// What a turn cost, in quarters of a step.
+    sensing: Sensing,
+    /// What a turn cost.
     turn: u32,
     terrain: Terrain,
     weights: LazyLock<Weights>,
 }
 
 macro_rules! set {
-    ($objective:ident, $sonar_cells:literal, $turn:literal, $terrain:ident, $file:literal) => {
+    ($objective:ident, $sensing:ident, $turn:literal, $terrain:ident, $file:literal) => {
         Set {
             objective: Objective::$objective,
-            sonar_cells: $sonar_cells,
+            sensing: Sensing::$sensing,
             turn: $turn,
             terrain: Terrain::$terrain,
             weights: LazyLock::new(|| {
@@ -53,27 +53,26 @@ macro_rules! set {
 }
 
 static SETS: [Set; 9] = [
-    set!(Cover, 0, 4, Usual, "cover-bump"),
-    set!(Cover, 0, 4, Open, "cover-open"),
-    set!(Cover, 0, 4, Dense, "cover-dense"),
-    set!(Cover, 0, 0, Usual, "cover-steps"),
-    set!(Cover, 0, 6, Usual, "cover-slow-turns"),
-    set!(Cover, 1, 4, Usual, "cover-sonar"),
-    set!(Find, 0, 4, Usual, "find-bump"),
-    set!(Find, 0, 6, Usual, "find-slow-turns"),
-    set!(Find, 1, 4, Usual, "find-sonar"),
+    set!(Cover, Bump, 4, Usual, "cover-bump"),
+    set!(Cover, Bump, 4, Open, "cover-open"),
+    set!(Cover, Bump, 4, Dense, "cover-dense"),
+    set!(Cover, Bump, 0, Usual, "cover-steps"),
+    set!(Cover, Bump, 6, Usual, "cover-slow-turns"),
+    set!(Cover, Sonar, 4, Usual, "cover-sonar"),
+    set!(Find, Bump, 4, Usual, "find-bump"),
+    set!(Find, Bump, 6, Usual, "find-slow-turns"),
+    set!(Find, Sonar, 4, Usual, "find-sonar"),
 ];
 
 impl Set {
     /// How far this is from what is asked, the weightiest first. Whether turns cost anything weighs more than what the hall is like, and that
     /// more than what they cost.
-    fn distance(&self, terms: Terms, terrain: Terrain) -> (bool, bool, bool, bool, bool, u32) {
-        let turn = terms.costs.turn * 4 / terms.costs.step.max(1);
+    fn distance(&self, terms: Terms, terrain: Terrain) -> (bool, bool, bool, bool, u32) {
+        let turn = terms.costs.turn;
         (
             self.objective != terms.objective,
-            (self.sonar_cells > 0) != (terms.sonar_cells > 0),
+            (self.sensing == Sensing::Sonar) != (terms.sonar_cells > 0),
             (self.turn > 0) != (turn > 0),
-            self.terrain != terrain && self.terrain != Terrain::Usual,
             self.terrain != terrain,
             self.turn.abs_diff(turn),
         )
@@ -171,13 +170,35 @@ fn read_row(word: &str, size: usize) -> Option<(usize, i16)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::search::costs::Costs;
 
     #[test]
     fn what_is_shipped_can_be_read_and_counts_something() {
         for set in &SETS {
-            let of = format!("{} by sonar of {}, turn {}, {:?}", set.objective.name(), set.sonar_cells, set.turn, set.terrain);
+            let of = format!("{} by {}, turn {}, {:?}", set.objective.name(), set.sensing.name(), set.turn, set.terrain);
             assert!(set.weights.rows.iter().any(|row| *row != 0), "{of}");
             assert!(set.weights.least < 0, "a search without a bound goes through the whole hall at every step: {of}");
+        }
+    }
+
+    #[test]
+    fn every_search_has_the_weights_that_were_tuned_for_what_is_nearest_to_it() {
+        let (even, slow, steps) = (Costs::EVEN, Costs { turn: 7, bump: 4 }, Costs { turn: 0, bump: 0 });
+        for (objective, sonar_cells, costs, terrain, set) in [
+            (Objective::Cover, 0, even, Terrain::Usual, 0),
+            (Objective::Cover, 0, even, Terrain::Open, 1),
+            (Objective::Cover, 0, even, Terrain::Dense, 2),
+            (Objective::Cover, 0, steps, Terrain::Open, 3),
+            (Objective::Cover, 0, slow, Terrain::Usual, 4),
+            (Objective::Cover, 0, slow, Terrain::Dense, 2),
+            (Objective::Cover, 3, slow, Terrain::Open, 5),
+            (Objective::Find, 0, even, Terrain::Dense, 6),
+            (Objective::Find, 0, slow, Terrain::Open, 7),
+            (Objective::Find, 1, even, Terrain::Usual, 8),
+        ] {
+            let shipped = Weights::shipped(Terms { objective, sonar_cells, costs }, terrain);
+            let of = format!("{} by sonar of {sonar_cells}, {costs}, {terrain:?}", objective.name());
+            assert!(std::ptr::eq(shipped, &*SETS[set].weights), "{of}");
         }
     }
 

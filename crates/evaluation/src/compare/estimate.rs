@@ -1,5 +1,7 @@
 //! Means, and how sure they are.
 
+use std::fmt;
+
 /// A mean and its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
@@ -32,6 +34,16 @@ impl Estimate {
     }
 }
 
+/// The mean, and where there is one the interval, with as many digits as any of them is sure of.
+impl fmt::Display for Estimate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let digits = |number: f64| if number.abs() < 100.0 { 3 } else { 0 };
+        let Estimate { mean, half_width, count } = *self;
+        write!(f, "{mean:.*}", digits(mean))?;
+        if count > 1 { write!(f, " ± {half_width:.*}", digits(mean)) } else { Ok(()) }
+    }
+}
+
 /// Student's quantile of 97.5 % with so many degrees of freedom, by the expansion of Cornish and Fisher in its inverse: a hundredth too small
 /// at five, exact to three digits from ten on.
 fn student(freedom: f64) -> f64 {
@@ -46,6 +58,7 @@ mod tests {
     fn the_interval_is_students() {
         let estimate = Estimate::of([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).expect("there are numbers");
         assert_eq!((estimate.mean, estimate.count), (3.5, 6));
+        assert!(estimate.to_string().starts_with("3.500 ± 1.9"), "{estimate}");
         // s = 1.8708, t(5) = 2.5706 in the tables.
         assert!((estimate.half_width - 1.9633).abs() < 0.01, "{estimate:?}");
         for (freedom, quantile) in [(5.0, 2.5706), (10.0, 2.2281), (30.0, 2.0423), (59.0, 2.0010)] {
@@ -55,6 +68,7 @@ mod tests {
 
     #[test]
     fn of_one_number_there_is_a_mean_and_of_none_nothing() {
+        assert_eq!(Estimate::of([7.0]).map(|estimate| estimate.to_string()).as_deref(), Some("7.000"));
         assert_eq!(Estimate::of([7.0]), Some(Estimate { mean: 7.0, half_width: 0.0, count: 1 }));
         assert_eq!(Estimate::of([]), None);
     }

@@ -15,12 +15,8 @@ use crate::family::{Family, hall};
 pub enum Halls {
     /// Random ones. No hall that anything was tuned on is among them: they come from a stream of their own.
     Random {
-        /// Their family.
-        family: Family,
-        /// Their cells from west to east.
-        columns: usize,
-        /// Their cells from north to south.
-        lines: usize,
+        /// Of which kind.
+        kind: Kind,
         /// How many.
         count: usize,
         /// Where their chance comes from.
@@ -28,6 +24,17 @@ pub enum Halls {
     },
     /// This one.
     Drawn(Box<Hall>),
+}
+
+/// A kind of random halls.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kind {
+    /// Their family.
+    pub family: Family,
+    /// Their cells from west to east.
+    pub columns: usize,
+    /// Their cells from north to south.
+    pub lines: usize,
 }
 
 /// The longest side of a random hall.
@@ -47,7 +54,7 @@ impl Halls {
     #[must_use]
     pub fn hall(&self, number: usize) -> Cow<'_, Hall> {
         match self {
-            Halls::Random { family, columns, lines, seed, .. } => {
+            Halls::Random { kind: Kind { family, columns, lines }, seed, .. } => {
                 let mut dice = RandomStream::new(seed.wrapping_mul(1_000_003).wrapping_add(number as u64), "evaluate");
                 Cow::Owned(hall(*family, *columns, *lines, &mut dice))
             }
@@ -63,29 +70,36 @@ impl Halls {
 impl fmt::Display for Halls {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Halls::Random { family, columns, lines, .. } => write!(f, "{family}:{columns}x{lines}"),
+            Halls::Random { kind, .. } => kind.fmt(f),
             Halls::Drawn(hall) => f.write_str(hall.name()),
         }
     }
 }
 
-/// A family and a size, as `luggage-10:50x50`; neither count nor seed.
-impl FromStr for Halls {
-    type Err = HallsError;
-
-    fn from_str(written: &str) -> Result<Halls, HallsError> {
-        let (family, size) = written.split_once(':').ok_or(HallsError::NoFamily)?;
-        let family: Family = family.parse().map_err(|()| HallsError::NoFamily)?;
-        let side = |side: &str| side.parse().ok().filter(|side| (1..=MOST_SIDE).contains(side));
-        let sides = size.split_once('x').and_then(|(columns, lines)| Some((side(columns)?, side(lines)?)));
-        let (columns, lines) = sides.ok_or_else(|| HallsError::Size(size.to_owned()))?;
-        Ok(Halls::Random { family, columns, lines, count: 0, seed: 0 })
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Kind { family, columns, lines } = self;
+        write!(f, "{family}:{columns}x{lines}")
     }
 }
 
-/// Why something written does not name random halls.
+/// A family and a size, as `luggage-10:50x50`.
+impl FromStr for Kind {
+    type Err = KindError;
+
+    fn from_str(written: &str) -> Result<Kind, KindError> {
+        let (family, size) = written.split_once(':').ok_or(KindError::NoFamily)?;
+        let family: Family = family.parse().map_err(|()| KindError::NoFamily)?;
+        let side = |side: &str| side.parse().ok().filter(|side| (1..=MOST_SIDE).contains(side));
+        let sides = size.split_once('x').and_then(|(columns, lines)| Some((side(columns)?, side(lines)?)));
+        let (columns, lines) = sides.ok_or_else(|| KindError::Size(size.to_owned()))?;
+        Ok(Kind { family, columns, lines })
+    }
+}
+
+/// Why something written names no kind of random halls.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum HallsError {
+pub enum KindError {
     /// It does not begin with a family: perhaps a file is meant.
     #[error("no family of halls")]
     NoFamily,
@@ -101,20 +115,21 @@ mod tests {
     #[test]
     fn halls_are_read_as_they_are_written() {
         for written in ["empty:10x8", "luggage-10:50x50", "walls:7x2048", "maze:1x1"] {
-            assert_eq!(written.parse::<Halls>().map(|halls| halls.to_string()), Ok(written.to_owned()));
+            assert_eq!(written.parse::<Kind>().map(|kind| kind.to_string()), Ok(written.to_owned()));
         }
-        let error = |written: &str| written.parse::<Halls>().map(|halls| halls.to_string()).unwrap_err();
+        let error = |written: &str| written.parse::<Kind>().map(|kind| kind.to_string()).unwrap_err();
         for written in ["airport", "halls/x.toml", "c:/x.map", "luggage-99:5x5", ""] {
-            assert_eq!(error(written), HallsError::NoFamily, "{written}");
+            assert_eq!(error(written), KindError::NoFamily, "{written}");
         }
         for size in ["", "5", "0x5", "5x2049", "5x-1", "5x5x5"] {
-            assert_eq!(error(&format!("walls:{size}")), HallsError::Size(size.to_owned()));
+            assert_eq!(error(&format!("walls:{size}")), KindError::Size(size.to_owned()));
         }
     }
 
     #[test]
     fn halls_of_one_seed_are_the_same_and_of_another_others() {
-        let halls = |seed| Halls::Random { family: Family::Luggage(0.2), columns: 20, lines: 20, count: 2, seed };
+        let kind = Kind { family: Family::Luggage(0.2), columns: 20, lines: 20 };
+        let halls = |seed| Halls::Random { kind, count: 2, seed };
         assert_eq!(halls(1).hall(0), halls(1).hall(0));
         assert_ne!(halls(1).hall(0), halls(1).hall(1));
         assert_ne!(halls(1).hall(0), halls(2).hall(0));

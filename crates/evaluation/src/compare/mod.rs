@@ -13,7 +13,7 @@ pub mod rows;
 mod trial;
 
 pub use self::estimate::Estimate;
-pub use self::halls::{Halls, HallsError};
+pub use self::halls::{Halls, Kind, KindError};
 pub use self::trial::{Entrant, Timings, Trial, tour, trial};
 
 use std::time::Duration;
@@ -115,7 +115,7 @@ mod tests {
 
     fn contest(family: Family) -> Contest {
         let terms = Terms { objective: Objective::Cover, sonar_cells: 0, costs: Costs::EVEN };
-        let halls = Halls::Random { family, columns: 12, lines: 9, count: 8, seed: 1 };
+        let halls = Halls::Random { kind: Kind { family, columns: 12, lines: 9 }, count: 8, seed: 1 };
         Contest { halls, terms, timings: Timings { step_s: 1.0, turn_s: 2.0, bump_s: 1.5 } }
     }
 
@@ -134,6 +134,21 @@ mod tests {
         assert!(more.mean - more.half_width > 0.0, "the snail goes home after every square: {more:?}");
         let moves = |trials: &[Vec<Trial>]| -> Vec<_> { trials.iter().flatten().map(|trial| trial.moves).collect() };
         assert_eq!(moves(&run()), moves(&run()));
+    }
+
+    #[test]
+    fn auto_finds_luggage_along_the_walls_much_sooner_than_the_score_and_elsewhere_hardly_later() {
+        let entrants = [Entrant::Strategy(Strategy::Auto), Entrant::Strategy(Strategy::Scored)];
+        let to_a_piece = |family| {
+            let kind = Kind { family, columns: 40, lines: 40 };
+            let terms = Terms { objective: Objective::Find, sonar_cells: 0, costs: Costs::EVEN };
+            let contest = Contest { halls: Halls::Random { kind, count: 30, seed: 2 }, terms, ..contest(family) };
+            let trials = contest.run(&entrants, || Duration::ZERO, || ());
+            [0, 1].map(|entrant| over(&trials[entrant], Measure::ToAPiece).expect("there is luggage").mean)
+        };
+        let ([auto, scored], [usual_auto, usual_scored]) = (to_a_piece(Family::Walls), to_a_piece(Family::Luggage(0.1)));
+        assert!(auto < scored / 2.0, "along the walls {auto}, the score {scored}");
+        assert!(usual_auto < usual_scored * 1.05, "anywhere {usual_auto}, the score {usual_scored}");
     }
 
     #[test]

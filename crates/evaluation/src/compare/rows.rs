@@ -4,30 +4,28 @@
 use hallsweep_core::search::Objective;
 use hallsweep_core::search::costs::Costs;
 
-use super::{Halls, Measure};
+use super::{Contest, Halls, Kind, Measure, Timings};
 use crate::family::Family;
 use hallsweep_core::search::Terms;
 
 /// Nothing counts but steps.
-const STEPS: Costs = Costs { step: 4, turn: 0, bump: 0 };
+const STEPS: Costs = Costs { turn: 0, bump: 0 };
 
 /// A row of a table.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// The halls.
-    pub halls: Halls,
-    /// The goal, the sensing and the costs.
-    pub terms: Terms,
+    /// The halls, and what is asked.
+    pub contest: Contest,
     /// What is measured.
     pub measure: Measure,
     /// The best that was known before this program, on other random halls of the same kind.
     pub known: f64,
 }
 
-/// All rows, with so many halls each.
+/// All rows, with so many halls each, and a robot whose moves take so long.
 #[must_use]
-pub fn rows(count: usize, seed: u64) -> Vec<Row> {
-    let of = |family, (columns, lines): (usize, usize)| Halls::Random { family, columns, lines, count, seed };
+pub fn rows(count: usize, seed: u64, timings: Timings) -> Vec<Row> {
+    let of = |family, (columns, lines): (usize, usize)| Halls::Random { kind: Kind { family, columns, lines }, count, seed };
     let covers = [
         (Family::Luggage(0.0), (10, 8), 1.300),
         (Family::Luggage(0.1), (20, 20), 1.792),
@@ -42,7 +40,7 @@ pub fn rows(count: usize, seed: u64) -> Vec<Row> {
     let cover = |sonar_cells, costs| terms(Objective::Cover, sonar_cells, costs);
     let find = |sonar_cells| terms(Objective::Find, sonar_cells, Costs::EVEN);
     let usual = || of(Family::Luggage(0.1), (50, 50));
-    let row = |halls, terms, measure, known| Row { halls, terms, measure, known };
+    let row = |halls, terms, measure, known| Row { contest: Contest { halls, terms, timings }, measure, known };
     let covers = covers.map(|(family, size, known)| row(of(family, size), cover(0, Costs::EVEN), Measure::MovesPerCell, known));
     let others = [
         row(usual(), cover(1, Costs::EVEN), Measure::MovesPerCell, 1.653),

@@ -73,22 +73,8 @@ fn draw(out: &mut String, band: &Band, top: f64) {
             ),
         );
         push(out, format_args!("<circle cx=\"{:.1}\" cy=\"{y}\" r=\"4.5\" fill=\"{colour}\"/>", across(mean)));
-        push(
-            out,
-            format_args!(
-                "<text x=\"{:.1}\" y=\"{}\">{} ± {}</text>",
-                across(mean + half_width) + 10.0,
-                y + 4.0,
-                digits(mean),
-                digits(half_width)
-            ),
-        );
+        push(out, format_args!("<text x=\"{:.1}\" y=\"{}\">{}</text>", across(mean + half_width) + 10.0, y + 4.0, dot.estimate));
     }
-}
-
-/// Four digits that count are more than any interval is sure of.
-fn digits(number: f64) -> String {
-    if number.abs() < 100.0 { format!("{number:.3}") } else { format!("{number:.0}") }
 }
 
 #[expect(clippy::cast_precision_loss, reason = "a picture has few lines")]
