@@ -22,6 +22,20 @@ fn with_hook(seed: u64) -> SimSettings {
     SimSettings { has_hook: true, ..SimSettings::new(seed, Camera::Stub) }
 }
 
+/// It is said to be dangerous from where the sonar has seen it; the cells before it are driven into for the first time to fetch it.
+#[test]
+fn a_piece_that_was_photographed_from_afar_is_fetched_as_well() {
+    let hall = Arc::new(Hall::from_rows("far", &["S..a.", "#....", "....."]).unwrap());
+    let mut mortal = Mortal::born(hall, SimSettings { sonar_cells: 3, ..with_hook(1) });
+    assert!(locate(&mut mortal, |_| true));
+    let piece = mortal.state().luggage[0].clone();
+    assert_eq!((piece.cell, piece.pose.cell), (Cell::new(3, 0), Cell::HOME));
+    mortal.give(Command::Acknowledge(AlarmId(1))).unwrap();
+    mortal.give(Command::Retrieve).unwrap();
+    go_on(&mut mortal, 1);
+    assert!(check(&mut mortal, 1));
+}
+
 /// Searches until a piece is met that is said to be dangerous, and the robot is home; false when there is none.
 fn locate(mortal: &mut Mortal, is_bomb: impl Fn(&Snapshot) -> bool) -> bool {
     mortal.keep_all();

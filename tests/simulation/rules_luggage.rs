@@ -1,9 +1,12 @@
 //! Mission §4 rule 4 and §7: verdicts, photos that fail, pieces of several cells, obstacles that cannot be told.
 
+use std::sync::Arc;
+
 use hallsweep_core::command::{Command, LuggageRef, Refused, Verdict};
 use hallsweep_core::mission::PhaseName;
+use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Settings;
-use hallsweep_core::units::{Cell, LuggageId};
+use hallsweep_core::units::{Cell, Heading, LuggageId, Pose};
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::luggage::PhotoState;
 use hallsweep_sim::headless::{Run, Verdicts, explore};
@@ -27,6 +30,24 @@ fn an_equal_repeat_is_answered_and_another_verdict_is_refused() {
     assert_eq!(run.verdict(1, Verdict::Danger), Err(refused));
     assert_eq!(run.verdict(7, Verdict::Safe), Err(Refused::UnknownLuggage(LuggageId(7))));
     assert_eq!(run.phase(), PhaseName::Exploring);
+}
+
+/// With a sonar that sees three cells the robot photographs a piece from where it has seen it, and needs no bump for it.
+#[test]
+fn a_piece_is_photographed_from_where_the_sonar_sees_it() {
+    let hall = Arc::new(Hall::from_rows("drawn", &["S..a", "#...", "...."]).unwrap());
+    let sim = SimSettings { sonar_cells: 3, ..SimSettings::new(1, Camera::Stub) };
+    let settings = Settings { sonar_cells: 3, ..Settings::default() };
+    let mut run = Run::new(hall, sim, settings, Strategy::Columns);
+    run.give(Command::Start).unwrap();
+    run.until_pending();
+    let state = run.state();
+    let piece = &state.luggage[0];
+    assert_eq!((piece.cell, piece.pose), (Cell::new(3, 0), Pose { cell: Cell::new(0, 0), heading: Heading::East }));
+    assert_eq!(state.map.at(Cell::new(2, 0)), Mark::Seen);
+    run.until_explored();
+    assert_eq!(run.state().luggage.iter().count(), 1, "it is not asked about again from nearby");
+    assert_eq!(run.state().map.at(Cell::new(2, 0)), Mark::Visited);
 }
 
 #[test]

@@ -69,7 +69,7 @@ pub enum RobotEvent {
 pub struct Ahead {
     /// So many cells are free, as far as its sonar is believed.
     pub free: u16,
-    /// What stands in the very next cell, as the camera takes it.
+    /// What stands in the next one, as the camera takes it.
     pub obstacle: Option<Obstacle>,
 }
 

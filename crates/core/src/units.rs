@@ -30,6 +30,13 @@ impl Cell {
         Cell { x: self.x + dx, y: self.y + dy }
     }
 
+    /// The cell so many further in the direction `heading`.
+    #[must_use]
+    pub fn onward(self, heading: Heading, cells: u16) -> Cell {
+        let (dx, dy) = heading.vector();
+        Cell { x: self.x + dx * i32::from(cells), y: self.y + dy * i32::from(cells) }
+    }
+
     /// The four cells that share a side with this one, clockwise from the north.
     #[must_use]
     pub fn neighbours(self) -> [Cell; 4] {

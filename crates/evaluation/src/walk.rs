@@ -6,7 +6,7 @@ use hallsweep_core::search::costs::{Costs, STEP};
 use hallsweep_core::search::grid::{Grid, Square};
 use hallsweep_core::search::outlook::Gait;
 use hallsweep_core::search::ways::Ways;
-use hallsweep_core::search::{NextGoal, Search, Terms, View};
+use hallsweep_core::search::{NextGoal, Objective, Search, Terms, View};
 use hallsweep_core::units::{Cell, Heading, Pose};
 use hallsweep_sim::Truth;
 use hallsweep_sim::headless::Moves;
@@ -39,12 +39,20 @@ pub struct Walk {
     pub found: usize,
     /// For all luggage found, the moves before it, added up.
     pub found_after: u64,
-    /// The same for all luggage and all cells visited: when a piece would have been found that stood there.
+    /// Cells and pieces of which it is known what stands there.
+    pub known: usize,
+    /// The moves before each of them was known, added up: when a piece would have been found that stood there.
     pub known_after: u64,
     /// Where somebody wants it, every cell the robot stood in, one after the other.
     pub trail: Option<Vec<Cell>>,
+    /// Whether the search is asked again as soon as anything new is seen.
+    pub heeds_news: bool,
+    /// Whether an obstacle was met or seen that was not known, since it was asked.
+    has_met: bool,
+    /// Whether the sonar has seen anything new since then.
+    has_news: bool,
     /// A number for what is known.
-    known: u64,
+    print: u64,
 }
 
 impl Walk {
@@ -54,7 +62,23 @@ impl Walk {
         let mut grid = Grid::with_room_for(ground.bounds());
         grid.set(Cell::HOME, Square::Visited);
         let (pose, gait, moves) = (Pose::START, Gait::default(), Moves::default());
-        Walk { terms, grid, pose, gait, moves, visited: 1, found: 0, found_after: 0, known_after: 0, trail: None, known: 0 }
+        Walk {
+            terms,
+            grid,
+            pose,
+            gait,
+            moves,
+            visited: 1,
+            found: 0,
+            found_after: 0,
+            known: 1,
+            known_after: 0,
+            trail: None,
+            heeds_news: true,
+            has_met: false,
+            has_news: false,
+            print: 0,
+        }
     }
 
     /// What a strategy sees.
@@ -66,7 +90,17 @@ impl Walk {
     /// Two walks through the same hall with the same number go on alike, but for their gait.
     #[must_use]
     pub fn state(&self) -> u64 {
-        self.known ^ mixed(self.pose.cell, 64 + self.pose.heading as u64)
+        self.print ^ mixed(self.pose.cell, 64 + self.pose.heading as u64)
+    }
+
+    /// Whether a cell is still to be looked at: to find luggage it is enough to see it.
+    #[must_use]
+    pub fn is_left(&self, cell: Cell) -> bool {
+        match self.grid.at(cell) {
+            Square::Visited => false,
+            Square::Seen => self.terms.objective == Objective::Cover,
+            Square::Unknown | Square::Obstacle | Square::Target | Square::Luggage => true,
+        }
     }
 
     /// What the moves cost so far, in steps.
@@ -77,6 +111,7 @@ impl Walk {
 
     /// The whole search from here until nothing is left and the robot is home.
     pub fn finish(&mut self, ground: &Ground, ways: &mut Ways, mut search: Search) {
+        self.heeds_news = search.strategy().heeds_news();
         loop {
             let goal = search.next(&self.view(), ways);
             if !self.follow(ground, ways, goal) {
@@ -88,8 +123,12 @@ impl Walk {
     /// Does what a strategy wants; false when that was the end of the search, and the robot is home.
     pub fn follow(&mut self, ground: &Ground, ways: &mut Ways, goal: NextGoal) -> bool {
         match goal {
-            NextGoal::Visit(cell, route) if route.is_empty() => self.dare(ground, ways, cell),
-            NextGoal::Visit(cell, route) => self.enter(ground, cell, &route),
+            NextGoal::Visit(cell, route) => {
+                self.enter(ground, cell, &route);
+                if !(self.heeds_news && self.has_news) {
+                    self.dare(ground, ways, cell);
+                }
+            }
             NextGoal::GoHome => self.go_home(ground, ways),
             NextGoal::Finished => {
                 self.go_home(ground, ways);
@@ -99,11 +138,12 @@ impl Walk {
         true
     }
 
-    /// Makes the moves that lead into an open cell, until something is in the way, or is seen to be, or the cell is known.
+    /// Makes the moves that lead into an open cell, until something is in the way, or is seen that was not known; or, where news are
+    /// heeded, until anything new is seen.
     pub fn enter(&mut self, ground: &Ground, cell: Cell, route: &[Move]) {
+        (self.has_met, self.has_news) = (false, false);
         for step in route {
-            let is_shut = *step == Move::Forward && self.grid.at(self.pose.ahead()).is_settled();
-            if is_shut || self.grid.at(cell).is_settled() || !self.make(ground, *step) {
+            if self.grid.at(cell).is_settled() || !self.make(ground, *step) || self.has_met || self.heeds_news && self.has_news {
                 return;
             }
         }
@@ -117,12 +157,16 @@ impl Walk {
         }
     }
 
-    /// Towards a cell as if everything unknown were free, until it is known what it is or it cannot be reached.
+    /// Towards a cell as if everything unknown were free, until it is known what it is or it cannot be reached. The way is planned anew
+    /// where an obstacle was seen.
     fn dare(&mut self, ground: &Ground, ways: &mut Ways, cell: Cell) {
         while self.grid.at(cell) != Square::Visited && !self.grid.at(cell).is_settled() {
             let way = ways.way_over_unknown(&self.grid, self.terms.costs, self.pose, cell);
             let Some(way) = way.filter(|way| !way.is_empty()) else { return };
             self.enter(ground, cell, &way);
+            if self.heeds_news && self.has_news {
+                return;
+            }
         }
     }
 
@@ -135,7 +179,7 @@ impl Walk {
                 let ahead = self.pose.ahead();
                 if ground.at(ahead) != Truth::Free {
                     self.moves.bumps += 1;
-                    self.meet(ground, ahead);
+                    self.meet(ground, self.pose.cell);
                     return false;
                 }
                 self.step_into(ahead);
@@ -160,30 +204,34 @@ impl Walk {
         if self.grid.at(cell) != Square::Visited {
             self.learn(cell, Square::Visited);
             self.visited += 1;
-            self.known_after += self.moves.total();
         }
     }
 
     fn learn(&mut self, cell: Cell, square: Square) {
+        if square != Square::Obstacle && self.grid.at(cell) == Square::Unknown {
+            self.known += 1;
+            self.known_after += self.moves.total();
+        }
         self.grid.set(cell, square);
-        self.known ^= mixed(cell, square as u64);
+        self.print ^= mixed(cell, square as u64);
     }
 
-    /// What stands ahead is seen for what it is; of a wall the straight line it belongs to.
-    fn meet(&mut self, ground: &Ground, cell: Cell) {
+    /// What stands behind a cell ahead, or that of the robot, is seen for what it is; of a wall the straight line it belongs to.
+    fn meet(&mut self, ground: &Ground, before: Cell) {
+        let cell = before.ahead(self.pose.heading);
         if self.grid.at(cell).is_settled() {
             return;
         }
+        self.has_met = true;
         let is_wall = ground.at(cell) == Truth::Wall;
         self.learn(cell, if is_wall { Square::Obstacle } else { Square::Luggage });
         if !is_wall {
             self.found += 1;
             self.found_after += self.moves.total();
-            self.known_after += self.moves.total();
             return;
         }
         for side in [self.pose.heading.left(), self.pose.heading.right()] {
-            let mut before = self.pose.cell.ahead(side);
+            let mut before = before.ahead(side);
             while ground.at(before) == Truth::Free && ground.at(before.ahead(self.pose.heading)) == Truth::Wall {
                 let wall = before.ahead(self.pose.heading);
                 if !self.grid.at(wall).is_settled() {
@@ -197,12 +245,13 @@ impl Walk {
     /// The front sonar, where there is one.
     fn look_ahead(&mut self, ground: &Ground) {
         let mut cell = self.pose.cell;
-        for away in 0..self.terms.sonar_cells {
+        for _ in 0..self.terms.sonar_cells {
+            let before = cell;
             cell = cell.ahead(self.pose.heading);
-            if ground.at(cell) != Truth::Free {
-                if away == 0 {
-                    self.meet(ground, cell);
-                }
+            let is_free = ground.at(cell) == Truth::Free;
+            self.has_news |= self.grid.at(cell) == Square::Unknown;
+            if !is_free {
+                self.meet(ground, before);
                 return;
             }
             if self.grid.at(cell) == Square::Unknown {
@@ -228,7 +277,7 @@ mod tests {
     use super::*;
     use crate::family::{Family, hall};
     use hallsweep_core::rng::RandomStream;
-    use hallsweep_core::search::{Objective, Strategy};
+    use hallsweep_core::search::Strategy;
     use hallsweep_core::settings::Settings;
     use hallsweep_sim::headless::{Verdicts, explore};
     use hallsweep_sim::{Camera, SimSettings};

@@ -1,11 +1,11 @@
-//! What the camera takes an obstacle for when the robot stands against it. Its errors are made by `senses`, and the
+//! What the camera takes an obstacle for that the robot has met, or has seen ahead. Its errors are made by `senses`, and the
 //! pictures it takes by `camera`.
 
 use super::hall::{Hall, Truth};
 use hallsweep_core::event::Obstacle;
 use hallsweep_core::units::{Heading, Pose};
 
-/// What really is ahead of a robot that stands in `pose.cell`; unknown when nothing is.
+/// What really is ahead of `pose.cell`, seen along `pose.heading`; unknown when nothing is.
 pub(super) fn obstacle_ahead(hall: &Hall, pose: Pose) -> Obstacle {
     match hall.truth(pose.ahead()) {
         Truth::Wall => Obstacle::Wall {

@@ -56,13 +56,14 @@ impl Senses {
         (self.reported != before).then_some(reading)
     }
 
-    /// What the last reading makes of the cells ahead of a robot that stands centred in `pose`, if it tells of any. That something stands in the next one
+    /// What the last reading makes of the cells ahead of a robot that stands centred in `pose`, if it tells of any. That something stands behind them
     /// is said only when the camera sees it too.
     pub(super) fn look_ahead(&mut self, pose: Pose) -> Option<RobotEvent> {
         let cells = u16::from(self.sonar_cells);
         let free = self.reported.flatten().map_or(cells, |cm| sonar::free_cells(cm, self.hall.cell_m()).min(cells));
-        let is_there = cells > 0 && free == 0 && self.hall.truth(pose.ahead()) != Truth::Free;
-        let obstacle = is_there.then(|| self.recognise(pose));
+        let before = Pose { cell: pose.cell.onward(pose.heading, free), ..pose };
+        let is_there = free < cells && self.hall.truth(before.ahead()) != Truth::Free;
+        let obstacle = is_there.then(|| self.recognise(before));
         (cells > 0).then_some(RobotEvent::Ahead(Ahead { free, obstacle }))
     }
 

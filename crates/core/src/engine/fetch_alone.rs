@@ -3,11 +3,13 @@
 
 use super::Engine;
 use super::motion::Turn;
+use crate::command::Move;
 use crate::effect::Action;
 use crate::retrieval::{ArmAction, MOST_FAILURES, Place};
 use crate::search::plan::Through;
 use crate::state::RetrievalStage;
 use crate::units::{Cell, Heading, Pose};
+use crate::world::hall_map::Mark;
 
 impl Engine {
     /// One look at it. Everything follows from where the robot stands and what it holds, so it makes no difference whether the program
@@ -89,11 +91,26 @@ impl Engine {
     }
 
     /// The shortest way to stand before any cell of it, facing it.
-    fn way_to_piece(&mut self) -> Option<Vec<crate::command::Move>> {
-        let before = |cell: Cell| Heading::ALL.map(|heading| Pose { cell: cell.ahead(heading.opposite()), heading });
-        let poses: Vec<Pose> = self.piece_to_fetch().flat_map(before).collect();
-        let ways = poses.into_iter().filter_map(|pose| self.planner.way_to_pose(self.state.pose, pose));
+    fn way_to_piece(&mut self) -> Option<Vec<Move>> {
+        let sides = |cell: Cell| Heading::ALL.map(|heading| (cell, heading));
+        let sides: Vec<(Cell, Heading)> = self.piece_to_fetch().flat_map(sides).collect();
+        let ways = sides.into_iter().filter_map(|(cell, heading)| self.way_before(cell, heading));
         ways.min_by_key(Vec::len)
+    }
+
+    /// Where it was photographed from afar, the robot has not been in the cells before it, and has seen that they are free.
+    fn way_before(&mut self, piece: Cell, heading: Heading) -> Option<Vec<Move>> {
+        let back = |cell: &Cell| Some(cell.ahead(heading.opposite()));
+        let mut before = std::iter::successors(back(&piece), back);
+        let mut seen = 0;
+        let cell = before.find(|cell| {
+            let is_seen = self.state.map.at(*cell) == Mark::Seen;
+            seen += usize::from(is_seen);
+            !is_seen
+        })?;
+        let mut way = self.planner.way_to_pose(self.state.pose, Pose { cell, heading })?;
+        way.extend(std::iter::repeat_n(Move::Forward, seen));
+        Some(way)
     }
 
     fn give_up(&mut self, words: &str) -> Turn {

@@ -188,7 +188,9 @@ impl Engine {
         if let Some(turn) = self.revisit() {
             return turn;
         }
-        let Some(goal) = self.state.goal.filter(|goal| self.is_wanted(*goal)).or_else(|| self.next_goal()) else {
+        let asks = self.mission.has_news && self.state.search.strategy().heeds_news();
+        let goal = self.state.goal.filter(|goal| !asks && self.is_wanted(*goal));
+        let Some(goal) = goal.or_else(|| self.next_goal()) else {
             self.feed(Input::AllExplored, &InputContext::default());
             return Turn::Again;
         };
@@ -214,6 +216,7 @@ impl Engine {
     /// Asks the strategy until it wants something that is not done already; `None` when the hall is explored and the robot home.
     fn next_goal(&mut self) -> Option<Goal> {
         let mut search = self.state.search.clone();
+        self.mission.has_news = false;
         loop {
             let next = self.planner.ask(&mut search, self.state.pose, self.mission.gait, &self.settings);
             let (goal, route) = match next {

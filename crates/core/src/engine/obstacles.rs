@@ -1,7 +1,6 @@
 //! What stands in the way, met by a bump or seen by sonar: what it is taken for, and what the map learns of it.
 
 use super::Engine;
-use crate::command::Move;
 use crate::effect::Fact;
 use crate::event::{Ahead, Obstacle, Piece};
 use crate::mission::{Input, InputContext};
@@ -10,8 +9,8 @@ use crate::world::hall_map::{Mark, REACH};
 use crate::world::luggage::Luggage;
 
 impl Engine {
-    /// What the sonar of the robot that searches has seen from where it has come to: free cells, and what stands in the next one, which
-    /// it need not bump into.
+    /// What the sonar of the robot that searches has seen from where it has come to: free cells, and what stands behind them, which it
+    /// need not bump into.
     pub(super) fn look_ahead(&mut self) {
         let seen = self.robots.searching_mut().ahead.take();
         let Some(Ahead { free, obstacle }) = seen.filter(|_| self.settings.sonar_cells > 0) else { return };
@@ -20,14 +19,14 @@ impl Engine {
             cell = cell.ahead(heading);
             if self.state.map.at(cell) == Mark::Unknown {
                 self.mark(cell, Mark::Seen);
+                self.mission.has_news = true;
             }
         }
-        let cell = self.state.pose.ahead();
-        let Some(obstacle) = obstacle.filter(|_| free == 0 && self.state.map.at(cell).is_unvisited()) else { return };
+        let cell = cell.ahead(heading);
+        let Some(obstacle) = obstacle.filter(|_| self.state.map.at(cell).is_unvisited()) else { return };
+        self.mission.has_news |= self.state.map.at(cell) == Mark::Unknown;
         let obstacle = if self.settings.inspect_everything { Obstacle::Unknown } else { obstacle };
-        if self.mission.route.front() == Some(&Move::Forward) {
-            self.mission.route.clear();
-        }
+        self.mission.route.clear();
         self.meet(cell, heading, obstacle);
         self.feed(Input::Blocked, &InputContext { cell: Some(cell), obstacle: Some(obstacle), ..InputContext::default() });
     }

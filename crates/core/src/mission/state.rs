@@ -16,6 +16,8 @@ const TRAIL: usize = 48;
 pub(crate) struct Mission {
     /// The moves still to be made towards the goal; empty when they are to be planned anew.
     pub(crate) route: VecDeque<Move>,
+    /// Whether the sonar has seen anything new since the search was asked.
+    pub(crate) has_news: bool,
     /// How the robot came to where it stands.
     pub(crate) gait: Gait,
     /// The cells behind the robot, the latest last.

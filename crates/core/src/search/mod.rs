@@ -133,6 +133,13 @@ impl Strategy {
         Strategy::ALL.into_iter().find(|strategy| strategy.name() == name)
     }
 
+    /// Whether it wants to be asked as soon as anything new is seen, and not only when its goal is reached or proves blocked. The others
+    /// would answer the same, or keep count of their goals.
+    #[must_use]
+    pub const fn heeds_news(self) -> bool {
+        matches!(self, Strategy::Auto | Strategy::Scored)
+    }
+
     /// The search of which these notes were kept.
     #[must_use]
     pub fn resume(self, notes: &[i64]) -> Search {

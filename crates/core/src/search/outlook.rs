@@ -5,14 +5,19 @@
 //!      ahead   4 … 1, 0 = the target, the unknown cell, −1 = the visited cell from which it is entered, −2
 //!      aside  −2, −1 left of that line, 0 on it, 1, 2 right
 //! ```
-//! A cell counts as unknown (0), also when it was only seen, as visited (1) or as blocked (2).
+//! A cell counts as unknown (0), as visited (1) or as blocked (2). One that was only seen is still to be visited where the hall is to be
+//! covered; where luggage is to be found there is nothing more to it.
 
-use super::View;
 use super::entries::Entry;
 use super::grid::{Grid, Spot, Square, onward};
 use super::tables::{LINEAR, RUN, SMALL, STARTS, TABLES};
+use super::{Objective, View};
 use crate::command::Move;
 use crate::units::{Cell, Heading};
+
+const UNKNOWN: u8 = 0;
+const VISITED: u8 = 1;
+const BLOCKED: u8 = 2;
 
 /// The numbers of one entry.
 #[derive(Clone, Copy, Debug)]
@@ -63,6 +68,8 @@ pub(crate) struct Looking<'a> {
     heading: Heading,
     cell: Cell,
     gait: Gait,
+    /// What a cell counts as that was seen to be free.
+    seen: u8,
 }
 
 /// A place in the window: ahead of the target, and aside.
@@ -86,8 +93,39 @@ struct Sight<'a> {
 
 impl<'a> Looking<'a> {
     pub(crate) fn of(view: &View<'a>) -> Looking<'a> {
-        let View { grid, pose, gait, .. } = *view;
-        Looking { grid, spot: grid.spot(pose.cell), heading: pose.heading, cell: pose.cell, gait }
+        let View { grid, pose, gait, terms } = *view;
+        let seen = match terms.objective {
+            Objective::Cover => UNKNOWN,
+            Objective::Find => VISITED,
+        };
+        Looking { grid, spot: grid.spot(pose.cell), heading: pose.heading, cell: pose.cell, gait, seen }
+    }
+
+    const fn kind(&self, square: Square) -> u8 {
+        match square {
+            Square::Unknown => UNKNOWN,
+            Square::Seen => self.seen,
+            Square::Visited => VISITED,
+            Square::Obstacle | Square::Luggage | Square::Target => BLOCKED,
+        }
+    }
+
+    /// How many unknown cells hang together with this one, counted to one more than `SMALL`.
+    fn component(&self, target: Spot) -> usize {
+        let mut cells = [target; SMALL + 1];
+        let (mut count, mut done) = (1, 0);
+        while done < count && count < cells.len() {
+            for heading in Heading::ALL {
+                let next = onward(cells[done], self.grid.step(heading));
+                let is_unknown = self.kind(self.grid.here(next)) == UNKNOWN;
+                if count < cells.len() && is_unknown && !cells[..count].contains(&next) {
+                    cells[count] = next;
+                    count += 1;
+                }
+            }
+            done += 1;
+        }
+        count
     }
 
     pub(crate) fn at(&self, entry: &Entry) -> Outlook {
@@ -112,7 +150,8 @@ impl<'a> Sight<'a> {
     fn of(looking: &'a Looking<'a>, entry: &'a Entry) -> Sight<'a> {
         let grid = looking.grid;
         let (forward, right) = (grid.step(entry.at.heading), grid.step(entry.at.heading.right()));
-        let look = |(ahead, aside): Place, right: isize| kind(grid.here(onward(entry.target, ahead * forward + aside * right)));
+        let look =
+            |(ahead, aside): Place, right: isize| looking.kind(grid.here(onward(entry.target, ahead * forward + aside * right)));
         let weight = |right: isize| {
             let side: [Place; 7] = [(0, 1), (1, 1), (-1, 1), (0, 2), (1, 2), (2, 1), (-1, 2)];
             side.into_iter().fold(0, |sum, place| sum * 3 + u32::from(look(place, right)))
@@ -125,8 +164,8 @@ impl<'a> Sight<'a> {
                 *square = look((ahead, aside), right);
             }
         }
-        let run = (1..=RUN).take_while(|n| look((n.cast_signed(), 0), right) == 0).count();
-        let (turn, component) = (looking.turn(entry), component(grid, entry.target));
+        let run = (1..=RUN).take_while(|n| look((n.cast_signed(), 0), right) == UNKNOWN).count();
+        let (turn, component) = (looking.turn(entry), looking.component(entry.target));
         Sight { looking, entry, forward, right, is_mirrored, window, turn, run, component }
     }
 
@@ -135,16 +174,16 @@ impl<'a> Sight<'a> {
     }
 
     fn is_unknown(&self, place: Place) -> bool {
-        self.at(place) == 0
+        self.at(place) == UNKNOWN
     }
 
     fn is_blocked(&self, place: Place) -> bool {
-        self.at(place) == 2
+        self.at(place) == BLOCKED
     }
 
     /// A cell anywhere round the target.
     fn beyond(&self, (ahead, aside): Place) -> u8 {
-        kind(self.looking.grid.here(onward(self.entry.target, ahead * self.forward + aside * self.right)))
+        self.looking.kind(self.looking.grid.here(onward(self.entry.target, ahead * self.forward + aside * self.right)))
     }
 
     fn linear(&self) -> [i16; LINEAR] {
@@ -223,7 +262,7 @@ impl<'a> Sight<'a> {
         };
         let (round, entering) = (self.ternary(&ROUND), self.entering());
         let four = self.ternary(&[(0, -1), (0, 1), (1, 0), (1, 1)]);
-        let blocked = self.window.iter().flatten().filter(|square| **square == 2).count();
+        let blocked = self.window.iter().flatten().filter(|square| **square == BLOCKED).count();
         let width = (self.width(1) + self.width(-1)).min(3);
         let run = usize::from(self.looking.gait.run.min(8));
         let column = |aside: isize| -> usize {
@@ -294,29 +333,4 @@ impl<'a> Sight<'a> {
             })
             .unwrap_or(0)
     }
-}
-
-const fn kind(square: Square) -> u8 {
-    match square {
-        Square::Unknown | Square::Seen => 0,
-        Square::Visited => 1,
-        Square::Obstacle | Square::Luggage | Square::Target => 2,
-    }
-}
-
-/// How many unknown cells hang together with this one, counted to one more than `SMALL`.
-fn component(grid: &Grid, target: Spot) -> usize {
-    let mut cells = [target; SMALL + 1];
-    let (mut count, mut done) = (1, 0);
-    while done < count && count < cells.len() {
-        for heading in Heading::ALL {
-            let next = onward(cells[done], grid.step(heading));
-            if count < cells.len() && kind(grid.here(next)) == 0 && !cells[..count].contains(&next) {
-                cells[count] = next;
-                count += 1;
-            }
-        }
-        done += 1;
-    }
-    count
 }

@@ -38,6 +38,14 @@ impl Entrant {
         }
     }
 
+    /// The score does.
+    fn heeds_news(&self) -> bool {
+        match self {
+            Entrant::Strategy(strategy) => strategy.heeds_news(),
+            Entrant::Weights { .. } => true,
+        }
+    }
+
     fn begin(&self) -> Decider<'_> {
         match self {
             Entrant::Strategy(strategy) => Decider::Search(strategy.begin()),
@@ -106,6 +114,7 @@ pub fn trial(
     clock: &impl Fn() -> Duration,
 ) -> Trial {
     let (mut walk, mut decider) = (Walk::new(ground, terms), entrant.begin());
+    walk.heeds_news = entrant.heeds_news();
     let mut decisions_ns = Vec::new();
     loop {
         let before = clock();
@@ -140,6 +149,7 @@ fn bound(ground: &Ground) -> f64 {
 #[must_use]
 pub fn tour(ground: &Ground, terms: Terms, entrant: &Entrant, ways: &mut Ways) -> Vec<Cell> {
     let (mut walk, mut decider) = (Walk::new(ground, terms), entrant.begin());
+    walk.heeds_news = entrant.heeds_news();
     walk.trail = Some(vec![walk.pose.cell]);
     loop {
         let goal = decider.next(&walk.view(), ways);

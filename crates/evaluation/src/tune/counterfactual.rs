@@ -169,7 +169,7 @@ impl<'a> Course<'a> {
     #[expect(clippy::cast_precision_loss, reason = "a training hall is small")]
     fn moment(&self, walk: &Walk) -> Moment {
         let way = self.candidates.iter().map(|candidate| candidate.score).min().unwrap_or(0);
-        let unknown = self.ground.reachable + self.ground.touchable - walk.visited - walk.found;
+        let unknown = self.ground.reachable + self.ground.touchable - walk.known;
         Moment { walk: walk.clone(), way, unknown: unknown as f64 }
     }
 

@@ -50,7 +50,7 @@ impl Judge {
     pub(super) fn rest(&mut self, ground: &Ground, cells: &[Cell], walk: &Walk, way: i32) -> Rest {
         self.taken.resize(ground.size(), 0);
         self.look += 1;
-        let is_left = |cell: Cell| ground.at(cell) == Truth::Free && walk.grid.at(cell) != Square::Visited;
+        let is_left = |cell: Cell| ground.at(cell) == Truth::Free && walk.is_left(cell);
         let mut plain = [0.0f32; PLAIN];
         let (mut parts, mut neighbourhoods): (Vec<Vec<Cell>>, Vec<u32>) = (Vec::new(), Vec::new());
         for cell in cells {
@@ -111,7 +111,7 @@ const fn class(size: usize) -> usize {
 fn neighbourhood(ground: &Ground, walk: &Walk, cell: Cell) -> u32 {
     let code = ROUND.into_iter().rev().fold(0, |code, (dx, dy)| {
         let next = Cell::new(cell.x + dx, cell.y + dy);
-        let kind = if ground.at(next) != Truth::Free { 2 } else { usize::from(walk.grid.at(next) == Square::Visited) };
+        let kind = if ground.at(next) != Truth::Free { 2 } else { usize::from(!walk.is_left(next)) };
         code * 3 + kind
     });
     CLASSES[code]

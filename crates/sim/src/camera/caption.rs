@@ -34,12 +34,13 @@ pub(super) fn draw(canvas: &mut Canvas, hall: &Hall, stamp: Stamp) {
 }
 
 fn where_line(hall: &Hall, stamp: Stamp) -> String {
-    let what = match hall.truth(stamp.pose.ahead()) {
+    let subject = super::subject(hall, stamp.pose);
+    let what = match hall.truth(subject) {
         Truth::Luggage(_) => "luggage",
         Truth::Wall => "wall",
         Truth::Free => "view",
     };
-    format!("{what} {}  robot {} {}", stamp.pose.ahead(), stamp.pose.cell, stamp.pose.heading.name())
+    format!("{what} {subject}  robot {} {}", stamp.pose.cell, stamp.pose.heading.name())
 }
 
 /// A moment as `2026-11-21 08:20:20 +00:00`, in its own zone. One beyond the calendar is shown as its milliseconds.

@@ -23,6 +23,9 @@ use hallsweep_core::effect::Stamp;
 use hallsweep_core::event::Photo;
 use hallsweep_core::units::{Cell, Pose};
 
+/// In cells.
+const SIGHT: u16 = 7;
+
 /// A photo that has been taken and not yet developed: all it takes to draw it, on whatever thread.
 #[derive(Clone, Debug)]
 pub struct Exposure {
@@ -37,7 +40,8 @@ impl Exposure {
     /// What a robot sees whose body is really here and which takes itself to be in `pose`; the stamp is written on it.
     #[must_use]
     pub fn new(hall: Arc<Hall>, camera: Camera, body: BodyPose, pose: Pose, stamp: Stamp) -> Exposure {
-        Exposure { hall, camera, body, subject: pose.ahead(), stamp }
+        let subject = subject(&hall, pose);
+        Exposure { hall, camera, body, subject, stamp }
     }
 
     /// Draws and encodes the picture: some 20 ms of arithmetic for a rendered one.
@@ -63,6 +67,12 @@ impl Exposure {
         };
         png(2, 1, &[colour, number].concat())
     }
+}
+
+/// What a picture is of: the first thing ahead, as far as a sonar may be set to see; the next cell when there is none.
+fn subject(hall: &Hall, pose: Pose) -> Cell {
+    let mut ahead = (1..=SIGHT).map(|cells| pose.cell.onward(pose.heading, cells));
+    ahead.find(|cell| hall.truth(*cell) != Truth::Free).unwrap_or(pose.ahead())
 }
 
 fn png(width: u32, height: u32, pixels: &[u8]) -> Vec<u8> {
@@ -120,6 +130,16 @@ mod tests {
     #[test]
     fn the_same_photo_twice_is_the_same_byte_for_byte() {
         assert_eq!(photos(Camera::Rendered), photos(Camera::Rendered));
+    }
+
+    #[test]
+    fn a_picture_is_of_the_first_thing_ahead() {
+        let hall = Hall::from_rows("test", &["S..a"]).unwrap();
+        let facing = |heading| Pose { cell: Cell::HOME, heading };
+        assert_eq!(subject(&hall, facing(Heading::East)), Cell::new(3, 0));
+        assert_eq!(subject(&hall, facing(Heading::South)), Cell::new(0, 1));
+        let long = Hall::from_rows("test", &["S........."]).unwrap();
+        assert_eq!(subject(&long, facing(Heading::East)), Cell::new(1, 0), "nothing is in sight");
     }
 
     #[test]
