@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::robot::PositionJson;
 use hallsweep_core::search::Strategy;
 use hallsweep_core::units::Revision;
-use hallsweep_core::world::snapshot::{MissionView, Progress, Refusals};
+use hallsweep_core::world::snapshot::{MissionView, Progress, Refusals, TimeLeft};
 
 /// Where the mission stands.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -41,6 +41,7 @@ pub struct MissionJson {
 
 /// How far the search has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "camelCase")]
 pub struct ProgressJson {
     /// Cells visited.
     pub visited: usize,
@@ -48,6 +49,17 @@ pub struct ProgressJson {
     pub unknown: usize,
     /// 100 when nothing is open, else null: what the hall will come to nobody knows before.
     pub percent: Option<u8>,
+    /// How long the search will go on driving, photos and answers left out, or null while nobody can tell.
+    pub seconds_left: Option<SecondsLeftJson>,
+}
+
+/// How long a search will go on, as a range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct SecondsLeftJson {
+    /// It will hardly be less.
+    pub least: u64,
+    /// Nor more, or null while the hall may go on.
+    pub most: Option<u64>,
 }
 
 /// What each button would be refused with; null where it would not be.
@@ -99,7 +111,17 @@ impl MissionJson {
 
 impl From<Progress> for ProgressJson {
     fn from(progress: Progress) -> ProgressJson {
-        ProgressJson { visited: progress.visited, unknown: progress.unknown, percent: progress.percent() }
+        let seconds_left = |left: TimeLeft| SecondsLeftJson {
+            least: left.least.as_secs(),
+            // Rounded up: what is promised not to be passed.
+            most: left.most.map(|most| most.as_secs().saturating_add(1)),
+        };
+        ProgressJson {
+            visited: progress.visited,
+            unknown: progress.unknown,
+            percent: progress.percent(),
+            seconds_left: progress.left.map(seconds_left),
+        }
     }
 }
 

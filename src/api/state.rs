@@ -113,7 +113,10 @@ mod tests {
         let json = serde_json::to_value(StateJson::from(&searching())).unwrap();
         assert_eq!(json["mission"]["phase"], "inspecting");
         assert_eq!(json["mission"]["goal"], serde_json::json!({"x": 4, "y": 4}));
-        assert_eq!(json["mission"]["progress"], serde_json::json!({"visited": 15, "unknown": 4, "percent": null}));
+        assert_eq!(
+            json["mission"]["progress"],
+            serde_json::json!({"visited": 15, "unknown": 4, "percent": null, "secondsLeft": null})
+        );
         assert_eq!(json["mission"]["refusals"]["backHome"], "not possible while idle");
         assert_eq!(
             json["robot"],

@@ -4,6 +4,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use super::command::Move;
 use super::retrieval::{ArmState, Parcel};
 pub use super::robots::{Parts, RobotId};
 use super::units::{Celsius, Heading, OrderId, Pose, Seq};
@@ -100,6 +101,17 @@ pub struct Capabilities {
     pub nudges: bool,
     /// What it has.
     pub parts: Parts,
+}
+
+impl Capabilities {
+    /// How long a move takes.
+    #[must_use]
+    pub const fn time(&self, step: Move) -> Duration {
+        match step {
+            Move::Forward | Move::Backward => self.step,
+            Move::TurnLeft | Move::TurnRight | Move::NudgeLeft | Move::NudgeRight => self.turn,
+        }
+    }
 }
 
 /// What the robot takes an obstacle for (mission §3).

@@ -4,6 +4,7 @@
 //! ```text
 //!   family ─► hall ─► ground ─► walk: strategy and floor, move by move, as a mission makes them
 //!                                ├─► compare: strategies on the same halls ─► figures, drawing
+//!                                ├─► time_left: how often its forecast holds
 //!                                └─► tune: cross-entropy ─► counterfactuals ─► weights
 //! ```
 
@@ -12,6 +13,7 @@ pub mod drawing;
 pub mod family;
 mod ground;
 mod parallel;
+pub mod time_left;
 pub mod tune;
 pub mod walk;
 

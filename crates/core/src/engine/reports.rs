@@ -230,6 +230,16 @@ impl Engine {
                 self.mark(pose.cell, Mark::Visited);
             }
         }
+        self.count(step);
+    }
+
+    /// A move of the search counts in what a cell has taken.
+    fn count(&mut self, step: Move) {
+        let Some(can) = self.robots.searching().controller.capabilities else { return };
+        if matches!(self.state.phase, Phase::Exploring) {
+            let took = can.time(step);
+            self.mission.pace.count(took, self.planner.grid.census().looked_at());
+        }
     }
 
     /// The cell that was to be entered is an obstacle; the robot stands against it until it is recentred.
@@ -251,6 +261,7 @@ impl Engine {
             return;
         }
         self.mission.route.clear();
+        self.count(Move::Forward);
         let Some(cell) = cell else {
             let words = "something is in the way of a turn, or of the way back to the centre of its cell".to_owned();
             return self.robot_failed(words);

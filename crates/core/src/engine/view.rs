@@ -1,17 +1,19 @@
 //! The snapshot: the state as the doors show it.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use super::Engine;
 use super::on_record::StateView;
 use crate::command::{Move, Refused};
-use crate::mission::{Hold, Input, InputContext, PhaseName, Stage};
+use crate::mission::{Hold, Input, InputContext, Phase, PhaseName, Stage};
 use crate::robots::{Part, Robot, RobotId};
+use crate::search::forecast::forecast;
 use crate::search::plan::cells_along;
 use crate::world::alarm::AlarmView;
 use crate::world::resource::Resource;
 use crate::world::robot::{RobotShown, RobotState, RobotView};
-use crate::world::snapshot::{MissionView, Progress, Refusals, Snapshot};
+use crate::world::snapshot::{MissionView, Progress, Refusals, Snapshot, TimeLeft};
 use crate::world::temperature::{TemperatureStatus, TemperatureView};
 
 /// What is shown of the mission and the robot: put together from several parts of the state.
@@ -152,7 +154,17 @@ impl Engine {
 
     fn progress(&self) -> Progress {
         let map = self.shown_map();
-        Progress { visited: map.visited(), unknown: map.frontier_size() + map.uninspected() }
+        Progress { visited: map.visited(), unknown: map.frontier_size() + map.uninspected(), left: self.time_left() }
+    }
+
+    /// While it searches, whatever holds or interrupts it.
+    fn time_left(&self) -> Option<TimeLeft> {
+        let grid = &self.planner.grid;
+        let a_cell = self.mission.pace.a_cell(grid.census().looked_at())?;
+        let forecast = forecast(grid, self.state.search.strategy(), self.state.pose.cell, a_cell.as_secs_f64())?;
+        let time = |seconds: f64| Duration::try_from_secs_f64(seconds).ok();
+        let searches = matches!(self.state.phase.underlying(), Phase::Exploring | Phase::Inspecting(_));
+        searches.then_some(TimeLeft { least: time(forecast.least)?, most: forecast.most.and_then(time) })
     }
 
     /// What each button would be refused with, as far as it is on record.

@@ -3,6 +3,7 @@
 
 mod hold;
 mod input;
+mod pace;
 mod phase;
 mod print;
 mod rule;

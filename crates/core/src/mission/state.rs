@@ -4,6 +4,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use super::pace::Pace;
 use crate::command::{Move, Verdict};
 use crate::effect::Fact;
 use crate::search::outlook::Gait;
@@ -18,6 +19,8 @@ pub(crate) struct Mission {
     pub(crate) route: VecDeque<Move>,
     /// Whether the sonar has seen anything new since the search was asked.
     pub(crate) has_news: bool,
+    /// How long a cell has taken.
+    pub(crate) pace: Pace,
     /// How the robot came to where it stands.
     pub(crate) gait: Gait,
     /// The cells behind the robot, the latest last.
@@ -74,6 +77,7 @@ impl Mission {
     pub(crate) fn forget_way(&mut self) {
         self.route.clear();
         self.trail.clear();
+        self.pace = Pace::default();
     }
 
     /// The robot has left a cell.

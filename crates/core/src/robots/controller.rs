@@ -130,8 +130,7 @@ impl RobotController {
     /// Three times as long as the robot says it takes, and a second for its start.
     fn deadline(&self, action: Action) -> Duration {
         let nominal = self.capabilities.map_or(Duration::ZERO, |can| match action {
-            Action::Move(Move::Forward | Move::Backward) => can.step,
-            Action::Move(Move::TurnLeft | Move::TurnRight | Move::NudgeLeft | Move::NudgeRight) => can.turn,
+            Action::Move(step) => can.time(step),
             Action::Recentre => can.step.max(can.turn),
             Action::Photograph(_) => can.photo,
             Action::Enter | Action::Leave => can.step,

@@ -68,6 +68,12 @@ impl Census {
         }
     }
 
+    /// How many cells were visited or hold luggage.
+    #[must_use]
+    pub const fn looked_at(self) -> u32 {
+        self.along() + self.inside().cells
+    }
+
     /// How many cells are known along walls.
     pub(super) const fn along(self) -> u32 {
         self.visited_along + self.luggage_along

@@ -53,6 +53,7 @@ pub struct Grid {
     known: Bounds,
     /// How many cells are open and next to a visited one.
     open: usize,
+    obstacles: u32,
     census: Census,
     /// One step to the north, east, south and west.
     steps: [isize; 4],
@@ -70,6 +71,7 @@ impl Grid {
             room,
             known: Bounds::of(Cell::HOME),
             open: 0,
+            obstacles: 0,
             census: Census::default(),
             steps: [-width, 1, width, -1],
         }
@@ -108,7 +110,9 @@ impl Grid {
         }
         let spot = self.spot(cell);
         let (open, census) = (self.open_round(spot), self.census_round(spot));
-        self.squares[spot] = square;
+        let before = std::mem::replace(&mut self.squares[spot], square);
+        self.obstacles += u32::from(square == Square::Obstacle);
+        self.obstacles -= u32::from(before == Square::Obstacle);
         self.open = self.open - open + self.open_round(spot);
         self.census = self.census.less(census).and(self.census_round(spot));
         self.known = self.known.including(cell);
@@ -125,6 +129,11 @@ impl Grid {
         let is_at_edge =
             |spot: Spot| self.squares[spot].is_open() && around(spot).any(|next| self.squares[next] == Square::Visited);
         around(spot).chain([spot]).filter(|spot| is_at_edge(*spot)).count()
+    }
+
+    /// How many cells are known to be blocked by what is no luggage.
+    pub(crate) const fn obstacles(&self) -> u32 {
+        self.obstacles
     }
 
     /// What is known of where luggage stands.

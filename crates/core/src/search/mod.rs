@@ -14,6 +14,7 @@ mod columns;
 pub mod costs;
 mod entries;
 mod far;
+pub mod forecast;
 mod frontier;
 pub mod grid;
 pub mod outlook;

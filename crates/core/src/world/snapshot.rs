@@ -1,6 +1,7 @@
 //! The state of everything at one revision, immutable and cheap to share: what the doors show.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use super::alarm::AlarmView;
 use super::hall_map::HallMap;
@@ -105,6 +106,17 @@ pub struct Progress {
     pub visited: usize,
     /// What is to be looked at next: unknown cells beside visited ones, and obstacles still to be inspected.
     pub unknown: usize,
+    /// How long the search will go on driving, photos and answers left out; `None` while nobody can tell, or nothing is open.
+    pub left: Option<TimeLeft>,
+}
+
+/// How long a search will take, as a range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TimeLeft {
+    /// It will hardly be less.
+    pub least: Duration,
+    /// Nor more; `None` while the hall may go on.
+    pub most: Option<Duration>,
 }
 
 impl Progress {

@@ -1,6 +1,7 @@
 //! What the console's parts look at: the snapshot in an operator's words. Markup stands in the templates.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use askama::Template;
 
@@ -11,7 +12,7 @@ use hallsweep_core::mission::{Hold, PhaseName};
 use hallsweep_core::units::{Cell, Celsius, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 use hallsweep_core::world::robot::{RobotState, RobotView};
-use hallsweep_core::world::snapshot::Snapshot;
+use hallsweep_core::world::snapshot::{Snapshot, TimeLeft};
 use hallsweep_core::world::temperature::{OPERATOR, TemperatureStatus};
 
 /// A snapshot, and what is to be said to the one who pressed a button.
@@ -163,6 +164,18 @@ impl View<'_> {
             1 => "1 place still open".to_owned(),
             open => format!("{open} places still open"),
         }
+    }
+
+    /// How long the search will go on driving, as `4 to 11 min of driving left`.
+    pub(super) fn left(&self) -> Option<String> {
+        let TimeLeft { least, most } = self.snapshot.mission.progress.left?;
+        let minutes = |time: Duration| time.as_secs().div_ceil(60);
+        Some(match most {
+            _ if least.as_secs() < 60 && most.is_none() => return None,
+            None => format!("at least {} min of driving left", least.as_secs() / 60),
+            Some(most) if most.as_secs() < 60 => "less than a minute of driving left".to_owned(),
+            Some(most) => format!("{} to {} min of driving left", least.as_secs() / 60, minutes(most)),
+        })
     }
 
     /// When the mission began that goes on, so that its time is counted; one that is over has none.

@@ -95,10 +95,28 @@ fn progress_says_what_was_searched_and_what_is_open_and_counts_until_it_is_over(
     let unmeasured = View { hall: HallInfo { name: "airport", cell_m: None }, ..view(&snapshot) };
     assert_eq!(unmeasured.searched(), "15 cells");
     assert_eq!(view(&snapshot).counts_since(), Some(TEN));
-    snapshot.mission.progress = Progress { visited: 19, unknown: 0 };
+    snapshot.mission.progress = Progress { visited: 19, ..Progress::default() };
     snapshot.mission.phase = PhaseName::Explored;
     assert!(view(&snapshot).open().starts_with("nothing is open"));
     assert_eq!(view(&snapshot).counts_since(), None);
+}
+
+#[test]
+fn how_long_it_will_drive_on_is_said_as_a_range_as_far_as_it_is_known() {
+    let mut snapshot = searching();
+    let mut said = |seconds: Option<(u64, Option<u64>)>| {
+        let left = |(least, most): (u64, Option<u64>)| TimeLeft {
+            least: Duration::from_secs(least),
+            most: most.map(Duration::from_secs),
+        };
+        snapshot.mission.progress.left = seconds.map(left);
+        view(&snapshot).left()
+    };
+    assert_eq!(said(None), None);
+    assert_eq!(said(Some((59, None))), None, "that it takes time says nothing");
+    assert_eq!(said(Some((200, None))).unwrap(), "at least 3 min of driving left");
+    assert_eq!(said(Some((200, Some(601)))).unwrap(), "3 to 11 min of driving left");
+    assert_eq!(said(Some((2, Some(59)))).unwrap(), "less than a minute of driving left");
 }
 
 #[test]

@@ -1,0 +1,141 @@
+//! How much of a search is left, as a range. It goes by the part of the hall inside the walls that are known of which nothing is known
+//! yet, and by what a cell has taken so far. Its bounds were read off random halls; how often they hold on others is told by
+//! `hallsweep evaluate --time-left`.
+
+use super::Strategy;
+use super::grid::{Grid, Square};
+use crate::units::Cell;
+
+/// From the least to the most, in whatever a cell's worth is counted in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Forecast {
+    /// It will hardly take less.
+    pub least: f64,
+    /// Nor more; `None` while a side of the hall is not known to end.
+    pub most: Option<f64>,
+}
+
+/// Fewer cells say nothing of what one takes.
+pub const FEW: u32 = 8;
+
+/// A side of the hall is known to end where at least this share of it is known to be wall.
+const ENDS: f64 = 0.25;
+
+/// What is left against what the unknown cells would take at the pace so far, while the hall may go on.
+const OPEN: f64 = 0.65;
+
+/// The same in a hall whose ends are known: up to this share of it known, at least and at most.
+const CLOSED: [(f64, f64, f64); 5] =
+    [(0.25, 0.65, 1.6), (0.5, 0.7, 1.75), (0.75, 0.6, 2.2), (0.9, 0.5, 2.5), (f64::INFINITY, 0.55, 5.0)];
+
+/// The hall as far as its walls are known.
+struct Extent {
+    /// Cells inside, walls left out.
+    cells: u32,
+    /// Those of which it is known what stands there.
+    known: u32,
+    /// Whether all four sides are known to end.
+    is_closed: bool,
+}
+
+/// What is left for a robot in `from`, if a cell takes so much; `None` when nothing that can be reached is open, and the robot goes home.
+#[must_use]
+pub fn forecast(grid: &Grid, strategy: Strategy, from: Cell, a_cell: f64) -> Option<Forecast> {
+    if !grid.has_open() {
+        return None;
+    }
+    let extent = Extent::of(grid);
+    let way_home = f64::from(from.x.abs() + from.y.abs());
+    let at_this_pace = a_cell * (f64::from(extent.cells - extent.known) + way_home);
+    // The snail goes home more often the larger the hall turns out to be.
+    if !extent.is_closed || strategy == Strategy::Snail {
+        return Some(Forecast { least: OPEN * at_this_pace, most: None });
+    }
+    let share = f64::from(extent.known) / f64::from(extent.cells);
+    let (_, least, most) = CLOSED.into_iter().find(|(up_to, ..)| share <= *up_to).expect("the last has no end");
+    Some(Forecast { least: least * at_this_pace, most: Some(most * at_this_pace) })
+}
+
+/// The hall from one side to the other.
+struct Span {
+    /// How many cells of its outermost lines are known to be wall.
+    walls: [u32; 2],
+    /// How many cells lie between them.
+    inside: u32,
+}
+
+impl Span {
+    fn of(grid: &Grid, first: impl Iterator<Item = Cell>, last: impl Iterator<Item = Cell>, size: i32) -> Span {
+        let is_wall = |cell: &Cell| grid.at(*cell) == Square::Obstacle;
+        let count = |walls: usize| u32::try_from(walls).unwrap_or(u32::MAX);
+        let walls = [count(first.filter(is_wall).count()), count(last.filter(is_wall).count())];
+        let ends = walls.into_iter().filter(|walls| *walls > 0).count();
+        Span { walls, inside: size.unsigned_abs().saturating_sub(count(ends)).max(1) }
+    }
+
+    /// Whether it is known to end on both sides, in a hall that is so long the other way.
+    fn ends(&self, length: u32) -> bool {
+        self.walls.into_iter().all(|walls| f64::from(walls) >= ENDS * f64::from(length))
+    }
+}
+
+impl Extent {
+    fn of(grid: &Grid) -> Extent {
+        let known = grid.known();
+        let row = |y: i32| (known.least.x..=known.most.x).map(move |x| Cell::new(x, y));
+        let column = |x: i32| (known.least.y + 1..known.most.y).map(move |y| Cell::new(x, y));
+        let width = Span::of(grid, column(known.least.x), column(known.most.x), known.width());
+        let height = Span::of(grid, row(known.least.y), row(known.most.y), known.height());
+        let cells = width.inside * height.inside;
+        let inner_walls = grid.obstacles().saturating_sub(width.walls.into_iter().chain(height.walls).sum());
+        let known = (grid.census().looked_at() + inner_walls).min(cells);
+        Extent { cells, known, is_closed: width.ends(height.inside) && height.ends(width.inside) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Known so far: `.` visited, `#` wall, `T` luggage, a space nothing; home in the middle of the first line.
+    fn grid(rows: &[&str]) -> Grid {
+        let mut grid = Grid::of(&crate::world::hall_map::HallMap::new(Cell::HOME, crate::units::Revision(1)));
+        for (y, row) in (0..).zip(rows) {
+            for (x, letter) in (0..).zip(row.chars()) {
+                let square = match letter {
+                    '.' => Square::Visited,
+                    '#' => Square::Obstacle,
+                    'T' => Square::Luggage,
+                    _ => continue,
+                };
+                grid.set(Cell::new(x - 1, y - 1), square);
+            }
+        }
+        grid
+    }
+
+    fn of(rows: &[&str]) -> Option<Forecast> {
+        forecast(&grid(rows), Strategy::Auto, Cell::HOME, 2.0)
+    }
+
+    #[test]
+    fn what_is_unknown_inside_the_walls_is_left() {
+        let closed = of(&["######", "#...##", "#.   #", "#.   #", "######"]).unwrap();
+        let left = 2.0 * f64::from(4 * 3 - 5 - 1);
+        assert_eq!(closed, Forecast { least: 0.7 * left, most: Some(1.75 * left) });
+    }
+
+    #[test]
+    fn while_a_side_of_the_hall_may_go_on_there_is_no_most() {
+        let open = of(&["######", "#...", "#.   ", "#.   ", "####  "]).unwrap();
+        assert_eq!(open.most, None);
+        assert!(open.least > 0.0);
+    }
+
+    #[test]
+    fn the_snail_has_no_most_and_a_search_at_its_end_nothing_left() {
+        let rows = ["######", "#...##", "#.   #", "#.   #", "######"];
+        assert_eq!(forecast(&grid(&rows), Strategy::Snail, Cell::HOME, 2.0).unwrap().most, None);
+        assert_eq!(of(&["####", "#..#", "#.T#", "####"]), None);
+    }
+}

@@ -1,0 +1,122 @@
+//! How often a forecast of what is left of a search holds: on random halls that its bounds were not read off, at every moment of a search, each
+//! moment weighed by how long it lasts.
+
+use hallsweep_core::search::costs::Costs;
+use hallsweep_core::search::forecast::{FEW, Forecast, forecast};
+use hallsweep_core::search::ways::Ways;
+use hallsweep_core::search::{NextGoal, Objective, Strategy, Terms};
+
+use crate::compare::{Halls, Kind};
+use crate::family::Family;
+use crate::walk::Walk;
+use crate::{Ground, parallel};
+
+/// What is searched by in each hall: strategy, goal, cells of sonar.
+const SEARCHES: [(Strategy, Objective, u8); 7] = [
+    (Strategy::Auto, Objective::Find, 0),
+    (Strategy::Auto, Objective::Find, 1),
+    (Strategy::Auto, Objective::Cover, 0),
+    (Strategy::Auto, Objective::Cover, 1),
+    (Strategy::Frontier, Objective::Cover, 0),
+    (Strategy::Columns, Objective::Cover, 0),
+    (Strategy::Spiral, Objective::Cover, 0),
+];
+
+/// The sides of the halls.
+const SIDES: [(usize, usize); 4] = [(12, 9), (20, 20), (40, 25), (50, 50)];
+
+/// Shares of the time that searches took.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Held {
+    /// While it was said how long it takes at most.
+    pub with_most: f64,
+    /// Of that, while what was left lay within the range.
+    pub within: f64,
+    /// Of the rest, while it was no less than what was said.
+    pub at_least: f64,
+}
+
+/// Time that searches took, by what was said in it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    all: f64,
+    with_most: f64,
+    within: f64,
+    at_least: f64,
+}
+
+/// How often forecasts hold in halls of one family, so many of each size.
+#[must_use]
+pub fn held(family: Family, count: usize, seed: u64) -> Held {
+    let halls = SIDES.map(|(columns, lines)| Halls::Random { kind: Kind { family, columns, lines }, count, seed });
+    let sums = parallel::each(halls.len() * count, |n, ways| {
+        let ground = Ground::of(&halls[n / count].hall(n % count));
+        SEARCHES.map(|(strategy, objective, sonar_cells)| search(&ground, strategy, objective, sonar_cells, ways))
+    });
+    let Sums { all, with_most, within, at_least } = sums.into_iter().flatten().fold(Sums::default(), Sums::and);
+    let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 1.0 };
+    Held { with_most: share(with_most, all), within: share(within, with_most), at_least: share(at_least, all - with_most) }
+}
+
+/// A whole search, at the pace of the simulated robot, whose turns take half again as long as its steps.
+fn search(ground: &Ground, strategy: Strategy, objective: Objective, sonar_cells: u8, ways: &mut Ways) -> Sums {
+    let costs = Costs::weighed(1.0, 1.5, 1.0).expect("these are costs");
+    let mut walk = Walk::new(ground, Terms { objective, sonar_cells, costs });
+    walk.heeds_news = strategy.heeds_news();
+    let (mut search, mut said) = (strategy.begin(), Vec::new());
+    loop {
+        let goal = search.next(&walk.view(), ways);
+        said.push((walk.cost(), if goal == NextGoal::Finished { None } else { now(&walk, strategy) }));
+        if !walk.follow(ground, ways, goal) {
+            break;
+        }
+    }
+    let end = walk.cost();
+    let until = said.iter().skip(1).map(|(at, _)| *at).chain([end]);
+    let moments = said.iter().zip(until).filter_map(|((at, said), until)| Some((*at, (*said)?, (until - at) / end)));
+    moments.map(|(at, said, lasts)| Sums::of(said, end - at, lasts)).fold(Sums::default(), Sums::and)
+}
+
+fn now(walk: &Walk, strategy: Strategy) -> Option<Forecast> {
+    let cells = walk.grid.census().looked_at();
+    if cells < FEW {
+        return None;
+    }
+    forecast(&walk.grid, strategy, walk.pose.cell, walk.cost() / f64::from(cells))
+}
+
+impl Sums {
+    /// A moment that lasts so long, when so much is left.
+    fn of(said: Forecast, left: f64, lasts: f64) -> Sums {
+        let when = |so: bool| if so { lasts } else { 0.0 };
+        Sums {
+            all: lasts,
+            with_most: when(said.most.is_some()),
+            within: when(said.most.is_some_and(|most| (said.least..=most).contains(&left))),
+            at_least: when(said.most.is_none() && left >= said.least),
+        }
+    }
+
+    fn and(self, other: Sums) -> Sums {
+        Sums {
+            all: self.all + other.all,
+            with_most: self.with_most + other.with_most,
+            within: self.within + other.within,
+            at_least: self.at_least + other.at_least,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What docs/search.md and the console say of it.
+    #[test]
+    fn a_forecast_holds_as_often_as_it_is_said_to() {
+        let all = Family::ALL.map(|family| held(family, 3, 77));
+        for (family, held) in Family::ALL.into_iter().zip(all) {
+            assert!(held.within >= 0.8 && held.at_least >= 0.8, "{family}: {held:?}");
+        }
+    }
+}
