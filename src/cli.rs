@@ -19,6 +19,7 @@ pub mod healthcheck;
 pub mod journal;
 mod link;
 mod map_file;
+mod output_file;
 pub mod pallet;
 pub mod roomba;
 pub mod serve;

@@ -33,6 +33,8 @@ mod kill;
 mod last_word;
 #[path = "service/malformed.rs"]
 mod malformed;
+#[path = "service/map_files.rs"]
+mod map_files;
 #[path = "service/missions.rs"]
 mod missions;
 #[path = "service/mqtt_attacks/mod.rs"]

@@ -12,6 +12,7 @@ pub mod concise_problem;
 #[cfg(test)]
 pub(crate) mod documented;
 pub mod door;
+pub mod excerpt;
 pub mod fields;
 #[cfg(test)]
 pub(crate) mod fixture;

@@ -7,6 +7,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::Failure;
+use super::output_file::OutputFile;
 use super::tune::{costs, objective, read_weights};
 use crate::runtime::clock::Clock;
 use hallsweep_core::search::Terms;
@@ -87,19 +88,16 @@ pub fn run(flags: &Evaluate) -> Result<(), Failure> {
     let entrants = flags.entrants()?;
     let against = flags.against.map(|other| place_of(other, &entrants)).transpose()?;
     let questions = flags.questions()?;
-    let drawn: Vec<Vec<(PathBuf, String)>> = match &flags.tours {
-        Some(folder) => questions.iter().map(|question| tours(folder, question, &entrants)).collect(),
-        None => Vec::new(),
-    };
-    for (path, picture) in drawn.iter().flatten() {
-        write(path, picture)?;
+    let (csv, plot) = (open(flags.csv.as_deref())?, open(flags.plot.as_deref())?);
+    for (file, question, entrant) in flags.tours(&questions, &entrants)? {
+        file.write(&picture(question, entrant))?;
     }
     let answers = compare(questions, &entrants);
-    if let Some(path) = &flags.csv {
-        write(path, &written::csv(&answers, &entrants))?;
+    if let Some(file) = csv {
+        file.write(&written::csv(&answers, &entrants))?;
     }
-    if let Some(path) = &flags.plot {
-        write(path, &report::plot(&answers, &entrants))?;
+    if let Some(file) = plot {
+        file.write(&report::plot(&answers, &entrants))?;
     }
     let text = if flags.json {
         written::json(&answers, &entrants, against)
@@ -166,6 +164,22 @@ impl Evaluate {
         self.halls.iter().map(asked).collect()
     }
 
+    /// The pictures of tours that are wanted: of each comparison one of each entrant.
+    fn tours<'a>(
+        &self,
+        questions: &'a [Question],
+        entrants: &'a [Entrant],
+    ) -> Result<Vec<(OutputFile, &'a Question, &'a Entrant)>, Failure> {
+        let Some(folder) = &self.tours else { return Ok(Vec::new()) };
+        let all = questions.iter().flat_map(|question| entrants.iter().map(move |entrant| (question, entrant)));
+        let opened = |(question, entrant): (&'a Question, &'a Entrant)| {
+            let name = format!("{}-{}", entrant.name(), question.contest.halls);
+            let plain: String = name.chars().map(|letter| if is_plain(letter) { letter } else { '-' }).collect();
+            Ok((OutputFile::open(&folder.join(format!("{plain}.svg")))?, question, entrant))
+        };
+        all.map(opened).collect()
+    }
+
     /// A family with its size, or else a hall by its name or its file.
     fn halls(&self, written: &str) -> Result<Halls, Failure> {
         match written.parse::<Kind>() {
@@ -192,19 +206,12 @@ fn place_of(strategy: Strategy, entrants: &[Entrant]) -> Result<usize, Failure> 
     })
 }
 
-/// The tours of all entrants through the first hall of a comparison, and the files they go to.
-fn tours(folder: &Path, question: &Question, entrants: &[Entrant]) -> Vec<(PathBuf, String)> {
+/// The tour of an entrant through the first hall of a comparison.
+fn picture(question: &Question, entrant: &Entrant) -> String {
     let Contest { halls, terms, .. } = &question.contest;
     let hall = halls.hall(0);
-    let ground = Ground::of(&hall);
-    let drawn = |entrant: &Entrant| {
-        let way = tour(&ground, *terms, entrant, &mut Ways::default());
-        let caption = format!("{} · {halls} · {}", entrant.name(), report::asked(*terms));
-        let name: String =
-            format!("{}-{halls}", entrant.name()).chars().map(|letter| if is_plain(letter) { letter } else { '-' }).collect();
-        (folder.join(format!("{name}.svg")), drawing::tour(&hall, &way, &caption))
-    };
-    entrants.iter().map(drawn).collect()
+    let way = tour(&Ground::of(&hall), *terms, entrant, &mut Ways::default());
+    drawing::tour(&hall, &way, &format!("{} · {halls} · {}", entrant.name(), report::asked(*terms)))
 }
 
 /// Whether a letter may stand in the name of a file anywhere.
@@ -212,8 +219,8 @@ const fn is_plain(letter: char) -> bool {
     letter.is_ascii_alphanumeric() || letter == '.'
 }
 
-fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    std::fs::write(path, text).map_err(|error| Failure::Run(format!("{} cannot be written: {error}", path.display())))
+fn open(path: Option<&Path>) -> Result<Option<OutputFile>, Failure> {
+    path.map(OutputFile::open).transpose()
 }
 
 fn strategy(written: &str) -> Result<Strategy, String> {

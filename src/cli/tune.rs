@@ -2,13 +2,13 @@
 //! How they are found stands in `hallsweep_evaluation::tune`; here it is asked for, and its progress shown.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::Failure;
+use super::output_file::OutputFile;
 use hallsweep_core::search::Objective;
 use hallsweep_core::search::Terms;
 use hallsweep_core::search::costs::Costs;
@@ -73,9 +73,7 @@ pub fn run(flags: &Tune) -> Result<(), Failure> {
     let bar = progress_bar(flags.generations + flags.rounds);
     let halls = flags.halls as usize;
     let mut origin = flags.origin();
-    let unwritable = |error| Failure::Run(format!("the weights {} cannot be written: {error}", flags.out.display()));
-    // It takes long, so where it leads to nothing that shows at once.
-    let mut file = std::fs::OpenOptions::new().create(true).append(true).open(&flags.out).map_err(unwritable)?;
+    let file = OutputFile::open(&flags.out)?;
     let mut weights = match &flags.from {
         Some(path) => read_weights(path)?,
         None => cross_entropy(&task, &task.first_weights(), flags.generations, |generation, price| {
@@ -96,8 +94,7 @@ pub fn run(flags: &Tune) -> Result<(), Failure> {
         bar.set_message(format!("round {number}: {} counterfactuals", learnt.tried));
     }
     bar.finish_and_clear();
-    let written = file.set_len(0).and_then(|()| file.write_all(weights.write(&origin, SMALLEST).as_bytes()));
-    written.map_err(unwritable)?;
+    file.write(&weights.write(&origin, SMALLEST))?;
     super::print(&format!("the weights stand in {}", flags.out.display()))
 }
 

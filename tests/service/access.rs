@@ -78,10 +78,15 @@ pub(crate) struct Site {
 impl Site {
     /// Keys are asked for where these settings say so, as `HTTP__REQUIRE_TOKEN`; the other doors are open to this machine.
     pub(crate) fn new(name: &str, asks: &[&str]) -> Site {
+        Site::in_hall(name, asks, "empty-8x8", "4")
+    }
+
+    /// The same in this hall, at this speed.
+    pub(crate) fn in_hall(name: &str, asks: &[&str], hall: &str, speed: &str) -> Site {
         let folder = Folder::new(name);
         folder.token(&["add", "lobby", "--role", "viewer"]);
         let [operator, viewer] = ["operator", "lobby"].map(|name| folder.token_of(name));
-        let mut command = folder.command(&["serve", "--http", "127.0.0.1:0", "--hall", "empty-8x8", "--speed", "4"]);
+        let mut command = folder.command(&["serve", "--http", "127.0.0.1:0", "--hall", hall, "--speed", speed]);
         command.envs(asks.iter().map(|asks| (format!("HALLSWEEP__{asks}"), "true")));
         Site { program: Program::started(&mut command), operator, viewer, folder }
     }

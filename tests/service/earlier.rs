@@ -64,9 +64,8 @@ fn the_journal_of_an_earlier_version_is_sound_and_reads_as_it_did() {
 #[test]
 fn a_data_folder_of_an_earlier_version_shows_what_it_showed_and_goes_on() {
     let folder = copy("earlier-data");
-    let arguments =
-        ["serve", "--http", "127.0.0.1:0", "--hall", "seed", "--seed", "7", "--speed", "max", "--data", folder.text()];
-    let program = Program::started(hallsweep(&arguments).env("TZ", "UTC"));
+    let serve = ["serve", "--http", "127.0.0.1:0", "--hall", "seed", "--seed", "7", "--speed", "max", "--strategy", "scored"];
+    let program = Program::started(hallsweep(&serve).args(["--data", folder.text()]).env("TZ", "UTC"));
     let then: Value = serde_json::from_slice(&std::fs::read(kept("shown.json")).expect("it was kept")).expect("it is JSON");
     let state = program.until("what it showed", |state| says_as_much(&without_revisions(state), &then["state"]));
     let missions = program.json("missions");
@@ -78,6 +77,8 @@ fn a_data_folder_of_an_earlier_version_shows_what_it_showed_and_goes_on() {
     let alarm = state["alarms"][0]["id"].as_u64().expect("an alarm with a number");
     program.post(&format!("/api/v1/alarms/{alarm}/acknowledge"), "").accepted();
     program.command("reset").accepted();
+    assert_eq!(program.json("strategy")["name"], "snail", "as the folder has it, whatever the flag says");
+    program.put("/api/v1/strategy", r#"{"name":"auto"}"#).accepted();
     program.command("start").accepted();
     assert_eq!(program.until_asked(), 5, "numbers go on where they were");
     drop(program);

@@ -93,7 +93,26 @@ fn what_cannot_be_compared_is_said_with_what_can() {
         check(&flag, "--halls <HALLS>");
     }
     check(&["--count", "0"], "0 is not in 1..=100000");
-    check(&["--halls", "empty:5x5", "--count", "1", "--csv", "/nowhere/x.csv"], "/nowhere/x.csv cannot be written");
+}
+
+/// The walks would take hours.
+#[test]
+fn a_file_that_cannot_be_written_is_refused_before_the_walks_and_older_ones_stay_as_they_are() {
+    let folder = tempdir("evaluate-unwritable");
+    let older = folder.join("older.csv");
+    std::fs::write(&older, "of yesterday").expect("the folder of tests can be written");
+    let older = older.display().to_string();
+    let walks = ["evaluate", "--halls", "luggage-10:200x200", "--count", "100000"];
+    for (flags, path) in [
+        (["--plot", &older, "--csv", "/nowhere/x.csv"], "/nowhere/x.csv"),
+        (["--csv", &older, "--plot", "/nowhere/x.svg"], "/nowhere/x.svg"),
+        (["--csv", &older, "--tours", "/nowhere"], "/nowhere/auto-luggage-10-200x200.svg"),
+    ] {
+        let output = run(&[&walks[..], &flags].concat());
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(1) && error.contains(&format!("{path} cannot be written: ")), "{error}");
+        assert_eq!(std::fs::read_to_string(&older).expect("it is there"), "of yesterday");
+    }
 }
 
 /// A folder of this test's own.

@@ -49,6 +49,12 @@ impl Broker {
         self.budget.is_exhausted()
     }
 
+    /// How many different filters the router knows: it keeps messages for each, however many read them.
+    #[must_use]
+    pub fn filters(&self) -> usize {
+        self.budget.filters()
+    }
+
     /// There is another router, which knows nothing yet.
     pub fn renew(&self) {
         self.budget.renew();

@@ -29,7 +29,7 @@ pub(super) fn by_content(request: &HeaderMap, media_type: &'static str, body: St
 }
 
 /// Whether `If-None-Match` names the tag, weakly compared (RFC 9110, section 13.1.2).
-fn is_known(request: &HeaderMap, tag: &str) -> bool {
+pub(super) fn is_known(request: &HeaderMap, tag: &str) -> bool {
     let opaque = |text: &str| text.trim().trim_start_matches("W/").to_owned();
     let values = request.get_all(header::IF_NONE_MATCH).iter().filter_map(|value| value.to_str().ok());
     values.flat_map(|value| value.split(',')).any(|known| known.trim() == "*" || opaque(known) == opaque(tag))

@@ -13,6 +13,7 @@ mod guard;
 mod hearing;
 mod laboratory;
 mod lines;
+mod map_files;
 mod missions;
 mod mqtt;
 mod old;
@@ -62,6 +63,7 @@ pub struct HttpDoor {
     hall: Arc<str>,
     streams: Streams,
     laboratory: laboratory::Laboratory,
+    map_files: map_files::MapFiles,
     closing: watch::Sender<bool>,
     clock: Clock,
     access: Access,
@@ -83,6 +85,7 @@ impl HttpDoor {
             hall: Arc::from(hall),
             streams: Streams::new(STREAMS),
             laboratory: laboratory::Laboratory::default(),
+            map_files: map_files::MapFiles::default(),
             closing: watch::Sender::new(false),
             clock: Clock::default(),
             access,

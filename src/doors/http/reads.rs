@@ -13,7 +13,6 @@ use super::etag::{conditional, tag};
 use super::problem::Problem;
 use super::reading::Number;
 use crate::api::luggage::LuggageJson;
-use crate::api::map_files;
 use crate::api::resources::{self, Form, ResourceKind, Row};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, NoPhoto};
@@ -41,14 +40,6 @@ pub(super) fn resource(row: &Row, door: &HttpDoor, headers: &HeaderMap) -> Resul
         response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
     }
     Ok(response)
-}
-
-/// The map as a file of another program.
-pub(super) fn map_file(row: &map_files::Row, door: &HttpDoor, headers: &HeaderMap) -> Response {
-    let snapshot = door.handle.snapshot();
-    let tag = tag(&snapshot.run, row.revision(&snapshot), row.name);
-    let body = || row.written(&door.hall, door.cell_m, &snapshot);
-    conditional(headers, &tag, || ([(header::CONTENT_TYPE, row.media_type)], body()).into_response())
 }
 
 /// `GET luggage/{id}`
@@ -150,27 +141,6 @@ mod tests {
         assert_eq!(app.send("GET", "/api/v1/map", &[("accept", "image/png")], "").await.status(), 406);
         let (json, plain) = (etag(&app, "/api/v1/map", "*/*").await, etag(&app, "/api/v1/map", "text/plain").await);
         assert_ne!(json, plain);
-    }
-
-    #[tokio::test]
-    async fn the_map_is_there_as_files_of_other_programs() {
-        let app = app(searching());
-        for (name, media_type, begins) in [
-            ("hall.toml", "application/toml", "name = "),
-            ("hall.map", "text/plain; charset=utf-8", "type octile\nheight 5\nwidth 6\nmap\n"),
-            ("hall.yaml", "application/yaml", "image: hall.pgm\n"),
-            ("hall.pgm", "image/x-portable-graymap", "P5\n6 5\n255\n"),
-            ("hall.txt", "text/plain; charset=utf-8", "|r, 1, 1, X, 1, X, \n"),
-        ] {
-            let path = format!("/api/v1/map/{name}");
-            let response = app.get(&path).await;
-            let tag = response.headers()["etag"].to_str().unwrap().to_owned();
-            assert_eq!((response.status().as_u16(), &response.headers()["content-type"]), (200, &media_type.parse().unwrap()));
-            let bytes = axum::body::to_bytes(response.into_body(), 10_000).await.unwrap();
-            assert!(bytes.starts_with(begins.as_bytes()), "{name}");
-            assert_eq!(app.send("GET", &path, &[("if-none-match", &tag)], "").await.status(), 304, "{name}");
-        }
-        assert_eq!(app.get("/api/v1/map/hall.gif").await.status(), 404);
     }
 
     #[tokio::test]

@@ -13,11 +13,11 @@ use axum::routing::{MethodFilter, MethodRouter, on};
 
 use super::gate::{Gate, gate};
 use super::reading::Number;
-use super::{HttpDoor, assets, command, console, events, laboratory, missions, mqtt, old, problem, reads, sign_in};
+use super::{HttpDoor, assets, command, console, events, laboratory, map_files, missions, mqtt, old, problem, reads, sign_in};
 use crate::access::Need;
 use crate::access::Need::{Act, Nothing, See, Stop};
 use crate::api::commands::{self, COMMANDS, CommandKind, Methods, Subject};
-use crate::api::map_files;
+use crate::api::map_files::{self as files, FILES};
 use crate::api::old_clients::{self, posted};
 use crate::api::resources::{self, RESOURCES, ResourceKind};
 use hallsweep_core::command::Command;
@@ -36,7 +36,7 @@ pub(super) struct Row {
 
 /// Every route. STOP is everywhere in reach of anyone signed in; a `move` may be one, its other words ask for an operator.
 pub(super) fn table() -> Vec<Row> {
-    let seen = [for_anybody(), resources(), map_files(), changes_and_past()];
+    let seen = [for_anybody(), resources(), files_of_the_map(), changes_and_past()];
     let rows = seen.into_iter().chain([commands(), page(), laboratory(), buttons(), old_console()]);
     rows.flatten().collect()
 }
@@ -81,13 +81,13 @@ fn resources() -> Vec<Row> {
 }
 
 /// The map in every file of the one table.
-fn map_files() -> Vec<Row> {
-    let row = |row: &'static map_files::Row| {
-        get(format!("/api/v1/map/{}", row.name), See, async |State(door): State<HttpDoor>, headers: HeaderMap| {
-            reads::map_file(row, &door, &headers)
+fn files_of_the_map() -> Vec<Row> {
+    let row = |row: &'static files::Row| {
+        get(format!("/api/v1/map/{}", row.name), See, async move |State(door): State<HttpDoor>, headers: HeaderMap| {
+            map_files::map_file(row, &door, &headers).await
         })
     };
-    map_files::FILES.iter().map(row).collect()
+    FILES.iter().map(row).collect()
 }
 
 /// What programs see besides: every change, and the past.

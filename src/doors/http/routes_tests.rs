@@ -140,7 +140,7 @@ fn the_documentation_shows_the_commands_as_they_are() {
 #[test]
 fn the_documentation_shows_the_files_of_the_map_as_they_are() {
     let mut shown = String::from("| route | what | content type |\n|---|---|---|\n");
-    for row in &map_files::FILES {
+    for row in &FILES {
         writeln!(shown, "| `GET /api/v1/map/{}` | {} | `{}` |", row.name, row.title, row.media_type).unwrap();
     }
     documented::shows("http.md", "the table of map files", &shown);

@@ -123,6 +123,11 @@ impl Clients {
         self.0.broker.held_bytes() + self.0.pool.bytes() + self.0.seats.unread_here()
     }
 
+    /// How many have a seat.
+    pub(super) fn count(&self) -> usize {
+        self.0.seats.count()
+    }
+
     /// Listens to a newcomer to the end, on the thread that hears, while it is served on `work`.
     pub(super) async fn attend(self, incoming: IncomingConnection, waiting: Waiting, (router, work): (Running, Handle)) {
         let from = incoming.origin.from;

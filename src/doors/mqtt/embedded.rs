@@ -166,7 +166,8 @@ impl Embedded {
             if in_use - self.usual <= APPETITE / 2 {
                 self.clients.broker().forget_fed();
             }
-            if is_greedy(in_use - self.usual, self.clients.broker().fed_bytes()) {
+            let broker = self.clients.broker();
+            if is_greedy(in_use - self.usual, broker.fed_bytes(), (broker.filters(), self.clients.count())) {
                 return Some("it takes too much memory");
             }
         }

@@ -36,6 +36,12 @@ pub(super) const APPETITE: usize = 64 * 1024 * 1024;
 /// what crowds of connections cost is no doing of its.
 pub(super) const MEAL: u64 = APPETITE as u64 / 8;
 
+/// No more than this does a router hold for a filter: room for three times 1,024 messages, and four times the bytes that it counts,
+pub(super) const OF_FILTER: usize = 1536 * 1024;
+
+/// and for a client, whose queues these are. Where that comes to less than what was taken, the program has it, as for a large hall.
+pub(super) const OF_CLIENT: usize = 512 * 1024;
+
 /// Of all clients, those whom one key may bring, every screen of a large site; and as many are kept from those who only look, for
 /// operators who are not there yet.
 pub(super) const SHARE: usize = CONNECTIONS / 4;

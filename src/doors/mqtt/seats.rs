@@ -92,6 +92,11 @@ impl Seats {
         self.seating().clients.values().map(|client| client.unread.here).sum()
     }
 
+    /// How many are taken.
+    pub(super) fn count(&self) -> usize {
+        self.seating().clients.len()
+    }
+
     /// A seat for whoever comes in `now`; somebody may have to give way for it.
     pub(super) fn take(&self, holder: Holder, now: Duration) -> Seat {
         let (progress_ms, give_way) = (Arc::new(AtomicU64::new(ms(now))), Arc::default());

@@ -1,10 +1,10 @@
 //! Whether the router is the cause of what is wrong. Starting it anew sends everybody away, so that it must not be done for nothing: on
 //! a machine with far too much to do it may only be slow, and it is looked whether others get their messages; where the program takes
-//! much memory it may be others who do, and it is looked what the router was given. What is done about it is not decided here.
+//! much memory it may be others who do, and it is looked what the router was given and has room for. What is done about it is not decided here.
 
 use std::time::Duration;
 
-use super::limits::{APPETITE, MEAL};
+use super::limits::{APPETITE, MEAL, OF_CLIENT, OF_FILTER};
 use super::session::Health;
 
 /// Where Linux tells a program about itself, and on which line.
@@ -56,9 +56,11 @@ impl Suspicion {
     }
 }
 
-/// Whether it is the router that takes so many bytes more than usual, having been given so many.
-pub(super) const fn is_greedy(more: usize, fed: u64) -> bool {
-    more > APPETITE && fed > MEAL
+/// Whether it is the router that takes so many bytes more than usual, having been given so many under so many filters, by so many
+/// clients.
+pub(super) const fn is_greedy(more: usize, fed: u64, (filters, clients): (usize, usize)) -> bool {
+    let room = filters.saturating_mul(OF_FILTER).saturating_add(clients.saturating_mul(OF_CLIENT));
+    more > APPETITE && fed > MEAL && room > APPETITE
 }
 
 /// The memory that the program has in use, in bytes, where the system tells (Linux does); `None`: the system does not tell.
@@ -81,8 +83,17 @@ mod tests {
     /// Safety A5, S9: crowds of connections, at whichever door, do not send the others away.
     #[test]
     fn a_router_that_was_given_little_does_not_take_too_much() {
-        assert!(is_greedy(APPETITE + 1, MEAL + 1));
-        assert!(!is_greedy(10 * APPETITE, MEAL) && !is_greedy(APPETITE, 10 * MEAL));
+        let many = (1000, 10);
+        assert!(is_greedy(APPETITE + 1, MEAL + 1, many));
+        assert!(!is_greedy(10 * APPETITE, MEAL, many) && !is_greedy(APPETITE, 10 * MEAL, many));
+    }
+
+    /// Safety A5: what a large hall takes is not the router's, however long its changes are published for the screens of a site.
+    #[test]
+    fn a_router_that_has_room_for_little_does_not_take_too_much() {
+        let (more, fed) = (100 * APPETITE, 100 * MEAL);
+        assert!(!is_greedy(more, fed, (20, 60)) && !is_greedy(more, fed, (2, 100)));
+        assert!(is_greedy(more, fed, (60, 60)), "each of sixty clients follows what nobody else does");
     }
 
     #[test]

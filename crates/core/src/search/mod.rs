@@ -186,10 +186,47 @@ impl Search {
             Search::Of(Strategy::Columns) => columns::next(view, ways),
             Search::Of(Strategy::Spiral) => spiral::next(view, ways),
         };
-        // The one guard of completeness: a strategy that has nothing more to propose has not searched the hall thereby.
-        match visit.or_else(|| nearest(view, ways, |_| true)) {
-            Some(Visit { cell, route }) => NextGoal::Visit(cell, route),
-            None => NextGoal::Finished,
+        guarded(visit, view, ways)
+    }
+}
+
+/// The one guard of completeness: a strategy that has nothing more to propose has not searched the hall thereby.
+fn guarded(proposed: Option<Visit>, view: &View<'_>, ways: &mut Ways) -> NextGoal {
+    match proposed.or_else(|| nearest(view, ways, |_| true)) {
+        Some(Visit { cell, route }) => NextGoal::Visit(cell, route),
+        None => NextGoal::Finished,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::Revision;
+    use crate::world::hall_map::{HallMap, Mark};
+
+    /// What is next for a robot at home, of whose neighbours these are walls, when its strategy proposes this.
+    fn next(walls: &[Cell], proposed: Option<Visit>) -> NextGoal {
+        let mut map = HallMap::new(Cell::HOME, Revision(1));
+        for wall in walls {
+            map.mark(*wall, Mark::Wall, Revision(1));
         }
+        let terms = Terms { objective: Objective::Find, sonar_cells: 0, costs: Costs::EVEN };
+        let view = View { grid: &Grid::of(&map), pose: Pose::START, gait: Gait::default(), terms };
+        guarded(proposed, &view, &mut Ways::default())
+    }
+
+    #[test]
+    fn a_strategy_that_proposes_nothing_does_not_end_a_search_while_something_is_open() {
+        let (east, south) = (Cell::new(1, 0), Cell::new(0, 1));
+        let [west, north] = [Cell::new(-1, 0), Cell::new(0, -1)];
+        assert!(matches!(next(&[west, north, south], None), NextGoal::Visit(cell, _) if cell == east));
+        assert_eq!(next(&[west, north, south, east], None), NextGoal::Finished);
+    }
+
+    #[test]
+    fn what_a_strategy_proposes_is_done_though_something_else_is_nearer() {
+        let cell = Cell::new(-1, 0);
+        let proposed = Visit { cell, route: vec![Move::TurnRight, Move::Forward] };
+        assert_eq!(next(&[], Some(proposed)), NextGoal::Visit(cell, vec![Move::TurnRight, Move::Forward]));
     }
 }

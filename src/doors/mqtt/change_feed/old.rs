@@ -18,8 +18,8 @@ use hallsweep_core::world::snapshot::Snapshot;
 /// The least time between two rounds, and so between two messages on the robot: as over HTTP and CoAP.
 const PACE: Duration = Duration::from_millis(20);
 
-/// How many pieces wait to be said, and how many are remembered until they are acknowledged: more than one hall holds. While a
-/// broker is away for longer, the oldest give way; the state topic has them.
+/// How many pieces wait to be said, and how many are remembered until they are acknowledged: more than are found while a broker is
+/// away for a moment. While it is for longer, the oldest give way; the state topic has those that matter still.
 const PIECES: usize = 4_096;
 
 #[derive(Default)]

@@ -1,8 +1,10 @@
-//! The state topics: each resource in the JSON of the HTTP door, when it has changed, and not too often. The newest wins.
+//! The state topics: each resource in the JSON of the HTTP door, or what is said of one that is too large, when it has changed, and not too
+//! often. The newest wins.
 
 use std::convert::identity;
 use std::time::Duration;
 
+use crate::api::excerpt::excerpt;
 use crate::api::resources::{Form, ResourceKind};
 use crate::doors::pace;
 use hallsweep_core::units::Revision;
@@ -30,10 +32,10 @@ impl States {
         (said.revision != Some(ResourceKind::Of(resource).revision(snapshot))).then_some(said.next)
     }
 
-    /// The state of a resource, in JSON.
+    /// The state of a resource in JSON, or an excerpt of it.
     pub(super) fn take(&mut self, resource: Resource, snapshot: &Snapshot, now: Duration) -> Vec<u8> {
         let shown = ResourceKind::Of(resource);
-        let state = shown.written(0, Form::Json, snapshot, identity);
+        let state = excerpt(resource, snapshot).unwrap_or_else(|| shown.written(0, Form::Json, snapshot, identity));
         let next = now + pace::of_size(state.len()).max(PACE);
         self.0[resource as usize] = Said { revision: Some(shown.revision(snapshot)), next };
         state

@@ -222,6 +222,16 @@ fn a_map_is_said_the_more_seldom_the_larger_it_is_and_at_last_as_it_is() {
 }
 
 #[test]
+fn of_luggage_without_end_what_waits_is_said_still_and_how_many_there_are() {
+    let (mut feed, mut state) = (feed(), searching());
+    state.luggage = (1..=9000).map(|id| piece(id, Cell::new(1, 2), (id != 2).then_some(Verdict::Safe))).collect();
+    let said = show(&mut feed, &state, ms(0));
+    let luggage = json(&said, "hallsweep/discovery/state/luggage");
+    assert_eq!((&luggage["pieces"], &luggage["pending"], &luggage["luggage"][0]["id"]), (&9000.into(), &1.into(), &2.into()));
+    assert!(said.iter().all(|publication| publication.payload.len() < 200_000));
+}
+
+#[test]
 fn every_line_of_the_log_is_said_once_and_in_order() {
     let (mut feed, mut state) = (feed(), searching());
     let mut lines = on(&show(&mut feed, &state, ms(0)), "hallsweep/discovery/event").join("\n");

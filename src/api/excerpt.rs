@@ -1,0 +1,161 @@
+//! What is published of what is too large to be published whole: of the luggage what matters still and the newest, of the map its size. Both
+//! say how much there is and where all of it stands, so that nobody takes a part for the whole.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::luggage::LuggageJson;
+use super::map::map_revision;
+use super::resources::{Form, shape};
+use super::robot::PositionJson;
+use hallsweep_core::world::luggage::Luggage;
+use hallsweep_core::world::records::LuggageRecords;
+use hallsweep_core::world::resource::Resource;
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// So many pieces are published whole: with 512 bytes for each, more than its record takes, that is the MiB that every broker lets pass.
+const PIECES: usize = 2048;
+
+/// Of more pieces so many of the newest, as the stream over HTTP sends whole.
+const NEWEST: usize = 256;
+
+/// A map with so many characters and quotes in its rows is published whole: with its frame it fits a message of 2 MiB.
+const MAP_BYTES: i64 = 2 * 1024 * 1024 - 1024;
+
+/// The part of the luggage that nobody may miss.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct LuggageExcerpt {
+    /// How many there are in all,
+    pieces: usize,
+    /// of which so many wait for their verdict
+    pending: usize,
+    /// and so many were found dangerous, those in the container among them.
+    dangerous: usize,
+    /// Where all of them stand, at the HTTP door.
+    all: &'static str,
+    /// By number: those that wait, the dangerous ones and the newest.
+    luggage: Vec<LuggageJson>,
+}
+
+/// A map without its rows.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct MapExcerpt {
+    revision: u64,
+    origin: PositionJson,
+    width: i32,
+    height: i32,
+    /// Where it stands with its rows, at the HTTP door.
+    all: &'static str,
+}
+
+/// The excerpt of a resource in JSON; `None` where it can be published whole.
+pub fn excerpt(resource: Resource, snapshot: &Snapshot) -> Option<Vec<u8>> {
+    match resource {
+        Resource::Luggage => luggage(&snapshot.luggage).map(|excerpt| shape(Form::Json, &excerpt)),
+        Resource::Map => map(snapshot).map(|excerpt| shape(Form::Json, &excerpt)),
+        Resource::Mission | Resource::Robot | Resource::Temperature | Resource::Alarms | Resource::Retrieval | Resource::Log => {
+            None
+        }
+    }
+}
+
+fn luggage(records: &LuggageRecords) -> Option<LuggageExcerpt> {
+    if records.len() <= PIECES {
+        return None;
+    }
+    let dangerous = || records.bombs_left().chain(records.secured());
+    let matters = records.pending().chain(dangerous()).take(PIECES);
+    let shown: BTreeMap<u64, &Luggage> =
+        matters.chain(records.iter().rev().take(NEWEST)).map(|piece| (piece.id.0, &**piece)).collect();
+    Some(LuggageExcerpt {
+        pieces: records.len(),
+        pending: records.pending().count(),
+        dangerous: dangerous().count(),
+        all: "/api/v1/luggage",
+        luggage: shown.into_values().map(LuggageJson::from).collect(),
+    })
+}
+
+fn map(snapshot: &Snapshot) -> Option<MapExcerpt> {
+    let bounds = snapshot.map.known_bounds();
+    let (width, height) = (bounds.width(), bounds.height());
+    // A row stands in quotes, with a comma behind it.
+    if (i64::from(width) + 3) * i64::from(height) <= MAP_BYTES {
+        return None;
+    }
+    let revision = map_revision(snapshot).0;
+    Some(MapExcerpt { revision, origin: bounds.least.into(), width, height, all: "/api/v1/map" })
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::{Value, json};
+
+    use super::*;
+    use crate::api::fixture::{TEN, idle, piece};
+    use hallsweep_core::command::Verdict;
+    use hallsweep_core::units::{Cell, LuggageId, Revision};
+    use hallsweep_core::world::hall_map::Mark;
+
+    /// So many pieces, of which these are not safe.
+    fn with(count: u64, others: &[(u64, Option<Verdict>)]) -> Snapshot {
+        let mut snapshot = idle();
+        for id in 1..=count {
+            let other = others.iter().find(|(number, _)| *number == id);
+            let verdict = other.map_or(Some(Verdict::Safe), |(_, verdict)| *verdict);
+            snapshot.luggage.insert(piece(id, Cell::new(100, 100), verdict));
+        }
+        snapshot
+    }
+
+    fn read(resource: Resource, snapshot: &Snapshot) -> Value {
+        serde_json::from_slice(&excerpt(resource, snapshot).expect("it is too large")).expect("it is JSON")
+    }
+
+    #[test]
+    fn as_many_pieces_as_fit_are_published_whole() {
+        let whole = with(PIECES as u64, &[(7, None)]);
+        assert_eq!(excerpt(Resource::Luggage, &whole), None);
+        let bytes = serde_json::to_vec(&crate::api::state::luggage(&whole)).expect("it is JSON").len();
+        assert!(bytes < PIECES * 512, "{bytes} bytes");
+        assert!(Resource::ALL.iter().all(|resource| excerpt(*resource, &idle()).is_none()));
+    }
+
+    /// What waits for a verdict and what is dangerous is never left out, however long ago it was found.
+    #[test]
+    fn of_more_pieces_what_matters_and_the_newest_are_shown_and_how_many_there_are() {
+        let mut snapshot = with(5000, &[(3, None), (17, Some(Verdict::Danger)), (40, Some(Verdict::Danger))]);
+        snapshot.luggage.change(LuggageId(40), |bomb| bomb.secured = Some(TEN));
+        let excerpt = read(Resource::Luggage, &snapshot);
+        let counts = ["pieces", "pending", "dangerous"].map(|count| excerpt[count].as_u64());
+        assert_eq!(counts, [Some(5000), Some(1), Some(2)]);
+        assert_eq!(excerpt["all"], "/api/v1/luggage");
+        let shown = excerpt["luggage"].as_array().expect("a list");
+        let numbers: Vec<u64> = shown.iter().filter_map(|record| record["id"].as_u64()).collect();
+        let expected: Vec<u64> = [3, 17, 40].into_iter().chain(5000 - NEWEST as u64 + 1..=5000).collect();
+        assert_eq!(numbers, expected);
+        assert_eq!(shown[1], serde_json::to_value(LuggageJson::from(&*snapshot.luggage[16])).expect("it is JSON"));
+    }
+
+    #[test]
+    fn of_more_undecided_pieces_than_fit_their_number_is_said() {
+        let mut snapshot = with(1, &[]);
+        for id in 2..=6000 {
+            snapshot.luggage.insert(piece(id, Cell::new(1, 1), None));
+        }
+        let excerpt = read(Resource::Luggage, &snapshot);
+        assert_eq!((&excerpt["pending"], excerpt["luggage"].as_array().map(Vec::len)), (&json!(5999), Some(PIECES + NEWEST)));
+    }
+
+    #[test]
+    fn a_map_that_does_not_fit_says_how_large_it_is_and_where_it_stands() {
+        let mut snapshot = idle();
+        snapshot.map.mark(Cell::new(1399, 1399), Mark::Visited, Revision(2));
+        assert_eq!(excerpt(Resource::Map, &snapshot), None);
+        snapshot.map.mark(Cell::new(1499, 1499), Mark::Visited, Revision(3));
+        snapshot.revisions = [Revision(3); Resource::COUNT];
+        let expected = json!({"revision": 3, "origin": {"x": 0, "y": 0}, "width": 1500, "height": 1500, "all": "/api/v1/map"});
+        assert_eq!(read(Resource::Map, &snapshot), expected);
+    }
+}

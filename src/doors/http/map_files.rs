@@ -1,0 +1,124 @@
+//! `GET map/hall.*`: the map as a file of another program. That of a large hall takes a tenth of a second to write, so one is written at a time,
+//! whoever asks, and kept until the map is another one: a crowd that asks keeps one thread busy, and none that carries out a STOP (safety S7).
+//! What stands in a file is `api::map_files`' business.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use axum::body::Bytes;
+use axum::http::{HeaderMap, header};
+use axum::response::{IntoResponse, Response};
+use tokio::sync::Mutex;
+
+use super::HttpDoor;
+use super::etag::{conditional, is_known, tag};
+use super::problem::Problem;
+use crate::api::map_files::Row;
+use hallsweep_core::units::Revision;
+
+/// The newest copy of each file, by its name. Whoever writes holds the lock.
+#[derive(Clone, Debug, Default)]
+pub(super) struct MapFiles(Arc<Mutex<HashMap<&'static str, MapFile>>>);
+
+/// A file as of a revision; all who are sent it share its bytes.
+#[derive(Clone, Debug)]
+struct MapFile {
+    revision: Revision,
+    bytes: Bytes,
+}
+
+/// The map in the file of this row.
+pub(super) async fn map_file(row: &'static Row, door: &HttpDoor, headers: &HeaderMap) -> Result<Response, Problem> {
+    let (run, asked) = {
+        let snapshot = door.handle.snapshot();
+        (Arc::clone(&snapshot.run), row.revision(&snapshot))
+    };
+    let file = if is_known(headers, &tag(&run, asked, row.name)) {
+        MapFile { revision: asked, bytes: Bytes::new() }
+    } else {
+        door.map_file(row, asked).await?
+    };
+    let tag = tag(&run, file.revision, row.name);
+    Ok(conditional(headers, &tag, || ([(header::CONTENT_TYPE, row.media_type)], file.bytes).into_response()))
+}
+
+impl HttpDoor {
+    /// The copy there is, unless it is older than what was asked for; then one of the newest map, which does for all who wait.
+    async fn map_file(&self, row: &'static Row, asked: Revision) -> Result<MapFile, Problem> {
+        let mut files = Arc::clone(&self.map_files.0).lock_owned().await;
+        if let Some(file) = files.get(row.name).filter(|file| file.revision >= asked) {
+            return Ok(file.clone());
+        }
+        let door = self.clone();
+        // The lock is given back when the file is written, also when nobody waits for it any more.
+        let writing = tokio::task::spawn_blocking(move || {
+            let snapshot = door.handle.snapshot();
+            let bytes = row.written(&door.hall, door.cell_m, &snapshot).into();
+            let file = MapFile { revision: row.revision(&snapshot), bytes };
+            files.insert(row.name, file.clone());
+            file
+        });
+        writing.await.map_err(|_| Problem::internal())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use futures_util::FutureExt;
+
+    use super::super::testing::app;
+    use super::*;
+    use crate::api::fixture::{searching, touch};
+    use crate::api::map_files::FILES;
+    use crate::runtime::within::within;
+    use hallsweep_core::world::resource::Resource;
+    use hallsweep_core::world::snapshot::Snapshot;
+
+    const IMAGE: &Row = &FILES[3];
+
+    /// Safety S7.
+    #[tokio::test]
+    async fn a_file_is_written_once_however_often_it_is_asked_for_and_anew_when_the_map_is_another() {
+        let app = app(searching());
+        let first = app.door.map_file(IMAGE, Revision(20)).await.expect("it is written");
+        let again = app.door.map_file(IMAGE, Revision(20)).await.expect("it is there");
+        assert_eq!(first.bytes.as_ptr(), again.bytes.as_ptr());
+        let mut newer = Snapshot::clone(&app.publish.borrow());
+        touch(&mut newer, 21, &[Resource::Map]);
+        app.publish.send_replace(Arc::new(newer));
+        let newer = app.door.map_file(IMAGE, Revision(21)).await.expect("it is written");
+        assert_eq!((first.revision, newer.revision), (Revision(20), Revision(21)));
+        let late = app.door.map_file(IMAGE, Revision(20)).await.expect("it is there");
+        assert_eq!(late.bytes.as_ptr(), newer.bytes.as_ptr(), "who asked before it changed gets the newer one");
+    }
+
+    /// Safety S7: whoever hangs up does not let the next begin before the file is written.
+    #[tokio::test]
+    async fn one_is_written_at_a_time_also_for_those_who_have_gone() {
+        let app = app(searching());
+        drop(app.door.map_file(IMAGE, Revision(20)).now_or_never());
+        let files = within("its turn", app.door.map_files.0.lock()).await;
+        assert!(files[IMAGE.name].bytes.starts_with(b"P5\n6 5\n"));
+    }
+
+    #[tokio::test]
+    async fn the_map_is_there_as_files_of_other_programs() {
+        let app = app(searching());
+        for (name, media_type, begins) in [
+            ("hall.toml", "application/toml", "name = "),
+            ("hall.map", "text/plain; charset=utf-8", "type octile\nheight 5\nwidth 6\nmap\n"),
+            ("hall.yaml", "application/yaml", "image: hall.pgm\n"),
+            ("hall.pgm", "image/x-portable-graymap", "P5\n6 5\n255\n"),
+            ("hall.txt", "text/plain; charset=utf-8", "|r, 1, 1, X, 1, X, \n"),
+        ] {
+            let path = format!("/api/v1/map/{name}");
+            let response = app.get(&path).await;
+            let tag = response.headers()["etag"].to_str().unwrap().to_owned();
+            assert_eq!((response.status().as_u16(), &response.headers()["content-type"]), (200, &media_type.parse().unwrap()));
+            let bytes = axum::body::to_bytes(response.into_body(), 10_000).await.unwrap();
+            assert!(bytes.starts_with(begins.as_bytes()), "{name}");
+            assert_eq!(app.send("GET", &path, &[("if-none-match", &tag)], "").await.status(), 304, "{name}");
+        }
+        assert_eq!(app.get("/api/v1/map/hall.gif").await.status(), 404);
+    }
+}
