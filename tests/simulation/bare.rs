@@ -35,14 +35,18 @@ impl Bare {
     /// Before the link is up.
     pub(crate) fn unlinked() -> Bare {
         // What the tests say of cells and moves is said of the snail, whose way no tuning changes.
-        let engine = Engine::new(Settings::default(), Strategy::Snail, "bare".into());
+        Bare::searching_by(Strategy::Snail, Settings::default())
+    }
+
+    /// The same, of any strategy.
+    pub(crate) fn searching_by(strategy: Strategy, settings: Settings) -> Bare {
         Bare {
-            engine,
+            engine: Engine::new(settings, strategy, "bare".into()),
             seconds: 0,
             effects: Vec::new(),
             answers: Vec::new(),
             order: None,
-            record: Record::of(Strategy::Snail),
+            record: Record::of(strategy),
             on_the_way: Vec::new(),
             written: Seq(0),
             keeps: true,

@@ -28,19 +28,23 @@ pub(crate) struct Mortal {
     memory: Option<SimMemory>,
     hall: Arc<Hall>,
     strategy: Strategy,
+    /// The program's rules, as its next start reads them.
+    rules: Settings,
     settings: SimSettings,
     now: Now,
 }
 
 impl Mortal {
+    /// A robot with a hook fetches by itself.
     pub(crate) fn born(hall: Arc<Hall>, settings: SimSettings) -> Mortal {
-        Mortal::searching_by(Strategy::default(), hall, settings)
+        let usual = Settings::default();
+        let fetcher = if settings.has_hook { Fetcher::Discovery } else { usual.fetcher };
+        Mortal::searching_by(Strategy::default(), Settings { fetcher, ..usual }, hall, settings)
     }
 
-    /// It goes by sonar if its robot does.
-    pub(crate) fn searching_by(strategy: Strategy, hall: Arc<Hall>, settings: SimSettings) -> Mortal {
+    pub(crate) fn searching_by(strategy: Strategy, rules: Settings, hall: Arc<Hall>, settings: SimSettings) -> Mortal {
         let mut mortal = Mortal {
-            engine: Engine::new(rules(&settings), strategy, "mortal".into()),
+            engine: Engine::new(rules, strategy, "mortal".into()),
             sim: Sim::new(Arc::clone(&hall), settings),
             disk: Vec::new(),
             on_the_way: VecDeque::new(),
@@ -48,6 +52,7 @@ impl Mortal {
             memory: None,
             hall,
             strategy,
+            rules,
             settings,
             now: Now::default(),
         };
@@ -64,7 +69,7 @@ impl Mortal {
             Some(memory) => Sim::remembering(Arc::clone(&self.hall), self.settings, memory),
             None => Sim::new(Arc::clone(&self.hall), self.settings),
         };
-        let engine = Engine::recall(rules(&self.settings), "reborn".into(), self.recalled(), now);
+        let engine = Engine::recall(self.rules, "reborn".into(), self.recalled(), now);
         let mut reborn = Mortal { engine, sim, on_the_way: VecDeque::new(), answers: BTreeMap::new(), now, ..self };
         reborn.settle();
         reborn
@@ -164,11 +169,4 @@ impl Mortal {
             Effect::Answer(ticket, answer) => drop(self.answers.insert(ticket, answer)),
         }
     }
-}
-
-/// A robot with a hook fetches by itself.
-fn rules(sim: &SimSettings) -> Settings {
-    let usual = Settings::default();
-    let fetcher = if sim.has_hook { Fetcher::Discovery } else { usual.fetcher };
-    Settings { fetcher, sonar_cells: sim.sonar_cells, ..usual }
 }

@@ -1,21 +1,25 @@
-//! A robot and a store that answer as they like: late, with failures, with obstacles anywhere, between random commands. The core
-//! must neither panic nor spin, move nothing while held, and answer every command once the store is well. A failure prints its
-//! seed.
+//! A robot and a store that answer as they like: late, with failures, with obstacles anywhere and a sonar that sees anything, between
+//! random commands, however the hall is searched. The core must neither panic nor spin, move nothing while held, and answer every
+//! command once the store is well. A failure prints its seed.
 
 use hallsweep_core::command::{Command, LuggageRef, Move, TemperatureReport, Verdict};
 use hallsweep_core::effect::{Action, Effect};
-use hallsweep_core::event::{Event, Obstacle, Piece, RobotEvent};
+use hallsweep_core::event::{Ahead, Event, Obstacle, Piece, RobotEvent};
 use hallsweep_core::mission::PhaseName;
 use hallsweep_core::rng::RandomStream;
+use hallsweep_core::settings::Settings;
 use hallsweep_core::units::{AlarmId, Cell, LuggageId, Ticket};
 
 use crate::bare::Bare;
+use crate::random_halls::in_turn;
 
 #[test]
 fn whatever_robot_and_store_answer_the_core_keeps_its_rules() {
     for seed in 0..1500 {
         let mut dice = RandomStream::new(seed, "robots");
-        let mut bare = Bare::linked();
+        let (_, settings, strategy) = in_turn(seed, Settings::default());
+        let mut bare = Bare::searching_by(strategy, settings);
+        bare.link_up();
         let mut tickets: Vec<Ticket> = Vec::new();
         for _ in 0..150 {
             bare.keeps = dice.below(3) > 0;
@@ -90,6 +94,11 @@ fn answer(dice: &mut RandomStream, bare: &mut Bare) {
             bare.robot(RobotEvent::Failed(order.id, "wheel".to_owned()));
         }
         _ if photo => bare.photo(),
+        6..=9 => {
+            let obstacle = [None, Some(Obstacle::Unknown), Some(Obstacle::Luggage(Piece(7)))][dice.below(3) as usize];
+            bare.robot(RobotEvent::Ahead(Ahead { free: dice.below(4) as u16, obstacle }));
+            bare.done();
+        }
         _ => bare.done(),
     }
 }

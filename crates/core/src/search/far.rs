@@ -8,12 +8,22 @@ use crate::units::{Heading, Pose};
 /// Finds ways by steps; keeps its working memory from one search to the next.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Steps {
-    /// For each cell the steps to it, and `before`: what is not larger was not reached in this search.
-    reached: Vec<u32>,
-    before: u32,
+    /// For each cell how it stands in this search: one byte, so that all of a large hall is at hand for the processor.
+    marks: Vec<u8>,
     wave: Vec<Spot>,
     next: Vec<Spot>,
 }
+
+/// No wave has come to this cell yet.
+const UNTOUCHED: u8 = 0;
+
+/// No way leads through it.
+const SHUT: u8 = 1;
+
+/// The marks of the waves go up by one and come round after three: neighbours are one wave apart at most, so that this tells which of
+/// them was reached before.
+const FIRST: u8 = 2;
+const LAST: u8 = 4;
 
 impl Steps {
     /// The nearest cell that is `wanted`, and the moves there, over cells that are `passable`.
@@ -22,50 +32,50 @@ impl Steps {
         grid: &Grid,
         start: Pose,
         passable: impl Fn(Spot) -> bool,
-        mut wanted: impl FnMut(Spot) -> bool,
+        wanted: impl FnMut(Spot) -> bool,
     ) -> Option<(Pose, Vec<Move>)> {
-        let from = grid.spot(start.cell);
-        let (end, most) = self.flood(grid, from, passable, &mut wanted);
-        let way = end.map(|end| self.trace(grid, start, end));
-        self.before = most;
-        way
+        let end = self.flood(grid, grid.spot(start.cell), passable, wanted)?;
+        Some(self.trace(grid, start, end))
     }
 
-    /// Wave after wave until a wanted cell is in one; and the largest number that was written.
+    /// Wave after wave until a wanted cell is in one.
     fn flood(
         &mut self,
         grid: &Grid,
         from: Spot,
         passable: impl Fn(Spot) -> bool,
-        wanted: &mut impl FnMut(Spot) -> bool,
-    ) -> (Option<Spot>, u32) {
-        let size = u32::try_from(grid.size()).unwrap_or(u32::MAX);
-        if self.reached.len() != grid.size() || self.before > u32::MAX - size.saturating_add(2) {
-            (self.reached, self.before) = (vec![0; grid.size()], 0);
-        }
-        let mut number = self.before + 1;
-        self.reached[from] = number;
+        mut wanted: impl FnMut(Spot) -> bool,
+    ) -> Option<Spot> {
+        self.marks.clear();
+        self.marks.resize(grid.size(), UNTOUCHED);
+        let mut mark = FIRST;
+        self.marks[from] = mark;
         self.wave.clear();
         self.wave.push(from);
         let around = Heading::ALL.map(|heading| grid.step(heading));
         while !self.wave.is_empty() {
             if let Some(end) = self.wave.iter().copied().find(|spot| wanted(*spot)) {
-                return (Some(end), number);
+                return Some(end);
             }
-            number += 1;
+            mark = if mark == LAST { FIRST } else { mark + 1 };
             self.next.clear();
             for spot in &self.wave {
                 for step in around {
                     let to = onward(*spot, step);
-                    if self.reached[to] <= self.before && passable(to) {
-                        self.reached[to] = number;
+                    if self.marks[to] != UNTOUCHED {
+                        continue;
+                    }
+                    if passable(to) {
+                        self.marks[to] = mark;
                         self.next.push(to);
+                    } else {
+                        self.marks[to] = SHUT;
                     }
                 }
             }
             std::mem::swap(&mut self.wave, &mut self.next);
         }
-        (None, number)
+        None
     }
 
     /// Back from the end, straight on where that is as short.
@@ -73,8 +83,8 @@ impl Steps {
         let (from, mut spot) = (grid.spot(start.cell), end);
         let mut headings: Vec<Heading> = Vec::new();
         while spot != from {
-            let comes_from =
-                |heading: &Heading| self.reached[onward(spot, grid.step(heading.opposite()))] + 1 == self.reached[spot];
+            let before = if self.marks[spot] == FIRST { LAST } else { self.marks[spot] - 1 };
+            let comes_from = |heading: &Heading| self.marks[onward(spot, grid.step(heading.opposite()))] == before;
             let straight = headings.last().copied().filter(comes_from);
             let heading =
                 straight.or_else(|| Heading::ALL.into_iter().find(comes_from)).expect("each wave came from the one before");

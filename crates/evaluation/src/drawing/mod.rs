@@ -1,12 +1,17 @@
-//! Pictures of searches as SVG that stands alone: a tour through a hall, and strategies side by side.
+//! Pictures of searches as SVG that stands alone: a tour through a hall, strategies side by side, and what grows with the hall.
 
+mod curves;
 mod plot;
 mod tour;
 
+pub use self::curves::{Curve, curves};
 pub use self::plot::{Band, Dot, plot};
 pub use self::tour::tour;
 
 use std::fmt::Arguments;
+
+/// One colour after the other, as far apart as they come for people who see few.
+const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#343a40"];
 
 /// The first tag of a picture of this size, and its ground.
 fn opening(width: f64, height: f64, title: &str) -> String {

@@ -1,6 +1,6 @@
 //! Strategies side by side: a band for each kind of hall, in it a line for each strategy with its mean and its interval.
 
-use super::{escaped, opening, push};
+use super::{COLOURS, escaped, opening, push};
 use crate::compare::Estimate;
 
 /// What stands in one band.
@@ -26,9 +26,6 @@ const LEFT: f64 = 150.0;
 const RIGHT: f64 = 130.0;
 const LINE: f64 = 20.0;
 const TITLE: f64 = 34.0;
-
-/// One colour after the other, as far apart as they come for people who see few.
-const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#343a40"];
 
 /// The picture of these bands, each with a scale of its own from 0 to its largest number.
 #[must_use]
