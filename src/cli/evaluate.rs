@@ -15,6 +15,8 @@ use hallsweep_core::search::costs::Costs;
 use hallsweep_core::search::ways::Ways;
 use hallsweep_core::search::{Objective, Strategy};
 use hallsweep_evaluation::compare::{Contest, Entrant, Halls, Kind, KindError, Measure, Timings, Trial, rows, tour};
+use hallsweep_evaluation::family::Family;
+use hallsweep_evaluation::time_left::{Held, held};
 use hallsweep_evaluation::{Ground, drawing};
 use hallsweep_sim::{Hall, SimSettings};
 
@@ -55,6 +57,9 @@ pub struct Evaluate {
     /// What a step, a turn and a bump cost.
     #[arg(long, value_name = "STEP,TURN,BUMP", default_value = "1,1,1", value_parser = costs, requires = "halls")]
     costs: Costs,
+    /// Tell how often the time left that the console says holds, instead: in each family of halls, at every moment of a search.
+    #[arg(long, conflicts_with_all = ["halls", "strategies", "weights", "json", "csv", "plot"])]
+    time_left: bool,
     /// Print one JSON object instead of the tables.
     #[arg(long)]
     json: bool,
@@ -85,6 +90,9 @@ struct Answer {
 
 /// Compares, and prints what it came to.
 pub fn run(flags: &Evaluate) -> Result<(), Failure> {
+    if flags.time_left {
+        return super::print(&time_left(flags));
+    }
     let entrants = flags.entrants()?;
     let against = flags.against.map(|other| place_of(other, &entrants)).transpose()?;
     let questions = flags.questions()?;
@@ -113,6 +121,19 @@ pub fn run(flags: &Evaluate) -> Result<(), Failure> {
     } else {
         Ok(())
     }
+}
+
+fn time_left(flags: &Evaluate) -> String {
+    let bar = progress_bar(Family::ALL.len() as u64);
+    let held = |family: Family| {
+        bar.set_message(family.to_string());
+        let held = held(family, flags.count as usize, flags.seed);
+        bar.inc(1);
+        (family, held)
+    };
+    let held: Vec<(Family, Held)> = Family::ALL.into_iter().map(held).collect();
+    bar.finish_and_clear();
+    report::time_left(&held)
 }
 
 fn compare(questions: Vec<Question>, entrants: &[Entrant]) -> Vec<Answer> {

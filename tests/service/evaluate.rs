@@ -121,3 +121,11 @@ fn tempdir(name: &str) -> std::path::PathBuf {
     std::fs::create_dir_all(&folder).expect("the folder of tests can be written");
     folder
 }
+
+#[test]
+fn how_often_the_time_left_holds_is_told_for_each_family() {
+    let table = evaluate(&["--time-left"]);
+    assert_eq!(table.lines().filter(|line| line.contains(" %")).count(), 9, "{table}");
+    let refused = run(&["evaluate", "--time-left", "--halls", "airport"]);
+    assert_eq!(refused.status.code(), Some(2), "it has halls of its own");
+}

@@ -4,6 +4,8 @@ use super::{Answer, Measure, Question};
 use hallsweep_core::search::Terms;
 use hallsweep_evaluation::compare::{Contest, Entrant, Estimate, against as differences, decisions, over};
 use hallsweep_evaluation::drawing::{self, Band, Dot};
+use hallsweep_evaluation::family::Family;
+use hallsweep_evaluation::time_left::Held;
 
 /// What a search was asked, in words.
 pub(super) fn asked(terms: Terms) -> String {
@@ -39,6 +41,16 @@ pub(super) fn rows(answers: &[Answer], entrants: &[Entrant]) -> String {
         "{}\n\nMeans of {halls} halls each, with their 95 % intervals. What was known before stands for other halls of the same kind.",
         aligned(&table)
     )
+}
+
+/// A line for each family: how often what is said of the time left holds.
+pub(super) fn time_left(held: &[(Family, Held)]) -> String {
+    let mut table = vec![["halls", "a range is said", "it holds", "\"at least\" holds"].map(str::to_owned).to_vec()];
+    let percent = |share: Option<f64>| share.map_or_else(|| "-".to_owned(), |share| format!("{:.0} %", share * 100.0));
+    table.extend(held.iter().map(|(family, held)| {
+        vec![family.to_string(), percent(Some(held.with_most)), percent(held.within), percent(held.at_least)]
+    }));
+    format!("{}\n\nShares of the time that searches took, in halls of 12x9 to 50x50 cells.", aligned(&table))
 }
 
 /// A table for each comparison, with a line for each entrant.

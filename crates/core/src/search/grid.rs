@@ -45,16 +45,23 @@ const SPARE: i32 = 32;
 /// The number of a cell in the memory of a grid.
 pub(crate) type Spot = usize;
 
+/// What is counted as marks come.
+#[derive(Clone, Copy, Debug, Default)]
+struct Counts {
+    /// Cells that are open and next to a visited one.
+    open: usize,
+    /// Cells that are blocked by what is no luggage.
+    obstacles: u32,
+    census: Census,
+}
+
 /// What is known of every cell, laid out row by row.
 #[derive(Clone, Debug)]
 pub struct Grid {
     squares: Vec<Square>,
     room: Bounds,
     known: Bounds,
-    /// How many cells are open and next to a visited one.
-    open: usize,
-    obstacles: u32,
-    census: Census,
+    counts: Counts,
     /// One step to the north, east, south and west.
     steps: [isize; 4],
 }
@@ -70,9 +77,7 @@ impl Grid {
             squares: vec![Square::Unknown; size],
             room,
             known: Bounds::of(Cell::HOME),
-            open: 0,
-            obstacles: 0,
-            census: Census::default(),
+            counts: Counts::default(),
             steps: [-width, 1, width, -1],
         }
     }
@@ -109,36 +114,42 @@ impl Grid {
             self.make_room(cell);
         }
         let spot = self.spot(cell);
-        let (open, census) = (self.open_round(spot), self.census_round(spot));
-        let before = std::mem::replace(&mut self.squares[spot], square);
-        self.obstacles += u32::from(square == Square::Obstacle);
-        self.obstacles -= u32::from(before == Square::Obstacle);
-        self.open = self.open - open + self.open_round(spot);
-        self.census = self.census.less(census).and(self.census_round(spot));
+        let before = self.counts_round(spot);
+        self.squares[spot] = square;
+        let after = self.counts_round(spot);
+        self.counts = Counts {
+            open: self.counts.open - before.open + after.open,
+            obstacles: self.counts.obstacles - before.obstacles + after.obstacles,
+            census: self.counts.census.less(before.census).and(after.census),
+        };
         self.known = self.known.including(cell);
     }
 
     /// Whether anything is open next to a visited cell.
     pub(crate) const fn has_open(&self) -> bool {
-        self.open > 0
-    }
-
-    /// How many of a cell and the four round it are open and next to a visited one.
-    fn open_round(&self, spot: Spot) -> usize {
-        let around = |spot: Spot| self.steps.into_iter().map(move |step| onward(spot, step));
-        let is_at_edge =
-            |spot: Spot| self.squares[spot].is_open() && around(spot).any(|next| self.squares[next] == Square::Visited);
-        around(spot).chain([spot]).filter(|spot| is_at_edge(*spot)).count()
+        self.counts.open > 0
     }
 
     /// How many cells are known to be blocked by what is no luggage.
     pub(crate) const fn obstacles(&self) -> u32 {
-        self.obstacles
+        self.counts.obstacles
     }
 
     /// What is known of where luggage stands.
     pub const fn census(&self) -> Census {
-        self.census
+        self.counts.census
+    }
+
+    /// What depends on a cell.
+    fn counts_round(&self, spot: Spot) -> Counts {
+        let around = |spot: Spot| self.steps.into_iter().map(move |step| onward(spot, step));
+        let is_at_edge =
+            |spot: Spot| self.squares[spot].is_open() && around(spot).any(|next| self.squares[next] == Square::Visited);
+        Counts {
+            open: around(spot).chain([spot]).filter(|spot| is_at_edge(*spot)).count(),
+            obstacles: u32::from(self.squares[spot] == Square::Obstacle),
+            census: self.census_round(spot),
+        }
     }
 
     /// What a cell and the eight round it bring to the census.
@@ -194,7 +205,7 @@ impl Grid {
             let to = larger.spot(Cell::new(room.least.x, y));
             larger.squares[to..to + width].copy_from_slice(row);
         }
-        (larger.known, larger.open, larger.census) = (self.known, self.open, self.census);
+        (larger.known, larger.counts) = (self.known, self.counts);
         *self = larger;
     }
 
@@ -236,18 +247,23 @@ mod tests {
 
     /// What is kept as marks come is what would be counted anew, also when the memory has grown on the way.
     #[test]
-    fn the_census_follows_every_mark() {
-        const SQUARES: [Square; 5] = [Square::Visited, Square::Obstacle, Square::Luggage, Square::Target, Square::Unknown];
+    fn the_counts_follow_every_mark() {
+        const SQUARES: [Square; 6] =
+            [Square::Visited, Square::Obstacle, Square::Luggage, Square::Target, Square::Unknown, Square::Seen];
         let mut dice = RandomStream::new(1, "census");
         let mut grid = Grid::with_room_for(Bounds::of(Cell::HOME));
         let side = 60;
         let mut place = || i32::try_from(dice.below(side)).expect("a small number") - 30;
         for n in 0..20_000 {
-            grid.set(Cell::new(place(), place()), SQUARES[n % 5]);
+            grid.set(Cell::new(place(), place()), SQUARES[n % 6]);
         }
         let cells = (-31..=30).flat_map(|y| (-31..=30).map(move |x| Cell::new(x, y)));
         let mut counted = Census::default();
+        let (mut open, mut obstacles) = (0, 0);
         for cell in cells {
+            let is_reached = cell.neighbours().into_iter().any(|next| grid.at(next) == Square::Visited);
+            open += usize::from(grid.at(cell).is_open() && is_reached);
+            obstacles += u32::from(grid.at(cell) == Square::Obstacle);
             let round = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| Cell::new(cell.x + dx, cell.y + dy)));
             let is_along = round.filter(|next| *next != cell).any(|next| grid.at(next) == Square::Obstacle);
             counted = counted.and(match (grid.at(cell), is_along) {
@@ -258,6 +274,7 @@ mod tests {
                 _ => Census::default(),
             });
         }
+        assert_eq!((grid.counts.open, grid.obstacles()), (open, obstacles));
         assert_eq!(grid.census(), counted);
         assert!(counted.luggage_inside > 0 && counted.visited_along > 0, "{counted:?}");
     }

@@ -14,7 +14,7 @@ use std::sync::LazyLock;
 use super::census::Terrain;
 use super::outlook::Outlook;
 use super::tables::{LINEAR, LINEAR_NAMES, ROWS, STARTS, TABLES};
-use super::{Objective, Sensing, Terms};
+use super::{Objective, Terms};
 
 /// What the numbers of an outlook are worth, in thousandths of a step.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,7 +30,8 @@ pub struct Weights {
 /// Weights that are shipped, and what they were tuned for.
 struct Set {
     objective: Objective,
-    sensing: Sensing,
+    /// How many cells the sonar saw.
+    sonar_cells: u8,
     /// What a turn cost.
     turn: u32,
     terrain: Terrain,
@@ -38,10 +39,10 @@ struct Set {
 }
 
 macro_rules! set {
-    ($objective:ident, $sensing:ident, $turn:literal, $terrain:ident, $file:literal) => {
+    ($objective:ident, $sonar_cells:literal, $turn:literal, $terrain:ident, $file:literal) => {
         Set {
             objective: Objective::$objective,
-            sensing: Sensing::$sensing,
+            sonar_cells: $sonar_cells,
             turn: $turn,
             terrain: Terrain::$terrain,
             weights: LazyLock::new(|| {
@@ -52,26 +53,29 @@ macro_rules! set {
     };
 }
 
-static SETS: [Set; 9] = [
-    set!(Cover, Bump, 4, Usual, "cover-bump"),
-    set!(Cover, Bump, 4, Open, "cover-open"),
-    set!(Cover, Bump, 4, Dense, "cover-dense"),
-    set!(Cover, Bump, 0, Usual, "cover-steps"),
-    set!(Cover, Bump, 6, Usual, "cover-slow-turns"),
-    set!(Cover, Sonar, 4, Usual, "cover-sonar"),
-    set!(Find, Bump, 4, Usual, "find-bump"),
-    set!(Find, Bump, 6, Usual, "find-slow-turns"),
-    set!(Find, Sonar, 4, Usual, "find-sonar"),
+static SETS: [Set; 10] = [
+    set!(Cover, 0, 4, Usual, "cover-bump"),
+    set!(Cover, 0, 4, Open, "cover-open"),
+    set!(Cover, 0, 4, Dense, "cover-dense"),
+    set!(Cover, 0, 0, Usual, "cover-steps"),
+    set!(Cover, 0, 6, Usual, "cover-slow-turns"),
+    set!(Cover, 1, 4, Usual, "cover-sonar"),
+    set!(Find, 0, 4, Usual, "find-bump"),
+    set!(Find, 0, 6, Usual, "find-slow-turns"),
+    // Where the sonar sees two cells either would do, and the first is taken.
+    set!(Find, 3, 4, Usual, "find-far-sonar"),
+    set!(Find, 1, 4, Usual, "find-sonar"),
 ];
 
 impl Set {
     /// How far this is from what is asked, the weightiest first. Whether turns cost anything weighs more than what the hall is like, and that
     /// more than what they cost.
-    fn distance(&self, terms: Terms, terrain: Terrain) -> (bool, bool, bool, bool, u32) {
+    fn distance(&self, terms: Terms, terrain: Terrain) -> (bool, bool, u8, bool, bool, u32) {
         let turn = terms.costs.turn;
         (
             self.objective != terms.objective,
-            (self.sensing == Sensing::Sonar) != (terms.sonar_cells > 0),
+            (self.sonar_cells > 0) != (terms.sonar_cells > 0),
+            self.sonar_cells.abs_diff(terms.sonar_cells),
             (self.turn > 0) != (turn > 0),
             self.terrain != terrain,
             self.turn.abs_diff(turn),
@@ -175,7 +179,7 @@ mod tests {
     #[test]
     fn what_is_shipped_can_be_read_and_counts_something() {
         for set in &SETS {
-            let of = format!("{} by {}, turn {}, {:?}", set.objective.name(), set.sensing.name(), set.turn, set.terrain);
+            let of = format!("{}, sonar of {}, turn {}, {:?}", set.objective.name(), set.sonar_cells, set.turn, set.terrain);
             assert!(set.weights.rows.iter().any(|row| *row != 0), "{of}");
             assert!(set.weights.least < 0, "a search without a bound goes through the whole hall at every step: {of}");
         }
@@ -194,7 +198,9 @@ mod tests {
             (Objective::Cover, 3, slow, Terrain::Open, 5),
             (Objective::Find, 0, even, Terrain::Dense, 6),
             (Objective::Find, 0, slow, Terrain::Open, 7),
-            (Objective::Find, 1, even, Terrain::Usual, 8),
+            (Objective::Find, 1, even, Terrain::Usual, 9),
+            (Objective::Find, 2, slow, Terrain::Open, 8),
+            (Objective::Find, 7, even, Terrain::Dense, 8),
         ] {
             let shipped = Weights::shipped(Terms { objective, sonar_cells, costs }, terrain);
             let of = format!("{} by sonar of {sonar_cells}, {costs}, {terrain:?}", objective.name());
