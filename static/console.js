@@ -184,10 +184,17 @@ function morph(id, markup) {
     morphStyle: "outerHTML",
     ignoreActiveValue: true,
     callbacks: {
-      beforeNodeMorphed: (node) => !isPersons(node),
+      beforeNodeMorphed: (node, newer) => newer.disabled || !isPersons(node),
       beforeAttributeUpdated: (name, node) => !(name === "open" && node.tagName === "DETAILS"),
     },
   });
+  for (const select of at(id)?.querySelectorAll("select:disabled") ?? []) giveUp(select);
+}
+
+/** A choice that was not sent and cannot be any more is none: what holds is shown again. */
+function giveUp(select) {
+  delete select.dataset.touched;
+  select.value = select.querySelector("option[selected]").value;
 }
 
 /** Whether this is the person's and not the server's: a reason being shown, something typed, a choice not yet sent. */

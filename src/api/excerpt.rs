@@ -17,7 +17,7 @@ use hallsweep_core::world::snapshot::Snapshot;
 /// So many pieces are published whole: with 512 bytes for each, more than its record takes, that is the MiB that every broker lets pass.
 const PIECES: usize = 2048;
 
-/// Of more pieces so many of the newest, as the stream over HTTP sends whole.
+/// Of more pieces so many of the newest, as the stream over HTTP sends whole; the others are shown because they matter.
 const NEWEST: usize = 256;
 
 /// A map with so many characters and quotes in its rows is published whole: with its frame it fits a message of 2 MiB.
@@ -34,7 +34,7 @@ struct LuggageExcerpt {
     dangerous: usize,
     /// Where all of them stand, at the HTTP door.
     all: &'static str,
-    /// By number: those that wait, the dangerous ones and the newest.
+    /// By number: the dangerous ones, those that wait, and the newest.
     luggage: Vec<LuggageJson>,
 }
 
@@ -65,7 +65,7 @@ fn luggage(records: &LuggageRecords) -> Option<LuggageExcerpt> {
         return None;
     }
     let dangerous = || records.bombs_left().chain(records.secured());
-    let matters = records.pending().chain(dangerous()).take(PIECES);
+    let matters = dangerous().chain(records.pending()).take(PIECES - NEWEST);
     let shown: BTreeMap<u64, &Luggage> =
         matters.chain(records.iter().rev().take(NEWEST)).map(|piece| (piece.id.0, &**piece)).collect();
     Some(LuggageExcerpt {
@@ -142,10 +142,13 @@ mod tests {
     fn of_more_undecided_pieces_than_fit_their_number_is_said() {
         let mut snapshot = with(1, &[]);
         for id in 2..=6000 {
-            snapshot.luggage.insert(piece(id, Cell::new(1, 1), None));
+            let verdict = (id == 5000).then_some(Verdict::Danger);
+            snapshot.luggage.insert(piece(id, Cell::new(1, 1), verdict));
         }
         let excerpt = read(Resource::Luggage, &snapshot);
-        assert_eq!((&excerpt["pending"], excerpt["luggage"].as_array().map(Vec::len)), (&json!(5999), Some(PIECES + NEWEST)));
+        let shown = excerpt["luggage"].as_array().expect("a list");
+        assert_eq!((&excerpt["pending"], shown.len()), (&json!(5998), PIECES));
+        assert!(shown.iter().any(|record| record["id"] == 5000), "the dangerous one is not lost among them");
     }
 
     #[test]

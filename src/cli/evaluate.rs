@@ -1,13 +1,14 @@
 //! `hallsweep evaluate`: strategies on the same halls, and what came of it.
 //! The walks are made by `hallsweep_evaluation::compare`; here they are asked for, their progress shown and their results written.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::Failure;
-use super::output_file::OutputFile;
+use super::output_file::{OutputFile, distinct, unwritable};
 use super::tune::{costs, objective, read_weights};
 use crate::runtime::clock::Clock;
 use hallsweep_core::search::Terms;
@@ -96,6 +97,7 @@ pub fn run(flags: &Evaluate) -> Result<(), Failure> {
     let entrants = flags.entrants()?;
     let against = flags.against.map(|other| place_of(other, &entrants)).transpose()?;
     let questions = flags.questions()?;
+    distinct(flags.halls.iter().map(Path::new), flags.csv.as_deref().into_iter().chain(flags.plot.as_deref()))?;
     let (csv, plot) = (open(flags.csv.as_deref())?, open(flags.plot.as_deref())?);
     for (file, question, entrant) in flags.tours(&questions, &entrants)? {
         file.write(&picture(question, entrant))?;
@@ -192,11 +194,16 @@ impl Evaluate {
         entrants: &'a [Entrant],
     ) -> Result<Vec<(OutputFile, &'a Question, &'a Entrant)>, Failure> {
         let Some(folder) = &self.tours else { return Ok(Vec::new()) };
+        std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
+        let mut taken = BTreeSet::new();
         let all = questions.iter().flat_map(|question| entrants.iter().map(move |entrant| (question, entrant)));
         let opened = |(question, entrant): (&'a Question, &'a Entrant)| {
             let name = format!("{}-{}", entrant.name(), question.contest.halls);
             let plain: String = name.chars().map(|letter| if is_plain(letter) { letter } else { '-' }).collect();
-            Ok((OutputFile::open(&folder.join(format!("{plain}.svg")))?, question, entrant))
+            let named = |n: usize| if n == 1 { format!("{plain}.svg") } else { format!("{plain}-{n}.svg") };
+            // Two halls may have the same name.
+            let name = (1..).map(named).find(|name| taken.insert(name.clone())).expect("numbers do not end");
+            Ok((OutputFile::open(&folder.join(name))?, question, entrant))
         };
         all.map(opened).collect()
     }
@@ -205,7 +212,9 @@ impl Evaluate {
     fn halls(&self, written: &str) -> Result<Halls, Failure> {
         match written.parse::<Kind>() {
             Ok(kind) => Ok(Halls::Random { kind, count: self.count as usize, seed: self.seed }),
-            Err(error @ KindError::Size(_)) => Err(Failure::Usage(format!("--halls {written}: {error}"))),
+            Err(error @ (KindError::Size(_) | KindError::Share | KindError::TooMuch(_))) => {
+                Err(Failure::Usage(format!("--halls {written}: {error}")))
+            }
             Err(KindError::NoFamily) => {
                 let hall = Hall::named_or_file(written).map_err(|error| Failure::Usage(format!("--halls {error}")))?;
                 Ok(Halls::Drawn(Box::new(hall)))

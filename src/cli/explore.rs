@@ -10,6 +10,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::Failure;
 use super::map_file::MapFile;
+use super::output_file::distinct;
 use crate::api::{journal_words, map_text};
 use crate::app::AppError;
 use crate::config::{self, Flag, Sources};
@@ -66,6 +67,7 @@ enum Answers {
 pub fn run(flags: &Explore) -> Result<(), Failure> {
     let settings = super::settings(&flags.sources())?;
     let hall = sim::hall(&settings).map_err(AppError::from)?;
+    distinct(flags.hall.as_deref().map(Path::new), flags.map.as_deref().map(Path::new).into_iter().chain(flags.log.as_deref()))?;
     let map = flags.map.as_deref().map(|path| MapFile::at(path, flags.force)).transpose()?;
     let sim = sim::sim_settings(&settings.robot, Camera::Stub);
     let bar = progress_bar(hall.reachable().len());

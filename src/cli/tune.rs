@@ -2,7 +2,9 @@
 //! How they are found stands in `hallsweep_evaluation::tune`; here it is asked for, and its progress shown.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -63,6 +65,9 @@ pub struct Tune {
 const RIDGE: f64 = 1500.0;
 const TRIED: f64 = 0.4;
 
+/// No file of weights is longer.
+const MOST_BYTES: u64 = 4 * 1024 * 1024;
+
 /// Rows that count for less than this, in thousandths of a step, are not written.
 const SMALLEST: i16 = 20;
 
@@ -70,12 +75,13 @@ const SMALLEST: i16 = 20;
 pub fn run(flags: &Tune) -> Result<(), Failure> {
     let terms = Terms { objective: flags.goal, sonar_cells: flags.sonar, costs: flags.costs };
     let task = Task { terms, sides: flags.sides, families: flags.halls_of.clone(), seed: flags.seed };
-    let bar = progress_bar(flags.generations + flags.rounds);
+    let bar = progress_bar(if flags.from.is_some() { 0 } else { flags.generations } + flags.rounds);
     let halls = flags.halls as usize;
     let mut origin = flags.origin();
+    let from = flags.from.as_deref().map(read_weights).transpose()?;
     let file = OutputFile::open(&flags.out)?;
-    let mut weights = match &flags.from {
-        Some(path) => read_weights(path)?,
+    let mut weights = match from {
+        Some(weights) => weights,
         None => cross_entropy(&task, &task.first_weights(), flags.generations, |generation, price| {
             bar.inc(1);
             bar.set_message(format!("generation {generation}: {price:.4} a cell"));
@@ -123,9 +129,11 @@ impl Tune {
 }
 
 /// The weights in a file.
-pub(super) fn read_weights(path: &PathBuf) -> Result<Weights, Failure> {
+pub(super) fn read_weights(path: &Path) -> Result<Weights, Failure> {
     let unusable = |error: String| Failure::Usage(format!("{}: {error}", path.display()));
-    let text = std::fs::read_to_string(path).map_err(|error| unusable(error.to_string()))?;
+    let file = File::open(path).map_err(|error| unusable(error.to_string()))?;
+    let mut text = String::new();
+    file.take(MOST_BYTES).read_to_string(&mut text).map_err(|error| unusable(error.to_string()))?;
     Weights::read(&text).map_err(|error| unusable(error.to_string()))
 }
 

@@ -82,8 +82,12 @@ const stopping = {
   async play({ page, url, picture, patience }) {
     const state = async () => (await fetch(`${url}/api/v1/state`)).json();
     await page.goto(url);
+    // A search order that was picked and never sent is not the one that is shown once it cannot be sent any more.
+    const order = page.getByLabel('Search order');
+    await order.selectOption('snail');
     await start(page).click();
     await phase(page, /exploring/i, { patience });
+    await until(async () => (await order.inputValue()) === (await state()).mission.strategy, 'the order in use', patience);
     await stop(page).click();
     const banner = page.getByText(/^Held: stopped by the operator/);
     await banner.waitFor();

@@ -36,5 +36,6 @@ mod seeds_luggage;
 mod seeds_suspensions;
 mod shown;
 mod table;
+mod time_left;
 mod trio;
 mod two_robots;

@@ -2,9 +2,9 @@
 
 use hallsweep_core::command::{Command, Move, Refused, TemperatureReport, Verdict};
 use hallsweep_core::effect::Action;
-use hallsweep_core::event::{Event, Obstacle, RobotEvent};
+use hallsweep_core::event::{Event, Obstacle, RobotEvent, Whereabouts};
 use hallsweep_core::mission::{Hold, PhaseName};
-use hallsweep_core::units::{AlarmId, Cell, Celsius, LuggageId};
+use hallsweep_core::units::{AlarmId, Cell, Celsius, Heading, LuggageId, Pose};
 
 use crate::bare::Bare;
 use crate::operator::sensor_reads;
@@ -203,4 +203,13 @@ fn a_piece_that_failed_twice_stays_one_record_that_waits() {
     let state = bare.state();
     assert_eq!((state.luggage.len(), state.mission.phase), (1, PhaseName::Inspecting));
     assert_eq!(bare.verdict(Verdict::Safe), Err(Refused::NoPhoto(LuggageId(1))));
+}
+
+/// A robot that has lost itself so far is wrong: no map is made of that size.
+#[test]
+fn a_robot_that_says_it_stands_beyond_any_hall_is_in_fault_and_nothing_is_laid_out_for_it() {
+    let mut bare = Bare::linked();
+    let pose = Pose { cell: Cell::new(1_000_000, 0), heading: Heading::East };
+    bare.robot(RobotEvent::Stands(Whereabouts { pose, off_centre: false }));
+    assert_eq!((bare.phase(), bare.cell()), (PhaseName::Fault, Cell::HOME));
 }

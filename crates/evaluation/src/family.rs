@@ -38,6 +38,18 @@ impl Family {
         Family::Corridors,
         Family::Maze,
     ];
+
+    /// Hardly ever does a hall of so many cells hold more luggage.
+    #[must_use]
+    #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a hall is small")]
+    pub(crate) fn most_pieces(self, cells: usize) -> usize {
+        let share = match self {
+            Family::Luggage(share) => share,
+            Family::Islands => 0.1,
+            Family::Walls | Family::Pockets | Family::Corridors | Family::Maze => 0.03,
+        };
+        (share * cells as f64 * 1.05) as usize
+    }
 }
 
 /// So much luggage can be asked for; with more, hardly any cell can be reached.

@@ -60,9 +60,12 @@ impl Senses {
     /// is said only when the camera sees it too.
     pub(super) fn look_ahead(&mut self, pose: Pose) -> Option<RobotEvent> {
         let cells = u16::from(self.sonar_cells);
-        let free = self.reported.flatten().map_or(cells, |cm| sonar::free_cells(cm, self.hall.cell_m()).min(cells));
+        // Nothing is heard from beyond its range.
+        let cm = self.reported.flatten().unwrap_or(sonar::RANGE_CM);
+        let free = sonar::free_cells(cm, self.hall.cell_m()).min(cells);
+        let is_free = |away: u16| self.hall.truth(pose.cell.onward(pose.heading, away)) == Truth::Free;
         let before = Pose { cell: pose.cell.onward(pose.heading, free), ..pose };
-        let is_there = free < cells && self.hall.truth(before.ahead()) != Truth::Free;
+        let is_there = free < cells && (1..=free).all(is_free) && !is_free(free + 1);
         let obstacle = is_there.then(|| self.recognise(before));
         (cells > 0).then_some(RobotEvent::Ahead(Ahead { free, obstacle }))
     }
@@ -109,5 +112,51 @@ impl Thermometer {
         let reading = curve.at(Duration::from_secs(second));
         self.next = curve.next_change(second, curve::tenths(reading));
         Some(RobotEvent::Temperature(reading))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Camera;
+    use hallsweep_core::event::Piece;
+    use hallsweep_core::units::{Cell, Heading};
+
+    const EAST: Pose = Pose { cell: Cell::HOME, heading: Heading::East };
+
+    fn looks(hall: Hall, settings: SimSettings) -> Ahead {
+        let hall = Arc::new(hall);
+        let mut senses = Senses::new(Arc::clone(&hall), &settings);
+        let _reading = senses.listen(BodyPose::centred(EAST, hall.cell_m()));
+        match senses.look_ahead(EAST) {
+            Some(RobotEvent::Ahead(ahead)) => ahead,
+            other => panic!("it has a sonar: {other:?}"),
+        }
+    }
+
+    fn with_sonar(seed: u64) -> SimSettings {
+        SimSettings { sonar_cells: 7, ..SimSettings::new(seed, Camera::Stub) }
+    }
+
+    #[test]
+    fn luggage_is_recognised_as_far_as_the_sonar_sees() {
+        let hall = Hall::from_rows("test", &["S...a"]).unwrap();
+        assert_eq!(looks(hall, with_sonar(1)), Ahead { free: 3, obstacle: Some(Obstacle::Luggage(Piece(1))) });
+    }
+
+    /// Seven cells of five metres are further than any sonar hears.
+    #[test]
+    fn nothing_is_said_of_cells_beyond_the_range() {
+        let hall = Hall::from_rows("test", &["S.#.."]).unwrap().measured(5.0, None);
+        assert_eq!(looks(hall, with_sonar(1)), Ahead { free: 1, obstacle: None });
+    }
+
+    #[test]
+    fn nothing_is_recognised_through_a_wall_however_wrong_the_reading_is() {
+        for seed in 0..200 {
+            let hall = Hall::from_rows("test", &["S.#a..#"]).unwrap();
+            let seen = looks(hall, SimSettings { sonar_noise_cm: 40.0, ..with_sonar(seed) });
+            assert!(!matches!(seen.obstacle, Some(Obstacle::Luggage(_))), "seed {seed}: {seen:?}");
+        }
     }
 }

@@ -5,6 +5,7 @@ use super::hall::{Hall, Truth};
 use hallsweep_core::units::Cell;
 
 pub(super) const RANGE_M: f64 = 4.0;
+pub(super) const RANGE_CM: u16 = 400;
 
 /// Half the robot's size, in cells: it fills most of its cell, and turns without touching the next.
 pub(super) const BODY_HALF: f64 = 0.42;

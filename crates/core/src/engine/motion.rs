@@ -107,6 +107,8 @@ impl Engine {
     pub(super) fn order_of(&mut self, robot: &RobotId, action: Action) -> OrderId {
         let (epoch, now) = (self.state.epoch, self.now.since_start);
         let known = self.robots.get_mut(robot).expect("whoever gives an order has looked that the robot is there");
+        // What it saw after an order whose end it never told was seen from elsewhere.
+        known.ahead = None;
         let order = known.controller.give(action, epoch, now);
         self.outbox.send(Effect::Order(robot.clone(), order));
         self.world.touch(Resource::Robot);

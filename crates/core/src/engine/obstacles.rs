@@ -14,6 +14,7 @@ impl Engine {
     pub(super) fn look_ahead(&mut self) {
         let seen = self.robots.searching_mut().ahead.take();
         let Some(Ahead { free, obstacle }) = seen.filter(|_| self.settings.sonar_cells > 0) else { return };
+        let free = free.min(u16::from(self.settings.sonar_cells));
         let Pose { mut cell, heading } = self.state.pose;
         for _ in 0..free {
             cell = cell.ahead(heading);

@@ -11,7 +11,7 @@ use crate::retrieval::{ArmAction, ArmState, Place};
 use crate::search::costs::Costs;
 use crate::search::plan::after;
 use crate::units::{Cell, Heading, OrderId, Pose};
-use crate::world::hall_map::Mark;
+use crate::world::hall_map::{Mark, REACH};
 use crate::world::log::Tone;
 use crate::world::resource::Resource;
 use crate::world::temperature::ROBOT;
@@ -74,6 +74,14 @@ impl Engine {
 
     /// The robot's own reckoning counts: it may have ended a move of which the record says nothing (safety R2).
     fn stands(&mut self, robot: &RobotId, Whereabouts { pose, off_centre }: Whereabouts) {
+        if pose.cell.x.abs() > REACH || pose.cell.y.abs() > REACH {
+            let words = format!("{robot} says that it stands at {}, further from home than any hall reaches", pose.cell);
+            return if self.searches(robot) {
+                self.robot_failed(words)
+            } else {
+                self.world.write(self.now.wall, Tone::Alarm, words)
+            };
+        }
         self.note_outside(robot, 0);
         let is_elsewhere = self.pose_of(robot) != pose;
         if !is_elsewhere && self.robots.get(robot).is_some_and(|robot| robot.off_centre == off_centre) {

@@ -157,14 +157,16 @@ impl Engine {
         Progress { visited: map.visited(), unknown: map.frontier_size() + map.uninspected(), left: self.time_left() }
     }
 
-    /// While it searches, whatever holds or interrupts it.
+    /// While it searches, whatever holds or interrupts it. It is a guess from all that is known, on record or not.
     fn time_left(&self) -> Option<TimeLeft> {
+        if !matches!(self.state.phase.underlying(), Phase::Exploring | Phase::Inspecting(_)) {
+            return None;
+        }
         let grid = &self.planner.grid;
         let a_cell = self.mission.pace.a_cell(grid.census().looked_at())?;
         let forecast = forecast(grid, self.state.search.strategy(), self.state.pose.cell, a_cell.as_secs_f64())?;
         let time = |seconds: f64| Duration::try_from_secs_f64(seconds).ok();
-        let searches = matches!(self.state.phase.underlying(), Phase::Exploring | Phase::Inspecting(_));
-        searches.then_some(TimeLeft { least: time(forecast.least)?, most: forecast.most.and_then(time) })
+        Some(TimeLeft { least: time(forecast.least)?, most: forecast.most.and_then(time) })
     }
 
     /// What each button would be refused with, as far as it is on record.

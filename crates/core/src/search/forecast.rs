@@ -6,7 +6,7 @@ use super::Strategy;
 use super::grid::{Grid, Square};
 use crate::units::Cell;
 
-/// From the least to the most, in whatever a cell's worth is counted in.
+/// From the least to the most, in the unit of what a cell has taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forecast {
     /// It will hardly take less.

@@ -135,7 +135,7 @@ impl Strategy {
     }
 
     /// Whether it wants to be asked as soon as anything new is seen, and not only when its goal is reached or proves blocked. The others
-    /// would answer the same, or keep count of their goals.
+    /// go on to the goal they have chosen.
     #[must_use]
     pub const fn heeds_news(self) -> bool {
         matches!(self, Strategy::Auto | Strategy::Scored)

@@ -237,7 +237,7 @@ impl<'a> Sight<'a> {
     fn gain(&self, distance: fn(i32, i32) -> i32) -> i16 {
         let from_home = |cell: Cell| distance(cell.x.abs(), cell.y.abs());
         let cells = from_home(self.looking.grid.cell(self.entry.target)) - from_home(self.looking.cell);
-        i16::try_from(cells * 100).unwrap_or(0)
+        i16::try_from(cells * 100).unwrap_or(if cells > 0 { i16::MAX } else { i16::MIN })
     }
 
     fn is_same_turn(&self) -> bool {

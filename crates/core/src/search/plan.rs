@@ -21,7 +21,7 @@ pub(crate) enum Through {
     Unknown,
 }
 
-/// what is known, and the memory to find ways over it.
+/// What is known, and the memory to find ways over it.
 #[derive(Clone, Debug)]
 pub(crate) struct Planner {
     pub(crate) grid: Grid,
@@ -102,7 +102,7 @@ pub(super) fn way(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal:
 fn towards(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal: Cell, area: Bounds) -> Option<Vec<Move>> {
     let inner = area.grown(-1);
     let mut best: Option<(u32, (Spot, Heading))> = None;
-    ways.search(
+    let all = ways.search(
         grid,
         costs,
         start,
@@ -117,7 +117,15 @@ fn towards(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal: Cell, 
             u32::MAX
         },
     );
-    best.map(|(_, end)| ways.way_to(grid, end))
+    if let Some((_, end)) = best {
+        return Some(ways.way_to(grid, end));
+    }
+    if all {
+        return None;
+    }
+    // It lies further away than can be looked at state by state.
+    let passable = |spot: Spot| may_enter(grid, area, spot, Through::Unknown);
+    ways.steps.way(grid, start, passable, |spot| !inner.contains(grid.cell(spot))).map(|(_, way)| way)
 }
 
 /// Whether a way may lead through a cell.
@@ -215,6 +223,15 @@ mod tests {
     fn a_goal_far_beyond_the_known_is_approached_straight() {
         let way = Planner::of(&map(&["."])).way_to_cell(Pose::START, Cell::new(0, 8000), Through::Unknown).unwrap();
         assert_eq!(way, [Move::Forward]);
+    }
+
+    /// More is known than can be looked at state by state.
+    #[test]
+    fn a_goal_beyond_a_large_known_hall_is_approached_too() {
+        let row = ".".repeat(300);
+        let rows: Vec<&str> = (0..300).map(|_| row.as_str()).collect();
+        let way = Planner::of(&map(&rows)).way_to_cell(Pose::START, Cell::new(150, 8000), Through::Unknown).unwrap();
+        assert!(ends_at(&way).cell != Cell::HOME, "{way:?}");
     }
 
     /// The guided search is as exact as the plain one.

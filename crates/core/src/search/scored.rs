@@ -39,7 +39,7 @@ pub fn choose(
     mut seen: impl FnMut(Candidate),
 ) -> Option<(Cell, Vec<Move>)> {
     let looking = Looking::of(view);
-    let visit = best_entry(view, ways, weights.least - slack, |entry: &Entry| {
+    let visit = best_entry(view, ways, weights.least.saturating_sub(slack), |entry: &Entry| {
         let outlook = looking.at(entry);
         let worth = weights.worth(&outlook);
         let score = in_thousandths(entry.at.cost) + worth;

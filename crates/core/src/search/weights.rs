@@ -112,6 +112,7 @@ impl Weights {
     /// The first line that is not as it should be.
     pub fn read(text: &str) -> Result<Weights, WeightsError> {
         let mut weights = Weights::nothing();
+        let mut has_least = false;
         for (line, written) in (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#')) {
             let wrong = |found: &str, wanted| WeightsError { line, found: found.to_owned(), wanted };
             let mut words = written.split_whitespace();
@@ -128,13 +129,18 @@ impl Weights {
             let value = words.next().unwrap_or_default();
             let value: i32 = value.parse().map_err(|_| wrong(value, "a whole number"))?;
             if name == "least" {
-                weights.least = value;
+                (weights.least, has_least) = (value, true);
             } else {
                 let number = LINEAR_NAMES.iter().position(|known| *known == name);
                 weights.linear[number.ok_or_else(|| wrong(name, "the name of a weight"))?] = value;
             }
         }
-        Ok(weights)
+        // Every file of weights has it: one without is cut off, or something else.
+        if has_least {
+            Ok(weights)
+        } else {
+            Err(WeightsError { line: text.lines().count(), found: "the end".to_owned(), wanted: "a line with least" })
+        }
     }
 
     /// A file of these weights that says of itself where it comes from. Rows of less than `smallest` are left out.
@@ -146,7 +152,10 @@ impl Weights {
             let _ = writeln!(text, "{name} {weight}");
         }
         for ((name, size), start) in TABLES.iter().zip(STARTS) {
-            let rows = self.rows[start..start + size].iter().enumerate().filter(|(_, weight)| weight.abs() >= smallest);
+            let rows = self.rows[start..start + size]
+                .iter()
+                .enumerate()
+                .filter(|(_, weight)| weight.unsigned_abs() >= smallest.unsigned_abs());
             let rows: String = rows.map(|(row, weight)| format!(" {row}:{weight}")).collect();
             if !rows.is_empty() {
                 let _ = writeln!(text, "[{name}]{rows}");
@@ -220,6 +229,7 @@ mod tests {
     fn a_line_that_is_not_as_it_should_be_is_named() {
         let check = |text: &str, expect: &str| assert_eq!(Weights::read(text).unwrap_err().to_string(), expect);
         check("# x\nleast y", "line 2 of the weights: \"y\" is not a whole number");
+        check("", "line 0 of the weights: \"the end\" is not a line with least");
         check("speed 3", "line 1 of the weights: \"speed\" is not the name of a weight");
         check("[rond] 1:2", "line 1 of the weights: \"rond\" is not the name of a table");
         check("[round] 2187:2", "line 1 of the weights: \"2187:2\" is not ROW:WEIGHT of this table");

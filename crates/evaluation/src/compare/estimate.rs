@@ -34,7 +34,7 @@ impl Estimate {
     }
 }
 
-/// The mean, and where there is one the interval, with as many digits as any of them is sure of.
+/// The mean, and where there is one the interval, with three digits behind the point, or none from a hundred up.
 impl fmt::Display for Estimate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let digits = |number: f64| if number.abs() < 100.0 { 3 } else { 0 };
@@ -44,9 +44,13 @@ impl fmt::Display for Estimate {
     }
 }
 
-/// Student's quantile of 97.5 % with so many degrees of freedom, by the expansion of Cornish and Fisher in its inverse: a hundredth too small
-/// at five, exact to three digits from ten on.
+/// Student's quantile of 97.5 % with so many degrees of freedom: a few by the table, more by the expansion of Cornish and Fisher in its
+/// inverse, which is good to three thousandths from five on.
 fn student(freedom: f64) -> f64 {
+    const FEW: [f64; 4] = [12.706, 4.303, 3.182, 2.776];
+    if let Some(exact) = [1.0, 2.0, 3.0, 4.0].into_iter().zip(FEW).find_map(|(n, exact)| (freedom == n).then_some(exact)) {
+        return exact;
+    }
     1.959_964 + 2.372_27 / freedom + 2.822_5 / freedom.powi(2) + 2.555_85 / freedom.powi(3)
 }
 
@@ -61,8 +65,8 @@ mod tests {
         assert!(estimate.to_string().starts_with("3.500 ± 1.9"), "{estimate}");
         // s = 1.8708, t(5) = 2.5706 in the tables.
         assert!((estimate.half_width - 1.9633).abs() < 0.01, "{estimate:?}");
-        for (freedom, quantile) in [(5.0, 2.5706), (10.0, 2.2281), (30.0, 2.0423), (59.0, 2.0010)] {
-            assert!((student(freedom) - quantile).abs() < 0.012, "{freedom}");
+        for (freedom, quantile) in [(1.0, 12.706), (4.0, 2.7764), (5.0, 2.5706), (10.0, 2.2281), (30.0, 2.0423), (59.0, 2.0010)] {
+            assert!((student(freedom) - quantile).abs() < 0.004, "{freedom}");
         }
     }
 

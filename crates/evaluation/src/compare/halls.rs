@@ -5,7 +5,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use hallsweep_core::rng::RandomStream;
-use hallsweep_sim::Hall;
+use hallsweep_sim::{Hall, MAX_PIECES};
 
 use crate::Ground;
 use crate::family::{Family, hall};
@@ -88,13 +88,22 @@ impl FromStr for Kind {
     type Err = KindError;
 
     fn from_str(written: &str) -> Result<Kind, KindError> {
-        let (family, size) = written.split_once(':').ok_or(KindError::NoFamily)?;
-        let family: Family = family.parse().map_err(|()| KindError::NoFamily)?;
+        let (family, size) = written.split_once(':').unwrap_or((written, ""));
+        let family: Family =
+            family.parse().map_err(|()| if is_share(family) { KindError::Share } else { KindError::NoFamily })?;
         let side = |side: &str| side.parse().ok().filter(|side| (1..=MOST_SIDE).contains(side));
         let sides = size.split_once('x').and_then(|(columns, lines)| Some((side(columns)?, side(lines)?)));
         let (columns, lines) = sides.ok_or_else(|| KindError::Size(size.to_owned()))?;
+        if family.most_pieces(columns * lines) > MAX_PIECES {
+            return Err(KindError::TooMuch(size.to_owned()));
+        }
         Ok(Kind { family, columns, lines })
     }
+}
+
+/// Whether this means luggage in so many of a hundred cells.
+fn is_share(family: &str) -> bool {
+    family.strip_prefix("luggage-").is_some_and(|share| share.bytes().all(|digit| digit.is_ascii_digit()))
 }
 
 /// Why something written names no kind of random halls.
@@ -103,6 +112,12 @@ pub enum KindError {
     /// It does not begin with a family: perhaps a file is meant.
     #[error("no family of halls")]
     NoFamily,
+    /// So much luggage is none of the families.
+    #[error("luggage-PERCENT goes from luggage-1 to luggage-30")]
+    Share,
+    /// So large a hall of the family may hold more luggage than a hall can.
+    #[error("a hall of {0} would hold too much luggage, more than 262,144 pieces: take a smaller one, or less luggage")]
+    TooMuch(String),
     /// A family, but not its size.
     #[error("{0:?} is no size: write columns and lines, as 50x50, each from 1 to 2048")]
     Size(String),
@@ -118,9 +133,14 @@ mod tests {
             assert_eq!(written.parse::<Kind>().map(|kind| kind.to_string()), Ok(written.to_owned()));
         }
         let error = |written: &str| written.parse::<Kind>().map(|kind| kind.to_string()).unwrap_err();
-        for written in ["airport", "halls/x.toml", "c:/x.map", "luggage-99:5x5", ""] {
+        for written in ["airport", "halls/x.toml", "c:/x.map", "luggage-x:5x5", ""] {
             assert_eq!(error(written), KindError::NoFamily, "{written}");
         }
+        for share in ["0", "31", "99999"] {
+            assert_eq!(error(&format!("luggage-{share}:5x5")), KindError::Share);
+        }
+        assert_eq!(error("luggage-10"), KindError::Size(String::new()), "a family without any");
+        assert_eq!(error("luggage-30:1000x1000"), KindError::TooMuch("1000x1000".to_owned()));
         for size in ["", "5", "0x5", "5x2049", "5x-1", "5x5x5"] {
             assert_eq!(error(&format!("walls:{size}")), KindError::Size(size.to_owned()));
         }

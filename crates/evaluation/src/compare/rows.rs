@@ -1,5 +1,5 @@
-//! The rows of the tables in `docs/search.md`: which halls, asked for what, measured how, and the least that anybody is known to have
-//! reached there.
+//! The rows of the tables in `docs/search.md`: which halls, asked for what, measured how, and the least that is known to us to
+//! have been reached there.
 
 use hallsweep_core::search::Objective;
 use hallsweep_core::search::costs::Costs;

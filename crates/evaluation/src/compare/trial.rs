@@ -93,7 +93,7 @@ pub struct Trial {
     pub moves_per_cell: f64,
     /// The mean of the moves before each cell of luggage was found, a reachable cell; `None` where there is none to find.
     pub to_a_piece: Option<f64>,
-    /// Steps against twice the cells of the more frequent colour, if cells were coloured like a chessboard: every closed tour has as many.
+    /// Steps against twice the cells of the more frequent colour, if cells were coloured like a chessboard: no closed tour has fewer.
     pub steps_over_bound: f64,
     /// How long the moves take, in seconds. Photos and answers come on top.
     pub seconds: f64,

@@ -34,7 +34,7 @@ pub(super) fn draw(canvas: &mut Canvas, hall: &Hall, stamp: Stamp) {
 }
 
 fn where_line(hall: &Hall, stamp: Stamp) -> String {
-    let subject = super::subject(hall, stamp.pose);
+    let subject = stamp.pose.cell.onward(stamp.pose.heading, super::away(hall, stamp.pose));
     let what = match hall.truth(subject) {
         Truth::Luggage(_) => "luggage",
         Truth::Wall => "wall",

@@ -23,7 +23,7 @@ use hallsweep_core::effect::Stamp;
 use hallsweep_core::event::Photo;
 use hallsweep_core::units::{Cell, Pose};
 
-/// In cells.
+/// A picture is of what stands this many cells ahead at most: as far as a sonar may be set to see.
 const SIGHT: u16 = 7;
 
 /// A photo that has been taken and not yet developed: all it takes to draw it, on whatever thread.
@@ -33,6 +33,8 @@ pub struct Exposure {
     camera: Camera,
     body: BodyPose,
     subject: Cell,
+    /// How many cells away the subject is.
+    away: u16,
     stamp: Stamp,
 }
 
@@ -40,8 +42,8 @@ impl Exposure {
     /// What a robot sees whose body is really here and which takes itself to be in `pose`; the stamp is written on it.
     #[must_use]
     pub fn new(hall: Arc<Hall>, camera: Camera, body: BodyPose, pose: Pose, stamp: Stamp) -> Exposure {
-        let subject = subject(&hall, pose);
-        Exposure { hall, camera, body, subject, stamp }
+        let away = away(&hall, pose);
+        Exposure { subject: pose.cell.onward(pose.heading, away), hall, camera, body, away, stamp }
     }
 
     /// Draws and encodes the picture: some 20 ms of arithmetic for a rendered one.
@@ -69,10 +71,11 @@ impl Exposure {
     }
 }
 
-/// What a picture is of: the first thing ahead, as far as a sonar may be set to see; the next cell when there is none.
-fn subject(hall: &Hall, pose: Pose) -> Cell {
-    let mut ahead = (1..=SIGHT).map(|cells| pose.cell.onward(pose.heading, cells));
-    ahead.find(|cell| hall.truth(*cell) != Truth::Free).unwrap_or(pose.ahead())
+/// How many cells away what a picture is of stands: the first thing ahead, as far as a sonar may be set to see; the next cell when there
+/// is none.
+fn away(hall: &Hall, pose: Pose) -> u16 {
+    let is_taken = |cells: &u16| hall.truth(pose.cell.onward(pose.heading, *cells)) != Truth::Free;
+    (1..=SIGHT).find(is_taken).unwrap_or(1)
 }
 
 fn png(width: u32, height: u32, pixels: &[u8]) -> Vec<u8> {
@@ -136,10 +139,9 @@ mod tests {
     fn a_picture_is_of_the_first_thing_ahead() {
         let hall = Hall::from_rows("test", &["S..a"]).unwrap();
         let facing = |heading| Pose { cell: Cell::HOME, heading };
-        assert_eq!(subject(&hall, facing(Heading::East)), Cell::new(3, 0));
-        assert_eq!(subject(&hall, facing(Heading::South)), Cell::new(0, 1));
+        assert_eq!((away(&hall, facing(Heading::East)), away(&hall, facing(Heading::South))), (3, 1));
         let long = Hall::from_rows("test", &["S........."]).unwrap();
-        assert_eq!(subject(&long, facing(Heading::East)), Cell::new(1, 0), "nothing is in sight");
+        assert_eq!(away(&long, facing(Heading::East)), 1, "nothing is in sight");
     }
 
     #[test]

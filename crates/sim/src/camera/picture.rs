@@ -21,7 +21,7 @@ const PIECES: usize = 24;
 
 pub(super) fn picture(exposure: &Exposure) -> Vec<u8> {
     let hall = &exposure.hall;
-    let view = View::of(exposure.body, hall.cell_m());
+    let view = View::of(exposure.body, hall.cell_m(), exposure.away);
     let mut canvas = Canvas::new();
     room::draw(&mut canvas, hall, &view);
     let pieces: Vec<(Place, Model)> = in_view(hall, &view).into_iter().flat_map(|bag| placed(hall, bag)).collect();

@@ -46,7 +46,7 @@ pub(super) fn draw(canvas: &mut Canvas, hall: &Hall, view: &View) {
     let directions: Vec<Vector> = (0..WIDTH).map(|column| view.column(column)).collect();
     let faces: Vec<Face> = directions.iter().map(|direction| walk(hall, view.eye, *direction)).collect();
     for row in 0..HEIGHT {
-        let fall = View::fall(row);
+        let fall = view.fall(row);
         let ground = Ground::at(EYE / fall);
         let roof = (EYE - CEILING) / fall;
         for (column, (face, direction)) in faces.iter().zip(&directions).enumerate() {

@@ -85,7 +85,7 @@ pub(super) fn draw_shadow(canvas: &mut Canvas, view: &View, place: Place, half: 
         if as_float(row) < HORIZON {
             continue;
         }
-        let depth = EYE / View::fall(row);
+        let depth = EYE / view.fall(row);
         if (canvas.depth(column, row) - depth).abs() > 1e-3 {
             continue;
         }

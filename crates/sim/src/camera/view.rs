@@ -9,8 +9,10 @@ use super::space::{Vector, vector};
 pub(super) const WIDTH: usize = 640;
 pub(super) const HEIGHT: usize = 480;
 
-/// The row of the horizon, and the focal length, in pixels: a wide angle, as robots have.
+/// The row of the horizon, in pixels.
 pub(super) const HORIZON: f32 = 188.0;
+
+/// The focal length for a photo of what stands in the next cell, in pixels: a wide angle, as robots have.
 const FOCAL: f32 = 310.0;
 
 /// How high the camera is, in cells: 0.4 m in a hall of half-metre cells.
@@ -25,36 +27,40 @@ pub(super) struct View {
     pub(super) eye: Vector,
     forward: Vector,
     right: Vector,
+    /// In pixels.
+    focal: f32,
 }
 
 impl View {
     #[expect(clippy::cast_possible_truncation, reason = "a picture is drawn in single precision")]
-    pub(super) fn of(body: BodyPose, cell_m: f64) -> View {
+    /// The camera zooms: what stands so many cells away is as large as it would be in the next cell.
+    pub(super) fn of(body: BodyPose, cell_m: f64, away: u16) -> View {
         let (dx, dy) = body.ahead();
         let forward = vector(dx as f32, dy as f32, 0.0);
         let middle = vector((body.x_m / cell_m) as f32, (body.y_m / cell_m) as f32, EYE);
-        View { eye: middle - forward * BEHIND, forward, right: vector(-forward.y, forward.x, 0.0) }
+        let focal = FOCAL * (f32::from(away) + BEHIND) / (1.0 + BEHIND);
+        View { eye: middle - forward * BEHIND, forward, right: vector(-forward.y, forward.x, 0.0), focal }
     }
 
     /// The horizontal direction of a column; its length is such that it goes one cell forward.
     pub(super) fn column(&self, column: usize) -> Vector {
-        self.forward + self.right * ((as_float(column) + 0.5 - as_float(WIDTH) / 2.0) / FOCAL)
+        self.forward + self.right * ((as_float(column) + 0.5 - as_float(WIDTH) / 2.0) / self.focal)
     }
 
     /// By how much the direction changes from one column to the next.
     pub(super) fn column_step(&self) -> Vector {
-        self.right * (1.0 / FOCAL)
+        self.right * (1.0 / self.focal)
     }
 
     /// How much a row looks down for every cell forward.
-    pub(super) fn fall(row: usize) -> f32 {
-        (as_float(row) + 0.5 - HORIZON) / FOCAL
+    pub(super) fn fall(&self, row: usize) -> f32 {
+        (as_float(row) + 0.5 - HORIZON) / self.focal
     }
 
     /// The direction of a pixel; it goes one cell forward.
     pub(super) fn pixel(&self, column: usize, row: usize) -> Vector {
         let level = self.column(column);
-        vector(level.x, level.y, -View::fall(row))
+        vector(level.x, level.y, -self.fall(row))
     }
 
     /// Where the light on luggage comes from: above the robot's left shoulder.
@@ -69,7 +75,7 @@ impl View {
     /// On which column and row a point falls, fractions included; `None` when it is not ahead.
     pub(super) fn project(&self, point: Vector) -> Option<(f32, f32)> {
         let depth = self.depth(point);
-        let scale = FOCAL / depth;
+        let scale = self.focal / depth;
         let column = as_float(WIDTH) / 2.0 + (point - self.eye).dot(self.right) * scale;
         (depth > 0.05).then_some((column, HORIZON + (self.eye.z - point.z) * scale))
     }

@@ -32,7 +32,7 @@ use hallsweep_core::world::hall_map::Bounds;
 pub(super) const MAX_SIDE: usize = 2048;
 
 /// The most pieces of luggage: more than any benchmark map holds, and bounded in memory.
-pub(super) const MAX_PIECES: usize = 262_144;
+pub const MAX_PIECES: usize = 262_144;
 
 /// The side of a cell in metres when the file does not say.
 pub(super) const USUAL_CELL_M: f64 = 0.5;
@@ -74,6 +74,8 @@ impl Hall {
     /// A hall of this plan, with cells of `USUAL_CELL_M` and no thermometer.
     pub(super) fn of(name: &str, plan: Plan) -> Hall {
         let Plan { bounds, squares, bags } = plan;
+        // It is printed on terminals, which obey control characters.
+        let name: String = name.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect();
         Hall { name: name.into(), description: None, cell_m: USUAL_CELL_M, bounds, squares, bags, temperature: None }
     }
 

@@ -57,6 +57,9 @@ pub struct Figures {
     pub stuck: Option<String>,
 }
 
+/// So many photos in a row are taken again, and no more.
+const MOST_RETAKEN: u32 = 10_000;
+
 /// Runs a mission from START to its end. `watch` sees the state after everything that happens.
 pub fn explore(
     hall: &Arc<Hall>,
@@ -85,7 +88,7 @@ pub fn explore_and_tell(
     mut watch: impl FnMut(&Snapshot, &[Entry]),
 ) -> Figures {
     let mut run = Run::new(Arc::clone(hall), sim, settings, strategy);
-    let (mut bomb_found_at, mut inspected) = (None, BTreeSet::new());
+    let (mut bomb_found_at, mut inspected, mut retaken) = (None, BTreeSet::new(), 0);
     let mut tell = |run: &mut Run, state: &Snapshot| {
         inspected.extend(run.journal.iter().filter_map(|entry| inspected_piece(entry, hall)));
         watch(state, &run.journal);
@@ -98,7 +101,16 @@ pub fn explore_and_tell(
         if bomb_found_at.is_none() && meets_bomb(&state, hall) {
             bomb_found_at = Some(run.moves.total());
         }
-        stuck = match answer(&state, hall, verdicts) {
+        let answer = answer(&state, hall, verdicts);
+        match answer {
+            Some(Command::RetakePhoto(_)) => retaken += 1,
+            Some(_) => retaken = 0,
+            None => {}
+        }
+        stuck = match answer {
+            Some(Command::RetakePhoto(id)) if retaken == MOST_RETAKEN => {
+                Some(format!("the photo of luggage #{id} fails again and again"))
+            }
             Some(command) => run.give(command).err().map(|refused| refused.to_string()),
             None if state.mission.phase == PhaseName::Fault => state.mission.fault.clone(),
             None => (!run.advance()).then(|| why_not(&state)),

@@ -166,15 +166,13 @@ impl View<'_> {
         }
     }
 
-    /// How long the search will go on driving, as `4 to 11 min of driving left`.
+    /// How long the search will go on driving, as `4 min to 11 min of driving left`.
     pub(super) fn left(&self) -> Option<String> {
         let TimeLeft { least, most } = self.snapshot.mission.progress.left?;
-        let minutes = |time: Duration| time.as_secs().div_ceil(60);
+        let least = roughly(least, |seconds, unit| seconds / unit);
         Some(match most {
-            _ if least.as_secs() < 60 && most.is_none() => return None,
-            None => format!("at least {} min of driving left", least.as_secs() / 60),
-            Some(most) if most.as_secs() < 60 => "less than a minute of driving left".to_owned(),
-            Some(most) => format!("{} to {} min of driving left", least.as_secs() / 60, minutes(most)),
+            None => format!("at least {least} of driving left"),
+            Some(most) => format!("{least} to {} of driving left", roughly(most, u64::div_ceil)),
         })
     }
 
@@ -383,6 +381,12 @@ impl View<'_> {
     pub(super) fn unseen_alarms(&self) -> usize {
         self.snapshot.alarms.iter().filter(|alarm| alarm.acknowledged.is_none()).count()
     }
+}
+
+/// A time in tens of seconds, or from two minutes on in minutes, rounded as is wanted.
+fn roughly(time: Duration, round: fn(u64, u64) -> u64) -> String {
+    let seconds = time.as_secs();
+    if seconds < 120 { format!("{} s", round(seconds, 10) * 10) } else { format!("{} min", round(seconds, 60)) }
 }
 
 /// A cell in words: `column 3, row 4`.

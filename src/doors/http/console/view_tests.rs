@@ -113,10 +113,10 @@ fn how_long_it_will_drive_on_is_said_as_a_range_as_far_as_it_is_known() {
         view(&snapshot).left()
     };
     assert_eq!(said(None), None);
-    assert_eq!(said(Some((59, None))), None, "that it takes time says nothing");
-    assert_eq!(said(Some((200, None))).unwrap(), "at least 3 min of driving left");
-    assert_eq!(said(Some((200, Some(601)))).unwrap(), "3 to 11 min of driving left");
-    assert_eq!(said(Some((2, Some(59)))).unwrap(), "less than a minute of driving left");
+    assert_eq!(said(Some((59, None))).unwrap(), "at least 50 s of driving left");
+    assert_eq!(said(Some((200, Some(601)))).unwrap(), "3 min to 11 min of driving left");
+    assert_eq!(said(Some((32, Some(81)))).unwrap(), "30 s to 90 s of driving left");
+    assert_eq!(said(Some((119, Some(120)))).unwrap(), "110 s to 2 min of driving left");
 }
 
 #[test]
