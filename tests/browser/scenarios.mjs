@@ -83,7 +83,7 @@ const stopping = {
     const state = async () => (await fetch(`${url}/api/v1/state`)).json();
     await page.goto(url);
     // A search order that was picked and never sent is not the one that is shown once it cannot be sent any more.
-    const order = page.getByLabel('Search order');
+    const order = page.getByLabel('Search order', { exact: true });
     await order.selectOption('snail');
     await start(page).click();
     await phase(page, /exploring/i, { patience });

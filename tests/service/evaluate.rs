@@ -102,17 +102,55 @@ fn a_file_that_cannot_be_written_is_refused_before_the_walks_and_older_ones_stay
     let older = folder.join("older.csv");
     std::fs::write(&older, "of yesterday").expect("the folder of tests can be written");
     let older = older.display().to_string();
+    let fresh = folder.join("fresh.csv").display().to_string();
     let walks = ["evaluate", "--halls", "luggage-10:200x200", "--count", "100000"];
     for (flags, path) in [
         (["--plot", &older, "--csv", "/nowhere/x.csv"], "/nowhere/x.csv"),
         (["--csv", &older, "--plot", "/nowhere/x.svg"], "/nowhere/x.svg"),
-        (["--csv", &older, "--tours", "/nowhere"], "/nowhere/auto-luggage-10-200x200.svg"),
+        (["--csv", &older, "--tours", "/dev/null/tours"], "/dev/null/tours"),
+        (["--csv", &fresh, "--plot", "/nowhere/x.svg"], "/nowhere/x.svg"),
     ] {
         let output = run(&[&walks[..], &flags].concat());
         let error = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.code() == Some(1) && error.contains(&format!("{path} cannot be written: ")), "{error}");
         assert_eq!(std::fs::read_to_string(&older).expect("it is there"), "of yesterday");
+        assert!(!Path::new(&fresh).exists(), "an empty file is no result");
     }
+}
+
+#[test]
+fn a_file_that_is_read_or_named_twice_is_not_written() {
+    let folder = tempdir("evaluate-twice");
+    let hall = folder.join("hall.toml").display().to_string();
+    assert!(run(&["hall", "convert", "seed", &hall, "--force"]).status.success());
+    let before = std::fs::read(&hall).expect("it was written");
+    let figures = folder.join("figures").display().to_string();
+    for flags in [
+        ["evaluate", "--halls", &hall, "--csv", &hall],
+        ["evaluate", "--csv", &figures, "--plot", &figures],
+        ["explore", "--hall", &hall, "--log", &hall],
+    ] {
+        let output = run(&flags);
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && error.contains("named for something else already"), "{error}");
+    }
+    assert_eq!(std::fs::read(&hall).expect("it is there"), before);
+}
+
+#[test]
+fn tours_of_two_halls_of_one_name_are_two_pictures_in_a_folder_that_is_made() {
+    let folder = tempdir("evaluate-tours");
+    let hall = folder.join("hall.toml").display().to_string();
+    assert!(run(&["hall", "convert", "seed", &hall, "--force"]).status.success());
+    let tours = folder.join("tours/of/two");
+    let halls = format!("seed,{hall}");
+    evaluate(&["--halls", &halls, "--strategies", "auto", "--tours", &tours.display().to_string()]);
+    let mut names: Vec<String> = std::fs::read_dir(&tours)
+        .expect("it was made")
+        .map(|entry| entry.expect("it can be read").file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort_unstable();
+    assert_eq!(names, ["auto-seed-2.svg", "auto-seed.svg"]);
 }
 
 /// A folder of this test's own.

@@ -85,3 +85,26 @@ impl View {
 pub(super) const fn as_float(pixel: usize) -> f32 {
     pixel as f32
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hallsweep_core::units::{Cell, Heading, Pose};
+
+    #[test]
+    fn what_stands_further_away_is_as_large_on_a_photo_of_it() {
+        let body = BodyPose::centred(Pose { cell: Cell::HOME, heading: Heading::East }, 0.5);
+        let on_photo = |away: u16| {
+            let view = View::of(body, 0.5, away);
+            let middle = view.eye + view.forward * (BEHIND + f32::from(away));
+            let corners = [middle + view.right * 0.3, middle - view.right * 0.3 - vector(0.0, 0.0, 0.6)];
+            corners.map(|corner| view.project(corner).expect("it is ahead"))
+        };
+        let near = on_photo(1);
+        for away in 2..=7 {
+            for ((column, row), (near_column, near_row)) in on_photo(away).into_iter().zip(near) {
+                assert!((column - near_column).abs() < 0.01 && (row - near_row).abs() < 0.01, "{away} cells away");
+            }
+        }
+    }
+}
