@@ -8,6 +8,8 @@ use hallsweep_core::command::{Command, LuggageRef, TemperatureReport, Verdict};
 use hallsweep_core::event::Piece;
 use hallsweep_core::mission::PhaseName;
 use hallsweep_core::rng::RandomStream;
+use hallsweep_core::search::Strategy;
+use hallsweep_core::settings::{Fetcher, Settings};
 use hallsweep_core::units::{AlarmId, Cell};
 use hallsweep_core::world::snapshot::Snapshot;
 use hallsweep_sim::{Camera, Hall, SimSettings};
@@ -25,8 +27,9 @@ fn with_hook(seed: u64) -> SimSettings {
 /// It is said to be dangerous from where the sonar has seen it; the cells before it are driven into for the first time to fetch it.
 #[test]
 fn a_piece_that_was_photographed_from_afar_is_fetched_as_well() {
-    let hall = Arc::new(Hall::from_rows("far", &["S..a.", "#....", "....."]).unwrap());
-    let mut mortal = Mortal::born(hall, SimSettings { sonar_cells: 3, ..with_hook(1) });
+    let hall = Arc::new(Hall::from_rows("far", &["S..a"]).unwrap());
+    let rules = Settings { fetcher: Fetcher::Discovery, sonar_cells: 3, ..Settings::default() };
+    let mut mortal = Mortal::searching_by(Strategy::default(), rules, hall, SimSettings { sonar_cells: 3, ..with_hook(1) });
     assert!(locate(&mut mortal, |_| true));
     let piece = mortal.state().luggage[0].clone();
     assert_eq!((piece.cell, piece.pose.cell), (Cell::new(3, 0), Cell::HOME));

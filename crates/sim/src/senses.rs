@@ -60,12 +60,11 @@ impl Senses {
     /// is said only when the camera sees it too.
     pub(super) fn look_ahead(&mut self, pose: Pose) -> Option<RobotEvent> {
         let cells = u16::from(self.sonar_cells);
-        // Nothing is heard from beyond its range.
-        let cm = self.reported.flatten().unwrap_or(sonar::RANGE_CM);
-        let free = sonar::free_cells(cm, self.hall.cell_m()).min(cells);
+        let (reading, cell_m) = (self.reported.flatten(), self.hall.cell_m());
+        let free = reading.map_or(sonar::cells_in_range(cell_m), |cm| sonar::free_cells(cm, cell_m)).min(cells);
         let is_free = |away: u16| self.hall.truth(pose.cell.onward(pose.heading, away)) == Truth::Free;
         let before = Pose { cell: pose.cell.onward(pose.heading, free), ..pose };
-        let is_there = free < cells && (1..=free).all(is_free) && !is_free(free + 1);
+        let is_there = reading.is_some() && free < cells && (1..=free).all(is_free) && !is_free(free + 1);
         let obstacle = is_there.then(|| self.recognise(before));
         (cells > 0).then_some(RobotEvent::Ahead(Ahead { free, obstacle }))
     }
@@ -148,7 +147,7 @@ mod tests {
     #[test]
     fn nothing_is_said_of_cells_beyond_the_range() {
         let hall = Hall::from_rows("test", &["S.#.."]).unwrap().measured(5.0, None);
-        assert_eq!(looks(hall, with_sonar(1)), Ahead { free: 1, obstacle: None });
+        assert_eq!(looks(hall, with_sonar(1)), Ahead { free: 0, obstacle: None });
     }
 
     #[test]

@@ -5,7 +5,6 @@ use super::hall::{Hall, Truth};
 use hallsweep_core::units::Cell;
 
 pub(super) const RANGE_M: f64 = 4.0;
-pub(super) const RANGE_CM: u16 = 400;
 
 /// Half the robot's size, in cells: it fills most of its cell, and turns without touching the next.
 pub(super) const BODY_HALF: f64 = 0.42;
@@ -28,6 +27,16 @@ pub(super) fn distance_cm(hall: &Hall, body: BodyPose) -> Option<f64> {
 pub(super) fn free_cells(cm: u16, cell_m: f64) -> u16 {
     let begins = 0.5 - BODY_HALF + LUGGAGE_INSET / 2.0;
     (f64::from(cm) / (cell_m * 100.0) - begins).round().max(0.0) as u16
+}
+
+/// How many whole cells ahead of a robot that stands centred it hears.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "the range is a few metres, and what is less than none is none"
+)]
+pub(super) fn cells_in_range(cell_m: f64) -> u16 {
+    (RANGE_M / cell_m - (0.5 - BODY_HALF)).floor().max(0.0) as u16
 }
 
 /// How far a robot at the centre of a cell drives until it touches what fills the next one, in cells; `None` for a free one.

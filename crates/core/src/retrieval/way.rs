@@ -18,7 +18,8 @@ use super::place::Place;
 use crate::units::Cell;
 use crate::world::hall_map::{Bounds, HallMap, Mark};
 
-/// What a step into a cell in which no robot has been costs, in steps into others: a parcel that may explode is carried round those, unless that is a long way.
+/// What a step into a cell in which no robot has been costs, in steps into others: a parcel that may explode is carried round those, unless
+/// that is a long way.
 const UNKNOWN: u32 = 5;
 
 /// How far beyond the known ways may lead: round any corner of what is known there is room for a train to turn.

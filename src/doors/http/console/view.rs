@@ -1,7 +1,8 @@
 //! What the console's parts look at: the snapshot in an operator's words. Markup stands in the templates.
 
+mod progress;
+
 use std::sync::Arc;
-use std::time::Duration;
 
 use askama::Template;
 
@@ -12,7 +13,7 @@ use hallsweep_core::mission::{Hold, PhaseName};
 use hallsweep_core::units::{Cell, Celsius, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 use hallsweep_core::world::robot::{RobotState, RobotView};
-use hallsweep_core::world::snapshot::{Snapshot, TimeLeft};
+use hallsweep_core::world::snapshot::Snapshot;
 use hallsweep_core::world::temperature::{OPERATOR, TemperatureStatus};
 
 /// A snapshot, and what is to be said to the one who pressed a button.
@@ -142,47 +143,6 @@ impl View<'_> {
             false if searching_stands => "the pair moves",
             true | false => self.robot_state(),
         }
-    }
-
-    pub(super) fn is_begun(&self) -> bool {
-        self.snapshot.mission.phase != PhaseName::Idle || self.snapshot.mission.progress.visited > 1
-    }
-
-    /// What was searched, as `41 cells, 25.6 m²`.
-    pub(super) fn searched(&self) -> String {
-        let visited = self.snapshot.mission.progress.visited;
-        let cells = format!("{visited} {}", if visited == 1 { "cell" } else { "cells" });
-        let Some(side) = self.hall.cell_m else { return cells };
-        let visited = u32::try_from(visited).unwrap_or(u32::MAX);
-        format!("{cells}, {:.1} m²", f64::from(visited) * side * side)
-    }
-
-    /// What is still open, in words: how much there will be behind it nobody knows.
-    pub(super) fn open(&self) -> String {
-        match self.snapshot.mission.progress.unknown {
-            0 => "nothing is open: the hall is searched".to_owned(),
-            1 => "1 place still open".to_owned(),
-            open => format!("{open} places still open"),
-        }
-    }
-
-    /// How long the search will go on driving, as `4 min to 11 min of driving left`.
-    pub(super) fn left(&self) -> Option<String> {
-        let TimeLeft { least, most } = self.snapshot.mission.progress.left?;
-        let least = roughly(least, |seconds, unit| seconds / unit);
-        Some(match most {
-            None => format!("at least {least} of driving left"),
-            Some(most) => format!("{least} to {} of driving left", roughly(most, u64::div_ceil)),
-        })
-    }
-
-    /// When the mission began that goes on, so that its time is counted; one that is over has none.
-    pub(super) fn counts_since(&self) -> Option<WallTime> {
-        let is_over = matches!(
-            self.snapshot.mission.phase,
-            PhaseName::Idle | PhaseName::BombLocated | PhaseName::BagSecured | PhaseName::Explored
-        );
-        self.began.filter(|_| !is_over)
     }
 
     /// The zone of every time on the page.
@@ -381,12 +341,6 @@ impl View<'_> {
     pub(super) fn unseen_alarms(&self) -> usize {
         self.snapshot.alarms.iter().filter(|alarm| alarm.acknowledged.is_none()).count()
     }
-}
-
-/// A time in tens of seconds, or from two minutes on in minutes, rounded as is wanted.
-fn roughly(time: Duration, round: fn(u64, u64) -> u64) -> String {
-    let seconds = time.as_secs();
-    if seconds < 120 { format!("{} s", round(seconds, 10) * 10) } else { format!("{} min", round(seconds, 60)) }
 }
 
 /// A cell in words: `column 3, row 4`.

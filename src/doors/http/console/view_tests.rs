@@ -5,7 +5,8 @@ use crate::api::fixture::{TEN, degrees, idle, searching, touch};
 use hallsweep_core::retrieval::Which;
 use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::robot::RobotShown;
-use hallsweep_core::world::snapshot::Progress;
+use hallsweep_core::world::snapshot::{Progress, TimeLeft};
+use std::time::Duration;
 
 fn view(snapshot: &Snapshot) -> View<'_> {
     let hall = HallInfo { name: "airport", cell_m: Some(0.5) };
