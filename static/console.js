@@ -184,7 +184,7 @@ function morph(id, markup) {
     morphStyle: "outerHTML",
     ignoreActiveValue: true,
     callbacks: {
-      beforeNodeMorphed: (node, newer) => newer.disabled || !isPersons(node),
+      beforeNodeMorphed: (node, newer) => (node.tagName === "SELECT" && newer.disabled) || !isPersons(node),
       beforeAttributeUpdated: (name, node) => !(name === "open" && node.tagName === "DETAILS"),
     },
   });

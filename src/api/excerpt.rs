@@ -122,7 +122,7 @@ mod tests {
         assert!(Resource::ALL.iter().all(|resource| excerpt(*resource, &idle()).is_none()));
     }
 
-    /// What waits for a verdict and what is dangerous is never left out, however long ago it was found.
+    /// What waits for a verdict and what is dangerous is shown, however long ago it was found.
     #[test]
     fn of_more_pieces_what_matters_and_the_newest_are_shown_and_how_many_there_are() {
         let mut snapshot = with(5000, &[(3, None), (17, Some(Verdict::Danger)), (40, Some(Verdict::Danger))]);

@@ -1,5 +1,5 @@
 //! Whatever the hall, the strategy, the goal, the sensing and the costs: nothing that can be reached is left out, and the robot comes home.
-//! By bare walks, which are quick, and now and then by a whole mission. A failure prints its hall. `HALLSWEEP_HALLS=10000` takes so many.
+//! By bare walks, which are quick, and now and then by a whole mission. A failure prints the number of its hall. `HALLSWEEP_HALLS=10000` takes so many.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -98,7 +98,8 @@ impl Engine {
         ways.min_by_key(Vec::len)
     }
 
-    /// Where it was photographed from afar, the robot has not been in the cells before it, and has seen that they are free.
+    /// The way to stand before a cell of it, facing it in this direction. Where it was photographed from afar the robot has not been in the
+    /// cells before it, but has seen that they are free.
     fn way_before(&mut self, piece: Cell, heading: Heading) -> Option<Vec<Move>> {
         let back = |cell: &Cell| Some(cell.ahead(heading.opposite()));
         let mut before = std::iter::successors(back(&piece), back);

@@ -167,6 +167,12 @@ mod tests {
         assert_eq!(error.to_string(), expect);
     }
 
+    /// A terminal would obey them.
+    #[test]
+    fn a_name_has_no_control_characters() {
+        assert_eq!(Hall::from_rows("a\u{1b}[31m\nb", &["S"]).unwrap().name(), "a [31m b");
+    }
+
     #[test]
     fn faults_of_a_drawing_are_named_with_their_row() {
         check(&["S..", ".."], "drawing:2: row 2 has 2 columns, row 1 has 3: make all rows equally long");

@@ -1,12 +1,13 @@
 //! Tests of what the console says in an operator's words.
 
+use std::time::Duration;
+
 use super::*;
 use crate::api::fixture::{TEN, degrees, idle, searching, touch};
 use hallsweep_core::retrieval::Which;
 use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::robot::RobotShown;
 use hallsweep_core::world::snapshot::{Progress, TimeLeft};
-use std::time::Duration;
 
 fn view(snapshot: &Snapshot) -> View<'_> {
     let hall = HallInfo { name: "airport", cell_m: Some(0.5) };
