@@ -69,7 +69,7 @@ const RULES: [Rule; 11] = [
     Rule {
         module: "robots",
         modules: &["config", "runtime", "storage"],
-        crates: &["hallsweep_core", "hallsweep_sim", "thiserror", "tokio", "tracing"],
+        crates: &["hallsweep_core", "hallsweep_drivers", "hallsweep_sim", "thiserror", "tokio", "tracing"],
     },
     Rule {
         module: "storage",
