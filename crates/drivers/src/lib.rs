@@ -9,8 +9,12 @@
 //! ```
 //! What to do next is decided by nobody here: a driver gets one order at a time, and answers it once.
 
+mod virtual_robot;
+
 use std::fmt;
 use std::time::Duration;
+
+pub use virtual_robot::{Dialect, VirtualRobot};
 
 use hallsweep_core::effect::{Order, Stamp};
 use hallsweep_core::event::{OffCentre, Photo, RobotEvent};
@@ -26,6 +30,9 @@ pub trait Driver: fmt::Debug + Send {
 
     /// What the robot sent: of a stream any piece of it, of a protocol of messages a whole one.
     fn handle_received(&mut self, bytes: &[u8], now: Now);
+
+    /// What `Output::Send` asked for has been handed over.
+    fn handle_sent(&mut self, now: Now);
 
     /// Begins an order, or answers at once why it cannot.
     fn handle_order(&mut self, order: Order, now: Now);

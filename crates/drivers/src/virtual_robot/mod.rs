@@ -1,0 +1,376 @@
+//! The virtual robot of the Bologna laboratory: a page in a browser shows it in a room, and a server joins the page with programs, over
+//! TCP in its first version, over WebSocket in that of 2021. Its protocols stand in `words`, where it is taken to stand in `reckoning`.
+//!
+//! It measures nothing, and of a move it says at most that it has met something. So its driver counts the time:
+//!
+//! ```text
+//!   order ─► [TCP: a new connection] ─► moveForward 330 ─┬─ nothing is heard for 330 ms and a margin ─► done
+//!                                                        └─ collision wallDown ─► blocked; recentred by the time it drove
+//! ```
+//! Over TCP all that the server says goes to whoever of this machine has connected last, and without a page commands vanish. Each motion
+//! therefore begins with a new connection: the server greets it when a page is open, and what it says from then on comes to us.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use crate::{Driver, Output, Subject};
+use hallsweep_core::command::Move;
+use hallsweep_core::effect::{Action, Order};
+use hallsweep_core::event::{Capabilities, Obstacle, OffCentre, Parts, Photo, Piece, RobotEvent, Whereabouts};
+use hallsweep_core::robots::Part;
+use hallsweep_core::units::{Heading, Now, OrderId, Pose};
+
+mod leg;
+mod legs;
+mod memory;
+mod reckoning;
+mod words;
+
+use leg::{Leg, Stage, Way};
+use memory::Unheard;
+use reckoning::Reckoning;
+use words::{Command, Heard, Stream};
+
+/// How long a turn is asked for: it cannot be halted, so it is to be short (safety S5), and less looks wrong on the page.
+const TURN: Duration = Duration::from_millis(400);
+
+/// So long a greeting is waited for when a connection was made.
+const GREETING: Duration = Duration::from_secs(1);
+
+/// What a photo may take: drawing it is some hundredths of a second, on a machine that may have much else to do.
+const DRAWING: Duration = Duration::from_secs(2);
+
+/// Which version of its server it has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dialect {
+    /// JSON between semicolons over TCP: it says when it meets something, and nothing else.
+    Semicolons,
+    /// JSON messages over WebSocket: it says when a move has ended, too.
+    Messages,
+}
+
+/// What drives one virtual robot.
+#[derive(Debug)]
+pub struct VirtualRobot {
+    dialect: Dialect,
+    reckoning: Reckoning,
+    /// How long it takes for a cell.
+    step: Duration,
+    /// From the sending of a move to the word of a contact, beside the time that it drove; `None` before that was measured.
+    latency: Option<Duration>,
+    stream: Stream,
+    /// Whether a connection stands, and whether the server has greeted it.
+    is_connected: bool,
+    is_greeted: bool,
+    /// Until when the greeting is waited for.
+    greeting: Option<Duration>,
+    /// Whether the core was told that the link is up, and why it is not.
+    is_up: bool,
+    said: Option<String>,
+    task: Option<Task>,
+    off_centre: OffCentre,
+    /// A motion whose end nobody has heard.
+    unheard: Option<Unheard>,
+    /// Why nobody knows where it stands, until its page is opened anew.
+    lost: Option<String>,
+    /// What it touches, as far as it has said.
+    touches: Option<String>,
+    /// How long it had driven, when it met something before the latency was known.
+    first_contact: Option<Duration>,
+    /// When it last came to the end of a step without having met anything.
+    stepped: Option<Duration>,
+    outputs: VecDeque<Output>,
+    events: VecDeque<RobotEvent>,
+    is_changed: bool,
+    now: Duration,
+}
+
+#[derive(Debug)]
+struct Task {
+    order: OrderId,
+    deadline: Duration,
+    aim: Aim,
+    leg: Option<Leg>,
+    /// How often something unexpected was met on the way back to the centre.
+    hindered: u8,
+}
+
+/// What an order comes to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Aim {
+    Step(Pose),
+    Turn(Pose),
+    /// Back to the centre of its cell.
+    Back,
+    /// Once more forward against what it has met: how much longer that seems to take than it must is the latency.
+    Measure,
+    /// A little ahead: whether the step whose end was not heard is complete.
+    Feel,
+    Draw,
+}
+
+impl VirtualRobot {
+    /// A robot that was newly put down at home and is taken to need so long for a cell.
+    #[must_use]
+    pub fn new(dialect: Dialect, step: Duration) -> VirtualRobot {
+        VirtualRobot {
+            dialect,
+            reckoning: Reckoning::at_home(),
+            step,
+            latency: None,
+            stream: Stream::default(),
+            is_connected: false,
+            is_greeted: false,
+            greeting: None,
+            is_up: false,
+            said: None,
+            task: None,
+            off_centre: false,
+            unheard: None,
+            lost: None,
+            touches: None,
+            first_contact: None,
+            stepped: None,
+            outputs: VecDeque::new(),
+            events: VecDeque::new(),
+            is_changed: true,
+            now: Duration::ZERO,
+        }
+    }
+
+    fn can(&self) -> Capabilities {
+        let parts = Parts::of(&[Part::Base, Part::Bump]);
+        let step = self.step + self.margin();
+        Capabilities { step, turn: TURN + self.margin(), photo: DRAWING, arm: Duration::ZERO, nudges: false, parts }
+    }
+
+    fn greeted(&mut self) {
+        self.greeting = None;
+        let is_awaited = !std::mem::replace(&mut self.is_greeted, true);
+        if matches!(self.leg(), Some(Leg { stage: Stage::Fresh(_), .. })) {
+            self.queue();
+        } else if !self.is_up {
+            self.come_up();
+        } else if !is_awaited {
+            self.page_opened_anew();
+        }
+    }
+
+    fn come_up(&mut self) {
+        (self.is_up, self.said) = (true, None);
+        let whereabouts = Whereabouts { pose: self.reckoning.pose(), off_centre: self.off_centre };
+        self.events.extend([RobotEvent::Stands(whereabouts), RobotEvent::LinkUp(self.can())]);
+    }
+
+    /// Whoever opens its page anew puts it back to where it starts.
+    fn page_opened_anew(&mut self) {
+        self.go_down("its page was opened anew, so it stands at its start again");
+        self.reckoning.put_home();
+        (self.off_centre, self.unheard, self.lost, self.touches) = (false, None, None, None);
+        self.is_changed = true;
+        self.come_up();
+    }
+
+    /// The core is told that it cannot be reached, once for each reason.
+    fn go_down(&mut self, words: &str) {
+        self.leave_unheard();
+        let is_new = self.said.as_deref() != Some(words);
+        if std::mem::take(&mut self.is_up) || is_new {
+            self.events.push_back(RobotEvent::LinkLost(words.to_owned()));
+        }
+        self.said = Some(words.to_owned());
+    }
+
+    fn hear(&mut self, heard: Heard) {
+        match heard {
+            Heard::Page => self.greeted(),
+            Heard::Contact(name) => self.contact(name),
+            Heard::Ended(name) => self.acknowledged(name.as_deref()),
+            Heard::Refused => self.refused(),
+        }
+    }
+
+    fn send(&mut self, command: Command) {
+        let bytes = match self.dialect {
+            Dialect::Semicolons => command.between_semicolons(),
+            Dialect::Messages => command.as_message(),
+        };
+        self.outputs.push_back(Output::Send(bytes));
+    }
+
+    fn leg(&self) -> Option<&Leg> {
+        self.task.as_ref().and_then(|task| task.leg.as_ref())
+    }
+
+    fn leg_mut(&mut self) -> Option<&mut Leg> {
+        self.task.as_mut().and_then(|task| task.leg.as_mut())
+    }
+
+    /// Ends the task with this answer.
+    fn answer(&mut self, answer: impl FnOnce(OrderId) -> RobotEvent) {
+        if let Some(task) = self.task.take() {
+            self.events.push_back(answer(task.order));
+            self.is_changed = true;
+        }
+    }
+
+    fn fail(&mut self, words: &str) {
+        self.answer(|order| RobotEvent::Failed(order, words.to_owned()));
+    }
+
+    /// Nobody knows any more where it stands.
+    fn lose(&mut self, words: String) {
+        let words = format!("{words}: open its page anew, so that it stands at its start, and press RESET");
+        self.off_centre = true;
+        self.fail(&words);
+        self.lost = Some(words);
+    }
+
+    fn begin_move(&mut self, step: Move) {
+        let Pose { cell, heading } = self.reckoning.pose();
+        let (towards, backward) = match step {
+            Move::Forward => (heading, false),
+            Move::Backward => (heading.opposite(), true),
+            Move::TurnLeft => return self.begin_turn(heading.left(), true),
+            Move::TurnRight => return self.begin_turn(heading.right(), false),
+            Move::NudgeLeft | Move::NudgeRight => return self.fail("it has no small corrective turns"),
+        };
+        let to = Pose { cell: cell.ahead(towards), heading };
+        let cells = self.reckoning.way_to(to.cell, towards).clamp(0.5, 1.5);
+        self.aim(Aim::Step(to));
+        self.drive(towards, cells, backward);
+    }
+
+    fn begin_turn(&mut self, heading: Heading, left: bool) {
+        self.aim(Aim::Turn(Pose { heading, ..self.reckoning.pose() }));
+        self.set_out(Way::Turn { left, lasts: TURN });
+    }
+
+    fn aim(&mut self, aim: Aim) {
+        if let Some(task) = &mut self.task {
+            task.aim = aim;
+        }
+    }
+}
+
+impl Driver for VirtualRobot {
+    fn handle_connected(&mut self, now: Now) {
+        self.now = now.since_start;
+        self.stream.begin();
+        (self.is_connected, self.is_greeted) = (true, false);
+        match self.dialect {
+            Dialect::Semicolons => self.greeting = Some(self.now + GREETING),
+            // Its server does not greet; whether a page is open shows when a move ends.
+            Dialect::Messages => self.greeted(),
+        }
+    }
+
+    fn handle_lost(&mut self, words: &str, now: Now) {
+        self.now = now.since_start;
+        (self.is_connected, self.is_greeted, self.greeting) = (false, false, None);
+        self.go_down(words);
+    }
+
+    fn handle_received(&mut self, bytes: &[u8], now: Now) {
+        self.now = now.since_start;
+        match self.dialect {
+            Dialect::Semicolons => {
+                for heard in self.stream.read(bytes) {
+                    self.hear(heard);
+                }
+            }
+            Dialect::Messages => {
+                if let Some(heard) = words::message(bytes) {
+                    self.hear(heard);
+                }
+            }
+        }
+    }
+
+    fn handle_sent(&mut self, now: Now) {
+        self.now = now.since_start;
+        if let Some(leg) = self.leg_mut().filter(|leg| leg.stage == Stage::Queued) {
+            leg.stage = Stage::Sent(now.since_start);
+        }
+    }
+
+    fn handle_order(&mut self, order: Order, now: Now) {
+        self.now = now.since_start;
+        if let Some(task) = &self.task {
+            let words = format!("order {} is still under way", task.order);
+            return self.events.push_back(RobotEvent::Failed(order.id, words));
+        }
+        let deadline = self.now.saturating_add(order.deadline);
+        self.task = Some(Task { order: order.id, deadline, aim: Aim::Back, leg: None, hindered: 0 });
+        if let Some(lost) = self.lost.clone().filter(|_| order.action.is_motion()) {
+            return self.fail(&lost);
+        }
+        match order.action {
+            Action::Move(_) if self.off_centre => self.fail("it stands away from the centre of its cell: recentre first"),
+            Action::Move(step) => self.begin_move(step),
+            Action::Recentre => self.begin_recentring(),
+            Action::Photograph(stamp) => {
+                self.aim(Aim::Draw);
+                self.outputs.push_back(Output::Draw(order.id, Subject { stamp, name: self.touches.clone() }));
+            }
+            Action::Enter | Action::Leave => self.fail("it cannot leave its room"),
+            Action::Arm(_) => self.fail("it has no arm"),
+        }
+    }
+
+    fn handle_halt(&mut self, now: Now) {
+        self.now = now.since_start;
+        self.halt();
+    }
+
+    fn handle_led(&mut self, _: bool, _: Now) {}
+
+    fn handle_drawing(&mut self, order: OrderId, drawing: Photo, _: Now) {
+        if self.task.as_ref().is_some_and(|task| task.order == order && task.aim == Aim::Draw) {
+            self.answer(|order| RobotEvent::Photo(order, drawing));
+        }
+    }
+
+    fn handle_timeout(&mut self, now: Now) {
+        self.now = now.since_start;
+        if self.greeting.is_some_and(|at| at <= self.now) {
+            self.greeting = None;
+            self.go_down("no page of the virtual robot is open: open the address of its server in a browser");
+        }
+        self.pass();
+    }
+
+    fn poll_output(&mut self) -> Option<Output> {
+        self.outputs.pop_front()
+    }
+
+    fn poll_event(&mut self) -> Option<RobotEvent> {
+        self.events.pop_front()
+    }
+
+    fn poll_timeout(&self) -> Option<Duration> {
+        let deadline = self.task.as_ref().map(|task| task.deadline);
+        [self.greeting, deadline, self.leg_due()].into_iter().flatten().min()
+    }
+
+    fn poll_memory(&mut self) -> Option<String> {
+        std::mem::take(&mut self.is_changed).then(|| self.remembered())
+    }
+
+    fn is_off_centre(&self) -> OffCentre {
+        self.off_centre
+    }
+}
+
+/// What the name of a thing says that it is. A piece has the same number in every run.
+fn obstacle(name: Option<&str>) -> Obstacle {
+    match name {
+        None => Obstacle::Unknown,
+        Some(name) if name.starts_with("wall") || name == "floor-border" => Obstacle::Wall { left: 0, right: 0 },
+        Some(name) => {
+            // FNV-1a.
+            let number = name.bytes().fold(0x811c_9dc5_u32, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193));
+            Obstacle::Luggage(Piece(number))
+        }
+    }
+}

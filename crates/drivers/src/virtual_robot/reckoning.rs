@@ -1,0 +1,209 @@
+//! Where the virtual robot is taken to stand. It says nothing of that itself: its driver counts the time that it moved, and sets itself
+//! right by the things that it meets, which have names and do not move.
+//!
+//! ```text
+//!    cell 6      cell 7      cell 8            a face: where the robot's centre is when it touches this thing, coming this way;
+//!  ┌───────────┬───────────┬─────▓▓▓▓▓▓        met once, its place is known, and the next time it tells how far the reckoning
+//!  │     ·     │     ·  ───┼──►  ▓ wallDown    has drifted
+//! ```
+//! Lengths are in cells, and along a direction they grow that way.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use hallsweep_core::units::{Cell, Heading, Pose};
+
+/// A reckoning that is wrong by more than this is of no use: it would put things into the wrong cells.
+pub(super) const DRIFT: f64 = 0.45;
+
+/// So many faces are remembered; a scene has some dozens.
+const FACES: usize = 4096;
+
+/// A way shorter than this, in cells, does not tell how fast the robot is: a frame of its page is a twentieth of a cell.
+const GAUGED: f64 = 2.0;
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Reckoning {
+    /// The cell and heading of the last completed order.
+    cell: (i32, i32),
+    heading: String,
+    /// Where its centre is: columns to the east and rows to the south of home's.
+    at: [f64; 2],
+    faces: BTreeMap<String, f64>,
+    /// Since which coordinate on each axis it has been moving, and how far to and fro it has moved since.
+    since: [Option<(f64, f64)>; 2],
+}
+
+/// The reckoning was wrong by more than it may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Drift(pub(super) f64);
+
+impl Reckoning {
+    /// Newly put down at home.
+    pub(super) fn at_home() -> Reckoning {
+        Reckoning {
+            cell: (0, 0),
+            heading: Pose::START.heading.name().to_owned(),
+            at: [0.0; 2],
+            faces: BTreeMap::new(),
+            since: [None; 2],
+        }
+    }
+
+    /// Put down at home again, in the same room.
+    pub(super) fn put_home(&mut self) {
+        let faces = std::mem::take(&mut self.faces);
+        *self = Reckoning { faces, ..Reckoning::at_home() };
+    }
+
+    /// Whether what was read back can be true.
+    pub(super) fn is_sound(&self) -> bool {
+        let bounded = |length: f64| length.is_finite() && length.abs() < 1e6;
+        let faces = self.faces.len() <= FACES && self.faces.values().all(|face| bounded(*face));
+        let since = self.since.iter().flatten().all(|(from, way)| bounded(*from) && bounded(*way));
+        named(&self.heading).is_some() && self.at.into_iter().all(bounded) && faces && since
+    }
+
+    pub(super) fn pose(&self) -> Pose {
+        let heading = named(&self.heading).unwrap_or(Pose::START.heading);
+        Pose { cell: Cell::new(self.cell.0, self.cell.1), heading }
+    }
+
+    /// An order is complete, and this is where it ends.
+    pub(super) fn complete(&mut self, pose: Pose) {
+        self.cell = (pose.cell.x, pose.cell.y);
+        self.heading = pose.heading.name().to_owned();
+    }
+
+    /// How far ahead of it the centre of this cell is, in this direction; negative when it is behind.
+    pub(super) fn way_to(&self, cell: Cell, towards: Heading) -> f64 {
+        along([f64::from(cell.x), f64::from(cell.y)], towards) - along(self.at, towards)
+    }
+
+    pub(super) fn advance(&mut self, towards: Heading, cells: f64) {
+        let (dx, dy) = towards.vector();
+        self.at = [f64::from(dx).mul_add(cells, self.at[0]), f64::from(dy).mul_add(cells, self.at[1])];
+        if let Some((_, way)) = &mut self.since[axis(towards)] {
+            *way += cells.abs();
+        }
+    }
+
+    /// It has met this thing, coming this way: the reckoning is set right by it, or the thing's place is now known. By how much what
+    /// was counted exceeded what it really drove, when that was far enough to tell.
+    pub(super) fn meet(&mut self, name: Option<&str>, towards: Heading) -> Result<Option<f64>, Drift> {
+        let Some(key) = name.map(|name| key(name, towards)) else { return Ok(None) };
+        let here = along(self.at, towards);
+        let Some(face) = self.faces.get(&key).copied() else {
+            if self.faces.len() < FACES {
+                self.faces.insert(key, here);
+            }
+            return Ok(None);
+        };
+        let drift = here - face;
+        let ratio = self.since[axis(towards)].and_then(|since| ratio(since, face * sign(towards)));
+        self.stand_at(face, towards);
+        if drift.abs() > DRIFT { Err(Drift(drift)) } else { Ok(ratio) }
+    }
+
+    /// The last thing that was met stands this much further than was thought.
+    pub(super) fn correct(&mut self, name: Option<&str>, towards: Heading, by: f64) {
+        let (dx, dy) = towards.vector();
+        self.at = [f64::from(dx).mul_add(by, self.at[0]), f64::from(dy).mul_add(by, self.at[1])];
+        if let Some(face) = name.and_then(|name| self.faces.get_mut(&key(name, towards))) {
+            *face += by;
+        }
+    }
+
+    /// Whether this thing was met before, coming this way.
+    pub(super) fn knows(&self, name: Option<&str>, towards: Heading) -> bool {
+        name.is_some_and(|name| self.faces.contains_key(&key(name, towards)))
+    }
+
+    fn stand_at(&mut self, along: f64, towards: Heading) {
+        let axis = axis(towards);
+        self.at[axis] = along * sign(towards);
+        self.since[axis] = Some((self.at[axis], 0.0));
+    }
+}
+
+/// What was counted in proportion to what lies between, when it was driven straight.
+fn ratio((from, counted): (f64, f64), to: f64) -> Option<f64> {
+    let between = (to - from).abs();
+    let straight = between >= GAUGED && (counted / between - 1.0).abs() < 0.5;
+    straight.then(|| counted / between)
+}
+
+fn key(name: &str, towards: Heading) -> String {
+    format!("{} {name}", towards.name())
+}
+
+fn named(name: &str) -> Option<Heading> {
+    Heading::ALL.into_iter().find(|heading| heading.name() == name)
+}
+
+fn axis(heading: Heading) -> usize {
+    usize::from(heading.vector().0 == 0)
+}
+
+fn sign(heading: Heading) -> f64 {
+    let (dx, dy) = heading.vector();
+    f64::from(dx + dy)
+}
+
+fn along(at: [f64; 2], heading: Heading) -> f64 {
+    at[axis(heading)] * sign(heading)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WALL: Option<&str> = Some("wallDown");
+
+    #[test]
+    fn a_thing_that_is_met_again_sets_the_reckoning_right() {
+        let mut reckoning = Reckoning::at_home();
+        reckoning.advance(Heading::South, 7.6);
+        assert_eq!(reckoning.meet(WALL, Heading::South), Ok(None), "now it is known where it stands");
+        reckoning.advance(Heading::North, 0.6);
+        reckoning.advance(Heading::South, 0.8);
+        assert_eq!(reckoning.meet(WALL, Heading::South), Ok(None));
+        assert!((reckoning.way_to(Cell::new(0, 7), Heading::North) - 0.6).abs() < 1e-9);
+    }
+
+    #[test]
+    fn too_much_drift_is_said_and_a_thing_has_two_sides() {
+        let mut reckoning = Reckoning::at_home();
+        reckoning.advance(Heading::South, 7.6);
+        assert_eq!(reckoning.meet(WALL, Heading::South), Ok(None));
+        reckoning.advance(Heading::South, 2.0);
+        assert_eq!(reckoning.meet(WALL, Heading::North), Ok(None), "that is its other side");
+        reckoning.advance(Heading::North, 1.0);
+        assert!(matches!(reckoning.meet(WALL, Heading::South), Err(Drift(drift)) if (drift - 1.0).abs() < 1e-9));
+        assert!(matches!(reckoning.meet(WALL, Heading::South), Ok(_)), "and then it is right");
+    }
+
+    #[test]
+    fn a_long_way_between_two_things_tells_how_fast_it_is() {
+        let mut reckoning = Reckoning::at_home();
+        reckoning.advance(Heading::South, 7.6);
+        assert_eq!(reckoning.meet(WALL, Heading::South), Ok(None));
+        reckoning.advance(Heading::North, 8.0);
+        assert_eq!(reckoning.meet(Some("wallUp"), Heading::North), Ok(None));
+        reckoning.advance(Heading::North, 0.05);
+        assert!(matches!(reckoning.meet(Some("wallUp"), Heading::North), Ok(None)), "nothing was driven yet");
+        reckoning.advance(Heading::South, 8.3);
+        let Ok(Some(ratio)) = reckoning.meet(WALL, Heading::South) else { panic!("that is far enough") };
+        assert!((ratio - 8.3 / 8.0).abs() < 1e-9, "{ratio}");
+    }
+
+    #[test]
+    fn what_is_no_place_is_not_believed() {
+        let mut reckoning = Reckoning::at_home();
+        assert!(reckoning.is_sound());
+        reckoning.at[0] = f64::NAN;
+        assert!(!reckoning.is_sound());
+        assert!(!Reckoning { heading: "up".into(), ..Reckoning::at_home() }.is_sound());
+    }
+}

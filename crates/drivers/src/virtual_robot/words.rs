@@ -1,0 +1,219 @@
+//! What the virtual robot's server says and is told, in both versions: JSON between semicolons over TCP, and JSON messages over WebSocket.
+//! What follows from it is not decided here.
+//!
+//! The server ends when a message comes in two pieces or is no JSON, so each is written whole, by `serde_json`.
+
+use std::time::Duration;
+
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+/// As much of a message as is kept while its end has not come; nothing that the server says is nearly as long.
+const LONGEST: usize = 4096;
+
+/// A name of a thing is cut after so many letters: it stands in a log line, on a drawing and in a small file.
+const LONGEST_NAME: usize = 64;
+
+/// What the robot can be told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Command {
+    Forward(Duration),
+    Backward(Duration),
+    Left(Duration),
+    Right(Duration),
+    /// Ends a translation; a rotation goes on.
+    Alarm,
+}
+
+/// What was heard of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Heard {
+    /// A page is open, in which it stands.
+    Page,
+    /// It has met something, of this name where it says so.
+    Contact(Option<String>),
+    /// A move has ended as it should, as far as the server knows: of this name where it says so.
+    Ended(Option<String>),
+    /// A move was not begun, because another one was under way.
+    Refused,
+}
+
+impl Command {
+    pub(super) const fn word(self) -> &'static str {
+        match self {
+            Command::Forward(_) => "moveForward",
+            Command::Backward(_) => "moveBackward",
+            Command::Left(_) => "turnLeft",
+            Command::Right(_) => "turnRight",
+            Command::Alarm => "alarm",
+        }
+    }
+
+    fn ms(self) -> Option<u64> {
+        match self {
+            Command::Forward(lasts) | Command::Backward(lasts) | Command::Left(lasts) | Command::Right(lasts) => {
+                u64::try_from(lasts.as_millis()).ok()
+            }
+            Command::Alarm => None,
+        }
+    }
+
+    /// Between semicolons, for the server of the first version.
+    pub(super) fn between_semicolons(self) -> Vec<u8> {
+        let message = match self.ms() {
+            Some(ms) => json!({"type": self.word(), "arg": ms}),
+            None => json!({"type": self.word()}),
+        };
+        format!(";{message};").into_bytes()
+    }
+
+    /// As a message, for the server of 2021.
+    pub(super) fn as_message(self) -> Vec<u8> {
+        json!({"robotmove": self.word(), "time": self.ms().unwrap_or(0)}).to_string().into_bytes()
+    }
+}
+
+/// A stream of messages between semicolons, as it comes in pieces.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Stream {
+    begun: Vec<u8>,
+    /// A message that was too long is passed over up to its end.
+    skips: bool,
+}
+
+impl Stream {
+    /// What is understood of this piece and what came before.
+    pub(super) fn read(&mut self, bytes: &[u8]) -> Vec<Heard> {
+        let mut heard = Vec::new();
+        for byte in bytes {
+            if *byte == b';' {
+                let message = std::mem::take(&mut self.begun);
+                if !std::mem::take(&mut self.skips) {
+                    heard.extend(typed(&message));
+                }
+            } else if self.begun.len() < LONGEST {
+                self.begun.push(*byte);
+            } else {
+                self.skips = true;
+            }
+        }
+        heard
+    }
+
+    /// Forgets what has begun: another connection begins anew.
+    pub(super) fn begin(&mut self) {
+        *self = Stream::default();
+    }
+}
+
+#[derive(Deserialize)]
+struct Typed {
+    r#type: String,
+    #[serde(default)]
+    arg: Value,
+}
+
+fn typed(message: &[u8]) -> Option<Heard> {
+    let Typed { r#type, arg } = serde_json::from_slice(message).ok()?;
+    match r#type.as_str() {
+        "webpage-ready" => Some(Heard::Page),
+        "collision" => Some(Heard::Contact(arg.get("objectName").and_then(name))),
+        // The sonars stand in the hall and see the robot; it has none of its own.
+        _ => None,
+    }
+}
+
+/// What is understood of a message of the server of 2021 and those after it, which differ: a collision has a target or has none, a
+/// move ends with `true` or with `"true"`, what was not begun is `"notallowed"` or has that behind its name.
+pub(super) fn message(bytes: &[u8]) -> Option<Heard> {
+    let said: Value = serde_json::from_slice(bytes.get(..bytes.len().min(LONGEST))?).ok()?;
+    if said.get("collision").is_some_and(|collision| *collision != Value::Bool(false)) {
+        return Some(Heard::Contact(said.get("target").and_then(name)));
+    }
+    let ended = said.get("endmove")?;
+    let which = said.get("move").and_then(name);
+    let is_refused = ended == "notallowed" || which.as_deref().is_some_and(|which| which.ends_with("_notallowed"));
+    if is_refused {
+        return Some(Heard::Refused);
+    }
+    // One that was halted or has failed says so by `false`, and its collision or our own alarm has said it before.
+    (*ended == Value::Bool(true) || ended == "true").then_some(Heard::Ended(which))
+}
+
+fn name(value: &Value) -> Option<String> {
+    let visible = value.as_str()?.chars().filter(|letter| !letter.is_control());
+    let name: String = visible.take(LONGEST_NAME).collect();
+    (!name.is_empty()).then_some(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn read(text: &str) -> Vec<Heard> {
+        Stream::default().read(text.as_bytes())
+    }
+
+    #[test]
+    fn commands_are_as_the_servers_want_them() {
+        let forward = Command::Forward(Duration::from_millis(330));
+        assert_eq!(String::from_utf8(forward.between_semicolons()).unwrap(), r#";{"arg":330,"type":"moveForward"};"#);
+        assert_eq!(String::from_utf8(Command::Alarm.between_semicolons()).unwrap(), r#";{"type":"alarm"};"#);
+        let left = Command::Left(Duration::from_millis(400));
+        assert_eq!(String::from_utf8(left.as_message()).unwrap(), r#"{"robotmove":"turnLeft","time":400}"#);
+    }
+
+    #[test]
+    fn what_the_first_server_says_is_understood_however_it_comes() {
+        let said = ";{\"type\":\"webpage-ready\",\"arg\":{}};\n;{\"type\":\"collision\",\"arg\":{\"objectName\":\"wallRight\"}};\n\
+                    ;{\"type\":\"sonar-activated\",\"arg\":{\"sonarName\":\"sonar2\",\"distance\":14,\"axis\":\"x\"}};\n;rubbish;";
+        let expect = [Heard::Page, Heard::Contact(Some("wallRight".into()))];
+        assert_eq!(read(said), expect);
+        let mut stream = Stream::default();
+        let in_bytes: Vec<Heard> = said.bytes().flat_map(|byte| stream.read(&[byte])).collect();
+        assert_eq!(in_bytes, expect);
+    }
+
+    #[test]
+    fn what_is_too_long_is_passed_over_and_the_next_is_read() {
+        let long = format!(";{{\"type\":\"{}\"}};\n;{{\"type\":\"webpage-ready\"}};", "x".repeat(LONGEST));
+        assert_eq!(read(&long), [Heard::Page]);
+        let name = format!(";{{\"type\":\"collision\",\"arg\":{{\"objectName\":\"{}\"}}}};", "n".repeat(500));
+        assert_eq!(read(&name), [Heard::Contact(Some("n".repeat(LONGEST_NAME)))]);
+    }
+
+    #[test]
+    fn what_the_later_servers_say_is_understood_in_each_of_their_ways() {
+        for (said, expect) in [
+            (r#"{"endmove":true,"move":"moveForward"}"#, Some(Heard::Ended(Some("moveForward".into())))),
+            (r#"{"endmove":"true","move":"turnLeft"}"#, Some(Heard::Ended(Some("turnLeft".into())))),
+            (r#"{"endmove":true}"#, Some(Heard::Ended(None))),
+            (r#"{"endmove":false,"move":"moveForward"}"#, None),
+            (r#"{"endmove":false,"move":"moveForward_halted"}"#, None),
+            (r#"{"endmove":false,"move":"moveForward_notallowed"}"#, Some(Heard::Refused)),
+            (r#"{"endmove":"notallowed","move":"moveForward"}"#, Some(Heard::Refused)),
+            (r#"{"collision":"moveForward","target":"wallDown"}"#, Some(Heard::Contact(Some("wallDown".into())))),
+            (r#"{"collision":true,"move":"unknown"}"#, Some(Heard::Contact(None))),
+            (r#"{"sonarName":"sonar1","distance":1,"axis":"x"}"#, None),
+            ("[]", None),
+            ("", None),
+        ] {
+            assert_eq!(message(said.as_bytes()), expect, "{said}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn no_bytes_however_cut_make_more_of_it_than_it_is(bytes: Vec<u8>, cut: prop::sample::Index) {
+            let (first, second) = bytes.split_at(cut.index(bytes.len() + 1));
+            let mut stream = Stream::default();
+            let mut heard = stream.read(first);
+            heard.extend(stream.read(second));
+            prop_assert_eq!(heard, Stream::default().read(&bytes));
+            prop_assert!(stream.begun.len() <= LONGEST);
+            message(&bytes);
+        }
+    }
+}
