@@ -69,7 +69,17 @@ const RULES: [Rule; 11] = [
     Rule {
         module: "robots",
         modules: &["config", "runtime", "storage"],
-        crates: &["hallsweep_core", "hallsweep_drivers", "hallsweep_sim", "thiserror", "tokio", "tracing"],
+        crates: &[
+            "futures_util",
+            "hallsweep_core",
+            "hallsweep_drivers",
+            "hallsweep_sim",
+            "serial2_tokio",
+            "thiserror",
+            "tokio",
+            "tokio_tungstenite",
+            "tracing",
+        ],
     },
     Rule {
         module: "storage",

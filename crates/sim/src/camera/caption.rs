@@ -19,18 +19,25 @@ const PAPER: Paint = Paint(18.0, 22.0, 28.0);
 const TEXT: Paint = Paint(240.0, 242.0, 245.0);
 const TIME: Paint = Paint(250.0, 204.0, 80.0);
 
+/// The space beside the text.
+const MARGIN: usize = 8;
+
 pub(super) fn draw(canvas: &mut Canvas, hall: &Hall, stamp: Stamp) {
+    draw_plain(canvas, &where_line(hall, stamp), stamp.wall);
+    let name: String = hall.name().chars().take(22).collect();
+    let width = name.chars().count() * font::ADVANCE * DOT;
+    write(canvas, &name, (WIDTH - MARGIN - width, HEIGHT - BAR + 28), TEXT);
+}
+
+/// The bar with these words and the time, without a hall.
+pub(super) fn draw_plain(canvas: &mut Canvas, words: &str, wall: WallTime) {
     for row in HEIGHT - BAR..HEIGHT {
         for column in 0..WIDTH {
             canvas.paint(column, row, PAPER);
         }
     }
-    let margin = 8;
-    write(canvas, &where_line(hall, stamp), (margin, HEIGHT - BAR + 8), TEXT);
-    write(canvas, &in_words(stamp.wall), (margin, HEIGHT - BAR + 28), TIME);
-    let name: String = hall.name().chars().take(22).collect();
-    let width = name.chars().count() * font::ADVANCE * DOT;
-    write(canvas, &name, (WIDTH - margin - width, HEIGHT - BAR + 28), TEXT);
+    write(canvas, words, (MARGIN, HEIGHT - BAR + 8), TEXT);
+    write(canvas, &in_words(wall), (MARGIN, HEIGHT - BAR + 28), TIME);
 }
 
 fn where_line(hall: &Hall, stamp: Stamp) -> String {
@@ -52,10 +59,15 @@ fn in_words(wall: WallTime) -> String {
     }
 }
 
-fn write(canvas: &mut Canvas, text: &str, (left, top): (usize, usize), paint: Paint) {
-    let columns = text.chars().count() * font::ADVANCE * DOT;
+fn write(canvas: &mut Canvas, text: &str, place: (usize, usize), paint: Paint) {
+    write_large(canvas, text, place, paint, DOT);
+}
+
+/// A line of text with dots of so many pixels; what has no room in the picture is left out.
+pub(super) fn write_large(canvas: &mut Canvas, text: &str, (left, top): (usize, usize), paint: Paint, dot: usize) {
+    let columns = text.chars().count() * font::ADVANCE * dot;
     for column in (0..columns).filter(|column| left + column < WIDTH) {
-        for row in (0..font::HEIGHT * DOT).filter(|row| font::dot(text, column / DOT, row / DOT)) {
+        for row in (0..font::HEIGHT * dot).filter(|row| font::dot(text, column / dot, row / dot)) {
             canvas.paint(left + column, top + row, paint);
         }
     }

@@ -6,11 +6,14 @@ mod caption;
 mod font;
 mod luggage;
 mod picture;
+mod plan;
 mod room;
 mod solid;
 mod space;
 mod surface;
 mod view;
+
+pub use plan::plan;
 
 use std::sync::Arc;
 

@@ -1,0 +1,259 @@
+//! Joins a driver to the loop and to the wire: channels, timers, connections that are made anew, the threads on which drawings are made
+//! and the small file is written. What is said to the robot is decided by the driver.
+
+use std::io;
+use std::pin::Pin;
+use std::time::Duration;
+
+use tokio::sync::mpsc;
+use tokio::task::JoinHandle;
+use tokio::time::Instant;
+
+use super::drawing;
+use super::memory_file::MemoryFile;
+use super::wire::{Address, Wire};
+use crate::runtime::clock::Clock;
+use crate::runtime::link::{RobotSide, Stamped};
+use hallsweep_core::event::{Photo, RobotEvent};
+use hallsweep_core::units::OrderId;
+use hallsweep_drivers::{Driver, Output};
+
+/// So long after a connection was lost, or could not be made, it is tried again.
+const AGAIN: Duration = Duration::from_millis(500);
+
+/// Timers are not set further ahead than this; then it is looked again.
+const LONGEST_WAIT: Duration = Duration::from_secs(3600);
+
+/// Runs a robot outside this program until the loop's end of its channels is gone. What must be known of it to the next program goes
+/// into the file, when there is one, before the robot or anybody else is told of what follows.
+pub(in crate::robots) async fn run(
+    driver: Box<dyn Driver>,
+    address: Address,
+    side: RobotSide,
+    clock: Clock,
+    file: Option<MemoryFile>,
+) {
+    let connection = Connection::Calling(address.call());
+    let link = Link {
+        driver,
+        address,
+        side,
+        clock,
+        connection,
+        report: None,
+        drawing: None,
+        obeyed: 0,
+        file,
+        keeps: true,
+        writing: None,
+    };
+    link.run().await;
+}
+
+struct Link {
+    driver: Box<dyn Driver>,
+    address: Address,
+    side: RobotSide,
+    clock: Clock,
+    connection: Connection,
+    /// A report on its way. Until it is taken nothing but a halt is listened to, so that reports cannot pile up.
+    report: Option<RobotEvent>,
+    drawing: Option<(OrderId, JoinHandle<Photo>)>,
+    /// The halts of which the last order that was begun knew.
+    obeyed: u64,
+    /// The file, while it is not being written.
+    file: Option<MemoryFile>,
+    keeps: bool,
+    /// The file being written: on a thread of its own, so that a disk that hangs delays no halt.
+    writing: Option<JoinHandle<MemoryFile>>,
+}
+
+enum Connection {
+    Waiting(Instant),
+    Calling(Pin<Box<dyn Future<Output = io::Result<Wire>> + Send>>),
+    Stands(Wire),
+    Closing(Pin<Box<dyn Future<Output = ()> + Send>>),
+}
+
+/// What happens to a connection.
+enum Happening {
+    Due,
+    Called(io::Result<Wire>),
+    Received(io::Result<Vec<u8>>),
+    Closed,
+}
+
+impl Link {
+    async fn run(mut self) {
+        self.side.led.mark_changed();
+        loop {
+            self.keep();
+            if self.writing.is_none() {
+                self.perform().await;
+            }
+            if self.report.is_none() && self.writing.is_none() {
+                self.report = self.driver.poll_event();
+            }
+            let free = self.report.is_none() && self.writing.is_none();
+            let wake = self.wake();
+            tokio::select! {
+                biased;
+                halts = self.side.halts.raised() => self.halt(halts.count).await,
+                sent = hand_over(&self.side.reports, &mut self.report), if self.report.is_some() => if !sent { return },
+                file = written(&mut self.writing) => self.file = file,
+                Ok(()) = self.side.led.changed() => {
+                    let blinks = *self.side.led.borrow_and_update();
+                    self.driver.handle_led(blinks, self.clock.now());
+                }
+                given = self.side.orders.recv(), if free => match given {
+                    Some(stamped) => self.order(stamped),
+                    None => return,
+                },
+                drawn = drawn(&mut self.drawing), if free => self.deliver(drawn),
+                happening = self.connection.happening(), if free => self.happened(happening),
+                () = tokio::time::sleep_until(wake), if free => self.driver.handle_timeout(self.clock.now()),
+            }
+        }
+    }
+
+    /// When the driver has to be looked at again.
+    fn wake(&self) -> Instant {
+        let now = self.clock.now().since_start;
+        let at = self.driver.poll_timeout().unwrap_or(Duration::MAX);
+        self.clock.instant(at.min(now + LONGEST_WAIT))
+    }
+
+    /// Begins to write down what has changed.
+    fn keep(&mut self) {
+        let Some(mut file) = self.file.take() else {
+            // There is none, or it is being written.
+            return;
+        };
+        let Some(memory) = self.driver.poll_memory() else {
+            self.file = Some(file);
+            return;
+        };
+        self.writing = Some(tokio::task::spawn_blocking(move || {
+            file.keep(&memory);
+            file
+        }));
+    }
+
+    /// Does what the driver wants done.
+    async fn perform(&mut self) {
+        while let Some(output) = self.driver.poll_output() {
+            match output {
+                Output::Send(bytes) => self.send(bytes).await,
+                Output::Draw(order, subject) => {
+                    self.drawing = Some((order, tokio::task::spawn_blocking(move || drawing::draw(&subject))));
+                }
+                Output::Reconnect => self.reconnect(),
+                Output::GiveUp(words) => self.lose(&words),
+            }
+        }
+    }
+
+    async fn send(&mut self, bytes: Vec<u8>) {
+        let Connection::Stands(wire) = &mut self.connection else { return };
+        match wire.send(bytes).await {
+            Ok(()) => self.driver.handle_sent(self.clock.now()),
+            Err(error) => self.lose(&self.cannot_be_reached(&error)),
+        }
+    }
+
+    fn reconnect(&mut self) {
+        let connection = std::mem::replace(&mut self.connection, Connection::Calling(self.address.call()));
+        if let Connection::Stands(wire) = connection {
+            self.connection = Connection::Closing(wire.close());
+        }
+    }
+
+    fn cannot_be_reached(&self, error: &io::Error) -> String {
+        format!("the robot at {} cannot be reached: {error}", self.address)
+    }
+
+    fn lose(&mut self, words: &str) {
+        self.connection = Connection::Waiting(self.clock.instant(self.clock.now().since_start + AGAIN));
+        self.driver.handle_lost(words, self.clock.now());
+    }
+
+    fn happened(&mut self, happening: Happening) {
+        match happening {
+            Happening::Due | Happening::Closed => self.connection = Connection::Calling(self.address.call()),
+            Happening::Called(Ok(wire)) => {
+                self.connection = Connection::Stands(wire);
+                self.driver.handle_connected(self.clock.now());
+            }
+            Happening::Received(Ok(bytes)) => self.driver.handle_received(&bytes, self.clock.now()),
+            Happening::Called(Err(error)) | Happening::Received(Err(error)) => self.lose(&self.cannot_be_reached(&error)),
+        }
+    }
+
+    /// A halt concerns what was begun before it was raised: an order may have overtaken the news of a halt that it knows of. What it makes
+    /// the driver say goes out whatever is being written.
+    async fn halt(&mut self, count: u64) {
+        if self.obeyed < count {
+            self.driver.handle_halt(self.clock.now());
+            self.perform().await;
+        }
+    }
+
+    fn order(&mut self, Stamped { order, halts }: Stamped) {
+        if halts < self.side.halts.now().count && order.action.is_motion() {
+            self.report = Some(RobotEvent::Halted(order.id, self.driver.is_off_centre()));
+            return;
+        }
+        self.obeyed = halts;
+        self.driver.handle_order(order, self.clock.now());
+    }
+
+    /// Brings a drawing to the driver. One that could not be made is missed by its order's deadline.
+    fn deliver(&mut self, (order, drawing): (OrderId, Option<Photo>)) {
+        if let Some(drawing) = drawing {
+            self.driver.handle_drawing(order, drawing, self.clock.now());
+        }
+    }
+}
+
+impl Connection {
+    /// The next thing that happens to it. Nothing is lost when this is given up.
+    async fn happening(&mut self) -> Happening {
+        match self {
+            Connection::Waiting(until) => {
+                tokio::time::sleep_until(*until).await;
+                Happening::Due
+            }
+            Connection::Calling(calling) => Happening::Called(calling.await),
+            Connection::Stands(wire) => Happening::Received(wire.receive().await),
+            Connection::Closing(closing) => {
+                closing.await;
+                Happening::Closed
+            }
+        }
+    }
+}
+
+/// Sends the report as soon as there is room for it; false when nobody receives any more.
+async fn hand_over(reports: &mpsc::Sender<RobotEvent>, report: &mut Option<RobotEvent>) -> bool {
+    let Ok(room) = reports.reserve().await else { return false };
+    if let Some(report) = report.take() {
+        room.send(report);
+    }
+    true
+}
+
+/// Waits for the file being written; for ever when it is not.
+async fn written(writing: &mut Option<JoinHandle<MemoryFile>>) -> Option<MemoryFile> {
+    let Some(under_way) = writing else { return std::future::pending().await };
+    let file = under_way.await.ok();
+    *writing = None;
+    file
+}
+
+/// Waits for the drawing being made; for ever when there is none.
+async fn drawn(drawing: &mut Option<(OrderId, JoinHandle<Photo>)>) -> (OrderId, Option<Photo>) {
+    let Some((order, making)) = drawing else { return std::future::pending().await };
+    let drawn = (*order, making.await.ok());
+    *drawing = None;
+    drawn
+}

@@ -1,0 +1,180 @@
+//! The wires to robots outside this program: TCP, WebSocket, a serial device. What is said over them is the driver's business, when they
+//! are made anew that of `link`.
+
+use std::io;
+use std::pin::Pin;
+use std::time::Duration;
+
+use futures_util::{SinkExt, StreamExt};
+use serial2_tokio::SerialPort;
+use tokio::net::TcpStream;
+use tokio_tungstenite::tungstenite::Message;
+use tokio_tungstenite::tungstenite::protocol::WebSocketConfig;
+use tokio_tungstenite::{MaybeTlsStream, WebSocketStream};
+
+/// So long a robot may take to answer a call.
+const CALL: Duration = Duration::from_secs(3);
+
+/// What is sent is some bytes: a robot that does not take them for so long is not there.
+const SENDING: Duration = Duration::from_millis(500);
+
+/// So long the other side may take to close after we have.
+const CLOSING: Duration = Duration::from_millis(500);
+
+/// As much as is read at once.
+const PIECE: usize = 16 * 1024;
+
+/// No robot says more than this in one message over WebSocket.
+const MESSAGE: usize = 64 * 1024;
+
+/// Where a robot is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(in crate::robots) enum Address {
+    /// `HOST:PORT`.
+    Tcp(String),
+    /// `HOST:PORT`, by WebSocket.
+    WebSocket(String),
+    /// A serial device, and so many bits a second.
+    Serial(String, u32),
+}
+
+type Calling = Pin<Box<dyn Future<Output = io::Result<Wire>> + Send>>;
+type Closing = Pin<Box<dyn Future<Output = ()> + Send>>;
+
+/// One connection to a robot.
+pub(super) enum Wire {
+    Tcp(TcpStream),
+    WebSocket(Box<WebSocketStream<MaybeTlsStream<TcpStream>>>),
+    Serial(SerialPort),
+}
+
+impl Address {
+    /// Makes a connection.
+    pub(super) fn call(&self) -> Calling {
+        let address = self.clone();
+        Box::pin(async move {
+            let called = tokio::time::timeout(CALL, address.called());
+            called.await.unwrap_or_else(|_| Err(io::Error::new(io::ErrorKind::TimedOut, "it does not answer")))
+        })
+    }
+
+    async fn called(self) -> io::Result<Wire> {
+        match self {
+            Address::Tcp(at) => {
+                let stream = TcpStream::connect(at).await?;
+                // Each message is to go in one segment, and at once.
+                stream.set_nodelay(true)?;
+                Ok(Wire::Tcp(stream))
+            }
+            Address::WebSocket(at) => {
+                let bounds = WebSocketConfig::default().max_message_size(Some(MESSAGE)).max_frame_size(Some(MESSAGE));
+                let connected = tokio_tungstenite::connect_async_with_config(format!("ws://{at}/"), Some(bounds), true);
+                let (stream, _) = connected.await.map_err(io::Error::other)?;
+                Ok(Wire::WebSocket(Box::new(stream)))
+            }
+            Address::Serial(device, baud) => Ok(Wire::Serial(SerialPort::open(device, baud)?)),
+        }
+    }
+}
+
+impl std::fmt::Display for Address {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Address::Tcp(at) => f.write_str(at),
+            Address::WebSocket(at) => write!(f, "ws://{at}"),
+            Address::Serial(device, _) => f.write_str(device),
+        }
+    }
+}
+
+impl Wire {
+    /// The next bytes, or the next message; that the other side has ended is an error. Nothing is lost when this is given up.
+    pub(super) async fn receive(&mut self) -> io::Result<Vec<u8>> {
+        match self {
+            Wire::Tcp(stream) => loop {
+                stream.readable().await?;
+                let mut bytes = vec![0; PIECE];
+                match stream.try_read(&mut bytes) {
+                    Ok(count) => return received(bytes, count),
+                    Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
+                    Err(error) => return Err(error),
+                }
+            },
+            Wire::WebSocket(stream) => loop {
+                match stream.next().await {
+                    None => return Err(ended()),
+                    Some(Err(error)) => return Err(io::Error::other(error)),
+                    Some(Ok(Message::Text(text))) => return Ok(text.as_bytes().to_vec()),
+                    Some(Ok(Message::Binary(bytes))) => return Ok(bytes.to_vec()),
+                    Some(Ok(Message::Close(_))) => return Err(ended()),
+                    Some(Ok(Message::Ping(_) | Message::Pong(_) | Message::Frame(_))) => {}
+                }
+            },
+            Wire::Serial(port) => {
+                let mut bytes = vec![0; PIECE];
+                let count = port.read(&mut bytes).await?;
+                received(bytes, count)
+            }
+        }
+    }
+
+    /// Sends this as a whole.
+    pub(super) async fn send(&mut self, bytes: Vec<u8>) -> io::Result<()> {
+        let sent = async {
+            match self {
+                Wire::Tcp(stream) => write_whole(stream, &bytes).await,
+                Wire::WebSocket(stream) => {
+                    let text = String::from_utf8(bytes).map_err(io::Error::other)?;
+                    stream.send(Message::text(text)).await.map_err(io::Error::other)
+                }
+                Wire::Serial(port) => port.write_all(&bytes).await,
+            }
+        };
+        let late = || io::Error::new(io::ErrorKind::TimedOut, "it does not take what is sent");
+        tokio::time::timeout(SENDING, sent).await.unwrap_or_else(|_| Err(late()))
+    }
+
+    /// Closes it, and waits a moment until the other side has, too: what it does then must not fall upon the next connection.
+    pub(super) fn close(self) -> Closing {
+        Box::pin(async move {
+            let Wire::Tcp(mut stream) = self else { return };
+            let end = async {
+                tokio::io::AsyncWriteExt::shutdown(&mut stream).await?;
+                let mut bytes = vec![0; PIECE];
+                loop {
+                    stream.readable().await?;
+                    match stream.try_read(&mut bytes) {
+                        Ok(0) => return Ok(()),
+                        Ok(_) => {}
+                        Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
+                        Err(error) => return Err::<(), io::Error>(error),
+                    }
+                }
+            };
+            // Closed or not, it is done with.
+            let _ = tokio::time::timeout(CLOSING, end).await;
+        })
+    }
+}
+
+/// In one write where the system takes it at once, as it does what is so short: there are robots that cannot bear a message in two pieces.
+async fn write_whole(stream: &TcpStream, mut bytes: &[u8]) -> io::Result<()> {
+    while !bytes.is_empty() {
+        stream.writable().await?;
+        match stream.try_write(bytes) {
+            Ok(count) => bytes = &bytes[count..],
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(())
+}
+
+fn received(mut bytes: Vec<u8>, count: usize) -> io::Result<Vec<u8>> {
+    bytes.truncate(count);
+    if count == 0 { Err(ended()) } else { Ok(bytes) }
+}
+
+fn ended() -> io::Error {
+    io::Error::new(io::ErrorKind::UnexpectedEof, "the robot has ended the connection")
+}
