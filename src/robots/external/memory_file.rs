@@ -20,7 +20,11 @@ pub(in crate::robots) struct MemoryFile {
 impl MemoryFile {
     /// The file of this robot in the folder `dir`, and what stands in it; nothing when there is none yet, or when it is of another robot
     /// than `whose`. Nothing is written, and a file that cannot be read stays as it is.
-    pub(in crate::robots) fn open(dir: &Path, robot: &RobotId, whose: &str) -> Result<(MemoryFile, Option<String>), StateFileError> {
+    pub(in crate::robots) fn open(
+        dir: &Path,
+        robot: &RobotId,
+        whose: &str,
+    ) -> Result<(MemoryFile, Option<String>), StateFileError> {
         let file = SmallFile::within(dir, &format!("robot-{robot}.txt"));
         let path = || file.path().to_owned();
         let read = file.read(MOST).map_err(|error| StateFileError::Unreadable { path: path(), error })?;

@@ -10,6 +10,6 @@ mod settings;
 mod state_file;
 
 pub(super) use pair::SimPair;
-pub(super) use state_file::StateFileError;
 pub(super) use robot::SimRobot;
 pub use settings::{UnusableHall, hall, sim_settings};
+pub(super) use state_file::StateFileError;

@@ -23,6 +23,9 @@ const FACES: usize = 4096;
 /// A way shorter than this, in cells, does not tell how fast the robot is: a frame of its page is a twentieth of a cell.
 const GAUGED: f64 = 2.0;
 
+/// Who has driven further to and fro than this has not driven straight.
+const STRAIGHT: f64 = 0.1;
+
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Reckoning {
     /// The cell and heading of the last completed order.
@@ -31,8 +34,16 @@ pub(super) struct Reckoning {
     /// Where its centre is: columns to the east and rows to the south of home's.
     at: [f64; 2],
     faces: BTreeMap<String, f64>,
-    /// Since which coordinate on each axis it has been moving, and how far to and fro it has moved since.
-    since: [Option<(f64, f64)>; 2],
+    /// On each axis, since it last met something whose place is known.
+    since: [Option<Since>; 2],
+}
+
+/// Where that was, and how far it has been counted to drive since: there and back, and in all.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Since {
+    at: f64,
+    ahead: f64,
+    driven: f64,
 }
 
 /// The reckoning was wrong by more than it may be.
@@ -61,7 +72,7 @@ impl Reckoning {
     pub(super) fn is_sound(&self) -> bool {
         let bounded = |length: f64| length.is_finite() && length.abs() < 1e6;
         let faces = self.faces.len() <= FACES && self.faces.values().all(|face| bounded(*face));
-        let since = self.since.iter().flatten().all(|(from, way)| bounded(*from) && bounded(*way));
+        let since = self.since.iter().flatten().all(|since| [since.at, since.ahead, since.driven].into_iter().all(bounded));
         named(&self.heading).is_some() && self.at.into_iter().all(bounded) && faces && since
     }
 
@@ -84,8 +95,9 @@ impl Reckoning {
     pub(super) fn advance(&mut self, towards: Heading, cells: f64) {
         let (dx, dy) = towards.vector();
         self.at = [f64::from(dx).mul_add(cells, self.at[0]), f64::from(dy).mul_add(cells, self.at[1])];
-        if let Some((_, way)) = &mut self.since[axis(towards)] {
-            *way += cells.abs();
+        if let Some(since) = &mut self.since[axis(towards)] {
+            since.ahead += cells * sign(towards);
+            since.driven += cells.abs();
         }
     }
 
@@ -101,7 +113,7 @@ impl Reckoning {
             return Ok(None);
         };
         let drift = here - face;
-        let ratio = self.since[axis(towards)].and_then(|since| ratio(since, face * sign(towards)));
+        let ratio = self.since[axis(towards)].and_then(|since| since.ratio(face * sign(towards)));
         self.stand_at(face, towards);
         if drift.abs() > DRIFT { Err(Drift(drift)) } else { Ok(ratio) }
     }
@@ -123,15 +135,17 @@ impl Reckoning {
     fn stand_at(&mut self, along: f64, towards: Heading) {
         let axis = axis(towards);
         self.at[axis] = along * sign(towards);
-        self.since[axis] = Some((self.at[axis], 0.0));
+        self.since[axis] = Some(Since { at: self.at[axis], ahead: 0.0, driven: 0.0 });
     }
 }
 
-/// What was counted in proportion to what lies between, when it was driven straight.
-fn ratio((from, counted): (f64, f64), to: f64) -> Option<f64> {
-    let between = (to - from).abs();
-    let straight = between >= GAUGED && (counted / between - 1.0).abs() < 0.5;
-    straight.then(|| counted / between)
+impl Since {
+    /// What was counted in proportion to what lies between, when it drove straight from there.
+    fn ratio(self, to: f64) -> Option<f64> {
+        let between = (to - self.at).abs();
+        let is_straight = self.driven - self.ahead.abs() < STRAIGHT;
+        (is_straight && between >= GAUGED).then(|| self.driven / between)
+    }
 }
 
 fn key(name: &str, towards: Heading) -> String {
@@ -192,10 +206,14 @@ mod tests {
         reckoning.advance(Heading::North, 8.0);
         assert_eq!(reckoning.meet(Some("wallUp"), Heading::North), Ok(None));
         reckoning.advance(Heading::North, 0.05);
-        assert!(matches!(reckoning.meet(Some("wallUp"), Heading::North), Ok(None)), "nothing was driven yet");
+        assert_eq!(reckoning.meet(Some("wallUp"), Heading::North), Ok(None), "nothing was driven yet");
         reckoning.advance(Heading::South, 8.3);
         let Ok(Some(ratio)) = reckoning.meet(WALL, Heading::South) else { panic!("that is far enough") };
         assert!((ratio - 8.3 / 8.0).abs() < 1e-9, "{ratio}");
+        for (towards, cells) in [(Heading::North, 4.0), (Heading::South, 2.0), (Heading::North, 6.0)] {
+            reckoning.advance(towards, cells);
+        }
+        assert_eq!(reckoning.meet(Some("wallUp"), Heading::North), Ok(None), "it went to and fro");
     }
 
     #[test]

@@ -32,7 +32,7 @@ pub(super) enum Heard {
     Page,
     /// It has met something, of this name where it says so.
     Contact(Option<String>),
-    /// A move has ended as it should, as far as the server knows: of this name where it says so.
+    /// A move has ended, whether it has met something or not: of this name where it says so.
     Ended(Option<String>),
     /// A move was not begun, because another one was under way.
     Refused,
@@ -136,8 +136,9 @@ pub(super) fn message(bytes: &[u8]) -> Option<Heard> {
     if is_refused {
         return Some(Heard::Refused);
     }
-    // One that was halted or has failed says so by `false`, and its collision or our own alarm has said it before.
-    (*ended == Value::Bool(true) || ended == "true").then_some(Heard::Ended(which))
+    let is_cut_short = *ended == "halted" || which.as_deref().is_some_and(|which| which.ends_with("_halted"));
+    // Of one that is `false` there was a collision, which was heard by itself; or another one's is blamed on it.
+    (!is_cut_short).then_some(Heard::Ended(which))
 }
 
 fn name(value: &Value) -> Option<String> {
@@ -190,7 +191,8 @@ mod tests {
             (r#"{"endmove":true,"move":"moveForward"}"#, Some(Heard::Ended(Some("moveForward".into())))),
             (r#"{"endmove":"true","move":"turnLeft"}"#, Some(Heard::Ended(Some("turnLeft".into())))),
             (r#"{"endmove":true}"#, Some(Heard::Ended(None))),
-            (r#"{"endmove":false,"move":"moveForward"}"#, None),
+            (r#"{"endmove":false,"move":"moveForward"}"#, Some(Heard::Ended(Some("moveForward".into())))),
+            (r#"{"endmove":"halted","move":"moveForward"}"#, None),
             (r#"{"endmove":false,"move":"moveForward_halted"}"#, None),
             (r#"{"endmove":false,"move":"moveForward_notallowed"}"#, Some(Heard::Refused)),
             (r#"{"endmove":"notallowed","move":"moveForward"}"#, Some(Heard::Refused)),
