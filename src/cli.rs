@@ -85,6 +85,9 @@ pub struct Serve {
     /// Where our own MQTT broker listens, over TCP; port 0 takes a free one, "none": no such door.
     #[arg(long, value_name = "ADDRESS:PORT")]
     mqtt: Option<String>,
+    /// The robot that searches: sim, virtual-tcp, virtual-ws or line, and where it is, as line=/dev/ttyUSB0.
+    #[arg(long, value_name = "KIND[=ADDRESS]")]
+    robot: Option<String>,
     /// How fast the simulated robot lives: 1 = as a person would watch it, "max" = without waiting.
     #[arg(long, value_name = "FACTOR", allow_hyphen_values = true)]
     speed: Option<String>,
@@ -173,7 +176,9 @@ impl Serve {
             ("--seed", &self.seed),
             ("--data", &self.data),
         ];
-        given.into_iter().chain(self.search.flags()).filter_map(|(flag, value)| Some(Flag::given(flag, value.clone()?))).collect()
+        let given = given.into_iter().chain(self.search.flags());
+        let single = given.filter_map(|(flag, value)| Some(Flag::given(flag, value.clone()?)));
+        single.chain(self.robot.as_deref().map(Flag::robot).into_iter().flatten()).collect()
     }
 }
 
@@ -256,11 +261,19 @@ mod tests {
     #[test]
     fn every_flag_is_a_setting() {
         let given = flags(
-            "hallsweep --hall h --http a --coap c --mqtt m --speed -1 --seed -2 --strategy s --goal g --sensing n --costs -1 --data d",
+            "hallsweep --hall h --http a --coap c --mqtt m --speed -1 --seed -2 --strategy s --goal g --sensing n --costs -1 --data d --robot line=x",
         );
-        assert_eq!(given.len(), 11);
+        assert_eq!(given.len(), 13);
         for (key, _) in given {
             assert!(crate::config::Key::named(key).is_some(), "{key} is no setting");
+        }
+    }
+
+    #[test]
+    fn only_serve_takes_another_robot() {
+        for arguments in ["hallsweep explore --robot sim", "hallsweep evaluate --robot sim", "hallsweep pallet --robot sim"] {
+            let refused = Cli::try_parse_from(arguments.split_whitespace()).expect_err(arguments);
+            assert_eq!(refused.kind(), clap::error::ErrorKind::UnknownArgument, "{arguments}");
         }
     }
 

@@ -14,16 +14,20 @@ mod check;
 mod environment;
 mod error;
 mod folder;
+mod host;
 mod key;
 mod layers;
 mod mqtt;
+mod robot_address;
 mod robots;
+mod without_effect;
 
 pub use bind::{At, Bind, from_here};
 pub use error::SettingsError;
 pub use key::{KEYS, Key, Kind};
 pub use layers::{DEFAULTS, Flag, Sources};
 pub use mqtt::{Broker, Login, MqttSettings, OtherBroker};
+pub use robot_address::RobotAddress;
 pub use robots::{MOST_ROBOTS, RobotKind};
 
 /// Everything that can be set, with every value known to be usable.
@@ -53,6 +57,8 @@ pub struct Settings {
     pub sensor_silence: Duration,
     /// Which log lines are written, in the notation of `tracing_subscriber::EnvFilter`.
     pub log: String,
+    /// What somebody has set that does nothing, because the robot is not simulated: by the names by which it was given.
+    pub without_effect: Vec<String>,
 }
 
 /// Where the console and the API are, and for whom.
@@ -79,10 +85,17 @@ pub struct TlsFiles {
     pub key: PathBuf,
 }
 
-/// What a robot is, and how it behaves when it is a simulated one.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What a robot is, where it is reached, and how it behaves when it is a simulated one.
+#[derive(Clone, Debug, PartialEq)]
 pub struct RobotSettings {
     pub kind: RobotKind,
+    pub address: RobotAddress,
+    /// How fast a serial line is, in bits a second.
+    pub baud: u32,
+    /// How long it takes for a cell, where it does not say so itself.
+    pub step: Duration,
+    /// The scene file of the virtual robot's page, by which its driver knows how far things are.
+    pub scene: Option<PathBuf>,
     pub speed: Speed,
     pub seed: u64,
     /// How often the camera cannot tell what an obstacle is, `0.0..=1.0`.

@@ -49,6 +49,11 @@ pub fn warn_of_ignored(variables: &[&str]) {
     }
 }
 
+/// Warns of settings that mean nothing for the robots that there are.
+pub fn warn_of_idle(settings: &str) {
+    tracing::warn!(settings, "these do nothing with the robots of these settings");
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,9 +3,13 @@
 use super::{Failure, Serve, link};
 use crate::app::{self, Doors, Entry, Place};
 use crate::config::{Broker, HttpSettings, Settings, from_here};
+use crate::telemetry;
 
 pub fn run(flags: &Serve) -> Result<(), Failure> {
     let settings = super::settings(&flags.sources())?;
+    if let Some(idle) = without_effect(&settings) {
+        telemetry::warn_of_idle(&idle);
+    }
     app::serve(&settings, |doors, entry| {
         // Whoever closed standard output does not want to know; the program serves all the same.
         let _ = super::print(&announcement(&settings, doors, entry));
@@ -17,7 +21,13 @@ fn announcement(settings: &Settings, doors: Doors, entry: &Entry) -> String {
     let coap = doors.coap.map(|coap| format!("\nIts CoAP resources are at coap://{}", found(coap, "--coap")));
     let mqtt = mqtt(settings, doors, entry).map(|mqtt| format!("\nIts MQTT topics are at {mqtt}"));
     let console_entry = if settings.http.asks_for_keys { entry } else { &Entry::Open };
-    [Some(console(&settings.http, doors.http, console_entry)), coap, mqtt].into_iter().flatten().collect()
+    let idle = without_effect(settings).map(|idle| format!("\nThese do nothing with the robots of these settings: {idle}"));
+    [Some(console(&settings.http, doors.http, console_entry)), coap, mqtt, idle].into_iter().flatten().collect()
+}
+
+/// What was set for nothing, in one line, if anything was.
+fn without_effect(settings: &Settings) -> Option<String> {
+    Some(settings.without_effect.join(", ")).filter(|idle| !idle.is_empty())
 }
 
 /// The broker at which its topics are, where there are any, and how one gets in if that is by a key.
@@ -129,6 +139,16 @@ mod tests {
         let settings = load(&Sources { environment, ..Sources::default() }).unwrap();
         let doors = Doors { http: at("127.0.0.1:8080"), coap: None, mqtt: None };
         assert!(announcement(&settings, doors, &Entry::Open).ends_with("Its MQTT topics are at mqtts://[::1]:8883"));
+    }
+
+    #[test]
+    fn what_was_set_for_nothing_is_said_in_the_last_line() {
+        let speed = Flag::given("--speed", "max".to_owned());
+        let flags = Flag::robot("virtual-tcp").into_iter().chain([speed]).collect();
+        let settings = load(&Sources { flags, ..Sources::default() }).unwrap();
+        let doors = Doors { http: at("127.0.0.1:8080"), coap: None, mqtt: None };
+        let said = announcement(&settings, doors, &Entry::Open);
+        assert!(said.ends_with("\nThese do nothing with the robots of these settings: flag --speed"), "{said}");
     }
 
     #[test]

@@ -13,6 +13,8 @@ use super::bind::{At, Bind};
 use super::error::SettingsError;
 use super::key::{KEYS, Key, Kind, ROBOT};
 use super::layers::Layers;
+use super::robots::RobotKind;
+use super::without_effect::without_effect;
 use super::{HttpSettings, OldClients, PairMishaps, Settings, TlsFiles, folder};
 use super::{mqtt, robots};
 use hallsweep_core::command::TemperatureReport;
@@ -56,6 +58,7 @@ pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
         sensors: sensors(layers)?,
         sensor_silence: number(layers, "temperature.sensor_silence_s").map(Duration::from_secs_f64)?,
         log: log(layers)?,
+        without_effect: without_effect(layers)?,
     })
 }
 
@@ -171,12 +174,34 @@ fn core(layers: &Layers) -> Result<CoreSettings, SettingsError> {
         threshold,
         hysteresis: number(layers, "temperature.hysteresis_celsius")?,
         inspect_everything: read(layers, "mission.inspect_everything")?,
-        fetcher: one_of(layers, "mission.retrieval", &Fetcher::ALL, Fetcher::name, "nobody of this name fetches")?,
+        fetcher: fetcher(layers)?,
         objective: one_of(layers, "mission.goal", &Objective::ALL, Objective::name, "there is no such goal")?,
         sonar_cells: robots::sonar_cells(layers, "robot.sonar_cells")?,
         costs: costs(layers)?,
         wall_lines: read(layers, "mission.wall_lines")?,
     })
+}
+
+/// The simulated pair stands in the simulator's hall, and can fetch nothing where another robot searches.
+fn fetcher(layers: &Layers) -> Result<Fetcher, SettingsError> {
+    let key = "mission.retrieval";
+    let fetcher = one_of(layers, key, &Fetcher::ALL, Fetcher::name, "nobody of this name fetches")?;
+    let kind = robots::kind(layers, "robot.kind")?;
+    if fetcher != Fetcher::Pair || kind == RobotKind::Sim {
+        return Ok(fetcher);
+    }
+    if !layers.is_chosen(key) {
+        return Ok(Fetcher::None);
+    }
+    let problem = format!(
+        "the pair is simulated and stands in the simulator's hall, and the robot that searches is of the kind {}",
+        kind.name()
+    );
+    Err(layers.wrong_with_advice(
+        key,
+        problem,
+        "write none, or discovery where that robot has a gripper; or search with the robot sim",
+    ))
 }
 
 /// The value of this name.

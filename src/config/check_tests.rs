@@ -82,6 +82,23 @@ fn a_flag_wins_over_the_environment_and_that_over_a_file() {
 }
 
 #[test]
+fn the_pair_fetches_beside_the_simulated_robot_alone() {
+    let fetcher = |robot: &str, retrieval: Option<&str>| {
+        let retrieval = retrieval.map(|value| ("HALLSWEEP__MISSION__RETRIEVAL".to_owned(), value.to_owned()));
+        let sources = Sources { flags: Flag::robot(robot).into(), environment: retrieval.into_iter().collect(), file: None };
+        load(&sources).map(|settings| settings.core.fetcher).map_err(|error| error.to_string())
+    };
+    assert_eq!(fetcher("sim", None), Ok(Fetcher::Pair));
+    for robot in ["virtual-tcp", "virtual-ws", "line=COM3"] {
+        assert_eq!(fetcher(robot, None), Ok(Fetcher::None), "{robot}");
+        assert_eq!(fetcher(robot, Some("discovery")), Ok(Fetcher::Discovery), "{robot}");
+        let said = fetcher(robot, Some("pair")).expect_err(robot);
+        let begins = "setting mission.retrieval = \"pair\" (from environment variable HALLSWEEP__MISSION__RETRIEVAL): the pair is simulated";
+        assert!(said.starts_with(begins) && said.contains("; write none, or discovery"), "{said}");
+    }
+}
+
+#[test]
 fn sensors_are_named_in_one_line_each_once() {
     let named = |names: &str| load(&environment("HALLSWEEP__TEMPERATURE__SENSOR", names)).map(|settings| settings.sensors);
     assert!(named("").expect("none is the default").is_empty());
@@ -206,6 +223,9 @@ fn every_kind_of_wrong_value_is_refused() {
         ("ROBOT__SPEED", "[1]"),
         ("ROBOT__SEED", "-1"),
         ("ROBOT__SEED", "1.5"),
+        ("ROBOT__BAUD", "299"),
+        ("ROBOT__STEP_MS", "49"),
+        ("ROBOT__STEP_MS", "330.5"),
         ("ROBOT__UNKNOWN_RATE", "1.1"),
         ("ROBOT__PHOTO_FAILURE_RATE", "-0.1"),
         ("ROBOT__PHOTO_FAILURE_RATE", "often"),

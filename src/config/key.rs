@@ -59,12 +59,21 @@ const SONAR_NOISE_CM: Kind = Kind::Number { least: 0.0, most: 100.0 };
 /// What a sonar of four metres sees of cells of half a metre.
 const SONAR_CELLS: Kind = Kind::Number { least: 1.0, most: 7.0 };
 
+/// What serial ports can do.
+const BAUD: Kind = Kind::Number { least: 300.0, most: 4_000_000.0 };
+
+/// A cell that takes longer than five seconds is not driven but crept.
+const STEP_MS: Kind = Kind::Number { least: 50.0, most: 5000.0 };
+
 /// A sensor that reports more seldom than once an hour does not say how hot it is now.
 const SENSOR_SILENCE_S: Kind = Kind::Number { least: 1.0, most: 3600.0 };
 
 const COAP_BIND: &str = "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:5683 or [::1]:5683, or none for no such door";
 
 const MQTT_BIND: &str = "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:1883 or [::1]:1883, or none for no such door";
+
+const ROBOT_ADDRESS: &str =
+    "write HOST:PORT, or for a robot of the kind line the path of a serial device, as /dev/ttyUSB0 or COM3";
 
 /// The section that has one of its own for each robot, as `[robots.porter]`.
 pub(super) const ROBOTS: &str = "robots";
@@ -73,7 +82,7 @@ pub(super) const ROBOTS: &str = "robots";
 pub(super) const ROBOT: &str = "robot";
 
 /// Every setting, in the order of `config/default.toml`.
-pub const KEYS: [Key; 41] = [
+pub const KEYS: [Key; 45] = [
     text("hall.file", "name a built-in hall, as airport, or the path of a .toml or .map file").set_by("--hall"),
     text("http.bind", "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080")
         .set_by("--http"),
@@ -105,7 +114,11 @@ pub const KEYS: [Key; 41] = [
     yes_no("old_clients.manual_driving"),
     text("store.folder", "name a folder; or leave it empty for the usual one, or write none so that nothing is kept")
         .set_by("--data"),
-    text("robot.kind", "write one of: sim"),
+    text("robot.kind", "write one of: sim, virtual-tcp, virtual-ws, line").set_by("--robot"),
+    text("robot.address", ROBOT_ADDRESS).set_by("--robot"),
+    key("robot.baud", BAUD, "write a whole number of bits a second from 300 to 4000000"),
+    key("robot.step_ms", STEP_MS, "write a whole number of milliseconds from 50 to 5000"),
+    text("robot.scene", "name the scene file of the virtual robot's page; or nothing"),
     key("robot.speed", SPEED, "write a factor from 0.1 to 1000 (1 = as a person would watch it), or max for no waiting")
         .set_by("--speed"),
     key("robot.seed", Kind::Whole, "write a whole number from 0 to 18446744073709551615").set_by("--seed"),
@@ -235,7 +248,7 @@ mod tests {
             assert_eq!(Key::named(unknown), None, "{unknown}");
         }
         let advice = Key::advice_for_unknown("robots.porter.sed");
-        assert!(advice.starts_with("in [robots.NAME] there are kind, speed, seed, "), "{advice}");
+        assert!(advice.starts_with("in [robots.NAME] there are kind, address, baud, step_ms, scene, speed, seed, "), "{advice}");
     }
 
     #[test]

@@ -51,6 +51,16 @@ impl Flag {
             .expect("every flag that is given to a setting stands in the table, as a test of each command says");
         Flag { flag, key: key.name, value }
     }
+
+    /// `--robot KIND[=ADDRESS]`, which says both: without an address it is the usual one of the kind, whatever a file says.
+    pub(crate) fn robot(value: &str) -> [Flag; 2] {
+        let (kind, address) = value.split_once('=').unwrap_or((value, ""));
+        [("robot.kind", kind), ("robot.address", address)].map(|(key, value)| Flag {
+            flag: "--robot",
+            key,
+            value: value.to_owned(),
+        })
+    }
 }
 
 /// All layers, the upper ones laid over the lower.
@@ -143,6 +153,12 @@ impl Layers {
         let of_its_robot = || self.further.get(key.strip_prefix(ROBOTS)?.strip_prefix('.')?.split('.').next()?).cloned();
         let found = self.merged.find_metadata(key).map(|metadata| metadata.name.to_string());
         found.or_else(of_its_robot).unwrap_or_else(|| "an unknown place".to_owned())
+    }
+
+    /// How a setting was given: a flag and a variable mean one alone, of a file it is said which.
+    pub(super) fn as_given(&self, key: &str) -> String {
+        let origin = self.origin(key);
+        if origin.starts_with("file ") { format!("{} in {origin}", self.as_written(key)) } else { origin }
     }
 
     /// The name by which the setting was given where its value comes from.

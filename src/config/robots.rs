@@ -1,10 +1,14 @@
 //! The robots in the settings: the one that searches in `[robot]`, every further one in a section `[robots.NAME]` with the same keys.
 //! That `[robots.discovery]` means the one that searches, `layers` knows; what a robot of some kind does with its settings is not here.
 
+use std::path::PathBuf;
+use std::time::Duration;
+
 use super::check::{NumberOrWord, count, number, read, sensing, within};
 use super::error::SettingsError;
 use super::key::ROBOTS;
 use super::layers::Layers;
+use super::robot_address::robot_address;
 use super::{RobotSettings, Settings, Speed};
 use hallsweep_core::event::RobotId;
 use hallsweep_core::retrieval::Which;
@@ -17,15 +21,25 @@ pub const MOST_ROBOTS: usize = 8;
 /// What a robot is, and so which adapter speaks to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RobotKind {
+    /// The simulated robot of this program.
     Sim,
+    /// The virtual robot of a browser's page, over TCP.
+    VirtualTcp,
+    /// The same over WebSocket, as its version of 2021 has it.
+    VirtualWs,
+    /// A robot that speaks our line protocol, over TCP or a serial device.
+    Line,
 }
 
 impl RobotKind {
-    pub const ALL: [RobotKind; 1] = [RobotKind::Sim];
+    pub const ALL: [RobotKind; 4] = [RobotKind::Sim, RobotKind::VirtualTcp, RobotKind::VirtualWs, RobotKind::Line];
 
     pub const fn name(self) -> &'static str {
         match self {
             RobotKind::Sim => "sim",
+            RobotKind::VirtualTcp => "virtual-tcp",
+            RobotKind::VirtualWs => "virtual-ws",
+            RobotKind::Line => "line",
         }
     }
 }
@@ -60,8 +74,13 @@ pub(super) fn further(layers: &Layers) -> Result<Vec<(RobotId, RobotSettings)>, 
 
 pub(super) fn robot(layers: &Layers, section: &str) -> Result<RobotSettings, SettingsError> {
     let key = |own: &str| format!("{section}.{own}");
+    let kind = kind(layers, &key("kind"))?;
     Ok(RobotSettings {
-        kind: kind(layers, &key("kind"))?,
+        kind,
+        address: robot_address(layers, &key("address"), kind)?,
+        baud: count(layers, &key("baud"))?,
+        step: Duration::from_millis(count(layers, &key("step_ms"))?.into()),
+        scene: Some(read::<String>(layers, &key("scene"))?).filter(|path| !path.is_empty()).map(PathBuf::from),
         speed: speed(layers, &key("speed"))?,
         seed: read(layers, &key("seed"))?,
         unknown_rate: number(layers, &key("unknown_rate"))?,
@@ -77,7 +96,7 @@ pub(super) fn sonar_cells(layers: &Layers, key: &str) -> Result<u8, SettingsErro
     Ok(if sensing(layers)? == Sensing::Sonar { cells } else { 0 })
 }
 
-fn kind(layers: &Layers, key: &str) -> Result<RobotKind, SettingsError> {
+pub(super) fn kind(layers: &Layers, key: &str) -> Result<RobotKind, SettingsError> {
     let name: String = read(layers, key)?;
     let kind = RobotKind::ALL.into_iter().find(|kind| kind.name() == name);
     kind.ok_or_else(|| layers.wrong(key, "there is no such kind of robot"))
@@ -170,12 +189,12 @@ mod tests {
             (
                 &[("ROBOTS__PORTER__KIND", "mbot")][..],
                 "setting robots.porter.kind = \"mbot\" (from environment variable HALLSWEEP__ROBOTS__PORTER__KIND): \
-                 there is no such kind of robot; write one of: sim",
+                 there is no such kind of robot; write one of: sim, virtual-tcp, virtual-ws, line",
             ),
             (
                 &[("ROBOTS__PORTER__SEED", "2")],
                 "setting robots.porter.kind = nothing (from environment variable HALLSWEEP__ROBOTS__PORTER__SEED): it is missing; \
-                 write one of: sim",
+                 write one of: sim, virtual-tcp, virtual-ws, line",
             ),
             (
                 &[("ROBOTS__PORTER__KIND", "sim"), ("ROBOTS__PORTER__UNKNOWN_RATE", "2")],
@@ -186,7 +205,10 @@ mod tests {
             assert_eq!(said(given(variables)), expect);
         }
         let wrong = said(given(&[("ROBOTS__PORTER__SPED", "2")]));
-        assert!(wrong.contains("`robots.porter.sped`") && wrong.contains("in [robots.NAME] there are kind, speed"), "{wrong}");
+        assert!(
+            wrong.contains("`robots.porter.sped`") && wrong.contains("in [robots.NAME] there are kind, address, "),
+            "{wrong}"
+        );
         for (name, text) in [("name", "[robots.Porter]\nkind = \"sim\"\n"), ("no-table", "[robots]\nPorter = 1\n")] {
             let wrong = said(written(name, text, &[]));
             assert!(wrong.contains("`robots.Porter` (from file ") && wrong.contains("small letters"), "{wrong}");

@@ -10,7 +10,7 @@ use super::Adapter;
 use super::sim::{self, SimPair, SimRobot, UnusableHall};
 use crate::config::{RobotKind, RobotSettings, Settings};
 use crate::runtime::clock::Clock;
-use hallsweep_core::event::RobotId;
+use hallsweep_core::event::{RobotEvent, RobotId};
 use hallsweep_core::settings::Fetcher;
 use hallsweep_sim::Hall;
 
@@ -27,7 +27,9 @@ pub struct Robots {
 }
 
 enum Robot {
-    Sim(SimRobot),
+    Sim(Box<SimRobot>),
+    /// Of a kind that nothing speaks to yet.
+    Unreached(RobotKind),
 }
 
 impl Robots {
@@ -60,26 +62,26 @@ impl Robots {
     pub fn recall(&mut self, folder: &Path) {
         self.pair.recall(folder);
         let floor = self.pair.floor();
-        for (_, Robot::Sim(robot)) in &mut self.all {
+        for robot in self.simulated() {
             robot.recall(folder, &floor);
         }
     }
 
     /// Of each that may be anywhere, why nobody knows where it is. It will not be started.
     pub fn lost(&self) -> Vec<String> {
-        let robots = self.all.iter().filter_map(|(_, Robot::Sim(robot))| robot.lost());
+        let robots = self.all.iter().filter_map(|(_, robot)| robot.simulated()?.lost());
         robots.chain(self.pair.lost().filter(|_| self.wants_pair)).map(str::to_owned).collect()
     }
 
     /// The hall in which the one that searches was left, when that is not the hall of the settings.
     pub fn other_hall(&self) -> Option<&str> {
-        self.all.first().and_then(|(_, Robot::Sim(robot))| robot.other_hall())
+        self.all.first().and_then(|(_, robot)| robot.simulated()?.other_hall())
     }
 
     /// Puts those that were left in another hall down at home in this one. What is remembered of the other is overwritten when they
     /// are started.
     pub fn put_down(&mut self) {
-        for (_, Robot::Sim(robot)) in &mut self.all {
+        for robot in self.simulated() {
             robot.put_down();
         }
         self.pair.put_down();
@@ -87,16 +89,26 @@ impl Robots {
 
     /// Leaves what is remembered of another hall as it is: those that were put down here are there again at the next start.
     pub fn keep_other_hall(&mut self) {
-        for (_, Robot::Sim(robot)) in &mut self.all {
+        for robot in self.simulated() {
             robot.keep_other_hall();
         }
         self.pair.keep_other_hall();
     }
 
+    fn simulated(&mut self) -> impl Iterator<Item = &mut Box<SimRobot>> {
+        self.all.iter_mut().filter_map(|(_, robot)| match robot {
+            Robot::Sim(robot) => Some(robot),
+            Robot::Unreached(_) => None,
+        })
+    }
+
     /// What is run for each of them, in the order of their names in `ids`.
     pub fn adapters(self, clock: Clock) -> Vec<Adapter> {
         let moved = if self.wants_pair { self.pair.moved() } else { watch::channel(self.pair.taken_away()).1 };
-        let robots = self.all.into_iter().map(|(_, Robot::Sim(robot))| robot.adapter(clock, moved.clone()));
+        let robots = self.all.into_iter().map(|(_, robot)| match robot {
+            Robot::Sim(robot) => robot.adapter(clock, moved.clone()),
+            Robot::Unreached(kind) => unreached(kind),
+        });
         let pair = self.wants_pair.then(|| self.pair.adapters(clock));
         robots.collect::<Vec<_>>().into_iter().chain(pair.into_iter().flatten()).collect()
     }
@@ -105,7 +117,24 @@ impl Robots {
 impl Robot {
     fn of(id: RobotId, settings: &RobotSettings, hall: &Arc<Hall>, fetches: bool) -> Robot {
         match settings.kind {
-            RobotKind::Sim => Robot::Sim(SimRobot::new(id, Arc::clone(hall), settings, fetches)),
+            RobotKind::Sim => Robot::Sim(Box::new(SimRobot::new(id, Arc::clone(hall), settings, fetches))),
+            kind @ (RobotKind::VirtualTcp | RobotKind::VirtualWs | RobotKind::Line) => Robot::Unreached(kind),
         }
     }
+
+    fn simulated(&self) -> Option<&SimRobot> {
+        if let Robot::Sim(robot) = self { Some(robot) } else { None }
+    }
+}
+
+/// What is run for a robot that nothing speaks to: it says so, and its link stays down.
+fn unreached(kind: RobotKind) -> Adapter {
+    let lost = RobotEvent::LinkLost(format!("nothing speaks to robots of the kind {} yet", kind.name()));
+    Box::new(move |side| {
+        Box::pin(async move {
+            if side.reports.send(lost).await.is_ok() {
+                side.reports.closed().await;
+            }
+        })
+    })
 }

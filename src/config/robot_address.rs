@@ -1,0 +1,161 @@
+//! Where a robot that is not simulated is reached: over the network, or at a serial device of this machine. Whether something answers
+//! there shows when its adapter connects.
+
+use std::fmt;
+
+use super::check::read;
+use super::error::SettingsError;
+use super::host;
+use super::layers::Layers;
+use super::robots::RobotKind;
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum RobotAddress {
+    /// The simulated robot is part of this program.
+    Here,
+    Network {
+        host: String,
+        port: u16,
+    },
+    /// The path or name of a serial device, as `/dev/ttyUSB0` or `COM3`.
+    Device(String),
+}
+
+impl fmt::Display for RobotAddress {
+    /// As it is written in the settings.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            RobotAddress::Here => Ok(()),
+            RobotAddress::Network { host, port } if host.contains(':') => write!(f, "[{host}]:{port}"),
+            RobotAddress::Network { host, port } => write!(f, "{host}:{port}"),
+            RobotAddress::Device(name) => f.write_str(name),
+        }
+    }
+}
+
+/// The address of a robot of this kind, completed by what is usual for the kind.
+pub(super) fn robot_address(layers: &Layers, key: &str, kind: RobotKind) -> Result<RobotAddress, SettingsError> {
+    let written: String = read(layers, key)?;
+    match kind {
+        RobotKind::Sim if written.is_empty() => Ok(RobotAddress::Here),
+        RobotKind::Sim => {
+            let advice = "leave it empty, or write the kind of the robot that is there: virtual-tcp, virtual-ws or line";
+            Err(layers.wrong_with_advice(key, "the simulated robot is part of this program and has no address", advice))
+        }
+        RobotKind::VirtualTcp => network(&written, Some(8999)).ok_or_else(|| no_host(layers, key)),
+        RobotKind::VirtualWs => network(&written, Some(8091)).ok_or_else(|| no_host(layers, key)),
+        RobotKind::Line if written.is_empty() => Err(layers.wrong(key, "a robot of the kind line has no usual address")),
+        RobotKind::Line if is_device(&written) => Ok(RobotAddress::Device(written)),
+        RobotKind::Line => {
+            let problem = "it is neither a host with a port nor the path of a serial device";
+            network(&written, None).ok_or_else(|| layers.wrong(key, problem))
+        }
+    }
+}
+
+/// With this port where the text names none.
+fn network(written: &str, usual: Option<u16>) -> Option<RobotAddress> {
+    let written = if written.is_empty() { "localhost" } else { written };
+    let (host, port) = host::host_and_port(written)?;
+    Some(RobotAddress::Network { host, port: port.or(usual)? })
+}
+
+/// Names of devices may have colons in them too, but only hosts have no slash.
+fn is_device(written: &str) -> bool {
+    let number = written.get(..3).filter(|begins| begins.eq_ignore_ascii_case("COM")).and_then(|_| written.get(3..));
+    written.contains(['/', '\\']) || number.is_some_and(|number| number.parse::<u8>().is_ok())
+}
+
+fn no_host(layers: &Layers, key: &str) -> SettingsError {
+    let advice = "write HOST or HOST:PORT, as localhost:8999; or nothing for this machine and the usual port";
+    layers.wrong_with_advice(key, "it names no host, or no port that can be", advice)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::{Flag, Sources, load};
+
+    fn given(robot: &str) -> Result<(RobotKind, String), String> {
+        let sources = Sources { flags: Flag::robot(robot).into(), ..Sources::default() };
+        load(&sources)
+            .map(|settings| (settings.robot.kind, settings.robot.address.to_string()))
+            .map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn an_address_is_completed_by_what_is_usual_for_its_kind() {
+        for (robot, kind, address) in [
+            ("sim", RobotKind::Sim, ""),
+            ("virtual-tcp", RobotKind::VirtualTcp, "localhost:8999"),
+            ("virtual-tcp=hall.example", RobotKind::VirtualTcp, "hall.example:8999"),
+            ("virtual-ws", RobotKind::VirtualWs, "localhost:8091"),
+            ("virtual-ws=[::1]:9", RobotKind::VirtualWs, "[::1]:9"),
+            ("line=robot.example:4000", RobotKind::Line, "robot.example:4000"),
+            ("line=/dev/ttyUSB0", RobotKind::Line, "/dev/ttyUSB0"),
+            ("line=/dev/serial/by-path/pci-0:1", RobotKind::Line, "/dev/serial/by-path/pci-0:1"),
+            ("line=COM3", RobotKind::Line, "COM3"),
+        ] {
+            assert_eq!(given(robot), Ok((kind, address.to_owned())), "{robot}");
+        }
+    }
+
+    #[test]
+    fn a_line_over_a_device_is_told_from_one_over_the_network() {
+        let address = |robot| load(&Sources { flags: Flag::robot(robot).into(), ..Sources::default() }).map(|s| s.robot.address);
+        assert_eq!(address("line=com12"), Ok(RobotAddress::Device("com12".into())));
+        assert_eq!(address("line=com:12"), Ok(RobotAddress::Network { host: "com".into(), port: 12 }));
+    }
+
+    #[test]
+    fn a_wrong_kind_or_address_is_refused_with_what_to_do() {
+        for (robot, expect) in [
+            (
+                "mbot",
+                "setting robot.kind = \"mbot\" (from flag --robot): there is no such kind of robot; write one of: sim, virtual",
+            ),
+            ("", "setting robot.kind = \"\" (from flag --robot): there is no such kind of robot; write one of: sim, virtual-tcp"),
+            (
+                "sim=localhost",
+                "setting robot.address = \"localhost\" (from flag --robot): the simulated robot is part of this program",
+            ),
+            (
+                "line",
+                "setting robot.address = \"\" (from flag --robot): a robot of the kind line has no usual address; write HOST:PORT",
+            ),
+            (
+                "line=ttyUSB0",
+                "setting robot.address = \"ttyUSB0\" (from flag --robot): it is neither a host with a port nor the path",
+            ),
+            (
+                "line=host",
+                "setting robot.address = \"host\" (from flag --robot): it is neither a host with a port nor the path of a",
+            ),
+            (
+                "virtual-tcp=a:0",
+                "setting robot.address = \"a:0\" (from flag --robot): it names no host, or no port that can be; write",
+            ),
+            (
+                "virtual-ws=/dev/tty",
+                "setting robot.address = \"/dev/tty\" (from flag --robot): it names no host, or no port that can",
+            ),
+            (
+                "virtual-ws=ws://a",
+                "setting robot.address = \"ws://a\" (from flag --robot): it names no host, or no port that can be",
+            ),
+        ] {
+            let said = given(robot).expect_err(robot);
+            assert!(said.starts_with(expect), "{said}");
+        }
+    }
+
+    #[test]
+    fn the_flag_says_kind_and_address_whatever_the_environment_says() {
+        let environment = ["KIND", "ADDRESS"].into_iter().zip(["line", "/dev/ttyUSB0"]);
+        let environment = environment.map(|(key, value)| (format!("HALLSWEEP__ROBOT__{key}"), value.to_owned())).collect();
+        let mut sources = Sources { environment, ..Sources::default() };
+        assert_eq!(load(&sources).map(|settings| settings.robot.kind), Ok(RobotKind::Line));
+        sources.flags = Flag::robot("sim").into();
+        assert_eq!(load(&sources).map(|settings| settings.robot.address), Ok(RobotAddress::Here));
+    }
+}

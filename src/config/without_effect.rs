@@ -1,0 +1,90 @@
+//! What somebody has set that does nothing: settings of the simulator beside a robot that is not simulated, and the other way round.
+//! The program starts all the same, and says which they are; what is wrong with a value is said elsewhere.
+
+use super::error::SettingsError;
+use super::key::{ROBOT, ROBOTS};
+use super::layers::Layers;
+use super::robots::{self, RobotKind};
+
+/// What is set of a robot and means something for some kinds alone. How many cells the sonar sees is not here: the search goes by it
+/// whatever the robot is.
+const OF_SOME_KINDS: [(&str, &[RobotKind]); 8] = [
+    ("speed", &[RobotKind::Sim]),
+    ("seed", &[RobotKind::Sim]),
+    ("unknown_rate", &[RobotKind::Sim]),
+    ("photo_failure_rate", &[RobotKind::Sim]),
+    ("sonar_noise_cm", &[RobotKind::Sim]),
+    ("baud", &[RobotKind::Line]),
+    ("step_ms", &[RobotKind::VirtualTcp, RobotKind::VirtualWs, RobotKind::Line]),
+    ("scene", &[RobotKind::VirtualTcp, RobotKind::VirtualWs]),
+];
+
+/// By the names by which they were given, as `flag --speed`.
+pub(super) fn without_effect(layers: &Layers) -> Result<Vec<String>, SettingsError> {
+    let mut keys = Vec::new();
+    let mut is_any_simulated = false;
+    let searches = robots::kind(layers, &format!("{ROBOT}.kind"))?;
+    let sections = layers.further_robots().map(|name| format!("{ROBOTS}.{name}"));
+    for section in std::iter::once(ROBOT.to_owned()).chain(sections) {
+        let kind = robots::kind(layers, &format!("{section}.kind"))?;
+        is_any_simulated |= kind == RobotKind::Sim;
+        let idle = OF_SOME_KINDS.iter().filter(|(_, kinds)| !kinds.contains(&kind));
+        keys.extend(idle.map(|(own, _)| format!("{section}.{own}")));
+    }
+    if !is_any_simulated {
+        keys.push("hall.file".to_owned());
+    }
+    if searches != RobotKind::Sim {
+        keys.extend(["pair.slips", "pair.unrecognised"].map(str::to_owned));
+    }
+    Ok(keys.iter().filter(|key| layers.is_chosen(key)).map(|key| layers.as_given(key)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::config::{Flag, Sources, load};
+
+    fn idle(flags: &[(&'static str, &str)], variables: &[(&str, &str)], robot: &str) -> Vec<String> {
+        let set = flags.iter().map(|(flag, value)| Flag::given(flag, (*value).to_owned()));
+        let flags = set.chain(Flag::robot(robot)).collect();
+        let variable = |(name, value): &(&str, &str)| (format!("HALLSWEEP__{name}"), (*value).to_owned());
+        let environment = variables.iter().map(variable).collect();
+        load(&Sources { flags, environment, file: None }).expect("the program starts").without_effect
+    }
+
+    #[test]
+    fn settings_of_the_simulator_are_idle_beside_another_robot_and_beside_it_they_are_not() {
+        let flags = [("--speed", "max"), ("--seed", "2"), ("--hall", "seed"), ("--strategy", "snail")];
+        let variables = [("PAIR__SLIPS", "1"), ("ROBOT__SONAR_CELLS", "2")];
+        let expect = ["flag --speed", "flag --seed", "flag --hall", "environment variable HALLSWEEP__PAIR__SLIPS"];
+        for robot in ["virtual-tcp", "virtual-ws", "line=localhost:9"] {
+            assert_eq!(idle(&flags, &variables, robot), expect, "{robot}");
+            assert_eq!(idle(&[], &[], robot), [""; 0], "{robot}: nobody has set anything");
+        }
+        assert_eq!(idle(&flags, &variables, "sim"), [""; 0]);
+    }
+
+    #[test]
+    fn the_hall_and_the_settings_of_a_further_robot_that_is_simulated_are_not_idle() {
+        let variables = [("ROBOTS__PORTER__KIND", "sim"), ("ROBOTS__PORTER__SEED", "2")];
+        assert_eq!(idle(&[("--hall", "seed"), ("--seed", "3")], &variables, "virtual-tcp"), ["flag --seed"]);
+    }
+
+    #[test]
+    fn settings_of_other_robots_are_idle_beside_the_simulated_one() {
+        let variables = [("ROBOT__BAUD", "9600"), ("ROBOT__STEP_MS", "400"), ("ROBOT__SCENE", "room.js")];
+        let name = |own: &str| format!("environment variable HALLSWEEP__ROBOT__{own}");
+        assert_eq!(idle(&[], &variables, "sim"), ["BAUD", "STEP_MS", "SCENE"].map(name));
+        assert_eq!(idle(&[], &variables, "virtual-ws"), [name("BAUD")]);
+    }
+
+    #[test]
+    fn what_a_file_says_is_named_with_the_file() {
+        let path = std::env::temp_dir().join(format!("hallsweep-idle-{}.toml", std::process::id()));
+        std::fs::write(&path, "[robots.discovery]\nkind = \"line\"\naddress = \"COM3\"\nspeed = 2\n").expect("it can be written");
+        let settings = load(&Sources { file: Some(path.clone()), ..Sources::default() });
+        std::fs::remove_file(&path).expect("the file is ours");
+        let expect = format!("robots.discovery.speed in file {}", path.display());
+        assert_eq!(settings.expect("the program starts").without_effect, [expect]);
+    }
+}
