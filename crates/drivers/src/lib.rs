@@ -9,6 +9,7 @@
 //! ```
 //! What to do next is decided by nobody here: a driver gets one order at a time, and answers it once.
 
+pub mod line;
 mod virtual_robot;
 
 use std::fmt;

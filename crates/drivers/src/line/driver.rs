@@ -1,0 +1,344 @@
+//! The program's end of the line protocol: one order at a time, repeated until it is answered, and a `hello` every half second. How
+//! robot and program find each other stands in `greeting`, what the robot's lines come to in `answers`.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use super::frame::{LineReader, framed};
+use super::from_robot::RobotName;
+use super::numbers::{Seq, millis};
+use super::picture::Picture;
+use super::to_robot::{Task, ToRobot};
+use crate::{Driver, Output, Subject};
+use hallsweep_core::command::Move;
+use hallsweep_core::effect::{Action, Order};
+use hallsweep_core::event::{OffCentre, Parts, Photo, RobotEvent};
+use hallsweep_core::robots::Part;
+use hallsweep_core::units::{Now, OrderId};
+
+/// What is not answered is said again after this long.
+const REPEATED: Duration = Duration::from_millis(100);
+
+/// The robot is asked who it is this often.
+pub(super) const HELLO: Duration = Duration::from_millis(500);
+
+/// A robot that was heard and says nothing for so long is not there any more.
+const SILENCE: Duration = Duration::from_millis(1500);
+
+/// So long it has for its first words. A board that is reset by opening its serial device needs two seconds to be awake.
+const AWAKE: Duration = Duration::from_secs(5);
+
+/// Between two bytes of a photo there is no longer pause.
+const PAUSE: Duration = Duration::from_secs(1);
+
+/// Why a robot that has heard of the last number gets no more orders.
+pub(super) const ALL_COUNTED: &str = "the robot has counted its last order: switch it off and on";
+
+/// Speaks to one robot by the line protocol.
+#[derive(Debug)]
+pub struct LineDriver {
+    pub(super) link: Link,
+    lines: LineReader,
+    /// A good line that said nothing, as an excerpt for whoever looks for the reason.
+    pub(super) not_understood: Option<String>,
+    pub(super) picture: Option<Picture>,
+    pub(super) open: Option<Open>,
+    /// A drawing that stands for a photo, to be made by somebody else.
+    drawing: Option<OrderId>,
+    /// The number of the last order, or the one from which orders begin.
+    pub(super) seq: Seq,
+    led: bool,
+    pub(super) off_centre: OffCentre,
+    /// When something good was last heard.
+    pub(super) heard: Duration,
+    /// When the next `hello` is due.
+    pub(super) hello_at: Duration,
+    pub(super) outputs: VecDeque<Output>,
+    pub(super) events: VecDeque<RobotEvent>,
+    /// Why there is no link, as it was last told.
+    pub(super) told: Option<String>,
+}
+
+/// How far the link has come.
+#[derive(Debug)]
+pub(super) enum Link {
+    Down,
+    /// Connected. Once the robot has said who it is, it is told from where orders begin.
+    Greeting(Option<Seq>),
+    Up(Robot),
+}
+
+/// The robot at the other end.
+#[derive(Debug)]
+pub(super) struct Robot {
+    pub(super) name: RobotName,
+    pub(super) parts: Parts,
+    /// The number from which orders begin: as long as it is the same robot, and was not switched off, it knows that one.
+    pub(super) from: Seq,
+}
+
+/// The order that waits for its answer.
+#[derive(Debug)]
+pub(super) struct Open {
+    pub(super) order: Order,
+    pub(super) task: Task,
+    /// When its deadline has passed.
+    pub(super) until: Duration,
+    repeat_at: Duration,
+    /// It is to be void: what is repeated is the halt.
+    is_halted: bool,
+}
+
+impl LineDriver {
+    /// One that is not connected.
+    #[must_use]
+    pub fn new() -> LineDriver {
+        LineDriver {
+            link: Link::Down,
+            lines: LineReader::default(),
+            not_understood: None,
+            picture: None,
+            open: None,
+            drawing: None,
+            seq: Seq::FIRST,
+            led: false,
+            off_centre: false,
+            heard: Duration::ZERO,
+            hello_at: Duration::ZERO,
+            outputs: VecDeque::new(),
+            events: VecDeque::new(),
+            told: None,
+        }
+    }
+
+    pub(super) fn say(&mut self, words: ToRobot) {
+        self.outputs.push_back(Output::Send(framed(&words.to_string())));
+    }
+
+    pub(super) fn say_led(&mut self) {
+        if self.has(Part::Led) {
+            self.say(ToRobot::Led(self.led));
+        }
+    }
+
+    fn has(&self, part: Part) -> bool {
+        matches!(&self.link, Link::Up(robot) if robot.parts.has(part))
+    }
+
+    /// Says the open order again, or the halt that voids it.
+    fn repeat(&mut self, now: Now) {
+        let Some(open) = &mut self.open else { return };
+        open.repeat_at = now.since_start + REPEATED;
+        let left = millis(open.until.saturating_sub(now.since_start)).max(1);
+        let words = if open.is_halted { ToRobot::Halt(self.seq) } else { ToRobot::Order(open.task, self.seq, left) };
+        self.say(words);
+    }
+
+    /// What a robot with these parts is asked to do for an action, or why it is not asked.
+    fn task(&self, action: Action) -> Result<Task, &'static str> {
+        let task = match action {
+            Action::Move(Move::Forward) => Task::Forward,
+            Action::Move(Move::Backward) => Task::Backward,
+            Action::Move(Move::TurnLeft) => Task::Left,
+            Action::Move(Move::TurnRight) => Task::Right,
+            Action::Recentre => Task::Recentre,
+            Action::Photograph(_) => Task::Photo,
+            Action::Move(Move::NudgeLeft | Move::NudgeRight) => return Err("the line protocol has no small corrective turns"),
+            Action::Enter | Action::Leave => return Err("the line protocol knows nothing before the entrance"),
+            Action::Arm(_) => return Err("the line protocol knows no arm"),
+        };
+        if self.has(Part::Base) || !task.is_motion() { Ok(task) } else { Err("the robot says that it has no base") }
+    }
+
+    fn begin(&mut self, order: Order, now: Now) -> Result<(), String> {
+        if !matches!(self.link, Link::Up(_)) {
+            return Err("the robot is not connected".to_owned());
+        }
+        if let Some(id) = self.open.as_ref().map(|open| open.order.id).or(self.drawing) {
+            return Err(format!("order {id} is still under way"));
+        }
+        let task = self.task(order.action)?;
+        if let Action::Photograph(stamp) = order.action
+            && !self.has(Part::Camera)
+        {
+            self.drawing = Some(order.id);
+            self.outputs.push_back(Output::Draw(order.id, Subject { stamp, name: None }));
+            return Ok(());
+        }
+        self.seq = self.seq.next().ok_or(ALL_COUNTED)?;
+        let until = now.since_start.saturating_add(order.deadline);
+        self.open = Some(Open { order, task, until, repeat_at: now.since_start, is_halted: false });
+        self.repeat(now);
+        Ok(())
+    }
+
+    /// Nobody can rely on what was under way any more. It will not be answered.
+    pub(super) fn drop_order(&mut self) {
+        let open = self.open.take();
+        self.off_centre |= open.is_some_and(|open| open.task.is_motion());
+        self.drawing = None;
+        self.picture = None;
+    }
+
+    /// An order whose deadline has passed: a motion never begins so late, and a photo is not waited for.
+    fn expire(&mut self) {
+        let Some(open) = &mut self.open else { return };
+        if open.task.is_motion() {
+            open.is_halted = true;
+            open.until = Duration::MAX;
+        } else if let Some(open) = self.open.take() {
+            self.picture = None;
+            self.events.push_back(RobotEvent::PhotoFailed(open.order.id, "the photo did not come in time".to_owned()));
+        }
+    }
+
+    fn give_up(&mut self, patience: Duration) {
+        self.link = Link::Down;
+        self.drop_order();
+        let lines = self.lines.passed_over();
+        let damaged = if lines > 0 { format!("; {lines} lines were damaged on their way") } else { String::new() };
+        let unknown = self.not_understood.take().map(|text| format!("; `{text}` was not understood"));
+        let words = format!("the robot said nothing for {} s{damaged}{}", patience.as_secs_f64(), unknown.unwrap_or_default());
+        self.outputs.push_back(Output::GiveUp(words));
+    }
+
+    /// How long the robot may say nothing; it may always where nobody is connected.
+    const fn patience(&self) -> Option<Duration> {
+        match self.link {
+            Link::Down => None,
+            Link::Greeting(_) => Some(AWAKE),
+            Link::Up(_) => Some(SILENCE),
+        }
+    }
+
+    /// When the picture that is coming is given up.
+    fn picture_until(&self) -> Option<Duration> {
+        self.picture.as_ref().map(|picture| picture.until.min(self.heard + PAUSE))
+    }
+
+    /// While the bytes of a photo come nothing is asked, so that the robot says nothing but these; what is missing of them shows.
+    const fn next_hello(&self) -> Option<Duration> {
+        match (&self.link, &self.picture) {
+            (Link::Down, _) | (_, Some(_)) => None,
+            (Link::Greeting(_) | Link::Up(_), None) => Some(self.hello_at),
+        }
+    }
+
+    fn next_repeat(&self) -> Option<Duration> {
+        self.open.as_ref().filter(|_| self.picture.is_none()).map(|open| open.repeat_at)
+    }
+}
+
+impl Default for LineDriver {
+    fn default() -> LineDriver {
+        LineDriver::new()
+    }
+}
+
+impl Driver for LineDriver {
+    fn handle_connected(&mut self, now: Now) {
+        self.drop_order();
+        self.link = Link::Greeting(None);
+        self.lines = LineReader::default();
+        self.heard = now.since_start;
+        // What the robot may have heard of the last program ends here.
+        self.outputs.push_back(Output::Send(b"\n".to_vec()));
+        self.greet(now);
+    }
+
+    fn handle_lost(&mut self, words: &str, _: Now) {
+        self.link = Link::Down;
+        self.drop_order();
+        self.tell_lost(words);
+    }
+
+    fn handle_received(&mut self, mut bytes: &[u8], now: Now) {
+        while let [first, rest @ ..] = bytes {
+            if let Some(picture) = &mut self.picture {
+                let taken = picture.take(bytes);
+                self.heard = now.since_start;
+                if picture.is_whole() {
+                    self.develop(now);
+                }
+                bytes = &bytes[taken..];
+                continue;
+            }
+            if let Some(text) = self.lines.take(*first) {
+                self.line(&text, now);
+            }
+            bytes = rest;
+        }
+    }
+
+    fn handle_sent(&mut self, _: Now) {}
+
+    fn handle_order(&mut self, order: Order, now: Now) {
+        if let Err(why) = self.begin(order, now) {
+            self.events.push_back(RobotEvent::Failed(order.id, why));
+        }
+    }
+
+    fn handle_halt(&mut self, now: Now) {
+        match &mut self.open {
+            Some(open) if open.task.is_motion() => {
+                open.is_halted = true;
+                self.repeat(now);
+            }
+            _ if matches!(self.link, Link::Down) => {}
+            // A photo goes on, and has the last number.
+            Some(_) => self.say(ToRobot::Halt(self.seq.before())),
+            None => self.say(ToRobot::Halt(self.seq)),
+        }
+    }
+
+    fn handle_led(&mut self, blinks: bool, _: Now) {
+        self.led = blinks;
+        self.say_led();
+    }
+
+    fn handle_drawing(&mut self, order: OrderId, drawing: Photo, _: Now) {
+        if self.drawing.take_if(|id| *id == order).is_some() {
+            self.events.push_back(RobotEvent::Photo(order, drawing));
+        }
+    }
+
+    fn handle_timeout(&mut self, now: Now) {
+        let is_due = |at: Option<Duration>| at.is_some_and(|at| at <= now.since_start);
+        if is_due(self.picture_until()) {
+            self.develop(now);
+        }
+        if is_due(self.open.as_ref().map(|open| open.until)) {
+            self.expire();
+        }
+        if let Some(patience) = self.patience().filter(|patience| is_due(Some(self.heard + *patience))) {
+            return self.give_up(patience);
+        }
+        if is_due(self.next_repeat()) {
+            self.repeat(now);
+        }
+        if is_due(self.next_hello()) {
+            self.greet(now);
+        }
+    }
+
+    fn poll_output(&mut self) -> Option<Output> {
+        self.outputs.pop_front()
+    }
+
+    fn poll_event(&mut self) -> Option<RobotEvent> {
+        self.events.pop_front()
+    }
+
+    fn poll_timeout(&self) -> Option<Duration> {
+        let silent = self.patience().map(|patience| self.heard + patience);
+        let until = self.open.as_ref().map(|open| open.until);
+        [silent, until, self.picture_until(), self.next_repeat(), self.next_hello()].into_iter().flatten().min()
+    }
+
+    fn is_off_centre(&self) -> OffCentre {
+        self.off_centre
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,241 @@
+//! What the robot says to the program: the texts of its lines, written and read. What follows from them, `driver` knows.
+
+use std::fmt;
+use std::time::Duration;
+
+use super::numbers::{Seq, millis, number, signed};
+use hallsweep_core::event::{Ahead, Obstacle, OffCentre, Parts, Piece, Whereabouts};
+use hallsweep_core::robots::Part;
+use hallsweep_core::units::{Cell, Celsius, Heading, Pose};
+
+/// One line of the robot.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FromRobot {
+    /// Who it is, what it can do, where it stands.
+    Hello(Hello),
+    /// A motion is complete; what its sonar sees of the cells ahead, if it looks so far.
+    Done(Seq, Option<Ahead>),
+    /// A motion met an obstacle, so many centimetres ahead.
+    Blocked(Seq, Option<u16>, Obstacle),
+    /// A motion was cut short by a halt, or not begun.
+    Halted(Seq, OffCentre),
+    /// It cannot do what was ordered; why.
+    Failed(Seq, Words),
+    /// It has no photo; why.
+    NoPhoto(Seq, Words),
+    /// A photo of so many bytes, which follow at once, with this CRC-32.
+    Photo(Seq, u32, u32),
+    /// Centimetres to what is ahead.
+    Sonar(Option<u16>),
+    /// Its thermometer.
+    Temperature(Celsius),
+}
+
+/// Who a robot is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Hello {
+    /// What it calls itself.
+    pub name: RobotName,
+    /// What it has.
+    pub parts: Parts,
+    /// How long one cell takes.
+    pub step: Duration,
+    /// How long a turn of 90° takes.
+    pub turn: Duration,
+    /// How long a photo takes, its bytes included.
+    pub photo: Duration,
+    /// Where it stands by its own reckoning.
+    pub stands: Whereabouts,
+    /// The greatest number that it has begun or that was voided; `None`: it was switched on, and has heard no `from`.
+    pub last: Option<Seq>,
+}
+
+/// What a robot calls itself.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RobotName(String);
+
+impl RobotName {
+    /// The longest name, in bytes: the line has room for no more.
+    pub const MOST: usize = 24;
+
+    /// `text` as a name: 1 to `MOST` visible ASCII characters without a star; else `None`.
+    #[must_use]
+    pub fn new(text: &str) -> Option<RobotName> {
+        let is_sound = text.bytes().all(|byte| byte.is_ascii_graphic() && byte != b'*');
+        (is_sound && (1..=RobotName::MOST).contains(&text.len())).then(|| RobotName(text.to_owned()))
+    }
+}
+
+impl fmt::Display for RobotName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// A reason, as far as a line has room for it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Words(String);
+
+impl Words {
+    const MOST: usize = 100;
+
+    /// `text` with a question mark for whatever a line cannot carry, cut where the room ends.
+    #[must_use]
+    pub fn new(text: &str) -> Words {
+        let carried = |letter: char| if (' '..='~').contains(&letter) && letter != '*' { letter } else { '?' };
+        Words(text.chars().map(carried).take(Words::MOST).collect())
+    }
+}
+
+impl fmt::Display for Words {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl FromRobot {
+    /// What a line says, if it says anything.
+    #[must_use]
+    pub fn parse(text: &str) -> Option<FromRobot> {
+        let (word, rest) = text.split_once(' ')?;
+        let words: Vec<&str> = rest.split(' ').collect();
+        let seq = || Seq::read(words[0]);
+        match (word, &words[..]) {
+            ("hello", _) => hello(&words).map(FromRobot::Hello),
+            ("done", [_]) => Some(FromRobot::Done(seq()?, None)),
+            ("done", [_, "ahead", free]) => Some(FromRobot::Done(seq()?, Some(Ahead { free: number(free)?, obstacle: None }))),
+            ("done", [_, "ahead", free, what @ ..]) => {
+                Some(FromRobot::Done(seq()?, Some(Ahead { free: number(free)?, obstacle: Some(obstacle(what)?) })))
+            }
+            ("blocked", [_, cm, what @ ..]) => Some(FromRobot::Blocked(seq()?, centimetres(cm)?, obstacle(what)?)),
+            ("halted", [_, off]) => Some(FromRobot::Halted(seq()?, off_centre(off)?)),
+            ("failed", [_, why @ ..]) => Some(FromRobot::Failed(seq()?, Words::new(&why.join(" ")))),
+            ("nophoto", [_, why @ ..]) => Some(FromRobot::NoPhoto(seq()?, Words::new(&why.join(" ")))),
+            ("photo", [_, length, crc]) => {
+                let crc = Some(*crc).filter(|crc| crc.len() == 8 && crc.bytes().all(|byte| byte.is_ascii_hexdigit()))?;
+                Some(FromRobot::Photo(seq()?, number(length)?, u32::from_str_radix(crc, 16).ok()?))
+            }
+            ("sonar", [cm]) => centimetres(cm).map(FromRobot::Sonar),
+            ("temp", [degrees]) => temperature(degrees).map(FromRobot::Temperature),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for FromRobot {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            FromRobot::Hello(hello) => hello.fmt(f),
+            FromRobot::Done(seq, None) => write!(f, "done {seq}"),
+            FromRobot::Done(seq, Some(Ahead { free, obstacle: None })) => write!(f, "done {seq} ahead {free}"),
+            FromRobot::Done(seq, Some(Ahead { free, obstacle: Some(what) })) => {
+                write!(f, "done {seq} ahead {free} {}", Written(*what))
+            }
+            FromRobot::Blocked(seq, None, what) => write!(f, "blocked {seq} none {}", Written(*what)),
+            FromRobot::Blocked(seq, Some(cm), what) => write!(f, "blocked {seq} {cm} {}", Written(*what)),
+            FromRobot::Halted(seq, off) => write!(f, "halted {seq} {}", word(*off)),
+            FromRobot::Failed(seq, why) => write!(f, "failed {seq} {why}"),
+            FromRobot::NoPhoto(seq, why) => write!(f, "nophoto {seq} {why}"),
+            FromRobot::Photo(seq, length, crc) => write!(f, "photo {seq} {length} {crc:08X}"),
+            FromRobot::Sonar(None) => f.write_str("sonar none"),
+            FromRobot::Sonar(Some(cm)) => write!(f, "sonar {cm}"),
+            FromRobot::Temperature(celsius) => write!(f, "temp {:.1}", celsius.degrees()),
+        }
+    }
+}
+
+impl fmt::Display for Hello {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "hello {}", self.name)?;
+        self.parts.iter().filter(|part| PARTS.contains(part)).try_for_each(|part| write!(f, " {}", part.name()))?;
+        let [step, turn, photo] = [self.step, self.turn, self.photo].map(|time| millis(time).min(SLOWEST_MS));
+        let Whereabouts { pose: Pose { cell, heading }, off_centre } = self.stands;
+        write!(f, " step={step} turn={turn} photo={photo} at={},{},{} {}", cell.x, cell.y, heading.name(), word(off_centre))?;
+        write!(f, " last={}", self.last.map_or(0, Seq::number))
+    }
+}
+
+/// The parts that this protocol has words for.
+const PARTS: [Part; 6] = [Part::Base, Part::Camera, Part::Sonar, Part::Led, Part::Thermometer, Part::Bump];
+
+/// No step, turn or photo takes longer.
+const SLOWEST_MS: u32 = 999_999;
+
+fn hello(words: &[&str]) -> Option<Hello> {
+    let (name, words) = words.split_first()?;
+    let [words @ .., step, turn, photo, at, off, last] = words else { return None };
+    let parts = words.iter().map(|word| PARTS.into_iter().find(|part| part.name() == *word)).collect::<Option<Vec<Part>>>()?;
+    let time = |text: &str, name| {
+        let ms: u32 = number(text.strip_prefix(name)?)?;
+        (ms <= SLOWEST_MS).then(|| Duration::from_millis(ms.into()))
+    };
+    Some(Hello {
+        name: RobotName::new(name)?,
+        parts: Parts::of(&parts),
+        step: time(step, "step=")?,
+        turn: time(turn, "turn=")?,
+        photo: time(photo, "photo=")?,
+        stands: Whereabouts { pose: pose(at.strip_prefix("at=")?)?, off_centre: off_centre(off)? },
+        last: match last.strip_prefix("last=")? {
+            "0" => None,
+            last => Some(Seq::read(last)?),
+        },
+    })
+}
+
+fn pose(text: &str) -> Option<Pose> {
+    let [x, y, heading] = text.split(',').collect::<Vec<&str>>()[..] else { return None };
+    let heading = Heading::ALL.into_iter().find(|known| known.name() == heading)?;
+    Some(Pose { cell: Cell::new(signed(x)?, signed(y)?), heading })
+}
+
+const fn word(off_centre: OffCentre) -> &'static str {
+    if off_centre { "off" } else { "centred" }
+}
+
+fn off_centre(text: &str) -> Option<OffCentre> {
+    match text {
+        "centred" => Some(false),
+        "off" => Some(true),
+        _ => None,
+    }
+}
+
+fn centimetres(text: &str) -> Option<Option<u16>> {
+    if text == "none" { Some(None) } else { number(text).map(Some) }
+}
+
+/// To a tenth of a degree. Digits with a point among them, and no other way in which the standard library reads a number.
+fn temperature(text: &str) -> Option<Celsius> {
+    let is_plain = text.bytes().all(|byte| byte.is_ascii_digit() || b"-.".contains(&byte));
+    let degrees: f64 = is_plain.then(|| text.parse().ok()).flatten()?;
+    Celsius::new((degrees * 10.0).round() / 10.0)
+}
+
+/// An obstacle in the words of the protocol.
+struct Written(Obstacle);
+
+impl fmt::Display for Written {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Obstacle::Wall { left: 0, right: 0 } => f.write_str("wall"),
+            Obstacle::Wall { left, right } => write!(f, "wall {left} {right}"),
+            Obstacle::Luggage(Piece(piece)) => write!(f, "luggage {piece}"),
+            Obstacle::Unknown => f.write_str("unknown"),
+        }
+    }
+}
+
+fn obstacle(words: &[&str]) -> Option<Obstacle> {
+    match words {
+        ["wall"] => Some(Obstacle::Wall { left: 0, right: 0 }),
+        ["wall", left, right] => Some(Obstacle::Wall { left: number(left)?, right: number(right)? }),
+        ["luggage", piece] => Some(Obstacle::Luggage(Piece(number(piece)?))),
+        // A piece that cannot be known again is no better than something unknown.
+        ["luggage" | "unknown"] => Some(Obstacle::Unknown),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,32 @@
+//! The line protocol: how a robot that somebody has built is spoken to, over TCP or a serial device. `docs/robot-line-protocol.md`
+//! says it all for whoever programs the robot.
+//!
+//! ```text
+//!   Driver of the program             wire              end of the robot
+//!   driver ──► to_robot ──► frame ═════════════► frame ──► to_robot ──► robot
+//!   driver ◄── from_robot ◄─ frame ◄═════════════ frame ◄── from_robot ◄── robot
+//!          ◄── crc of the bytes of a photo
+//! ```
+//! Both ends are sans-IO. The robot's end knows no simulator: what it is asked it passes on, what it is told it says.
+
+mod answers;
+mod crc;
+mod driver;
+mod frame;
+mod from_robot;
+mod greeting;
+mod numbers;
+mod picture;
+mod robot;
+mod to_robot;
+
+#[cfg(test)]
+mod wire_tests;
+
+pub use self::driver::LineDriver;
+pub use self::frame::{LONGEST, LineReader, framed};
+pub use self::from_robot::{FromRobot, Hello, RobotName, Words};
+pub use self::numbers::Seq;
+pub use self::picture::MOST_BYTES;
+pub use self::robot::{Asked, LineRobot};
+pub use self::to_robot::{Task, ToRobot};

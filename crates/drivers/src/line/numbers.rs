@@ -1,0 +1,85 @@
+//! The numbers of the line protocol: whole, decimal, without a sign where none is needed; and the numbers by which orders are known.
+
+use std::fmt;
+use std::str::FromStr;
+use std::time::Duration;
+
+/// The number of an order on the wire. It grows by one with each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Seq(u32);
+
+impl Seq {
+    /// The first.
+    pub const FIRST: Seq = Seq(1);
+
+    /// The last; at three orders a second it is reached after twenty years.
+    pub const LAST: Seq = Seq(i32::MAX as u32);
+
+    /// `number` as one, if it is from 1 to `LAST`.
+    #[must_use]
+    pub fn new(number: u32) -> Option<Seq> {
+        (1..=Seq::LAST.0).contains(&number).then_some(Seq(number))
+    }
+
+    /// The number.
+    #[must_use]
+    pub const fn number(self) -> u32 {
+        self.0
+    }
+
+    pub(super) fn next(self) -> Option<Seq> {
+        Seq::new(self.0 + 1)
+    }
+
+    /// The one before, or the first.
+    pub(super) fn before(self) -> Seq {
+        Seq::new(self.0 - 1).unwrap_or(Seq::FIRST)
+    }
+
+    pub(super) fn read(text: &str) -> Option<Seq> {
+        number(text).and_then(Seq::new)
+    }
+}
+
+impl fmt::Display for Seq {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.0)
+    }
+}
+
+/// Digits and nothing else; the standard library takes a plus as well.
+pub(super) fn number<N: FromStr>(text: &str) -> Option<N> {
+    let is_digits = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    is_digits.then(|| text.parse().ok()).flatten()
+}
+
+/// The same with a minus in front, perhaps.
+pub(super) fn signed(text: &str) -> Option<i32> {
+    let size: i16 = number(text.strip_prefix('-').unwrap_or(text))?;
+    Some(if text.starts_with('-') { -i32::from(size) } else { i32::from(size) })
+}
+
+/// Whole milliseconds, as far as a line has room for them.
+pub(super) fn millis(time: Duration) -> u32 {
+    u32::try_from(time.as_millis()).unwrap_or(u32::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_digits_are_a_number() {
+        assert_eq!((number::<u32>("0"), number::<u32>("4294967295")), (Some(0), Some(u32::MAX)));
+        for wrong in ["", "+1", "-1", "1.0", "4294967296", " 1"] {
+            assert_eq!(number::<u32>(wrong), None, "{wrong}");
+        }
+        assert_eq!((signed("-32767"), signed("12"), signed("--1"), signed("-")), (Some(-32767), Some(12), None, None));
+    }
+
+    #[test]
+    fn orders_have_numbers_from_one_on() {
+        assert_eq!((Seq::new(0), Seq::new(1), Seq::new(u32::MAX)), (None, Some(Seq::FIRST), None));
+        assert_eq!((Seq::LAST.next(), Seq::FIRST.before()), (None, Seq::FIRST));
+    }
+}

@@ -1,0 +1,297 @@
+//! The robot's end of the line protocol: which orders begin, what is answered, and when it halts by itself. It reckons where it
+//! stands. What moves, it does not know: that is asked for, and what became of it is told.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::crc::Crc32;
+use super::frame::{LineReader, framed};
+use super::from_robot::{FromRobot, Hello, RobotName, Words};
+use super::numbers::Seq;
+use super::to_robot::{Task, ToRobot};
+use hallsweep_core::command::Move;
+use hallsweep_core::effect::{Action, Order, Stamp};
+use hallsweep_core::event::{Ahead, Capabilities, OffCentre, Photo, RobotEvent, Whereabouts};
+use hallsweep_core::units::{Epoch, Now, OrderId, Pose};
+
+/// A robot that moves and hears no good line for so long halts by itself (safety S5).
+const WATCHDOG: Duration = Duration::from_millis(400);
+
+/// So many lines and photos wait for the wire. More are dropped; what matters of them is said again when it is asked for again.
+const WAITING: usize = 32;
+
+/// What the body of the robot is asked to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Asked {
+    /// Begin this, and answer it once.
+    Order(Order),
+    /// Halt, and answer what was under way.
+    Halt,
+    /// Let the LED blink, or not.
+    Led(bool),
+}
+
+/// A robot that speaks the line protocol.
+#[derive(Debug)]
+pub struct LineRobot {
+    name: RobotName,
+    lines: LineReader,
+    /// What it can do, once it has said so.
+    capabilities: Option<Capabilities>,
+    stands: Whereabouts,
+    /// The greatest number that it has begun or that was voided; without one it obeys no order.
+    last: Option<Seq>,
+    under_way: Option<UnderWay>,
+    /// The last answer, for when the order is repeated.
+    answer: Option<(Seq, FromRobot)>,
+    /// Where orders are to begin, as soon as nothing is under way.
+    from: Option<Seq>,
+    sonar_cm: Option<u16>,
+    ahead: Option<Ahead>,
+    /// When the last good line came.
+    heard: Duration,
+    asked: VecDeque<Asked>,
+    outputs: VecDeque<Arc<[u8]>>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct UnderWay {
+    seq: Seq,
+    task: Task,
+    is_halted: bool,
+}
+
+impl LineRobot {
+    /// One that was just switched on. It says nothing before it is told where it stands and what it can do.
+    #[must_use]
+    pub fn new(name: RobotName) -> LineRobot {
+        LineRobot {
+            name,
+            lines: LineReader::default(),
+            capabilities: None,
+            stands: Whereabouts { pose: Pose::START, off_centre: false },
+            last: None,
+            under_way: None,
+            answer: None,
+            from: None,
+            sonar_cm: None,
+            ahead: None,
+            heard: Duration::ZERO,
+            asked: VecDeque::new(),
+            outputs: VecDeque::new(),
+        }
+    }
+
+    /// The program is gone, or another takes its place: it halts, and says nothing more of what it was asked.
+    pub fn handle_lost(&mut self) {
+        self.lines = LineReader::default();
+        self.outputs.clear();
+        self.halt();
+    }
+
+    /// What the program sent, any piece of it.
+    pub fn handle_received(&mut self, bytes: &[u8], now: Now) {
+        for byte in bytes {
+            if let Some(text) = self.lines.take(*byte) {
+                self.heard = now.since_start;
+                if let Some(said) = ToRobot::parse(&text) {
+                    self.obey(said, now);
+                }
+            }
+        }
+    }
+
+    /// What became of what was asked, and what else its body reports.
+    pub fn handle_event(&mut self, event: RobotEvent) {
+        match event {
+            RobotEvent::Stands(stands) => self.stands = stands,
+            RobotEvent::LinkUp(capabilities) => self.capabilities = Some(capabilities),
+            RobotEvent::Sonar(cm) => {
+                self.sonar_cm = cm;
+                self.say(&FromRobot::Sonar(cm));
+            }
+            RobotEvent::Temperature(celsius) => self.say(&FromRobot::Temperature(celsius)),
+            RobotEvent::Ahead(ahead) => self.ahead = Some(ahead),
+            RobotEvent::Done(_) => self.done(),
+            RobotEvent::Blocked(_, obstacle) => {
+                let cm = self.sonar_cm;
+                self.answer(true, |seq| FromRobot::Blocked(seq, cm, obstacle));
+            }
+            RobotEvent::Halted(_, off_centre) => self.answer(off_centre, |seq| FromRobot::Halted(seq, off_centre)),
+            RobotEvent::Failed(_, why) => self.answer(true, |seq| FromRobot::Failed(seq, Words::new(&why))),
+            RobotEvent::PhotoFailed(_, why) => self.answer(false, |seq| FromRobot::NoPhoto(seq, Words::new(&why))),
+            RobotEvent::Photo(_, photo) => self.send_photo(&photo),
+            RobotEvent::StandsOutside(..)
+            | RobotEvent::LinkLost(_)
+            | RobotEvent::Found(..)
+            | RobotEvent::Arm(_)
+            | RobotEvent::ParcelLost(_) => {}
+        }
+    }
+
+    /// Lets time pass: a robot that moves and hears nothing halts.
+    pub fn handle_timeout(&mut self, now: Now) {
+        if self.poll_timeout().is_some_and(|at| at <= now.since_start) {
+            self.halt();
+        }
+    }
+
+    /// What the body is asked next.
+    pub fn poll_asked(&mut self) -> Option<Asked> {
+        self.asked.pop_front()
+    }
+
+    /// What is to be sent next: a line, or the bytes of a photo. Lines from the program are listened to meanwhile.
+    pub fn poll_output(&mut self) -> Option<Arc<[u8]>> {
+        self.outputs.pop_front()
+    }
+
+    /// When it will halt by itself unless something is heard, since the start of the run.
+    #[must_use]
+    pub fn poll_timeout(&self) -> Option<Duration> {
+        self.motion().filter(|motion| !motion.is_halted).map(|_| self.heard + WATCHDOG)
+    }
+
+    fn motion(&self) -> Option<UnderWay> {
+        self.under_way.filter(|under_way| under_way.task.is_motion())
+    }
+
+    fn obey(&mut self, said: ToRobot, now: Now) {
+        match said {
+            ToRobot::Hello => self.say_hello(),
+            ToRobot::From(seq) if self.last >= Some(seq) => self.say_hello(),
+            ToRobot::From(seq) => {
+                self.halt();
+                self.from = Some(seq);
+                self.begin_above();
+            }
+            ToRobot::Order(task, seq, deadline_ms) => self.order(task, seq, Duration::from_millis(deadline_ms.into()), now),
+            ToRobot::Halt(seq) => self.void(seq),
+            ToRobot::Led(blinks) => self.asked.push_back(Asked::Led(blinks)),
+        }
+    }
+
+    /// Begins an order, if it is new and nothing else is under way; it is repeated until it is answered.
+    fn order(&mut self, task: Task, seq: Seq, deadline: Duration, now: Now) {
+        if self.last.is_none() || self.from.is_some() || self.under_way.is_some() {
+            return;
+        }
+        if self.last >= Some(seq) {
+            return self.answer_again(seq);
+        }
+        self.last = Some(seq);
+        self.under_way = Some(UnderWay { seq, task, is_halted: false });
+        let action = match task {
+            Task::Forward => Action::Move(Move::Forward),
+            Task::Backward => Action::Move(Move::Backward),
+            Task::Left => Action::Move(Move::TurnLeft),
+            Task::Right => Action::Move(Move::TurnRight),
+            Task::Recentre => Action::Recentre,
+            Task::Photo => Action::Photograph(Stamp { pose: self.stands.pose, wall: now.wall }),
+        };
+        let id = OrderId(seq.number().into());
+        self.asked.push_back(Asked::Order(Order { id, action, epoch: Epoch(0), deadline }));
+    }
+
+    /// A halt: what moves is answered when it stands, and what is not yet heard of never begins.
+    fn void(&mut self, seq: Seq) {
+        if self.motion().is_some() {
+            self.halt();
+        } else if self.last.is_some_and(|last| last < seq) && self.under_way.is_none() {
+            self.last = Some(seq);
+            self.settle(seq, FromRobot::Halted(seq, self.stands.off_centre));
+        } else {
+            self.answer_again(seq);
+        }
+    }
+
+    /// Halts what moves, once.
+    fn halt(&mut self) {
+        if let Some(under_way) = self.under_way.as_mut().filter(|under_way| under_way.task.is_motion() && !under_way.is_halted) {
+            under_way.is_halted = true;
+            self.asked.push_back(Asked::Halt);
+        }
+    }
+
+    fn done(&mut self) {
+        let ahead = self.ahead.take();
+        if let Some(motion) = self.motion() {
+            self.stands.pose = after(self.stands.pose, motion.task);
+        }
+        self.answer(false, |seq| FromRobot::Done(seq, ahead));
+    }
+
+    /// Answers what was under way. A photo leaves the robot where it stands.
+    fn answer(&mut self, off_centre: OffCentre, words: impl FnOnce(Seq) -> FromRobot) {
+        let Some(UnderWay { seq, task, .. }) = self.under_way.take() else { return };
+        self.ahead = None;
+        if task.is_motion() {
+            self.stands.off_centre = off_centre;
+        }
+        self.settle(seq, words(seq));
+        self.begin_above();
+    }
+
+    fn settle(&mut self, seq: Seq, words: FromRobot) {
+        self.say(&words);
+        self.answer = Some((seq, words));
+    }
+
+    fn answer_again(&mut self, seq: Seq) {
+        if let Some((_, words)) = self.answer.clone().filter(|(answered, _)| *answered == seq) {
+            self.say(&words);
+        }
+    }
+
+    /// A photo is sent once and not kept: whoever asks for it again is told so.
+    fn send_photo(&mut self, photo: &Photo) {
+        let Some(UnderWay { seq, .. }) = self.under_way.take() else { return };
+        self.answer = Some((seq, FromRobot::NoPhoto(seq, Words::new("it was sent already, and is lost: order another"))));
+        if self.from.is_none() && self.outputs.len() < WAITING {
+            let length = u32::try_from(photo.bytes.len()).unwrap_or(u32::MAX);
+            let mut crc = Crc32::new();
+            crc.add(&photo.bytes);
+            self.say(&FromRobot::Photo(seq, length, crc.value()));
+            self.outputs.push_back(Arc::clone(&photo.bytes));
+        }
+        self.begin_above();
+    }
+
+    /// Takes orders above the number that the program has named, once nothing is under way.
+    fn begin_above(&mut self) {
+        if let Some(from) = self.from.take_if(|_| self.under_way.is_none()) {
+            self.last = Some(from);
+            self.answer = None;
+            self.say_hello();
+        }
+    }
+
+    fn say_hello(&mut self) {
+        let Some(Capabilities { parts, step, turn, photo, .. }) = self.capabilities else { return };
+        let stands = Whereabouts { off_centre: self.stands.off_centre || self.motion().is_some(), ..self.stands };
+        let hello = Hello { name: self.name.clone(), parts, step, turn, photo, stands, last: self.last };
+        self.say(&FromRobot::Hello(hello));
+    }
+
+    fn say(&mut self, words: &FromRobot) {
+        if self.outputs.len() < WAITING {
+            self.outputs.push_back(Arc::from(framed(&words.to_string())));
+        }
+    }
+}
+
+/// Where a robot stands that has done this.
+const fn after(pose: Pose, task: Task) -> Pose {
+    let Pose { cell, heading } = pose;
+    match task {
+        Task::Forward => Pose { cell: cell.ahead(heading), heading },
+        Task::Backward => Pose { cell: cell.ahead(heading.opposite()), heading },
+        Task::Left => Pose { cell, heading: heading.left() },
+        Task::Right => Pose { cell, heading: heading.right() },
+        Task::Recentre | Task::Photo => pose,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,151 @@
+//! What the program says to the robot: the texts of its lines, written and read. Which is said when, `driver` knows.
+
+use std::fmt;
+
+use super::numbers::{Seq, number};
+
+/// One line to the robot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ToRobot {
+    /// Say who you are.
+    Hello,
+    /// Halt; all up to this number is void, and orders begin above it.
+    From(Seq),
+    /// Do this. After so many milliseconds halt by yourself.
+    Order(Task, Seq, u32),
+    /// Halt; all up to this number is void.
+    Halt(Seq),
+    /// Let the LED blink, or not.
+    Led(bool),
+}
+
+/// What an order asks of the robot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Task {
+    /// One cell forward.
+    Forward,
+    /// One cell backward.
+    Backward,
+    /// 90° to the left.
+    Left,
+    /// 90° to the right.
+    Right,
+    /// Back to the centre of the cell and the heading of the last order that was done.
+    Recentre,
+    /// A photo of what is ahead.
+    Photo,
+}
+
+impl Task {
+    const ALL: [Task; 6] = [Task::Forward, Task::Backward, Task::Left, Task::Right, Task::Recentre, Task::Photo];
+
+    const fn word(self) -> &'static str {
+        match self {
+            Task::Forward => "w",
+            Task::Backward => "s",
+            Task::Left => "a",
+            Task::Right => "d",
+            Task::Recentre => "c",
+            Task::Photo => "photo",
+        }
+    }
+
+    /// Whether the robot moves while it does this.
+    #[must_use]
+    pub fn is_motion(self) -> bool {
+        self != Task::Photo
+    }
+}
+
+impl ToRobot {
+    /// What a line says, if it says anything.
+    #[must_use]
+    pub fn parse(text: &str) -> Option<ToRobot> {
+        let words: Vec<&str> = text.split(' ').collect();
+        match words[..] {
+            ["hello"] => Some(ToRobot::Hello),
+            ["from", seq] => Seq::read(seq).map(ToRobot::From),
+            ["h", seq] => Seq::read(seq).map(ToRobot::Halt),
+            ["led", "blink"] => Some(ToRobot::Led(true)),
+            ["led", "off"] => Some(ToRobot::Led(false)),
+            [word, seq, deadline] => {
+                let task = Task::ALL.into_iter().find(|task| task.word() == word)?;
+                Some(ToRobot::Order(task, Seq::read(seq)?, number(deadline)?))
+            }
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for ToRobot {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ToRobot::Hello => f.write_str("hello"),
+            ToRobot::From(seq) => write!(f, "from {seq}"),
+            ToRobot::Order(task, seq, deadline_ms) => write!(f, "{} {seq} {deadline_ms}", task.word()),
+            ToRobot::Halt(seq) => write!(f, "h {seq}"),
+            ToRobot::Led(blinks) => f.write_str(if *blinks { "led blink" } else { "led off" }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::line::framed;
+
+    /// The longest line to the robot, check and line feed included: what a small one needs as its buffer.
+    const ROOM: usize = 40;
+
+    fn said() -> impl Strategy<Value = ToRobot> {
+        let seq = (1..=Seq::LAST.number()).prop_map(|number| Seq::new(number).expect("it is within"));
+        let task = prop::sample::select(&Task::ALL[..]);
+        prop_oneof![
+            Just(ToRobot::Hello),
+            seq.clone().prop_map(ToRobot::From),
+            seq.clone().prop_map(ToRobot::Halt),
+            any::<bool>().prop_map(ToRobot::Led),
+            (task, seq, any::<u32>()).prop_map(|(task, seq, deadline)| ToRobot::Order(task, seq, deadline)),
+        ]
+    }
+
+    #[test]
+    fn the_texts_are_those_of_the_documentation() {
+        let seven = Seq::new(7).expect("seven is one");
+        for (said, text) in [
+            (ToRobot::From(seven), "from 7"),
+            (ToRobot::Order(Task::Forward, seven, 1990), "w 7 1990"),
+            (ToRobot::Order(Task::Photo, seven, 4000), "photo 7 4000"),
+            (ToRobot::Halt(seven), "h 7"),
+            (ToRobot::Led(true), "led blink"),
+        ] {
+            assert_eq!(said.to_string(), text);
+        }
+    }
+
+    #[test]
+    fn what_says_nothing_is_nothing() {
+        for wrong in
+            ["", "w", "w 7", "w 0 1990", "w 7 1990 1", "w  7 1990", "x 7 1990", "h", "h 0", "h 4294967295", "led", "led on"]
+        {
+            assert_eq!(ToRobot::parse(wrong), None, "{wrong}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_said_is_read_back_and_fits_a_small_buffer(said in said()) {
+            prop_assert_eq!(ToRobot::parse(&said.to_string()), Some(said));
+            prop_assert!(framed(&said.to_string()).len() <= ROOM);
+        }
+
+        #[test]
+        fn any_text_says_something_or_nothing(text in any::<String>()) {
+            if let Some(said) = ToRobot::parse(&text) {
+                prop_assert_eq!(ToRobot::parse(&said.to_string()), Some(said));
+            }
+        }
+    }
+}
