@@ -7,10 +7,11 @@ use std::sync::Arc;
 use tokio::sync::watch;
 
 use super::Adapter;
+use super::external::ExternalRobot;
 use super::sim::{self, SimPair, SimRobot, UnusableHall};
-use crate::config::{RobotKind, RobotSettings, Settings};
+use crate::config::{RobotSettings, Settings};
 use crate::runtime::clock::Clock;
-use hallsweep_core::event::{RobotEvent, RobotId};
+use hallsweep_core::event::RobotId;
 use hallsweep_core::settings::Fetcher;
 use hallsweep_sim::Hall;
 
@@ -28,8 +29,7 @@ pub struct Robots {
 
 enum Robot {
     Sim(Box<SimRobot>),
-    /// Of a kind that nothing speaks to yet.
-    Unreached(RobotKind),
+    External(Box<ExternalRobot>),
 }
 
 impl Robots {
@@ -44,8 +44,12 @@ impl Robots {
         Ok(Robots { hall, all, pair, wants_pair, ids })
     }
 
-    pub fn hall_name(&self) -> &str {
-        self.hall.name()
+    /// The name of the hall, or where the robot is that searches one that is not ours.
+    pub fn hall_name(&self) -> String {
+        match self.all.first() {
+            Some((_, Robot::External(robot))) => robot.place(),
+            Some((_, Robot::Sim(_))) | None => self.hall.name().to_owned(),
+        }
     }
 
     /// How long and wide its cells are, in metres.
@@ -62,20 +66,26 @@ impl Robots {
     pub fn recall(&mut self, folder: &Path) {
         self.pair.recall(folder);
         let floor = self.pair.floor();
-        for robot in self.simulated() {
-            robot.recall(folder, &floor);
+        for (_, robot) in &mut self.all {
+            match robot {
+                Robot::Sim(robot) => robot.recall(folder, &floor),
+                Robot::External(robot) => robot.recall(folder),
+            }
         }
     }
 
     /// Of each that may be anywhere, why nobody knows where it is. It will not be started.
     pub fn lost(&self) -> Vec<String> {
-        let robots = self.all.iter().filter_map(|(_, robot)| robot.simulated()?.lost());
+        let robots = self.all.iter().filter_map(|(_, robot)| robot.lost());
         robots.chain(self.pair.lost().filter(|_| self.wants_pair)).map(str::to_owned).collect()
     }
 
     /// The hall in which the one that searches was left, when that is not the hall of the settings.
     pub fn other_hall(&self) -> Option<&str> {
-        self.all.first().and_then(|(_, robot)| robot.simulated()?.other_hall())
+        self.all.first().and_then(|(_, robot)| match robot {
+            Robot::Sim(robot) => robot.other_hall(),
+            Robot::External(_) => None,
+        })
     }
 
     /// Puts those that were left in another hall down at home in this one. What is remembered of the other is overwritten when they
@@ -98,7 +108,7 @@ impl Robots {
     fn simulated(&mut self) -> impl Iterator<Item = &mut Box<SimRobot>> {
         self.all.iter_mut().filter_map(|(_, robot)| match robot {
             Robot::Sim(robot) => Some(robot),
-            Robot::Unreached(_) => None,
+            Robot::External(_) => None,
         })
     }
 
@@ -107,7 +117,7 @@ impl Robots {
         let moved = if self.wants_pair { self.pair.moved() } else { watch::channel(self.pair.taken_away()).1 };
         let robots = self.all.into_iter().map(|(_, robot)| match robot {
             Robot::Sim(robot) => robot.adapter(clock, moved.clone()),
-            Robot::Unreached(kind) => unreached(kind),
+            Robot::External(robot) => robot.adapter(clock),
         });
         let pair = self.wants_pair.then(|| self.pair.adapters(clock));
         robots.collect::<Vec<_>>().into_iter().chain(pair.into_iter().flatten()).collect()
@@ -116,25 +126,16 @@ impl Robots {
 
 impl Robot {
     fn of(id: RobotId, settings: &RobotSettings, hall: &Arc<Hall>, fetches: bool) -> Robot {
-        match settings.kind {
-            RobotKind::Sim => Robot::Sim(Box::new(SimRobot::new(id, Arc::clone(hall), settings, fetches))),
-            kind @ (RobotKind::VirtualTcp | RobotKind::VirtualWs | RobotKind::Line) => Robot::Unreached(kind),
+        match ExternalRobot::new(&id, settings) {
+            Some(robot) => Robot::External(Box::new(robot)),
+            None => Robot::Sim(Box::new(SimRobot::new(id, Arc::clone(hall), settings, fetches))),
         }
     }
 
-    fn simulated(&self) -> Option<&SimRobot> {
-        if let Robot::Sim(robot) = self { Some(robot) } else { None }
+    fn lost(&self) -> Option<&str> {
+        match self {
+            Robot::Sim(robot) => robot.lost(),
+            Robot::External(robot) => robot.lost(),
+        }
     }
-}
-
-/// What is run for a robot that nothing speaks to: it says so, and its link stays down.
-fn unreached(kind: RobotKind) -> Adapter {
-    let lost = RobotEvent::LinkLost(format!("nothing speaks to robots of the kind {} yet", kind.name()));
-    Box::new(move |side| {
-        Box::pin(async move {
-            if side.reports.send(lost).await.is_ok() {
-                side.reports.closed().await;
-            }
-        })
-    })
 }

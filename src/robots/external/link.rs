@@ -26,27 +26,9 @@ const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 
 /// Runs a robot outside this program until the loop's end of its channels is gone. What must be known of it to the next program goes
 /// into the file, when there is one, before the robot or anybody else is told of what follows.
-pub(in crate::robots) async fn run(
-    driver: Box<dyn Driver>,
-    address: Address,
-    side: RobotSide,
-    clock: Clock,
-    file: Option<MemoryFile>,
-) {
+pub(super) async fn run(driver: Box<dyn Driver>, address: Address, side: RobotSide, clock: Clock, file: Option<MemoryFile>) {
     let connection = Connection::Calling(address.call());
-    let link = Link {
-        driver,
-        address,
-        side,
-        clock,
-        connection,
-        report: None,
-        drawing: None,
-        obeyed: 0,
-        file,
-        keeps: true,
-        writing: None,
-    };
+    let link = Link { driver, address, side, clock, connection, report: None, drawing: None, obeyed: 0, file, writing: None };
     link.run().await;
 }
 
@@ -63,7 +45,6 @@ struct Link {
     obeyed: u64,
     /// The file, while it is not being written.
     file: Option<MemoryFile>,
-    keeps: bool,
     /// The file being written: on a thread of its own, so that a disk that hangs delays no halt.
     writing: Option<JoinHandle<MemoryFile>>,
 }

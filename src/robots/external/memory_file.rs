@@ -11,7 +11,7 @@ use hallsweep_core::event::RobotId;
 const MOST: usize = 1 << 20;
 
 #[derive(Debug)]
-pub(in crate::robots) struct MemoryFile {
+pub(super) struct MemoryFile {
     file: SmallFile,
     /// Which robot it is of: its kind and where it is.
     whose: String,
@@ -20,11 +20,7 @@ pub(in crate::robots) struct MemoryFile {
 impl MemoryFile {
     /// The file of this robot in the folder `dir`, and what stands in it; nothing when there is none yet, or when it is of another robot
     /// than `whose`. Nothing is written, and a file that cannot be read stays as it is.
-    pub(in crate::robots) fn open(
-        dir: &Path,
-        robot: &RobotId,
-        whose: &str,
-    ) -> Result<(MemoryFile, Option<String>), StateFileError> {
+    pub(super) fn open(dir: &Path, robot: &RobotId, whose: &str) -> Result<(MemoryFile, Option<String>), StateFileError> {
         let file = SmallFile::within(dir, &format!("robot-{robot}.txt"));
         let path = || file.path().to_owned();
         let read = file.read(MOST).map_err(|error| StateFileError::Unreadable { path: path(), error })?;
@@ -41,7 +37,7 @@ impl MemoryFile {
     }
 
     /// What stands in it is no memory of a robot, for this reason.
-    pub(in crate::robots) fn damaged(&self, fault: String) -> StateFileError {
+    pub(super) fn damaged(&self, fault: String) -> StateFileError {
         StateFileError::Damaged { path: self.file.path().to_owned(), fault }
     }
 

@@ -4,8 +4,7 @@
 mod drawing;
 mod link;
 mod memory_file;
+mod robot;
 mod wire;
 
-pub(super) use link::run;
-pub(super) use memory_file::MemoryFile;
-pub(super) use wire::Address;
+pub(super) use robot::ExternalRobot;

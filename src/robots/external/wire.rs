@@ -29,7 +29,7 @@ const MESSAGE: usize = 64 * 1024;
 
 /// Where a robot is.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(in crate::robots) enum Address {
+pub(super) enum Address {
     /// `HOST:PORT`.
     Tcp(String),
     /// `HOST:PORT`, by WebSocket.

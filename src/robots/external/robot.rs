@@ -1,0 +1,94 @@
+//! One robot outside this program before it is started: how it is spoken to, where, and what the last program knew of it.
+
+use std::path::Path;
+use std::time::Duration;
+
+use super::link;
+use super::memory_file::MemoryFile;
+use super::wire::Address;
+use crate::config::{RobotAddress, RobotKind, RobotSettings};
+use crate::robots::Adapter;
+use crate::runtime::clock::Clock;
+use hallsweep_core::event::RobotId;
+use hallsweep_drivers::line::LineDriver;
+use hallsweep_drivers::{Dialect, Driver, VirtualRobot};
+
+pub(in crate::robots) struct ExternalRobot {
+    id: RobotId,
+    kind: Kind,
+    address: Address,
+    step: Duration,
+    remembered: Remembered,
+}
+
+#[derive(Clone, Copy)]
+enum Kind {
+    Virtual(Dialect),
+    /// It knows itself where it stands.
+    Line,
+}
+
+enum Remembered {
+    /// Nothing, and nothing will be written down.
+    Nothing,
+    Here(MemoryFile, Option<Box<VirtualRobot>>),
+    /// It may be anywhere, for this reason.
+    Lost(String),
+}
+
+impl ExternalRobot {
+    /// `None` for one of a kind that is part of this program.
+    pub(in crate::robots) fn new(id: &RobotId, settings: &RobotSettings) -> Option<ExternalRobot> {
+        let at = settings.address.to_string();
+        let (kind, address) = match (settings.kind, &settings.address) {
+            (RobotKind::Sim, _) => return None,
+            (RobotKind::VirtualTcp, _) => (Kind::Virtual(Dialect::Semicolons), Address::Tcp(at)),
+            (RobotKind::VirtualWs, _) => (Kind::Virtual(Dialect::Messages), Address::WebSocket(at)),
+            (RobotKind::Line, RobotAddress::Device(_)) => (Kind::Line, Address::Serial(at, settings.baud)),
+            (RobotKind::Line, RobotAddress::Network { .. } | RobotAddress::Here) => (Kind::Line, Address::Tcp(at)),
+        };
+        Some(ExternalRobot { id: id.clone(), kind, address, step: settings.step, remembered: Remembered::Nothing })
+    }
+
+    /// Where it is, in place of the hall that is not ours.
+    pub(in crate::robots) fn place(&self) -> String {
+        format!("robot at {}", self.address)
+    }
+
+    pub(in crate::robots) fn recall(&mut self, folder: &Path) {
+        let Kind::Virtual(dialect) = self.kind else { return };
+        let whose = format!("a virtual robot at {}", self.address);
+        let opened = MemoryFile::open(folder, &self.id, &whose).and_then(|(file, memory)| {
+            let read = memory.map(|memory| VirtualRobot::remembering(dialect, self.step, &memory)).transpose();
+            let robot = read.map_err(|fault| file.damaged(fault))?;
+            Ok((file, robot.map(Box::new)))
+        });
+        self.remembered = match opened {
+            Ok((file, robot)) => Remembered::Here(file, robot),
+            Err(lost) => Remembered::Lost(lost.to_string()),
+        };
+    }
+
+    /// Why nobody knows where it is, when that is so.
+    pub(in crate::robots) fn lost(&self) -> Option<&str> {
+        if let Remembered::Lost(lost) = &self.remembered { Some(lost) } else { None }
+    }
+
+    /// What is run for it. The link to one that may be anywhere stays down, and nobody is told that its adapter has ended.
+    pub(in crate::robots) fn adapter(self, clock: Clock) -> Adapter {
+        let ExternalRobot { id, kind, address, step, remembered } = self;
+        let (file, known) = match remembered {
+            Remembered::Lost(lost) => {
+                tracing::error!(robot = %id, lost, "nobody knows where the robot was left: it is not started");
+                return Box::new(|side| Box::pin(async move { side.reports.closed().await }));
+            }
+            Remembered::Here(file, known) => (Some(file), known),
+            Remembered::Nothing => (None, None),
+        };
+        let driver: Box<dyn Driver> = match kind {
+            Kind::Virtual(dialect) => known.unwrap_or_else(|| Box::new(VirtualRobot::new(dialect, step))),
+            Kind::Line => Box::new(LineDriver::new()),
+        };
+        Box::new(move |side| Box::pin(link::run(driver, address, side, clock, file)))
+    }
+}
