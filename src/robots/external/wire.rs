@@ -2,12 +2,13 @@
 //! are made anew that of `link`.
 
 use std::io;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::pin::Pin;
 use std::time::Duration;
 
 use futures_util::{SinkExt, StreamExt};
 use serial2_tokio::SerialPort;
-use tokio::net::TcpStream;
+use tokio::net::{TcpSocket, TcpStream};
 use tokio_tungstenite::tungstenite::Message;
 use tokio_tungstenite::tungstenite::protocol::WebSocketConfig;
 use tokio_tungstenite::{MaybeTlsStream, WebSocketStream};
@@ -61,7 +62,10 @@ impl Address {
     async fn called(self) -> io::Result<Wire> {
         match self {
             Address::Tcp(at) => {
-                let stream = TcpStream::connect(at).await?;
+                let stream = match from_ourselves(&at).await {
+                    Some(stream) => stream,
+                    None => TcpStream::connect(at).await?,
+                };
                 // Each message is to go in one segment, and at once.
                 stream.set_nodelay(true)?;
                 Ok(Wire::Tcp(stream))
@@ -155,6 +159,17 @@ impl Wire {
             let _ = tokio::time::timeout(CLOSING, end).await;
         })
     }
+}
+
+/// A connection within this machine from an address that no other program uses: the virtual robot's server tells clients apart by their
+/// addresses alone. `None` where the robot is elsewhere, or the system has one address for itself alone.
+async fn from_ourselves(at: &str) -> Option<TcpStream> {
+    let is_here = |address: &SocketAddr| matches!(address.ip(), IpAddr::V4(ip) if ip.is_loopback());
+    let robot = tokio::net::lookup_host(at).await.ok()?.find(is_here)?;
+    let [high, low] = u16::try_from(std::process::id() % 65_536).unwrap_or_default().to_be_bytes();
+    let socket = TcpSocket::new_v4().ok()?;
+    socket.bind((Ipv4Addr::new(127, 104, high, low), 0).into()).ok()?;
+    socket.connect(robot).await.ok()
 }
 
 /// In one write where the system takes it at once, as it does what is so short: there are robots that cannot bear a message in two pieces.

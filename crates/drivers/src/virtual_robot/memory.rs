@@ -4,8 +4,9 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
+use super::leg::{Leg, Stage};
 use super::reckoning::Reckoning;
-use super::{Aim, Dialect, VirtualRobot};
+use super::{Aim, Dialect, Task, VirtualRobot};
 use hallsweep_core::units::Heading;
 
 /// The version of what is written.
@@ -27,6 +28,7 @@ struct Remembered {
     version: u32,
     reckoning: Reckoning,
     step_s: f64,
+    is_gauged: bool,
     latency_s: Option<f64>,
     off_centre: bool,
     unheard: Option<(String, f64, f64)>,
@@ -59,6 +61,7 @@ impl VirtualRobot {
         Ok(VirtualRobot {
             reckoning: remembered.reckoning,
             step: Duration::from_secs_f64(remembered.step_s),
+            is_gauged: remembered.is_gauged,
             latency: latency.transpose()?,
             off_centre: remembered.off_centre || unheard.is_some(),
             unheard,
@@ -84,6 +87,7 @@ impl VirtualRobot {
             version: VERSION,
             reckoning: left.reckoning,
             step_s: self.step.as_secs_f64(),
+            is_gauged: self.is_gauged,
             latency_s: self.latency.map(|latency| latency.as_secs_f64()),
             off_centre: left.off_centre,
             unheard,
@@ -93,12 +97,38 @@ impl VirtualRobot {
     }
 
     /// The task as it is when the program dies: what is on its way to the robot was sent.
-    fn task_at_death(&self) -> Option<super::Task> {
+    fn task_at_death(&self) -> Option<Task> {
         let task = self.task.as_ref().filter(|task| task.aim != Aim::Draw)?;
-        let leg = task.leg.map(|leg| match leg.stage {
-            super::Stage::Queued => super::Leg { stage: super::Stage::Sent(self.now), ..leg },
-            _ => leg,
-        });
-        Some(super::Task { order: task.order, deadline: task.deadline, aim: task.aim, leg, hindered: 0 })
+        let leg = task.leg.map(|leg| if leg.stage == Stage::Queued { Leg { stage: Stage::Sent(self.now), ..leg } } else { leg });
+        Some(Task { leg, ..*task })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn read(written: &str) -> Result<VirtualRobot, String> {
+        VirtualRobot::remembering(Dialect::Semicolons, Duration::from_millis(330), written)
+    }
+
+    #[test]
+    fn what_is_written_is_read_and_written_alike() {
+        let written = VirtualRobot::new(Dialect::Semicolons, Duration::from_millis(330)).remembered();
+        assert_eq!(read(&written).map(|robot| robot.remembered()), Ok(written.clone()));
+        assert!(read(&written.replace("\"version\":1", "\"version\":2")).is_err_and(|words| words.contains("version 2")));
+        assert!(read(&written.replace("south", "up")).is_err(), "it faces nowhere");
+        assert!(read(&written.replace("\"step_s\":0.33", "\"step_s\":0.0")).is_err(), "nothing takes no time");
+    }
+
+    proptest! {
+        #[test]
+        fn whatever_is_read_is_an_error_or_a_robot_that_can_be_written(text: String, cut: prop::sample::Index) {
+            let _ = read(&text);
+            let written = VirtualRobot::new(Dialect::Messages, Duration::from_millis(330)).remembered();
+            let _ = read(&written[..cut.index(written.len() + 1)]);
+        }
     }
 }

@@ -20,12 +20,15 @@ use hallsweep_core::event::{Capabilities, Obstacle, OffCentre, Parts, Photo, Pie
 use hallsweep_core::robots::Part;
 use hallsweep_core::units::{Heading, Now, OrderId, Pose};
 
+mod contacts;
+mod gauge;
 mod leg;
 mod legs;
 mod memory;
 mod reckoning;
 mod words;
 
+pub use gauge::{Face, Room};
 use leg::{Leg, Stage, Way};
 use memory::Unheard;
 use reckoning::Reckoning;
@@ -36,6 +39,9 @@ const TURN: Duration = Duration::from_millis(400);
 
 /// So long a greeting is waited for when a connection was made.
 const GREETING: Duration = Duration::from_secs(1);
+
+/// So often it is looked whether its page is still open, while it stands.
+const LOOK: Duration = Duration::from_secs(1);
 
 /// What a photo may take: drawing it is some hundredths of a second, on a machine that may have much else to do.
 const DRAWING: Duration = Duration::from_secs(2);
@@ -64,6 +70,11 @@ pub struct VirtualRobot {
     is_greeted: bool,
     /// Until when the greeting is waited for.
     greeting: Option<Duration>,
+    /// When the server greeted last.
+    seen: Duration,
+    /// Whether the server is well and has no page; when it has ended, its page may still be there.
+    is_page_closed: bool,
+    has_server_ended: bool,
     /// Whether the core was told that the link is up, and why it is not.
     is_up: bool,
     said: Option<String>,
@@ -77,6 +88,11 @@ pub struct VirtualRobot {
     touches: Option<String>,
     /// How long it had driven, when it met something before the latency was known.
     first_contact: Option<Duration>,
+    /// How far it is from its start to what stands ahead, while its step is not gauged by that.
+    gauge: Option<f64>,
+    is_gauged: bool,
+    /// How long it has driven to there, so far.
+    gauged: Duration,
     /// When it last came to the end of a step without having met anything.
     stepped: Option<Duration>,
     outputs: VecDeque<Output>,
@@ -88,6 +104,7 @@ pub struct VirtualRobot {
 #[derive(Debug)]
 struct Task {
     order: OrderId,
+    action: Action,
     deadline: Duration,
     aim: Aim,
     leg: Option<Leg>,
@@ -102,11 +119,28 @@ enum Aim {
     Turn(Pose),
     /// Back to the centre of its cell.
     Back,
-    /// Once more forward against what it has met: how much longer that seems to take than it must is the latency.
-    Measure,
+    /// Forward against what it has met from there before, so that it knows where it is; then back to the centre.
+    Touch(Pose),
+    Return(Pose),
+    /// Back from what a step has met first, as long as it drove; and against it once more: how much longer that seems to take than it
+    /// must is the latency.
+    Retreat(Then),
+    Measure(Then),
+    /// Ahead until it meets what the scene says that it must, and back to its start.
+    Gauge,
+    Gauged,
     /// A little ahead: whether the step whose end was not heard is complete.
     Feel,
     Draw,
+}
+
+/// What comes of it when the latency is measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Then {
+    /// The step to there was stopped.
+    Met(Pose),
+    /// The way from its start is measured.
+    Gauged,
 }
 
 impl VirtualRobot {
@@ -122,6 +156,9 @@ impl VirtualRobot {
             is_connected: false,
             is_greeted: false,
             greeting: None,
+            seen: Duration::ZERO,
+            is_page_closed: false,
+            has_server_ended: false,
             is_up: false,
             said: None,
             task: None,
@@ -130,6 +167,9 @@ impl VirtualRobot {
             lost: None,
             touches: None,
             first_contact: None,
+            gauge: None,
+            is_gauged: false,
+            gauged: Duration::ZERO,
             stepped: None,
             outputs: VecDeque::new(),
             events: VecDeque::new(),
@@ -140,35 +180,44 @@ impl VirtualRobot {
 
     fn can(&self) -> Capabilities {
         let parts = Parts::of(&[Part::Base, Part::Bump]);
-        let step = self.step + self.margin();
+        let step = self.longest_step();
         Capabilities { step, turn: TURN + self.margin(), photo: DRAWING, arm: Duration::ZERO, nudges: false, parts }
     }
 
+    /// A page is open. The server says so to all when anybody connects, so it need not be news.
     fn greeted(&mut self) {
-        self.greeting = None;
-        let is_awaited = !std::mem::replace(&mut self.is_greeted, true);
+        (self.greeting, self.seen, self.is_greeted, self.has_server_ended) = (None, self.now, true, false);
+        if std::mem::take(&mut self.is_page_closed) {
+            self.page_opened_anew();
+        }
         if matches!(self.leg(), Some(Leg { stage: Stage::Fresh(_), .. })) {
             self.queue();
         } else if !self.is_up {
-            self.come_up();
-        } else if !is_awaited {
-            self.page_opened_anew();
+            (self.is_up, self.said) = (true, None);
+            let whereabouts = Whereabouts { pose: self.reckoning.pose(), off_centre: self.off_centre };
+            self.events.extend([RobotEvent::Stands(whereabouts), RobotEvent::LinkUp(self.can())]);
         }
-    }
-
-    fn come_up(&mut self) {
-        (self.is_up, self.said) = (true, None);
-        let whereabouts = Whereabouts { pose: self.reckoning.pose(), off_centre: self.off_centre };
-        self.events.extend([RobotEvent::Stands(whereabouts), RobotEvent::LinkUp(self.can())]);
     }
 
     /// Whoever opens its page anew puts it back to where it starts.
     fn page_opened_anew(&mut self) {
-        self.go_down("its page was opened anew, so it stands at its start again");
         self.reckoning.put_home();
         (self.off_centre, self.unheard, self.lost, self.touches) = (false, None, None, None);
         self.is_changed = true;
-        self.come_up();
+    }
+
+    /// A well server that does not greet has no page.
+    fn not_greeted(&mut self) {
+        self.greeting = None;
+        self.is_page_closed = !self.has_server_ended;
+        self.go_down("no page of the virtual robot is open: open the address of its server in a browser");
+    }
+
+    /// When it is to be looked after although nothing is wanted of it: a page may be closed or opened anew, or another client may have
+    /// taken what the server says.
+    fn look(&self) -> Option<Duration> {
+        let is_idle = self.is_up && self.task.is_none() && self.greeting.is_none();
+        (self.dialect == Dialect::Semicolons && is_idle).then_some(self.seen + LOOK)
     }
 
     /// The core is told that it cannot be reached, once for each reason.
@@ -226,6 +275,21 @@ impl VirtualRobot {
         self.lost = Some(words);
     }
 
+    fn begin(&mut self, action: Action) {
+        match action {
+            Action::Move(_) if self.off_centre => self.fail("it stands away from the centre of its cell: recentre first"),
+            Action::Move(step) => self.begin_move(step),
+            Action::Recentre => self.begin_recentring(),
+            Action::Photograph(stamp) => {
+                self.aim(Aim::Draw);
+                let subject = Subject { stamp, name: self.touches.clone() };
+                self.outputs.extend(self.task.as_ref().map(|task| Output::Draw(task.order, subject)));
+            }
+            Action::Enter | Action::Leave => self.fail("it cannot leave its room"),
+            Action::Arm(_) => self.fail("it has no arm"),
+        }
+    }
+
     fn begin_move(&mut self, step: Move) {
         let Pose { cell, heading } = self.reckoning.pose();
         let (towards, backward) = match step {
@@ -267,7 +331,7 @@ impl Driver for VirtualRobot {
 
     fn handle_lost(&mut self, words: &str, now: Now) {
         self.now = now.since_start;
-        (self.is_connected, self.is_greeted, self.greeting) = (false, false, None);
+        (self.is_connected, self.is_greeted, self.greeting, self.has_server_ended) = (false, false, None, true);
         self.go_down(words);
     }
 
@@ -301,20 +365,12 @@ impl Driver for VirtualRobot {
             return self.events.push_back(RobotEvent::Failed(order.id, words));
         }
         let deadline = self.now.saturating_add(order.deadline);
-        self.task = Some(Task { order: order.id, deadline, aim: Aim::Back, leg: None, hindered: 0 });
-        if let Some(lost) = self.lost.clone().filter(|_| order.action.is_motion()) {
-            return self.fail(&lost);
-        }
-        match order.action {
-            Action::Move(_) if self.off_centre => self.fail("it stands away from the centre of its cell: recentre first"),
-            Action::Move(step) => self.begin_move(step),
-            Action::Recentre => self.begin_recentring(),
-            Action::Photograph(stamp) => {
-                self.aim(Aim::Draw);
-                self.outputs.push_back(Output::Draw(order.id, Subject { stamp, name: self.touches.clone() }));
-            }
-            Action::Enter | Action::Leave => self.fail("it cannot leave its room"),
-            Action::Arm(_) => self.fail("it has no arm"),
+        let Order { id, action, .. } = order;
+        self.task = Some(Task { order: id, action, deadline, aim: Aim::Back, leg: None, hindered: 0 });
+        match self.lost.clone().filter(|_| action.is_motion()) {
+            Some(lost) => self.fail(&lost),
+            None if action.is_motion() && self.is_to_be_gauged() => self.begin_gauging(),
+            None => self.begin(action),
         }
     }
 
@@ -334,8 +390,11 @@ impl Driver for VirtualRobot {
     fn handle_timeout(&mut self, now: Now) {
         self.now = now.since_start;
         if self.greeting.is_some_and(|at| at <= self.now) {
-            self.greeting = None;
-            self.go_down("no page of the virtual robot is open: open the address of its server in a browser");
+            self.not_greeted();
+        }
+        if self.look().is_some_and(|at| at <= self.now) {
+            self.greeting = Some(self.now + GREETING);
+            self.outputs.push_back(Output::Reconnect);
         }
         self.pass();
     }
@@ -350,7 +409,7 @@ impl Driver for VirtualRobot {
 
     fn poll_timeout(&self) -> Option<Duration> {
         let deadline = self.task.as_ref().map(|task| task.deadline);
-        [self.greeting, deadline, self.leg_due()].into_iter().flatten().min()
+        [self.greeting, self.look(), deadline, self.leg_due()].into_iter().flatten().min()
     }
 
     fn poll_memory(&mut self) -> Option<String> {

@@ -8,7 +8,7 @@
 //! ```
 //! Lengths are in cells, and along a direction they grow that way.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
@@ -19,6 +19,9 @@ pub(super) const DRIFT: f64 = 0.45;
 
 /// So many faces are remembered; a scene has some dozens.
 const FACES: usize = 4096;
+
+/// So many cells that it has stood in: a page of a hundred a side is a large one.
+const CELLS: usize = 16_384;
 
 /// A way shorter than this, in cells, does not tell how fast the robot is: a frame of its page is a twentieth of a cell.
 const GAUGED: f64 = 2.0;
@@ -34,6 +37,10 @@ pub(super) struct Reckoning {
     /// Where its centre is: columns to the east and rows to the south of home's.
     at: [f64; 2],
     faces: BTreeMap<String, f64>,
+    /// Which of them it has met from which cell, by the cell and heading.
+    contacts: BTreeMap<String, String>,
+    /// The cells in which it has stood.
+    stood: BTreeSet<(i32, i32)>,
     /// On each axis, since it last met something whose place is known.
     since: [Option<Since>; 2],
 }
@@ -58,20 +65,24 @@ impl Reckoning {
             heading: Pose::START.heading.name().to_owned(),
             at: [0.0; 2],
             faces: BTreeMap::new(),
+            contacts: BTreeMap::new(),
+            stood: BTreeSet::from([(0, 0)]),
             since: [None; 2],
         }
     }
 
     /// Put down at home again, in the same room.
     pub(super) fn put_home(&mut self) {
-        let faces = std::mem::take(&mut self.faces);
-        *self = Reckoning { faces, ..Reckoning::at_home() };
+        let known = std::mem::replace(self, Reckoning::at_home());
+        *self = Reckoning { faces: known.faces, contacts: known.contacts, stood: known.stood, ..Reckoning::at_home() };
     }
 
     /// Whether what was read back can be true.
     pub(super) fn is_sound(&self) -> bool {
         let bounded = |length: f64| length.is_finite() && length.abs() < 1e6;
-        let faces = self.faces.len() <= FACES && self.faces.values().all(|face| bounded(*face));
+        let faces = self.faces.len().max(self.contacts.len()) <= FACES
+            && self.stood.len() <= CELLS
+            && self.faces.values().all(|face| bounded(*face));
         let since = self.since.iter().flatten().all(|since| [since.at, since.ahead, since.driven].into_iter().all(bounded));
         named(&self.heading).is_some() && self.at.into_iter().all(bounded) && faces && since
     }
@@ -84,6 +95,9 @@ impl Reckoning {
     /// An order is complete, and this is where it ends.
     pub(super) fn complete(&mut self, pose: Pose) {
         self.cell = (pose.cell.x, pose.cell.y);
+        if self.stood.len() < CELLS {
+            self.stood.insert(self.cell);
+        }
         self.heading = pose.heading.name().to_owned();
     }
 
@@ -105,6 +119,9 @@ impl Reckoning {
     /// was counted exceeded what it really drove, when that was far enough to tell.
     pub(super) fn meet(&mut self, name: Option<&str>, towards: Heading) -> Result<Option<f64>, Drift> {
         let Some(key) = name.map(|name| key(name, towards)) else { return Ok(None) };
+        if towards == self.pose().heading && self.contacts.len() < FACES {
+            self.contacts.insert(self.contact_key(), key.clone());
+        }
         let here = along(self.at, towards);
         let Some(face) = self.faces.get(&key).copied() else {
             if self.faces.len() < FACES {
@@ -118,6 +135,28 @@ impl Reckoning {
         if drift.abs() > DRIFT { Err(Drift(drift)) } else { Ok(ratio) }
     }
 
+    /// Whether it has been in the centre of this cell before.
+    pub(super) fn has_stood_in(&self, cell: Cell) -> bool {
+        self.stood.contains(&(cell.x, cell.y))
+    }
+
+    /// How far it drives forward until it touches what it has met from this cell and in this heading before, if it has.
+    pub(super) fn contact_ahead(&self) -> Option<f64> {
+        let heading = self.pose().heading;
+        let face = self.contacts.get(&self.contact_key()).and_then(|key| self.faces.get(key))?;
+        let way = face - along(self.at, heading);
+        (0.0..1.5).contains(&way).then_some(way)
+    }
+
+    /// How far it has driven to and fro along this heading since it last met something whose place is known.
+    pub(super) fn driven(&self, heading: Heading) -> f64 {
+        self.since[axis(heading)].map_or(f64::INFINITY, |since| since.driven)
+    }
+
+    fn contact_key(&self) -> String {
+        format!("{},{} {}", self.cell.0, self.cell.1, self.heading)
+    }
+
     /// The last thing that was met stands this much further than was thought.
     pub(super) fn correct(&mut self, name: Option<&str>, towards: Heading, by: f64) {
         let (dx, dy) = towards.vector();
@@ -125,6 +164,18 @@ impl Reckoning {
         if let Some(face) = name.and_then(|name| self.faces.get_mut(&key(name, towards))) {
             *face += by;
         }
+    }
+
+    /// This thing is known to stand here.
+    pub(super) fn place(&mut self, name: &str, towards: Heading, at: f64) {
+        if self.faces.len() < FACES {
+            self.faces.insert(key(name, towards), at);
+        }
+    }
+
+    /// It stands right at home, from where it has never gone.
+    pub(super) fn set_out_from_home(&mut self) {
+        (self.at, self.since) = ([0.0; 2], [None; 2]);
     }
 
     /// Whether this thing was met before, coming this way.
@@ -195,7 +246,7 @@ mod tests {
         assert_eq!(reckoning.meet(WALL, Heading::North), Ok(None), "that is its other side");
         reckoning.advance(Heading::North, 1.0);
         assert!(matches!(reckoning.meet(WALL, Heading::South), Err(Drift(drift)) if (drift - 1.0).abs() < 1e-9));
-        assert!(matches!(reckoning.meet(WALL, Heading::South), Ok(_)), "and then it is right");
+        assert!(reckoning.meet(WALL, Heading::South).is_ok(), "and then it is right");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Whole missions of the virtual robot, with doubles of its page and its servers, in simulated time.
 
+mod adversities;
 mod missions;
 mod page;
 mod rig;

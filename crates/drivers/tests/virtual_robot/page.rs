@@ -5,6 +5,9 @@ use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 use std::time::Duration;
 
+use hallsweep_core::units::Heading;
+use hallsweep_drivers::{Face, Room};
+
 /// The robot acts as a square of this half side: boxes grow by it.
 const PADDING: f64 = 2.0;
 
@@ -52,6 +55,23 @@ impl Scene {
         let (width, height) = self.floor;
         let (x, z) = (self.player.0 + 4.0 * f64::from(column), self.player.1 + 4.0 * f64::from(row));
         self.put(name, (x / width + 0.5, -z / height + 0.5), (1.0 / width, 1.0 / height));
+    }
+
+    /// What its scene file tells a driver.
+    pub(crate) fn told(&self) -> Room {
+        let (px, pz) = self.player;
+        let face = |thing: &Thing, towards, at: f64| Face { name: thing.name.clone(), towards, at: at / 4.0 };
+        let faces = self.things.iter().flat_map(|thing| {
+            [
+                face(thing, Heading::East, thing.x.0 - px),
+                face(thing, Heading::West, px - thing.x.1),
+                face(thing, Heading::South, thing.z.0 - pz),
+                face(thing, Heading::North, pz - thing.z.1),
+            ]
+        });
+        let is_ahead = |thing: &&Thing| px >= thing.x.0 && px <= thing.x.1 && thing.z.0 > pz;
+        let ahead = self.things.iter().filter(is_ahead).map(|thing| (thing.z.0 - pz) / 4.0).reduce(f64::min);
+        Room { faces: faces.collect(), ahead }
     }
 
     fn collision(&self, (x, z): (f64, f64)) -> Option<&str> {

@@ -44,7 +44,7 @@ pub(crate) struct Rig {
 impl Rig {
     pub(crate) fn new(server: Server, strategy: Strategy) -> Rig {
         let dialect = if server.version == Version::First { Dialect::Semicolons } else { Dialect::Messages };
-        let mut rig = Rig {
+        Rig {
             engine: Engine::new(Settings::default(), strategy, Arc::from("virtual")),
             driver: VirtualRobot::new(dialect, STEP),
             server,
@@ -55,8 +55,14 @@ impl Rig {
             answers: BTreeMap::new(),
             reports: Vec::new(),
             dialect,
-        };
-        rig.settle();
+        }
+    }
+
+    /// The same with what the scene file tells.
+    pub(crate) fn with_scene(server: Server, strategy: Strategy) -> Rig {
+        let room = server.page.as_ref().expect("a page").scene.told();
+        let mut rig = Rig::new(server, strategy);
+        rig.driver = VirtualRobot::new(rig.dialect, STEP).in_room(&room);
         rig
     }
 
@@ -67,7 +73,7 @@ impl Rig {
     }
 
     pub(crate) fn now(&self) -> Now {
-        let unix_ms = 1_767_254_400_000 + i64::try_from(self.now.as_millis()).unwrap();
+        let unix_ms = 1_767_254_400_000 + i64::try_from(self.now.as_millis()).expect("a run is short");
         Now { since_start: self.now, wall: WallTime { unix_ms, offset_s: 0 } }
     }
 
@@ -124,6 +130,8 @@ impl Rig {
             let verdict = hallsweep_core::command::Verdict::Safe;
             let luggage = hallsweep_core::command::LuggageRef::Id(pending);
             self.give(Command::Verdict { luggage, verdict }).expect("a pending piece can be judged");
+            // Where something holds the robot, a verdict sets nothing moving.
+            let _ = self.give(Command::Start);
         }
         self.state().mission.phase
     }
@@ -155,7 +163,12 @@ impl Rig {
         let (cell, off) = self.server.page.as_ref().expect("a page").cell();
         let pose = state.robot.pose;
         assert_eq!(((pose.cell.x, pose.cell.y), state.robot.off_centre), (cell, false), "at {:?}", self.now);
-        assert!(off < 0.4, "{off} of a cell from the centre of {cell:?}");
+        assert!(off < 0.4, "{off} of a cell from the centre of {cell:?}, {:?}", self.driver);
+    }
+
+    /// Whether the driver waits for what a motion comes to.
+    pub(crate) fn is_awaiting(&mut self) -> bool {
+        self.state().robot.state.name() != "stopped" && self.call.is_none()
     }
 
     /// The connection is cut, without any word.

@@ -98,6 +98,11 @@ impl Server {
         }
     }
 
+    /// Somebody closes the page.
+    pub(crate) fn close(&mut self) {
+        self.page = None;
+    }
+
     /// It is started again; the page is still there and finds it by itself.
     pub(crate) fn restart(&mut self) {
         self.is_dead = false;

@@ -1,0 +1,225 @@
+//! What the virtual robot meets: how far it had driven until then, what that says of where it stands, and what the core is told.
+
+use std::time::Duration;
+
+use super::legs::LATENCY;
+use super::memory::Unheard;
+use super::reckoning::{DRIFT, Drift};
+use super::{Aim, Leg, Stage, Then, VirtualRobot, Way, obstacle};
+use hallsweep_core::event::RobotEvent;
+use hallsweep_core::units::{Heading, Pose};
+
+/// What stops it so near to the centre of a cell does not stand in that cell.
+const REACHED: f64 = 0.15;
+
+/// Up to here what it meets while it feels is what it touched already.
+const TOUCHED: f64 = 0.12;
+
+/// A latency beyond this is none: the page has hung.
+const SLOWEST: Duration = Duration::from_millis(500);
+
+/// A contact that is heard so long after the end of a step, with nothing met since, was one of that step.
+const LATE: Duration = Duration::from_secs(3);
+
+pub(super) const LATE_WORD: &str = "the word that it had met something came too late";
+
+/// So often something may be met on the way back to the centre.
+const HINDERED: u8 = 2;
+
+/// A measurement changes the time of a step by no more than this, at once.
+const STEP_CHANGE: f64 = 0.2;
+
+/// How much further than the way to what it met it goes to meet it again, in cells.
+const FURTHER: f64 = 0.4;
+
+impl VirtualRobot {
+    /// Something was met.
+    pub(super) fn contact(&mut self, name: Option<String>) {
+        let Some(leg) = self.leg().copied().filter(Leg::is_sent) else { return self.contact_at_rest() };
+        let (Way::Straight { towards, cells, .. }, Some(aim)) = (leg.way, self.task.as_ref().map(|task| task.aim)) else {
+            // In a turn nothing is met.
+            return self.contact_at_rest();
+        };
+        let since_sent = match leg.stage {
+            Stage::Sent(sent) => self.now.saturating_sub(sent),
+            Stage::Halting { lasted, .. } => lasted.min(leg.lasts()) + self.latency(),
+            Stage::Fresh(_) | Stage::Refused(_) | Stage::Queued => return,
+        };
+        let driven = since_sent.saturating_sub(self.latency()).min(leg.lasts());
+        let way = driven.div_duration_f64(self.step).min(cells);
+        (self.touches, self.is_changed, self.stepped) = (name.clone(), true, None);
+        if aim == Aim::Feel {
+            return self.felt_contact(name.as_deref(), towards, way);
+        }
+        if let Aim::Measure(then) = aim {
+            return self.measured(since_sent, towards, then);
+        }
+        let is_known = self.reckoning.knows(name.as_deref(), towards);
+        self.reckoning.advance(towards, way);
+        self.off_centre = true;
+        if aim == Aim::Gauge && !matches!(leg.stage, Stage::Halting { .. }) {
+            return self.gauge_ends(driven);
+        }
+        if !self.set_right(name.as_deref(), towards) {
+            return;
+        }
+        if matches!(leg.stage, Stage::Halting { .. }) {
+            return self.answer(|order| RobotEvent::Halted(order, true));
+        }
+        match aim {
+            Aim::Step(to) if self.latency.is_none() && !driven.is_zero() => self.retreat(driven, Then::Met(to)),
+            Aim::Step(to) if !is_known && self.has_drifted_into(to, towards) => self.complete(to),
+            Aim::Step(to) => self.met(to, towards),
+            Aim::Touch(to) => {
+                self.aim(Aim::Return(to));
+                self.go_back();
+            }
+            Aim::Turn(_) | Aim::Back | Aim::Return(_) | Aim::Retreat(_) | Aim::Gauge | Aim::Gauged => {
+                self.hindered(name.as_deref());
+            }
+            // They end above, or nothing moves.
+            Aim::Measure(_) | Aim::Feel | Aim::Draw => {}
+        }
+    }
+
+    /// What a step has come to that was stopped here: it may have been stopped where it was to end.
+    fn met(&mut self, to: Pose, towards: Heading) {
+        if self.reckoning.way_to(to.cell, towards) <= REACHED {
+            self.off_centre = false;
+            return self.complete(to);
+        }
+        let obstacle = obstacle(self.touches.as_deref());
+        self.answer(|order| RobotEvent::Blocked(order, obstacle));
+    }
+
+    /// Whether a step into a cell where it has stood before was stopped near its centre, by something of which nobody knows where it stands:
+    /// not that has come, but the robot is further than was counted. Then it is taken to be in the centre.
+    fn has_drifted_into(&mut self, to: Pose, towards: Heading) -> bool {
+        let left = self.reckoning.way_to(to.cell, towards);
+        let has = self.reckoning.has_stood_in(to.cell) && left <= DRIFT;
+        if has {
+            self.reckoning.advance(towards, left);
+            self.off_centre = false;
+        }
+        has
+    }
+
+    /// Once, at the first contact: back for as long as it drove, and forward against it again.
+    pub(super) fn retreat(&mut self, driven: Duration, then: Then) {
+        self.first_contact = Some(driven);
+        self.aim(Aim::Retreat(then));
+        let towards = self.moves_towards();
+        self.drive(towards.opposite(), driven.div_duration_f64(self.step), !self.moves_backward());
+    }
+
+    pub(super) fn measure(&mut self, then: Then) {
+        let Some(driven) = self.first_contact else { return self.go_back() };
+        self.aim(Aim::Measure(then));
+        // The leg that has ended was the way back.
+        let (towards, backward) = (self.moves_towards().opposite(), !self.moves_backward());
+        self.drive(towards, driven.div_duration_f64(self.step) + FURTHER, backward);
+    }
+
+    /// Against what it had met it went once more: by so much longer than the way takes the word of it came.
+    fn measured(&mut self, since_sent: Duration, towards: Heading, then: Then) {
+        let Some(driven) = self.first_contact.take() else { return self.go_back() };
+        let latency = since_sent.saturating_sub(driven).min(SLOWEST);
+        self.latency = Some(latency);
+        self.reckoning.advance(towards, driven.div_duration_f64(self.step));
+        // When it was met first, it had driven less than was counted, or more, by the same.
+        let by = (LATENCY.as_secs_f64() - latency.as_secs_f64()) / self.step.as_secs_f64();
+        match then {
+            Then::Met(to) => {
+                let name = self.touches.clone();
+                self.reckoning.correct(name.as_deref(), towards, by);
+                self.events.push_back(RobotEvent::LinkUp(self.can()));
+                self.met(to, towards);
+            }
+            Then::Gauged => {
+                self.reckoning.advance(towards, by);
+                self.gauged = (self.gauged + LATENCY).saturating_sub(latency);
+                self.aim(Aim::Gauged);
+                self.go_back();
+            }
+        }
+    }
+
+    /// On the way back to the centre. Who is stopped right before it is there.
+    fn hindered(&mut self, name: Option<&str>) {
+        let towards = self.moves_towards();
+        if self.reckoning.way_to(self.reckoning.pose().cell, towards).abs() <= REACHED {
+            return self.came_back();
+        }
+        let Some(task) = &mut self.task else { return };
+        (task.leg, task.hindered) = (None, task.hindered + 1);
+        if task.hindered > HINDERED {
+            let what = name.unwrap_or("something");
+            return self.fail(&format!("{what} is in its way back to the centre of its cell"));
+        }
+        self.go_back();
+    }
+
+    /// The reckoning is set right by what was met; false when it was so wrong that the task has failed by it.
+    fn set_right(&mut self, name: Option<&str>, towards: Heading) -> bool {
+        match self.reckoning.meet(name, towards) {
+            Ok(ratio) => {
+                if let Some(ratio) = ratio {
+                    // Half of it: a single way may have been driven while the page was busy.
+                    let change = 1.0 + (ratio - 1.0).clamp(-STEP_CHANGE, STEP_CHANGE) / 2.0;
+                    self.step = self.step.mul_f64(change);
+                }
+                true
+            }
+            Err(Drift(cells)) => {
+                let what = name.unwrap_or("something");
+                self.lose(format!("it met {what} {:.1} cells from where that stands, so it has drifted", cells.abs()));
+                false
+            }
+        }
+    }
+
+    /// A step was not complete, or ends where it is: something was met while it felt.
+    fn felt_contact(&mut self, name: Option<&str>, towards: Heading, way: f64) {
+        let has_moved = self.unheard.as_ref().is_some_and(|unheard| unheard.felt > 0.0);
+        if way > TOUCHED || has_moved {
+            self.felt(way);
+        } else if self.reckoning.knows(name, towards) {
+            // It stood against it, wherever that was counted to be.
+            self.unheard = None;
+            let _where_it_is = self.reckoning.meet(name, towards);
+        } else {
+            let what = name.unwrap_or("something");
+            return self.lose(format!("while it could not be heard it may have met {what}"));
+        }
+        if self.set_right(name, towards) {
+            self.go_back();
+        }
+    }
+
+    /// The step whose end was not heard is complete, and it went so far beyond.
+    pub(super) fn felt(&mut self, way: f64) {
+        if let Some(Unheard { towards, cells, felt }) = self.unheard.take() {
+            self.reckoning.advance(towards, cells);
+            self.reckoning.advance(self.reckoning.pose().heading, felt + way);
+        }
+    }
+
+    /// A thing that moves has touched it, or the word of a contact came after a step was thought to be complete.
+    fn contact_at_rest(&mut self) {
+        if self.stepped.take().is_some_and(|stepped| self.now.saturating_sub(stepped) < LATE) {
+            self.lose(LATE_WORD.to_owned());
+        }
+    }
+
+    /// Which way the leg under way goes, and whether backwards.
+    fn moves_towards(&self) -> Heading {
+        match self.leg().map(|leg| leg.way) {
+            Some(Way::Straight { towards, .. }) => towards,
+            Some(Way::Turn { .. }) | None => self.reckoning.pose().heading,
+        }
+    }
+
+    fn moves_backward(&self) -> bool {
+        matches!(self.leg().map(|leg| leg.way), Some(Way::Straight { backward: true, .. }))
+    }
+}

@@ -1,0 +1,95 @@
+//! What the scene file of the page tells: where everything stands, and so how long a cell takes. That is found out once, with the first
+//! motion that is ordered: ahead until something is met, and back.
+
+use std::time::Duration;
+
+use super::{Aim, Then, VirtualRobot};
+use hallsweep_core::event::RobotEvent;
+use hallsweep_core::units::{Heading, Pose};
+
+/// Over a shorter way, in cells, a frame of the page more or less counts too much.
+const SHORTEST: f64 = 2.0;
+
+/// A page may be so many times slower than it was made for; what is slower still, or does not meet anything, is of another scene.
+const SLOWER: f64 = 4.0;
+
+/// A leg is a cell at most.
+const LEG: f64 = 1.0;
+
+/// Where things stand, as seen from the robot's start: in cells, and along the way on which each is met.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Room {
+    /// Every face of everything that has a name of its own.
+    pub faces: Vec<Face>,
+    /// How far it is from the start to the first thing to the south.
+    pub ahead: Option<f64>,
+}
+
+/// Where the robot's centre is when it touches a thing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Face {
+    /// The name of the thing.
+    pub name: String,
+    /// Which way the robot was going.
+    pub towards: Heading,
+    /// How far along that way it is from the start.
+    pub at: f64,
+}
+
+impl VirtualRobot {
+    /// In this room.
+    #[must_use]
+    pub fn in_room(mut self, room: &Room) -> VirtualRobot {
+        for Face { name, towards, at } in &room.faces {
+            self.reckoning.place(name, *towards, *at);
+        }
+        self.gauge = room.ahead.filter(|ahead| *ahead >= SHORTEST && !self.is_gauged);
+        self
+    }
+
+    /// The longest time that an order of one cell may take: gauging is done with the first.
+    pub(super) fn longest_step(&self) -> Duration {
+        let step = self.step + self.margin();
+        self.gauge.map_or(step, |ahead| step.mul_f64(2.0 * SLOWER * (ahead + 1.0)))
+    }
+
+    pub(super) fn is_to_be_gauged(&self) -> bool {
+        self.gauge.is_some() && !self.off_centre && self.reckoning.pose() == Pose::START
+    }
+
+    pub(super) fn begin_gauging(&mut self) {
+        self.gauged = Duration::ZERO;
+        self.aim(Aim::Gauge);
+        self.gauge_on();
+    }
+
+    /// One leg further.
+    pub(super) fn gauge_on(&mut self) {
+        let longest = self.gauge.unwrap_or_default() * SLOWER;
+        if self.gauged.div_duration_f64(self.step) > longest {
+            return self.lose("what its scene file says that stands ahead is not met".to_owned());
+        }
+        self.drive(Heading::South, LEG, false);
+    }
+
+    /// Something was met; it has driven so long since its last leg.
+    pub(super) fn gauge_ends(&mut self, driven: Duration) {
+        self.gauged += driven;
+        self.retreat(self.step.mul_f64(LEG), Then::Gauged);
+    }
+
+    /// Back at its start, it knows how long a cell takes; now for what was ordered.
+    pub(super) fn came_back_gauged(&mut self) {
+        let Some(ahead) = self.gauge.take() else { return };
+        let step = self.gauged.div_f64(ahead);
+        if step.div_duration_f64(self.step) < SLOWER.recip() {
+            return self.lose("something stands much nearer to its start than its scene file says".to_owned());
+        }
+        (self.step, self.is_gauged, self.off_centre, self.is_changed) = (step, true, false, true);
+        self.reckoning.set_out_from_home();
+        self.events.push_back(RobotEvent::LinkUp(self.can()));
+        if let Some(action) = self.task.as_ref().map(|task| task.action) {
+            self.begin(action);
+        }
+    }
+}
