@@ -54,7 +54,7 @@ pub enum Task {
     Pallet(pallet::Pallet),
     /// Ask a running hallsweep whether it is well: exit code 0 if so, 1 if not.
     Healthcheck(Healthcheck),
-    /// Write halls in other formats.
+    /// Write halls in other formats, and make halls of the scenes of others.
     Hall(hall::Halls),
     /// Show, add, replace and remove the keys by which people and programs get in.
     Token(token::Keyrings),

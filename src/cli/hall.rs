@@ -1,11 +1,14 @@
-//! `hallsweep hall convert`: a hall from any file or built-in one into a file of another format.
+//! `hallsweep hall convert`: a hall from any file or built-in one into a file of another format; and `hall import`: a scene of the
+//! virtual robot's page into a hall.
 //! The formats are `hallsweep_sim`'s; how a file is written stands in `map_file`.
+
+use std::path::Path;
 
 use clap::{Args, Subcommand};
 
 use super::Failure;
 use super::map_file::MapFile;
-use hallsweep_sim::{Export, Hall};
+use hallsweep_sim::{Export, Hall, Scene};
 
 /// What to do with halls.
 #[derive(Args, Clone, Debug)]
@@ -18,6 +21,8 @@ pub struct Halls {
 enum What {
     /// Write a hall in the format that the name of the file says, and print what is lost on the way.
     Convert(Convert),
+    /// Make a hall of a scene file of the virtual robot's page, and print what is lost on the way.
+    Import(Import),
 }
 
 /// The flags of `hall convert`.
@@ -41,10 +46,34 @@ struct Convert {
     force: bool,
 }
 
+/// The flags of `hall import`.
+#[derive(Args, Clone, Debug)]
+struct Import {
+    /// The scene file: a JavaScript module with one object.
+    #[arg(value_name = "FILE")]
+    file: String,
+    /// The file to write, which ends as one of `hall convert`; when left out, FILE's name with .toml, in this folder.
+    #[arg(value_name = "TO")]
+    to: Option<String>,
+    /// Replace files that are there.
+    #[arg(long)]
+    force: bool,
+}
+
 /// Does it, and prints what was written.
 pub fn run(asked: &Halls) -> Result<(), Failure> {
-    let What::Convert(Convert { from, to, cell, force }) = &asked.what;
-    let hall = Hall::open(from, *cell).map_err(|error| Failure::Usage(error.to_string()))?;
-    let line = MapFile::at(to, *force)?.write(&Export::from(hall))?;
+    let line = match &asked.what {
+        What::Convert(Convert { from, to, cell, force }) => {
+            let hall = Hall::open(from, *cell).map_err(|error| Failure::Usage(error.to_string()))?;
+            MapFile::at(to, *force)?.write(&Export::from(hall))?
+        }
+        What::Import(Import { file, to, force }) => {
+            let stem = Path::new(file).file_stem().unwrap_or_default().to_string_lossy();
+            let scene = Scene::open(file).map_err(|error| Failure::Usage(error.to_string()))?;
+            let hall = scene.hall(&stem).map_err(|fault| Failure::Usage(fault.of(file).to_string()))?;
+            let to = to.clone().unwrap_or_else(|| format!("{stem}.toml"));
+            MapFile::at(&to, *force)?.write(&Export::from(hall))?
+        }
+    };
     super::print(&line)
 }

@@ -275,3 +275,40 @@ fn the_running_program_gives_its_map_in_every_file() {
     let shown = program.read("/api/v1/map", &[("accept", "text/plain")]).text();
     assert_eq!(explored(&folder.write("shown.txt", shown))["cells"], 64, "as old clients show it");
 }
+
+#[test]
+fn a_scene_of_the_virtual_robot_becomes_a_hall_that_is_searched() {
+    let folder = Folder::new("scene");
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/config/scenes/three-bags.js");
+    let to = folder.path("room.toml");
+    let output = run(&["hall", "import", scene, &to]);
+    assert!(output.status.success(), "{}", said(&output));
+    let line = String::from_utf8(output.stdout).expect("UTF-8");
+    let shown =
+        "8 × 8 cells of 0.5 m, 3 pieces of luggage; lost: what moves (1); the sonars of the hall (2); the names of luggage (3)\n";
+    assert_eq!(line, format!("{to}: {shown}"));
+    assert!(include_str!("../../docs/halls.md").contains(shown.trim_end()), "the page shows the same");
+    let explored = run(&["explore", "--hall", &to, "--verdicts", "all-safe", "--json"]);
+    assert!(explored.status.success(), "{}", said(&explored));
+    let again = run(&["hall", "import", scene, &to]);
+    assert!(!again.status.success() && said(&again).contains("is there already"), "{}", said(&again));
+    assert!(run(&["hall", "import", scene, &to, "--force"]).status.success());
+}
+
+#[test]
+fn a_scene_that_is_none_is_refused_with_its_line_and_leaves_nothing_behind() {
+    let folder = Folder::new("no-scene");
+    let wrong = folder.write("wrong.js", "export default {\n  floor: { size: { x: 0, y: 35 } },\n}");
+    let to = folder.path("room.toml");
+    for (file, expect) in [
+        (wrong.clone(), format!("{wrong}:2: a side of the floor is 0, and may be 4 to 1000: correct this line")),
+        (folder.path("none.js"), "cannot read this file (".to_owned()),
+    ] {
+        let output = run(&["hall", "import", &file, &to]);
+        assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+        assert!(said(&output).contains(&expect), "{}", said(&output));
+    }
+    assert_eq!(folder.names(), ["wrong.js"]);
+    let served = run(&["explore", "--hall", &wrong]);
+    assert!(said(&served).contains("make a hall of it with `hallsweep hall import"), "{}", said(&served));
+}

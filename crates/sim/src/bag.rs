@@ -119,12 +119,20 @@ impl Bag {
     /// A piece without a description of its own, as in drawings without a list and in benchmark maps: kind and colour
     /// follow from its number, so that neighbours differ.
     pub(crate) fn plain(piece: Piece, cells: Vec<Cell>) -> Bag {
-        let pick = |count: usize, stride: usize| usize::try_from(piece.0).unwrap_or(0).wrapping_mul(stride) % count;
-        let kind = Kind::ALL[pick(Kind::ALL.len(), 1)];
-        let (colour_name, colour) = Colour::NAMED[pick(Colour::NAMED.len(), 5)];
+        Bag::of_kind(Kind::ALL[pick(piece, Kind::ALL.len(), 1)], piece, cells)
+    }
+
+    /// The same of a certain kind.
+    pub(crate) fn of_kind(kind: Kind, piece: Piece, cells: Vec<Cell>) -> Bag {
+        let (colour_name, colour) = Colour::NAMED[pick(piece, Colour::NAMED.len(), 5)];
         let name = format!("{colour_name} {}", kind.name()).into();
         Bag { piece, name, kind, colour, cells, height_m: kind.usual_height_m(), dangerous: false }
     }
+}
+
+/// Which of so many a piece has: what follows from its number.
+fn pick(piece: Piece, count: usize, stride: usize) -> usize {
+    usize::try_from(piece.0).unwrap_or(0).wrapping_mul(stride) % count
 }
 
 #[cfg(test)]

@@ -153,6 +153,22 @@ pub enum HallFault {
     HomeNotFree { x: u32, y: u32 },
     #[error("cells of {cell} m are finer than the pixels of {resolution} m: give {resolution} or more")]
     CellTooFine { cell: String, resolution: String },
+    #[error("cannot read this file ({0}): give the path of a scene file, as the virtual robot's page has it")]
+    UnreadableScene(String),
+    #[error("this file is larger than {0} bytes: it is no scene of the virtual robot's page")]
+    SceneTooLarge(usize),
+    #[error("there is no scene here: a scene file says `const config = {{…}}` or `export default {{…}}`")]
+    NoLiteral,
+    #[error("the object that begins here is not closed: add what is missing")]
+    UnclosedLiteral,
+    #[error("this nests deeper than {0}: no scene does")]
+    TooDeep(usize),
+    #[error("there are more than {0} sonars or obstacles of a sort: remove some")]
+    TooManyThings(usize),
+    #[error("the player stands in {0:?}: move one of them")]
+    PlayerStuck(String),
+    #[error("this is the scene of a virtual robot: make a hall of it with `hallsweep hall import {0}`")]
+    IsScene(String),
     #[error("cells of {asked} m are asked for, but those of this file are of {has} m: leave --cell out")]
     CellGiven { asked: String, has: String },
 }

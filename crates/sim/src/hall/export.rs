@@ -6,6 +6,7 @@ use std::path::Path;
 
 use super::error::HallError;
 use super::rows::Reading;
+use super::scene::HallOfScene;
 use super::{Hall, Truth, movingai, occupancy, rows, seed_text, toml};
 use crate::bag::Bag;
 use hallsweep_core::units::Cell;
@@ -69,11 +70,19 @@ pub struct Export {
     hall: Hall,
     /// What is known of each square, of an explored hall.
     marks: Option<Vec<Mark>>,
+    /// What the hall does not say of the scene that it was made of.
+    lost_before: Vec<String>,
 }
 
 impl From<Hall> for Export {
     fn from(hall: Hall) -> Export {
-        Export { hall, marks: None }
+        Export { hall, marks: None, lost_before: Vec::new() }
+    }
+}
+
+impl From<HallOfScene> for Export {
+    fn from(HallOfScene { hall, lost }: HallOfScene) -> Export {
+        Export { hall, marks: None, lost_before: lost }
     }
 }
 
@@ -105,7 +114,7 @@ impl Export {
             state.luggage.iter().filter(|piece| piece.is_bomb_left()).map(|piece| piece.cell).collect();
         plan.bags.iter_mut().for_each(|bag| bag.dangerous = bag.cells.iter().any(|cell| dangerous.contains(cell)));
         let hall = Hall::of(name, plan).measured(cell_m, None).described(Some(EXPLORED));
-        Export { hall, marks: Some(marks) }
+        Export { hall, marks: Some(marks), lost_before: Vec::new() }
     }
 
     /// How large it is, and how much luggage lies in it.
@@ -160,7 +169,7 @@ impl Export {
 
     fn lost(&self, again: &Hall, format: Format) -> Vec<String> {
         let hall = &self.hall;
-        let mut lost = Vec::new();
+        let mut lost = self.lost_before.clone();
         let (home, home_again) = (hall.home(), again.home());
         if home != home_again {
             let place = |cell: Cell| format!("column {}, row {}", cell.x + 1, cell.y + 1);

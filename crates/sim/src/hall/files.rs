@@ -42,6 +42,9 @@ impl Hall {
             return Hall::parse(name, text).and_then(|hall| hall.with_own_cells(name, cell_m));
         }
         let path = Path::new(name_or_path);
+        if has_extension(path, &["js"]) {
+            return Err(HallFault::IsScene(name_or_path.to_owned()).of(name_or_path));
+        }
         if has_extension(path, &YAML) {
             return open_yaml(name_or_path, path, cell_m);
         }
@@ -227,6 +230,14 @@ mod tests {
         }
         let error = Hall::parse("m.toml", "\u{feff}width = 2\nheight = -1\n").unwrap_err().to_string();
         assert_eq!(error, "m.toml:2: `height` is -1: give a number from 1 to 2048");
+    }
+
+    #[test]
+    fn whoever_names_a_scene_is_told_how_a_hall_is_made_of_it() {
+        let error = Hall::open("halls/room.js", None).unwrap_err().to_string();
+        let expect =
+            "halls/room.js: this is the scene of a virtual robot: make a hall of it with `hallsweep hall import halls/room.js`";
+        assert_eq!(error, expect);
     }
 
     #[test]

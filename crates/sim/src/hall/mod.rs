@@ -1,6 +1,7 @@
 //! A simulated hall: the truth about every cell, the luggage in it and its temperature over time.
 //! `files` finds and tells apart the files in which halls stand, `export` writes them; each format has a file of its own, in
-//! which it is read and written: `toml`, `movingai`, `seed_text`, and `occupancy` with `pixels` and `pgm`.
+//! which it is read and written: `toml`, `movingai`, `seed_text`, and `occupancy` with `pixels` and `pgm`. `scene` reads what others
+//! call a scene, of which a hall is made.
 //!
 //! Files count columns from the west and rows from the north of the drawing; everything here is in map coordinates,
 //! where the robot's start is (0, 0).
@@ -13,6 +14,7 @@ mod occupancy;
 mod pgm;
 mod pixels;
 mod rows;
+mod scene;
 mod seed_text;
 mod toml;
 
@@ -21,6 +23,7 @@ use std::sync::Arc;
 
 pub use error::{HallError, HallFault};
 pub use export::{Export, Format, Written};
+pub use scene::{Floor, HallOfScene, MovingObstacle, Player, Scene, SceneSonar, StaticObstacle};
 
 use crate::bag::Bag;
 use crate::curve::Curve;

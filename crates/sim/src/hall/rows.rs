@@ -102,13 +102,18 @@ impl Reading {
 
     /// The piece of this letter, which now covers this cell too.
     fn lettered(&mut self, letter: char, cell: Cell) -> Result<Piece, HallFault> {
-        if let Some(piece) = self.letters.get(&letter) {
-            self.cells[piece.0 as usize - 1].push(cell);
-            return Ok(*piece);
+        if let Some(piece) = self.letters.get(&letter).copied() {
+            return Ok(self.extend(piece, cell));
         }
         let piece = self.new_piece(cell)?;
         self.letters.insert(letter, piece);
         Ok(piece)
+    }
+
+    /// This piece, which now covers this cell too.
+    pub(super) fn extend(&mut self, piece: Piece, cell: Cell) -> Piece {
+        self.cells[piece.0 as usize - 1].push(cell);
+        piece
     }
 
     /// One more piece, which begins with this cell.

@@ -1,0 +1,328 @@
+//! Reads the scene file of the Bologna virtual robot's page: a JavaScript module with one object literal, which says how large the
+//! floor is, where the player stands and what is in its way. `script` finds the literal, `cells` makes a hall of the scene.
+//!
+//! Positions in the file are fractions of the floor; here everything is in units of the page's world, counted from the middle of the
+//! floor: `x` to the east, `z` to the south. The player faces north there, up the page.
+
+mod cells;
+mod script;
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::error::{HallError, HallFault};
+pub use cells::HallOfScene;
+
+/// The real ones have three thousand bytes.
+const MAX_SCENE_BYTES: usize = 256 << 10;
+
+/// With the longest sides that it may have a floor has 62,500 cells.
+const MAX_FLOOR: f64 = 1000.0;
+
+/// The most things of each sort: each is looked at for every cell.
+const MAX_THINGS: usize = 256;
+
+/// A thing may reach out of the floor, but not so far that its place is no number any more.
+const MAX_FRACTION: f64 = 100.0;
+
+/// The side of the square that the player takes up, and of a cell.
+pub(super) const PLAYER: f64 = 4.0;
+
+/// What a scene file says, in units of the page's world.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// Where the player can be.
+    pub floor: Floor,
+    /// The robot.
+    pub player: Player,
+    /// What stands in its way for good, in the order of the file.
+    pub statics: Vec<StaticObstacle>,
+    /// What moves to and fro.
+    pub moving: Vec<MovingObstacle>,
+    /// The sonars of the hall, which see what passes before them.
+    pub sonars: Vec<SceneSonar>,
+}
+
+/// How long the sides of the floor are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Floor {
+    /// From west to east.
+    pub x: f64,
+    /// From north to south.
+    pub z: f64,
+}
+
+/// The robot as it stands when the page is opened.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the header of the file says what x and z are")]
+pub struct Player {
+    pub x: f64,
+    pub z: f64,
+    /// As the page has it, in no unit of ours.
+    pub speed: f64,
+}
+
+/// A box on the floor as it stands there; the player's middle keeps half of its side away from it.
+#[derive(Clone, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the header of the file says what x and z are")]
+pub struct StaticObstacle {
+    pub name: String,
+    pub min_x: f64,
+    pub max_x: f64,
+    pub min_z: f64,
+    pub max_z: f64,
+}
+
+impl StaticObstacle {
+    /// Whether it is a wall; else it is luggage.
+    #[must_use]
+    pub fn is_wall(&self) -> bool {
+        self.name.starts_with("wall")
+    }
+}
+
+/// A thing that moves to and fro along an axis.
+#[derive(Clone, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the header of the file says what x and z are")]
+pub struct MovingObstacle {
+    pub name: String,
+    pub x: f64,
+    pub z: f64,
+    pub along_x: bool,
+    pub along_z: bool,
+    /// As the page has it, in no unit of ours.
+    pub speed: f64,
+    /// How far it goes.
+    pub range: f64,
+}
+
+/// A sonar that stands in the hall.
+#[derive(Clone, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the header of the file says what x and z are")]
+pub struct SceneSonar {
+    pub name: String,
+    pub x: f64,
+    pub z: f64,
+    pub sees_along_x: bool,
+    pub sees_along_z: bool,
+}
+
+impl Scene {
+    /// The scene in the file of this path.
+    ///
+    /// # Errors
+    /// The file cannot be read, or what is wrong in it.
+    pub fn open(path: &str) -> Result<Scene, HallError> {
+        let mut bytes = Vec::new();
+        let limit = MAX_SCENE_BYTES as u64 + 1;
+        let read = File::open(Path::new(path)).and_then(|file| file.take(limit).read_to_end(&mut bytes));
+        read.map_err(|error| HallFault::UnreadableScene(error.to_string()).of(path))?;
+        Scene::parse(path, &bytes)
+    }
+
+    /// The scene that these bytes describe; `file` is named in errors.
+    ///
+    /// # Errors
+    /// What is wrong, and in which line.
+    pub fn parse(file: &str, bytes: &[u8]) -> Result<Scene, HallError> {
+        if bytes.len() > MAX_SCENE_BYTES {
+            return Err(HallFault::SceneTooLarge(MAX_SCENE_BYTES).at(file, 1));
+        }
+        let text = std::str::from_utf8(bytes).map_err(|error| {
+            let good = bytes.get(..error.valid_up_to()).unwrap_or_default();
+            HallFault::NotText.at(file, good.iter().filter(|byte| **byte == b'\n').count() + 1)
+        })?;
+        let literal = script::literal(text).map_err(|(line, fault)| fault.at(file, line))?;
+        let written: Written = json5::from_str(literal.text).map_err(|error| {
+            let line = literal.line + error.position().map_or(0, |position| position.line);
+            let whole = error.to_string();
+            let reason = whole.rsplit_once(" at line ").map_or(whole.as_str(), |(reason, _)| reason);
+            HallFault::Syntax(format!("{reason}: correct this line")).at(file, line)
+        })?;
+        written.scene().map_err(|fault| fault.at(file, literal.line))
+    }
+}
+
+/// The literal as it is written, without what we do not need of it.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Written {
+    floor: WrittenFloor,
+    player: WrittenPlayer,
+    #[serde(default)]
+    sonars: Vec<WrittenSonar>,
+    #[serde(default)]
+    moving_obstacles: Vec<WrittenMoving>,
+    #[serde(default)]
+    static_obstacles: Vec<WrittenStatic>,
+}
+
+#[derive(Deserialize)]
+struct WrittenFloor {
+    size: WrittenSize,
+}
+
+#[derive(Deserialize)]
+struct WrittenSize {
+    x: Side,
+    y: Side,
+}
+
+#[derive(Deserialize)]
+struct WrittenPlayer {
+    position: Pair,
+    #[serde(default)]
+    speed: Amount,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct WrittenSonar {
+    name: Name,
+    position: Pair,
+    sense_axis: Axis,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct WrittenMoving {
+    name: Name,
+    position: Pair,
+    direction_axis: Axis,
+    #[serde(default)]
+    speed: Amount,
+    #[serde(default)]
+    range: Amount,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct WrittenStatic {
+    name: Name,
+    center_position: Pair,
+    size: Pair,
+}
+
+#[derive(Deserialize)]
+struct Pair {
+    x: Fraction,
+    y: Fraction,
+}
+
+#[derive(Deserialize)]
+struct Axis {
+    #[serde(default)]
+    x: bool,
+    #[serde(default)]
+    y: bool,
+}
+
+/// Checked while it is read, since only then it is known in which line it stands. So are those that follow.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(try_from = "f64")]
+struct Side(f64);
+
+impl TryFrom<f64> for Side {
+    type Error = String;
+
+    fn try_from(side: f64) -> Result<Side, String> {
+        let is_good = (PLAYER..=MAX_FLOOR).contains(&side);
+        if is_good { Ok(Side(side)) } else { Err(format!("a side of the floor is {side}, and may be {PLAYER} to {MAX_FLOOR}")) }
+    }
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(try_from = "f64")]
+struct Fraction(f64);
+
+impl TryFrom<f64> for Fraction {
+    type Error = String;
+
+    fn try_from(number: f64) -> Result<Fraction, String> {
+        let is_good = number.abs() <= MAX_FRACTION;
+        if is_good { Ok(Fraction(number)) } else { Err(format!("{number} is no fraction of the floor, which is about 0 to 1")) }
+    }
+}
+
+#[derive(Clone, Copy, Default, Deserialize)]
+#[serde(try_from = "f64")]
+struct Amount(f64);
+
+impl TryFrom<f64> for Amount {
+    type Error = String;
+
+    fn try_from(number: f64) -> Result<Amount, String> {
+        if number.is_finite() { Ok(Amount(number)) } else { Err(format!("{number} is no number that can be used")) }
+    }
+}
+
+/// It is shown to people, and repeated where a wall or a piece is spoken of.
+#[derive(Deserialize)]
+#[serde(try_from = "String")]
+struct Name(String);
+
+impl TryFrom<String> for Name {
+    type Error = &'static str;
+
+    fn try_from(name: String) -> Result<Name, &'static str> {
+        let is_good = (1..=64).contains(&name.chars().count()) && !name.chars().any(char::is_control);
+        if is_good { Ok(Name(name)) } else { Err("a name has 1 to 64 visible characters") }
+    }
+}
+
+impl Written {
+    fn scene(self) -> Result<Scene, HallFault> {
+        let longest = self.sonars.len().max(self.moving_obstacles.len()).max(self.static_obstacles.len());
+        if longest > MAX_THINGS {
+            return Err(HallFault::TooManyThings(MAX_THINGS));
+        }
+        let floor = Floor { x: self.floor.size.x.0, z: self.floor.size.y.0 };
+        let (x, z) = floor.place(&self.player.position);
+        Ok(Scene {
+            floor,
+            player: Player { x, z, speed: self.player.speed.0 },
+            statics: self.static_obstacles.into_iter().map(|written| floor.obstacle(written)).collect(),
+            moving: self.moving_obstacles.into_iter().map(|written| floor.moving(written)).collect(),
+            sonars: self.sonars.into_iter().map(|written| floor.sonar(written)).collect(),
+        })
+    }
+}
+
+impl Floor {
+    fn place(self, position: &Pair) -> (f64, f64) {
+        ((position.x.0 - 0.5) * self.x, (position.y.0 - 0.5) * self.z)
+    }
+
+    /// Of these alone the page counts `y` from the south.
+    fn obstacle(self, WrittenStatic { name, center_position, size }: WrittenStatic) -> StaticObstacle {
+        let (x, from_south) = self.place(&center_position);
+        let z = -from_south;
+        let (half_x, half_z) = (size.x.0.abs() * self.x / 2.0, size.y.0.abs() * self.z / 2.0);
+        StaticObstacle { name: name.0, min_x: x - half_x, max_x: x + half_x, min_z: z - half_z, max_z: z + half_z }
+    }
+
+    fn moving(self, WrittenMoving { name, position, direction_axis, speed, range }: WrittenMoving) -> MovingObstacle {
+        let (x, z) = self.place(&position);
+        MovingObstacle {
+            name: name.0,
+            x,
+            z,
+            along_x: direction_axis.x,
+            along_z: direction_axis.y,
+            speed: speed.0,
+            range: range.0,
+        }
+    }
+
+    fn sonar(self, WrittenSonar { name, position, sense_axis }: WrittenSonar) -> SceneSonar {
+        let (x, z) = self.place(&position);
+        SceneSonar { name: name.0, x, z, sees_along_x: sense_axis.x, sees_along_z: sense_axis.y }
+    }
+}
+
+#[cfg(test)]
+#[path = "scene/scene_tests.rs"]
+mod tests;

@@ -1,0 +1,178 @@
+//! Makes a hall of a scene: cells as large as the player, counted from where it stands, as it would find them by driving from cell to
+//! cell. Columns and rows stay as the page shows them, north up.
+//!
+//! ```text
+//!   ·───►·───►│#     a cell is free where a step into it ends, else it is what stopped the first one: a wall, or a piece of luggage
+//! ```
+//! No thing is so thin that it stands between two free cells: on each side it keeps half a player away, and a cell is no larger.
+
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+
+use super::{PLAYER, Scene, StaticObstacle};
+use crate::bag::{Bag, Kind};
+use crate::hall::error::HallFault;
+use crate::hall::rows::{Reading, sides};
+use crate::hall::{Hall, Plan, Truth};
+use hallsweep_core::event::Piece;
+use hallsweep_core::units::Cell;
+use hallsweep_core::world::hall_map::Bounds;
+
+/// What the page calls the edge of the floor.
+const BORDER: &str = "floor-border";
+
+/// A hall of a scene, and what it does not say of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HallOfScene {
+    /// With the player's place as its home.
+    pub hall: Hall,
+    /// A few words each.
+    pub lost: Vec<String>,
+}
+
+/// What the player finds when it tries every step from every cell that it comes to.
+#[derive(Default)]
+struct Found<'a> {
+    free: BTreeSet<Cell>,
+    /// What stopped the first step into a cell.
+    taken: BTreeMap<Cell, &'a str>,
+}
+
+impl Scene {
+    /// The hall of this name that the player would find.
+    ///
+    /// # Errors
+    /// The player stands in something, and finds nothing.
+    pub fn hall(&self, name: &str) -> Result<HallOfScene, HallFault> {
+        let found = self.found()?;
+        let pieces = found.pieces();
+        let places = || found.free.iter().chain(pieces.iter().flatten()).copied();
+        let bounds = places().fold(Bounds::of(Cell::HOME), |bounds, cell| Bounds {
+            least: Cell::new(bounds.least.x.min(cell.x), bounds.least.y.min(cell.y)),
+            most: Cell::new(bounds.most.x.max(cell.x), bounds.most.y.max(cell.y)),
+        });
+        let mut plan = drawing(&found, &pieces, bounds)?;
+        for bag in &mut plan.bags {
+            *bag = Bag::of_kind(Kind::Box, bag.piece, std::mem::take(&mut bag.cells));
+        }
+        Ok(HallOfScene { hall: Hall::of(name, plan), lost: self.lost(&found, pieces.len()) })
+    }
+
+    fn found(&self) -> Result<Found<'_>, HallFault> {
+        if let Some(name) = self.what_is_at(self.player.x, self.player.z) {
+            return Err(HallFault::PlayerStuck(name.to_owned()));
+        }
+        let mut found = Found { free: BTreeSet::from([Cell::HOME]), ..Found::default() };
+        let mut waiting = VecDeque::from([Cell::HOME]);
+        while let Some(cell) = waiting.pop_front() {
+            for next in cell.neighbours() {
+                match self.contact(cell, next) {
+                    Some(name) => drop(found.taken.entry(next).or_insert(name)),
+                    None if found.free.insert(next) => waiting.push_back(next),
+                    None => {}
+                }
+            }
+        }
+        Ok(found)
+    }
+
+    /// What keeps the player's middle from being here.
+    fn what_is_at(&self, x: f64, z: f64) -> Option<&str> {
+        let is_beyond = x.abs() > self.floor.x / 2.0 || z.abs() > self.floor.z / 2.0;
+        let within = |thing: &&StaticObstacle| {
+            let [along_x, along_z] = kept_free(thing);
+            (along_x.0..=along_x.1).contains(&x) && (along_z.0..=along_z.1).contains(&z)
+        };
+        self.statics.iter().find(within).map(|thing| thing.name.as_str()).or(is_beyond.then_some(BORDER))
+    }
+
+    /// What stops the player on its way from the middle of one cell to that of one beside it: what it meets first.
+    fn contact(&self, from: Cell, to: Cell) -> Option<&str> {
+        let turned = from.x == to.x;
+        let axes = |[x, z]: [(f64, f64); 2]| if turned { [z, x] } else { [x, z] };
+        let place = |cell: Cell| (self.player.x + PLAYER * f64::from(cell.x), self.player.z + PLAYER * f64::from(cell.y));
+        let ((from_x, from_z), (to_x, to_z)) = (place(from), place(to));
+        let [(begin, end), (across, _)] = axes([(from_x, to_x), (from_z, to_z)]);
+        let meets = |thing: &StaticObstacle| {
+            let [along, beside] = axes(kept_free(thing));
+            let nearest = begin.clamp(along.0, along.1);
+            let is_met = (beside.0..=beside.1).contains(&across) && (begin.min(end)..=begin.max(end)).contains(&nearest);
+            is_met.then_some((nearest - begin).abs())
+        };
+        let things = self.statics.iter().filter_map(|thing| Some((meets(thing)?, thing.name.as_str())));
+        let edge = if turned { self.floor.z } else { self.floor.x } / 2.0;
+        let border = (end.abs() > edge).then_some((edge - begin.abs(), BORDER));
+        things.chain(border).min_by(|(first, _), (second, _)| first.total_cmp(second)).map(|(_, name)| name)
+    }
+
+    fn lost(&self, found: &Found<'_>, pieces: usize) -> Vec<String> {
+        let met: BTreeSet<&str> = found.taken.values().copied().collect();
+        let names: BTreeSet<&str> = found.luggage().map(|(_, name)| name).collect();
+        let hidden = self.statics.iter().filter(|thing| !met.contains(thing.name.as_str())).count();
+        let counted = [
+            (self.moving.len(), "what moves"),
+            (self.sonars.len(), "the sonars of the hall"),
+            (pieces, "the names of luggage"),
+            (pieces - names.len(), "which luggage of one name is one piece"),
+            (hidden, "obstacles that no step meets"),
+        ];
+        counted.into_iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{what} ({count})")).collect()
+    }
+}
+
+impl<'a> Found<'a> {
+    fn luggage(&self) -> impl Iterator<Item = (Cell, &'a str)> {
+        let is_wall = |name: &str| name.starts_with("wall") || name == BORDER;
+        self.taken.iter().filter(move |(_, name)| !is_wall(name)).map(|(cell, name)| (*cell, *name))
+    }
+
+    /// The cells of each piece: of one name, and touching.
+    fn pieces(&self) -> Vec<Vec<Cell>> {
+        let mut left: BTreeMap<Cell, &str> = self.luggage().collect();
+        let mut pieces = Vec::new();
+        while let Some((first, name)) = left.pop_first() {
+            let mut cells = vec![first];
+            let mut looked_at = 0;
+            while let Some(cell) = cells.get(looked_at).copied() {
+                looked_at += 1;
+                for next in cell.neighbours() {
+                    if left.get(&next) == Some(&name) {
+                        left.remove(&next);
+                        cells.push(next);
+                    }
+                }
+            }
+            pieces.push(cells);
+        }
+        pieces
+    }
+}
+
+/// Where the player's middle cannot be because of this thing, by x and by z.
+fn kept_free(thing: &StaticObstacle) -> [(f64, f64); 2] {
+    let half = PLAYER / 2.0;
+    [(thing.min_x - half, thing.max_x + half), (thing.min_z - half, thing.max_z + half)]
+}
+
+fn drawing(found: &Found<'_>, pieces: &[Vec<Cell>], bounds: Bounds) -> Result<Plan, HallFault> {
+    let side = |cells: i32| u64::try_from(cells).unwrap_or(0);
+    let size = sides(side(bounds.width()), side(bounds.height()))?;
+    let of_piece = |(index, cells): (usize, &Vec<Cell>)| cells.iter().map(move |cell| (*cell, index)).collect::<Vec<_>>();
+    let luggage: BTreeMap<Cell, usize> = pieces.iter().enumerate().flat_map(of_piece).collect();
+    let mut numbers: BTreeMap<usize, Piece> = BTreeMap::new();
+    let mut reading = Reading::default();
+    for y in bounds.least.y..=bounds.most.y {
+        for cell in (bounds.least.x..=bounds.most.x).map(|x| Cell::new(x, y)) {
+            let place = Cell::new(cell.x - bounds.least.x, cell.y - bounds.least.y);
+            let square = match luggage.get(&cell) {
+                _ if found.free.contains(&cell) => Truth::Free,
+                None => Truth::Wall,
+                Some(index) => match numbers.get(index) {
+                    Some(piece) => Truth::Luggage(reading.extend(*piece, place)),
+                    None => Truth::Luggage(*numbers.entry(*index).or_insert(reading.new_piece(place)?)),
+                },
+            };
+            reading.squares.push(square);
+        }
+    }
+    Ok(reading.plan(Cell::new(-bounds.least.x, -bounds.least.y), size))
+}

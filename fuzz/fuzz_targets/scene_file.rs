@@ -1,0 +1,16 @@
+//! Scene files of the virtual robot's page: any bytes give a scene of which a hall is made, or a sentence with a line.
+#![no_main]
+
+mod halls;
+
+use hallsweep_fuzz::sim::Scene;
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    match Scene::parse("fuzzed.js", bytes) {
+        Ok(scene) => {
+            halls::check(&["fuzzed.js"], scene.hall("fuzzed").map(|made| made.hall).map_err(|fault| fault.of("fuzzed.js")))
+        }
+        Err(error) => assert!(error.line.is_some_and(|line| line > 0) && !error.to_string().is_empty(), "{error}"),
+    }
+});
