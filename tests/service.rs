@@ -77,3 +77,5 @@ mod tls;
 mod trees;
 #[path = "service/verdicts.rs"]
 mod verdicts;
+#[path = "service/virtual_robots/mod.rs"]
+mod virtual_robots;

@@ -7,14 +7,14 @@ use super::Port;
 use crate::access::AccessError;
 use crate::doors::http::TlsError;
 use crate::doors::mqtt;
-use crate::robots::sim::UnusableHall;
+use crate::robots::Unusable;
 use crate::storage::sqlite::OpenError;
 
 /// Why the program cannot begin, or not go on. `Display` is the line for whoever started it.
 #[derive(Debug, thiserror::Error)]
 pub enum AppError {
     #[error(transparent)]
-    Hall(#[from] UnusableHall),
+    Unusable(#[from] Unusable),
     #[error(transparent)]
     Access(#[from] AccessError),
     #[error(transparent)]

@@ -14,7 +14,7 @@ use super::output_file::distinct;
 use crate::api::{journal_words, map_text};
 use crate::app::AppError;
 use crate::config::{self, Flag, Sources};
-use crate::robots::sim;
+use crate::robots::{Unusable, sim};
 use hallsweep_core::effect::Entry;
 use hallsweep_core::world::snapshot::Snapshot;
 use hallsweep_sim::headless::{self, Figures, Verdicts};
@@ -66,7 +66,7 @@ enum Answers {
 /// Runs the mission and prints what it came to.
 pub fn run(flags: &Explore) -> Result<(), Failure> {
     let settings = super::settings(&flags.sources())?;
-    let hall = sim::hall(&settings).map_err(AppError::from)?;
+    let hall = sim::hall(&settings).map_err(|unusable| AppError::from(Unusable::from(unusable)))?;
     distinct(flags.hall.as_deref().map(Path::new), flags.map.as_deref().map(Path::new).into_iter().chain(flags.log.as_deref()))?;
     let map = flags.map.as_deref().map(|path| MapFile::at(path, flags.force)).transpose()?;
     let sim = sim::sim_settings(&settings.robot, Camera::Stub);

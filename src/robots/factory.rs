@@ -7,9 +7,9 @@ use std::sync::Arc;
 use tokio::sync::watch;
 
 use super::Adapter;
-use super::external::ExternalRobot;
+use super::external::{ExternalRobot, UnusableScene};
 use super::sim::{self, SimPair, SimRobot, UnusableHall};
-use crate::config::{RobotSettings, Settings};
+use crate::config::{RobotKind, RobotSettings, Settings};
 use crate::runtime::clock::Clock;
 use hallsweep_core::event::RobotId;
 use hallsweep_core::settings::Fetcher;
@@ -27,17 +27,30 @@ pub struct Robots {
     ids: Vec<RobotId>,
 }
 
+/// What the settings name cannot be read. `Display` is the line for whoever started the program.
+#[derive(Debug, thiserror::Error)]
+pub enum Unusable {
+    #[error(transparent)]
+    Hall(#[from] UnusableHall),
+    #[error(transparent)]
+    Scene(#[from] UnusableScene),
+}
+
 enum Robot {
     Sim(Box<SimRobot>),
     External(Box<ExternalRobot>),
 }
 
 impl Robots {
-    pub fn of(settings: &Settings) -> Result<Robots, UnusableHall> {
-        let hall = sim::hall(settings)?;
+    pub fn of(settings: &Settings) -> Result<Robots, Unusable> {
+        let is_simulated = settings.robots().any(|(_, robot)| robot.kind == RobotKind::Sim);
+        let hall = if is_simulated { sim::hall(settings)? } else { no_hall() };
         let fetches = |id: &RobotId| settings.core.fetcher == Fetcher::Discovery && *id == RobotId::discovery();
-        let robot = |id: RobotId, robot: &RobotSettings| (id.clone(), Robot::of(id.clone(), robot, &hall, fetches(&id)));
-        let all: Vec<(RobotId, Robot)> = settings.robots().map(|(id, settings)| robot(id, settings)).collect();
+        let robot = |(id, robot): (RobotId, &RobotSettings)| {
+            let fetches = fetches(&id);
+            Ok((id.clone(), Robot::of(id, robot, &hall, fetches)?))
+        };
+        let all = settings.robots().map(robot).collect::<Result<Vec<(RobotId, Robot)>, UnusableScene>>()?;
         let wants_pair = settings.core.fetcher == Fetcher::Pair;
         let pair = SimPair::new(Arc::clone(&hall), &settings.robot, settings.pair);
         let ids = all.iter().map(|(id, _)| id.clone()).chain(SimPair::ids().into_iter().filter(|_| wants_pair)).collect();
@@ -125,11 +138,11 @@ impl Robots {
 }
 
 impl Robot {
-    fn of(id: RobotId, settings: &RobotSettings, hall: &Arc<Hall>, fetches: bool) -> Robot {
-        match ExternalRobot::new(&id, settings) {
+    fn of(id: RobotId, settings: &RobotSettings, hall: &Arc<Hall>, fetches: bool) -> Result<Robot, UnusableScene> {
+        Ok(match ExternalRobot::new(&id, settings)? {
             Some(robot) => Robot::External(Box::new(robot)),
             None => Robot::Sim(Box::new(SimRobot::new(id, Arc::clone(hall), settings, fetches))),
-        }
+        })
     }
 
     fn lost(&self) -> Option<&str> {
@@ -138,4 +151,9 @@ impl Robot {
             Robot::External(robot) => robot.lost(),
         }
     }
+}
+
+/// Where nothing is simulated the hall of the settings does nothing, so that it need not be there.
+fn no_hall() -> Arc<Hall> {
+    Arc::new(Hall::from_rows("no hall of ours", &["S"]).expect("a hall of one cell is one"))
 }

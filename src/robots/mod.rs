@@ -10,7 +10,8 @@ mod external;
 mod factory;
 pub mod sim;
 
-pub use factory::Robots;
+pub use external::UnusableScene;
+pub use factory::{Robots, Unusable};
 
 /// What stands between the program and a robot: it takes the adapter's end of the link, and runs until the loop's end is gone.
 pub type Adapter = Box<dyn FnOnce(RobotSide) -> Pin<Box<dyn Future<Output = ()> + Send>> + Send>;

@@ -5,6 +5,8 @@ mod drawing;
 mod link;
 mod memory_file;
 mod robot;
+mod room;
 mod wire;
 
 pub(super) use robot::ExternalRobot;
+pub use room::UnusableScene;

@@ -5,19 +5,21 @@ use std::time::Duration;
 
 use super::link;
 use super::memory_file::MemoryFile;
+use super::room::{self, UnusableScene};
 use super::wire::Address;
 use crate::config::{RobotAddress, RobotKind, RobotSettings};
 use crate::robots::Adapter;
 use crate::runtime::clock::Clock;
 use hallsweep_core::event::RobotId;
 use hallsweep_drivers::line::LineDriver;
-use hallsweep_drivers::{Dialect, Driver, VirtualRobot};
+use hallsweep_drivers::{Dialect, Driver, Room, VirtualRobot};
 
 pub(in crate::robots) struct ExternalRobot {
     id: RobotId,
     kind: Kind,
     address: Address,
     step: Duration,
+    room: Room,
     remembered: Remembered,
 }
 
@@ -38,16 +40,20 @@ enum Remembered {
 
 impl ExternalRobot {
     /// `None` for one of a kind that is part of this program.
-    pub(in crate::robots) fn new(id: &RobotId, settings: &RobotSettings) -> Option<ExternalRobot> {
+    pub(in crate::robots) fn new(id: &RobotId, settings: &RobotSettings) -> Result<Option<ExternalRobot>, UnusableScene> {
         let at = settings.address.to_string();
         let (kind, address) = match (settings.kind, &settings.address) {
-            (RobotKind::Sim, _) => return None,
+            (RobotKind::Sim, _) => return Ok(None),
             (RobotKind::VirtualTcp, _) => (Kind::Virtual(Dialect::Semicolons), Address::Tcp(at)),
             (RobotKind::VirtualWs, _) => (Kind::Virtual(Dialect::Messages), Address::WebSocket(at)),
             (RobotKind::Line, RobotAddress::Device(_)) => (Kind::Line, Address::Serial(at, settings.baud)),
             (RobotKind::Line, RobotAddress::Network { .. } | RobotAddress::Here) => (Kind::Line, Address::Tcp(at)),
         };
-        Some(ExternalRobot { id: id.clone(), kind, address, step: settings.step, remembered: Remembered::Nothing })
+        let (room, step) = match &settings.scene {
+            Some(scene) if matches!(kind, Kind::Virtual(_)) => room::room(id, scene)?,
+            Some(_) | None => (Room::default(), settings.step),
+        };
+        Ok(Some(ExternalRobot { id: id.clone(), kind, address, step, room, remembered: Remembered::Nothing }))
     }
 
     /// Where it is, in place of the hall that is not ours.
@@ -76,7 +82,7 @@ impl ExternalRobot {
 
     /// What is run for it. The link to one that may be anywhere stays down, and nobody is told that its adapter has ended.
     pub(in crate::robots) fn adapter(self, clock: Clock) -> Adapter {
-        let ExternalRobot { id, kind, address, step, remembered } = self;
+        let ExternalRobot { id, kind, address, step, room, remembered } = self;
         let (file, known) = match remembered {
             Remembered::Lost(lost) => {
                 tracing::error!(robot = %id, lost, "nobody knows where the robot was left: it is not started");
@@ -86,7 +92,10 @@ impl ExternalRobot {
             Remembered::Nothing => (None, None),
         };
         let driver: Box<dyn Driver> = match kind {
-            Kind::Virtual(dialect) => known.unwrap_or_else(|| Box::new(VirtualRobot::new(dialect, step))),
+            Kind::Virtual(dialect) => {
+                let robot = known.map_or_else(|| VirtualRobot::new(dialect, step), |known| *known);
+                Box::new(robot.in_room(&room))
+            }
             Kind::Line => Box::new(LineDriver::new()),
         };
         Box::new(move |side| Box::pin(link::run(driver, address, side, clock, file)))

@@ -1,0 +1,148 @@
+//! The whole program with a virtual robot: a double of its page and of its servers, as they were in its versions.
+
+#[path = "../../../crates/drivers/tests/virtual_robot/page.rs"]
+mod page;
+#[path = "../../../crates/drivers/tests/virtual_robot/server.rs"]
+mod server;
+mod standing;
+
+use std::time::Duration;
+
+use serde_json::Value;
+
+use self::page::Scene;
+use self::server::Version;
+use self::standing::VirtualRobot;
+use crate::kill::Folder;
+use crate::program::{Program, hallsweep};
+
+/// A room of so many cells in which a mission does not take long.
+fn small_room() -> Scene {
+    // Quick, so that a cell takes a third of the usual time.
+    Scene { speed: 0.5, ..Scene::empty(19.0, 15.0) }
+}
+
+const STEP_MS: &str = "133";
+
+fn serve(robot: &VirtualRobot, kind: &str, folder: Option<&Folder>) -> Program {
+    let named = format!("{kind}={}", robot.address());
+    let mut arguments = vec!["serve", "--http", "127.0.0.1:0", "--robot", &named];
+    if let Some(folder) = folder {
+        arguments.extend(["--data", folder.text()]);
+    }
+    let mut command = hallsweep(&arguments);
+    command.env("HALLSWEEP__ROBOT__STEP_MS", STEP_MS);
+    Program::started(&mut command)
+}
+
+fn linked(state: &Value) -> bool {
+    !holds(state).contains(&"robotLink")
+}
+
+fn holds(state: &Value) -> Vec<&str> {
+    state["mission"]["holds"].as_array().expect("the state lists the holds").iter().filter_map(Value::as_str).collect()
+}
+
+fn position(state: &Value) -> (i64, i64) {
+    let position = &state["robot"]["position"];
+    (position["x"].as_i64().expect("a number"), position["y"].as_i64().expect("a number"))
+}
+
+/// The room as the map shows it in text: four columns and three rows.
+const MAP: &str = "|1, 1, 1, 1, X, \n|1, 1, 1, 1, X, \n|1, 1, 1, 1, X, \n|X, X, X, X, X, \n";
+
+fn map(program: &Program) -> String {
+    program.read("/api/v1/map", &[("Accept", "text/plain")]).text().replace('r', "1")
+}
+
+#[test]
+fn both_kinds_of_virtual_robot_explore_their_room_to_the_end() {
+    for (kind, version) in [("virtual-tcp", Version::First), ("virtual-ws", Version::Year2021)] {
+        let robot = VirtualRobot::standing_in(small_room(), version);
+        let program = serve(&robot, kind, None);
+        program.until("the link is up", linked);
+        program.command("start").accepted();
+        program.until_phase("explored");
+        assert_eq!(map(&program), MAP, "{kind}");
+        assert_eq!(robot.cell(), (0, 0), "{kind}");
+    }
+}
+
+#[test]
+fn a_stop_halts_it_in_mid_step_and_what_was_cut_short_is_gone_back_from() {
+    let robot = VirtualRobot::standing_in(small_room(), Version::First);
+    let program = serve(&robot, "virtual-tcp", None);
+    program.until("the link is up", linked);
+    for _ in 0..5 {
+        program.command("start").accepted();
+        program.until("it moves", |state| state["robot"]["state"] == "movingForward");
+        program.command("stop").accepted();
+        program.until("it stands", |state| state["robot"]["state"] == "stopped" && state["robot"]["halting"] == false);
+        let stands = robot.server().page.as_ref().map(|page| page.at);
+        std::thread::sleep(Duration::from_millis(300));
+        assert_eq!(robot.server().page.as_ref().map(|page| page.at), stands, "after a STOP it stands");
+    }
+    program.command("start").accepted();
+    program.until_phase("explored");
+    assert_eq!(map(&program), MAP);
+}
+
+#[test]
+fn a_cut_cable_a_dead_server_and_a_killed_program_hold_the_mission_and_start_goes_on() {
+    let robot = VirtualRobot::standing_in(small_room(), Version::First);
+    let folder = Folder::new("virtual-robot");
+    let program = serve(&robot, "virtual-tcp", Some(&folder));
+    program.until("the link is up", linked);
+    program.command("start").accepted();
+    program.until("it is on its way", |state| position(state) != (0, 0));
+    // Between two motions nothing but a look at the server goes over the wire, so it is in the middle of one, or as good as that.
+    robot.cut();
+    let state = program.until("the mission is held", |state| holds(state).contains(&"awaitingStart"));
+    assert_ne!(state["mission"]["phase"], "fault", "{state:#}");
+    program.until("the link is up again", linked);
+    program.command("start").accepted();
+    program.until("it moves", |state| state["robot"]["state"] == "movingForward");
+
+    robot.server().receive(b";{\"type\":\"moveFor");
+    program.until("the mission is held", |state| holds(state).contains(&"robotLink"));
+    robot.server().restart();
+    program.until("the link is up again", linked);
+    program.command("start").accepted();
+    program.until("it moves", |state| state["robot"]["state"] == "movingForward");
+
+    program.killer()();
+    drop(program);
+    let program = serve(&robot, "virtual-tcp", Some(&folder));
+    let state = program.until("the link is up", linked);
+    assert!(holds(&state).contains(&"restart"), "nothing moves by itself: {state:#}");
+    program.command("start").accepted();
+    program.until("it is explored", |state| ["explored", "fault"].iter().any(|phase| state["mission"]["phase"] == *phase));
+    assert_eq!(map(&program), MAP);
+}
+
+/// What has no camera is shown as what it is.
+#[test]
+fn a_bag_is_shown_by_a_drawing_and_the_verdict_is_obeyed() {
+    let mut scene = small_room();
+    scene.put_in_cell("suitcase", 2, 1);
+    let robot = VirtualRobot::standing_in(scene, Version::Year2022);
+    let program = serve(&robot, "virtual-ws", None);
+    program.until("the link is up", linked);
+    program.command("start").accepted();
+    let luggage = program.until_asked();
+    let photo = program.read(&format!("/api/v1/luggage/{luggage}/photo"), &[]);
+    assert_eq!((photo.status, photo.header("content-type")), (200, "image/png"));
+    program.verdict(luggage, "danger").accepted();
+    program.until_phase("bombLocated");
+    assert_eq!(robot.cell(), (0, 0));
+}
+
+#[test]
+fn what_the_scene_file_says_is_used_and_one_that_cannot_be_read_is_refused() {
+    let robot = VirtualRobot::standing_in(Scene { speed: 0.6, ..Scene::empty(35.0, 35.0) }, Version::First);
+    let named = format!("virtual-tcp={}", robot.address());
+    let mut command = hallsweep(&["serve", "--http", "127.0.0.1:0", "--robot", &named]);
+    let missing = command.env("HALLSWEEP__ROBOT__SCENE", "/dev/null/scene.js").output().expect("the program starts");
+    let said = String::from_utf8_lossy(&missing.stderr).into_owned();
+    assert!(said.contains("setting robots.discovery.scene") && missing.status.code() == Some(2), "{said}");
+}
