@@ -66,9 +66,8 @@ mod tests {
         let scene = Scene::parse("test", include_bytes!("../../../config/scenes/empty-35x35.js")).expect("a scene of ours");
         let room = told(&scene);
         assert_eq!(room.faces.len(), 16);
-        let at = |name: &str, towards| {
-            room.faces.iter().find(|face| face.name == name && face.towards == towards).map(|face| face.at)
-        };
+        let at =
+            |name: &str, towards| room.faces.iter().find(|face| face.name == name && face.towards == towards).map(|face| face.at);
         let [up, down] = [at("wallUp", Heading::North), at("wallDown", Heading::South)].map(|at| at.expect("it is there"));
         assert!((0.0..1.0).contains(&up) && (7.0..8.0).contains(&down), "{up} {down}");
         assert_eq!(room.ahead, Some(down));

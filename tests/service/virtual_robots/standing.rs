@@ -129,9 +129,17 @@ async fn speak(shared: &Shared, mut stream: TcpStream, mut said: UnboundedReceiv
             },
             out = said.recv() => match out {
                 Some(out) => if stream.write_all(&out).await.is_err() { return },
-                None => return,
+                None => return heard_before(shared, &stream),
             }
         }
+    }
+}
+
+/// What had come before the cable was cut.
+fn heard_before(shared: &Shared, stream: &TcpStream) {
+    let mut bytes = vec![0; 4096];
+    if let Ok(count @ 1..) = stream.try_read(&mut bytes) {
+        shared.server().receive(&bytes[..count]);
     }
 }
 

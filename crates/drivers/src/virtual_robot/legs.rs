@@ -6,7 +6,7 @@ use std::time::Duration;
 use super::contacts::LATE_WORD;
 use super::memory::Unheard;
 use super::reckoning::DRIFT;
-use super::{Aim, Command, Dialect, GREETING, Leg, Stage, VirtualRobot, Way};
+use super::{Aim, Command, Dialect, GREETING, Leg, PUT_HOME, Stage, VirtualRobot, Way};
 use crate::Output;
 use hallsweep_core::event::RobotEvent;
 use hallsweep_core::units::{Heading, Pose};
@@ -34,6 +34,9 @@ const AGAIN: Duration = Duration::from_millis(100);
 
 /// A move that is not acknowledged so long after its end was never made.
 const UNACKNOWLEDGED: Duration = Duration::from_millis(1500);
+
+/// A link that is lost so soon after a move was sent may have been lost before the robot heard of it.
+const BEGUN: Duration = Duration::from_millis(30);
 
 /// Having driven so many cells since it last met anything on an axis, it touches what it can.
 const FAR: f64 = 4.0;
@@ -261,6 +264,12 @@ impl VirtualRobot {
         }
     }
 
+    /// Nobody knows whether it was told to move.
+    pub(super) fn left_in_doubt(&mut self) {
+        self.off_centre = true;
+        self.lost = Some(format!("it was lost in the moment in which it was told to move: {PUT_HOME}"));
+    }
+
     /// It was going forward against something that stands there, and has met it by itself.
     fn left_against_something(&mut self) {
         let heading = self.reckoning.pose().heading;
@@ -276,6 +285,9 @@ impl VirtualRobot {
         let Some(task) = self.task.take() else { return };
         self.is_changed = true;
         let Some(leg) = task.leg.filter(Leg::is_sent) else { return };
+        if matches!(leg.stage, Stage::Sent(sent) if self.now.saturating_sub(sent) < BEGUN) {
+            return self.left_in_doubt();
+        }
         match (leg.way, task.aim) {
             (Way::Turn { .. }, Aim::Turn(to)) => self.reckoning.complete(to),
             (Way::Straight { towards, cells, .. }, Aim::Step(_)) => {

@@ -70,17 +70,23 @@ impl VirtualRobot {
         })
     }
 
-    /// What is to be written. What is under way is written as if its end were not heard: so it is when this is read.
+    /// What is to be written. What is under way is written as if its end were not heard, so it is when this is read;
+    /// and of what is on its way to the robot nobody will know whether it has come.
     pub(super) fn remembered(&self) -> String {
         let mut left = VirtualRobot {
             reckoning: self.reckoning.clone(),
             step: self.step,
             off_centre: self.off_centre,
             unheard: self.unheard,
-            now: self.now,
+            lost: self.lost.clone(),
+            // What was sent was sent long ago.
+            now: Duration::MAX,
             ..VirtualRobot::new(self.dialect, self.step)
         };
-        left.task = self.task_at_death();
+        left.task = self.task.filter(|task| task.aim != Aim::Draw);
+        if self.leg().is_some_and(|leg| leg.stage == Stage::Queued) {
+            left.left_in_doubt();
+        }
         left.leave_unheard();
         let unheard = left.unheard.map(|unheard| (unheard.towards.name().to_owned(), unheard.cells, unheard.felt));
         let remembered = Remembered {
@@ -91,16 +97,9 @@ impl VirtualRobot {
             latency_s: self.latency.map(|latency| latency.as_secs_f64()),
             off_centre: left.off_centre,
             unheard,
-            lost: self.lost.clone(),
+            lost: left.lost,
         };
         serde_json::to_string(&remembered).expect("numbers and texts can be written")
-    }
-
-    /// The task as it is when the program dies: what is on its way to the robot was sent.
-    fn task_at_death(&self) -> Option<Task> {
-        let task = self.task.as_ref().filter(|task| task.aim != Aim::Draw)?;
-        let leg = task.leg.map(|leg| if leg.stage == Stage::Queued { Leg { stage: Stage::Sent(self.now), ..leg } } else { leg });
-        Some(Task { leg, ..*task })
     }
 }
 

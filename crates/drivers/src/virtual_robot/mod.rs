@@ -37,11 +37,14 @@ use words::{Command, Heard, Stream};
 /// How long a turn is asked for: it cannot be halted, so it is to be short (safety S5), and less looks wrong on the page.
 const TURN: Duration = Duration::from_millis(400);
 
-/// So long a greeting is waited for when a connection was made.
-const GREETING: Duration = Duration::from_secs(1);
+/// So long a greeting is waited for when a connection was made; an order waits longer than that.
+const GREETING: Duration = Duration::from_secs(2);
 
 /// So often it is looked whether its page is still open, while it stands.
 const LOOK: Duration = Duration::from_secs(1);
+
+/// What is to be done when nobody knows where it stands.
+const PUT_HOME: &str = "open its page anew, so that it stands at its start, and press RESET";
 
 /// What a photo may take: drawing it is some hundredths of a second, on a machine that may have much else to do.
 const DRAWING: Duration = Duration::from_secs(2);
@@ -70,8 +73,8 @@ pub struct VirtualRobot {
     is_greeted: bool,
     /// Until when the greeting is waited for.
     greeting: Option<Duration>,
-    /// When the server greeted last.
-    seen: Duration,
+    /// When it was last looked whether the server greets.
+    looked: Duration,
     /// Whether the server is well and has no page; when it has ended, its page may still be there.
     is_page_closed: bool,
     has_server_ended: bool,
@@ -101,7 +104,7 @@ pub struct VirtualRobot {
     now: Duration,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 struct Task {
     order: OrderId,
     action: Action,
@@ -156,7 +159,7 @@ impl VirtualRobot {
             is_connected: false,
             is_greeted: false,
             greeting: None,
-            seen: Duration::ZERO,
+            looked: Duration::ZERO,
             is_page_closed: false,
             has_server_ended: false,
             is_up: false,
@@ -186,7 +189,7 @@ impl VirtualRobot {
 
     /// A page is open. The server says so to all when anybody connects, so it need not be news.
     fn greeted(&mut self) {
-        (self.greeting, self.seen, self.is_greeted, self.has_server_ended) = (None, self.now, true, false);
+        (self.greeting, self.looked, self.is_greeted, self.has_server_ended) = (None, self.now, true, false);
         if std::mem::take(&mut self.is_page_closed) {
             self.page_opened_anew();
         }
@@ -208,7 +211,7 @@ impl VirtualRobot {
 
     /// A well server that does not greet has no page.
     fn not_greeted(&mut self) {
-        self.greeting = None;
+        (self.greeting, self.looked) = (None, self.now);
         self.is_page_closed = !self.has_server_ended;
         self.go_down("no page of the virtual robot is open: open the address of its server in a browser");
     }
@@ -216,8 +219,8 @@ impl VirtualRobot {
     /// When it is to be looked after although nothing is wanted of it: a page may be closed or opened anew, or another client may have
     /// taken what the server says.
     fn look(&self) -> Option<Duration> {
-        let is_idle = self.is_up && self.task.is_none() && self.greeting.is_none();
-        (self.dialect == Dialect::Semicolons && is_idle).then_some(self.seen + LOOK)
+        let is_idle = self.is_connected && self.task.is_none() && self.greeting.is_none();
+        (self.dialect == Dialect::Semicolons && is_idle).then_some(self.looked + LOOK)
     }
 
     /// The core is told that it cannot be reached, once for each reason.
@@ -269,7 +272,7 @@ impl VirtualRobot {
 
     /// Nobody knows any more where it stands.
     fn lose(&mut self, words: String) {
-        let words = format!("{words}: open its page anew, so that it stands at its start, and press RESET");
+        let words = format!("{words}: {PUT_HOME}");
         self.off_centre = true;
         self.fail(&words);
         self.lost = Some(words);
@@ -355,6 +358,7 @@ impl Driver for VirtualRobot {
         self.now = now.since_start;
         if let Some(leg) = self.leg_mut().filter(|leg| leg.stage == Stage::Queued) {
             leg.stage = Stage::Sent(now.since_start);
+            self.is_changed = true;
         }
     }
 

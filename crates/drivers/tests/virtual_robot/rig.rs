@@ -68,8 +68,8 @@ impl Rig {
 
     /// The program is killed, and another one begins with what was written down.
     pub(crate) fn kill_driver(&mut self) {
-        self.cut();
         self.driver = VirtualRobot::remembering(self.dialect, STEP, &self.memory).expect("what was written can be read");
+        self.cut();
     }
 
     pub(crate) fn now(&self) -> Now {
