@@ -36,6 +36,7 @@ use hallsweep_core::units::Epoch;
 mod coap;
 mod data_folder;
 mod elsewhere;
+mod emulator;
 mod entry;
 mod error;
 mod mqtt;
@@ -44,6 +45,7 @@ mod signals;
 mod threads;
 
 use data_folder::DataFolder;
+pub use emulator::emulate;
 pub use entry::Entry;
 use entry::Opened;
 pub use error::AppError;

@@ -21,6 +21,7 @@ mod link;
 mod map_file;
 mod output_file;
 pub mod pallet;
+pub mod robot_emulator;
 pub mod roomba;
 pub mod serve;
 pub mod token;
@@ -64,6 +65,8 @@ pub enum Task {
     Tree(tree::Trees),
     /// Run the Roomba of the laboratory, as state machine and as behaviour tree, and print what it came to.
     Roomba(roomba::Roomba),
+    /// Play a robot that speaks the line protocol, over TCP or a serial device: the simulated one, until SIGINT or SIGTERM.
+    RobotEmulator(robot_emulator::RobotEmulator),
     /// Find weights for the search by walks through random halls, and write them to a file.
     Tune(tune::Tune),
     /// Print the table of the mission, phase by phase, as markdown.
@@ -237,6 +240,7 @@ mod tests {
             | Task::Hall(_)
             | Task::Healthcheck(_)
             | Task::Journal(_)
+            | Task::RobotEmulator(_)
             | Task::Roomba(_)
             | Task::Token(_)
             | Task::Tree(_)

@@ -4,7 +4,8 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use hallsweep::cli::{
-    Cli, Failure, Task, evaluate, explore, hall, healthcheck, journal, pallet, print_table, roomba, serve, token, tree, tune,
+    Cli, Failure, Task, evaluate, explore, hall, healthcheck, journal, pallet, print_table, robot_emulator, roomba, serve, token,
+    tree, tune,
 };
 
 fn main() -> ExitCode {
@@ -27,6 +28,7 @@ fn run(task: Task) -> Result<(), Failure> {
         Task::Journal(asked) => journal::run(&asked),
         Task::Token(asked) => token::run(&asked),
         Task::Tree(asked) => tree::run(&asked),
+        Task::RobotEmulator(flags) => robot_emulator::run(&flags),
         Task::Roomba(flags) => roomba::run(&flags),
         Task::Evaluate(flags) => evaluate::run(&flags),
         Task::Tune(flags) => tune::run(&flags),

@@ -8,6 +8,7 @@ use crate::access::AccessError;
 use crate::doors::http::TlsError;
 use crate::doors::mqtt;
 use crate::robots::Unusable;
+use crate::robots::emulator::EmulatorError;
 use crate::storage::sqlite::OpenError;
 
 /// Why the program cannot begin, or not go on. `Display` is the line for whoever started it.
@@ -15,6 +16,8 @@ use crate::storage::sqlite::OpenError;
 pub enum AppError {
     #[error(transparent)]
     Unusable(#[from] Unusable),
+    #[error(transparent)]
+    Emulator(#[from] EmulatorError),
     #[error(transparent)]
     Access(#[from] AccessError),
     #[error(transparent)]

@@ -6,6 +6,7 @@ use std::pin::Pin;
 
 use crate::runtime::link::RobotSide;
 
+pub mod emulator;
 mod external;
 mod factory;
 pub mod sim;

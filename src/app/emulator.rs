@@ -1,0 +1,21 @@
+//! Plays a robot on the wire until SIGINT or SIGTERM, without doors and without a store.
+
+use super::{AppError, LEFT_BEHIND, signals, threads};
+use crate::config::Settings;
+use crate::robots::emulator::{self, Emulation};
+use crate::robots::{Unusable, sim};
+
+/// `announce` is told where programs find the robot, with the real port.
+pub fn emulate(settings: &Settings, emulation: Emulation, announce: impl FnOnce(&str)) -> Result<(), AppError> {
+    let hall = sim::hall(settings).map_err(Unusable::from)?;
+    let runtime = threads::ordinary().map_err(AppError::System)?;
+    let played = runtime.block_on(async {
+        let signalled = signals::listen().map_err(AppError::System)?;
+        tokio::select! {
+            _ = signalled => Ok(()),
+            ended = emulator::play(hall, &settings.robot, emulation, announce) => Ok(ended?),
+        }
+    });
+    runtime.shutdown_timeout(LEFT_BEHIND);
+    played
+}

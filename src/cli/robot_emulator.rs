@@ -1,0 +1,182 @@
+//! `hallsweep robot-emulator`: the simulated robot at the other end of a wire, for whoever tries the line protocol or builds a robot.
+//! It is played by `robots::emulator`; here it is asked for.
+
+use std::time::Duration;
+
+use clap::Args;
+
+use super::{Failure, sources};
+use crate::app;
+use crate::config::Flag;
+use crate::robots::emulator::{Emulation, End, Faults, MOST_BYTES, RobotName};
+
+/// The flags of `robot-emulator`. What is not said of the hall and the robot is as in the settings.
+#[derive(Args, Clone, Debug)]
+#[command(
+    after_help = "In another window: hallsweep serve --robot line=ADDRESS:PORT, or line=DEVICE. docs/robot-line-protocol.md has the \
+    protocol."
+)]
+pub struct RobotEmulator {
+    #[command(flatten)]
+    at: At,
+    /// How fast the serial device is, in bits a second.
+    #[arg(long, value_name = "BAUD", default_value = "115200", conflicts_with = "listen", value_parser = baud)]
+    baud: u32,
+    /// What the robot calls itself.
+    #[arg(long, value_name = "NAME", default_value = "emulator", value_parser = robot_name)]
+    name: RobotName,
+    /// The hall: the name of a built-in one, or a file.
+    #[arg(long, value_name = "HALL")]
+    hall: Option<String>,
+    /// How fast the robot lives: 1 = as a person would watch it, "max" = without waiting.
+    #[arg(long, value_name = "FACTOR", allow_hyphen_values = true)]
+    speed: Option<String>,
+    /// Where all chance comes from, that of the wire too.
+    #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
+    seed: Option<String>,
+    /// How the robot learns that a cell is free: bump, sonar.
+    #[arg(long, value_name = "NAME")]
+    sensing: Option<String>,
+    /// Photos are at least so many bytes long.
+    #[arg(long, value_name = "BYTES", default_value = "0", value_parser = photo_bytes)]
+    photo_bytes: usize,
+    /// How likely a byte is lost in a line, or in 16 kB of a photo, from 0 to 1; both ways.
+    #[arg(long, value_name = "RATE", default_value = "0", value_parser = rate, allow_hyphen_values = true)]
+    lose: f64,
+    /// How likely a byte is changed in it, from 0 to 1.
+    #[arg(long, value_name = "RATE", default_value = "0", value_parser = rate, allow_hyphen_values = true)]
+    garble: f64,
+    /// How late everything comes, in milliseconds.
+    #[arg(long, value_name = "MS", default_value = "0", value_parser = delay)]
+    delay: Duration,
+    /// Every connection is cut after so many seconds.
+    #[arg(long, value_name = "SECONDS", value_parser = cut_after)]
+    cut_after: Option<Duration>,
+}
+
+/// Where the robot is.
+#[derive(Args, Clone, Debug)]
+#[group(required = true, multiple = false)]
+struct At {
+    /// Where programs connect to it, over TCP; port 0 takes a free one.
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    listen: Option<String>,
+    /// The serial device at whose other end the program is.
+    #[arg(long, value_name = "DEVICE")]
+    serial: Option<String>,
+}
+
+/// Plays it until SIGINT or SIGTERM.
+pub fn run(flags: &RobotEmulator) -> Result<(), Failure> {
+    let settings = super::settings(&sources(None, flags.settings()))?;
+    app::emulate(&settings, flags.emulation()?, |place| {
+        // Whoever closed standard output does not want to know.
+        let _ = super::print(&format!("The robot {} is at {place}: hallsweep serve --robot line={place}", flags.name));
+    })?;
+    Ok(())
+}
+
+impl RobotEmulator {
+    fn settings(&self) -> Vec<Flag> {
+        let given =
+            [("--hall", &self.hall), ("--speed", &self.speed), ("--seed", &self.seed), ("--sensing", &self.sensing)].into_iter();
+        given.filter_map(|(flag, value)| Some(Flag::given(flag, value.clone()?))).collect()
+    }
+
+    fn emulation(&self) -> Result<Emulation, Failure> {
+        let end = match (&self.at.listen, &self.at.serial) {
+            (Some(listen), None) => End::Port(listen.clone()),
+            (None, Some(device)) => End::Device(device.clone(), self.baud),
+            (Some(_), Some(_)) | (None, None) => {
+                return Err(Failure::Usage("say where the robot is: --listen ADDRESS:PORT or --serial DEVICE".to_owned()));
+            }
+        };
+        let faults = Faults { lose: self.lose, garble: self.garble, delay: self.delay, cut_after: self.cut_after };
+        Ok(Emulation { name: self.name.clone(), end, photo_bytes: self.photo_bytes, faults })
+    }
+}
+
+fn robot_name(text: &str) -> Result<RobotName, String> {
+    let most = RobotName::MOST;
+    RobotName::new(text).ok_or_else(|| format!("write 1 to {most} letters, digits and signs of ASCII without a blank or a star"))
+}
+
+fn baud(text: &str) -> Result<u32, String> {
+    let baud = text.parse().ok().filter(|baud| (300..=4_000_000).contains(baud));
+    baud.ok_or_else(|| "write a whole number from 300 to 4000000, as the robot has it, which is often 115200".to_owned())
+}
+
+fn photo_bytes(text: &str) -> Result<usize, String> {
+    let most = MOST_BYTES as usize;
+    let bytes = text.parse().ok().filter(|bytes| *bytes <= most);
+    bytes.ok_or_else(|| format!("write a whole number from 0 to {most}, the longest photo that is taken"))
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    let rate = text.parse().ok().filter(|rate| (0.0..=1.0).contains(rate));
+    rate.ok_or_else(|| "write a rate from 0 (never) to 1 (always)".to_owned())
+}
+
+fn delay(text: &str) -> Result<Duration, String> {
+    let ms = text.parse().ok().filter(|ms| *ms <= 10_000);
+    ms.map(Duration::from_millis).ok_or_else(|| "write whole milliseconds from 0 to 10000".to_owned())
+}
+
+fn cut_after(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse().ok().filter(|seconds| (0.1..=86_400.0).contains(seconds));
+    seconds.map(Duration::from_secs_f64).ok_or_else(|| "write seconds from 0.1 to 86400".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Debug, Parser)]
+    struct Typed {
+        #[command(flatten)]
+        flags: RobotEmulator,
+    }
+
+    fn typed(flags: &str) -> Result<RobotEmulator, String> {
+        let words = ["robot-emulator"].into_iter().chain(flags.split_whitespace());
+        Typed::try_parse_from(words).map(|typed| typed.flags).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn what_is_typed_is_what_is_played() {
+        let flags = typed(
+            "--serial /dev/ttyUSB0 --baud 9600 --name ada --lose 0.1 --garble 0.2 --delay 30 --cut-after 2 --photo-bytes 9",
+        );
+        let played = flags.and_then(|flags| flags.emulation().map_err(|failure| failure.to_string())).unwrap();
+        assert!(matches!(&played.end, End::Device(device, 9600) if device == "/dev/ttyUSB0"));
+        let expect = Faults { lose: 0.1, garble: 0.2, delay: Duration::from_millis(30), cut_after: Some(Duration::from_secs(2)) };
+        assert_eq!((played.name.to_string().as_str(), played.photo_bytes, played.faults), ("ada", 9, expect));
+    }
+
+    #[test]
+    fn every_flag_of_the_robot_is_a_setting() {
+        let flags = typed("--listen a --hall h --speed 1 --seed 2 --sensing sonar").unwrap().settings();
+        assert_eq!(flags.iter().map(|flag| flag.flag).collect::<Vec<_>>(), ["--hall", "--speed", "--seed", "--sensing"]);
+    }
+
+    #[test]
+    fn what_cannot_be_played_is_refused_in_words() {
+        for (flags, words) in [
+            ("", "--listen <ADDRESS:PORT>|--serial <DEVICE>"),
+            ("--listen a --serial b", "cannot be used with"),
+            ("--listen a --baud 9600", "cannot be used with"),
+            ("--serial a --baud 1", "from 300 to 4000000"),
+            ("--listen a --name two*", "without a blank or a star"),
+            ("--listen a --lose 2", "from 0 (never) to 1 (always)"),
+            ("--listen a --garble -1", "from 0 (never) to 1 (always)"),
+            ("--listen a --delay 1h", "whole milliseconds"),
+            ("--listen a --cut-after 0", "seconds from 0.1"),
+            ("--listen a --photo-bytes 5000000", "from 0 to 4194304"),
+        ] {
+            let said = typed(flags).unwrap_err();
+            assert!(said.contains(words), "{flags}: {said}");
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! Where programs come from: a port, to which each newcomer takes the place of the last, or a serial device, which is opened again
+//! when it was unplugged.
+
+use std::future;
+use std::io;
+use std::time::Duration;
+
+use serial2_tokio::SerialPort;
+use tokio::io::{AsyncRead, AsyncWrite};
+use tokio::net::TcpListener;
+
+use crate::runtime::clock::Clock;
+
+/// After so long a port that cannot accept, and a device that cannot be opened, is tried again.
+const AGAIN: Duration = Duration::from_millis(500);
+
+/// The robot's end of the wire.
+#[derive(Clone, Debug)]
+pub enum End {
+    /// Programs connect here, as `127.0.0.1:8300`; port 0 takes a free one.
+    Port(String),
+    /// They are at the other end of this device, at so many bits a second.
+    Device(String, u32),
+}
+
+/// Why the emulator cannot begin. `Display` is the line for whoever started it.
+#[derive(Debug, thiserror::Error)]
+pub enum EmulatorError {
+    #[error(
+        "cannot listen on {at} for programs: {error}; choose another address of this machine with --listen, as 127.0.0.1:0 for a \
+         free port"
+    )]
+    Listen { at: String, error: io::Error },
+    #[error(
+        "the serial device {device} cannot be opened at {baud} baud: {error}; look whether it is plugged in and yours to open, and \
+         name it with --serial, as /dev/ttyUSB0"
+    )]
+    Device { device: String, baud: u32, error: io::Error },
+    #[error("the simulated robot ended by a mistake of its own: start it again and look at the log above")]
+    SimulationEnded,
+}
+
+/// Bytes, both ways.
+pub(super) type Stream = Box<dyn Bytes>;
+
+pub(super) trait Bytes: AsyncRead + AsyncWrite + Send + Unpin {}
+
+impl<S: AsyncRead + AsyncWrite + Send + Unpin> Bytes for S {}
+
+pub(super) enum Wire {
+    Port(TcpListener, Duration),
+    Device { device: String, baud: u32, opened: Option<Stream>, again_at: Duration },
+}
+
+impl Wire {
+    /// The end, and how a program is told to reach it.
+    pub(super) async fn open(end: End) -> Result<(Wire, String), EmulatorError> {
+        match end {
+            End::Port(at) => {
+                let unusable = |error| EmulatorError::Listen { at: at.clone(), error };
+                let listener = TcpListener::bind(&at).await.map_err(unusable)?;
+                let place = listener.local_addr().map_err(unusable)?.to_string();
+                Ok((Wire::Port(listener, Duration::ZERO), place))
+            }
+            End::Device(device, baud) => {
+                let opened = SerialPort::open(&device, baud);
+                let unusable = |error| EmulatorError::Device { device: device.clone(), baud, error };
+                let opened: Option<Stream> = Some(Box::new(opened.map_err(unusable)?));
+                let place = device.clone();
+                Ok((Wire::Device { device, baud, opened, again_at: Duration::ZERO }, place))
+            }
+        }
+    }
+
+    /// The next program. At a device there is another only when the last is gone.
+    pub(super) async fn next(&mut self, clock: &Clock, is_connected: bool) -> Stream {
+        loop {
+            match self {
+                Wire::Port(listener, again_at) => {
+                    clock.reach(Some(*again_at)).await;
+                    match listener.accept().await {
+                        Ok((stream, _)) => {
+                            // A robot whose answers come late is only slower.
+                            let _ = stream.set_nodelay(true);
+                            return Box::new(stream);
+                        }
+                        Err(_) => *again_at = clock.since_start() + AGAIN,
+                    }
+                }
+                Wire::Device { .. } if is_connected => return future::pending().await,
+                Wire::Device { device, baud, opened, again_at } => {
+                    if let Some(stream) = opened.take() {
+                        return stream;
+                    }
+                    clock.reach(Some(*again_at)).await;
+                    match SerialPort::open(&*device, *baud) {
+                        Ok(stream) => return Box::new(stream),
+                        Err(_) => *again_at = clock.since_start() + AGAIN,
+                    }
+                }
+            }
+        }
+    }
+
+    /// The connection has ended; a device is given a moment.
+    pub(super) fn close(&mut self, clock: &Clock) {
+        if let Wire::Device { again_at, .. } = self {
+            *again_at = clock.since_start() + AGAIN;
+        }
+    }
+}
