@@ -6,7 +6,7 @@ use super::legs::LATENCY;
 use super::memory::Unheard;
 use super::reckoning::{DRIFT, Drift};
 use super::{Aim, Leg, Stage, Then, VirtualRobot, Way, obstacle};
-use hallsweep_core::event::RobotEvent;
+use hallsweep_core::event::{RobotEvent, Whereabouts};
 use hallsweep_core::units::{Heading, Pose};
 
 /// What stops it so near to the centre of a cell does not stand in that cell.
@@ -70,11 +70,11 @@ impl VirtualRobot {
             Aim::Step(to) if self.latency.is_none() && !driven.is_zero() => self.retreat(driven, Then::Met(to)),
             Aim::Step(to) if !is_known && self.has_drifted_into(to, towards) => self.complete(to),
             Aim::Step(to) => self.met(to, towards),
-            Aim::Touch(to) => {
-                self.aim(Aim::Return(to));
+            Aim::Touch { .. } => {
+                self.aim(Aim::Return);
                 self.go_back();
             }
-            Aim::Turn(_) | Aim::Back | Aim::Return(_) | Aim::Retreat(_) | Aim::Gauge | Aim::Gauged => {
+            Aim::Turn(_) | Aim::Back | Aim::Return | Aim::Retreat(_) | Aim::Gauge | Aim::Gauged => {
                 self.hindered(name.as_deref());
             }
             // They end above, or nothing moves.
@@ -170,12 +170,26 @@ impl VirtualRobot {
                 }
                 true
             }
-            Err(Drift(cells)) => {
+            Err(Drift { is_harmless: true, .. }) if self.reckoning.has_stood_in(self.reckoning.cell()) => {
+                self.stand_elsewhere();
+                false
+            }
+            Err(Drift { cells, .. }) => {
                 let what = name.unwrap_or("something");
                 self.lose(format!("it met {what} {:.1} cells from where that stands, so it has drifted", cells.abs()));
                 false
             }
         }
+    }
+
+    /// It has drifted far, and all the way through cells where it had stood before: no map is wrong by that, and now it is known where it
+    /// is.
+    fn stand_elsewhere(&mut self) {
+        let pose = Pose { cell: self.reckoning.cell(), ..self.reckoning.pose() };
+        self.reckoning.complete(pose);
+        self.off_centre = true;
+        self.events.push_back(RobotEvent::Stands(Whereabouts { pose, off_centre: true }));
+        self.answer(|order| RobotEvent::Halted(order, true));
     }
 
     /// A step was not complete, or ends where it is: something was met while it felt.

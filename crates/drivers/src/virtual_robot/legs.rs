@@ -5,7 +5,6 @@ use std::time::Duration;
 
 use super::contacts::LATE_WORD;
 use super::memory::Unheard;
-use super::reckoning::DRIFT;
 use super::{Aim, Command, Dialect, GREETING, Leg, PUT_HOME, Stage, VirtualRobot, Way};
 use crate::Output;
 use hallsweep_core::event::RobotEvent;
@@ -35,11 +34,8 @@ const AGAIN: Duration = Duration::from_millis(100);
 /// A move that is not acknowledged so long after its end was never made.
 const UNACKNOWLEDGED: Duration = Duration::from_millis(1500);
 
-/// A link that is lost so soon after a move was sent may have been lost before the robot heard of it.
-const BEGUN: Duration = Duration::from_millis(30);
-
-/// Having driven so many cells since it last met anything on an axis, it touches what it can.
-const FAR: f64 = 4.0;
+/// A link that is lost so soon after a move was sent may have been lost before the robot heard of it, and where the server is slow, later.
+const BEGUN: Duration = Duration::from_millis(10);
 
 impl VirtualRobot {
     pub(super) fn margin(&self) -> Duration {
@@ -136,14 +132,14 @@ impl VirtualRobot {
         match aim {
             Aim::Step(to) => {
                 self.stepped = Some(self.now);
-                self.arrive(to);
+                self.complete(to);
             }
             Aim::Turn(to) => self.complete(to),
             Aim::Feel => {
                 self.felt(FEELS);
                 self.go_back();
             }
-            Aim::Back | Aim::Return(_) | Aim::Gauged => self.go_back(),
+            Aim::Back | Aim::Return | Aim::Gauged => self.go_back(),
             Aim::Gauge => {
                 self.off_centre = true;
                 self.gauged += leg.lasts();
@@ -152,19 +148,9 @@ impl VirtualRobot {
             Aim::Retreat(then) => self.measure(then),
             // What it met from here before it does not meet again: it stands elsewhere, or that was not met here.
             Aim::Measure(_) => self.lose(LATE_WORD.to_owned()),
-            Aim::Touch(_) => self.lose("what stood ahead of it is not met any more, so it has drifted".to_owned()),
+            Aim::Touch { is_certain, further } => self.not_touched(is_certain, further),
             Aim::Draw => {}
         }
-    }
-
-    /// A step is complete. Where it faces something that it has met from there before, and has driven far since it met anything, it goes
-    /// and touches that, so that the reckoning is set right.
-    fn arrive(&mut self, to: Pose) {
-        self.reckoning.complete(to);
-        let way = self.reckoning.contact_ahead().filter(|_| !self.off_centre && self.latency.is_some());
-        let Some(way) = way.filter(|_| self.reckoning.driven(to.heading) >= FAR) else { return self.complete(to) };
-        self.aim(Aim::Touch(to));
-        self.drive(to.heading, way + DRIFT, false);
     }
 
     pub(super) fn complete(&mut self, pose: Pose) {
@@ -191,7 +177,7 @@ impl VirtualRobot {
         if ahead.abs() <= CENTRED {
             return self.came_back();
         }
-        if !matches!(self.task.as_ref().map(|task| task.aim), Some(Aim::Return(_) | Aim::Gauged)) {
+        if !matches!(self.task.as_ref().map(|task| task.aim), Some(Aim::Return | Aim::Gauged)) {
             self.aim(Aim::Back);
         }
         let cells = ahead.abs().min(LONGEST);
@@ -200,10 +186,7 @@ impl VirtualRobot {
 
     pub(super) fn came_back(&mut self) {
         match self.task.as_ref().map(|task| task.aim) {
-            Some(Aim::Return(to)) => {
-                self.off_centre = false;
-                return self.complete(to);
-            }
+            Some(Aim::Return) => return self.came_back_touched(),
             Some(Aim::Gauged) => return self.came_back_gauged(),
             _ => {}
         }
@@ -273,7 +256,7 @@ impl VirtualRobot {
     /// It was going forward against something that stands there, and has met it by itself.
     fn left_against_something(&mut self) {
         let heading = self.reckoning.pose().heading;
-        if let Some(way) = self.reckoning.contact_ahead() {
+        if let Some((way, _)) = self.reckoning.contact_ahead() {
             self.reckoning.advance(heading, way);
         }
         self.off_centre = true;
@@ -285,7 +268,8 @@ impl VirtualRobot {
         let Some(task) = self.task.take() else { return };
         self.is_changed = true;
         let Some(leg) = task.leg.filter(Leg::is_sent) else { return };
-        if matches!(leg.stage, Stage::Sent(sent) if self.now.saturating_sub(sent) < BEGUN) {
+        let may_be_unheard = BEGUN + self.greeted_after * 3;
+        if matches!(leg.stage, Stage::Sent(sent) if self.now.saturating_sub(sent) < may_be_unheard) {
             return self.left_in_doubt();
         }
         match (leg.way, task.aim) {
@@ -304,11 +288,11 @@ impl VirtualRobot {
             }
             (
                 Way::Straight { towards, cells, .. },
-                Aim::Turn(_) | Aim::Back | Aim::Return(_) | Aim::Retreat(_) | Aim::Gauge | Aim::Gauged | Aim::Draw,
+                Aim::Turn(_) | Aim::Back | Aim::Return | Aim::Retreat(_) | Aim::Gauge | Aim::Gauged | Aim::Draw,
             ) => {
                 self.reckoning.advance(towards, cells);
             }
-            (Way::Straight { .. }, Aim::Measure(_) | Aim::Touch(_)) => self.left_against_something(),
+            (Way::Straight { .. }, Aim::Measure(_) | Aim::Touch { .. }) => self.left_against_something(),
             (Way::Turn { .. }, _) => {}
         }
     }

@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::leg::{Leg, Stage};
+use super::leg::Stage;
 use super::reckoning::Reckoning;
-use super::{Aim, Dialect, Task, VirtualRobot};
+use super::{Aim, Dialect, VirtualRobot};
 use hallsweep_core::units::Heading;
 
 /// The version of what is written.

@@ -16,19 +16,22 @@ use std::time::Duration;
 use crate::{Driver, Output, Subject};
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order};
-use hallsweep_core::event::{Capabilities, Obstacle, OffCentre, Parts, Photo, Piece, RobotEvent, Whereabouts};
+use hallsweep_core::event::{Capabilities, Obstacle, OffCentre, Parts, Photo, Piece, RobotEvent};
 use hallsweep_core::robots::Part;
 use hallsweep_core::units::{Heading, Now, OrderId, Pose};
 
 mod contacts;
 mod gauge;
+mod greeting;
 mod leg;
 mod legs;
 mod memory;
 mod reckoning;
+mod touch;
 mod words;
 
 pub use gauge::{Face, Room};
+use greeting::GREETING;
 use leg::{Leg, Stage, Way};
 use memory::Unheard;
 use reckoning::Reckoning;
@@ -36,12 +39,6 @@ use words::{Command, Heard, Stream};
 
 /// How long a turn is asked for: it cannot be halted, so it is to be short (safety S5), and less looks wrong on the page.
 const TURN: Duration = Duration::from_millis(400);
-
-/// So long a greeting is waited for when a connection was made; an order waits longer than that.
-const GREETING: Duration = Duration::from_secs(2);
-
-/// So often it is looked whether its page is still open, while it stands.
-const LOOK: Duration = Duration::from_secs(1);
 
 /// What is to be done when nobody knows where it stands.
 const PUT_HOME: &str = "open its page anew, so that it stands at its start, and press RESET";
@@ -75,6 +72,9 @@ pub struct VirtualRobot {
     greeting: Option<Duration>,
     /// When it was last looked whether the server greets.
     looked: Duration,
+    /// How long the server took to greet, at the last connection.
+    greeted_after: Duration,
+    connected: Duration,
     /// Whether the server is well and has no page; when it has ended, its page may still be there.
     is_page_closed: bool,
     has_server_ended: bool,
@@ -122,9 +122,12 @@ enum Aim {
     Turn(Pose),
     /// Back to the centre of its cell.
     Back,
-    /// Forward against what it has met from there before, so that it knows where it is; then back to the centre.
-    Touch(Pose),
-    Return(Pose),
+    /// Forward against what stands there, certainly or maybe, so that it knows where it is; then back to the centre.
+    Touch {
+        is_certain: bool,
+        further: u8,
+    },
+    Return,
     /// Back from what a step has met first, as long as it drove; and against it once more: how much longer that seems to take than it
     /// must is the latency.
     Retreat(Then),
@@ -160,6 +163,8 @@ impl VirtualRobot {
             is_greeted: false,
             greeting: None,
             looked: Duration::ZERO,
+            greeted_after: Duration::ZERO,
+            connected: Duration::ZERO,
             is_page_closed: false,
             has_server_ended: false,
             is_up: false,
@@ -185,52 +190,6 @@ impl VirtualRobot {
         let parts = Parts::of(&[Part::Base, Part::Bump]);
         let step = self.longest_step();
         Capabilities { step, turn: TURN + self.margin(), photo: DRAWING, arm: Duration::ZERO, nudges: false, parts }
-    }
-
-    /// A page is open. The server says so to all when anybody connects, so it need not be news.
-    fn greeted(&mut self) {
-        (self.greeting, self.looked, self.is_greeted, self.has_server_ended) = (None, self.now, true, false);
-        if std::mem::take(&mut self.is_page_closed) {
-            self.page_opened_anew();
-        }
-        if matches!(self.leg(), Some(Leg { stage: Stage::Fresh(_), .. })) {
-            self.queue();
-        } else if !self.is_up {
-            (self.is_up, self.said) = (true, None);
-            let whereabouts = Whereabouts { pose: self.reckoning.pose(), off_centre: self.off_centre };
-            self.events.extend([RobotEvent::Stands(whereabouts), RobotEvent::LinkUp(self.can())]);
-        }
-    }
-
-    /// Whoever opens its page anew puts it back to where it starts.
-    fn page_opened_anew(&mut self) {
-        self.reckoning.put_home();
-        (self.off_centre, self.unheard, self.lost, self.touches) = (false, None, None, None);
-        self.is_changed = true;
-    }
-
-    /// A well server that does not greet has no page.
-    fn not_greeted(&mut self) {
-        (self.greeting, self.looked) = (None, self.now);
-        self.is_page_closed = !self.has_server_ended;
-        self.go_down("no page of the virtual robot is open: open the address of its server in a browser");
-    }
-
-    /// When it is to be looked after although nothing is wanted of it: a page may be closed or opened anew, or another client may have
-    /// taken what the server says.
-    fn look(&self) -> Option<Duration> {
-        let is_idle = self.is_connected && self.task.is_none() && self.greeting.is_none();
-        (self.dialect == Dialect::Semicolons && is_idle).then_some(self.looked + LOOK)
-    }
-
-    /// The core is told that it cannot be reached, once for each reason.
-    fn go_down(&mut self, words: &str) {
-        self.leave_unheard();
-        let is_new = self.said.as_deref() != Some(words);
-        if std::mem::take(&mut self.is_up) || is_new {
-            self.events.push_back(RobotEvent::LinkLost(words.to_owned()));
-        }
-        self.said = Some(words.to_owned());
     }
 
     fn hear(&mut self, heard: Heard) {
@@ -324,7 +283,7 @@ impl Driver for VirtualRobot {
     fn handle_connected(&mut self, now: Now) {
         self.now = now.since_start;
         self.stream.begin();
-        (self.is_connected, self.is_greeted) = (true, false);
+        (self.is_connected, self.is_greeted, self.connected) = (true, false, self.now);
         match self.dialect {
             Dialect::Semicolons => self.greeting = Some(self.now + GREETING),
             // Its server does not greet; whether a page is open shows when a move ends.
@@ -373,8 +332,12 @@ impl Driver for VirtualRobot {
         self.task = Some(Task { order: id, action, deadline, aim: Aim::Back, leg: None, hindered: 0 });
         match self.lost.clone().filter(|_| action.is_motion()) {
             Some(lost) => self.fail(&lost),
-            None if action.is_motion() && self.is_to_be_gauged() => self.begin_gauging(),
-            None => self.begin(action),
+            None if !action.is_motion() => self.begin(action),
+            None if self.is_to_be_gauged() => self.begin_gauging(),
+            None => match self.is_to_touch(order.deadline) {
+                Some((way, is_certain)) => self.begin_touching(way, is_certain),
+                None => self.begin(action),
+            },
         }
     }
 
@@ -383,7 +346,12 @@ impl Driver for VirtualRobot {
         self.halt();
     }
 
-    fn handle_led(&mut self, _: bool, _: Now) {}
+    /// It has none; but where one begins to blink a search begins, whose map is empty.
+    fn handle_led(&mut self, blinks: bool, _: Now) {
+        if blinks {
+            self.reckoning.begin_search();
+        }
+    }
 
     fn handle_drawing(&mut self, order: OrderId, drawing: Photo, _: Now) {
         if self.task.as_ref().is_some_and(|task| task.order == order && task.aim == Aim::Draw) {
@@ -393,13 +361,7 @@ impl Driver for VirtualRobot {
 
     fn handle_timeout(&mut self, now: Now) {
         self.now = now.since_start;
-        if self.greeting.is_some_and(|at| at <= self.now) {
-            self.not_greeted();
-        }
-        if self.look().is_some_and(|at| at <= self.now) {
-            self.greeting = Some(self.now + GREETING);
-            self.outputs.push_back(Output::Reconnect);
-        }
+        self.look_after_page();
         self.pass();
     }
 

@@ -41,6 +41,8 @@ pub(super) struct Reckoning {
     contacts: BTreeMap<String, String>,
     /// The cells in which it has stood.
     stood: BTreeSet<(i32, i32)>,
+    /// On each axis, whether anything was told of since that a wrong reckoning would have put in the wrong place.
+    has_news: [bool; 2],
     /// On each axis, since it last met something whose place is known.
     since: [Option<Since>; 2],
 }
@@ -55,7 +57,12 @@ struct Since {
 
 /// The reckoning was wrong by more than it may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Drift(pub(super) f64);
+pub(super) struct Drift {
+    /// By how many cells.
+    pub(super) cells: f64,
+    /// Nothing was told of in the meantime that would be wrong.
+    pub(super) is_harmless: bool,
+}
 
 impl Reckoning {
     /// Newly put down at home.
@@ -67,6 +74,7 @@ impl Reckoning {
             faces: BTreeMap::new(),
             contacts: BTreeMap::new(),
             stood: BTreeSet::from([(0, 0)]),
+            has_news: [false; 2],
             since: [None; 2],
         }
     }
@@ -95,8 +103,9 @@ impl Reckoning {
     /// An order is complete, and this is where it ends.
     pub(super) fn complete(&mut self, pose: Pose) {
         self.cell = (pose.cell.x, pose.cell.y);
-        if self.stood.len() < CELLS {
+        if !self.stood.contains(&self.cell) && self.stood.len() < CELLS {
             self.stood.insert(self.cell);
+            self.has_news = [true; 2];
         }
         self.heading = pose.heading.name().to_owned();
     }
@@ -127,12 +136,25 @@ impl Reckoning {
             if self.faces.len() < FACES {
                 self.faces.insert(key, here);
             }
+            self.has_news = [true; 2];
             return Ok(None);
         };
         let drift = here - face;
         let ratio = self.since[axis(towards)].and_then(|since| since.ratio(face * sign(towards)));
+        let is_harmless = !self.has_news[axis(towards)];
         self.stand_at(face, towards);
-        if drift.abs() > DRIFT { Err(Drift(drift)) } else { Ok(ratio) }
+        if drift.abs() > DRIFT { Err(Drift { cells: drift, is_harmless }) } else { Ok(ratio) }
+    }
+
+    /// From here on every cell is news again.
+    pub(super) fn begin_search(&mut self) {
+        self.stood = BTreeSet::from([self.cell]);
+    }
+
+    /// The cell in which its centre is.
+    #[expect(clippy::cast_possible_truncation, reason = "it is bounded, and a room has some hundred cells a side")]
+    pub(super) fn cell(&self) -> Cell {
+        Cell::new(self.at[0].round() as i32, self.at[1].round() as i32)
     }
 
     /// Whether it has been in the centre of this cell before.
@@ -140,12 +162,25 @@ impl Reckoning {
         self.stood.contains(&(cell.x, cell.y))
     }
 
-    /// How far it drives forward until it touches what it has met from this cell and in this heading before, if it has.
-    pub(super) fn contact_ahead(&self) -> Option<f64> {
+    /// How far it drives forward until it touches what it has met from this cell and in this heading before, or, if there is no such
+    /// thing, a wall that is known from elsewhere and may be as long; and whether that is certain.
+    pub(super) fn contact_ahead(&self) -> Option<(f64, bool)> {
         let heading = self.pose().heading;
-        let face = self.contacts.get(&self.contact_key()).and_then(|key| self.faces.get(key))?;
-        let way = face - along(self.at, heading);
-        (0.0..1.5).contains(&way).then_some(way)
+        let way = |face: &f64| face - along(self.at, heading);
+        if let Some(key) = self.contacts.get(&self.contact_key()) {
+            // Where nothing was met although it might have been, nothing is met again.
+            return self.faces.get(key).map(|face| (way(face), true)).filter(|(way, _)| (0.0..1.5).contains(way));
+        }
+        let begins = format!("{} wall", heading.name());
+        let walls = self.faces.range(begins.clone()..).take_while(|(key, _)| key.starts_with(&begins));
+        walls.map(|(_, face)| (way(face), false)).find(|(way, _)| (0.0..1.0).contains(way))
+    }
+
+    /// In this cell and heading nothing is met where a wall might have been.
+    pub(super) fn nothing_ahead(&mut self) {
+        if self.contacts.len() < FACES {
+            self.contacts.insert(self.contact_key(), String::new());
+        }
     }
 
     /// How far it has driven to and fro along this heading since it last met something whose place is known.
@@ -187,6 +222,7 @@ impl Reckoning {
         let axis = axis(towards);
         self.at[axis] = along * sign(towards);
         self.since[axis] = Some(Since { at: self.at[axis], ahead: 0.0, driven: 0.0 });
+        self.has_news[axis] = false;
     }
 }
 
@@ -245,7 +281,7 @@ mod tests {
         reckoning.advance(Heading::South, 2.0);
         assert_eq!(reckoning.meet(WALL, Heading::North), Ok(None), "that is its other side");
         reckoning.advance(Heading::North, 1.0);
-        assert!(matches!(reckoning.meet(WALL, Heading::South), Err(Drift(drift)) if (drift - 1.0).abs() < 1e-9));
+        assert!(matches!(reckoning.meet(WALL, Heading::South), Err(Drift { cells, .. }) if (cells - 1.0).abs() < 1e-9));
         assert!(reckoning.meet(WALL, Heading::South).is_ok(), "and then it is right");
     }
 

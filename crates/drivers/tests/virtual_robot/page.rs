@@ -197,6 +197,11 @@ impl Page {
         }
     }
 
+    /// From here on the frames come like this.
+    pub(crate) fn draw(&mut self, frames: Frames) {
+        self.frames = frames;
+    }
+
     /// The cell of the robot's own count in which its centre is, and how far from that cell's centre at most, in cells.
     pub(crate) fn cell(&self) -> ((i32, i32), f64) {
         let along = |at: f64, from: f64| (at - from) / 4.0;

@@ -268,7 +268,7 @@ impl Rig {
         match effect {
             Effect::Order(_, order) => self.driver.handle_order(order, self.now()),
             Effect::Halt(_) => self.driver.handle_halt(self.now()),
-            Effect::Led(..) => {}
+            Effect::Led(_, blinks) => self.driver.handle_led(blinks, self.now()),
             Effect::Record(page) => self.engine.handle_event(Event::Recorded(page.last()), self.now()),
             Effect::Answer(ticket, answer) => {
                 self.answers.insert(ticket, answer);

@@ -1,0 +1,75 @@
+//! Whether a page is open in which the virtual robot stands: the server of the first version greets whoever connects, when there is one.
+//! A page that is closed and opened again has the robot at its start.
+
+use std::time::Duration;
+
+use super::{Dialect, Leg, Stage, VirtualRobot};
+use crate::Output;
+use hallsweep_core::event::{RobotEvent, Whereabouts};
+
+/// So long a greeting is waited for when a connection was made; an order waits longer than that.
+pub(super) const GREETING: Duration = Duration::from_secs(2);
+
+/// So often it is looked whether its page is still open, while it stands.
+const LOOK: Duration = Duration::from_secs(1);
+
+impl VirtualRobot {
+    /// A page is open. The server says so to all when anybody connects, so it need not be news.
+    pub(super) fn greeted(&mut self) {
+        if !self.is_greeted {
+            self.greeted_after = self.now.saturating_sub(self.connected);
+        }
+        (self.greeting, self.looked, self.is_greeted, self.has_server_ended) = (None, self.now, true, false);
+        if std::mem::take(&mut self.is_page_closed) {
+            self.page_opened_anew();
+        }
+        if matches!(self.leg(), Some(Leg { stage: Stage::Fresh(_), .. })) {
+            self.queue();
+        } else if !self.is_up {
+            (self.is_up, self.said) = (true, None);
+            let whereabouts = Whereabouts { pose: self.reckoning.pose(), off_centre: self.off_centre };
+            self.events.extend([RobotEvent::Stands(whereabouts), RobotEvent::LinkUp(self.can())]);
+        }
+    }
+
+    /// Whoever opens its page anew puts it back to where it starts.
+    fn page_opened_anew(&mut self) {
+        self.reckoning.put_home();
+        (self.off_centre, self.unheard, self.lost, self.touches) = (false, None, None, None);
+        self.is_changed = true;
+    }
+
+    /// A well server that does not greet has no page.
+    pub(super) fn not_greeted(&mut self) {
+        (self.greeting, self.looked) = (None, self.now);
+        self.is_page_closed = !self.has_server_ended;
+        self.go_down("no page of the virtual robot is open: open the address of its server in a browser");
+    }
+
+    /// When it is to be looked after although nothing is wanted of it: a page may be closed or opened anew, or another client may have
+    /// taken what the server says.
+    pub(super) fn look(&self) -> Option<Duration> {
+        let is_idle = self.is_connected && self.task.is_none() && self.greeting.is_none();
+        (self.dialect == Dialect::Semicolons && is_idle).then_some(self.looked + LOOK)
+    }
+
+    /// The core is told that it cannot be reached, once for each reason.
+    pub(super) fn go_down(&mut self, words: &str) {
+        self.leave_unheard();
+        let is_new = self.said.as_deref() != Some(words);
+        if std::mem::take(&mut self.is_up) || is_new {
+            self.events.push_back(RobotEvent::LinkLost(words.to_owned()));
+        }
+        self.said = Some(words.to_owned());
+    }
+
+    pub(super) fn look_after_page(&mut self) {
+        if self.greeting.is_some_and(|at| at <= self.now) {
+            self.not_greeted();
+        }
+        if self.look().is_some_and(|at| at <= self.now) {
+            self.greeting = Some(self.now + GREETING);
+            self.outputs.push_back(Output::Reconnect);
+        }
+    }
+}

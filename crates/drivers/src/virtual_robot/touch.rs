@@ -1,0 +1,55 @@
+//! Where the virtual robot has driven far and faces something whose place it knows, it touches that before it does what is ordered: so
+//! it knows again where it is.
+
+use std::time::Duration;
+
+use super::reckoning::DRIFT;
+use super::{Aim, VirtualRobot};
+
+/// Having driven so many cells on an axis since it last met anything there, it touches what it can.
+const FAR: f64 = 3.0;
+
+/// So many cells it goes on, one after the other, when what stands there certainly is not met.
+const FURTHER: u8 = 2;
+
+/// Of the time that an order has, so much may go by with touching, there and back.
+const SHARE: f64 = 0.5;
+
+impl VirtualRobot {
+    /// How far it is to what it is to touch now, if it is, and whether that stands there certainly.
+    pub(super) fn is_to_touch(&self, has: Duration) -> Option<(f64, bool)> {
+        let heading = self.reckoning.pose().heading;
+        let is_due = !self.off_centre && self.latency.is_some() && self.reckoning.driven(heading) >= FAR;
+        let (way, is_certain) = self.reckoning.contact_ahead().filter(|_| is_due)?;
+        let lasts = (self.step.mul_f64(way + DRIFT) + self.margin()) * 2;
+        (lasts < has.mul_f64(SHARE)).then_some((way, is_certain))
+    }
+
+    pub(super) fn begin_touching(&mut self, way: f64, is_certain: bool) {
+        self.aim(Aim::Touch { is_certain, further: 0 });
+        self.drive(self.reckoning.pose().heading, way + DRIFT, false);
+    }
+
+    /// It came to the end of its way and has touched nothing.
+    pub(super) fn not_touched(&mut self, is_certain: bool, further: u8) {
+        self.off_centre = true;
+        if !is_certain {
+            self.reckoning.nothing_ahead();
+            self.aim(Aim::Return);
+            return self.go_back();
+        }
+        if further == FURTHER {
+            return self.lose("what stood ahead of it is not met any more, so it has drifted".to_owned());
+        }
+        self.aim(Aim::Touch { is_certain, further: further + 1 });
+        self.drive(self.reckoning.pose().heading, 1.0, false);
+    }
+
+    /// Back in the centre of its cell: now for what was ordered.
+    pub(super) fn came_back_touched(&mut self) {
+        self.off_centre = false;
+        if let Some(action) = self.task.as_ref().map(|task| task.action) {
+            self.begin(action);
+        }
+    }
+}
