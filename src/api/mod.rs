@@ -36,6 +36,7 @@ pub mod result;
 pub mod retrieval;
 pub mod retrieval_record;
 pub mod robot;
+pub mod robot_parts;
 pub mod senml;
 pub mod state;
 pub mod temperature;

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::retrieval::ArmJson;
+use super::robot_parts::{ReplacedJson, RobotKinds, replaced};
 use hallsweep_core::robots::Part;
 use hallsweep_core::units::{Cell, Revision};
 use hallsweep_core::world::robot::{RobotShown, RobotView};
@@ -71,8 +72,11 @@ pub struct NamedRobotJson {
     /// Its name in the settings.
     pub name: String,
     pub searches: bool,
-    /// What it has: `base`, `camera`, `sonar`, `led`, `thermometer`, `bump`, `arm`, `gripper`; null before its link is up.
+    /// What it has: `base`, `camera`, `sonar`, `led`, `thermometer`, `bump`, `arm`, `gripper`, `acknowledgedMoves`; null before its link is
+    /// up.
     pub parts: Option<Vec<&'static str>>,
+    /// What the robot that searches has not, and what is done instead; nothing of the others, and null before its link is up.
+    pub replaced: Option<Vec<ReplacedJson>>,
     /// What holds it: what holds all, and what holds it alone.
     pub holds: Vec<&'static str>,
     /// When any robot last changed.
@@ -106,6 +110,7 @@ impl NamedRobotJson {
             name: shown.id.name().to_owned(),
             searches,
             parts: shown.parts.map(|parts| parts.iter().map(Part::name).collect()),
+            replaced: shown.parts.map(|parts| if searches { replaced(parts) } else { Vec::new() }),
             holds: shown.holds.iter().map(|hold| hold.name()).collect(),
             revision,
             state,
@@ -118,5 +123,20 @@ impl NamedRobotJson {
             led,
             arm: shown.arm.map(ArmJson::from),
         }
+    }
+}
+
+/// One of all robots, with what the settings say of it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RobotOfKindJson {
+    /// `sim`, `virtual-tcp`, `virtual-ws` or `line`; null where it is not known.
+    pub kind: Option<&'static str>,
+    #[serde(flatten)]
+    pub robot: NamedRobotJson,
+}
+
+impl RobotOfKindJson {
+    pub fn new(robot: NamedRobotJson, kinds: &RobotKinds) -> RobotOfKindJson {
+        RobotOfKindJson { kind: kinds.of(&robot.name), robot }
     }
 }

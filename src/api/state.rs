@@ -151,10 +151,14 @@ mod tests {
         let json = serde_json::to_value(StateJson::from(&snapshot)).unwrap();
         let (discovery, porter) = (&json["robots"][0], &json["robots"][1]);
         assert_eq!((&discovery["name"], &discovery["searches"]), (&"discovery".into(), &true.into()));
-        assert_eq!(discovery["parts"], serde_json::json!(["base", "camera", "sonar", "led", "thermometer", "bump"]));
+        assert_eq!(
+            discovery["parts"],
+            serde_json::json!(["base", "camera", "sonar", "led", "thermometer", "bump", "acknowledgedMoves"])
+        );
+        assert_eq!(discovery["replaced"], serde_json::json!([]));
         assert_eq!(
             *porter,
-            serde_json::json!({"name": "porter", "searches": false, "parts": null, "holds": [], "revision": 1, "state": "stopped",
+            serde_json::json!({"name": "porter", "searches": false, "parts": null, "replaced": null, "holds": [], "revision": 1, "state": "stopped",
                 "halting": false, "heading": "south", "position": {"x": 0, "y": 0}, "offCentre": false, "outside": false, "sonar": null, "led": "off",
                 "arm": null})
         );

@@ -50,6 +50,7 @@ impl Http {
     pub(crate) fn new(app: &TestApp, access: Access) -> Http {
         let archive = Reader::new(app.memory.archive());
         let door = HttpDoor::new(app.handle.clone(), archive, "airport", access).with_cells_of(0.5);
+        let door = door.with_kinds(vec![("discovery".to_owned(), "sim")]);
         Http { router: router(&door, Hosts::new(false, &[])) }
     }
 
@@ -87,7 +88,7 @@ impl Http {
 
     /// Looks at everything that shows a state; at what is slow only when it is `worth` it.
     pub(crate) async fn look(&self, book: &mut Book, state: &Snapshot, is_worth: bool) {
-        for path in ["/healthz", "/api/v1/state", "/api/v1/map", "/api/v1/luggage"] {
+        for path in ["/healthz", "/api/v1/state", "/api/v1/robots", "/api/v1/map", "/api/v1/luggage"] {
             self.show(book, "http", path, &[]).await;
         }
         self.show(book, "http", "/api/v1/map", &[("accept", "text/plain")]).await;

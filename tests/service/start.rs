@@ -2,6 +2,8 @@
 
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, TcpListener, TcpStream, UdpSocket};
 
+use serde_json::Value;
+
 use crate::program::{PATIENCE, Program, hallsweep, run};
 
 fn refused(arguments: &[&str], code: i32) -> String {
@@ -41,6 +43,26 @@ fn a_hall_that_is_not_there_is_refused_with_those_that_are() {
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{said}");
     assert!(said.contains("(from environment variable HALLSWEEP__HALL__FILE)"), "{said}");
+}
+
+#[test]
+fn with_a_robot_that_does_not_answer_it_starts_and_says_what_does_nothing() {
+    let arguments = ["serve", "--robot", "virtual-tcp=127.0.0.1:1", "--speed", "2", "--http", "127.0.0.1:0"];
+    let program = Program::with(&arguments);
+    let idle = std::iter::repeat_with(|| program.says()).take(3).last();
+    assert_eq!(idle.as_deref(), Some("These do nothing with the robots of these settings: flag --speed"));
+    let robots = program.json("robots");
+    assert_eq!((&robots[0]["kind"], &robots[0]["parts"], &robots[1]), (&"virtual-tcp".into(), &Value::Null, &Value::Null));
+}
+
+#[test]
+fn another_robot_is_refused_with_what_is_wrong_and_what_to_do() {
+    let said = refused(&["serve", "--robot", "mbot"], 2);
+    let begins =
+        "hallsweep: setting robot.kind = \"mbot\" (from flag --robot): there is no such kind of robot; write one of: sim, ";
+    assert!(said.starts_with(begins), "{said}");
+    assert!(refused(&["serve", "--robot", "line"], 2).contains("/dev/ttyUSB0"));
+    assert!(refused(&["explore", "--robot", "sim"], 2).contains("--robot"));
 }
 
 #[test]

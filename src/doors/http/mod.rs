@@ -47,6 +47,7 @@ use streams::Streams;
 pub use tls::{Tls, TlsError};
 
 use crate::access::{Access, Attempts};
+use crate::api::robot_parts::RobotKinds;
 use crate::doors::room::Room;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
@@ -73,6 +74,7 @@ pub struct HttpDoor {
     mqtt: Option<Hall>,
     /// The side of a cell, in metres, where it is known.
     cell_m: Option<f64>,
+    kinds: RobotKinds,
     began: Arc<console::Began>,
 }
 
@@ -94,6 +96,7 @@ impl HttpDoor {
             cookie: sign_in::cookie_name(0),
             mqtt: None,
             cell_m: None,
+            kinds: RobotKinds::default(),
             began: Arc::default(),
         }
     }
@@ -118,6 +121,11 @@ impl HttpDoor {
     /// The same, of a hall whose cells have sides of this many metres.
     pub fn with_cells_of(self, cell_m: f64) -> HttpDoor {
         HttpDoor { cell_m: Some(cell_m), ..self }
+    }
+
+    /// The same, with robots of these names and kinds.
+    pub fn with_kinds(self, kinds: Vec<(String, &'static str)>) -> HttpDoor {
+        HttpDoor { kinds: kinds.into_iter().collect(), ..self }
     }
 
     /// Ends every open stream at once, and every one opened from now on.

@@ -14,6 +14,8 @@ use super::problem::Problem;
 use super::reading::Number;
 use crate::api::luggage::LuggageJson;
 use crate::api::resources::{self, Form, ResourceKind, Row};
+use crate::api::robot::RobotOfKindJson;
+use crate::api::state;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, NoPhoto};
 use hallsweep_core::world::snapshot::Snapshot;
@@ -40,6 +42,14 @@ pub(super) fn resource(row: &Row, door: &HttpDoor, headers: &HeaderMap) -> Resul
         response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
     }
     Ok(response)
+}
+
+/// `GET robots`: as they stand in the state, each with its kind, of which no snapshot says anything.
+pub(super) async fn robots(State(door): State<HttpDoor>, headers: HeaderMap) -> Response {
+    let snapshot = door.handle.snapshot();
+    let robots = state::robots(&snapshot).into_iter().map(|robot| RobotOfKindJson::new(robot, &door.kinds));
+    let tag = tag(&snapshot.run, ResourceKind::State.revision(&snapshot), "robots");
+    conditional(&headers, &tag, || axum::Json(robots.collect::<Vec<_>>()).into_response())
 }
 
 /// `GET luggage/{id}`
@@ -90,7 +100,9 @@ mod tests {
     use super::super::testing::{TestApp, app, read, text};
     use crate::api::fixture::searching;
     use crate::api::resources::{RESOURCES, ResourceKind};
+    use hallsweep_core::robots::{Part, Parts};
     use hallsweep_core::world::luggage::{Luggage, PhotoState};
+    use hallsweep_core::world::snapshot::Snapshot;
     use std::sync::Arc;
 
     async fn etag(app: &TestApp, path: &str, accept: &str) -> String {
@@ -111,6 +123,24 @@ mod tests {
             let other = app.send("GET", &path, &[("if-none-match", "W/\"t-0-20-json\"")], "").await;
             assert_eq!(other.status(), 200, "{path}");
         }
+    }
+
+    #[tokio::test]
+    async fn the_robots_are_there_with_their_kinds_and_what_is_replaced() {
+        let mut app = app(searching());
+        app.door = app.door.with_kinds(vec![("discovery".to_owned(), "virtual-tcp")]);
+        let mut snapshot = Snapshot::clone(&app.publish.borrow());
+        let mut robots = snapshot.robots.to_vec();
+        robots[0].parts = Some(Parts::of(&[Part::Base, Part::Bump, Part::Sonar]));
+        snapshot.robots = robots.into();
+        app.publish.send_replace(Arc::new(snapshot));
+        let (_, robots) = read(app.get("/api/v1/robots").await).await;
+        assert_eq!((&robots[0]["name"], &robots[0]["kind"]), (&"discovery".into(), &"virtual-tcp".into()));
+        assert_eq!(robots[0]["replaced"][0], serde_json::json!({"part": "camera", "by": "a drawing, which says that it is one"}));
+        assert_eq!(robots[0]["replaced"].as_array().map(Vec::len), Some(4));
+        let (_, state) = read(app.get("/api/v1/state").await).await;
+        assert_eq!(state["robots"][0]["replaced"], robots[0]["replaced"], "the state says the same, without the kind");
+        assert_eq!(state["robots"][0].get("kind"), None);
     }
 
     #[tokio::test]

@@ -90,10 +90,11 @@ fn files_of_the_map() -> Vec<Row> {
     FILES.iter().map(row).collect()
 }
 
-/// What programs see besides: every change, and the past.
+/// What programs see besides: the robots with their kinds, every change, and the past.
 #[rustfmt::skip]
 fn changes_and_past() -> Vec<Row> {
     vec![
+        get("/api/v1/robots", See, reads::robots),
         get("/api/v1/events", See, events::events),
         get("/api/v1/missions", See, missions::list),
         get("/api/v1/missions/{id}", See, missions::mission),

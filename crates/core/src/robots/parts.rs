@@ -21,6 +21,8 @@ named! {
         Arm = "arm",
         /// It takes hold of things.
         Gripper = "gripper",
+        /// It says itself when a move has ended.
+        AcknowledgedMoves = "acknowledgedMoves",
     }
 }
 
@@ -30,14 +32,15 @@ pub struct Parts(u16);
 
 impl Parts {
     /// A round robot that searches: it drives, sees, measures and blinks.
-    pub const ROUND_ROBOT: Parts = Parts::of(&[Part::Base, Part::Camera, Part::Sonar, Part::Led, Part::Thermometer, Part::Bump]);
+    pub const ROUND_ROBOT: Parts =
+        Parts::of(&[Part::Base, Part::Camera, Part::Sonar, Part::Led, Part::Thermometer, Part::Bump, Part::AcknowledgedMoves]);
 
     /// The same with a hook, by which it takes a piece onto its back.
-    pub const ROUND_ROBOT_WITH_HOOK: Parts =
-        Parts::of(&[Part::Base, Part::Camera, Part::Sonar, Part::Led, Part::Thermometer, Part::Bump, Part::Gripper]);
+    pub const ROUND_ROBOT_WITH_HOOK: Parts = Parts::ROUND_ROBOT.with(Part::Gripper);
 
     /// A robot that fetches: it drives, sees, reaches out and takes hold.
-    pub const MANIPULATOR: Parts = Parts::of(&[Part::Base, Part::Camera, Part::Bump, Part::Arm, Part::Gripper]);
+    pub const MANIPULATOR: Parts =
+        Parts::of(&[Part::Base, Part::Camera, Part::Bump, Part::Arm, Part::Gripper, Part::AcknowledgedMoves]);
 
     /// These.
     #[must_use]
@@ -48,6 +51,12 @@ impl Parts {
             n += 1;
         }
         Parts(set)
+    }
+
+    /// These and one more.
+    #[must_use]
+    pub const fn with(self, part: Part) -> Parts {
+        Parts(self.0 | 1 << part as u16)
     }
 
     /// Whether this is among them.

@@ -63,7 +63,7 @@ pub(in crate::doors::http) async fn live(State(door): State<HttpDoor>, LetIn(cal
             let event = match wake {
                 Wake::Changed(snapshot) => {
                     let began = began::began(&door, snapshot.mission.id).await;
-                    let hall = HallInfo { name: &door.hall, cell_m: door.cell_m };
+                    let hall = HallInfo::of(&door);
                     message(&shown.update(snapshot, hall, began, who, door.clock.now().wall))
                 }
                 Wake::Quiet => Event::default().event("tick").data("alive"),
@@ -135,7 +135,7 @@ mod tests {
     use hallsweep_core::world::hall_map::Mark;
     use hallsweep_core::world::resource::Resource;
 
-    const AIRPORT: HallInfo<'static> = HallInfo { name: "airport", cell_m: None };
+    const AIRPORT: HallInfo<'static> = HallInfo { name: "airport", cell_m: None, robot_kind: None };
 
     #[test]
     fn the_first_message_has_every_part_every_tile_and_all_pieces() {

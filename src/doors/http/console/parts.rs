@@ -10,10 +10,12 @@ use super::retrieval::{Row, armed, rows, sign, stages};
 use super::view::{View, failure, place};
 use crate::api::luggage::photo_url;
 use crate::api::retrieval::ArmJson;
+use crate::api::robot_parts;
 use crate::api::time::rfc3339;
 use hallsweep_core::behaviour::Status;
 use hallsweep_core::mission::PhaseName;
 use hallsweep_core::retrieval::ArmState;
+use hallsweep_core::robots::Parts;
 use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Fetcher;
 use hallsweep_core::units::{LuggageId, WallTime};
@@ -74,7 +76,7 @@ pub(super) const PARTS: [Part; 20] = [
     Part { id: "inspect", shows: &[Resource::Mission, Resource::Luggage, Resource::Alarms], render: |v| html(&Inspect { v }) },
     Part { id: "actions", shows: &[Resource::Mission, Resource::Luggage, Resource::Robot], render: |v| html(&Actions { v }) },
     Part { id: "temperature", shows: &[Resource::Temperature, Resource::Mission], render: |v| html(&Temperature { v }) },
-    Part { id: "robot", shows: &[Resource::Robot], render: |v| html(&Robot { v }) },
+    Part { id: "robot", shows: &[Resource::Robot, Resource::Mission], render: |v| html(&Robot { v }) },
     Part { id: "more", shows: &[Resource::Mission], render: |v| html(&More { v }) },
     Part { id: "gallery", shows: &[Resource::Luggage], render: |v| html(&Gallery { v }) },
     Part { id: "log", shows: &[Resource::Log], render: |v| html(&Log { v }) },
@@ -212,6 +214,21 @@ impl Inspect<'_> {
 impl Robot<'_> {
     fn sonar(&self) -> String {
         self.v.snapshot.robot.sonar_cm.map_or_else(|| "nothing near".to_owned(), |cm| format!("{cm} cm"))
+    }
+
+    fn parts(&self) -> Option<Parts> {
+        self.v.snapshot.robots.first().and_then(|robot| robot.parts)
+    }
+
+    fn parts_in_words(&self) -> String {
+        let words = |parts: Parts| parts.iter().map(robot_parts::in_words).collect::<Vec<_>>().join(", ");
+        self.parts().map_or_else(|| "not known before it is connected".to_owned(), words)
+    }
+
+    /// What is missing, and what is done instead.
+    fn missing(&self) -> Vec<(&'static str, &'static str)> {
+        let missing = self.parts().into_iter().flat_map(robot_parts::missing);
+        missing.map(|(part, by)| (robot_parts::in_words(part), by)).collect()
     }
 }
 

@@ -9,6 +9,8 @@ use askama::Template;
 use super::retrieval::{secured_in_words, wanted_of_the_operator};
 use crate::access::{Need, Role};
 use crate::api::time::Zone;
+use crate::doors::http::HttpDoor;
+use hallsweep_core::event::RobotId;
 use hallsweep_core::mission::{Hold, PhaseName};
 use hallsweep_core::units::{Cell, Celsius, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
@@ -28,12 +30,21 @@ pub(super) struct View<'a> {
     pub(super) now: WallTime,
 }
 
-/// What is known of the hall beforehand.
+/// What is known beforehand of the hall, and of the robot that searches it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HallInfo<'a> {
     pub(super) name: &'a str,
     /// The side of a cell, in metres, where it is known.
     pub(super) cell_m: Option<f64>,
+    /// Of what kind the robot is, where it is known.
+    pub(super) robot_kind: Option<&'static str>,
+}
+
+impl<'a> HallInfo<'a> {
+    pub(super) fn of(door: &'a HttpDoor) -> HallInfo<'a> {
+        let robot_kind = door.kinds.of(RobotId::discovery().name());
+        HallInfo { name: &door.hall, cell_m: door.cell_m, robot_kind }
+    }
 }
 
 #[derive(Clone, Debug)]

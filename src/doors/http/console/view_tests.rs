@@ -2,15 +2,17 @@
 
 use std::time::Duration;
 
+use super::super::parts::PARTS;
 use super::*;
 use crate::api::fixture::{TEN, degrees, idle, searching, touch};
 use hallsweep_core::retrieval::Which;
+use hallsweep_core::robots::{Part, Parts};
 use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::robot::RobotShown;
 use hallsweep_core::world::snapshot::{Progress, TimeLeft};
 
 fn view(snapshot: &Snapshot) -> View<'_> {
-    let hall = HallInfo { name: "airport", cell_m: Some(0.5) };
+    let hall = HallInfo { name: "airport", cell_m: Some(0.5), robot_kind: Some("sim") };
     View { snapshot, hall, began: Some(TEN), who: None, why: None, now: WallTime { unix_ms: TEN.unix_ms + 74_900, ..TEN } }
 }
 
@@ -94,7 +96,7 @@ fn progress_says_what_was_searched_and_what_is_open_and_counts_until_it_is_over(
         (view(&snapshot).searched().as_str(), view(&snapshot).open().as_str()),
         ("15 cells, 3.8 m²", "4 places still open")
     );
-    let unmeasured = View { hall: HallInfo { name: "airport", cell_m: None }, ..view(&snapshot) };
+    let unmeasured = View { hall: HallInfo { name: "airport", cell_m: None, robot_kind: None }, ..view(&snapshot) };
     assert_eq!(unmeasured.searched(), "15 cells");
     assert_eq!(view(&snapshot).counts_since(), Some(TEN));
     snapshot.mission.progress = Progress { visited: 19, ..Progress::default() };
@@ -142,4 +144,28 @@ fn a_located_bomb_says_what_to_do_next() {
     snapshot.alarms = std::sync::Arc::from([]);
     touch(&mut snapshot, 21, &[Resource::Alarms]);
     assert!(!view(&snapshot).next_step().unwrap().contains("acknowledge"));
+}
+
+#[test]
+fn the_panel_of_the_robot_says_what_it_is_what_it_has_and_what_is_done_instead() {
+    let mut snapshot = searching();
+    let panel = |snapshot: &Snapshot, robot_kind| {
+        let hall = HallInfo { name: "airport", cell_m: None, robot_kind };
+        let part = PARTS.iter().find(|part| part.id == "robot").expect("it is there");
+        (part.render)(&View { hall, ..view(snapshot) })
+    };
+    let simulated = panel(&snapshot, Some("sim"));
+    assert!(simulated.contains("<dt>Kind</dt><dd>sim</dd>") && simulated.contains("camera, sonar, LED"), "{simulated}");
+    assert!(!simulated.contains("Instead of what is missing"), "it has everything: {simulated}");
+    let mut robots = snapshot.robots.to_vec();
+    robots[0].parts = Some(Parts::of(&[Part::Base, Part::Bump, Part::Sonar]));
+    snapshot.robots = robots.into();
+    let virtual_robot = panel(&snapshot, Some("virtual-tcp"));
+    assert!(virtual_robot.contains("<dd>wheels, sonar, bumper</dd>"), "{virtual_robot}");
+    assert!(virtual_robot.contains("<dt>No camera</dt><dd>a drawing, which says that it is one</dd>"), "{virtual_robot}");
+    let mut robots = snapshot.robots.to_vec();
+    robots[0].parts = None;
+    snapshot.robots = robots.into();
+    let unlinked = panel(&snapshot, None);
+    assert!(unlinked.contains("<dd>not known before it is connected</dd>") && !unlinked.contains("Kind"), "{unlinked}");
 }

@@ -1,0 +1,83 @@
+//! What robots are made of, in words: THE TABLE of what is done instead of a part that the robot that searches has not; and what kind of
+//! robot each is.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use hallsweep_core::robots::{Part, Parts};
+
+/// What takes the place of a missing part. Nothing takes that of a base; and without arm or gripper nothing is fetched by it.
+const REPLACED: [(Part, &str); 5] = [
+    (Part::Camera, "a drawing, which says that it is one"),
+    (Part::Sonar, "driving into what is there"),
+    (Part::Led, "the console alone shows it"),
+    (Part::Thermometer, "the operator's buttons and the hall's sensors"),
+    (Part::AcknowledgedMoves, "moves are timed"),
+];
+
+/// A part that is missing, and what is done instead.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct ReplacedJson {
+    /// As in the list of parts.
+    pub part: &'static str,
+    pub by: &'static str,
+}
+
+/// What a robot that searches with these parts has not, and what is done instead.
+pub fn replaced(parts: Parts) -> Vec<ReplacedJson> {
+    missing(parts).map(|(part, by)| ReplacedJson { part: part.name(), by }).collect()
+}
+
+/// The same, part by part.
+pub fn missing(parts: Parts) -> impl Iterator<Item = (Part, &'static str)> {
+    REPLACED.into_iter().filter(move |(part, _)| !parts.has(*part))
+}
+
+/// What a person would call it.
+pub const fn in_words(part: Part) -> &'static str {
+    match part {
+        Part::Base => "wheels",
+        Part::Camera => "camera",
+        Part::Sonar => "sonar",
+        Part::Led => "LED",
+        Part::Thermometer => "thermometer",
+        Part::Bump => "bumper",
+        Part::Arm => "arm",
+        Part::Gripper => "gripper",
+        Part::AcknowledgedMoves => "acknowledged moves",
+    }
+}
+
+/// What kind of robot each is, by its name: as the settings say, and so the same as long as the program runs.
+#[derive(Clone, Debug, Default)]
+pub struct RobotKinds(Arc<BTreeMap<String, &'static str>>);
+
+impl RobotKinds {
+    /// As `sim`; `None` where it is not known.
+    pub fn of(&self, robot: &str) -> Option<&'static str> {
+        self.0.get(robot).copied()
+    }
+}
+
+impl FromIterator<(String, &'static str)> for RobotKinds {
+    fn from_iter<I: IntoIterator<Item = (String, &'static str)>>(kinds: I) -> RobotKinds {
+        RobotKinds(Arc::new(kinds.into_iter().collect()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_simulated_robot_has_is_not_replaced_and_what_is_missing_is() {
+        assert_eq!(replaced(Parts::ROUND_ROBOT), []);
+        let bare = Parts::of(&[Part::Base, Part::Bump]);
+        let parts: Vec<&str> = replaced(bare).iter().map(|replaced| replaced.part).collect();
+        assert_eq!(parts, ["camera", "sonar", "led", "thermometer", "acknowledgedMoves"]);
+        let replaced = replaced(bare.with(Part::Sonar).with(Part::Led).with(Part::Thermometer).with(Part::Camera));
+        assert_eq!(replaced, [ReplacedJson { part: "acknowledgedMoves", by: "moves are timed" }]);
+    }
+}
