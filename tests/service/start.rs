@@ -66,6 +66,17 @@ fn another_robot_is_refused_with_what_is_wrong_and_what_to_do() {
 }
 
 #[test]
+fn a_mission_without_doors_has_the_simulated_robot_whatever_the_settings_say() {
+    let explore = |kind: &str| {
+        let mut command = hallsweep(&["explore", "--hall", "empty-8x8", "--seed", "3", "--json"]);
+        let output = command.env("HALLSWEEP__ROBOT__KIND", kind).output().expect("the program starts");
+        assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
+        serde_json::from_slice::<Value>(&output.stdout).expect("JSON")
+    };
+    assert_eq!(explore("virtual-ws"), explore("sim"));
+}
+
+#[test]
 fn a_variable_that_only_looks_like_a_setting_is_reported() {
     let run = |name: &str| hallsweep(&["explore", "--hall", "empty-8x8"]).env(name, "1").output().expect("the program starts");
     let output = run("HALLSWEEP_ROBOT_SPEED");

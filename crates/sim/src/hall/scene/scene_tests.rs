@@ -130,6 +130,7 @@ fn what_is_wrong_with_a_scene_is_said_with_its_line() {
     check(&EMPTY.replace("size: { x: 35", "size: { x: NaN"), "3: a side of the floor is NaN");
     check(&EMPTY.replace("speed: .2", "speed: Infinity"), "4: inf is no number that can be used: correct this line");
     check(&EMPTY.replace("speed: .2", "speed: fast"), "4: expected number: correct this line");
+    check(&EMPTY.replace("speed: .2", "speed: 1 / 5"), "4: ");
     check(&EMPTY.replace("y: .08", "z: .08"), "4: missing field `y`: correct this line");
     check(&EMPTY.replace("x: .995", "x: 1e9"), "11: 1000000000 is no fraction of the floor, which is about 0 to 1");
     check(&EMPTY.replace("\"wallRight\"", "\"\""), "11: a name has 1 to 64 visible characters: correct this line");
