@@ -31,6 +31,8 @@ mod journal;
 mod kill;
 #[path = "service/last_word.rs"]
 mod last_word;
+#[path = "service/line_robots/mod.rs"]
+mod line_robots;
 #[path = "service/malformed.rs"]
 mod malformed;
 #[path = "service/map_files.rs"]

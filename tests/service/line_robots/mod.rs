@@ -1,0 +1,152 @@
+//! Robots of the line protocol: the program and the emulator as two processes, over TCP and over a pair of pseudo-terminals that lose and
+//! garble bytes. What the wire does to driver and robot is tested beside them, from many seeds.
+
+mod terminals;
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::process::{Child, ChildStdout, Stdio};
+use std::time::Duration;
+
+use hallsweep_drivers::line::{LineReader, framed};
+use serde_json::Value;
+
+use crate::program::{PATIENCE, Program, hallsweep};
+use terminals::Terminals;
+
+/// A robot that is played by a process of its own.
+struct Emulator {
+    child: Child,
+    /// Where it says that it is.
+    place: String,
+    // Stays open until the process ends, so that writing to it never fails.
+    _said: BufReader<ChildStdout>,
+}
+
+impl Emulator {
+    fn with(arguments: &[&str]) -> Emulator {
+        let mut command = hallsweep(&[&["robot-emulator"], arguments].concat());
+        let mut child = command.stdout(Stdio::piped()).spawn().expect("the emulator starts");
+        let mut said = BufReader::new(child.stdout.take().expect("standard output is a pipe"));
+        let mut line = String::new();
+        said.read_line(&mut line).expect("the emulator says where it is");
+        let place = line.trim_end().rsplit("line=").next().expect("it says how it is reached").to_owned();
+        Emulator { child, place, _said: said }
+    }
+}
+
+impl Drop for Emulator {
+    fn drop(&mut self) {
+        // It may have ended already, which is as good.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn serve(place: &str) -> Program {
+    let program = Program::with(&["serve", "--http", "127.0.0.1:0", "--robot", &format!("line={place}")]);
+    program.until("the robot is linked", |state| !has(state, "robotLink") && !state["robots"][0]["parts"].is_null());
+    program
+}
+
+fn has(state: &Value, hold: &str) -> bool {
+    state["mission"]["holds"].as_array().expect("the state says what holds the robot").iter().any(|name| name == hold)
+}
+
+/// Presses START, and again whenever the mission waits for it, and calls everything safe, until the hall is explored.
+fn explore(program: &Program) -> Value {
+    program.command("start").accepted();
+    loop {
+        let state = program.until("the mission has ended, or waits for somebody", |state| {
+            state["mission"]["phase"] == "explored" || has(state, "awaitingStart") || undecided(state).is_some()
+        });
+        if state["mission"]["phase"] == "explored" {
+            return state;
+        }
+        if has(&state, "awaitingStart") {
+            // While it is not linked again this is refused.
+            program.command("start");
+        }
+        if let Some(piece) = undecided(&state) {
+            program.verdict(piece, "safe").accepted();
+        }
+    }
+}
+
+/// A piece that waits for its verdict.
+fn undecided(state: &Value) -> Option<u64> {
+    let mut pieces = state["luggage"].as_array().expect("a list").iter();
+    pieces.find(|piece| piece["verdict"] == "pending")?["id"].as_u64()
+}
+
+fn visited(state: &Value) -> u64 {
+    state["mission"]["progress"]["visited"].as_u64().expect("a number")
+}
+
+#[test]
+fn two_processes_run_a_whole_mission_with_its_photos_over_tcp() {
+    let emulator = Emulator::with(&["--listen", "127.0.0.1:0", "--hall", "airport", "--speed", "100", "--photo-bytes", "100000"]);
+    let program = serve(&emulator.place);
+    let state = explore(&program);
+    let own = Program::serve("airport", "max");
+    assert_eq!(visited(&state), visited(&explore(&own)), "as many cells as the simulated robot itself");
+    let photo = program.read("/api/v1/luggage/1/photo", &[]);
+    assert_eq!((photo.status, photo.header("content-type"), photo.body.len()), (200, "image/png", 100_000));
+}
+
+#[test]
+fn over_pseudo_terminals_that_lose_and_garble_bytes_a_whole_mission_is_run() {
+    let terminals = Terminals::joined(7, 0.03);
+    let _emulator = Emulator::with(&["--serial", &terminals.robot, "--hall", "empty-8x8", "--speed", "20"]);
+    let program = serve(&terminals.program);
+    let state = explore(&program);
+    assert_eq!((visited(&state), &state["robot"]["offCentre"]), (64, &false.into()));
+}
+
+#[test]
+fn while_nothing_moves_another_robot_takes_the_place_of_one_and_the_mission_goes_on_with_its_map() {
+    let first = Emulator::with(&["--listen", "127.0.0.1:0", "--hall", "empty-8x8", "--speed", "20", "--name", "ada"]);
+    let place = first.place.clone();
+    let program = serve(&place);
+    program.command("start").accepted();
+    program.until("some of the hall is known", |state| visited(state) > 10);
+    program.command("stop").accepted();
+    drop(first);
+    let before = visited(&program.until("the robot is gone", |state| has(state, "robotLink")));
+    let _second = Emulator::with(&["--listen", &place, "--hall", "empty-8x8", "--speed", "20", "--name", "bob"]);
+    let state = program.until("the other is there", |state| !has(state, "robotLink"));
+    assert_eq!(
+        (visited(&state), &state["robot"]["position"]["x"], &state["robot"]["position"]["y"]),
+        (before, &0.into(), &0.into())
+    );
+    assert_eq!(state["robot"]["state"], "stopped", "nothing moves before a START");
+    assert_eq!(visited(&explore(&program)), 64);
+}
+
+/// Safety S5.
+#[test]
+fn a_robot_whose_program_is_killed_halts_by_itself() {
+    let emulator = Emulator::with(&["--listen", "127.0.0.1:0", "--hall", "empty-8x8", "--speed", "0.1"]);
+    let program = serve(&emulator.place);
+    program.command("start").accepted();
+    program.until("it moves", |state| state["robot"]["state"] != "stopped");
+    program.killer()();
+    let mut wire = TcpStream::connect(&emulator.place).expect("the robot listens");
+    wire.set_read_timeout(Some(PATIENCE)).expect("it is a socket");
+    wire.write_all(&framed("hello")).expect("the robot hears");
+    // What it was doing takes 3 s at least; it says that it stands away from its centre, and a while later it still stands there.
+    let hello = line(&mut wire, "hello ");
+    assert!(hello.contains("at=0,0,south off last="), "{hello}");
+    std::thread::sleep(Duration::from_secs(4));
+    wire.write_all(&framed("hello")).expect("the robot hears");
+    assert_eq!(line(&mut wire, "hello "), hello);
+}
+
+/// The next line that begins so.
+fn line(wire: &mut TcpStream, begins: &str) -> String {
+    let mut reader = LineReader::default();
+    BufReader::new(wire)
+        .bytes()
+        .find_map(|byte| reader.take(byte.expect("the robot answers")).filter(|text| text.starts_with(begins)))
+        .expect("the robot answers")
+}

@@ -1,0 +1,61 @@
+//! Two pseudo-terminals that stand for a serial cable with its two devices, and what goes wrong on it: bytes that are lost, changed or come
+//! from nowhere, from a seed.
+
+use std::fs::File;
+use std::io::{Read, Write};
+use std::thread::spawn;
+
+use hallsweep_core::rng::RandomStream;
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+
+pub(crate) struct Terminals {
+    /// The device of the robot.
+    pub(crate) robot: String,
+    /// The device of the program.
+    pub(crate) program: String,
+    /// Held open, so that the cable stays when one end closes its device for a while.
+    _held: [File; 2],
+}
+
+impl Terminals {
+    /// A cable on which, with this likelihood, something goes wrong in what is read at once.
+    pub(crate) fn joined(seed: u64, trouble: f64) -> Terminals {
+        let ((robot, robot_device), (program, program_device)) = (terminal(), terminal());
+        let held = [&robot_device, &program_device].map(|device| File::open(device).expect("the device is there"));
+        let copy = |end: &File| end.try_clone().expect("a descriptor is left");
+        let there = (copy(&program), copy(&robot), RandomStream::new(seed, "there"));
+        for (from, to, chance) in [there, (robot, program, RandomStream::new(seed, "back"))] {
+            // Ends when nobody holds the device any more.
+            spawn(move || carry(from, to, chance, trouble));
+        }
+        Terminals { robot: robot_device, program: program_device, _held: held }
+    }
+}
+
+fn terminal() -> (File, String) {
+    let end = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).expect("the system has pseudo-terminals");
+    grantpt(&end).expect("it is ours");
+    unlockpt(&end).expect("it is ours");
+    let device = ptsname(&end, Vec::new()).expect("it has a name");
+    (File::from(end), device.into_string().expect("the name is ASCII"))
+}
+
+fn carry(mut from: File, mut to: File, mut chance: RandomStream, trouble: f64) {
+    let mut bytes = [0; 512];
+    while let Ok(count @ 1..) = from.read(&mut bytes) {
+        let mut piece = bytes[..count].to_vec();
+        let place = usize::try_from(chance.below(count as u64)).expect("it is less than a length");
+        if chance.happens(trouble) {
+            piece[place] = chance.number().to_le_bytes()[0];
+        }
+        if chance.happens(trouble) {
+            piece.remove(place);
+        }
+        if chance.happens(trouble) {
+            piece.extend((0..chance.below(40)).map(|_| chance.number().to_le_bytes()[0]));
+        }
+        if to.write_all(&piece).is_err() {
+            return;
+        }
+    }
+}
