@@ -15,6 +15,7 @@ use super::from_robot::Hello;
 use super::numbers::Seq;
 use super::to_robot::ToRobot;
 use hallsweep_core::event::{Capabilities, RobotEvent};
+use hallsweep_core::robots::Part;
 use hallsweep_core::units::Now;
 
 impl LineDriver {
@@ -71,7 +72,9 @@ impl LineDriver {
 
     fn rise(&mut self, hello: Hello, from: Seq, now: Now) {
         let Hello { name, parts, step, turn, photo, stands, .. } = hello;
-        let can = Capabilities { step, turn, photo, arm: Duration::ZERO, nudges: false, parts };
+        // Whoever speaks this protocol answers each move.
+        let acknowledging = parts.with(Part::AcknowledgedMoves);
+        let can = Capabilities { step, turn, photo, arm: Duration::ZERO, nudges: false, parts: acknowledging };
         self.link = Link::Up(Robot { name, parts, from });
         (self.seq, self.off_centre, self.told) = (from, stands.off_centre, None);
         self.hello_at = now.since_start + HELLO;

@@ -187,7 +187,10 @@ impl VirtualRobot {
     }
 
     fn can(&self) -> Capabilities {
-        let parts = Parts::of(&[Part::Base, Part::Bump]);
+        let parts = match self.dialect {
+            Dialect::Semicolons => Parts::of(&[Part::Base, Part::Bump]),
+            Dialect::Messages => Parts::of(&[Part::Base, Part::Bump, Part::AcknowledgedMoves]),
+        };
         let step = self.longest_step();
         Capabilities { step, turn: TURN + self.margin(), photo: DRAWING, arm: Duration::ZERO, nudges: false, parts }
     }

@@ -104,7 +104,7 @@ fn the_link_is_up_when_the_robot_says_from_where_it_takes_orders() {
     assert_eq!(test.said(), ["from 42"]);
     test.hears(&format!("{ADA}42"));
     let ms = Duration::from_millis;
-    let parts = Parts::of(&[Part::Base, Part::Camera, Part::Sonar, Part::Led, Part::Bump]);
+    let parts = Parts::of(&[Part::Base, Part::Camera, Part::Sonar, Part::Led, Part::Bump, Part::AcknowledgedMoves]);
     let can = Capabilities { step: ms(800), turn: ms(650), photo: ms(2000), arm: ms(0), nudges: false, parts };
     let pose = Pose { cell: Cell::new(2, 3), heading: Heading::West };
     let stands = Whereabouts { pose, off_centre: false };
