@@ -1,7 +1,9 @@
 //! The whole program with a virtual robot: a double of its page and of its servers, as they were in its versions.
 
+#[expect(dead_code, reason = "missions in simulated time use more of it")]
 #[path = "../../../crates/drivers/tests/virtual_robot/page.rs"]
 mod page;
+#[expect(dead_code, reason = "missions in simulated time use more of it")]
 #[path = "../../../crates/drivers/tests/virtual_robot/server.rs"]
 mod server;
 mod standing;

@@ -5,8 +5,8 @@ use std::time::Duration;
 use super::legs::LATENCY;
 use super::memory::Unheard;
 use super::reckoning::{DRIFT, Drift};
-use super::{Aim, Leg, Stage, Then, VirtualRobot, Way, obstacle};
-use hallsweep_core::event::{RobotEvent, Whereabouts};
+use super::{Aim, Leg, Stage, Then, VirtualRobot, Way};
+use hallsweep_core::event::{Obstacle, Piece, RobotEvent, Whereabouts};
 use hallsweep_core::units::{Heading, Pose};
 
 /// What stops it so near to the centre of a cell does not stand in that cell.
@@ -47,7 +47,7 @@ impl VirtualRobot {
         };
         let driven = since_sent.saturating_sub(self.latency()).min(leg.lasts());
         let way = driven.div_duration_f64(self.step).min(cells);
-        (self.touches, self.is_changed, self.stepped) = (name.clone(), true, None);
+        (self.met, self.is_changed, self.stepped) = (name.clone(), true, None);
         if aim == Aim::Feel {
             return self.felt_contact(name.as_deref(), towards, way);
         }
@@ -88,7 +88,7 @@ impl VirtualRobot {
             self.off_centre = false;
             return self.complete(to);
         }
-        let obstacle = obstacle(self.touches.as_deref());
+        let obstacle = obstacle(self.met.as_deref());
         self.answer(|order| RobotEvent::Blocked(order, obstacle));
     }
 
@@ -130,7 +130,7 @@ impl VirtualRobot {
         let by = (LATENCY.as_secs_f64() - latency.as_secs_f64()) / self.step.as_secs_f64();
         match then {
             Then::Met(to) => {
-                let name = self.touches.clone();
+                let name = self.met.clone();
                 self.reckoning.correct(name.as_deref(), towards, by);
                 self.events.push_back(RobotEvent::LinkUp(self.can()));
                 self.met(to, towards);
@@ -235,5 +235,18 @@ impl VirtualRobot {
 
     fn moves_backward(&self) -> bool {
         matches!(self.leg().map(|leg| leg.way), Some(Way::Straight { backward: true, .. }))
+    }
+}
+
+/// What the name of a thing says that it is. A piece has the same number in every run.
+fn obstacle(name: Option<&str>) -> Obstacle {
+    match name {
+        None => Obstacle::Unknown,
+        Some(name) if name.starts_with("wall") || name == "floor-border" => Obstacle::Wall { left: 0, right: 0 },
+        Some(name) => {
+            // FNV-1a.
+            let number = name.bytes().fold(0x811c_9dc5_u32, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193));
+            Obstacle::Luggage(Piece(number))
+        }
     }
 }

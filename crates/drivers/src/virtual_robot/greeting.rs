@@ -35,7 +35,7 @@ impl VirtualRobot {
     /// Whoever opens its page anew puts it back to where it starts.
     fn page_opened_anew(&mut self) {
         self.reckoning.put_home();
-        (self.off_centre, self.unheard, self.lost, self.touches) = (false, None, None, None);
+        (self.off_centre, self.unheard, self.lost, self.met) = (false, None, None, None);
         self.is_changed = true;
     }
 

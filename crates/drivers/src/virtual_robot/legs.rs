@@ -123,11 +123,10 @@ impl VirtualRobot {
     fn ended(&mut self, leg: Leg) {
         let Some(aim) = self.task.as_ref().map(|task| task.aim) else { return };
         self.is_changed = true;
-        if let Way::Straight { towards, cells, .. } = leg.way {
-            if aim != Aim::Feel {
-                self.reckoning.advance(towards, cells);
-            }
-            self.touches = None;
+        if let Way::Straight { towards, cells, .. } = leg.way
+            && aim != Aim::Feel
+        {
+            self.reckoning.advance(towards, cells);
         }
         match aim {
             Aim::Step(to) => {
@@ -156,7 +155,7 @@ impl VirtualRobot {
     pub(super) fn complete(&mut self, pose: Pose) {
         self.reckoning.complete(pose);
         if !self.off_centre {
-            self.touches = None;
+            self.met = None;
         }
         self.answer(RobotEvent::Done);
     }
@@ -236,7 +235,7 @@ impl VirtualRobot {
                 None => self.reckoning.advance(towards, way),
             }
         }
-        (self.off_centre, self.touches) = (true, None);
+        (self.off_centre, self.met) = (true, None);
         self.answer(|order| RobotEvent::Halted(order, true));
     }
 

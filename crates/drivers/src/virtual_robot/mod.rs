@@ -16,7 +16,7 @@ use std::time::Duration;
 use crate::{Driver, Output, Subject};
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order};
-use hallsweep_core::event::{Capabilities, Obstacle, OffCentre, Parts, Photo, Piece, RobotEvent};
+use hallsweep_core::event::{Capabilities, OffCentre, Parts, Photo, RobotEvent};
 use hallsweep_core::robots::Part;
 use hallsweep_core::units::{Heading, Now, OrderId, Pose};
 
@@ -87,8 +87,8 @@ pub struct VirtualRobot {
     unheard: Option<Unheard>,
     /// Why nobody knows where it stands, until its page is opened anew.
     lost: Option<String>,
-    /// What it touches, as far as it has said.
-    touches: Option<String>,
+    /// What it has met last from where it stands, as far as it has said.
+    met: Option<String>,
     /// How long it had driven, when it met something before the latency was known.
     first_contact: Option<Duration>,
     /// How far it is from its start to what stands ahead, while its step is not gauged by that.
@@ -173,7 +173,7 @@ impl VirtualRobot {
             off_centre: false,
             unheard: None,
             lost: None,
-            touches: None,
+            met: None,
             first_contact: None,
             gauge: None,
             is_gauged: false,
@@ -247,7 +247,7 @@ impl VirtualRobot {
             Action::Recentre => self.begin_recentring(),
             Action::Photograph(stamp) => {
                 self.aim(Aim::Draw);
-                let subject = Subject { stamp, name: self.touches.clone() };
+                let subject = Subject { stamp, name: self.met.clone() };
                 self.outputs.extend(self.task.as_ref().map(|task| Output::Draw(task.order, subject)));
             }
             Action::Enter | Action::Leave => self.fail("it cannot leave its room"),
@@ -387,18 +387,5 @@ impl Driver for VirtualRobot {
 
     fn is_off_centre(&self) -> OffCentre {
         self.off_centre
-    }
-}
-
-/// What the name of a thing says that it is. A piece has the same number in every run.
-fn obstacle(name: Option<&str>) -> Obstacle {
-    match name {
-        None => Obstacle::Unknown,
-        Some(name) if name.starts_with("wall") || name == "floor-border" => Obstacle::Wall { left: 0, right: 0 },
-        Some(name) => {
-            // FNV-1a.
-            let number = name.bytes().fold(0x811c_9dc5_u32, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193));
-            Obstacle::Luggage(Piece(number))
-        }
     }
 }

@@ -101,6 +101,8 @@ fn bags_are_known_by_their_names_and_walls_are_not_asked_about() {
             let mut cells: Vec<(i32, i32)> = state.luggage.iter().map(|luggage| (luggage.cell.x, luggage.cell.y)).collect();
             cells.sort_unstable();
             assert_eq!(cells, [(1, 6), (3, 3), (5, 1)], "{what}");
+            rig.drawn.sort_unstable();
+            assert_eq!(rig.drawn, ["bottle1", "plasticBox", "table"], "{what}");
             let visited: Vec<(i32, i32)> = eight_by_eight().into_iter().filter(|cell| !cells.contains(cell)).collect();
             assert_eq!(rig.cells(Mark::Visited), visited, "{what}");
         }

@@ -36,6 +36,8 @@ pub(crate) struct Rig {
     /// What the driver wrote down last.
     pub(crate) memory: String,
     answers: BTreeMap<Ticket, Result<Accepted, Refused>>,
+    /// The names of what was drawn.
+    pub(crate) drawn: Vec<String>,
     /// Everything that the driver has reported.
     pub(crate) reports: Vec<RobotEvent>,
     dialect: Dialect,
@@ -53,6 +55,7 @@ impl Rig {
             call: Some(Duration::ZERO),
             memory: String::new(),
             answers: BTreeMap::new(),
+            drawn: Vec::new(),
             reports: Vec::new(),
             dialect,
         }
@@ -257,7 +260,8 @@ impl Rig {
                 self.call = Some(self.now + CALL);
             }
             Output::GiveUp(_) => self.cut(),
-            Output::Draw(order, _) => {
+            Output::Draw(order, subject) => {
+                self.drawn.push(subject.name.unwrap_or_default());
                 let photo = Photo { bytes: Arc::from([1_u8]), media_type: "image/png" };
                 self.driver.handle_drawing(order, photo, self.now());
             }

@@ -15,7 +15,7 @@ use crate::api::time::rfc3339;
 use hallsweep_core::behaviour::Status;
 use hallsweep_core::mission::PhaseName;
 use hallsweep_core::retrieval::ArmState;
-use hallsweep_core::robots::Parts;
+use hallsweep_core::robots::{self, Parts};
 use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Fetcher;
 use hallsweep_core::units::{LuggageId, WallTime};
@@ -213,6 +213,9 @@ impl Inspect<'_> {
 
 impl Robot<'_> {
     fn sonar(&self) -> String {
+        if self.parts().is_some_and(|parts| !parts.has(robots::Part::Sonar)) {
+            return "none".to_owned();
+        }
         self.v.snapshot.robot.sonar_cm.map_or_else(|| "nothing near".to_owned(), |cm| format!("{cm} cm"))
     }
 
@@ -274,7 +277,7 @@ impl Retrieval<'_> {
 
     /// A hook has no figures of how well it holds.
     fn has_arm(&self, robot: &RobotShown) -> bool {
-        robot.parts.is_some_and(|parts| parts.has(hallsweep_core::robots::Part::Arm))
+        robot.parts.is_some_and(|parts| parts.has(robots::Part::Arm))
     }
 
     fn fetcher(&self, fetcher: &Fetcher) -> &'static str {
