@@ -71,6 +71,8 @@ impl Link {
             self.keep();
             if self.writing.is_none() {
                 self.perform().await;
+                // That it was sent is to be known to the next program as well.
+                self.keep();
             }
             if self.report.is_none() && self.writing.is_none() {
                 self.report = self.driver.poll_event();

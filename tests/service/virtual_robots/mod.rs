@@ -53,7 +53,7 @@ fn in_mid_step(robot: &VirtualRobot) {
         std::thread::sleep(Duration::from_millis(2));
     }
     // Longer than it takes to tell it so.
-    std::thread::sleep(Duration::from_millis(60));
+    std::thread::sleep(Duration::from_millis(120));
 }
 
 /// The room as the map shows it in text: four columns and three rows.

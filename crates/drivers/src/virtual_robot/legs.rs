@@ -267,7 +267,7 @@ impl VirtualRobot {
         let Some(task) = self.task.take() else { return };
         self.is_changed = true;
         let Some(leg) = task.leg.filter(Leg::is_sent) else { return };
-        let may_be_unheard = BEGUN + self.greeted_after * 3;
+        let may_be_unheard = BEGUN + self.greeted_after;
         if matches!(leg.stage, Stage::Sent(sent) if self.now.saturating_sub(sent) < may_be_unheard) {
             return self.left_in_doubt();
         }
