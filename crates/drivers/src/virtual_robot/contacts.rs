@@ -176,7 +176,7 @@ impl VirtualRobot {
             }
             Err(Drift { cells, .. }) => {
                 let what = name.unwrap_or("something");
-                self.lose(format!("it met {what} {:.1} cells from where that stands, so it has drifted", cells.abs()));
+                self.lose(&format!("it met {what} {:.1} cells from where that stands, so it has drifted", cells.abs()));
                 false
             }
         }
@@ -203,7 +203,7 @@ impl VirtualRobot {
             let _where_it_is = self.reckoning.meet(name, towards);
         } else {
             let what = name.unwrap_or("something");
-            return self.lose(format!("while it could not be heard it may have met {what}"));
+            return self.lose_sight(&format!("while it could not be heard it may have met {what}"));
         }
         if self.set_right(name, towards) {
             self.go_back();
@@ -221,7 +221,7 @@ impl VirtualRobot {
     /// A thing that moves has touched it, or the word of a contact came after a step was thought to be complete.
     fn contact_at_rest(&mut self) {
         if self.stepped.take().is_some_and(|stepped| self.now.saturating_sub(stepped) < LATE) {
-            self.lose(LATE_WORD.to_owned());
+            self.lose(LATE_WORD);
         }
     }
 

@@ -67,7 +67,7 @@ impl VirtualRobot {
     pub(super) fn gauge_on(&mut self) {
         let longest = self.gauge.unwrap_or_default() * SLOWER;
         if self.gauged.div_duration_f64(self.step) > longest {
-            return self.lose("what its scene file says that stands ahead is not met".to_owned());
+            return self.lose_sight("what its scene file says that stands ahead is not met");
         }
         self.drive(Heading::South, LEG, false);
     }
@@ -83,7 +83,7 @@ impl VirtualRobot {
         let Some(ahead) = self.gauge.take() else { return };
         let step = self.gauged.div_f64(ahead);
         if step.div_duration_f64(self.step) < SLOWER.recip() {
-            return self.lose("something stands much nearer to its start than its scene file says".to_owned());
+            return self.lose_sight("something stands much nearer to its start than its scene file says");
         }
         (self.step, self.is_gauged, self.off_centre, self.is_changed) = (step, true, false, true);
         self.reckoning.set_out_from_home();

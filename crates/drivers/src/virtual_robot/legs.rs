@@ -146,7 +146,7 @@ impl VirtualRobot {
             }
             Aim::Retreat(then) => self.measure(then),
             // What it met from here before it does not meet again: it stands elsewhere, or that was not met here.
-            Aim::Measure(_) => self.lose(LATE_WORD.to_owned()),
+            Aim::Measure(_) => self.lose(LATE_WORD),
             Aim::Touch { is_certain, further } => self.not_touched(is_certain, further),
             Aim::Draw => {}
         }

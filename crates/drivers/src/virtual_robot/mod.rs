@@ -41,7 +41,10 @@ use words::{Command, Heard, Stream};
 const TURN: Duration = Duration::from_millis(400);
 
 /// What is to be done when nobody knows where it stands.
-const PUT_HOME: &str = "open its page anew, so that it stands at its start, and press RESET";
+const PUT_HOME: &str = "open its page anew, so that it stands at its start, and press START";
+
+/// And when what it has told may be wrong as well.
+const BEGIN_ANEW: &str = "open its page anew, so that it stands at its start, and press RESET: the map may be wrong";
 
 /// What a photo may take: drawing it is some hundredths of a second, on a machine that may have much else to do.
 const DRAWING: Duration = Duration::from_secs(2);
@@ -232,12 +235,20 @@ impl VirtualRobot {
         self.answer(|order| RobotEvent::Failed(order, words.to_owned()));
     }
 
+    /// Nobody knows any more where it stands, and something may have been told of the wrong cell.
+    fn lose(&mut self, words: &str) {
+        self.fail_lost(format!("{words}: {BEGIN_ANEW}"));
+    }
+
     /// Nobody knows any more where it stands.
-    fn lose(&mut self, words: String) {
-        let words = format!("{words}: {PUT_HOME}");
+    fn lose_sight(&mut self, words: &str) {
+        self.fail_lost(format!("{words}: {PUT_HOME}"));
+    }
+
+    fn fail_lost(&mut self, words: String) {
         self.off_centre = true;
         self.fail(&words);
-        self.lost = Some(words);
+        (self.lost, self.is_changed) = (Some(words), true);
     }
 
     fn begin(&mut self, action: Action) {

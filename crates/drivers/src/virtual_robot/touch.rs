@@ -39,7 +39,7 @@ impl VirtualRobot {
             return self.go_back();
         }
         if further == FURTHER {
-            return self.lose("what stood ahead of it is not met any more, so it has drifted".to_owned());
+            return self.lose("what stood ahead of it is not met any more, so it has drifted");
         }
         self.aim(Aim::Touch { is_certain, further: further + 1 });
         self.drive(self.reckoning.pose().heading, 1.0, false);

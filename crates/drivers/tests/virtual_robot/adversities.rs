@@ -265,6 +265,32 @@ fn without_a_page_the_link_is_down_and_one_that_is_opened_anew_has_the_robot_at_
     assert_eq!(rig.cells(Mark::Visited), whole());
 }
 
+/// Cut off in the very moment in which it was told to move, it may have moved or not. Its page is opened anew, and START goes on with the map.
+#[test]
+fn a_robot_that_is_lost_is_put_at_its_start_and_the_mission_goes_on() {
+    let mut rig = begun(Version::First, Page::steady(), Strategy::Auto);
+    assert!(rig.until(30, |state| state.robot.pose.cell.y > 3));
+    let is_told = |rig: &Rig| rig.server.page.as_ref().is_some_and(Page::is_moving);
+    while is_told(&rig) {
+        rig.wait(Duration::from_millis(1));
+    }
+    while !is_told(&rig) {
+        rig.wait(Duration::from_millis(1));
+    }
+    rig.cut();
+    assert!(rig.until(5, |state| !state.mission.holds.contains(&Hold::RobotLink)));
+    rig.give(Command::Start).expect("the link stands again");
+    assert!(rig.until(5, |state| state.mission.phase == PhaseName::Fault), "{}", rig.trouble());
+    assert!(rig.state().mission.fault.as_ref().is_some_and(|words| words.contains("press START")), "{:?}", rig.state().mission);
+    rig.server.close();
+    rig.wait(Duration::from_secs(5));
+    rig.server.open(Page::open(room(), Page::steady(), rig.now));
+    assert!(rig.until(5, |state| !state.mission.holds.contains(&Hold::RobotLink)));
+    rig.give(Command::Start).expect("the cause is gone");
+    assert_eq!(rig.explore(300), PhaseName::Explored, "{}", rig.trouble());
+    assert_eq!(rig.cells(Mark::Visited), whole());
+}
+
 /// The server greets all when anybody connects.
 #[test]
 fn clients_from_elsewhere_disturb_nothing() {
