@@ -54,7 +54,10 @@ fn told(scene: &Scene) -> Room {
     let border = scene.floor.z / 2.0 - z + half;
     let is_ahead = |min_x: f64, max_x: f64, min_z: f64| x > min_x - half && x < max_x + half && min_z > z;
     let ahead = scene.statics.iter().filter(|thing| is_ahead(thing.min_x, thing.max_x, thing.min_z)).map(|thing| thing.min_z - z);
-    Room { faces: faces.collect(), ahead: Some((ahead.fold(border, f64::min) - half) / CELL) }
+    let doubled = count.iter().filter(|(_, times)| **times > 1).map(|(name, _)| (*name).to_owned());
+    let moving = scene.moving.iter().map(|thing| thing.name.clone());
+    let unfixed = doubled.chain(moving).collect();
+    Room { faces: faces.collect(), unfixed, ahead: Some((ahead.fold(border, f64::min) - half) / CELL) }
 }
 
 #[cfg(test)]
@@ -80,7 +83,7 @@ mod tests {
             {name: 'box', centerPosition: {x: 0.5, y: 0.5}, size: {x: 0.1, y: 0.1}},
             {name: 'box', centerPosition: {x: 0.9, y: 0.5}, size: {x: 0.1, y: 0.1}}]};\nexport default config;";
         let room = told(&Scene::parse("test", scene.as_bytes()).expect("a scene"));
-        assert_eq!(room.faces, []);
+        assert_eq!((room.faces, room.unfixed), (vec![], vec!["box".to_owned()]));
         assert_eq!(room.ahead, Some(4.0), "the border of the floor");
     }
 }

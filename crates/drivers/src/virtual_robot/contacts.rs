@@ -16,7 +16,7 @@ const REACHED: f64 = 0.15;
 const TOUCHED: f64 = 0.12;
 
 /// A latency beyond this is none: the page has hung.
-const SLOWEST: Duration = Duration::from_millis(500);
+pub(super) const SLOWEST: Duration = Duration::from_millis(500);
 
 /// A contact that is heard so long after the end of a step, with nothing met since, was one of that step.
 const LATE: Duration = Duration::from_secs(3);
@@ -36,38 +36,38 @@ impl VirtualRobot {
     /// Something was met.
     pub(super) fn contact(&mut self, name: Option<String>) {
         let Some(leg) = self.leg().copied().filter(Leg::is_sent) else { return self.contact_at_rest() };
-        let (Way::Straight { towards, cells, .. }, Some(aim)) = (leg.way, self.task.as_ref().map(|task| task.aim)) else {
+        let (Way::Straight { towards, cells, before, .. }, Some(aim)) = (leg.way, self.task.as_ref().map(|task| task.aim)) else {
             // In a turn nothing is met.
             return self.contact_at_rest();
         };
         let since_sent = match leg.stage {
             Stage::Sent(sent) => self.now.saturating_sub(sent),
             Stage::Halting { lasted, .. } => lasted.min(leg.lasts()) + self.latency(),
-            Stage::Fresh(_) | Stage::Refused(_) | Stage::Queued => return,
+            Stage::Fresh | Stage::Refused(_) | Stage::Queued => return,
         };
         let driven = since_sent.saturating_sub(self.latency()).min(leg.lasts());
         let way = driven.div_duration_f64(self.step).min(cells);
         (self.met, self.is_changed, self.stepped) = (name.clone(), true, None);
+        if matches!(leg.stage, Stage::Halting { .. }) {
+            return self.contact_while_halting(name.as_deref(), towards, way);
+        }
         if aim == Aim::Feel {
             return self.felt_contact(name.as_deref(), towards, way);
         }
         if let Aim::Measure(then) = aim {
-            return self.measured(since_sent, towards, then);
+            return self.measured(before, since_sent, towards, then);
         }
         let is_known = self.reckoning.knows(name.as_deref(), towards);
         self.reckoning.advance(towards, way);
         self.off_centre = true;
-        if aim == Aim::Gauge && !matches!(leg.stage, Stage::Halting { .. }) {
+        if aim == Aim::Gauge {
             return self.gauge_ends(driven);
         }
-        if !self.set_right(name.as_deref(), towards) {
+        if !self.is_gauging() && !self.set_right(name.as_deref(), towards) {
             return;
         }
-        if matches!(leg.stage, Stage::Halting { .. }) {
-            return self.answer(|order| RobotEvent::Halted(order, true));
-        }
         match aim {
-            Aim::Step(to) if self.latency.is_none() && !driven.is_zero() => self.retreat(driven, Then::Met(to)),
+            Aim::Step(to) if self.latency.is_none() && !driven.is_zero() => self.retreat(before + driven, Then::Met(to)),
             Aim::Step(to) if !is_known && self.has_drifted_into(to, towards) => self.complete(to),
             Aim::Step(to) => self.met(to, towards),
             Aim::Touch { .. } => {
@@ -79,6 +79,16 @@ impl VirtualRobot {
             }
             // They end above, or nothing moves.
             Aim::Measure(_) | Aim::Feel | Aim::Draw => {}
+        }
+    }
+
+    /// Right before a halt it has met something: it stands there, and nothing else follows.
+    fn contact_while_halting(&mut self, name: Option<&str>, towards: Heading, way: f64) {
+        let is_known_where = self.unheard.is_none() && !self.is_gauging();
+        self.moved(towards, way);
+        self.off_centre = true;
+        if !is_known_where || self.set_right(name, towards) {
+            self.answer(|order| RobotEvent::Halted(order, true));
         }
     }
 
@@ -121,11 +131,11 @@ impl VirtualRobot {
     }
 
     /// Against what it had met it went once more: by so much longer than the way takes the word of it came.
-    fn measured(&mut self, since_sent: Duration, towards: Heading, then: Then) {
+    fn measured(&mut self, before: Duration, since_sent: Duration, towards: Heading, then: Then) {
         let Some(driven) = self.first_contact.take() else { return self.go_back() };
-        let latency = since_sent.saturating_sub(driven).min(SLOWEST);
+        let latency = (before + since_sent).saturating_sub(driven).min(SLOWEST);
         self.latency = Some(latency);
-        self.reckoning.advance(towards, driven.div_duration_f64(self.step));
+        self.reckoning.advance(towards, driven.saturating_sub(before).div_duration_f64(self.step));
         // When it was met first, it had driven less than was counted, or more, by the same.
         let by = (LATENCY.as_secs_f64() - latency.as_secs_f64()) / self.step.as_secs_f64();
         match then {

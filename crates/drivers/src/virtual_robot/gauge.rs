@@ -21,6 +21,8 @@ const LEG: f64 = 1.0;
 pub struct Room {
     /// Every face of everything that has a name of its own.
     pub faces: Vec<Face>,
+    /// The names of things that move, and of those that share theirs: they say nothing of where the robot is.
+    pub unfixed: Vec<String>,
     /// How far it is from the start to the first thing to the south.
     pub ahead: Option<f64>,
 }
@@ -43,6 +45,9 @@ impl VirtualRobot {
         for Face { name, towards, at } in &room.faces {
             self.reckoning.place(name, *towards, *at);
         }
+        for name in &room.unfixed {
+            self.reckoning.pass_over(name);
+        }
         self.gauge = room.ahead.filter(|ahead| *ahead >= SHORTEST && !self.is_gauged);
         self
     }
@@ -55,6 +60,12 @@ impl VirtualRobot {
 
     pub(super) fn is_to_be_gauged(&self) -> bool {
         self.gauge.is_some() && !self.off_centre && self.reckoning.pose() == Pose::START
+    }
+
+    /// Whether lengths are counted by a step that is not gauged yet.
+    pub(super) fn is_gauging(&self) -> bool {
+        let aim = self.task.as_ref().map(|task| task.aim);
+        matches!(aim, Some(Aim::Gauge | Aim::Gauged | Aim::Retreat(Then::Gauged) | Aim::Measure(Then::Gauged)))
     }
 
     pub(super) fn begin_gauging(&mut self) {

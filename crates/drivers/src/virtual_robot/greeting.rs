@@ -7,8 +7,11 @@ use super::{Dialect, Leg, Stage, VirtualRobot};
 use crate::Output;
 use hallsweep_core::event::{RobotEvent, Whereabouts};
 
-/// So long a greeting is waited for when a connection was made; an order waits longer than that.
-pub(super) const GREETING: Duration = Duration::from_secs(2);
+/// So long a greeting is waited for when a connection was made.
+pub(super) const GREETING: Duration = Duration::from_secs(1);
+
+/// So many connections in a row that are not greeted say that there is no page: one may be that of a server that is busy.
+const UNGREETED: u8 = 2;
 
 /// So often it is looked whether its page is still open, while it stands.
 const LOOK: Duration = Duration::from_secs(1);
@@ -19,11 +22,11 @@ impl VirtualRobot {
         if !self.is_greeted {
             self.greeted_after = self.now.saturating_sub(self.connected);
         }
-        (self.greeting, self.looked, self.is_greeted, self.has_server_ended) = (None, self.now, true, false);
+        (self.greeting, self.looked, self.is_greeted, self.has_server_ended, self.ungreeted) = (None, self.now, true, false, 0);
         if std::mem::take(&mut self.is_page_closed) {
             self.page_opened_anew();
         }
-        if matches!(self.leg(), Some(Leg { stage: Stage::Fresh(_), .. })) {
+        if matches!(self.leg(), Some(Leg { stage: Stage::Fresh, .. })) {
             self.queue();
         } else if !self.is_up {
             (self.is_up, self.said) = (true, None);
@@ -39,11 +42,19 @@ impl VirtualRobot {
         self.is_changed = true;
     }
 
-    /// A well server that does not greet has no page.
+    /// A well server that does not greet one connection, and not the next, has no page.
     pub(super) fn not_greeted(&mut self) {
-        (self.greeting, self.looked) = (None, self.now);
-        self.is_page_closed = !self.has_server_ended;
+        // The next connection is made at once.
+        (self.greeting, self.looked) = (None, self.now.saturating_sub(LOOK));
+        self.ungreeted = self.ungreeted.saturating_add(1);
+        self.is_page_closed = self.ungreeted >= UNGREETED && !self.has_server_ended;
         self.go_down("no page of the virtual robot is open: open the address of its server in a browser");
+    }
+
+    /// A new connection is made: until it stands nothing is waited for.
+    pub(super) fn reconnect(&mut self) {
+        (self.is_connected, self.greeting) = (false, None);
+        self.outputs.push_back(Output::Reconnect);
     }
 
     /// When it is to be looked after although nothing is wanted of it: a page may be closed or opened anew, or another client may have
@@ -68,8 +79,7 @@ impl VirtualRobot {
             self.not_greeted();
         }
         if self.look().is_some_and(|at| at <= self.now) {
-            self.greeting = Some(self.now + GREETING);
-            self.outputs.push_back(Output::Reconnect);
+            self.reconnect();
         }
     }
 }

@@ -12,20 +12,23 @@ pub(super) struct Leg {
     pub(super) stage: Stage,
     /// Whether the server has said that it has ended.
     pub(super) is_acknowledged: bool,
+    /// Whether a halt has come that it cannot obey: a turn ends by itself, and is not begun again.
+    pub(super) is_halted: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Way {
-    /// So many cells this way, with its front ahead or behind, and how long that is asked for.
-    Straight { towards: Heading, cells: f64, backward: bool, lasts: Duration },
+    /// So many cells this way, with its front ahead or behind, and how long that is asked for; so many cells are left for further
+    /// legs, and so long the legs before it have lasted.
+    Straight { towards: Heading, cells: f64, backward: bool, lasts: Duration, rest: f64, before: Duration },
     /// A quarter turn.
     Turn { left: bool, lasts: Duration },
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Stage {
-    /// It waits for a new connection, which shows that a page is open and that what it says comes to us, until then.
-    Fresh(Duration),
+    /// It waits for a new connection, which shows that a page is open and that what it says comes to us.
+    Fresh,
     /// It was not begun, because another one was under way, and is tried again then.
     Refused(Duration),
     /// It is on its way to the robot.
@@ -38,7 +41,7 @@ pub(super) enum Stage {
 
 impl Leg {
     pub(super) const fn new(way: Way, stage: Stage) -> Leg {
-        Leg { way, stage, is_acknowledged: false }
+        Leg { way, stage, is_acknowledged: false, is_halted: false }
     }
 
     pub(super) const fn command(&self) -> Command {

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::contacts::LATE_WORD;
 use super::memory::Unheard;
-use super::{Aim, Command, Dialect, GREETING, Leg, PUT_HOME, Stage, VirtualRobot, Way};
+use super::{Aim, Command, Dialect, Leg, PUT_HOME, Stage, VirtualRobot, Way};
 use crate::Output;
 use hallsweep_core::event::RobotEvent;
 use hallsweep_core::units::{Heading, Pose};
@@ -22,8 +22,11 @@ const FIRST_MARGIN: Duration = Duration::from_millis(400);
 /// Nearer to the centre than a frame of the page brings it, it is centred.
 const CENTRED: f64 = 0.04;
 
-/// No leg is longer than that, in cells, so that a robot whose program has died stops within half a second (safety S5).
-const LONGEST: f64 = 1.25;
+/// No leg lasts longer, so that a robot whose program has died stops within half a second (safety S5). What is longer is driven in several.
+const LONGEST: Duration = Duration::from_millis(450);
+
+/// An order moves it no further than that at once, in cells.
+const FURTHEST: f64 = 1.5;
 
 /// How far ahead it feels whether a step is complete.
 const FEELS: f64 = 0.3;
@@ -47,18 +50,24 @@ impl VirtualRobot {
     }
 
     pub(super) fn drive(&mut self, towards: Heading, cells: f64, backward: bool) {
-        let cells = cells.clamp(0.0, 1.5);
-        let way = Way::Straight { towards, cells, backward, lasts: self.step.mul_f64(cells) };
+        self.drive_on(towards, cells, backward, Duration::ZERO);
+    }
+
+    fn drive_on(&mut self, towards: Heading, cells: f64, backward: bool, before: Duration) {
+        let all = cells.clamp(0.0, FURTHEST);
+        let legs = (self.step.mul_f64(all).div_duration_f64(LONGEST)).ceil().max(1.0);
+        let cells = all / legs;
+        let way = Way::Straight { towards, cells, backward, lasts: self.step.mul_f64(cells), rest: all - cells, before };
         self.set_out(way);
     }
 
     pub(super) fn set_out(&mut self, way: Way) {
-        let leg = Leg::new(way, Stage::Fresh(self.now + GREETING));
+        let leg = Leg::new(way, Stage::Fresh);
         if let Some(task) = &mut self.task {
             task.leg = Some(leg);
         }
         match self.dialect {
-            Dialect::Semicolons => self.outputs.push_back(Output::Reconnect),
+            Dialect::Semicolons => self.reconnect(),
             Dialect::Messages => self.queue(),
         }
     }
@@ -76,8 +85,8 @@ impl VirtualRobot {
     pub(super) fn leg_due(&self) -> Option<Duration> {
         let leg = self.leg()?;
         match leg.stage {
-            Stage::Fresh(until) | Stage::Refused(until) | Stage::Halting { until, .. } => Some(until),
-            Stage::Queued => None,
+            Stage::Refused(until) | Stage::Halting { until, .. } => Some(until),
+            Stage::Fresh | Stage::Queued => None,
             Stage::Sent(sent) if self.awaits_word(leg) => Some(self.end_of(leg, sent) + UNACKNOWLEDGED),
             Stage::Sent(sent) => Some(self.end_of(leg, sent)),
         }
@@ -101,36 +110,48 @@ impl VirtualRobot {
         }
         let Some(leg) = self.leg().copied() else { return };
         match leg.stage {
-            Stage::Fresh(_) => self.not_greeted(),
             Stage::Refused(_) => self.queue(),
             Stage::Halting { lasted, .. } => self.halted(leg, lasted),
-            Stage::Sent(_) if self.awaits_word(&leg) => self.fail("it did not say that the move has ended: is its page open?"),
+            Stage::Sent(_) if self.awaits_word(&leg) => {
+                self.lose_sight("it did not say that the move has ended, so maybe its page was closed");
+            }
             Stage::Sent(_) => self.ended(leg),
-            Stage::Queued => {}
+            Stage::Fresh | Stage::Queued => {}
         }
     }
 
     fn give_up(&mut self) {
-        if let Some(leg) = self.leg().copied().filter(Leg::is_sent) {
-            self.cut_short(leg);
-            self.send(Command::Alarm);
-            self.off_centre = true;
+        match self.leg().copied().filter(Leg::is_sent) {
+            Some(Leg { way: Way::Turn { .. }, .. }) => self.lose_sight("it did not turn in time"),
+            Some(leg) => {
+                self.cut_short(leg);
+                self.send(Command::Alarm);
+                self.off_centre = true;
+                self.fail("it did not finish in time and was halted");
+            }
+            None => self.fail("it could not be told in time"),
         }
-        self.fail("it did not finish in time and was halted");
     }
 
     /// A leg came to its end, and nothing was met.
     fn ended(&mut self, leg: Leg) {
         let Some(aim) = self.task.as_ref().map(|task| task.aim) else { return };
         self.is_changed = true;
-        if let Way::Straight { towards, cells, .. } = leg.way
-            && aim != Aim::Feel
-        {
-            self.reckoning.advance(towards, cells);
+        if let Way::Straight { towards, cells, backward, lasts, rest, before } = leg.way {
+            if aim == Aim::Gauge {
+                self.gauged += lasts;
+            }
+            if aim != Aim::Feel {
+                self.reckoning.advance(towards, cells);
+            }
+            if rest > CENTRED / 2.0 {
+                self.off_centre = true;
+                return self.drive_on(towards, rest, backward, before + lasts);
+            }
         }
         match aim {
             Aim::Step(to) => {
-                self.stepped = Some(self.now);
+                (self.stepped, self.off_centre) = (Some(self.now), false);
                 self.complete(to);
             }
             Aim::Turn(to) => self.complete(to),
@@ -141,7 +162,6 @@ impl VirtualRobot {
             Aim::Back | Aim::Return | Aim::Gauged => self.go_back(),
             Aim::Gauge => {
                 self.off_centre = true;
-                self.gauged += leg.lasts();
                 self.gauge_on();
             }
             Aim::Retreat(then) => self.measure(then),
@@ -179,7 +199,7 @@ impl VirtualRobot {
         if !matches!(self.task.as_ref().map(|task| task.aim), Some(Aim::Return | Aim::Gauged)) {
             self.aim(Aim::Back);
         }
-        let cells = ahead.abs().min(LONGEST);
+        let cells = ahead.abs();
         if ahead > 0.0 { self.drive(heading, cells, false) } else { self.drive(heading.opposite(), cells, true) }
     }
 
@@ -201,9 +221,11 @@ impl VirtualRobot {
     }
 
     pub(super) fn refused(&mut self) {
-        let again = self.now + AGAIN;
-        if let Some(leg) = self.leg_mut().filter(|leg| matches!(leg.stage, Stage::Sent(_))) {
-            leg.stage = Stage::Refused(again);
+        let (again, off_centre) = (self.now + AGAIN, self.off_centre);
+        match self.leg_mut() {
+            Some(leg) if leg.is_halted => self.answer(|order| RobotEvent::Halted(order, off_centre)),
+            Some(leg) if matches!(leg.stage, Stage::Sent(_)) => leg.stage = Stage::Refused(again),
+            Some(_) | None => {}
         }
     }
 
@@ -218,9 +240,14 @@ impl VirtualRobot {
                     leg.stage = Stage::Halting { lasted, until };
                 }
             }
-            (Stage::Sent(_), Way::Turn { .. }) | (Stage::Halting { .. }, _) => {}
-            (Stage::Fresh(_) | Stage::Refused(_) | Stage::Queued, _) => {
-                self.outputs.clear();
+            (Stage::Sent(_), Way::Turn { .. }) => {
+                if let Some(leg) = self.leg_mut() {
+                    leg.is_halted = true;
+                }
+            }
+            (Stage::Halting { .. }, _) => {}
+            (Stage::Fresh | Stage::Refused(_) | Stage::Queued, _) => {
+                self.outputs.retain(|output| !matches!(output, Output::Send(_)));
                 let off_centre = self.off_centre;
                 self.answer(|order| RobotEvent::Halted(order, off_centre));
             }
@@ -228,21 +255,31 @@ impl VirtualRobot {
     }
 
     fn halted(&mut self, leg: Leg, lasted: Duration) {
-        if let Way::Straight { towards, lasts, .. } = leg.way {
-            let way = lasted.min(lasts).div_duration_f64(self.step);
-            match &mut self.unheard {
-                Some(unheard) => unheard.felt += way,
-                None => self.reckoning.advance(towards, way),
-            }
-        }
+        self.moved_for(leg, lasted);
         (self.off_centre, self.met) = (true, None);
         self.answer(|order| RobotEvent::Halted(order, true));
     }
 
     fn cut_short(&mut self, leg: Leg) {
-        if let (Stage::Sent(sent), Way::Straight { towards, lasts, .. }) = (leg.stage, leg.way) {
-            let lasted = self.now.saturating_sub(sent).min(lasts);
-            self.reckoning.advance(towards, lasted.div_duration_f64(self.step));
+        match leg.stage {
+            Stage::Sent(sent) => self.moved_for(leg, self.now.saturating_sub(sent)),
+            Stage::Halting { lasted, .. } => self.moved_for(leg, lasted),
+            Stage::Fresh | Stage::Refused(_) | Stage::Queued => {}
+        }
+    }
+
+    fn moved_for(&mut self, leg: Leg, lasted: Duration) {
+        if let Way::Straight { towards, lasts, .. } = leg.way {
+            self.moved(towards, lasted.min(lasts).div_duration_f64(self.step));
+        }
+    }
+
+    /// It has moved so far, from where it is taken to stand or, when it only feels, from where it stands in truth.
+    pub(super) fn moved(&mut self, towards: Heading, cells: f64) {
+        self.first_contact = None;
+        match &mut self.unheard {
+            Some(unheard) => unheard.felt += cells,
+            None => self.reckoning.advance(towards, cells),
         }
     }
 
@@ -255,8 +292,9 @@ impl VirtualRobot {
     /// It was going forward against something that stands there, and has met it by itself.
     fn left_against_something(&mut self) {
         let heading = self.reckoning.pose().heading;
-        if let Some((way, _)) = self.reckoning.contact_ahead() {
-            self.reckoning.advance(heading, way);
+        match self.reckoning.contact_ahead() {
+            Some((way, true)) => self.reckoning.advance(heading, way),
+            Some((_, false)) | None => self.left_in_doubt(),
         }
         self.off_centre = true;
     }
@@ -276,7 +314,7 @@ impl VirtualRobot {
             (Way::Straight { towards, cells, .. }, Aim::Step(_)) => {
                 let cells = match leg.stage {
                     Stage::Halting { lasted, .. } => cells.min(lasted.div_duration_f64(self.step)),
-                    Stage::Fresh(_) | Stage::Refused(_) | Stage::Queued | Stage::Sent(_) => cells,
+                    Stage::Fresh | Stage::Refused(_) | Stage::Queued | Stage::Sent(_) => cells,
                 };
                 (self.off_centre, self.unheard) = (true, Some(Unheard { towards, cells, felt: 0.0 }));
             }

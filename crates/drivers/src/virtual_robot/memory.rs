@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
+use super::contacts::SLOWEST;
 use super::leg::Stage;
 use super::reckoning::Reckoning;
 use super::{Aim, Dialect, VirtualRobot};
@@ -31,6 +32,7 @@ struct Remembered {
     is_gauged: bool,
     latency_s: Option<f64>,
     off_centre: bool,
+    led: bool,
     unheard: Option<(String, f64, f64)>,
     lost: Option<String>,
 }
@@ -54,16 +56,18 @@ impl VirtualRobot {
                 Some(Unheard { towards, cells, felt })
             }
         };
-        let latency = remembered.latency_s.map(|seconds| Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string()));
-        if !remembered.reckoning.is_sound() || !STEPS.contains(&remembered.step_s) {
+        let is_measured = |seconds: f64| SLOWEST.as_secs_f64() >= seconds && seconds >= 0.0;
+        let are_times = remembered.latency_s.is_none_or(is_measured) && STEPS.contains(&remembered.step_s);
+        if !remembered.reckoning.is_sound() || !are_times {
             return Err("it says that the robot stands where none can be".to_owned());
         }
         Ok(VirtualRobot {
             reckoning: remembered.reckoning,
             step: Duration::from_secs_f64(remembered.step_s),
             is_gauged: remembered.is_gauged,
-            latency: latency.transpose()?,
+            latency: remembered.latency_s.map(Duration::from_secs_f64),
             off_centre: remembered.off_centre || unheard.is_some(),
+            led: remembered.led,
             unheard,
             lost: remembered.lost,
             ..VirtualRobot::new(dialect, step)
@@ -96,6 +100,7 @@ impl VirtualRobot {
             is_gauged: self.is_gauged,
             latency_s: self.latency.map(|latency| latency.as_secs_f64()),
             off_centre: left.off_centre,
+            led: self.led,
             unheard,
             lost: left.lost,
         };

@@ -78,6 +78,8 @@ pub struct VirtualRobot {
     /// How long the server took to greet, at the last connection.
     greeted_after: Duration,
     connected: Duration,
+    /// How many connections in a row it has not greeted.
+    ungreeted: u8,
     /// Whether the server is well and has no page; when it has ended, its page may still be there.
     is_page_closed: bool,
     has_server_ended: bool,
@@ -86,6 +88,8 @@ pub struct VirtualRobot {
     said: Option<String>,
     task: Option<Task>,
     off_centre: OffCentre,
+    /// Whether a search is under way, as far as a light would say so.
+    led: bool,
     /// A motion whose end nobody has heard.
     unheard: Option<Unheard>,
     /// Why nobody knows where it stands, until its page is opened anew.
@@ -168,12 +172,14 @@ impl VirtualRobot {
             looked: Duration::ZERO,
             greeted_after: Duration::ZERO,
             connected: Duration::ZERO,
+            ungreeted: 0,
             is_page_closed: false,
             has_server_ended: false,
             is_up: false,
             said: None,
             task: None,
             off_centre: false,
+            led: false,
             unheard: None,
             lost: None,
             met: None,
@@ -346,6 +352,7 @@ impl Driver for VirtualRobot {
         self.task = Some(Task { order: id, action, deadline, aim: Aim::Back, leg: None, hindered: 0 });
         match self.lost.clone().filter(|_| action.is_motion()) {
             Some(lost) => self.fail(&lost),
+            None if !self.is_up => self.fail("it is not connected"),
             None if !action.is_motion() => self.begin(action),
             None if self.is_to_be_gauged() => self.begin_gauging(),
             None => match self.is_to_touch(order.deadline) {
@@ -362,9 +369,10 @@ impl Driver for VirtualRobot {
 
     /// It has none; but where one begins to blink a search begins, whose map is empty.
     fn handle_led(&mut self, blinks: bool, _: Now) {
-        if blinks {
+        if blinks && !self.led {
             self.reckoning.begin_search();
         }
+        (self.led, self.is_changed) = (blinks, true);
     }
 
     fn handle_drawing(&mut self, order: OrderId, drawing: Photo, _: Now) {

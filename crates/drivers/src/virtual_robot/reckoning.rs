@@ -23,6 +23,9 @@ const FACES: usize = 4096;
 /// So many cells that it has stood in: a page of a hundred a side is a large one.
 const CELLS: usize = 16_384;
 
+/// No room reaches so far, in cells.
+const FURTHEST: i32 = 100_000;
+
 /// A way shorter than this, in cells, does not tell how fast the robot is: a frame of its page is a twentieth of a cell.
 const GAUGED: f64 = 2.0;
 
@@ -41,6 +44,9 @@ pub(super) struct Reckoning {
     contacts: BTreeMap<String, String>,
     /// The cells in which it has stood.
     stood: BTreeSet<(i32, i32)>,
+    /// The names of what moves, or is there more than once.
+    #[serde(skip)]
+    unfixed: BTreeSet<String>,
     /// On each axis, whether anything was told of since that a wrong reckoning would have put in the wrong place.
     has_news: [bool; 2],
     /// On each axis, since it last met something whose place is known.
@@ -74,6 +80,7 @@ impl Reckoning {
             faces: BTreeMap::new(),
             contacts: BTreeMap::new(),
             stood: BTreeSet::from([(0, 0)]),
+            unfixed: BTreeSet::new(),
             has_news: [false; 2],
             since: [None; 2],
         }
@@ -82,7 +89,13 @@ impl Reckoning {
     /// Put down at home again, in the same room.
     pub(super) fn put_home(&mut self) {
         let known = std::mem::replace(self, Reckoning::at_home());
-        *self = Reckoning { faces: known.faces, contacts: known.contacts, stood: known.stood, ..Reckoning::at_home() };
+        *self = Reckoning {
+            faces: known.faces,
+            contacts: known.contacts,
+            stood: known.stood,
+            unfixed: known.unfixed,
+            ..Reckoning::at_home()
+        };
     }
 
     /// Whether what was read back can be true.
@@ -92,7 +105,9 @@ impl Reckoning {
             && self.stood.len() <= CELLS
             && self.faces.values().all(|face| bounded(*face));
         let since = self.since.iter().flatten().all(|since| [since.at, since.ahead, since.driven].into_iter().all(bounded));
-        named(&self.heading).is_some() && self.at.into_iter().all(bounded) && faces && since
+        let is_near = |(x, y): &(i32, i32)| x.abs().max(y.abs()) < FURTHEST;
+        let cells = self.stood.iter().chain([&self.cell]).all(is_near);
+        cells && named(&self.heading).is_some() && self.at.into_iter().all(bounded) && faces && since
     }
 
     pub(super) fn pose(&self) -> Pose {
@@ -127,7 +142,8 @@ impl Reckoning {
     /// It has met this thing, coming this way: the reckoning is set right by it, or the thing's place is now known. By how much what
     /// was counted exceeded what it really drove, when that was far enough to tell.
     pub(super) fn meet(&mut self, name: Option<&str>, towards: Heading) -> Result<Option<f64>, Drift> {
-        let Some(key) = name.map(|name| key(name, towards)) else { return Ok(None) };
+        let Some(name) = name.filter(|name| !self.unfixed.contains(*name)) else { return Ok(None) };
+        let key = key(name, towards);
         if towards == self.pose().heading && self.contacts.len() < FACES {
             self.contacts.insert(self.contact_key(), key.clone());
         }
@@ -206,6 +222,11 @@ impl Reckoning {
         if self.faces.len() < FACES {
             self.faces.insert(key(name, towards), at);
         }
+    }
+
+    /// This thing is not met twice in the same place.
+    pub(super) fn pass_over(&mut self, name: &str) {
+        self.unfixed.insert(name.to_owned());
     }
 
     /// It stands right at home, from where it has never gone.

@@ -71,7 +71,7 @@ impl Scene {
         });
         let is_ahead = |thing: &&Thing| px >= thing.x.0 && px <= thing.x.1 && thing.z.0 > pz;
         let ahead = self.things.iter().filter(is_ahead).map(|thing| (thing.z.0 - pz) / 4.0).reduce(f64::min);
-        Room { faces: faces.collect(), ahead }
+        Room { faces: faces.collect(), unfixed: Vec::new(), ahead }
     }
 
     fn collision(&self, (x, z): (f64, f64)) -> Option<&str> {
