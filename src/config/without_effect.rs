@@ -15,7 +15,7 @@ const OF_SOME_KINDS: [(&str, &[RobotKind]); 8] = [
     ("photo_failure_rate", &[RobotKind::Sim]),
     ("sonar_noise_cm", &[RobotKind::Sim]),
     ("baud", &[RobotKind::Line]),
-    ("step_ms", &[RobotKind::VirtualTcp, RobotKind::VirtualWs, RobotKind::Line]),
+    ("step_ms", &[RobotKind::VirtualTcp, RobotKind::VirtualWs]),
     ("scene", &[RobotKind::VirtualTcp, RobotKind::VirtualWs]),
 ];
 

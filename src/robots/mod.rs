@@ -10,6 +10,7 @@ pub mod emulator;
 mod external;
 mod factory;
 pub mod sim;
+mod waits;
 
 pub use external::UnusableScene;
 pub use factory::{Robots, Unusable};

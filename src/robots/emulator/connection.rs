@@ -14,7 +14,7 @@ use hallsweep_core::rng::RandomStream;
 /// Photos are written in pieces of so many bytes.
 const PIECE: usize = 16 << 10;
 
-/// So many pieces wait at most, each way; then nothing more is heard, or said.
+/// Where so many pieces wait already nothing more is heard, and nothing more said; one photo adds what it has.
 const WAITING: usize = 64;
 
 pub(super) struct Connection {

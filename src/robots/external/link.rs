@@ -5,13 +5,13 @@ use std::io;
 use std::pin::Pin;
 use std::time::Duration;
 
-use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 use tokio::time::Instant;
 
 use super::drawing;
 use super::memory_file::MemoryFile;
 use super::wire::{Address, Wire};
+use crate::robots::waits::{done, done_for, hand_over};
 use crate::runtime::clock::Clock;
 use crate::runtime::link::{RobotSide, Stamped};
 use hallsweep_core::event::{Photo, RobotEvent};
@@ -79,11 +79,15 @@ impl Link {
             }
             let free = self.report.is_none() && self.writing.is_none();
             let wake = self.wake();
+            if free && wake <= self.clock.instant(self.clock.now().since_start) {
+                // A robot that never stops talking would keep it waiting.
+                self.driver.handle_timeout(self.clock.now());
+            }
             tokio::select! {
                 biased;
                 halts = self.side.halts.raised() => self.halt(halts.count).await,
                 sent = hand_over(&self.side.reports, &mut self.report), if self.report.is_some() => if !sent { return },
-                file = written(&mut self.writing) => self.file = file,
+                file = done(&mut self.writing) => self.file = file,
                 Ok(()) = self.side.led.changed() => {
                     let blinks = *self.side.led.borrow_and_update();
                     self.driver.handle_led(blinks, self.clock.now());
@@ -92,8 +96,9 @@ impl Link {
                     Some(stamped) => self.order(stamped),
                     None => return,
                 },
-                drawn = drawn(&mut self.drawing), if free => self.deliver(drawn),
-                happening = self.connection.happening(), if free => self.happened(happening),
+                drawn = done_for(&mut self.drawing), if free => self.deliver(drawn),
+                // While something is written down too: when a word comes is what counts.
+                happening = self.connection.happening(), if self.report.is_none() => self.happened(happening),
                 () = tokio::time::sleep_until(wake), if free => self.driver.handle_timeout(self.clock.now()),
             }
         }
@@ -144,11 +149,14 @@ impl Link {
         }
     }
 
+    /// A connection that is being made, or whose end is waited for, is as good as a new one.
     fn reconnect(&mut self) {
-        let connection = std::mem::replace(&mut self.connection, Connection::Calling(self.address.call()));
-        if let Connection::Stands(wire) = connection {
-            self.connection = Connection::Closing(wire.close());
-        }
+        let call = Connection::Calling(self.address.call());
+        self.connection = match std::mem::replace(&mut self.connection, call) {
+            Connection::Stands(wire) => Connection::Closing(wire.close()),
+            Connection::Waiting(_) => return,
+            under_way @ (Connection::Calling(_) | Connection::Closing(_)) => under_way,
+        };
     }
 
     fn cannot_be_reached(&self, error: &io::Error) -> String {
@@ -214,29 +222,4 @@ impl Connection {
             }
         }
     }
-}
-
-/// Sends the report as soon as there is room for it; false when nobody receives any more.
-async fn hand_over(reports: &mpsc::Sender<RobotEvent>, report: &mut Option<RobotEvent>) -> bool {
-    let Ok(room) = reports.reserve().await else { return false };
-    if let Some(report) = report.take() {
-        room.send(report);
-    }
-    true
-}
-
-/// Waits for the file being written; for ever when it is not.
-async fn written(writing: &mut Option<JoinHandle<MemoryFile>>) -> Option<MemoryFile> {
-    let Some(under_way) = writing else { return std::future::pending().await };
-    let file = under_way.await.ok();
-    *writing = None;
-    file
-}
-
-/// Waits for the drawing being made; for ever when there is none.
-async fn drawn(drawing: &mut Option<(OrderId, JoinHandle<Photo>)>) -> (OrderId, Option<Photo>) {
-    let Some((order, making)) = drawing else { return std::future::pending().await };
-    let drawn = (*order, making.await.ok());
-    *drawing = None;
-    drawn
 }

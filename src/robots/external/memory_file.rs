@@ -1,18 +1,43 @@
 //! Keeps what the next program must know of a robot that does not know itself where it stands, in one small file of the data folder. It is
 //! replaced as a whole and nothing is flushed: that outlives `kill -9`. What stands in it is the driver's business.
+//!
+//! A file that could not be replaced tells of a place where the robot does not stand any more: it is given another name, which says so.
 
-use std::path::Path;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
 
-use crate::robots::sim::StateFileError;
 use crate::storage::small_file::SmallFile;
 use hallsweep_core::event::RobotId;
 
 /// More than a driver ever writes.
 const MOST: usize = 1 << 20;
 
+/// Why nobody knows where a robot stands, said with the file and what to do.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum MemoryFileError {
+    #[error(
+        "cannot read {} ({error}): make it a file that whoever runs hallsweep can read; or put the robot at its start, move the file away, and start \
+         again", .path.display()
+    )]
+    Unreadable { path: PathBuf, error: io::Error },
+    #[error(
+        "{} is damaged: {fault}; put the robot at its start, move the file away, and start again: what is on record stays", .path.display()
+    )]
+    Damaged { path: PathBuf, fault: String },
+    #[error(
+        "{} is out of date, since the disk could not be written: put the robot at its start, remove the file, and start again: what is on record stays",
+        .path.display()
+    )]
+    OutOfDate { path: PathBuf },
+}
+
 #[derive(Debug)]
 pub(super) struct MemoryFile {
     file: SmallFile,
+    /// What it is called when it could not be replaced.
+    out_of_date: PathBuf,
+    is_out_of_date: bool,
     /// Which robot it is of: its kind and where it is.
     whose: String,
 }
@@ -20,25 +45,32 @@ pub(super) struct MemoryFile {
 impl MemoryFile {
     /// The file of this robot in the folder `dir`, and what stands in it; nothing when there is none yet, or when it is of another robot
     /// than `whose`. Nothing is written, and a file that cannot be read stays as it is.
-    pub(super) fn open(dir: &Path, robot: &RobotId, whose: &str) -> Result<(MemoryFile, Option<String>), StateFileError> {
+    pub(super) fn open(dir: &Path, robot: &RobotId, whose: &str) -> Result<(MemoryFile, Option<String>), MemoryFileError> {
         let file = SmallFile::within(dir, &format!("robot-{robot}.txt"));
+        let out_of_date = dir.join(format!("robot-{robot}.out-of-date"));
+        if out_of_date.exists() {
+            return Err(MemoryFileError::OutOfDate { path: out_of_date });
+        }
         let path = || file.path().to_owned();
-        let read = file.read(MOST).map_err(|error| StateFileError::Unreadable { path: path(), error })?;
+        let read = file.read(MOST).map_err(|error| MemoryFileError::Unreadable { path: path(), error })?;
         let memory = match read {
             None => None,
             Some(bytes) => {
-                let damaged = |fault: &str| StateFileError::Damaged { path: path(), fault: fault.to_owned() };
+                let damaged = |fault: &str| MemoryFileError::Damaged { path: path(), fault: fault.to_owned() };
                 let text = String::from_utf8(bytes).map_err(|_| damaged("it is no text"))?;
                 let (of, memory) = text.split_once('\n').ok_or_else(|| damaged("it ends too early"))?;
+                if of != whose {
+                    tracing::warn!(file = %file.path().display(), of, robot = whose, "it is of another robot: this one is taken to stand at its start");
+                }
                 (of == whose).then(|| memory.to_owned())
             }
         };
-        Ok((MemoryFile { whose: whose.to_owned(), file }, memory))
+        Ok((MemoryFile { whose: whose.to_owned(), file, out_of_date, is_out_of_date: false }, memory))
     }
 
     /// What stands in it is no memory of a robot, for this reason.
-    pub(super) fn damaged(&self, fault: String) -> StateFileError {
-        StateFileError::Damaged { path: self.file.path().to_owned(), fault }
+    pub(super) fn damaged(&self, fault: String) -> MemoryFileError {
+        MemoryFileError::Damaged { path: self.file.path().to_owned(), fault }
     }
 
     /// Writes this down. When that fails, the robot goes on all the same, and the log says so once.
@@ -46,5 +78,63 @@ impl MemoryFile {
         let written = self.file.swap(format!("{}\n{memory}", self.whose).as_bytes());
         let failing = "cannot keep where the robot stands: make room, or the folder writable";
         self.file.say(&written, failing, "where the robot stands is kept again");
+        match (&written, self.is_out_of_date) {
+            (Err(_), false) => self.is_out_of_date = self.mark_out_of_date().is_ok(),
+            (Ok(()), true) => self.is_out_of_date = fs::remove_file(&self.out_of_date).is_err(),
+            (Err(_), true) | (Ok(()), false) => {}
+        }
+    }
+
+    /// That needs no room.
+    fn mark_out_of_date(&self) -> io::Result<()> {
+        match fs::rename(self.file.path(), &self.out_of_date) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => fs::File::create(&self.out_of_date).map(drop),
+            renamed => renamed,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::storage::scratch::Scratch;
+
+    fn open(folder: &Scratch, whose: &str) -> Result<(MemoryFile, Option<String>), MemoryFileError> {
+        MemoryFile::open(&folder.0, &RobotId::discovery(), whose)
+    }
+
+    #[test]
+    fn what_is_kept_is_read_by_the_next_program_and_by_no_other_robot() {
+        let folder = Scratch::new();
+        let (mut file, nothing) = open(&folder, "one").expect("there is none yet");
+        assert_eq!(nothing, None);
+        file.keep("here");
+        assert_eq!(open(&folder, "one").expect("it is there").1.as_deref(), Some("here"));
+        assert_eq!(open(&folder, "another").expect("it is there").1, None);
+    }
+
+    #[test]
+    fn a_file_that_could_not_be_replaced_is_not_believed() {
+        let folder = Scratch::new();
+        let (mut file, _) = open(&folder, "one").expect("there is none yet");
+        file.keep("here");
+        let in_the_way = folder.0.join("robot-discovery.new");
+        fs::create_dir(&in_the_way).expect("the folder can be written");
+        file.keep("there");
+        assert!(matches!(open(&folder, "one"), Err(MemoryFileError::OutOfDate { .. })));
+        fs::remove_dir(&in_the_way).expect("it is empty");
+        file.keep("elsewhere");
+        assert_eq!(open(&folder, "one").expect("it is well again").1.as_deref(), Some("elsewhere"));
+    }
+
+    #[test]
+    fn a_damaged_file_is_said_to_be_one_and_stays() {
+        let folder = Scratch::new();
+        for bytes in [&b"no end of a line"[..], &[0xff, b'\n']] {
+            fs::write(folder.0.join("robot-discovery.txt"), bytes).expect("the folder can be written");
+            let said = open(&folder, "one").expect_err("it is damaged").to_string();
+            assert!(said.contains("robot-discovery.txt") && said.contains("put the robot at its start"), "{said}");
+            assert_eq!(fs::read(folder.0.join("robot-discovery.txt")).expect("it stays"), bytes);
+        }
     }
 }

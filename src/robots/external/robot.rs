@@ -6,7 +6,7 @@ use std::time::Duration;
 use super::link;
 use super::memory_file::MemoryFile;
 use super::room::{self, UnusableScene};
-use super::wire::Address;
+use super::wire::{Address, own_address};
 use crate::config::{RobotAddress, RobotKind, RobotSettings};
 use crate::robots::Adapter;
 use crate::runtime::clock::Clock;
@@ -44,10 +44,10 @@ impl ExternalRobot {
         let at = settings.address.to_string();
         let (kind, address) = match (settings.kind, &settings.address) {
             (RobotKind::Sim, _) => return Ok(None),
-            (RobotKind::VirtualTcp, _) => (Kind::Virtual(Dialect::Semicolons), Address::Tcp(at)),
+            (RobotKind::VirtualTcp, _) => (Kind::Virtual(Dialect::Semicolons), Address::Tcp(at, Some(own_address(id)))),
             (RobotKind::VirtualWs, _) => (Kind::Virtual(Dialect::Messages), Address::WebSocket(at)),
             (RobotKind::Line, RobotAddress::Device(_)) => (Kind::Line, Address::Serial(at, settings.baud)),
-            (RobotKind::Line, RobotAddress::Network { .. } | RobotAddress::Here) => (Kind::Line, Address::Tcp(at)),
+            (RobotKind::Line, RobotAddress::Network { .. } | RobotAddress::Here) => (Kind::Line, Address::Tcp(at, None)),
         };
         let (room, step) = match &settings.scene {
             Some(scene) if matches!(kind, Kind::Virtual(_)) => room::room(id, scene)?,

@@ -13,6 +13,8 @@ use tokio_tungstenite::tungstenite::Message;
 use tokio_tungstenite::tungstenite::protocol::WebSocketConfig;
 use tokio_tungstenite::{MaybeTlsStream, WebSocketStream};
 
+use hallsweep_core::event::RobotId;
+
 /// So long a robot may take to answer a call.
 const CALL: Duration = Duration::from_secs(3);
 
@@ -31,8 +33,8 @@ const MESSAGE: usize = 64 * 1024;
 /// Where a robot is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Address {
-    /// `HOST:PORT`.
-    Tcp(String),
+    /// `HOST:PORT`; called from this address where it is within this machine.
+    Tcp(String, Option<Ipv4Addr>),
     /// `HOST:PORT`, by WebSocket.
     WebSocket(String),
     /// A serial device, and so many bits a second.
@@ -61,8 +63,8 @@ impl Address {
 
     async fn called(self) -> io::Result<Wire> {
         match self {
-            Address::Tcp(at) => {
-                let stream = match from_ourselves(&at).await {
+            Address::Tcp(at, own) => {
+                let stream = match from_ourselves(&at, own).await {
                     Some(stream) => stream,
                     None => TcpStream::connect(at).await?,
                 };
@@ -84,7 +86,7 @@ impl Address {
 impl std::fmt::Display for Address {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Address::Tcp(at) => f.write_str(at),
+            Address::Tcp(at, _) => f.write_str(at),
             Address::WebSocket(at) => write!(f, "ws://{at}"),
             Address::Serial(device, _) => f.write_str(device),
         }
@@ -161,14 +163,21 @@ impl Wire {
     }
 }
 
-/// A connection within this machine from an address that no other program uses: the virtual robot's server tells clients apart by their
-/// addresses alone. `None` where the robot is elsewhere, or the system has one address for itself alone.
-async fn from_ourselves(at: &str) -> Option<TcpStream> {
+/// An address of this machine for itself alone, and for one robot of this program: the virtual robot's server tells its clients apart by
+/// their addresses, and gives what it says to the last who came from each.
+pub(super) fn own_address(robot: &RobotId) -> Ipv4Addr {
+    let [high, low] = u16::try_from(std::process::id() % 65_536).unwrap_or_default().to_be_bytes();
+    let sum = robot.name().bytes().fold(0_u8, |sum, byte| sum.wrapping_mul(31).wrapping_add(byte));
+    Ipv4Addr::new(127, 64 + sum % 128, high, low)
+}
+
+/// `None` where the robot is on another machine, or the system has no such address.
+async fn from_ourselves(at: &str, own: Option<Ipv4Addr>) -> Option<TcpStream> {
+    let own = own?;
     let is_here = |address: &SocketAddr| matches!(address.ip(), IpAddr::V4(ip) if ip.is_loopback());
     let robot = tokio::net::lookup_host(at).await.ok()?.find(is_here)?;
-    let [high, low] = u16::try_from(std::process::id() % 65_536).unwrap_or_default().to_be_bytes();
     let socket = TcpSocket::new_v4().ok()?;
-    socket.bind((Ipv4Addr::new(127, 104, high, low), 0).into()).ok()?;
+    socket.bind((own, 0).into()).ok()?;
     socket.connect(robot).await.ok()
 }
 

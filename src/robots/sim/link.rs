@@ -5,12 +5,13 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use tokio::sync::{mpsc, watch};
+use tokio::sync::watch;
 use tokio::task::JoinHandle;
 use tokio::time::Instant;
 
 use super::pair_link::Moved;
 use super::state_file::SimStateFile;
+use crate::robots::waits::{done, done_for, hand_over};
 use crate::runtime::clock::Clock;
 use crate::runtime::link::{RobotSide, Stamped};
 use hallsweep_core::effect::Order;
@@ -95,14 +96,14 @@ impl Link {
                 biased;
                 halts = self.side.halts.raised() => self.halt(halts.count),
                 sent = hand_over(&self.side.reports, &mut self.report), if self.report.is_some() => if !sent { return },
-                state_file = written(&mut self.writing) => self.written(state_file),
+                state_file = done(&mut self.writing) => self.written(state_file),
                 Ok(()) = self.floor.moved.changed() => self.look_at_floor(),
                 Ok(()) = self.side.led.changed() => self.led(),
                 given = self.side.orders.recv(), if free => match given {
                     Some(stamped) => self.order(stamped),
                     None => return,
                 },
-                photo = developed(&mut self.developing), if free => self.deliver(photo),
+                photo = done_for(&mut self.developing), if free => self.deliver(photo),
                 () = std::future::ready(()), if jumps => self.jump(),
                 () = tokio::time::sleep_until(wake), if free => self.sim.handle_timeout(self.now()),
             }
@@ -210,31 +211,6 @@ impl Link {
         }
         self.sim.handle_timeout(self.now());
     }
-}
-
-/// Sends the report as soon as there is room for it; false when nobody receives any more.
-async fn hand_over(reports: &mpsc::Sender<RobotEvent>, report: &mut Option<RobotEvent>) -> bool {
-    let Ok(room) = reports.reserve().await else { return false };
-    if let Some(report) = report.take() {
-        room.send(report);
-    }
-    true
-}
-
-/// Waits for the state file being written; for ever when it is not.
-async fn written(writing: &mut Option<JoinHandle<SimStateFile>>) -> Option<SimStateFile> {
-    let Some(under_way) = writing else { return std::future::pending().await };
-    let state_file = under_way.await.ok();
-    *writing = None;
-    state_file
-}
-
-/// Waits for the photo being drawn; for ever when there is none.
-async fn developed(developing: &mut Option<(OrderId, JoinHandle<Photo>)>) -> (OrderId, Option<Photo>) {
-    let Some((order, drawing)) = developing else { return std::future::pending().await };
-    let drawn = (*order, drawing.await.ok());
-    *developing = None;
-    drawn
 }
 
 #[cfg(test)]

@@ -12,4 +12,3 @@ mod state_file;
 pub(super) use pair::SimPair;
 pub(super) use robot::SimRobot;
 pub use settings::{UnusableHall, hall, sim_settings};
-pub(super) use state_file::StateFileError;

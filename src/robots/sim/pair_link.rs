@@ -10,6 +10,7 @@ use tokio::time::Instant;
 
 use super::pair_state_file::PairStateFile;
 use crate::robots::Adapter;
+use crate::robots::waits::done;
 use crate::runtime::clock::Clock;
 use crate::runtime::link::{RobotSide, Stamped};
 use hallsweep_core::effect::Order;
@@ -110,7 +111,7 @@ impl PairLink {
                 halts = one.halts.raised() => self.halt(Which::Srm1, halts.count),
                 halts = two.halts.raised() => self.halt(Which::Srm2, halts.count),
                 sent = hand_over([&one.reports, &two.reports], &mut self.report), if self.report.is_some() => if !sent { return },
-                state_file = written(&mut self.writing) => self.written(state_file),
+                state_file = done(&mut self.writing) => self.written(state_file),
                 given = one.orders.recv(), if free => match given {
                     Some(stamped) => self.order(Which::Srm1, stamped),
                     None => return,
@@ -225,12 +226,4 @@ async fn hand_over(ends: [&mpsc::Sender<RobotEvent>; 2], report: &mut Option<(Wh
         room.send(report);
     }
     true
-}
-
-/// Waits for the state file being written; for ever when it is not.
-async fn written(writing: &mut Option<JoinHandle<PairStateFile>>) -> Option<PairStateFile> {
-    let Some(under_way) = writing else { return std::future::pending().await };
-    let state_file = under_way.await.ok();
-    *writing = None;
-    state_file
 }

@@ -16,7 +16,7 @@ use hallsweep_sim::SimMemory;
 
 mod error;
 
-pub(in crate::robots) use error::StateFileError;
+pub(super) use error::StateFileError;
 use hallsweep_sim::page::{self, Page, Unread, Whose};
 
 /// The name of the file of the robot that searches, in the data folder.

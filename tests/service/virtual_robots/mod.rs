@@ -143,11 +143,43 @@ fn a_bag_is_shown_by_a_drawing_and_the_verdict_is_obeyed() {
     assert_eq!(robot.cell(), (0, 0));
 }
 
+/// The room of the double as its scene file, with walls all around.
+fn scene_file(scene: &Scene) -> String {
+    let (width, height) = scene.floor;
+    let (x, y) = (scene.player.0 / width + 0.5, scene.player.1 / height + 0.5);
+    format!(
+        "const config = {{ floor: {{ size: {{ x: {width}, y: {height} }} }}, player: {{ position: {{ x: {x}, y: {y} }}, speed: {} }}, sonars: [],
+        movingObstacles: [], staticObstacles: [
+            {{ name: \"wallUp\", centerPosition: {{ x: .5, y: .99 }}, size: {{ x: 1, y: .01 }} }},
+            {{ name: \"wallDown\", centerPosition: {{ x: .5, y: .01 }}, size: {{ x: 1, y: .01 }} }},
+            {{ name: \"wallLeft\", centerPosition: {{ x: .01, y: .5 }}, size: {{ x: .01, y: 1 }} }},
+            {{ name: \"wallRight\", centerPosition: {{ x: .99, y: .5 }}, size: {{ x: .01, y: 1 }} }},
+        ] }};\nexport default config;\n",
+        scene.speed
+    )
+}
+
+/// Its page draws half as many frames as the scene file counts on, so that without a measurement each step would be half a cell.
 #[test]
-fn what_the_scene_file_says_is_used_and_one_that_cannot_be_read_is_refused() {
-    let robot = VirtualRobot::standing_in(Scene { speed: 0.6, ..Scene::empty(35.0, 35.0) }, Version::First);
+fn with_the_scene_file_the_first_motion_measures_how_long_a_cell_takes() {
+    let scene = small_room();
+    let folder = Folder::new("scene");
+    let file = folder.path().join("scene.js");
+    std::fs::write(&file, scene_file(&scene)).expect("the folder can be written");
+    let robot = VirtualRobot::standing_in(scene, Version::First);
+    robot.server().page.as_mut().expect("a page is open").draw(Box::new(|| Duration::from_millis(33)));
     let named = format!("virtual-tcp={}", robot.address());
     let mut command = hallsweep(&["serve", "--http", "127.0.0.1:0", "--robot", &named]);
+    let program = Program::started(command.env("HALLSWEEP__ROBOT__SCENE", &file));
+    program.until("the link is up", linked);
+    program.command("start").accepted();
+    program.until_phase("explored");
+    assert_eq!(map(&program), MAP);
+}
+
+#[test]
+fn a_scene_file_that_cannot_be_read_is_refused() {
+    let mut command = hallsweep(&["serve", "--http", "127.0.0.1:0", "--robot", "virtual-tcp"]);
     let missing = command.env("HALLSWEEP__ROBOT__SCENE", "/dev/null/scene.js").output().expect("the program starts");
     let said = String::from_utf8_lossy(&missing.stderr).into_owned();
     assert!(said.contains("setting robots.discovery.scene") && missing.status.code() == Some(2), "{said}");

@@ -79,7 +79,7 @@ impl LineDriver {
         let is_wanted = wanted.is_some();
         if (1..=MOST_BYTES).contains(&length) {
             self.picture = Some(Picture::new(length, crc, is_wanted, until));
-        } else if let Some(open) = self.close(seq).filter(|_| is_wanted) {
+        } else if is_wanted && let Some(open) = self.close(seq) {
             let why = format!("its photo has {length} bytes: from 1 to {MOST_BYTES} are taken");
             self.events.push_back(RobotEvent::PhotoFailed(open.order.id, why));
         }

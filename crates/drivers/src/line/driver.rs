@@ -31,6 +31,9 @@ const AWAKE: Duration = Duration::from_secs(5);
 /// Between two bytes of a photo there is no longer pause.
 const PAUSE: Duration = Duration::from_secs(1);
 
+/// A robot that answers no halt for so long is given up: a new connection halts it too.
+const UNHALTED: Duration = Duration::from_millis(1500);
+
 /// Why a robot that has heard of the last number gets no more orders.
 pub(super) const ALL_COUNTED: &str = "the robot has counted its last order: switch it off and on";
 
@@ -181,11 +184,15 @@ impl LineDriver {
     }
 
     /// An order whose deadline has passed: a motion never begins so late, and a photo is not waited for.
-    fn expire(&mut self) {
+    fn expire(&mut self, now: Now) {
         let Some(open) = &mut self.open else { return };
-        if open.task.is_motion() {
+        if open.task.is_motion() && !open.is_halted {
             open.is_halted = true;
-            open.until = Duration::MAX;
+            open.until = now.since_start + UNHALTED;
+        } else if open.task.is_motion() {
+            self.link = Link::Down;
+            self.drop_order();
+            self.outputs.push_back(Output::GiveUp("the robot answers no halt".to_owned()));
         } else if let Some(open) = self.open.take() {
             self.picture = None;
             self.events.push_back(RobotEvent::PhotoFailed(open.order.id, "the photo did not come in time".to_owned()));
@@ -225,7 +232,7 @@ impl LineDriver {
     }
 
     fn next_repeat(&self) -> Option<Duration> {
-        self.open.as_ref().filter(|_| self.picture.is_none()).map(|open| open.repeat_at)
+        self.open.as_ref().filter(|open| self.picture.is_none() || open.task.is_motion()).map(|open| open.repeat_at)
     }
 }
 
@@ -281,7 +288,9 @@ impl Driver for LineDriver {
     fn handle_halt(&mut self, now: Now) {
         match &mut self.open {
             Some(open) if open.task.is_motion() => {
-                open.is_halted = true;
+                if !open.is_halted {
+                    (open.is_halted, open.until) = (true, now.since_start + UNHALTED);
+                }
                 self.repeat(now);
             }
             _ if matches!(self.link, Link::Down) => {}
@@ -308,7 +317,7 @@ impl Driver for LineDriver {
             self.develop(now);
         }
         if is_due(self.open.as_ref().map(|open| open.until)) {
-            self.expire();
+            self.expire(now);
         }
         if let Some(patience) = self.patience().filter(|patience| is_due(Some(self.heard + *patience))) {
             return self.give_up(patience);

@@ -42,6 +42,9 @@ impl LineDriver {
                 let words = format!("{} was switched off and on: look whether it stands where it says", robot.name);
                 self.begin_anew(&words, hello.last, now);
             }
+            Link::Up(_) if hello.last > Some(self.seq) => {
+                self.begin_anew("another program has given the robot orders: let one drive it", hello.last, now);
+            }
             Link::Up(_) => {}
         }
     }

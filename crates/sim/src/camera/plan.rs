@@ -11,7 +11,7 @@ use hallsweep_core::event::Photo;
 /// The side of a cell, in pixels.
 const CELL: usize = 96;
 
-/// The south-western corner of the robot's cell: everything is drawn with the robot looking up.
+/// The upper left corner of the robot's cell: everything is drawn with the robot looking up.
 const LEFT: usize = (WIDTH - CELL) / 2;
 const TOP: usize = 258;
 

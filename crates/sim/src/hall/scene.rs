@@ -2,7 +2,7 @@
 //! floor is, where the player stands and what is in its way. `script` finds the literal, `cells` makes a hall of the scene.
 //!
 //! Positions in the file are fractions of the floor; here everything is in units of the page's world, counted from the middle of the
-//! floor: `x` to the east, `z` to the south. The player faces north there, up the page.
+//! floor: `x` to the east, `z` to the south, so that north is up the page.
 
 mod cells;
 mod script;

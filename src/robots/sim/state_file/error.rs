@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 /// Why a file in the data folder is no memory of a robot in this hall.
 #[derive(Debug, thiserror::Error)]
-pub(in crate::robots) enum StateFileError {
+pub(crate) enum StateFileError {
     #[error(
         "cannot read {} ({error}): make it a file that whoever runs hallsweep can read, or move it away, and start again: \
          without it what is simulated begins anew where a mission begins",
