@@ -18,8 +18,14 @@ use hallsweep_core::event::{Photo, RobotEvent};
 use hallsweep_core::units::OrderId;
 use hallsweep_drivers::{Driver, Output};
 
-/// So long after a connection was lost, or could not be made, it is tried again.
+/// So long after a connection was lost, or could not be made, it is tried again; one that ends as soon as it is made, later and later.
 const AGAIN: Duration = Duration::from_millis(500);
+
+/// A connection that does not last so long has ended as soon as it was made.
+const BRIEF: Duration = Duration::from_secs(2);
+
+/// How often the wait is doubled: to eight seconds.
+const DOUBLED: u32 = 4;
 
 /// Timers are not set further ahead than this; then it is looked again.
 const LONGEST_WAIT: Duration = Duration::from_secs(3600);
@@ -28,7 +34,20 @@ const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 /// into the file, when there is one, before the robot or anybody else is told of what follows.
 pub(super) async fn run(driver: Box<dyn Driver>, address: Address, side: RobotSide, clock: Clock, file: Option<MemoryFile>) {
     let connection = Connection::Calling(address.call());
-    let link = Link { driver, address, side, clock, connection, report: None, drawing: None, obeyed: 0, file, writing: None };
+    let link = Link {
+        driver,
+        address,
+        side,
+        clock,
+        connection,
+        connected: Duration::ZERO,
+        brief: 0,
+        report: None,
+        drawing: None,
+        obeyed: 0,
+        file,
+        writing: None,
+    };
     link.run().await;
 }
 
@@ -38,6 +57,9 @@ struct Link {
     side: RobotSide,
     clock: Clock,
     connection: Connection,
+    /// When the last one was made, and how many in a row were brief.
+    connected: Duration,
+    brief: u32,
     /// A report on its way. Until it is taken nothing but a halt is listened to, so that reports cannot pile up.
     report: Option<RobotEvent>,
     drawing: Option<(OrderId, JoinHandle<Photo>)>,
@@ -164,7 +186,11 @@ impl Link {
     }
 
     fn lose(&mut self, words: &str) {
-        self.connection = Connection::Waiting(self.clock.instant(self.clock.now().since_start + AGAIN));
+        let now = self.clock.now().since_start;
+        let was_brief = matches!(self.connection, Connection::Stands(_)) && now.saturating_sub(self.connected) < BRIEF;
+        self.brief = if was_brief { (self.brief + 1).min(DOUBLED + 1) } else { 0 };
+        let wait = AGAIN * 2_u32.pow(self.brief.saturating_sub(1));
+        self.connection = Connection::Waiting(self.clock.instant(now + wait));
         self.driver.handle_lost(words, self.clock.now());
     }
 
@@ -173,6 +199,7 @@ impl Link {
             Happening::Due | Happening::Closed => self.connection = Connection::Calling(self.address.call()),
             Happening::Called(Ok(wire)) => {
                 self.connection = Connection::Stands(wire);
+                self.connected = self.clock.now().since_start;
                 self.driver.handle_connected(self.clock.now());
             }
             Happening::Received(Ok(bytes)) => self.driver.handle_received(&bytes, self.clock.now()),

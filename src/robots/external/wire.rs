@@ -74,6 +74,8 @@ impl Address {
             }
             Address::WebSocket(at) => {
                 let bounds = WebSocketConfig::default().max_message_size(Some(MESSAGE)).max_frame_size(Some(MESSAGE));
+                // Pongs that a robot does not take are not kept for it.
+                let bounds = bounds.write_buffer_size(0).max_write_buffer_size(MESSAGE);
                 let connected = tokio_tungstenite::connect_async_with_config(format!("ws://{at}/"), Some(bounds), true);
                 let (stream, _) = connected.await.map_err(io::Error::other)?;
                 Ok(Wire::WebSocket(Box::new(stream)))

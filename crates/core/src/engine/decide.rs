@@ -85,7 +85,10 @@ impl Engine {
                 None => Some(Refused::NothingPending),
                 Some(id) if luggage.is_none() => Some(Refused::UnknownLuggage(id)),
                 Some(id) => {
-                    forbids(self.inspected() != Some(id) || self.decided(input, context).is_some(), Refused::NotInspected(id))
+                    // Another robot may have taken the place of the one that stood before it.
+                    let is_before = luggage.is_some_and(|luggage| luggage.pose == self.state.pose);
+                    let is_open = self.inspected() == Some(id) && self.decided(input, context).is_none();
+                    forbids(!is_before || !is_open, Refused::NotInspected(id))
                 }
             },
             Guard::PhotoUnderWay => forbids(matches!(self.stage(), Some(Stage::RetakingPhoto(_))), Refused::PhotoUnderWay),

@@ -175,6 +175,10 @@ impl Engine {
         }
         if searches || fetches {
             let words = if searches { words } else { format!("{robot}: {words}") };
+            if self.state.holds.contains(Hold::RobotLink) {
+                // What it is held by already says no more than that; why may be news.
+                self.world.write(self.now.wall, Tone::Warning, format!("still no link: {words}"));
+            }
             self.feed(Input::LinkLost, &InputContext { words: Some(words), ..InputContext::default() });
         } else if known.holds.raise(Hold::RobotLink) {
             if self.state.phase.is_mission() {

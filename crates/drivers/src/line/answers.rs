@@ -7,11 +7,21 @@ use super::driver::{LineDriver, Link, Open};
 use super::from_robot::FromRobot;
 use super::numbers::Seq;
 use super::picture::{MOST_BYTES, Picture};
-use hallsweep_core::event::{OffCentre, RobotEvent};
-use hallsweep_core::units::{Now, OrderId};
+use hallsweep_core::event::{Ahead, Obstacle, OffCentre, RobotEvent};
+use hallsweep_core::robots::Part;
+use hallsweep_core::units::{Celsius, Now, OrderId};
 
 /// So long a photo is passed over that nobody waits for any more.
 const UNWANTED: Duration = Duration::from_secs(30);
+
+/// Readings are told so often and no more often, so that a sensor that never stops talking fills no journal.
+const READINGS: Duration = Duration::from_millis(500);
+
+/// So often in a row it may halt by itself.
+const UNASKED: u8 = 20;
+
+/// No camera sees further along a wall, and no sonar further ahead, in cells.
+const SEEN: u16 = 100;
 
 impl LineDriver {
     pub(super) fn line(&mut self, text: &str, now: Now) {
@@ -24,10 +34,31 @@ impl LineDriver {
             (FromRobot::Hello(hello), _) => self.greeted(hello, now),
             (FromRobot::Photo(seq, length, crc), _) => self.expose(seq, length, crc, now),
             (_, Link::Down | Link::Greeting(_)) => {}
-            (FromRobot::Sonar(cm), Link::Up(_)) => self.events.push_back(RobotEvent::Sonar(cm)),
-            (FromRobot::Temperature(celsius), Link::Up(_)) => self.events.push_back(RobotEvent::Temperature(celsius)),
+            (FromRobot::Sonar(cm), Link::Up(_)) => self.sonar = self.has(Part::Sonar).then_some(cm),
+            (FromRobot::Temperature(celsius), Link::Up(_)) => self.warm(celsius),
             (said, Link::Up(_)) => self.answered(said),
         }
+        if self.next_readings().is_some_and(|at| at <= now.since_start) {
+            self.tell_readings(now);
+        }
+    }
+
+    /// The hottest of what it says between two reports.
+    fn warm(&mut self, celsius: Celsius) {
+        if self.has(Part::Thermometer) {
+            self.temperature = Some(self.temperature.filter(|hotter| *hotter > celsius).unwrap_or(celsius));
+        }
+    }
+
+    /// What was measured since the last report, so often and no more often.
+    pub(super) fn tell_readings(&mut self, now: Now) {
+        self.readings_at = now.since_start + READINGS;
+        self.events.extend(self.sonar.take().map(RobotEvent::Sonar));
+        self.events.extend(self.temperature.take().map(RobotEvent::Temperature));
+    }
+
+    pub(super) fn next_readings(&self) -> Option<Duration> {
+        (self.sonar.is_some() || self.temperature.is_some()).then_some(self.readings_at)
     }
 
     /// An answer to the open order; one to any other is out of date.
@@ -35,21 +66,19 @@ impl LineDriver {
         match said {
             FromRobot::Done(seq, ahead) => {
                 if let Some(id) = self.close_motion(seq, false) {
-                    self.events.extend(ahead.map(RobotEvent::Ahead));
+                    self.unasked = 0;
+                    self.events.extend(ahead.map(bounded).map(RobotEvent::Ahead));
                     self.events.push_back(RobotEvent::Done(id));
                 }
             }
             FromRobot::Blocked(seq, cm, obstacle) => {
                 if let Some(id) = self.close_motion(seq, true) {
                     self.events.extend(cm.map(|cm| RobotEvent::Sonar(Some(cm))));
-                    self.events.push_back(RobotEvent::Blocked(id, obstacle));
+                    self.unasked = 0;
+                    self.events.push_back(RobotEvent::Blocked(id, seen(obstacle)));
                 }
             }
-            FromRobot::Halted(seq, off_centre) => {
-                if let Some(id) = self.close_motion(seq, off_centre) {
-                    self.events.push_back(RobotEvent::Halted(id, off_centre));
-                }
-            }
+            FromRobot::Halted(seq, off_centre) => self.halted(seq, off_centre),
             FromRobot::Failed(seq, why) | FromRobot::NoPhoto(seq, why) => {
                 if let Some(open) = self.close(seq) {
                     self.off_centre |= open.task.is_motion();
@@ -58,6 +87,21 @@ impl LineDriver {
                 }
             }
             FromRobot::Hello(_) | FromRobot::Photo(..) | FromRobot::Sonar(_) | FromRobot::Temperature(_) => {}
+        }
+    }
+
+    /// One that halts although nobody has told it to has heard too little, now and then; one that always does will never arrive.
+    fn halted(&mut self, seq: Seq, off_centre: OffCentre) {
+        let Some((was_halted, is_late)) = self.open.as_ref().map(|open| (open.is_halted, open.is_late)) else { return };
+        let Some(id) = self.close_motion(seq, off_centre) else { return };
+        self.unasked = if was_halted { 0 } else { self.unasked + 1 };
+        if is_late {
+            self.events.push_back(RobotEvent::Failed(id, "it did not finish in time and was halted".to_owned()));
+        } else if self.unasked > UNASKED {
+            self.unasked = 0;
+            self.events.push_back(RobotEvent::Failed(id, "it halts by itself again and again".to_owned()));
+        } else {
+            self.events.push_back(RobotEvent::Halted(id, off_centre));
         }
     }
 
@@ -99,5 +143,16 @@ impl LineDriver {
             Ok(photo) => RobotEvent::Photo(id, photo),
             Err(why) => RobotEvent::PhotoFailed(id, why),
         });
+    }
+}
+
+fn bounded(ahead: Ahead) -> Ahead {
+    Ahead { free: ahead.free.min(SEEN), obstacle: ahead.obstacle.map(seen) }
+}
+
+fn seen(obstacle: Obstacle) -> Obstacle {
+    match obstacle {
+        Obstacle::Wall { left, right } => Obstacle::Wall { left: left.min(SEEN), right: right.min(SEEN) },
+        Obstacle::Luggage(_) | Obstacle::Unknown => obstacle,
     }
 }

@@ -14,7 +14,7 @@ use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order};
 use hallsweep_core::event::{OffCentre, Parts, Photo, RobotEvent};
 use hallsweep_core::robots::Part;
-use hallsweep_core::units::{Now, OrderId};
+use hallsweep_core::units::{Celsius, Now, OrderId};
 
 /// What is not answered is said again after this long.
 const REPEATED: Duration = Duration::from_millis(100);
@@ -52,6 +52,14 @@ pub struct LineDriver {
     pub(super) seq: Seq,
     led: bool,
     pub(super) off_centre: OffCentre,
+    /// What it measured and nobody was told of yet, and when somebody may be.
+    pub(super) sonar: Option<Option<u16>>,
+    pub(super) temperature: Option<Celsius>,
+    pub(super) readings_at: Duration,
+    /// How often in a row it has halted although nobody had told it to.
+    pub(super) unasked: u8,
+    /// What the robot called itself that was there last.
+    pub(super) name: Option<RobotName>,
     /// When something good was last heard.
     pub(super) heard: Duration,
     /// When the next `hello` is due.
@@ -89,7 +97,9 @@ pub(super) struct Open {
     pub(super) until: Duration,
     repeat_at: Duration,
     /// It is to be void: what is repeated is the halt.
-    is_halted: bool,
+    pub(super) is_halted: bool,
+    /// That is so because its deadline has passed.
+    pub(super) is_late: bool,
 }
 
 impl LineDriver {
@@ -106,6 +116,11 @@ impl LineDriver {
             seq: Seq::FIRST,
             led: false,
             off_centre: false,
+            sonar: None,
+            temperature: None,
+            readings_at: Duration::ZERO,
+            unasked: 0,
+            name: None,
             heard: Duration::ZERO,
             hello_at: Duration::ZERO,
             outputs: VecDeque::new(),
@@ -124,7 +139,7 @@ impl LineDriver {
         }
     }
 
-    fn has(&self, part: Part) -> bool {
+    pub(super) fn has(&self, part: Part) -> bool {
         matches!(&self.link, Link::Up(robot) if robot.parts.has(part))
     }
 
@@ -170,7 +185,7 @@ impl LineDriver {
         }
         self.seq = self.seq.next().ok_or(ALL_COUNTED)?;
         let until = now.since_start.saturating_add(order.deadline);
-        self.open = Some(Open { order, task, until, repeat_at: now.since_start, is_halted: false });
+        self.open = Some(Open { order, task, until, repeat_at: now.since_start, is_halted: false, is_late: false });
         self.repeat(now);
         Ok(())
     }
@@ -188,6 +203,7 @@ impl LineDriver {
         let Some(open) = &mut self.open else { return };
         if open.task.is_motion() && !open.is_halted {
             open.is_halted = true;
+            open.is_late = true;
             open.until = now.since_start + UNHALTED;
         } else if open.task.is_motion() {
             self.link = Link::Down;
@@ -322,6 +338,9 @@ impl Driver for LineDriver {
         if let Some(patience) = self.patience().filter(|patience| is_due(Some(self.heard + *patience))) {
             return self.give_up(patience);
         }
+        if is_due(self.next_readings()) {
+            self.tell_readings(now);
+        }
         if is_due(self.next_repeat()) {
             self.repeat(now);
         }
@@ -341,7 +360,10 @@ impl Driver for LineDriver {
     fn poll_timeout(&self) -> Option<Duration> {
         let silent = self.patience().map(|patience| self.heard + patience);
         let until = self.open.as_ref().map(|open| open.until);
-        [silent, until, self.picture_until(), self.next_repeat(), self.next_hello()].into_iter().flatten().min()
+        [silent, until, self.picture_until(), self.next_repeat(), self.next_hello(), self.next_readings()]
+            .into_iter()
+            .flatten()
+            .min()
     }
 
     fn is_off_centre(&self) -> OffCentre {

@@ -6,6 +6,9 @@ use super::crc::crc16;
 /// The longest line that is read, in bytes, check included and line feed not.
 pub const LONGEST: usize = 160;
 
+/// A line for the robot has 40 bytes at most: without its star and check it has so many.
+pub(super) const LONGEST_FOR_ROBOT: usize = 35;
+
 /// A text as a line.
 #[must_use]
 pub fn framed(text: &str) -> Vec<u8> {

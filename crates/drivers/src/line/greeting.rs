@@ -17,6 +17,10 @@ use super::to_robot::ToRobot;
 use hallsweep_core::event::{Capabilities, RobotEvent};
 use hallsweep_core::robots::Part;
 use hallsweep_core::units::Now;
+use hallsweep_core::world::hall_map::REACH;
+
+/// A robot that takes longer for a cell or a turn stands still.
+const SLOWEST: Duration = Duration::from_secs(60);
 
 impl LineDriver {
     /// Asks the robot who it is, or tells it once more from where orders begin.
@@ -75,6 +79,15 @@ impl LineDriver {
 
     fn rise(&mut self, hello: Hello, from: Seq, now: Now) {
         let Hello { name, parts, step, turn, photo, stands, .. } = hello;
+        let cell = stands.pose.cell;
+        if cell.x.abs().max(cell.y.abs()) > REACH {
+            return self
+                .tell_lost(&format!("{name} says that it stands at {cell}, further from the entrance than any hall reaches"));
+        }
+        if let Some(before) = self.name.replace(name.clone()).filter(|before| *before != name) {
+            self.tell_lost(&format!("{name} has taken the place of {before}: look where it stands"));
+        }
+        let [step, turn] = [step, turn].map(|time| time.min(SLOWEST));
         // Whoever speaks this protocol answers each move.
         let acknowledging = parts.with(Part::AcknowledgedMoves);
         let can = Capabilities { step, turn, photo, arm: Duration::ZERO, nudges: false, parts: acknowledging };

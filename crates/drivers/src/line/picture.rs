@@ -9,8 +9,10 @@ use hallsweep_core::event::Photo;
 /// The longest photo that is taken, in bytes: more than any camera of a microcontroller makes.
 pub const MOST_BYTES: u32 = 4 << 20;
 
-/// How a file of this kind begins, and its media type.
-const KINDS: [(&[u8], &str); 2] = [(b"\x89PNG\r\n\x1a\n", "image/png"), (&[0xff, 0xd8, 0xff], "image/jpeg")];
+/// What says that a file is of this kind, as far as one must look to know that it is a whole picture; and its media type.
+type Kind = (fn(&[u8]) -> bool, &'static str);
+
+const KINDS: [Kind; 2] = [(is_png, "image/png"), (is_jpeg, "image/jpeg")];
 
 #[derive(Debug)]
 pub(super) struct Picture {
@@ -55,11 +57,64 @@ impl Picture {
         if self.crc.value() != self.expected {
             return Err("the photo was damaged on its way: take it again".to_owned());
         }
-        let kind = KINDS.into_iter().find(|(begins, _)| self.bytes.starts_with(begins));
-        let (_, media_type) = kind.ok_or("the photo is neither PNG nor JPEG: let the robot send one of these")?;
+        let kind = KINDS.into_iter().find(|(is_one, _)| is_one(&self.bytes));
+        let (_, media_type) = kind.ok_or("the photo is no whole picture, PNG or JPEG: let the robot send one of these")?;
         Ok(Photo { bytes: Arc::from(self.bytes), media_type })
     }
 }
+
+/// Its header has a width and a height, there is something of a picture in it, and it has come to its end (PNG specification, 5.3 and 11.2).
+fn is_png(bytes: &[u8]) -> bool {
+    let Some(mut rest) = bytes.strip_prefix(b"\x89PNG\r\n\x1a\n") else { return false };
+    let (mut is_sized, mut has_data) = (false, false);
+    while let Some((length, chunk)) = rest.split_first_chunk::<4>() {
+        let length = u32::from_be_bytes(*length) as usize;
+        let Some((kind, data)) = chunk.split_first_chunk::<4>() else { return false };
+        match kind {
+            b"IHDR" => is_sized = length == 13 && are_sides(data.get(..4)) && are_sides(data.get(4..8)),
+            b"IDAT" => has_data |= length > 0,
+            b"IEND" => return is_sized && has_data,
+            _ => {}
+        }
+        // Behind the data there are four bytes of a sum.
+        let Some(next) = length.checked_add(4).and_then(|next| data.get(next..)) else { return false };
+        rest = next;
+    }
+    false
+}
+
+fn are_sides(bytes: Option<&[u8]>) -> bool {
+    bytes.is_some_and(|bytes| bytes.iter().any(|byte| *byte != 0))
+}
+
+/// A frame with a width and a height, a scan behind it, and its end (ITU-T T.81, B.1 and B.2).
+fn is_jpeg(bytes: &[u8]) -> bool {
+    // Cameras of microcontrollers fill the rest of their buffer with zeros.
+    let end = bytes.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
+    let Some(mut rest) = bytes[..end].strip_prefix(&[0xff, 0xd8]).filter(|rest| rest.ends_with(&[0xff, 0xd9])) else {
+        return false;
+    };
+    let mut is_sized = false;
+    while let [0xff, kind, high, low, segment @ ..] = rest {
+        let length = usize::from(u16::from_be_bytes([*high, *low]));
+        match kind {
+            // A start of frame of whatever kind; three of the numbers are tables.
+            0xc0..=0xcf if !matches!(kind, 0xc4 | 0xc8 | 0xcc) => {
+                is_sized = are_sides(segment.get(1..3)) && are_sides(segment.get(3..5))
+            }
+            0xda => return is_sized && segment.len() > length,
+            _ => {}
+        }
+        let Some(next) = length.checked_sub(2).and_then(|next| segment.get(next..)) else { return false };
+        rest = next;
+    }
+    false
+}
+
+/// A grey pixel, for tests.
+#[cfg(test)]
+pub(super) const PNG: &[u8] = b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\x01\0\0\0\x01\x08\0\0\0\0\x3a\x7e\x9b\x55\0\0\0\x0aIDAT\x78\xda\x63\xa8\x07\0\0\x81\0\x80\
+    \x6f\x1c\x0e\x51\0\0\0\0IEND\xae\x42\x60\x82";
 
 #[cfg(test)]
 mod tests {
@@ -79,24 +134,35 @@ mod tests {
         crc.value()
     }
 
+    /// A grey pixel.
+    const JPEG: &[u8] =
+        b"\xff\xd8\xff\xc0\0\x0b\x08\0\x01\0\x01\x01\x01\x11\0\xff\xda\0\x08\x01\x01\0\0\x3f\0\xd2\xcf\x20\xff\xd9\0\0";
+
     #[test]
     fn its_media_type_is_as_its_bytes_say() {
-        for (bytes, media_type) in [(&b"\x89PNG\r\n\x1a\nrest"[..], "image/png"), (b"\xff\xd8\xff\xe0", "image/jpeg")] {
+        for (bytes, media_type) in [(PNG, "image/png"), (JPEG, "image/jpeg")] {
             let length = u32::try_from(bytes.len()).expect("it is short");
             assert_eq!(developed(bytes, length, crc(bytes)).map(|photo| photo.media_type), Ok(media_type));
         }
     }
 
+    /// Safety V2: what shows nothing is no photo.
     #[test]
     fn what_is_no_whole_picture_is_none() {
-        let good = b"\xff\xd8\xff\xe0";
         for (bytes, length, expected, words) in [
-            (&good[..], 5, crc(good), "only 4 of 5 bytes"),
-            (good, 4, 0, "damaged"),
-            (b"text", 4, crc(b"text"), "neither PNG nor JPEG"),
+            (PNG, 100, crc(PNG), "of 100 bytes"),
+            (PNG, u32::try_from(PNG.len()).expect("it is short"), 0, "damaged"),
+            (b"text", 4, crc(b"text"), "no whole picture"),
+            (b"\xff\xd8\xff", 3, crc(b"\xff\xd8\xff"), "no whole picture"),
         ] {
             let why = developed(bytes, length, expected).expect_err("it is none");
             assert!(why.contains(words), "{why}");
+        }
+        for (picture, needed) in [(PNG, PNG.len() - 4), (JPEG, JPEG.len() - 2)] {
+            for length in 1..needed {
+                let begun = &picture[..length];
+                assert!(developed(begun, u32::try_from(length).expect("it is short"), crc(begun)).is_err(), "{length} bytes");
+            }
         }
     }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::crc::Crc32;
-use super::frame::{LineReader, framed};
+use super::frame::{LONGEST_FOR_ROBOT, LineReader, framed};
 use super::from_robot::{FromRobot, Hello, RobotName, Words};
 use super::numbers::Seq;
 use super::to_robot::{Task, ToRobot};
@@ -93,11 +93,11 @@ impl LineRobot {
     /// What the program sent, any piece of it.
     pub fn handle_received(&mut self, bytes: &[u8], now: Now) {
         for byte in bytes {
-            if let Some(text) = self.lines.take(*byte) {
-                self.heard = now.since_start;
-                if let Some(said) = ToRobot::parse(&text) {
-                    self.obey(said, now);
-                }
+            // One that is too long is no line of this protocol, and keeps no motion going.
+            let Some(text) = self.lines.take(*byte).filter(|text| text.len() <= LONGEST_FOR_ROBOT) else { continue };
+            self.heard = now.since_start;
+            if let Some(said) = ToRobot::parse(&text) {
+                self.obey(said, now);
             }
         }
     }

@@ -94,8 +94,8 @@ impl Body {
 }
 
 fn photo() -> Photo {
-    let bytes: Vec<u8> = b"\xff\xd8\xff".iter().copied().chain((0..2000).map(|n: u32| n.to_le_bytes()[0])).collect();
-    Photo { bytes: bytes.into(), media_type: "image/jpeg" }
+    let bytes: Vec<u8> = super::picture::PNG.iter().copied().chain((0..2000).map(|n: u32| n.to_le_bytes()[0])).collect();
+    Photo { bytes: bytes.into(), media_type: "image/png" }
 }
 
 /// Where a robot stands that has done this.

@@ -118,7 +118,10 @@ impl Scene {
     pub fn open(path: &str) -> Result<Scene, HallError> {
         let mut bytes = Vec::new();
         let limit = MAX_SCENE_BYTES as u64 + 1;
-        let read = File::open(Path::new(path)).and_then(|file| file.take(limit).read_to_end(&mut bytes));
+        // A pipe would be waited for.
+        let is_plain = || std::fs::metadata(path).and_then(|about| if about.is_file() { Ok(()) } else { Err(no_file()) });
+        let read =
+            is_plain().and_then(|()| File::open(Path::new(path))).and_then(|file| file.take(limit).read_to_end(&mut bytes));
         read.map_err(|error| HallFault::UnreadableScene(error.to_string()).of(path))?;
         Scene::parse(path, &bytes)
     }
@@ -144,6 +147,10 @@ impl Scene {
         })?;
         written.scene().map_err(|fault| fault.at(file, literal.line))
     }
+}
+
+fn no_file() -> std::io::Error {
+    std::io::Error::new(std::io::ErrorKind::InvalidInput, "it is no plain file")
 }
 
 /// The literal as it is written, without what we do not need of it.

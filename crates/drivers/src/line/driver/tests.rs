@@ -3,6 +3,7 @@
 use super::*;
 use crate::line::MOST_BYTES;
 use crate::line::crc::Crc32;
+use crate::line::picture::PNG;
 use hallsweep_core::effect::Stamp;
 use hallsweep_core::event::{Ahead, Capabilities, Obstacle, Piece, Whereabouts};
 use hallsweep_core::units::{Cell, Epoch, Heading, Pose, WallTime};
@@ -176,12 +177,59 @@ fn every_answer_becomes_the_report_of_it() {
 }
 
 #[test]
-fn readings_are_told_as_they_come() {
-    let mut test = Test::up(ADA);
-    test.hears("sonar 37");
+fn readings_are_told_as_they_come_and_of_many_in_a_moment_the_hottest() {
+    let degrees = |celsius| RobotEvent::Temperature(hallsweep_core::units::Celsius::new(celsius).unwrap());
+    let mut test = Test::up(&ADA.replace("bump", "bump thermometer"));
     test.hears("temp 21.5");
-    let degrees = hallsweep_core::units::Celsius::new(21.5).unwrap();
-    assert_eq!(test.events(), [RobotEvent::Sonar(Some(37)), RobotEvent::Temperature(degrees)]);
+    assert_eq!(test.events(), [degrees(21.5)]);
+    for celsius in ["22.0", "60.0", "20.0"] {
+        test.hears(&format!("temp {celsius}"));
+        test.hears("sonar 37");
+    }
+    assert_eq!(test.events(), []);
+    test.passes(500);
+    assert_eq!(test.events(), [RobotEvent::Sonar(Some(37)), degrees(60.0)]);
+    test.hears("temp 20.0");
+    test.passes(500);
+    assert_eq!(test.events(), [degrees(20.0)], "the last is told too");
+}
+
+#[test]
+fn what_a_robot_measures_without_a_sensor_is_not_listened_to() {
+    let mut test = Test::up(&ADA.replace(" sonar", ""));
+    test.hears("temp 60.0");
+    test.hears("sonar 37");
+    test.passes(500);
+    assert_eq!(test.events(), []);
+}
+
+#[test]
+fn no_wall_is_longer_and_no_way_freer_than_a_robot_can_see() {
+    let mut test = Test::up(ADA);
+    test.order(FORWARD);
+    test.hears("blocked 43 none wall 65535 7");
+    let wall = Obstacle::Wall { left: 100, right: 7 };
+    assert_eq!(test.events(), [RobotEvent::Blocked(OrderId(7), wall)]);
+}
+
+#[test]
+fn a_robot_that_halts_by_itself_again_and_again_has_failed() {
+    let mut test = Test::up(ADA);
+    for order in 1..=21_u64 {
+        test.order(FORWARD);
+        test.hears(&format!("halted {} centred", 42 + order));
+        let fails = matches!(test.events()[..], [RobotEvent::Failed(..)]);
+        assert_eq!(fails, order == 21, "order {order}");
+    }
+}
+
+#[test]
+fn a_robot_that_stands_beyond_every_hall_is_not_linked() {
+    let mut test = Test::connected();
+    let far = ADA.replace("2,3,west", "32767,3,west");
+    test.hears(&format!("{far}41"));
+    test.hears(&format!("{far}42"));
+    assert!(lost(&test.events()).contains("further from the entrance than any hall"));
 }
 
 #[test]
@@ -201,7 +249,7 @@ fn a_halt_goes_out_at_once_and_is_repeated_until_the_robot_stands() {
 fn a_photo_goes_on_through_a_halt_that_is_told_at_once() {
     let mut test = Test::up(ADA);
     test.order(photograph());
-    let bytes = [&b"\xff\xd8\xff"[..], &[7; 1000]].concat();
+    let bytes = [PNG, &[7; 1000]].concat();
     test.photo(&bytes, &bytes[..500]);
     test.said();
     test.driver.handle_halt(test.now);
@@ -341,9 +389,9 @@ fn one_that_has_counted_its_last_order_is_to_be_switched_off_and_on() {
 
 #[test]
 fn a_photo_with_lost_or_damaged_bytes_fails_and_lines_are_read_again() {
-    let bytes = [&b"\xff\xd8\xff"[..], &[7; 1000]].concat();
-    let damaged = [&b"\xff\xd8\xfe"[..], &[7; 1000]].concat();
-    for (sent, why) in [(&damaged[..], "damaged"), (&bytes[..900], "only 900 of 1003 bytes")] {
+    let bytes = [PNG, &[7; 1000]].concat();
+    let damaged = [&PNG[1..], &[7; 1001]].concat();
+    for (sent, why) in [(&damaged[..], "damaged"), (&bytes[..900], "only 900 of")] {
         let mut test = Test::up(ADA);
         test.order_within(photograph(), 10_000);
         test.photo(&bytes, sent);
@@ -356,7 +404,7 @@ fn a_photo_with_lost_or_damaged_bytes_fails_and_lines_are_read_again() {
 
 #[test]
 fn while_a_photo_comes_nothing_is_asked_and_the_link_stands() {
-    let bytes = [&b"\xff\xd8\xff"[..], &[7; 100_000]].concat();
+    let bytes = [PNG, &[7; 100_000]].concat();
     let mut test = Test::up(ADA);
     test.order_within(photograph(), 60_000);
     test.photo(&bytes, b"");
@@ -366,7 +414,7 @@ fn while_a_photo_comes_nothing_is_asked_and_the_link_stands() {
         test.driver.handle_received(piece, test.now);
     }
     assert_eq!(test.said(), Vec::<String>::new());
-    assert!(matches!(&test.events()[..], [RobotEvent::Photo(OrderId(7), photo)] if photo.bytes.len() == 100_003));
+    assert!(matches!(&test.events()[..], [RobotEvent::Photo(OrderId(7), photo)] if photo.bytes.len() > 100_000));
     test.passes(10);
     assert_eq!(test.said(), ["hello", "led off"]);
 }
@@ -383,6 +431,7 @@ fn a_photo_that_comes_too_late_is_passed_over_and_so_are_the_lines_in_it() {
     let bytes = framed("sonar 99");
     test.photo(&bytes, &bytes);
     test.hears("sonar 5");
+    test.passes(500);
     assert_eq!(test.events(), [RobotEvent::Sonar(Some(5))]);
 }
 
