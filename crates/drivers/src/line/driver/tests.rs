@@ -104,12 +104,21 @@ fn the_link_is_up_when_the_robot_says_from_where_it_takes_orders() {
     test.passes(500);
     assert_eq!(test.said(), ["from 42"]);
     test.hears(&format!("{ADA}42"));
+    test.hears(&format!("{ADA}42"));
     let ms = Duration::from_millis;
     let parts = Parts::of(&[Part::Base, Part::Camera, Part::Sonar, Part::Led, Part::Bump, Part::AcknowledgedMoves]);
     let can = Capabilities { step: ms(800), turn: ms(650), photo: ms(2000), arm: ms(0), nudges: false, parts };
     let pose = Pose { cell: Cell::new(2, 3), heading: Heading::West };
     let stands = Whereabouts { pose, off_centre: false };
     assert_eq!(test.events(), [RobotEvent::Stands(stands), RobotEvent::LinkUp(can)]);
+}
+
+#[test]
+fn one_that_has_heard_of_more_orders_meanwhile_begins_above_those() {
+    let mut test = Test::connected();
+    test.hears(&format!("{ADA}41"));
+    test.hears(&format!("{ADA}50"));
+    assert_eq!((test.said(), test.events()), (vec!["from 42".to_owned(), "from 51".to_owned()], vec![]));
 }
 
 #[test]
@@ -243,6 +252,9 @@ fn a_halt_goes_out_at_once_and_is_repeated_until_the_robot_stands() {
     assert_eq!(test.events(), [RobotEvent::Halted(OrderId(7), true)]);
     test.driver.handle_halt(test.now);
     assert_eq!(test.said(), ["h 43"], "whatever it does, it is told");
+    test.driver.handle_lost("the connection was closed", test.now);
+    test.driver.handle_halt(test.now);
+    assert_eq!(test.said(), Vec::<String>::new(), "nobody is there");
 }
 
 #[test]
@@ -268,6 +280,7 @@ fn a_motion_never_begins_after_its_deadline() {
     test.said();
     test.passes(200);
     assert_eq!(test.said(), ["h 43", "h 43"]);
+    assert!(test.driver.poll_timeout() > Some(test.now.since_start), "it waits until the next is due");
 }
 
 #[test]
@@ -302,6 +315,10 @@ fn an_order_beside_another_or_without_a_robot_fails_in_words() {
     test.order(FORWARD);
     test.order(FORWARD);
     assert_eq!(failed(&mut test), "order 7 is still under way");
+    let mut test = Test::up(BLIND);
+    test.order(photograph());
+    test.order(FORWARD);
+    assert_eq!(failed(&mut test), "order 7 is still under way", "it is a drawing");
     let mut test = Test::up("hello ada camera step=0 turn=0 photo=9 at=0,0,south centred last=");
     test.order(FORWARD);
     assert_eq!(failed(&mut test), "the robot says that it has no base");
@@ -318,6 +335,7 @@ fn the_led_is_told_at_once_and_again_with_every_hello() {
 #[test]
 fn a_robot_that_says_nothing_is_given_up_with_what_was_seen_of_it() {
     let mut test = Test::up(ADA);
+    test.order_within(FORWARD, 60_000);
     test.hears("what is this");
     test.driver.handle_received(b"noise*0000\n", test.now);
     test.passes(1500);
@@ -356,6 +374,41 @@ fn an_order_under_way_when_the_link_is_lost_is_not_answered_and_leaves_it_off_ce
 }
 
 #[test]
+fn what_had_begun_to_come_over_a_connection_that_is_lost_is_forgotten() {
+    let hello = format!("{ADA}43");
+    let half_photo = [framed("photo 43 1000 00000000"), b"\xff\xd8\xff".to_vec()].concat();
+    for begun in [&b"halted 43 o"[..], &half_photo] {
+        let mut test = Test::up(ADA);
+        test.order(photograph());
+        test.driver.handle_received(begun, test.now);
+        test.driver.handle_lost("the connection was closed", test.now);
+        test.driver.handle_connected(test.now);
+        test.hears(&hello);
+        assert_eq!(test.said().last().map(String::as_str), Some("from 44"));
+    }
+}
+
+#[test]
+fn a_drawing_for_an_order_that_was_lost_is_nobodys() {
+    let mut test = Test::up(BLIND);
+    test.order(photograph());
+    test.driver.handle_lost("the connection was closed", test.now);
+    test.events();
+    let drawing = Photo { bytes: std::sync::Arc::from(*b"drawn"), media_type: "image/png" };
+    test.driver.handle_drawing(OrderId(7), drawing, test.now);
+    assert_eq!(test.events(), []);
+}
+
+#[test]
+fn a_connection_that_takes_the_place_of_another_ends_the_order() {
+    let mut test = Test::up(ADA);
+    test.order(FORWARD);
+    test.driver.handle_connected(test.now);
+    assert!(test.driver.is_off_centre());
+    assert_eq!(test.driver.poll_timeout(), Some(HELLO), "the order is not repeated");
+}
+
+#[test]
 fn a_robot_that_was_switched_off_and_on_is_a_lost_link_and_its_order_is_over() {
     let mut test = Test::up(ADA);
     test.order(FORWARD);
@@ -366,6 +419,15 @@ fn a_robot_that_was_switched_off_and_on_is_a_lost_link_and_its_order_is_over() {
     assert_eq!(test.said(), ["from 1"]);
     test.hears(&format!("{BLIND}1"));
     assert!(matches!(test.events()[..], [RobotEvent::Stands(_), RobotEvent::LinkUp(_)]));
+    assert!(!test.driver.is_off_centre(), "it says that it stands well");
+}
+
+#[test]
+fn a_robot_that_knows_of_fewer_orders_than_it_did_was_switched_off_and_on() {
+    let mut test = Test::up(ADA);
+    test.hears(&format!("{ADA}3"));
+    assert!(lost(&test.events()).contains("switched off and on"));
+    assert_eq!(test.said(), ["from 4"]);
 }
 
 #[test]
@@ -376,6 +438,7 @@ fn a_robot_that_takes_the_place_of_another_is_a_lost_link() {
     assert_eq!(test.said(), ["from 101"]);
     test.hears("hello bob base step=800 turn=650 photo=0 at=0,0,south off last=101");
     assert!(matches!(test.events()[..], [RobotEvent::Stands(Whereabouts { off_centre: true, .. }), RobotEvent::LinkUp(_)]));
+    assert!(test.driver.is_off_centre());
 }
 
 #[test]
@@ -433,6 +496,19 @@ fn a_photo_that_comes_too_late_is_passed_over_and_so_are_the_lines_in_it() {
     test.hears("sonar 5");
     test.passes(500);
     assert_eq!(test.events(), [RobotEvent::Sonar(Some(5))]);
+}
+
+#[test]
+fn the_photo_of_another_order_is_passed_over() {
+    let mut test = Test::up(ADA);
+    test.order(photograph());
+    let other = framed("sonar 99");
+    test.hears(&format!("photo 42 {} 00000000", other.len()));
+    test.driver.handle_received(&other, test.now);
+    test.hears("done 43");
+    assert_eq!(test.events(), [], "nor is it a motion");
+    test.photo(b"\xff\xd8\xff", b"\xff\xd8\xff");
+    assert!(matches!(test.events()[..], [RobotEvent::Photo(OrderId(7), _)]));
 }
 
 #[test]

@@ -126,7 +126,7 @@ fn one_that_moves_and_hears_nothing_good_halts_by_itself() {
     assert_eq!(test.asked(), [], "a line that is not understood is a good one");
     test.robot.handle_received(b"w 6 2000*0000\n", test.now);
     after(&mut test, 1);
-    assert_eq!(test.asked(), [Asked::Halt]);
+    assert_eq!((test.asked(), test.robot.poll_timeout()), (vec![Asked::Halt], None));
     test.reports(RobotEvent::Halted(SIX, true));
     assert_eq!((test.said(), test.robot.poll_timeout()), (vec!["halted 6 off".to_owned()], None));
 }
@@ -140,6 +140,51 @@ fn one_whose_program_is_gone_halts_at_once_and_says_nothing_of_it_to_the_next() 
     test.asked();
     test.robot.handle_lost();
     assert_eq!((test.asked(), test.said()), (vec![Asked::Halt], vec![]));
+}
+
+#[test]
+fn half_an_order_of_a_program_that_is_gone_is_not_made_whole_by_the_next() {
+    let mut test = Test::ready();
+    let order = framed("w 6 2000");
+    let (first, second) = order.split_at(4);
+    test.robot.handle_received(first, test.now);
+    test.robot.handle_lost();
+    test.robot.handle_received(second, test.now);
+    assert_eq!(test.begun(), None);
+}
+
+#[test]
+fn while_an_order_is_under_way_another_is_overlooked() {
+    let mut test = Test::ready();
+    test.hears("w 6 2000");
+    test.begun();
+    test.hears("w 7 2000");
+    test.hears("photo 7 4000");
+    assert_eq!((test.begun(), test.said()), (None, vec![]));
+    test.reports(RobotEvent::Done(SIX));
+    test.hears("w 7 2000");
+    assert_eq!(test.begun(), Some(Action::Move(Move::Forward)));
+}
+
+#[test]
+fn a_beginning_that_it_has_heard_already_halts_nothing() {
+    let mut test = Test::ready();
+    test.hears("w 6 2000");
+    test.begun();
+    test.hears("from 6");
+    assert!(matches!(&test.said()[..], [hello] if hello.ends_with("off last=6")));
+    assert_eq!(test.asked(), []);
+}
+
+#[test]
+fn what_was_answered_before_a_new_beginning_is_not_answered_again() {
+    let mut test = Test::ready();
+    test.hears("w 6 2000");
+    test.reports(RobotEvent::Done(SIX));
+    test.hears("from 9");
+    test.said();
+    test.hears("w 6 2000");
+    assert_eq!(test.said(), Vec::<String>::new());
 }
 
 #[test]
@@ -177,6 +222,18 @@ fn a_new_beginning_halts_what_moves_and_is_said_when_it_stands() {
 }
 
 #[test]
+fn a_photo_is_stamped_with_where_it_stands_and_when() {
+    let mut test = Test::ready();
+    test.now.wall.unix_ms = 1_767_254_400_000;
+    test.hears("a 6 2000");
+    test.reports(RobotEvent::Done(SIX));
+    test.asked();
+    test.hears("photo 7 4000");
+    let stamp = Stamp { pose: Pose { heading: Heading::East, ..Pose::START }, wall: test.now.wall };
+    assert_eq!(test.begun(), Some(Action::Photograph(stamp)));
+}
+
+#[test]
 fn a_photo_is_sent_once() {
     let mut test = Test::ready();
     test.hears("photo 6 4000");
@@ -187,6 +244,25 @@ fn a_photo_is_sent_once() {
     assert_eq!(test.said(), ["photo 6 9 CBF43926", "123456789"]);
     test.hears("photo 6 4000");
     assert_eq!((test.begun(), test.said()), (None, vec!["nophoto 6 it was sent already, and is lost: order another".to_owned()]));
+}
+
+#[test]
+fn a_photo_goes_on_whatever_is_halted_and_leaves_it_where_it_stands() {
+    let mut test = Test::ready();
+    test.hears("w 6 2000");
+    test.reports(RobotEvent::Blocked(SIX, Obstacle::Unknown));
+    test.hears("photo 7 4000");
+    test.asked();
+    test.said();
+    test.hears("h 6");
+    assert_eq!(test.said(), ["blocked 6 none unknown"]);
+    test.hears("h 8");
+    assert_eq!(test.said(), Vec::<String>::new(), "it is busy");
+    test.robot.handle_lost();
+    assert_eq!(test.asked(), []);
+    test.reports(RobotEvent::PhotoFailed(OrderId(7), "it is dark".to_owned()));
+    test.hears("h 8");
+    assert_eq!(test.said(), ["nophoto 7 it is dark", "halted 8 off"]);
 }
 
 #[test]
