@@ -1,6 +1,8 @@
 //! Robots of the line protocol: the program and the emulator as two processes, over TCP and over a pair of pseudo-terminals that lose and
 //! garble bytes. What the wire does to driver and robot is tested beside them, from many seeds.
 
+mod cable;
+mod paced;
 mod terminals;
 
 use std::io::{BufRead, BufReader, Read, Write};
@@ -12,6 +14,8 @@ use hallsweep_drivers::line::{LineReader, framed};
 use serde_json::Value;
 
 use crate::program::{PATIENCE, Program, hallsweep};
+use cable::Cable;
+use paced::{PHOTO, PacedRobot, Seen};
 use terminals::Terminals;
 
 /// A robot that is played by a process of its own.
@@ -121,6 +125,63 @@ fn while_nothing_moves_another_robot_takes_the_place_of_one_and_the_mission_goes
     );
     assert_eq!(state["robot"]["state"], "stopped", "nothing moves before a START");
     assert_eq!(visited(&explore(&program)), 64);
+}
+
+/// Safety S1. The photo would take 100 s; only when the robot has been told to halt does the rest of it come.
+#[test]
+fn a_stop_reaches_the_robot_in_the_middle_of_a_photo_and_the_photo_is_kept() {
+    let robot = PacedRobot::listening(1_000, true);
+    let seen = || robot.seen.recv_timeout(PATIENCE).expect("more comes over the wire").0;
+    let program = serve(&robot.place);
+    program.command("start").accepted();
+    while seen() != Seen::PhotoBegins {}
+    program.command("stop").accepted();
+    assert_eq!(seen(), Seen::Halt, "the photo is not over");
+    robot.pace(100_000_000);
+    while seen() != Seen::PhotoOver {}
+    let piece = program.until_asked();
+    let photo = program.read(&format!("/api/v1/luggage/{piece}/photo"), &[]);
+    assert_eq!((photo.status, photo.body.len()), (200, PHOTO));
+}
+
+/// Safety S5.
+#[test]
+fn a_robot_that_is_not_told_that_its_program_was_killed_halts_by_itself() {
+    let emulator = Emulator::with(&["--listen", "127.0.0.1:0", "--hall", "empty-8x8", "--speed", "0.1"]);
+    let cable = Cable::to(&emulator.place);
+    let program = moving(&cable);
+    program.killer()();
+    halts_by_itself(&cable, &emulator);
+}
+
+/// Safety S5.
+#[test]
+fn a_robot_whose_cable_is_pulled_halts_by_itself_and_the_mission_is_held() {
+    let emulator = Emulator::with(&["--listen", "127.0.0.1:0", "--hall", "empty-8x8", "--speed", "0.1"]);
+    let cable = Cable::to(&emulator.place);
+    let program = moving(&cable);
+    cable.pull();
+    halts_by_itself(&cable, &emulator);
+    program.until("the mission is held", |state| has(state, "robotLink") && has(state, "awaitingStart"));
+}
+
+/// A program whose robot has just been told to move.
+fn moving(cable: &Cable) -> Program {
+    let program = serve(&cable.place);
+    program.command("start").accepted();
+    cable.until(&["w", "a", "d"]);
+    program
+}
+
+/// It says that it has halted before anybody else comes to its port, and then where: in the cell in which it was.
+fn halts_by_itself(cable: &Cable, emulator: &Emulator) {
+    let halted = cable.until(&["done", "halted", "failed"]);
+    assert!(halted.starts_with("halted ") && halted.ends_with(" off"), "{halted}");
+    let mut wire = TcpStream::connect(&emulator.place).expect("the robot listens");
+    wire.set_read_timeout(Some(PATIENCE)).expect("it is a socket");
+    wire.write_all(&framed("hello")).expect("the robot hears");
+    let hello = line(&mut wire, "hello ");
+    assert!(hello.contains("at=0,0,south off last="), "{hello}");
 }
 
 /// Safety S5.
