@@ -2,11 +2,8 @@
 
 use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
-
-/// How the address is announced on standard output.
-const ANNOUNCED: &str = "http://";
 
 /// A running program.
 pub(crate) struct Program {
@@ -15,6 +12,7 @@ pub(crate) struct Program {
     pub(crate) folder: PathBuf,
     /// Where it listens, as `127.0.0.1:40123`.
     pub(crate) address: String,
+    said: BufReader<ChildStdout>,
 }
 
 impl Program {
@@ -33,10 +31,22 @@ impl Program {
             .args(arguments);
         let child = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
         let mut child = child.expect("the program was built for this benchmark");
+        let said = BufReader::new(child.stdout.take().expect("its output is piped"));
+        let mut program = Program { child, folder, address: String::new(), said };
+        program.address = program.door("http://");
+        program
+    }
+
+    /// Where the door is that it announces next, as `coap://`.
+    pub(crate) fn door(&mut self, scheme: &str) -> String {
         let mut line = String::new();
-        BufReader::new(child.stdout.take().expect("its output is piped")).read_line(&mut line).expect("it says where it is");
-        let address = line.trim().rsplit(ANNOUNCED).next().unwrap_or_default().trim_end_matches('/').to_owned();
-        Program { child, folder, address }
+        while !line.contains(scheme) {
+            line.clear();
+            let read = self.said.read_line(&mut line).expect("it says where it is");
+            assert!(read > 0, "it has ended without a word of {scheme}");
+        }
+        let (_, door) = line.split_once(scheme).expect("the line was looked for");
+        door.split_whitespace().next().unwrap_or_default().trim_end_matches('/').to_owned()
     }
 
     /// Where the system says something of it under this name, as `stat`.

@@ -1,0 +1,164 @@
+//! How long STOP takes from the request to the robot's wire: of the line protocol, while the robot moves and while its photo of 100 kB comes,
+//! and of the virtual robot's. The program is the real one in a process of its own, with its real store (safety S6).
+#![expect(clippy::disallowed_methods, clippy::print_stdout, reason = "a benchmark looks at the clock and prints")]
+
+#[path = "common/ask.rs"]
+mod ask;
+#[path = "common/coap.rs"]
+#[expect(dead_code, reason = "nothing is observed")]
+mod coap;
+#[path = "common/goals.rs"]
+#[expect(dead_code, reason = "nobody is compared with")]
+mod goals;
+#[path = "../tests/service/mqtt_attacks/client.rs"]
+#[expect(dead_code, reason = "whoever presses STOP attacks nobody")]
+mod mqtt;
+#[path = "../tests/service/line_robots/paced.rs"]
+#[expect(dead_code, reason = "the pace stays")]
+mod paced;
+#[path = "../tests/service/mqtt_attacks/packets.rs"]
+#[expect(dead_code, reason = "whoever presses STOP attacks nobody")]
+mod packets;
+#[path = "common/program.rs"]
+#[expect(dead_code, reason = "nothing is asked of the system")]
+mod program;
+#[path = "wire/virtual_server.rs"]
+mod virtual_server;
+
+use std::process::ExitCode;
+use std::sync::mpsc::Receiver;
+use std::time::{Duration, Instant};
+
+use paced::{PacedRobot, Seen};
+use program::Program;
+
+/// So many stops over each door.
+const STOPS: usize = 300;
+
+/// So many with the virtual robot, which needs a second to go back to where it was stopped.
+const VIRTUAL_STOPS: usize = 100;
+
+/// The goals of safety S6.
+const P99: Duration = Duration::from_millis(50);
+const WORST: Duration = Duration::from_millis(100);
+
+/// As fast as photos come: one of 100 kB takes 2.5 s.
+const BYTES_A_SECOND: u64 = 40_000;
+
+/// Between two stops, so that nothing that the last has led to is taken for the next.
+const PAUSE: Duration = Duration::from_millis(20);
+
+/// How a command is answered that was accepted.
+const ACCEPTED: &str = "\"accepted\":true";
+
+/// How long anything may take: far longer than it does.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// What was seen at the robot's port.
+type Sight = Receiver<(Seen, Instant)>;
+
+fn main() -> ExitCode {
+    println!("STOP, request → robot's wire:");
+    over_each_door("it moves", &PacedRobot::listening(BYTES_A_SECOND, false), while_it_moves);
+    over_each_door("a photo comes", &PacedRobot::listening(BYTES_A_SECOND, true), while_photos_come);
+    let (place, seen) = virtual_server::listening();
+    let program = Program::serve(&["--robot", &format!("virtual-tcp={place}")]);
+    let stop = &mut || accepted(&post(&program.address, "commands/stop"));
+    judge("HTTP, virtual-tcp", while_it_moves(&program.address, &seen, VIRTUAL_STOPS, stop));
+    goals::exit()
+}
+
+/// How stops are given and timed: over which HTTP door the rest is asked, what is seen, how many, and how one is given.
+type Stops = fn(&str, &Sight, usize, &mut dyn FnMut()) -> Vec<Duration>;
+
+/// The stops over each door of a program with this robot.
+fn over_each_door(what: &str, robot: &PacedRobot, stops: Stops) {
+    let mut program = Program::serve(&["--robot", &format!("line={}", robot.place)]);
+    let [coap, mqtt] = ["coap://", "mqtt://"].map(|scheme| program.door(scheme).parse().expect("it is an address"));
+    let http = &program.address;
+    let over = |door: &str, stop: &mut dyn FnMut()| judge(&format!("{door}, {what}"), stops(http, &robot.seen, STOPS, stop));
+    over("HTTP", &mut || accepted(&post(http, "commands/stop")));
+    let mut client = coap::Coap::at(coap);
+    over("CoAP", &mut || accepted(&client.ask("POST", "commands/stop", "").expect("the door answers").text));
+    let mut client = mqtt::Client::try_connect(mqtt, &packets::connect("operator", 60)).expect("the door lets a client in");
+    client.subscribe("hallsweep/discovery/command/stop/result", 0);
+    over("MQTT", &mut || {
+        client.publish("hallsweep/discovery/command/stop", b"");
+        accepted(&String::from_utf8_lossy(&client.message().payload));
+    });
+}
+
+/// Each while a step is under way.
+fn while_it_moves(http: &str, sight: &Sight, stops: usize, stop: &mut dyn FnMut()) -> Vec<Duration> {
+    let took = |_| {
+        accepted(&post(http, "commands/start"));
+        until(sight, &[Seen::Moves]);
+        let asked = Instant::now();
+        stop();
+        until(sight, &[Seen::Halt]).1.duration_since(asked)
+    };
+    (0..stops).map(took).collect()
+}
+
+/// Many while one photo comes, and on with the next.
+fn while_photos_come(http: &str, sight: &Sight, stops: usize, stop: &mut dyn FnMut()) -> Vec<Duration> {
+    let mut took = Vec::new();
+    while took.len() < stops {
+        take_photo(http, sight);
+        while took.len() < stops {
+            std::thread::sleep(PAUSE);
+            if sight.try_iter().any(|(seen, _)| seen == Seen::PhotoOver) {
+                break;
+            }
+            let asked = Instant::now();
+            stop();
+            let (seen, at) = until(sight, &[Seen::Halt, Seen::PhotoOver]);
+            if seen == Seen::PhotoOver {
+                break;
+            }
+            took.push(at.duration_since(asked));
+        }
+    }
+    took
+}
+
+/// Has the photo taken again as soon as there is one, and waits until it comes; the mission takes the first by itself.
+fn take_photo(http: &str, sight: &Sight) {
+    let since = Instant::now();
+    while {
+        sight.try_iter().for_each(drop);
+        !post(http, "luggage/1/photo").contains(ACCEPTED)
+    } {
+        assert!(since.elapsed() < PATIENCE, "a photo can be taken again");
+        // Accepted before there is a mission; else it changes nothing.
+        let _ = post(http, "commands/start");
+        std::thread::sleep(PAUSE);
+    }
+    until(sight, &[Seen::PhotoBegins]);
+}
+
+/// The next of these.
+fn until(sight: &Sight, wanted: &[Seen]) -> (Seen, Instant) {
+    loop {
+        let seen = sight.recv_timeout(PATIENCE).expect("what is waited for comes to the robot");
+        if wanted.contains(&seen.0) {
+            return seen;
+        }
+    }
+}
+
+fn post(http: &str, path: &str) -> String {
+    ask::ask(http, "POST", &format!("/api/v1/{path}"), "").expect("the door answers")
+}
+
+fn accepted(answer: &str) {
+    assert!(answer.contains(ACCEPTED), "{answer}");
+}
+
+/// Prints how long they took, and holds them against the goals.
+fn judge(what: &str, mut took: Vec<Duration>) {
+    took.sort_unstable();
+    let [p50, p99, worst] = [50, 99, 100].map(|percent| took[(took.len() * percent / 100).min(took.len() - 1)]);
+    println!("  {what:<26} {:4} × p50 {p50:>9.2?}  p99 {p99:>9.2?}  worst {worst:>9.2?}", took.len());
+    goals::met(&format!("{what}: p99 ≤ {P99:?}, worst ≤ {WORST:?}"), p99 <= P99 && worst <= WORST);
+}
