@@ -250,3 +250,36 @@ impl Connection {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::runtime::halt::Halter;
+    use crate::runtime::link::link;
+    use crate::runtime::within::within;
+    use hallsweep_core::command::Move;
+    use hallsweep_core::effect::{Action, Order, Stamp};
+    use hallsweep_core::units::{Epoch, Pose, WallTime};
+    use hallsweep_drivers::line::LineDriver;
+
+    /// What is reported of an order that was sent before a halt, to a robot that has not said who it is.
+    async fn sent_before_a_halt(action: Action) -> RobotEvent {
+        let silent = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let address = Address::Tcp(silent.local_addr().unwrap().to_string(), None);
+        let halter = Halter::new(Epoch(0));
+        let (mut link, side) = link(halter.watch());
+        let order = Order { id: OrderId(1), action, epoch: Epoch(0), deadline: Duration::from_secs(2) };
+        link.orders.try_send(Stamped { order, halts: link.halts.now().count }).unwrap();
+        halter.halt();
+        tokio::spawn(run(Box::new(LineDriver::new()), address, side, Clock::default(), None));
+        within("its answer", link.reports.recv()).await.unwrap()
+    }
+
+    /// Safety S6.
+    #[tokio::test]
+    async fn a_motion_that_was_sent_before_a_halt_is_not_given_to_the_driver_and_a_photo_is() {
+        assert_eq!(sent_before_a_halt(Action::Move(Move::Forward)).await, RobotEvent::Halted(OrderId(1), false));
+        let photo = Action::Photograph(Stamp { pose: Pose::START, wall: WallTime::default() });
+        assert!(matches!(sent_before_a_halt(photo).await, RobotEvent::Failed(OrderId(1), _)));
+    }
+}

@@ -99,6 +99,8 @@ impl VirtualRobot {
         (self.step, self.is_gauged, self.off_centre, self.is_changed) = (step, true, false, true);
         self.reckoning.set_out_from_home();
         self.events.push_back(RobotEvent::LinkUp(self.can()));
+        // Who was to go back to the centre is there.
+        self.aim(Aim::Back);
         if let Some(action) = self.task.as_ref().map(|task| task.action) {
             self.begin(action);
         }

@@ -334,3 +334,83 @@ impl VirtualRobot {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Task;
+    use super::*;
+    use crate::Driver;
+    use hallsweep_core::command::Move;
+    use hallsweep_core::effect::{Action, Order};
+    use hallsweep_core::units::{Epoch, Now, OrderId};
+
+    struct Test {
+        robot: VirtualRobot,
+        now: Now,
+    }
+
+    impl Test {
+        fn connected() -> Test {
+            let robot = VirtualRobot::new(Dialect::Messages, Duration::from_millis(330));
+            let mut test = Test { robot, now: Now::default() };
+            test.robot.handle_connected(test.now);
+            test
+        }
+
+        /// Gives an order, and tells it that it was sent.
+        fn begin(&mut self, id: OrderId, action: Action) {
+            let deadline = Duration::from_secs(3);
+            self.robot.handle_order(Order { id, action, epoch: Epoch(0), deadline }, self.now);
+            assert!(matches!(self.robot.poll_output(), Some(Output::Send(_))));
+            self.robot.handle_sent(self.now);
+        }
+
+        fn passes(&mut self, time: Duration) {
+            self.now.since_start += time;
+            self.robot.handle_timeout(self.now);
+        }
+
+        fn last_event(&mut self) -> Option<RobotEvent> {
+            std::iter::from_fn(|| self.robot.poll_event()).last()
+        }
+    }
+
+    /// Safety S6: another client's turn was under way, so that ours was not begun.
+    #[test]
+    fn a_turn_that_was_refused_is_not_tried_again_after_a_halt() {
+        let mut test = Test::connected();
+        test.begin(OrderId(1), Action::Move(Move::TurnLeft));
+        test.robot.handle_halt(test.now);
+        test.robot.handle_received(br#"{"endmove":false,"move":"turnLeft_notallowed"}"#, test.now);
+        test.passes(AGAIN);
+        assert_eq!((test.robot.poll_output(), test.last_event()), (None, Some(RobotEvent::Halted(OrderId(1), false))));
+    }
+
+    /// Safety S6: it feels whether its step is complete, is halted, and the word of what it met comes then.
+    #[test]
+    fn what_is_met_in_the_moment_of_a_halt_sets_nothing_moving() {
+        let mut test = Test::connected();
+        test.begin(OrderId(1), Action::Move(Move::Forward));
+        test.passes(Duration::from_millis(200));
+        test.robot.handle_lost("the cable was pulled", test.now);
+        test.robot.handle_connected(test.now);
+        test.begin(OrderId(2), Action::Recentre);
+        test.passes(Duration::from_millis(90));
+        test.robot.handle_halt(test.now);
+        assert_eq!(test.robot.poll_output(), Some(Output::Send(Command::Alarm.as_message())));
+        test.robot.handle_received(br#"{"collision":"moveForward","target":"wallDown"}"#, test.now);
+        assert_eq!((test.robot.poll_output(), test.last_event()), (None, Some(RobotEvent::Halted(OrderId(2), true))));
+    }
+
+    #[test]
+    fn back_from_touching_or_gauging_a_recentring_is_done() {
+        for aim in [Aim::Return, Aim::Gauged] {
+            let mut test = Test::connected();
+            (test.robot.gauge, test.robot.gauged) = (Some(7.0), Duration::from_secs(3));
+            let (order, deadline) = (OrderId(1), Duration::MAX);
+            test.robot.task = Some(Task { order, action: Action::Recentre, deadline, aim, leg: None, hindered: 0 });
+            test.robot.go_back();
+            assert_eq!((test.robot.poll_output(), test.last_event()), (None, Some(RobotEvent::Done(order))), "{aim:?}");
+        }
+    }
+}

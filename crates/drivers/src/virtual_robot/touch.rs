@@ -48,6 +48,8 @@ impl VirtualRobot {
     /// Back in the centre of its cell: now for what was ordered.
     pub(super) fn came_back_touched(&mut self) {
         self.off_centre = false;
+        // Who was to go back to the centre is there.
+        self.aim(Aim::Back);
         if let Some(action) = self.task.as_ref().map(|task| task.action) {
             self.begin(action);
         }
