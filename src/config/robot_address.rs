@@ -42,8 +42,8 @@ pub(super) fn robot_address(layers: &Layers, key: &str, kind: RobotKind) -> Resu
             let advice = "leave it empty, or write the kind of the robot that is there: virtual-tcp, virtual-ws or line";
             Err(layers.wrong_with_advice(key, "the simulated robot is part of this program and has no address", advice))
         }
-        RobotKind::VirtualTcp => network(&written, Some(8999)).ok_or_else(|| no_host(layers, key)),
-        RobotKind::VirtualWs => network(&written, Some(8091)).ok_or_else(|| no_host(layers, key)),
+        RobotKind::VirtualTcp => network(&written, Some(8999)).ok_or_else(|| no_host(layers, key, 8999)),
+        RobotKind::VirtualWs => network(&written, Some(8091)).ok_or_else(|| no_host(layers, key, 8091)),
         RobotKind::Line if written.is_empty() => Err(layers.wrong(key, "a robot of the kind line has no usual address")),
         RobotKind::Line if is_device(&written) => Ok(RobotAddress::Device(written)),
         RobotKind::Line => {
@@ -66,9 +66,9 @@ fn is_device(written: &str) -> bool {
     written.contains(['/', '\\']) || number.is_some_and(|number| number.parse::<u8>().is_ok())
 }
 
-fn no_host(layers: &Layers, key: &str) -> SettingsError {
-    let advice = "write HOST or HOST:PORT, as localhost:8999; or nothing for this machine and the usual port";
-    layers.wrong_with_advice(key, "it names no host, or no port that can be", advice)
+fn no_host(layers: &Layers, key: &str, usual: u16) -> SettingsError {
+    let advice = format!("write HOST or HOST:PORT, as localhost:{usual}; or nothing for this machine and the usual port");
+    layers.wrong_with_advice(key, "it names no host, or no port that can be", &advice)
 }
 
 #[cfg(test)]

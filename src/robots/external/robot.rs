@@ -63,7 +63,9 @@ impl ExternalRobot {
 
     pub(in crate::robots) fn recall(&mut self, folder: &Path) {
         let Kind::Virtual(dialect) = self.kind else { return };
-        let whose = format!("a virtual robot at {}", self.address);
+        // This machine has more than one name for itself.
+        let address = self.address.to_string().replace("127.0.0.1", "localhost").replace("[::1]", "localhost");
+        let whose = format!("a virtual robot at {address}");
         let opened = MemoryFile::open(folder, &self.id, &whose).and_then(|(file, memory)| {
             let read = memory.map(|memory| VirtualRobot::remembering(dialect, self.step, &memory)).transpose();
             let robot = read.map_err(|fault| file.damaged(fault))?;

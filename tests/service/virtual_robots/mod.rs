@@ -1,10 +1,8 @@
 //! The whole program with a virtual robot: a double of its page and of its servers, as they were in its versions.
 
-#[expect(dead_code, reason = "missions in simulated time use more of it")]
 #[path = "../../../crates/drivers/tests/virtual_robot/page.rs"]
 #[expect(dead_code, reason = "no page is slow here, and no scene is told")]
 mod page;
-#[expect(dead_code, reason = "missions in simulated time use more of it")]
 #[path = "../../../crates/drivers/tests/virtual_robot/server.rs"]
 #[expect(dead_code, reason = "its page stays open")]
 mod server;

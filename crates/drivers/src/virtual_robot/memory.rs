@@ -16,6 +16,9 @@ const VERSION: u32 = 1;
 /// Steps quicker or slower than these are none.
 const STEPS: std::ops::RangeInclusive<f64> = 0.02..=10.0;
 
+/// Words that are longer are cut.
+const MOST: usize = 300;
+
 /// A step that nobody has heard the end of: which way, how far it was to go, and how far it has felt ahead since.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Unheard {
@@ -69,7 +72,7 @@ impl VirtualRobot {
             off_centre: remembered.off_centre || unheard.is_some(),
             led: remembered.led,
             unheard,
-            lost: remembered.lost,
+            lost: remembered.lost.map(|words| words.chars().filter(|letter| !letter.is_control()).take(MOST).collect()),
             ..VirtualRobot::new(dialect, step)
         })
     }

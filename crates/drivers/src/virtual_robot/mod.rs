@@ -44,7 +44,8 @@ const TURN: Duration = Duration::from_millis(400);
 const PUT_HOME: &str = "open its page anew, so that it stands at its start, and press START";
 
 /// And when what it has told may be wrong as well.
-const BEGIN_ANEW: &str = "open its page anew, so that it stands at its start, and press RESET: the map may be wrong";
+const BEGIN_ANEW: &str =
+    "the map may be wrong: open its page anew, so that it stands at its start, and RESET begins with an empty map";
 
 /// What a photo may take: drawing it is some hundredths of a second, on a machine that may have much else to do.
 const DRAWING: Duration = Duration::from_secs(2);

@@ -213,8 +213,10 @@ impl Inspect<'_> {
 
 impl Robot<'_> {
     fn sonar(&self) -> String {
-        if self.parts().is_some_and(|parts| !parts.has(robots::Part::Sonar)) {
-            return "none".to_owned();
+        match self.parts() {
+            None => return "not known".to_owned(),
+            Some(parts) if !parts.has(robots::Part::Sonar) => return "none".to_owned(),
+            Some(_) => {}
         }
         self.v.snapshot.robot.sonar_cm.map_or_else(|| "nothing near".to_owned(), |cm| format!("{cm} cm"))
     }

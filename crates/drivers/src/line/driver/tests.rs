@@ -507,7 +507,7 @@ fn the_photo_of_another_order_is_passed_over() {
     test.driver.handle_received(&other, test.now);
     test.hears("done 43");
     assert_eq!(test.events(), [], "nor is it a motion");
-    test.photo(b"\xff\xd8\xff", b"\xff\xd8\xff");
+    test.photo(PNG, PNG);
     assert!(matches!(test.events()[..], [RobotEvent::Photo(OrderId(7), _)]));
 }
 
