@@ -70,7 +70,7 @@ impl Run {
         let dialect = if kind & 1 == 0 { Dialect::Semicolons } else { Dialect::Messages };
         let face = |name: &str, towards, at| Face { name: name.to_owned(), towards, at };
         let faces = vec![face("wallDown", Heading::South, 7.2), face("plasticBox", Heading::East, 3.0)];
-        let room = if kind & 2 == 0 { Room::default() } else { Room { faces, ahead: Some(7.2) } };
+        let room = if kind & 2 == 0 { Room::default() } else { Room { faces, unfixed: vec!["bag".into()], ahead: Some(7.2) } };
         Run {
             dialect,
             driver: VirtualRobot::new(dialect, STEP).in_room(&room),

@@ -9,9 +9,9 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
 
 use hallsweep_core::command::Move;
-use hallsweep_core::effect::Action;
+use hallsweep_core::effect::{Action, Stamp};
 use hallsweep_core::event::{Capabilities, Obstacle, Parts, Photo, Piece, RobotEvent};
-use hallsweep_core::units::{Now, OrderId, WallTime};
+use hallsweep_core::units::{Now, OrderId, Pose, WallTime};
 use hallsweep_drivers::line::{Asked, LineReader, LineRobot, RobotName};
 
 /// The bytes of its photos.
@@ -193,7 +193,8 @@ impl Life {
 }
 
 fn photo() -> Photo {
-    let mut bytes = b"\x89PNG\r\n\x1a\n".to_vec();
+    let stamp = Stamp { pose: Pose::START, wall: WallTime::default() };
+    let mut bytes = hallsweep_sim::camera::plan(stamp, None).bytes.to_vec();
     bytes.resize(PHOTO, 0);
     Photo { bytes: bytes.into(), media_type: "image/png" }
 }

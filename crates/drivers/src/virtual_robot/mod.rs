@@ -27,6 +27,7 @@ mod leg;
 mod legs;
 mod memory;
 mod reckoning;
+mod task;
 mod touch;
 mod words;
 
@@ -35,6 +36,7 @@ use greeting::GREETING;
 use leg::{Leg, Stage, Way};
 use memory::Unheard;
 use reckoning::Reckoning;
+use task::{Aim, Task, Then};
 use words::{Command, Heard, Stream};
 
 /// How long a turn is asked for: it cannot be halted, so it is to be short (safety S5), and less looks wrong on the page.
@@ -110,51 +112,6 @@ pub struct VirtualRobot {
     events: VecDeque<RobotEvent>,
     is_changed: bool,
     now: Duration,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Task {
-    order: OrderId,
-    action: Action,
-    deadline: Duration,
-    aim: Aim,
-    leg: Option<Leg>,
-    /// How often something unexpected was met on the way back to the centre.
-    hindered: u8,
-}
-
-/// What an order comes to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Aim {
-    Step(Pose),
-    Turn(Pose),
-    /// Back to the centre of its cell.
-    Back,
-    /// Forward against what stands there, certainly or maybe, so that it knows where it is; then back to the centre.
-    Touch {
-        is_certain: bool,
-        further: u8,
-    },
-    Return,
-    /// Back from what a step has met first, as long as it drove; and against it once more: how much longer that seems to take than it
-    /// must is the latency.
-    Retreat(Then),
-    Measure(Then),
-    /// Ahead until it meets what the scene says that it must, and back to its start.
-    Gauge,
-    Gauged,
-    /// A little ahead: whether the step whose end was not heard is complete.
-    Feel,
-    Draw,
-}
-
-/// What comes of it when the latency is measured.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Then {
-    /// The step to there was stopped.
-    Met(Pose),
-    /// The way from its start is measured.
-    Gauged,
 }
 
 impl VirtualRobot {
