@@ -10,6 +10,7 @@ use hallsweep_core::world::temperature::TemperatureStatus;
 use hallsweep_sim::headless::Run;
 use hallsweep_sim::{Camera, Hall, SimSettings};
 
+use crate::bare::Bare;
 use crate::operator::{Operator, in_drawn, in_hall, run_in, sensor_reads};
 
 /// Rule 5.
@@ -138,4 +139,14 @@ fn a_lost_link_holds_and_the_robot_is_recentred_before_it_goes_on() {
     run.stands_still();
     run.give(Command::Start).unwrap();
     run.until_explored();
+}
+
+#[test]
+fn why_there_is_no_link_is_logged_for_every_reason() {
+    let mut bare = Bare::unlinked();
+    let said = |bare: &mut Bare, words: &str| bare.state().log.iter().any(|line| line.text.contains(words));
+    for words in ["nobody listens there", "no page is open"] {
+        bare.robot(RobotEvent::LinkLost(words.to_owned()));
+        assert!(said(&mut bare, words), "{words}");
+    }
 }

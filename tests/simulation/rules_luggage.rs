@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use hallsweep_core::command::{Command, LuggageRef, Refused, Verdict};
+use hallsweep_core::event::{RobotEvent, Whereabouts};
 use hallsweep_core::mission::PhaseName;
 use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Settings;
@@ -12,6 +13,7 @@ use hallsweep_core::world::luggage::PhotoState;
 use hallsweep_sim::headless::{Run, Verdicts, explore};
 use hallsweep_sim::{Camera, Hall, SimSettings};
 
+use crate::bare::Bare;
 use crate::operator::{Operator, drawn_with, in_drawn};
 
 fn at_the_bag() -> Run {
@@ -178,4 +180,16 @@ fn what_cannot_be_told_is_inspected_and_so_is_everything_when_asked_for() {
     let original = run(SimSettings::new(1, Camera::Stub), Settings { inspect_everything: true, ..Settings::default() });
     assert!(blind.complete && blind.luggage.len() == 15, "{} pieces", blind.luggage.len());
     assert!(original.complete && original.luggage.len() == 15, "{} pieces", original.luggage.len());
+}
+
+/// Another robot has taken the place of the one that met the piece, and stands at the entrance: a photo of what is before it would pass for
+/// one of the piece.
+#[test]
+fn a_robot_that_stands_elsewhere_takes_no_photo_of_the_piece() {
+    let mut bare = Bare::at_a_bag();
+    bare.robot(RobotEvent::LinkLost("bert has taken the place of ada".to_owned()));
+    bare.robot(RobotEvent::Stands(Whereabouts { pose: Pose::START, off_centre: false }));
+    bare.link_up();
+    assert_eq!(bare.give(Command::RetakePhoto(LuggageId(1))), Err(Refused::NotInspected(LuggageId(1))));
+    assert!(bare.verdict(Verdict::Safe).is_ok(), "the first photo shows the piece");
 }
