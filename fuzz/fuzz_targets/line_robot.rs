@@ -38,21 +38,15 @@ fn read_back(bytes: &[u8]) {
 fn to_the_driver(bytes: &[u8], cut: usize) {
     let (mut driver, mut now) = (LineDriver::new(), Now::default());
     driver.handle_connected(now);
-    let (mut given, mut open) = (0, None);
+    let (mut given, mut open, mut up) = (0, None, false);
     for piece in bytes.chunks(cut) {
         driver.handle_received(piece, now);
         now.since_start += Duration::from_millis(10);
         driver.handle_timeout(now);
         while let Some(event) = driver.poll_event() {
             match event {
-                RobotEvent::LinkUp(_) => {
-                    given += 1;
-                    open = Some(OrderId(given));
-                    let action = Action::Move(Move::Forward);
-                    let order = Order { id: OrderId(given), action, epoch: Epoch(0), deadline: Duration::from_secs(1) };
-                    driver.handle_order(order, now);
-                }
-                RobotEvent::LinkLost(_) => open = None,
+                RobotEvent::LinkUp(_) => up = true,
+                RobotEvent::LinkLost(_) => (up, open) = (false, None),
                 RobotEvent::Done(id) | RobotEvent::Blocked(id, _) | RobotEvent::Halted(id, _) | RobotEvent::Failed(id, _) => {
                     assert_eq!(open.take(), Some(id), "an order is answered once");
                 }
@@ -64,6 +58,13 @@ fn to_the_driver(bytes: &[u8], cut: usize) {
                 Output::GiveUp(words) => driver.handle_lost(&words, now),
                 Output::Send(_) | Output::Reconnect | Output::Draw(..) => {}
             }
+        }
+        if up && open.is_none() {
+            given += 1;
+            open = Some(OrderId(given));
+            let action = Action::Move(Move::Forward);
+            let order = Order { id: OrderId(given), action, epoch: Epoch(0), deadline: Duration::from_secs(1) };
+            driver.handle_order(order, now);
         }
     }
 }
