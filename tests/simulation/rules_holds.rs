@@ -3,8 +3,9 @@
 use std::time::Duration;
 
 use hallsweep_core::command::{Command, Refused, TemperatureReport, Verdict};
-use hallsweep_core::event::{Event, RobotEvent, RobotId};
+use hallsweep_core::event::{Capabilities, Event, Parts, RobotEvent, RobotId};
 use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::robots::Part;
 use hallsweep_core::units::Celsius;
 use hallsweep_core::world::temperature::TemperatureStatus;
 use hallsweep_sim::headless::Run;
@@ -137,6 +138,23 @@ fn a_lost_link_holds_and_the_robot_is_recentred_before_it_goes_on() {
     assert!(matches!(run.give(Command::Start), Err(Refused::Held(..))));
     run.engine.handle_event(Event::Robot(RobotId::discovery(), RobotEvent::LinkUp(can)), now);
     run.stands_still();
+    run.give(Command::Start).unwrap();
+    run.until_explored();
+}
+
+/// A hot robot that is exchanged for one without a thermometer leaves its word to the operator: nobody else could take it back.
+#[test]
+fn a_thermometer_that_is_taken_away_cools_no_hall_and_the_operator_can_say_that_it_is_cool() {
+    let mut run = in_hall("empty-8x8");
+    let can = Capabilities { parts: Parts::of(&[Part::Base, Part::Bump]), ..run.sim.capabilities() };
+    let hot = RobotEvent::Temperature(Celsius::new(30.0).unwrap());
+    for report in [hot, RobotEvent::LinkLost("exchanged".to_owned()), RobotEvent::LinkUp(can)] {
+        let now = run.now();
+        run.engine.handle_event(Event::Robot(RobotId::discovery(), report), now);
+    }
+    assert_eq!(run.holds(), [Hold::Temperature]);
+    assert!(run.state().log.iter().any(|line| line.text.contains("discovery has no thermometer now")));
+    run.reading(20.0).unwrap();
     run.give(Command::Start).unwrap();
     run.until_explored();
 }

@@ -8,6 +8,7 @@ use crate::effect::{Action, Fact, Order};
 use crate::event::{Capabilities, Obstacle, OffCentre, Photo, RobotEvent, RobotId, Whereabouts};
 use crate::mission::{FaultCause, Hold, Input, InputContext, Phase, Stage};
 use crate::retrieval::{ArmAction, ArmState, Place};
+use crate::robots::Part;
 use crate::search::costs::Costs;
 use crate::search::plan::after;
 use crate::units::{Cell, Heading, OrderId, Pose};
@@ -45,9 +46,7 @@ impl Engine {
                 }
             }
             RobotEvent::Temperature(celsius) => {
-                // With a blank, which no sensor has in its name: a robot's reading is never taken for that of something else.
-                let source = if self.searches(robot) { ROBOT.to_owned() } else { format!("{ROBOT} {robot}") };
-                self.read_temperature(&Arc::from(source), celsius);
+                self.read_temperature(&Arc::from(self.thermometer_of(robot)), celsius);
             }
         }
     }
@@ -55,6 +54,11 @@ impl Engine {
     /// Whether this is the robot of the search, whose reports the mission follows.
     pub(super) fn searches(&self, robot: &RobotId) -> bool {
         self.robots.searching_id() == robot
+    }
+
+    /// As a source of readings. With a blank, which no sensor has in its name: a robot's is never taken for that of something else.
+    fn thermometer_of(&self, robot: &RobotId) -> String {
+        if self.searches(robot) { ROBOT.to_owned() } else { format!("{ROBOT} {robot}") }
     }
 
     pub(super) fn pose_of(&self, robot: &RobotId) -> Pose {
@@ -145,6 +149,11 @@ impl Engine {
     }
 
     fn link_up(&mut self, robot: &RobotId, can: Capabilities) {
+        if !can.parts.has(Part::Thermometer) && self.world.thermometer.retire(&self.thermometer_of(robot)) {
+            self.world.touch(Resource::Temperature);
+            let words = format!("{robot} has no thermometer now, and the last reading was too hot: report what the hall's is");
+            self.world.write(self.now.wall, Tone::Warning, words);
+        }
         let Some(known) = self.robots.get_mut(robot) else { return };
         known.controller.link_up(can);
         if self.robots.searching_id() == robot {

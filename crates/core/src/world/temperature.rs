@@ -59,6 +59,16 @@ impl Thermometer {
         self.last.replace(reading) != Some(reading) || known != Some(reading)
     }
 
+    /// The source will not be heard again. If its last word is that it is too hot, that becomes the operator's word, who alone can take it
+    /// back; true when it is.
+    pub(crate) fn retire(&mut self, source: &str) -> bool {
+        let left = self.sources.remove(source).filter(|left| left.hot);
+        left.is_some_and(|left| {
+            self.sources.insert(Arc::from(OPERATOR), left);
+            true
+        })
+    }
+
     /// Whether any source's last word is that it is too hot.
     pub(crate) fn is_hot(&self) -> bool {
         self.sources.values().any(|source| source.hot)
@@ -140,6 +150,19 @@ mod tests {
         thermometer.read(&"operator".into(), celsius(30.0));
         thermometer.read(&"hall".into(), celsius(20.0));
         assert!(thermometer.is_hot(), "one cool source does not speak for a hot one");
+        thermometer.read(&"operator".into(), celsius(20.0));
+        assert!(!thermometer.is_hot());
+    }
+
+    #[test]
+    fn what_a_source_said_that_is_gone_is_the_operators_to_take_back() {
+        let mut thermometer = thermometer();
+        thermometer.read(&"robot".into(), celsius(20.0));
+        assert!(!thermometer.retire("robot") && !thermometer.is_hot(), "it was not hot");
+        thermometer.read(&"operator".into(), celsius(20.0));
+        thermometer.read(&"robot".into(), celsius(30.0));
+        assert!(thermometer.retire("robot") && thermometer.is_hot(), "a thermometer that is taken away cools no hall");
+        assert!(!thermometer.retire("robot") && thermometer.is_hot(), "it is said once");
         thermometer.read(&"operator".into(), celsius(20.0));
         assert!(!thermometer.is_hot());
     }
