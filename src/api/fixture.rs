@@ -140,7 +140,14 @@ pub(crate) fn degrees(celsius: f64) -> Celsius {
 
 /// All robots, where there is only the one that searches.
 fn alone(view: RobotView) -> Arc<[RobotShown]> {
-    Arc::from([RobotShown { id: RobotId::discovery(), view, parts: Some(Parts::ROUND_ROBOT), holds: Vec::new(), arm: None }])
+    Arc::from([RobotShown {
+        id: RobotId::discovery(),
+        view,
+        parts: Some(Parts::ROUND_ROBOT),
+        holds: Vec::new(),
+        arm: None,
+        unreached: None,
+    }])
 }
 
 fn idle_mission() -> MissionView {

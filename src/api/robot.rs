@@ -77,6 +77,8 @@ pub struct NamedRobotJson {
     pub parts: Option<Vec<&'static str>>,
     /// What the robot that searches has not, and what is done instead; nothing of the others, and null before its link is up.
     pub replaced: Option<Vec<ReplacedJson>>,
+    /// Why it cannot be reached; null while it is, and where no reason is known.
+    pub unreached: Option<String>,
     /// What holds it: what holds all, and what holds it alone.
     pub holds: Vec<&'static str>,
     /// When any robot last changed.
@@ -111,6 +113,7 @@ impl NamedRobotJson {
             searches,
             parts: shown.parts.map(|parts| parts.iter().map(Part::name).collect()),
             replaced: shown.parts.map(|parts| if searches { replaced(parts) } else { Vec::new() }),
+            unreached: shown.unreached.as_deref().map(str::to_owned),
             holds: shown.holds.iter().map(|hold| hold.name()).collect(),
             revision,
             state,

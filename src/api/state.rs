@@ -158,7 +158,7 @@ mod tests {
         assert_eq!(discovery["replaced"], serde_json::json!([]));
         assert_eq!(
             *porter,
-            serde_json::json!({"name": "porter", "searches": false, "parts": null, "replaced": null, "holds": [], "revision": 1, "state": "stopped",
+            serde_json::json!({"name": "porter", "searches": false, "parts": null, "replaced": null, "unreached": null, "holds": [], "revision": 1, "state": "stopped",
                 "halting": false, "heading": "south", "position": {"x": 0, "y": 0}, "offCentre": false, "outside": false, "sonar": null, "led": "off",
                 "arm": null})
         );

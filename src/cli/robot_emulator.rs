@@ -20,7 +20,7 @@ pub struct RobotEmulator {
     #[command(flatten)]
     at: At,
     /// How fast the serial device is, in bits a second.
-    #[arg(long, value_name = "BAUD", default_value = "115200", conflicts_with = "listen", value_parser = baud)]
+    #[arg(long, value_name = "BAUD", default_value = "115200", conflicts_with = "listen", value_parser = baud, allow_hyphen_values = true)]
     baud: u32,
     /// What the robot calls itself.
     #[arg(long, value_name = "NAME", default_value = "emulator", value_parser = robot_name)]
@@ -38,7 +38,7 @@ pub struct RobotEmulator {
     #[arg(long, value_name = "NAME")]
     sensing: Option<String>,
     /// Photos are at least so many bytes long.
-    #[arg(long, value_name = "BYTES", default_value = "0", value_parser = photo_bytes)]
+    #[arg(long, value_name = "BYTES", default_value = "0", value_parser = photo_bytes, allow_hyphen_values = true)]
     photo_bytes: usize,
     /// How likely a byte is lost in a line, or in 16 kB of a photo, from 0 to 1; both ways.
     #[arg(long, value_name = "RATE", default_value = "0", value_parser = rate, allow_hyphen_values = true)]
@@ -47,10 +47,10 @@ pub struct RobotEmulator {
     #[arg(long, value_name = "RATE", default_value = "0", value_parser = rate, allow_hyphen_values = true)]
     garble: f64,
     /// How late everything comes, in milliseconds.
-    #[arg(long, value_name = "MS", default_value = "0", value_parser = delay)]
+    #[arg(long, value_name = "MS", default_value = "0", value_parser = delay, allow_hyphen_values = true)]
     delay: Duration,
     /// Every connection is cut after so many seconds.
-    #[arg(long, value_name = "SECONDS", value_parser = cut_after)]
+    #[arg(long, value_name = "SECONDS", value_parser = cut_after, allow_hyphen_values = true)]
     cut_after: Option<Duration>,
 }
 
@@ -171,6 +171,7 @@ mod tests {
             ("--listen a --name two*", "without a blank or a star"),
             ("--listen a --lose 2", "from 0 (never) to 1 (always)"),
             ("--listen a --garble -1", "from 0 (never) to 1 (always)"),
+            ("--listen a --delay -1", "whole milliseconds from 0"),
             ("--listen a --delay 1h", "whole milliseconds"),
             ("--listen a --cut-after 0", "seconds from 0.1"),
             ("--listen a --photo-bytes 5000000", "from 0 to 4194304"),

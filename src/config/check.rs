@@ -176,7 +176,7 @@ fn core(layers: &Layers) -> Result<CoreSettings, SettingsError> {
         inspect_everything: read(layers, "mission.inspect_everything")?,
         fetcher: fetcher(layers)?,
         objective: one_of(layers, "mission.goal", &Objective::ALL, Objective::name, "there is no such goal")?,
-        sonar_cells: robots::sonar_cells(layers, "robot.sonar_cells")?,
+        sonar_cells: robots::sonar_cells(layers, "robot")?,
         costs: costs(layers)?,
         wall_lines: read(layers, "mission.wall_lines")?,
     })

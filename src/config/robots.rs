@@ -42,6 +42,14 @@ impl RobotKind {
             RobotKind::Line => "line",
         }
     }
+
+    /// Whether one of them may measure how far it is to what is ahead; it says itself whether it does.
+    pub const fn may_have_sonar(self) -> bool {
+        match self {
+            RobotKind::Sim | RobotKind::Line => true,
+            RobotKind::VirtualTcp | RobotKind::VirtualWs => false,
+        }
+    }
 }
 
 impl Settings {
@@ -86,14 +94,16 @@ pub(super) fn robot(layers: &Layers, section: &str) -> Result<RobotSettings, Set
         unknown_rate: number(layers, &key("unknown_rate"))?,
         photo_failure_rate: number(layers, &key("photo_failure_rate"))?,
         sonar_noise_cm: number(layers, &key("sonar_noise_cm"))?,
-        sonar_cells: sonar_cells(layers, &key("sonar_cells"))?,
+        sonar_cells: sonar_cells(layers, section)?,
     })
 }
 
-/// The cells that the sonar is to see ahead, where the search goes by it.
-pub(super) fn sonar_cells(layers: &Layers, key: &str) -> Result<u8, SettingsError> {
-    let cells = u8::try_from(count(layers, key)?).map_err(|_| layers.wrong(key, "it is out of range"))?;
-    Ok(if sensing(layers)? == Sensing::Sonar { cells } else { 0 })
+/// The cells that the sonar of the robot with these settings is to see ahead, where it may have one and the search goes by it.
+pub(super) fn sonar_cells(layers: &Layers, section: &str) -> Result<u8, SettingsError> {
+    let key = format!("{section}.sonar_cells");
+    let cells = u8::try_from(count(layers, &key)?).map_err(|_| layers.wrong(&key, "it is out of range"))?;
+    let may_have_one = kind(layers, &format!("{section}.kind"))?.may_have_sonar();
+    Ok(if may_have_one && sensing(layers)? == Sensing::Sonar { cells } else { 0 })
 }
 
 pub(super) fn kind(layers: &Layers, key: &str) -> Result<RobotKind, SettingsError> {

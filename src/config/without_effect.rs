@@ -1,19 +1,21 @@
 //! What somebody has set that does nothing: settings of the simulator beside a robot that is not simulated, and the other way round.
 //! The program starts all the same, and says which they are; what is wrong with a value is said elsewhere.
 
+use super::check::sensing;
 use super::error::SettingsError;
 use super::key::{ROBOT, ROBOTS};
 use super::layers::Layers;
 use super::robots::{self, RobotKind};
+use hallsweep_core::search::Sensing;
 
-/// What is set of a robot and means something for some kinds alone. How many cells the sonar sees is not here: the search goes by it
-/// whatever the robot is.
-const OF_SOME_KINDS: [(&str, &[RobotKind]); 8] = [
+/// What is set of a robot and means something for some kinds alone.
+const OF_SOME_KINDS: [(&str, &[RobotKind]); 9] = [
     ("speed", &[RobotKind::Sim]),
     ("seed", &[RobotKind::Sim]),
     ("unknown_rate", &[RobotKind::Sim]),
     ("photo_failure_rate", &[RobotKind::Sim]),
     ("sonar_noise_cm", &[RobotKind::Sim]),
+    ("sonar_cells", &[RobotKind::Sim, RobotKind::Line]),
     ("baud", &[RobotKind::Line]),
     ("step_ms", &[RobotKind::VirtualTcp, RobotKind::VirtualWs]),
     ("scene", &[RobotKind::VirtualTcp, RobotKind::VirtualWs]),
@@ -33,6 +35,9 @@ pub(super) fn without_effect(layers: &Layers) -> Result<Vec<String>, SettingsErr
     }
     if !is_any_simulated {
         keys.push("hall.file".to_owned());
+    }
+    if !searches.may_have_sonar() && sensing(layers)? == Sensing::Sonar {
+        keys.push("mission.sensing".to_owned());
     }
     if searches != RobotKind::Sim {
         keys.extend(["pair.slips", "pair.unrecognised"].map(str::to_owned));
@@ -55,13 +60,27 @@ mod tests {
     #[test]
     fn settings_of_the_simulator_are_idle_beside_another_robot_and_beside_it_they_are_not() {
         let flags = [("--speed", "max"), ("--seed", "2"), ("--hall", "seed"), ("--strategy", "snail")];
-        let variables = [("PAIR__SLIPS", "1"), ("ROBOT__SONAR_CELLS", "2")];
+        let variables = [("PAIR__SLIPS", "1")];
         let expect = ["flag --speed", "flag --seed", "flag --hall", "environment variable HALLSWEEP__PAIR__SLIPS"];
         for robot in ["virtual-tcp", "virtual-ws", "line=localhost:9"] {
             assert_eq!(idle(&flags, &variables, robot), expect, "{robot}");
             assert_eq!(idle(&[], &[], robot), [""; 0], "{robot}: nobody has set anything");
         }
         assert_eq!(idle(&flags, &variables, "sim"), [""; 0]);
+    }
+
+    #[test]
+    fn the_sonar_is_idle_beside_a_robot_that_never_has_one() {
+        let set = |sensing| [("MISSION__SENSING", sensing), ("ROBOT__SONAR_CELLS", "2")];
+        let [cells, sensing] =
+            ["ROBOT__SONAR_CELLS", "MISSION__SENSING"].map(|own| format!("environment variable HALLSWEEP__{own}"));
+        for robot in ["virtual-tcp", "virtual-ws"] {
+            assert_eq!(idle(&[], &set("sonar"), robot), [cells.clone(), sensing.clone()]);
+            assert_eq!(idle(&[], &set("bump"), robot), [cells.clone()]);
+        }
+        for robot in ["sim", "line=localhost:9"] {
+            assert_eq!(idle(&[], &set("sonar"), robot), [""; 0], "{robot}");
+        }
     }
 
     #[test]

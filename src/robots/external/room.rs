@@ -17,7 +17,7 @@ const FRAMES: f64 = 60.0;
 
 /// The scene file of the settings cannot be read. `Display` is the line for whoever started the program.
 #[derive(Debug, thiserror::Error)]
-#[error("setting robots.{robot}.scene = {path:?}: {error}")]
+#[error("the scene file {path:?} of {robot} cannot be used: {error}")]
 pub struct UnusableScene {
     /// Which robot's.
     pub robot: RobotId,

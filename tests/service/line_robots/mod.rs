@@ -116,9 +116,14 @@ fn while_nothing_moves_another_robot_takes_the_place_of_one_and_the_mission_goes
     program.until("some of the hall is known", |state| visited(state) > 10);
     program.command("stop").accepted();
     drop(first);
-    let before = visited(&program.until("the robot is gone", |state| has(state, "robotLink")));
+    let gone = program.until("the robot is gone", |state| has(state, "robotLink"));
+    let why = gone["robots"][0]["unreached"].as_str().expect("why it cannot be reached").to_owned();
+    assert!(why.contains(&place), "{why}");
+    assert!(program.read("/", &[]).text().contains("<dt>No link</dt>"), "the console says it as well");
+    let before = visited(&gone);
     let _second = Emulator::with(&["--listen", &place, "--hall", "empty-8x8", "--speed", "20", "--name", "bob"]);
     let state = program.until("the other is there", |state| !has(state, "robotLink"));
+    assert_eq!(state["robots"][0]["unreached"], Value::Null);
     assert_eq!(
         (visited(&state), &state["robot"]["position"]["x"], &state["robot"]["position"]["y"]),
         (before, &0.into(), &0.into())

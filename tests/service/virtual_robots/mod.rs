@@ -182,5 +182,5 @@ fn a_scene_file_that_cannot_be_read_is_refused() {
     let mut command = hallsweep(&["serve", "--http", "127.0.0.1:0", "--robot", "virtual-tcp"]);
     let missing = command.env("HALLSWEEP__ROBOT__SCENE", "/dev/null/scene.js").output().expect("the program starts");
     let said = String::from_utf8_lossy(&missing.stderr).into_owned();
-    assert!(said.contains("setting robots.discovery.scene") && missing.status.code() == Some(2), "{said}");
+    assert!(said.contains("of discovery cannot be used") && missing.status.code() == Some(2), "{said}");
 }

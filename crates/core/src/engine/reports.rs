@@ -156,6 +156,7 @@ impl Engine {
         }
         let Some(known) = self.robots.get_mut(robot) else { return };
         known.controller.link_up(can);
+        known.unreached = None;
         if self.robots.searching_id() == robot {
             self.planner.costs = self.settings.costs.unwrap_or_else(|| Costs::of(can.step, can.turn));
         }
@@ -176,6 +177,7 @@ impl Engine {
         let Some(known) = self.robots.get_mut(robot) else { return };
         known.off_centre |= known.controller.lose();
         known.arm_is_heard = false;
+        known.unreached = Some(Arc::from(&*words));
         self.world.touch(Resource::Robot);
         let fetches = self.is_fetching(robot);
         let Some(known) = self.robots.get_mut(robot) else { return };

@@ -58,7 +58,7 @@ impl Engine {
             };
             let parts = robot.controller.capabilities.map(|can| can.parts);
             let arm = parts.filter(|parts| parts.has(Part::Gripper)).map(|_| robot.arm);
-            RobotShown { id: id.clone(), view, parts, holds, arm }
+            RobotShown { id: id.clone(), view, parts, holds, arm, unreached: robot.unreached.clone() }
         });
         robots.collect()
     }

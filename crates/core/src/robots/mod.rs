@@ -66,6 +66,8 @@ pub(crate) struct Robot {
     pub(crate) arm_is_heard: bool,
     /// Orders in a row that it failed to carry out.
     pub(crate) failures: u32,
+    /// Why it cannot be reached, while that is so and a reason is known.
+    pub(crate) unreached: Option<Arc<str>>,
 }
 
 #[derive(Clone, Debug)]

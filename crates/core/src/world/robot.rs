@@ -1,5 +1,7 @@
 //! What is known of a robot: where it stands, what it does, what it last sensed.
 
+use std::sync::Arc;
+
 use crate::mission::Hold;
 use crate::retrieval::ArmState;
 use crate::robots::{Parts, RobotId};
@@ -37,6 +39,8 @@ pub struct RobotShown {
     pub holds: Vec<Hold>,
     /// Its arm, if it has one.
     pub arm: Option<ArmState>,
+    /// Why it cannot be reached, while that is so and a reason is known.
+    pub unreached: Option<Arc<str>>,
 }
 
 named! {

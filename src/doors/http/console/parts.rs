@@ -221,6 +221,10 @@ impl Robot<'_> {
         self.v.snapshot.robot.sonar_cm.map_or_else(|| "nothing near".to_owned(), |cm| format!("{cm} cm"))
     }
 
+    fn unreached(&self) -> Option<&str> {
+        self.v.snapshot.robots.first()?.unreached.as_deref()
+    }
+
     fn parts(&self) -> Option<Parts> {
         self.v.snapshot.robots.first().and_then(|robot| robot.parts)
     }

@@ -66,7 +66,9 @@ fn a_robot_that_was_told_to_halt_is_halting_until_it_is_known_to_stand() {
         assert_eq!((view(&snapshot).doing(), view(&snapshot).is_still()), (words, is_still));
     }
     let srm1 = RobotView { state: RobotState::MovingArm, ..snapshot.robot };
-    snapshot.robots = vec![RobotShown { id: Which::Srm1.robot(), view: srm1, parts: None, holds: Vec::new(), arm: None }].into();
+    snapshot.robots =
+        vec![RobotShown { id: Which::Srm1.robot(), view: srm1, parts: None, holds: Vec::new(), arm: None, unreached: None }]
+            .into();
     assert_eq!((view(&snapshot).doing(), view(&snapshot).is_still()), ("the pair moves", false));
     snapshot.mission.holds.push(Hold::Operator);
     assert_eq!(view(&snapshot).doing(), "the pair moves", "nobody is told that all stand before they do");
