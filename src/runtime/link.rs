@@ -27,6 +27,13 @@ pub struct Stamped {
     pub halts: u64,
 }
 
+impl Stamped {
+    /// Whether it is a motion that must not begin any more, now that there have been so many halts (safety S6).
+    pub const fn is_void(&self, halts: u64) -> bool {
+        self.halts < halts && self.order.action.is_motion()
+    }
+}
+
 /// The loop's end of the link.
 #[derive(Debug)]
 pub struct RobotLink {

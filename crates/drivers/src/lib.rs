@@ -29,6 +29,9 @@ pub trait Driver: fmt::Debug + Send {
     /// The connection is lost, or could not be made; why.
     fn handle_lost(&mut self, words: &str, now: Now);
 
+    /// The connection that `Output::Reconnect` was to end has ended; whether the robot has closed it too, and did so within its time.
+    fn handle_closed(&mut self, _by_both: bool, _: Now) {}
+
     /// What the robot sent: of a stream any piece of it, of a protocol of messages a whole one.
     fn handle_received(&mut self, bytes: &[u8], now: Now);
 

@@ -24,6 +24,9 @@ const AGAIN: Duration = Duration::from_millis(500);
 /// A connection that does not last so long has ended as soon as it was made.
 const BRIEF: Duration = Duration::from_secs(2);
 
+/// So long after the file could not be written it is tried again, when nothing new has happened before.
+const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
+
 /// How often the wait is doubled: to eight seconds.
 const DOUBLED: u32 = 4;
 
@@ -45,8 +48,10 @@ pub(super) async fn run(driver: Box<dyn Driver>, address: Address, side: RobotSi
         report: None,
         drawing: None,
         obeyed: 0,
+        is_led_told: false,
         file,
         writing: None,
+        write_again: None,
     };
     link.run().await;
 }
@@ -65,17 +70,21 @@ struct Link {
     drawing: Option<(OrderId, JoinHandle<Photo>)>,
     /// The halts of which the last order that was begun knew.
     obeyed: u64,
+    /// Whether the driver was told whether the LED blinks.
+    is_led_told: bool,
     /// The file, while it is not being written.
     file: Option<MemoryFile>,
     /// The file being written: on a thread of its own, so that a disk that hangs delays no halt.
     writing: Option<JoinHandle<MemoryFile>>,
+    /// When what could not be written is tried again.
+    write_again: Option<Duration>,
 }
 
 enum Connection {
     Waiting(Instant),
     Calling(Pin<Box<dyn Future<Output = io::Result<Wire>> + Send>>),
     Stands(Wire),
-    Closing(Pin<Box<dyn Future<Output = ()> + Send>>),
+    Closing(Pin<Box<dyn Future<Output = bool> + Send>>),
 }
 
 /// What happens to a connection.
@@ -83,12 +92,12 @@ enum Happening {
     Due,
     Called(io::Result<Wire>),
     Received(io::Result<Vec<u8>>),
-    Closed,
+    /// By the other side too, or by ours alone.
+    Closed(bool),
 }
 
 impl Link {
     async fn run(mut self) {
-        self.side.led.mark_changed();
         loop {
             self.keep();
             if self.writing.is_none() {
@@ -109,11 +118,8 @@ impl Link {
                 biased;
                 halts = self.side.halts.raised() => self.halt(halts.count).await,
                 sent = hand_over(&self.side.reports, &mut self.report), if self.report.is_some() => if !sent { return },
-                file = done(&mut self.writing) => self.file = file,
-                Ok(()) = self.side.led.changed() => {
-                    let blinks = *self.side.led.borrow_and_update();
-                    self.driver.handle_led(blinks, self.clock.now());
-                }
+                file = done(&mut self.writing) => self.written(file),
+                Ok(()) = self.side.led.changed() => self.led(),
                 given = self.side.orders.recv(), if free => match given {
                     Some(stamped) => self.order(stamped),
                     None => return,
@@ -129,24 +135,37 @@ impl Link {
     /// When the driver has to be looked at again.
     fn wake(&self) -> Instant {
         let now = self.clock.now().since_start;
-        let at = self.driver.poll_timeout().unwrap_or(Duration::MAX);
-        self.clock.instant(at.min(now + LONGEST_WAIT))
+        let at = [self.driver.poll_timeout(), self.write_again].into_iter().flatten().min();
+        self.clock.instant(at.unwrap_or(Duration::MAX).min(now + LONGEST_WAIT))
     }
 
-    /// Begins to write down what has changed.
+    /// Begins to write down what has changed, or what is still owed when its time has come.
     fn keep(&mut self) {
         let Some(mut file) = self.file.take() else {
             // There is none, or it is being written.
             return;
         };
-        let Some(memory) = self.driver.poll_memory() else {
+        let again = self.write_again.is_some_and(|at| at <= self.clock.now().since_start);
+        let Some(memory) = self.driver.poll_memory().or_else(|| file.owed().filter(|_| again)) else {
             self.file = Some(file);
             return;
         };
         self.writing = Some(tokio::task::spawn_blocking(move || {
-            file.keep(&memory);
+            file.keep(memory);
             file
         }));
+    }
+
+    fn written(&mut self, file: Option<MemoryFile>) {
+        let owes = file.as_ref().is_some_and(|file| file.owed().is_some());
+        self.write_again = owes.then(|| self.clock.now().since_start + WRITTEN_AGAIN);
+        self.file = file;
+    }
+
+    fn led(&mut self) {
+        self.is_led_told = true;
+        let blinks = *self.side.led.borrow_and_update();
+        self.driver.handle_led(blinks, self.clock.now());
     }
 
     /// Does what the driver wants done.
@@ -171,14 +190,14 @@ impl Link {
         }
     }
 
-    /// A connection that is being made, or whose end is waited for, is as good as a new one.
+    /// Any other connection is on its way to a new one.
     fn reconnect(&mut self) {
-        let call = Connection::Calling(self.address.call());
-        self.connection = match std::mem::replace(&mut self.connection, call) {
-            Connection::Stands(wire) => Connection::Closing(wire.close()),
-            Connection::Waiting(_) => return,
-            under_way @ (Connection::Calling(_) | Connection::Closing(_)) => under_way,
-        };
+        if matches!(self.connection, Connection::Stands(_)) {
+            let call = Connection::Calling(self.address.call());
+            if let Connection::Stands(wire) = std::mem::replace(&mut self.connection, call) {
+                self.connection = Connection::Closing(wire.close());
+            }
+        }
     }
 
     fn cannot_be_reached(&self, error: &io::Error) -> String {
@@ -196,7 +215,11 @@ impl Link {
 
     fn happened(&mut self, happening: Happening) {
         match happening {
-            Happening::Due | Happening::Closed => self.connection = Connection::Calling(self.address.call()),
+            Happening::Due => self.connection = Connection::Calling(self.address.call()),
+            Happening::Closed(by_both) => {
+                self.connection = Connection::Calling(self.address.call());
+                self.driver.handle_closed(by_both, self.clock.now());
+            }
             Happening::Called(Ok(wire)) => {
                 self.connection = Connection::Stands(wire);
                 self.connected = self.clock.now().since_start;
@@ -216,12 +239,16 @@ impl Link {
         }
     }
 
-    fn order(&mut self, Stamped { order, halts }: Stamped) {
-        if halts < self.side.halts.now().count && order.action.is_motion() {
+    fn order(&mut self, stamped: Stamped) {
+        let Stamped { order, halts } = stamped;
+        if stamped.is_void(self.side.halts.now().count) {
             self.report = Some(RobotEvent::Halted(order.id, self.driver.is_off_centre()));
             return;
         }
         self.obeyed = halts;
+        if !self.is_led_told {
+            self.led();
+        }
         self.driver.handle_order(order, self.clock.now());
     }
 
@@ -243,10 +270,7 @@ impl Connection {
             }
             Connection::Calling(calling) => Happening::Called(calling.await),
             Connection::Stands(wire) => Happening::Received(wire.receive().await),
-            Connection::Closing(closing) => {
-                closing.await;
-                Happening::Closed
-            }
+            Connection::Closing(closing) => Happening::Closed(closing.await),
         }
     }
 }

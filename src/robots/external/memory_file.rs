@@ -38,6 +38,8 @@ pub(super) struct MemoryFile {
     /// What it is called when it could not be replaced.
     out_of_date: PathBuf,
     is_out_of_date: bool,
+    /// What could not be written.
+    owed: Option<String>,
     /// Which robot it is of: its kind and where it is.
     whose: String,
 }
@@ -65,7 +67,7 @@ impl MemoryFile {
                 (of == whose).then(|| memory.to_owned())
             }
         };
-        Ok((MemoryFile { whose: whose.to_owned(), file, out_of_date, is_out_of_date: false }, memory))
+        Ok((MemoryFile { whose: whose.to_owned(), file, out_of_date, is_out_of_date: false, owed: None }, memory))
     }
 
     /// What stands in it is no memory of a robot, for this reason.
@@ -74,7 +76,7 @@ impl MemoryFile {
     }
 
     /// Writes this down. When that fails, the robot goes on all the same, and the log says so once.
-    pub(super) fn keep(&mut self, memory: &str) {
+    pub(super) fn keep(&mut self, memory: String) {
         let written = self.file.swap(format!("{}\n{memory}", self.whose).as_bytes());
         let failing = "cannot keep where the robot stands: make room, or the folder writable";
         self.file.say(&written, failing, "where the robot stands is kept again");
@@ -83,6 +85,12 @@ impl MemoryFile {
             (Ok(()), true) => self.is_out_of_date = fs::remove_file(&self.out_of_date).is_err(),
             (Err(_), true) | (Ok(()), false) => {}
         }
+        self.owed = written.is_err().then_some(memory);
+    }
+
+    /// What could not be written, and is to be tried again.
+    pub(super) fn owed(&self) -> Option<String> {
+        self.owed.clone()
     }
 
     /// That needs no room.
@@ -108,7 +116,7 @@ mod tests {
         let folder = Scratch::new();
         let (mut file, nothing) = open(&folder, "one").expect("there is none yet");
         assert_eq!(nothing, None);
-        file.keep("here");
+        file.keep("here".to_owned());
         assert_eq!(open(&folder, "one").expect("it is there").1.as_deref(), Some("here"));
         assert_eq!(open(&folder, "another").expect("it is there").1, None);
     }
@@ -117,13 +125,15 @@ mod tests {
     fn a_file_that_could_not_be_replaced_is_not_believed() {
         let folder = Scratch::new();
         let (mut file, _) = open(&folder, "one").expect("there is none yet");
-        file.keep("here");
+        file.keep("here".to_owned());
         let in_the_way = folder.0.join("robot-discovery.new");
         fs::create_dir(&in_the_way).expect("the folder can be written");
-        file.keep("there");
+        file.keep("there".to_owned());
         assert!(matches!(open(&folder, "one"), Err(MemoryFileError::OutOfDate { .. })));
+        assert_eq!(file.owed().as_deref(), Some("there"));
         fs::remove_dir(&in_the_way).expect("it is empty");
-        file.keep("elsewhere");
+        file.keep("elsewhere".to_owned());
+        assert_eq!(file.owed(), None);
         assert_eq!(open(&folder, "one").expect("it is well again").1.as_deref(), Some("elsewhere"));
     }
 

@@ -42,7 +42,7 @@ pub(super) enum Address {
 }
 
 type Calling = Pin<Box<dyn Future<Output = io::Result<Wire>> + Send>>;
-type Closing = Pin<Box<dyn Future<Output = ()> + Send>>;
+type Closing = Pin<Box<dyn Future<Output = bool> + Send>>;
 
 /// One connection to a robot.
 pub(super) enum Wire {
@@ -142,25 +142,25 @@ impl Wire {
         tokio::time::timeout(SENDING, sent).await.unwrap_or_else(|_| Err(late()))
     }
 
-    /// Closes it, and waits a moment until the other side has, too: what it does then must not fall upon the next connection.
+    /// Closes it, and waits a moment until the other side has, too: what it does then must not fall upon the next connection. Whether it
+    /// has.
     pub(super) fn close(self) -> Closing {
         Box::pin(async move {
-            let Wire::Tcp(mut stream) = self else { return };
+            let Wire::Tcp(mut stream) = self else { return false };
             let end = async {
                 tokio::io::AsyncWriteExt::shutdown(&mut stream).await?;
                 let mut bytes = vec![0; PIECE];
                 loop {
                     stream.readable().await?;
                     match stream.try_read(&mut bytes) {
-                        Ok(0) => return Ok(()),
+                        Ok(0) => return Ok::<(), io::Error>(()),
                         Ok(_) => {}
                         Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
-                        Err(error) => return Err::<(), io::Error>(error),
+                        Err(error) => return Err(error),
                     }
                 }
             };
-            // Closed or not, it is done with.
-            let _ = tokio::time::timeout(CLOSING, end).await;
+            matches!(tokio::time::timeout(CLOSING, end).await, Ok(Ok(())))
         })
     }
 }

@@ -185,8 +185,9 @@ impl Link {
         }
     }
 
-    fn order(&mut self, Stamped { order, halts }: Stamped) {
-        if halts < self.side.halts.now().count && order.action.is_motion() {
+    fn order(&mut self, stamped: Stamped) {
+        let Stamped { order, halts } = stamped;
+        if stamped.is_void(self.side.halts.now().count) {
             self.report = Some(RobotEvent::Halted(order.id, self.sim.is_off_centre()));
             return;
         }

@@ -197,8 +197,9 @@ impl PairLink {
         }
     }
 
-    fn order(&mut self, which: Which, Stamped { order, halts }: Stamped) {
-        if halts < self.sides[which.index()].halts.now().count && order.action.is_motion() {
+    fn order(&mut self, which: Which, stamped: Stamped) {
+        let Stamped { order, halts } = stamped;
+        if stamped.is_void(self.sides[which.index()].halts.now().count) {
             let (_, off_centre) = self.pair.stands(which);
             self.report = Some((which, RobotEvent::Halted(order.id, off_centre)));
             return;

@@ -210,7 +210,8 @@ impl VirtualRobot {
         } else if self.reckoning.knows(name, towards) {
             // It stood against it, wherever that was counted to be.
             self.unheard = None;
-            let _where_it_is = self.reckoning.meet(name, towards);
+            // However far it was from there by the reckoning.
+            let _ = self.reckoning.meet(name, towards);
         } else {
             let what = name.unwrap_or("something");
             return self.lose_sight(&format!("while it could not be heard it may have met {what}"));

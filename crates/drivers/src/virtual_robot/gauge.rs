@@ -3,7 +3,8 @@
 
 use std::time::Duration;
 
-use super::{Aim, Then, VirtualRobot};
+use super::legs::legs;
+use super::{Aim, TURN, Then, VirtualRobot};
 use hallsweep_core::event::RobotEvent;
 use hallsweep_core::units::{Heading, Pose};
 
@@ -12,6 +13,9 @@ const SHORTEST: f64 = 2.0;
 
 /// A page may be so many times slower than it was made for; what is slower still, or does not meet anything, is of another scene.
 const SLOWER: f64 = 4.0;
+
+/// So much longer than a step its first contact takes, of three times of a step that an order has at least: there, back, and there again.
+const CONTACT: f64 = 1.3;
 
 /// A leg is a cell at most.
 const LEG: f64 = 1.0;
@@ -52,10 +56,20 @@ impl VirtualRobot {
         self
     }
 
-    /// The longest time that an order of one cell may take: gauging is done with the first.
+    /// The longest time that an order of one cell may take: the first contact is made twice, and gauging is done with the first motion.
     pub(super) fn longest_step(&self) -> Duration {
-        let step = self.step + self.margin();
-        self.gauge.map_or(step, |ahead| step.mul_f64(2.0 * SLOWER * (ahead + 1.0)))
+        let step = self.step + self.margin() * legs(self.step);
+        let step = if self.latency.is_none() { step.mul_f64(CONTACT) } else { step };
+        self.longest_gauging().unwrap_or(step)
+    }
+
+    pub(super) fn longest_turn(&self) -> Duration {
+        self.longest_gauging().unwrap_or(TURN + self.margin())
+    }
+
+    fn longest_gauging(&self) -> Option<Duration> {
+        let leg = self.step + self.margin() * legs(self.step);
+        self.gauge.map(|ahead| leg.mul_f64(2.0 * SLOWER * (ahead + 1.0)))
     }
 
     pub(super) fn is_to_be_gauged(&self) -> bool {

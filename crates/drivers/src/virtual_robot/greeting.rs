@@ -1,5 +1,5 @@
 //! Whether a page is open in which the virtual robot stands: the server of the first version greets whoever connects, when there is one.
-//! A page that is closed and opened again has the robot at its start.
+//! A page that is closed and opened again has the robot at its start. The later versions do not say whether there is one.
 
 use std::time::Duration;
 
@@ -19,6 +19,10 @@ const LOOK: Duration = Duration::from_secs(1);
 impl VirtualRobot {
     /// A page is open. The server says so to all when anybody connects, so it need not be news.
     pub(super) fn greeted(&mut self) {
+        if !self.is_connected {
+            // It was said over a connection that is given up.
+            return;
+        }
         if !self.is_greeted {
             self.greeted_after = self.now.saturating_sub(self.connected);
         }
@@ -38,17 +42,31 @@ impl VirtualRobot {
     /// Whoever opens its page anew puts it back to where it starts.
     fn page_opened_anew(&mut self) {
         self.reckoning.put_home();
-        (self.off_centre, self.unheard, self.lost, self.met) = (false, None, None, None);
+        (self.off_centre, self.unheard, self.lost, self.is_told_lost, self.met) = (false, None, None, false, None);
         self.is_changed = true;
     }
 
-    /// A well server that does not greet one connection, and not the next, has no page.
+    /// Where nobody can see whether the page was opened anew, the first order after the fault that asks for it says so.
+    pub(super) fn is_put_home(&mut self) {
+        self.page_opened_anew();
+        let pose = self.reckoning.pose();
+        self.events.push_back(RobotEvent::Stands(Whereabouts { pose, off_centre: false }));
+        self.answer(|order| RobotEvent::Halted(order, false));
+    }
+
+    /// Whether there is no page, or the server is busy, shows when it closes the connection, or not.
     pub(super) fn not_greeted(&mut self) {
         // The next connection is made at once.
         (self.greeting, self.looked) = (None, self.now.saturating_sub(LOOK));
-        self.ungreeted = self.ungreeted.saturating_add(1);
-        self.is_page_closed = self.ungreeted >= UNGREETED && !self.has_server_ended;
         self.go_down("no page of the virtual robot is open: open the address of its server in a browser");
+    }
+
+    /// A well server that closes one connection without having greeted it, and the next, has no page.
+    pub(super) fn closed(&mut self, by_both: bool) {
+        if by_both && !self.is_greeted && !self.is_up {
+            self.ungreeted = self.ungreeted.saturating_add(1);
+            self.is_page_closed = self.ungreeted >= UNGREETED && !self.has_server_ended;
+        }
     }
 
     /// A new connection is made: until it stands nothing is waited for.

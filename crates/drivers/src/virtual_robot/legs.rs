@@ -40,6 +40,12 @@ const UNACKNOWLEDGED: Duration = Duration::from_millis(1500);
 /// A link that is lost so soon after a move was sent may have been lost before the robot heard of it, and where the server is slow, later.
 const BEGUN: Duration = Duration::from_millis(10);
 
+/// In how many legs a way is driven that takes so long.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "no way takes longer than some seconds")]
+pub(super) fn legs(lasts: Duration) -> u32 {
+    lasts.div_duration_f64(LONGEST).ceil().max(1.0) as u32
+}
+
 impl VirtualRobot {
     pub(super) fn margin(&self) -> Duration {
         self.latency.map_or(FIRST_MARGIN, |latency| MARGIN + latency * 2)
@@ -55,8 +61,7 @@ impl VirtualRobot {
 
     fn drive_on(&mut self, towards: Heading, cells: f64, backward: bool, before: Duration) {
         let all = cells.clamp(0.0, FURTHEST);
-        let legs = (self.step.mul_f64(all).div_duration_f64(LONGEST)).ceil().max(1.0);
-        let cells = all / legs;
+        let cells = all / f64::from(legs(self.step.mul_f64(all)));
         let way = Way::Straight { towards, cells, backward, lasts: self.step.mul_f64(cells), rest: all - cells, before };
         self.set_out(way);
     }
@@ -129,8 +134,22 @@ impl VirtualRobot {
                 self.off_centre = true;
                 self.fail("it did not finish in time and was halted");
             }
-            None => self.fail("it could not be told in time"),
+            None => {
+                self.forget_unsent();
+                self.fail("it did not happen in time");
+            }
         }
+    }
+
+    /// What has not gone out by now does not go out any more.
+    fn forget_unsent(&mut self) {
+        self.outputs.retain(|output| !matches!(output, Output::Send(_)));
+    }
+
+    /// Whether the leg was handed over to be sent, and nobody has said that it was.
+    fn is_on_its_way(&self) -> bool {
+        let is_queued = self.leg().is_some_and(|leg| leg.stage == Stage::Queued);
+        is_queued && !self.outputs.iter().any(|output| matches!(output, Output::Send(_)))
     }
 
     /// A leg came to its end, and nothing was met.
@@ -220,18 +239,27 @@ impl VirtualRobot {
         leg.is_acknowledged |= name.is_none_or(|name| name == word);
     }
 
-    pub(super) fn refused(&mut self) {
-        let (again, off_centre) = (self.now + AGAIN, self.off_centre);
-        match self.leg_mut() {
-            Some(leg) if leg.is_halted => self.answer(|order| RobotEvent::Halted(order, off_centre)),
-            Some(leg) if matches!(leg.stage, Stage::Sent(_)) => leg.stage = Stage::Refused(again),
-            Some(_) | None => {}
+    /// What was refused may have been another program's: it is ours when it is called like ours, which was sent just now.
+    pub(super) fn refused(&mut self, name: Option<&str>) {
+        let (now, soon, off_centre) = (self.now, self.margin(), self.off_centre);
+        let Some(leg) = self.leg_mut() else { return };
+        let Stage::Sent(sent) = leg.stage else { return };
+        if name.is_some_and(|name| name != leg.command().word()) || now.saturating_sub(sent) > soon {
+            return;
         }
+        if leg.is_halted {
+            return self.answer(|order| RobotEvent::Halted(order, off_centre));
+        }
+        leg.stage = Stage::Refused(now + AGAIN);
+        self.is_changed = true;
     }
 
     /// A turn cannot be halted: it ends by itself, and is answered then. A drawing is no motion.
     pub(super) fn halt(&mut self) {
+        self.forget_unsent();
         let Some(leg) = self.leg().copied() else { return };
+        // What the next program must know changes by it.
+        self.is_changed = true;
         match (leg.stage, leg.way) {
             (Stage::Sent(sent), Way::Straight { .. }) => {
                 let (lasted, until) = (self.now.saturating_sub(sent), self.now + self.margin());
@@ -247,7 +275,6 @@ impl VirtualRobot {
             }
             (Stage::Halting { .. }, _) => {}
             (Stage::Fresh | Stage::Refused(_) | Stage::Queued, _) => {
-                self.outputs.retain(|output| !matches!(output, Output::Send(_)));
                 let off_centre = self.off_centre;
                 self.answer(|order| RobotEvent::Halted(order, off_centre));
             }
@@ -296,18 +323,25 @@ impl VirtualRobot {
             Some((way, true)) => self.reckoning.advance(heading, way),
             Some((_, false)) | None => self.left_in_doubt(),
         }
-        self.off_centre = true;
     }
 
     /// The link is lost, or the program has ended: what is under way ends by itself, and nobody hears how. On the way back and in a turn
     /// nothing is to be met.
     pub(super) fn leave_unheard(&mut self) {
+        let is_on_its_way = self.is_on_its_way();
+        self.forget_unsent();
         let Some(task) = self.task.take() else { return };
         self.is_changed = true;
-        let Some(leg) = task.leg.filter(Leg::is_sent) else { return };
         let may_be_unheard = BEGUN + self.greeted_after;
-        if matches!(leg.stage, Stage::Sent(sent) if self.now.saturating_sub(sent) < may_be_unheard) {
+        let Some(leg) = task.leg.filter(|leg| leg.is_sent() || is_on_its_way) else { return };
+        if is_on_its_way || matches!(leg.stage, Stage::Sent(sent) if self.now.saturating_sub(sent) < may_be_unheard) {
             return self.left_in_doubt();
+        }
+        self.off_centre |= matches!(leg.way, Way::Straight { .. });
+        if let Stage::Halting { lasted, .. } = leg.stage
+            && !matches!(task.aim, Aim::Step(_))
+        {
+            return self.moved_for(leg, lasted);
         }
         match (leg.way, task.aim) {
             (Way::Turn { .. }, Aim::Turn(to)) => self.reckoning.complete(to),
@@ -316,7 +350,7 @@ impl VirtualRobot {
                     Stage::Halting { lasted, .. } => cells.min(lasted.div_duration_f64(self.step)),
                     Stage::Fresh | Stage::Refused(_) | Stage::Queued | Stage::Sent(_) => cells,
                 };
-                (self.off_centre, self.unheard) = (true, Some(Unheard { towards, cells, felt: 0.0 }));
+                self.unheard = Some(Unheard { towards, cells, felt: 0.0 });
             }
             (Way::Straight { cells, .. }, Aim::Feel) => {
                 if let Some(unheard) = &mut self.unheard {

@@ -5,7 +5,6 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use super::contacts::SLOWEST;
-use super::leg::Stage;
 use super::reckoning::Reckoning;
 use super::{Aim, Dialect, VirtualRobot};
 use hallsweep_core::units::Heading;
@@ -32,6 +31,8 @@ struct Remembered {
     version: u32,
     reckoning: Reckoning,
     step_s: f64,
+    /// What the settings or the scene file said of it.
+    step_set_s: f64,
     is_gauged: bool,
     latency_s: Option<f64>,
     off_centre: bool,
@@ -64,10 +65,12 @@ impl VirtualRobot {
         if !remembered.reckoning.is_sound() || !are_times {
             return Err("it says that the robot stands where none can be".to_owned());
         }
+        // Who sets another step knows better than what was measured.
+        let is_set_as_before = Duration::try_from_secs_f64(remembered.step_set_s) == Ok(step);
         Ok(VirtualRobot {
             reckoning: remembered.reckoning,
-            step: Duration::from_secs_f64(remembered.step_s),
-            is_gauged: remembered.is_gauged,
+            step: if is_set_as_before { Duration::from_secs_f64(remembered.step_s) } else { step },
+            is_gauged: remembered.is_gauged && is_set_as_before,
             latency: remembered.latency_s.map(Duration::from_secs_f64),
             off_centre: remembered.off_centre || unheard.is_some(),
             led: remembered.led,
@@ -91,15 +94,13 @@ impl VirtualRobot {
             ..VirtualRobot::new(self.dialect, self.step)
         };
         left.task = self.task.filter(|task| task.aim != Aim::Draw);
-        if self.leg().is_some_and(|leg| leg.stage == Stage::Queued) {
-            left.left_in_doubt();
-        }
         left.leave_unheard();
         let unheard = left.unheard.map(|unheard| (unheard.towards.name().to_owned(), unheard.cells, unheard.felt));
         let remembered = Remembered {
             version: VERSION,
             reckoning: left.reckoning,
             step_s: self.step.as_secs_f64(),
+            step_set_s: self.step_set.as_secs_f64(),
             is_gauged: self.is_gauged,
             latency_s: self.latency.map(|latency| latency.as_secs_f64()),
             off_centre: left.off_centre,

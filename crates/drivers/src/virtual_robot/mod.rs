@@ -66,8 +66,9 @@ pub enum Dialect {
 pub struct VirtualRobot {
     dialect: Dialect,
     reckoning: Reckoning,
-    /// How long it takes for a cell.
+    /// How long it takes for a cell, and what somebody has set.
     step: Duration,
+    step_set: Duration,
     /// From the sending of a move to the word of a contact, beside the time that it drove; `None` before that was measured.
     latency: Option<Duration>,
     stream: Stream,
@@ -95,8 +96,9 @@ pub struct VirtualRobot {
     led: bool,
     /// A motion whose end nobody has heard.
     unheard: Option<Unheard>,
-    /// Why nobody knows where it stands, until its page is opened anew.
+    /// Why nobody knows where it stands, until its page is opened anew; and whether whoever ordered something was told.
     lost: Option<String>,
+    is_told_lost: bool,
     /// What it has met last from where it stands, as far as it has said.
     met: Option<String>,
     /// How long it had driven, when it met something before the latency was known.
@@ -122,6 +124,7 @@ impl VirtualRobot {
             dialect,
             reckoning: Reckoning::at_home(),
             step,
+            step_set: step,
             latency: None,
             stream: Stream::default(),
             is_connected: false,
@@ -140,6 +143,7 @@ impl VirtualRobot {
             led: false,
             unheard: None,
             lost: None,
+            is_told_lost: false,
             met: None,
             first_contact: None,
             gauge: None,
@@ -158,8 +162,8 @@ impl VirtualRobot {
             Dialect::Semicolons => Parts::of(&[Part::Base, Part::Bump]),
             Dialect::Messages => Parts::of(&[Part::Base, Part::Bump, Part::AcknowledgedMoves]),
         };
-        let step = self.longest_step();
-        Capabilities { step, turn: TURN + self.margin(), photo: DRAWING, arm: Duration::ZERO, nudges: false, parts }
+        let (step, turn) = (self.longest_step(), self.longest_turn());
+        Capabilities { step, turn, photo: DRAWING, arm: Duration::ZERO, nudges: false, parts }
     }
 
     fn hear(&mut self, heard: Heard) {
@@ -167,7 +171,7 @@ impl VirtualRobot {
             Heard::Page => self.greeted(),
             Heard::Contact(name) => self.contact(name),
             Heard::Ended(name) => self.acknowledged(name.as_deref()),
-            Heard::Refused => self.refused(),
+            Heard::Refused(name) => self.refused(name.as_deref()),
         }
     }
 
@@ -201,6 +205,7 @@ impl VirtualRobot {
 
     /// Nobody knows any more where it stands, and something may have been told of the wrong cell.
     fn lose(&mut self, words: &str) {
+        self.reckoning.doubt();
         self.fail_lost(format!("{words}: {BEGIN_ANEW}"));
     }
 
@@ -212,7 +217,7 @@ impl VirtualRobot {
     fn fail_lost(&mut self, words: String) {
         self.off_centre = true;
         self.fail(&words);
-        (self.lost, self.is_changed) = (Some(words), true);
+        (self.lost, self.is_told_lost, self.is_changed) = (Some(words), true, true);
     }
 
     fn begin(&mut self, action: Action) {
@@ -275,6 +280,11 @@ impl Driver for VirtualRobot {
         self.go_down(words);
     }
 
+    fn handle_closed(&mut self, by_both: bool, now: Now) {
+        self.now = now.since_start;
+        self.closed(by_both);
+    }
+
     fn handle_received(&mut self, bytes: &[u8], now: Now) {
         self.now = now.since_start;
         match self.dialect {
@@ -309,7 +319,8 @@ impl Driver for VirtualRobot {
         let Order { id, action, .. } = order;
         self.task = Some(Task { order: id, action, deadline, aim: Aim::Back, leg: None, hindered: 0 });
         match self.lost.clone().filter(|_| action.is_motion()) {
-            Some(lost) => self.fail(&lost),
+            Some(_) if self.is_told_lost && self.dialect == Dialect::Messages => self.is_put_home(),
+            Some(lost) => self.fail_lost(lost),
             None if !self.is_up => self.fail("it is not connected"),
             None if !action.is_motion() => self.begin(action),
             None if self.is_to_be_gauged() => self.begin_gauging(),

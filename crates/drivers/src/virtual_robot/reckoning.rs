@@ -47,6 +47,9 @@ pub(super) struct Reckoning {
     /// The names of what moves, or is there more than once.
     #[serde(skip)]
     unfixed: BTreeSet<String>,
+    /// The faces that somebody has said are there.
+    #[serde(skip)]
+    placed: BTreeSet<String>,
     /// On each axis, whether anything was told of since that a wrong reckoning would have put in the wrong place.
     has_news: [bool; 2],
     /// On each axis, since it last met something whose place is known.
@@ -81,6 +84,7 @@ impl Reckoning {
             contacts: BTreeMap::new(),
             stood: BTreeSet::from([(0, 0)]),
             unfixed: BTreeSet::new(),
+            placed: BTreeSet::new(),
             has_news: [false; 2],
             since: [None; 2],
         }
@@ -94,6 +98,7 @@ impl Reckoning {
             contacts: known.contacts,
             stood: known.stood,
             unfixed: known.unfixed,
+            placed: known.placed,
             ..Reckoning::at_home()
         };
     }
@@ -162,6 +167,12 @@ impl Reckoning {
         if drift.abs() > DRIFT { Err(Drift { cells: drift, is_harmless }) } else { Ok(ratio) }
     }
 
+    /// What it has found out by itself may be wrong, or stands there no more.
+    pub(super) fn doubt(&mut self) {
+        self.faces.retain(|face, _| self.placed.contains(face));
+        self.contacts.clear();
+    }
+
     /// From here on every cell is news again.
     pub(super) fn begin_search(&mut self) {
         self.stood = BTreeSet::from([self.cell]);
@@ -220,6 +231,7 @@ impl Reckoning {
     /// This thing is known to stand here.
     pub(super) fn place(&mut self, name: &str, towards: Heading, at: f64) {
         if self.faces.len() < FACES {
+            self.placed.insert(key(name, towards));
             self.faces.insert(key(name, towards), at);
         }
     }

@@ -34,8 +34,8 @@ pub(super) enum Heard {
     Contact(Option<String>),
     /// A move has ended, whether it has met something or not: of this name where it says so.
     Ended(Option<String>),
-    /// A move was not begun, because another one was under way.
-    Refused,
+    /// A move was not begun, because another one was under way: of this name where it says so.
+    Refused(Option<String>),
 }
 
 impl Command {
@@ -134,7 +134,7 @@ pub(super) fn message(bytes: &[u8]) -> Option<Heard> {
     let which = said.get("move").and_then(name);
     let is_refused = ended == "notallowed" || which.as_deref().is_some_and(|which| which.ends_with("_notallowed"));
     if is_refused {
-        return Some(Heard::Refused);
+        return Some(Heard::Refused(which.map(|which| which.trim_end_matches("_notallowed").to_owned())));
     }
     let is_cut_short = *ended == "halted" || which.as_deref().is_some_and(|which| which.ends_with("_halted"));
     // Of one that is `false` there was a collision, which was heard by itself; or another one's is blamed on it.
@@ -194,8 +194,9 @@ mod tests {
             (r#"{"endmove":false,"move":"moveForward"}"#, Some(Heard::Ended(Some("moveForward".into())))),
             (r#"{"endmove":"halted","move":"moveForward"}"#, None),
             (r#"{"endmove":false,"move":"moveForward_halted"}"#, None),
-            (r#"{"endmove":false,"move":"moveForward_notallowed"}"#, Some(Heard::Refused)),
-            (r#"{"endmove":"notallowed","move":"moveForward"}"#, Some(Heard::Refused)),
+            (r#"{"endmove":false,"move":"moveForward_notallowed"}"#, Some(Heard::Refused(Some("moveForward".into())))),
+            (r#"{"endmove":"notallowed","move":"moveForward"}"#, Some(Heard::Refused(Some("moveForward".into())))),
+            (r#"{"endmove":"notallowed"}"#, Some(Heard::Refused(None))),
             (r#"{"collision":"moveForward","target":"wallDown"}"#, Some(Heard::Contact(Some("wallDown".into())))),
             (r#"{"collision":true,"move":"unknown"}"#, Some(Heard::Contact(None))),
             (r#"{"sonarName":"sonar1","distance":1,"axis":"x"}"#, None),

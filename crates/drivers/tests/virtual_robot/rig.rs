@@ -256,6 +256,7 @@ impl Rig {
             Output::Reconnect => {
                 if let Some(client) = self.client.take() {
                     self.server.end(HERE, client);
+                    self.driver.handle_closed(!self.server.is_stalled, self.now());
                 }
                 self.call = Some(self.now + CALL);
             }

@@ -35,6 +35,8 @@ pub(crate) struct Server {
     listeners: Vec<Client>,
     clients: u64,
     pub(crate) is_dead: bool,
+    /// The system takes connections, and whatever is sent, and the server does nothing with them.
+    pub(crate) is_stalled: bool,
     running: Option<&'static str>,
     to_page: Vec<(Duration, Command)>,
     from_page: Vec<(Duration, Told)>,
@@ -55,6 +57,7 @@ impl Server {
             listeners: Vec::new(),
             clients: 0,
             is_dead: false,
+            is_stalled: false,
             running: None,
             to_page: Vec::new(),
             from_page: Vec::new(),
@@ -73,7 +76,7 @@ impl Server {
         self.clients += 1;
         if self.version == Version::First {
             self.streams.insert(address.to_owned(), self.clients);
-            if self.page.is_some() {
+            if self.page.is_some() && !self.is_stalled {
                 self.tell(&json!({"type": "webpage-ready", "arg": {}}));
             }
         } else {
