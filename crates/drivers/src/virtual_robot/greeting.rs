@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use super::{Dialect, Leg, Stage, VirtualRobot};
+use super::{Command, Dialect, Leg, Stage, VirtualRobot};
 use crate::Output;
 use hallsweep_core::event::{RobotEvent, Whereabouts};
 
@@ -49,6 +49,8 @@ impl VirtualRobot {
     /// Where nobody can see whether the page was opened anew, the first order after the fault that asks for it says so.
     pub(super) fn is_put_home(&mut self) {
         self.page_opened_anew();
+        // Its server may still wait for the end of a move in the page that was closed, and begin no other.
+        self.send(Command::Alarm);
         let pose = self.reckoning.pose();
         self.events.push_back(RobotEvent::Stands(Whereabouts { pose, off_centre: false }));
         self.answer(|order| RobotEvent::Halted(order, false));

@@ -436,6 +436,63 @@ mod tests {
         assert_eq!((test.robot.poll_output(), test.last_event()), (None, Some(RobotEvent::Halted(OrderId(2), true))));
     }
 
+    /// Safety S6: the file was still being written when the link was lost, and STOP came when it was found again.
+    #[test]
+    fn what_has_not_gone_out_when_the_link_is_lost_never_goes_out() {
+        let mut test = Test::connected();
+        let order =
+            Order { id: OrderId(1), action: Action::Move(Move::Forward), epoch: Epoch(0), deadline: Duration::from_secs(3) };
+        test.robot.handle_order(order, test.now);
+        test.robot.handle_lost("the cable was pulled", test.now);
+        test.robot.handle_connected(test.now);
+        test.robot.handle_halt(test.now);
+        assert_eq!(test.robot.poll_output(), None);
+        assert!(test.robot.lost.is_none() && !test.robot.off_centre, "it was not told to move");
+    }
+
+    #[test]
+    fn what_was_going_out_when_the_link_was_lost_may_have_come() {
+        let mut test = Test::connected();
+        let order =
+            Order { id: OrderId(1), action: Action::Move(Move::Forward), epoch: Epoch(0), deadline: Duration::from_secs(3) };
+        test.robot.handle_order(order, test.now);
+        assert!(matches!(test.robot.poll_output(), Some(Output::Send(_))), "and nobody says whether it was sent");
+        test.robot.handle_lost("it does not take what is sent", test.now);
+        assert!(test.robot.lost.is_some());
+    }
+
+    /// Every client hears of every refusal.
+    #[test]
+    fn a_refusal_of_another_programs_move_is_not_taken_for_ours() {
+        for (name, late) in [("moveBackward", 10), ("moveForward", 500)] {
+            let mut test = Test::connected();
+            test.robot.step = Duration::from_secs(1);
+            test.begin(OrderId(1), Action::Move(Move::Forward));
+            test.passes(Duration::from_millis(late));
+            let said = format!("{{\"endmove\":false,\"move\":\"{name}_notallowed\"}}");
+            test.robot.handle_received(said.as_bytes(), test.now);
+            assert!(test.robot.leg().is_some_and(|leg| matches!(leg.stage, Stage::Sent(_))), "{name} after {late} ms");
+        }
+    }
+
+    /// While a new connection is made the old one may still greet, since the server greets all when anybody connects.
+    #[test]
+    fn a_greeting_over_a_connection_that_is_given_up_begins_nothing() {
+        let mut test = Test { robot: VirtualRobot::new(Dialect::Semicolons, Duration::from_millis(330)), now: Now::default() };
+        let greet = |test: &mut Test| test.robot.handle_received(b";{\"type\":\"webpage-ready\"};", test.now);
+        test.robot.handle_connected(test.now);
+        greet(&mut test);
+        let order =
+            Order { id: OrderId(1), action: Action::Move(Move::Forward), epoch: Epoch(0), deadline: Duration::from_secs(3) };
+        test.robot.handle_order(order, test.now);
+        greet(&mut test);
+        assert_eq!(test.robot.poll_output(), Some(Output::Reconnect));
+        assert_eq!(test.robot.poll_output(), None);
+        test.robot.handle_connected(test.now);
+        greet(&mut test);
+        assert!(matches!(test.robot.poll_output(), Some(Output::Send(_))));
+    }
+
     #[test]
     fn back_from_touching_or_gauging_a_recentring_is_done() {
         for aim in [Aim::Return, Aim::Gauged] {

@@ -131,6 +131,18 @@ mod tests {
         assert!(read(&written.replace("\"step_s\":0.33", "\"step_s\":0.0")).is_err(), "nothing takes no time");
     }
 
+    #[test]
+    fn a_step_that_is_set_otherwise_counts_and_not_what_was_measured() {
+        let robot = VirtualRobot {
+            step: Duration::from_millis(300),
+            ..VirtualRobot::new(Dialect::Semicolons, Duration::from_millis(330))
+        };
+        let written = robot.remembered();
+        assert_eq!(read(&written).map(|robot| robot.step), Ok(Duration::from_millis(300)));
+        let set = VirtualRobot::remembering(Dialect::Semicolons, Duration::from_millis(400), &written);
+        assert_eq!(set.map(|robot| robot.step), Ok(Duration::from_millis(400)));
+    }
+
     proptest! {
         #[test]
         fn whatever_is_read_is_an_error_or_a_robot_that_can_be_written(text: String, cut: prop::sample::Index) {

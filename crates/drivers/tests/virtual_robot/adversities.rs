@@ -103,6 +103,27 @@ fn a_program_that_is_killed_leaves_what_the_next_must_know() {
     assert!(right >= 13, "{right} of 16 were explored to their end");
 }
 
+/// It is halted, and before the alarm has had its effect, or just after, nobody remembers it but what was written down.
+#[test]
+fn a_program_that_is_killed_right_after_a_stop_knows_how_far_the_step_had_come() {
+    let mut right = 0;
+    for seed in 0..24_u64 {
+        let version = VERSIONS[usize::try_from(seed % 4).unwrap()];
+        let mut stream = RandomStream::new(seed, "stopped and killed");
+        let server = Server::new(version, Some(Page::open(room(), Page::steady(), Duration::ZERO)));
+        let mut rig = if seed % 8 < 4 { Rig::with_scene(server, Strategy::Auto) } else { Rig::new(server, Strategy::Auto) };
+        assert!(rig.until(5, |state| state.mission.holds.is_empty()), "the link is up");
+        rig.give(Command::Start).expect("an idle robot starts");
+        let end = disturbed(&mut rig, &mut stream, 8, |rig, chance| {
+            rig.halt();
+            rig.wait(Duration::from_millis(chance % 50));
+            rig.kill_driver();
+        });
+        right += u32::from(assert_right_or_fault(&mut rig, end, &format!("{version:?} seed {seed}")));
+    }
+    assert!(right >= 16, "{right} of 24 were explored to their end");
+}
+
 #[test]
 fn a_server_that_dies_is_found_again() {
     let mut right = 0;
@@ -296,32 +317,6 @@ fn without_a_page_the_link_is_down_and_one_that_is_opened_anew_has_the_robot_at_
     }
     rig.give(Command::Start).expect("the link stands again");
     assert_eq!(rig.explore(300), PhaseName::Explored);
-    assert_eq!(rig.cells(Mark::Visited), whole());
-}
-
-/// Cut off in the very moment in which it was told to move, it may have moved or not. Its page is opened anew, and START goes on with the map.
-#[test]
-fn a_robot_that_is_lost_is_put_at_its_start_and_the_mission_goes_on() {
-    let mut rig = begun(Version::First, Page::steady(), Strategy::Auto);
-    assert!(rig.until(30, |state| state.robot.pose.cell.y > 3));
-    let is_told = |rig: &Rig| rig.server.page.as_ref().is_some_and(Page::is_moving);
-    while is_told(&rig) {
-        rig.wait(Duration::from_millis(1));
-    }
-    while !is_told(&rig) {
-        rig.wait(Duration::from_millis(1));
-    }
-    rig.cut();
-    assert!(rig.until(5, |state| !state.mission.holds.contains(&Hold::RobotLink)));
-    rig.give(Command::Start).expect("the link stands again");
-    assert!(rig.until(5, |state| state.mission.phase == PhaseName::Fault), "{}", rig.trouble());
-    assert!(rig.state().mission.fault.as_ref().is_some_and(|words| words.contains("press START")), "{:?}", rig.state().mission);
-    rig.server.close();
-    rig.wait(Duration::from_secs(5));
-    rig.server.open(Page::open(room(), Page::steady(), rig.now));
-    assert!(rig.until(5, |state| !state.mission.holds.contains(&Hold::RobotLink)));
-    rig.give(Command::Start).expect("the cause is gone");
-    assert_eq!(rig.explore(300), PhaseName::Explored, "{}", rig.trouble());
     assert_eq!(rig.cells(Mark::Visited), whole());
 }
 

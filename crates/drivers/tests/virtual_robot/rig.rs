@@ -14,7 +14,7 @@ use hallsweep_core::settings::Settings;
 use hallsweep_core::units::{Now, Ticket, WallTime};
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::snapshot::Snapshot;
-use hallsweep_drivers::{Dialect, Driver, Output, VirtualRobot};
+use hallsweep_drivers::{Dialect, Driver, Output, Room, VirtualRobot};
 
 use super::server::{Client, Server, Version};
 
@@ -41,6 +41,8 @@ pub(crate) struct Rig {
     /// Everything that the driver has reported.
     pub(crate) reports: Vec<RobotEvent>,
     dialect: Dialect,
+    /// What the scene file tells, where there is one.
+    room: Room,
 }
 
 impl Rig {
@@ -58,6 +60,7 @@ impl Rig {
             drawn: Vec::new(),
             reports: Vec::new(),
             dialect,
+            room: Room::default(),
         }
     }
 
@@ -66,12 +69,14 @@ impl Rig {
         let room = server.page.as_ref().expect("a page").scene.told();
         let mut rig = Rig::new(server, strategy);
         rig.driver = VirtualRobot::new(rig.dialect, STEP).in_room(&room);
+        rig.room = room;
         rig
     }
 
     /// The program is killed, and another one begins with what was written down.
     pub(crate) fn kill_driver(&mut self) {
-        self.driver = VirtualRobot::remembering(self.dialect, STEP, &self.memory).expect("what was written can be read");
+        let driver = VirtualRobot::remembering(self.dialect, STEP, &self.memory).expect("what was written can be read");
+        self.driver = driver.in_room(&self.room);
         self.cut();
     }
 
@@ -95,9 +100,15 @@ impl Rig {
     }
 
     pub(crate) fn stop(&mut self) {
+        self.halt();
+        self.give(Command::Stop).expect("STOP is always taken");
+    }
+
+    /// A STOP halts ahead of the command.
+    pub(crate) fn halt(&mut self) {
         let raised = self.state().mission.epoch.next();
         self.engine.handle_halt(raised, self.now());
-        self.give(Command::Stop).expect("STOP is always taken");
+        self.settle();
     }
 
     pub(crate) fn wait(&mut self, time: Duration) {
