@@ -5,11 +5,11 @@
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use hallsweep_drivers::{Dialect, Driver, Face, Output, Room, VirtualRobot};
+use hallsweep_drivers::{Dialect, Driver, Extent, Output, Room, Thing, VirtualRobot};
 use hallsweep_fuzz::core::command::Move;
 use hallsweep_fuzz::core::effect::{Action, Order, Stamp};
 use hallsweep_fuzz::core::event::{Photo, RobotEvent};
-use hallsweep_fuzz::core::units::{Epoch, Heading, Now, OrderId, Pose, WallTime};
+use hallsweep_fuzz::core::units::{Epoch, Now, OrderId, Pose, WallTime};
 use libfuzzer_sys::fuzz_target;
 
 const STEP: Duration = Duration::from_millis(330);
@@ -52,6 +52,15 @@ fuzz_target!(|bytes: &[u8]| {
     }
 });
 
+fn room() -> Room {
+    let thing = |name: &str, x, y| Thing { name: name.to_owned(), extent: Extent { x, y } };
+    Room {
+        floor: Extent { x: (-0.75, 7.5), y: (-0.8, 7.95) },
+        things: vec![thing("wallDown", (-0.75, 7.5), (7.2, 8.0)), thing("plasticBox", (3.0, 4.5), (1.5, 3.0))],
+        moving: vec!["bag".to_owned()],
+    }
+}
+
 struct Run {
     dialect: Dialect,
     driver: VirtualRobot,
@@ -68,12 +77,11 @@ struct Run {
 impl Run {
     fn new(kind: u8) -> Run {
         let dialect = if kind & 1 == 0 { Dialect::Semicolons } else { Dialect::Messages };
-        let face = |name: &str, towards, at| Face { name: name.to_owned(), towards, at };
-        let faces = vec![face("wallDown", Heading::South, 7.2), face("plasticBox", Heading::East, 3.0)];
-        let room = if kind & 2 == 0 { Room::default() } else { Room { faces, unfixed: vec!["bag".into()], ahead: Some(7.2) } };
+        let driver = VirtualRobot::new(dialect, STEP);
+        let driver = if kind & 2 == 0 { driver } else { driver.in_room(room()) };
         Run {
             dialect,
-            driver: VirtualRobot::new(dialect, STEP).in_room(&room),
+            driver,
             memory: String::new(),
             now: Now::default(),
             is_connected: false,

@@ -15,7 +15,7 @@ mod virtual_robot;
 use std::fmt;
 use std::time::Duration;
 
-pub use virtual_robot::{Dialect, Face, Room, VirtualRobot};
+pub use virtual_robot::{Dialect, Extent, Room, Thing, VirtualRobot};
 
 use hallsweep_core::effect::{Order, Stamp};
 use hallsweep_core::event::{OffCentre, Photo, RobotEvent};

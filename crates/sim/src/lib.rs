@@ -30,7 +30,7 @@ mod speed;
 
 pub use drive::BodyPose;
 pub use hall::{Export, Format, Hall, HallError, HallFault, MAX_PIECES, Truth, Written};
-pub use hall::{Floor, HallOfScene, MovingObstacle, Player, Scene, SceneSonar, StaticObstacle};
+pub use hall::{Floor, HallOfScene, MovingObstacle, PLAYER, Player, Scene, SceneSonar, StaticObstacle};
 pub use memory::SimMemory;
 pub use settings::{Camera, SimSettings};
 pub use simulator::Sim;

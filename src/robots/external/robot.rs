@@ -19,7 +19,8 @@ pub(in crate::robots) struct ExternalRobot {
     kind: Kind,
     address: Address,
     step: Duration,
-    room: Room,
+    /// By the scene file of its page.
+    room: Option<Room>,
     remembered: Remembered,
 }
 
@@ -50,8 +51,8 @@ impl ExternalRobot {
             (RobotKind::Line, RobotAddress::Network { .. } | RobotAddress::Here) => (Kind::Line, Address::Tcp(at, None)),
         };
         let (room, step) = match &settings.scene {
-            Some(scene) if matches!(kind, Kind::Virtual(_)) => room::room(id, scene)?,
-            Some(_) | None => (Room::default(), settings.step),
+            Some(scene) if matches!(kind, Kind::Virtual(_)) => room::room(id, scene).map(|(room, step)| (Some(room), step))?,
+            Some(_) | None => (None, settings.step),
         };
         Ok(Some(ExternalRobot { id: id.clone(), kind, address, step, room, remembered: Remembered::Nothing }))
     }
@@ -96,7 +97,13 @@ impl ExternalRobot {
         let driver: Box<dyn Driver> = match kind {
             Kind::Virtual(dialect) => {
                 let robot = known.map_or_else(|| VirtualRobot::new(dialect, step), |known| *known);
-                Box::new(robot.in_room(&room))
+                Box::new(if let Some(room) = room {
+                    robot.in_room(room)
+                } else {
+                    let ms = step.as_millis();
+                    tracing::warn!(robot = %id, "no scene file is set (HALLSWEEP__ROBOT__SCENE): a cell is taken to last {ms} ms");
+                    robot
+                })
             }
             Kind::Line => Box::new(LineDriver::new()),
         };

@@ -1,16 +1,11 @@
 //! What the scene file of a virtual robot's page tells its driver: where everything stands, as the robot meets it.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use hallsweep_core::event::RobotId;
-use hallsweep_core::units::Heading;
-use hallsweep_drivers::{Face, Room};
-use hallsweep_sim::{HallError, Scene};
-
-/// The side of a cell, in units of the page; the robot is as large.
-const CELL: f64 = 4.0;
+use hallsweep_drivers::{Extent, Room, Thing};
+use hallsweep_sim::{HallError, PLAYER, Scene};
 
 /// So many times a second the page moves the robot by its speed, where it is not slow.
 const FRAMES: f64 = 60.0;
@@ -30,34 +25,27 @@ pub struct UnusableScene {
 pub(super) fn room(robot: &RobotId, path: &Path) -> Result<(Room, Duration), UnusableScene> {
     let read = Scene::open(&path.to_string_lossy());
     let scene = read.map_err(|error| UnusableScene { robot: robot.clone(), path: path.to_owned(), error })?;
-    let step = Duration::try_from_secs_f64(CELL / (scene.player.speed * FRAMES)).unwrap_or(Duration::from_secs(1));
+    let step = Duration::try_from_secs_f64(PLAYER / (scene.player.speed * FRAMES)).unwrap_or(Duration::from_secs(1));
     Ok((told(&scene), step.clamp(Duration::from_millis(50), Duration::from_secs(5))))
 }
 
+/// In cells from where the player starts, as its centre meets it.
 fn told(scene: &Scene) -> Room {
-    let (x, z, half) = (scene.player.x, scene.player.z, CELL / 2.0);
-    let mut count = BTreeMap::new();
-    for thing in &scene.statics {
-        *count.entry(thing.name.as_str()).or_insert(0) += 1;
-    }
-    // What shares its name with something else says nothing of where it is.
-    let named = scene.statics.iter().filter(|thing| count.get(thing.name.as_str()) == Some(&1));
-    let faces = named.flat_map(|thing| {
-        let face = |towards, at: f64| Face { name: thing.name.clone(), towards, at: (at - half) / CELL };
-        [
-            face(Heading::East, thing.min_x - x),
-            face(Heading::West, x - thing.max_x),
-            face(Heading::South, thing.min_z - z),
-            face(Heading::North, z - thing.max_z),
-        ]
+    let (player, half) = (&scene.player, PLAYER / 2.0);
+    let extent = |(min_x, max_x): (f64, f64), (min_z, max_z): (f64, f64), grown: f64| Extent {
+        x: ((min_x - grown - player.x) / PLAYER, (max_x + grown - player.x) / PLAYER),
+        y: ((min_z - grown - player.z) / PLAYER, (max_z + grown - player.z) / PLAYER),
+    };
+    let things = scene.statics.iter().map(|thing| Thing {
+        name: thing.name.clone(),
+        extent: extent((thing.min_x, thing.max_x), (thing.min_z, thing.max_z), half),
     });
-    let border = scene.floor.z / 2.0 - z + half;
-    let is_ahead = |min_x: f64, max_x: f64, min_z: f64| x > min_x - half && x < max_x + half && min_z > z;
-    let ahead = scene.statics.iter().filter(|thing| is_ahead(thing.min_x, thing.max_x, thing.min_z)).map(|thing| thing.min_z - z);
-    let doubled = count.iter().filter(|(_, times)| **times > 1).map(|(name, _)| (*name).to_owned());
-    let moving = scene.moving.iter().map(|thing| thing.name.clone());
-    let unfixed = doubled.chain(moving).collect();
-    Room { faces: faces.collect(), unfixed, ahead: Some((ahead.fold(border, f64::min) - half) / CELL) }
+    let (half_x, half_z) = (scene.floor.x / 2.0, scene.floor.z / 2.0);
+    Room {
+        floor: extent((-half_x, half_x), (-half_z, half_z), 0.0),
+        things: things.collect(),
+        moving: scene.moving.iter().map(|thing| thing.name.clone()).collect(),
+    }
 }
 
 #[cfg(test)]
@@ -65,25 +53,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_faces_of_a_room_are_where_the_robot_touches_them() {
-        let scene = Scene::parse("test", include_bytes!("../../../config/scenes/empty-35x35.js")).expect("a scene of ours");
-        let room = told(&scene);
-        assert_eq!(room.faces.len(), 16);
-        let at =
-            |name: &str, towards| room.faces.iter().find(|face| face.name == name && face.towards == towards).map(|face| face.at);
-        let [up, down] = [at("wallUp", Heading::North), at("wallDown", Heading::South)].map(|at| at.expect("it is there"));
-        assert!((0.0..1.0).contains(&up) && (7.0..8.0).contains(&down), "{up} {down}");
-        assert_eq!(room.ahead, Some(down));
-    }
-
-    #[test]
-    fn two_things_of_one_name_say_nothing() {
-        let scene = "const config = {floor: {size: {x: 20, y: 20}}, player: {position: {x: 0.2, y: 0.2}, speed: 0.2}, sonars: [],
-            movingObstacles: [], staticObstacles: [
-            {name: 'box', centerPosition: {x: 0.5, y: 0.5}, size: {x: 0.1, y: 0.1}},
-            {name: 'box', centerPosition: {x: 0.9, y: 0.5}, size: {x: 0.1, y: 0.1}}]};\nexport default config;";
+    fn things_and_floor_are_told_where_the_centre_of_the_robot_touches_them() {
+        let scene = "const config = {floor: {size: {x: 20, y: 40}}, player: {position: {x: 0.2, y: 0.1}, speed: 0.2}, sonars: [],
+            movingObstacles: [{name: 'cat', position: {x: 0.5, y: 0.5}, directionAxis: {x: true}}],
+            staticObstacles: [{name: 'box', centerPosition: {x: 0.5, y: 0.5}, size: {x: 0.1, y: 0.1}}]};\nexport default config;";
         let room = told(&Scene::parse("test", scene.as_bytes()).expect("a scene"));
-        assert_eq!((room.faces, room.unfixed), (vec![], vec!["box".to_owned()]));
-        assert_eq!(room.ahead, Some(4.0), "the border of the floor");
+        let thing = Thing { name: "box".to_owned(), extent: Extent { x: (0.75, 2.25), y: (3.0, 5.0) } };
+        assert_eq!(room.things, [thing]);
+        assert_eq!((room.floor, room.moving), (Extent { x: (-1.0, 4.0), y: (-1.0, 9.0) }, vec!["cat".to_owned()]));
     }
 }

@@ -5,12 +5,10 @@ use std::time::Duration;
 use super::legs::LATENCY;
 use super::memory::Unheard;
 use super::reckoning::{DRIFT, Drift};
+use super::room::{BORDER, REACHED};
 use super::{Aim, Leg, Stage, Then, VirtualRobot, Way};
 use hallsweep_core::event::{Obstacle, Piece, RobotEvent, Whereabouts};
-use hallsweep_core::units::{Heading, Pose};
-
-/// What stops it so near to the centre of a cell does not stand in that cell.
-const REACHED: f64 = 0.15;
+use hallsweep_core::units::{Cell, Heading, Pose};
 
 /// Up to here what it meets while it feels is what it touched already.
 const TOUCHED: f64 = 0.12;
@@ -47,6 +45,7 @@ impl VirtualRobot {
         };
         let driven = since_sent.saturating_sub(self.latency()).min(leg.lasts());
         let way = driven.div_duration_f64(self.step).min(cells);
+        let name = name.or_else(|| self.met_by_room(towards, way));
         (self.met, self.is_changed, self.stepped) = (name.clone(), true, None);
         if matches!(leg.stage, Stage::Halting { .. }) {
             return self.contact_while_halting(name.as_deref(), towards, way);
@@ -62,6 +61,10 @@ impl VirtualRobot {
         self.off_centre = true;
         if aim == Aim::Gauge {
             return self.gauge_ends(driven);
+        }
+        if aim == Aim::Gauged && is_known {
+            // On the way back to its start it has gone further than was counted.
+            let _ = self.reckoning.meet(name.as_deref(), towards);
         }
         if !self.is_gauging() && !self.set_right(name.as_deref(), towards) {
             return;
@@ -97,6 +100,9 @@ impl VirtualRobot {
         if self.reckoning.way_to(to.cell, towards) <= REACHED {
             self.off_centre = false;
             return self.complete(to);
+        }
+        if self.is_contradicted(to.cell) {
+            return self.stand_where_room_says(towards);
         }
         let obstacle = obstacle(self.met.as_deref());
         self.answer(|order| RobotEvent::Blocked(order, obstacle));
@@ -180,8 +186,12 @@ impl VirtualRobot {
                 }
                 true
             }
+            Err(_) if self.room.is_some() => {
+                self.stand_where_room_says(towards);
+                false
+            }
             Err(Drift { is_harmless: true, .. }) if self.reckoning.has_stood_in(self.reckoning.cell()) => {
-                self.stand_elsewhere();
+                self.stand_elsewhere(self.reckoning.cell());
                 false
             }
             Err(Drift { cells, .. }) => {
@@ -192,10 +202,18 @@ impl VirtualRobot {
         }
     }
 
-    /// It has drifted far, and all the way through cells where it had stood before: no map is wrong by that, and now it is known where it
-    /// is.
-    fn stand_elsewhere(&mut self) {
-        let pose = Pose { cell: self.reckoning.cell(), ..self.reckoning.pose() };
+    /// It has drifted, and nothing was told of that the room contradicts: now it is known where it is.
+    fn stand_where_room_says(&mut self, towards: Heading) {
+        let met = self.met.clone();
+        match self.truly_in(met.as_deref(), towards) {
+            Some(cell) => self.stand_elsewhere(cell),
+            None => self.lose("what it has met stands elsewhere by its scene file"),
+        }
+    }
+
+    /// It has drifted far, and all the way through cells that are free: no map is wrong by that, and now it is known where it is.
+    pub(super) fn stand_elsewhere(&mut self, cell: Cell) {
+        let pose = Pose { cell, ..self.reckoning.pose() };
         self.reckoning.complete(pose);
         self.off_centre = true;
         self.events.push_back(RobotEvent::Stands(Whereabouts { pose, off_centre: true }));
@@ -237,14 +255,14 @@ impl VirtualRobot {
     }
 
     /// Which way the leg under way goes, and whether backwards.
-    fn moves_towards(&self) -> Heading {
+    pub(super) fn moves_towards(&self) -> Heading {
         match self.leg().map(|leg| leg.way) {
             Some(Way::Straight { towards, .. }) => towards,
             Some(Way::Turn { .. }) | None => self.reckoning.pose().heading,
         }
     }
 
-    fn moves_backward(&self) -> bool {
+    pub(super) fn moves_backward(&self) -> bool {
         matches!(self.leg().map(|leg| leg.way), Some(Way::Straight { backward: true, .. }))
     }
 }
@@ -253,7 +271,7 @@ impl VirtualRobot {
 fn obstacle(name: Option<&str>) -> Obstacle {
     match name {
         None => Obstacle::Unknown,
-        Some(name) if name.starts_with("wall") || name == "floor-border" => Obstacle::Wall { left: 0, right: 0 },
+        Some(name) if name.starts_with("wall") || name == BORDER => Obstacle::Wall { left: 0, right: 0 },
         Some(name) => {
             // FNV-1a.
             let number = name.bytes().fold(0x811c_9dc5_u32, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193));

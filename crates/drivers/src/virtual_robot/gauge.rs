@@ -17,54 +17,32 @@ const SLOWER: f64 = 4.0;
 /// So much longer than a step its first contact takes, of three times of a step that an order has at least: there, back, and there again.
 const CONTACT: f64 = 1.3;
 
+/// So much longer a motion may take before which it finds out where it is.
+const FINDING_OUT: f64 = 1.8;
+
 /// A leg is a cell at most.
 const LEG: f64 = 1.0;
 
-/// Where things stand, as seen from the robot's start: in cells, and along the way on which each is met.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Room {
-    /// Every face of everything that has a name of its own.
-    pub faces: Vec<Face>,
-    /// The names of things that move, and of those that share theirs: they say nothing of where the robot is.
-    pub unfixed: Vec<String>,
-    /// How far it is from the start to the first thing to the south.
-    pub ahead: Option<f64>,
-}
-
-/// Where the robot's centre is when it touches a thing.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Face {
-    /// The name of the thing.
-    pub name: String,
-    /// Which way the robot was going.
-    pub towards: Heading,
-    /// How far along that way it is from the start.
-    pub at: f64,
-}
-
 impl VirtualRobot {
-    /// In this room.
-    #[must_use]
-    pub fn in_room(mut self, room: &Room) -> VirtualRobot {
-        for Face { name, towards, at } in &room.faces {
-            self.reckoning.place(name, *towards, *at);
-        }
-        for name in &room.unfixed {
-            self.reckoning.pass_over(name);
-        }
-        self.gauge = room.ahead.filter(|ahead| *ahead >= SHORTEST && !self.is_gauged);
-        self
+    /// It is so far to what stands ahead of its start.
+    pub(super) fn gauge_by(&mut self, ahead: f64) {
+        self.gauge = Some(ahead).filter(|ahead| *ahead >= SHORTEST && !self.is_gauged);
     }
 
     /// The longest time that an order of one cell may take: the first contact is made twice, and gauging is done with the first motion.
     pub(super) fn longest_step(&self) -> Duration {
         let step = self.step + self.margin() * legs(self.step);
         let step = if self.latency.is_none() { step.mul_f64(CONTACT) } else { step };
-        self.longest_gauging().unwrap_or(step)
+        self.longest_gauging().unwrap_or_else(|| self.with_finding_out(step))
     }
 
     pub(super) fn longest_turn(&self) -> Duration {
-        self.longest_gauging().unwrap_or(TURN + self.margin())
+        self.longest_gauging().unwrap_or_else(|| self.with_finding_out(TURN + self.margin()))
+    }
+
+    /// Who knows the room may go some way to find out where it is.
+    fn with_finding_out(&self, motion: Duration) -> Duration {
+        if self.room.is_some() { motion.mul_f64(FINDING_OUT) } else { motion }
     }
 
     fn longest_gauging(&self) -> Option<Duration> {

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::contacts::LATE_WORD;
 use super::memory::Unheard;
-use super::{Aim, Command, Dialect, Leg, PUT_HOME, Stage, VirtualRobot, Way};
+use super::{Aim, Command, Dialect, Leg, PUT_HOME, Stage, Then, VirtualRobot, Way};
 use crate::Output;
 use hallsweep_core::event::RobotEvent;
 use hallsweep_core::units::{Heading, Pose};
@@ -169,6 +169,11 @@ impl VirtualRobot {
             }
         }
         match aim {
+            Aim::Step(to) if self.is_barred(to.cell) => {
+                if let Way::Straight { towards, backward, .. } = leg.way {
+                    self.go_on_until_met(towards, backward);
+                }
+            }
             Aim::Step(to) => {
                 (self.stepped, self.off_centre) = (Some(self.now), false);
                 self.complete(to);
@@ -184,8 +189,13 @@ impl VirtualRobot {
                 self.gauge_on();
             }
             Aim::Retreat(then) => self.measure(then),
+            Aim::Measure(Then::Gauged) => {
+                self.aim(Aim::Gauged);
+                self.go_back();
+            }
+            Aim::Measure(Then::Met(_)) if self.room.is_some() => self.stands_before_it(),
             // What it met from here before it does not meet again: it stands elsewhere, or that was not met here.
-            Aim::Measure(_) => self.lose(LATE_WORD),
+            Aim::Measure(Then::Met(_)) => self.lose(LATE_WORD),
             Aim::Touch { is_certain, further } => self.not_touched(is_certain, further),
             Aim::Draw => {}
         }

@@ -27,15 +27,16 @@ mod leg;
 mod legs;
 mod memory;
 mod reckoning;
+mod room;
 mod task;
 mod touch;
 mod words;
 
-pub use gauge::{Face, Room};
 use greeting::GREETING;
 use leg::{Leg, Stage, Way};
 use memory::Unheard;
 use reckoning::Reckoning;
+pub use room::{Extent, Room, Thing};
 use task::{Aim, Task, Then};
 use words::{Command, Heard, Stream};
 
@@ -103,6 +104,8 @@ pub struct VirtualRobot {
     met: Option<String>,
     /// How long it had driven, when it met something before the latency was known.
     first_contact: Option<Duration>,
+    /// What its scene file tells.
+    room: Option<Room>,
     /// How far it is from its start to what stands ahead, while its step is not gauged by that.
     gauge: Option<f64>,
     is_gauged: bool,
@@ -146,6 +149,7 @@ impl VirtualRobot {
             is_told_lost: false,
             met: None,
             first_contact: None,
+            room: None,
             gauge: None,
             is_gauged: false,
             gauged: Duration::ZERO,

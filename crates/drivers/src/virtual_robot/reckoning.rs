@@ -130,6 +130,11 @@ impl Reckoning {
         self.heading = pose.heading.name().to_owned();
     }
 
+    /// Where its centre is.
+    pub(super) const fn at(&self) -> (f64, f64) {
+        (self.at[0], self.at[1])
+    }
+
     /// How far ahead of it the centre of this cell is, in this direction; negative when it is behind.
     pub(super) fn way_to(&self, cell: Cell, towards: Heading) -> f64 {
         along([f64::from(cell.x), f64::from(cell.y)], towards) - along(self.at, towards)
@@ -234,6 +239,19 @@ impl Reckoning {
             self.placed.insert(key(name, towards));
             self.faces.insert(key(name, towards), at);
         }
+    }
+
+    /// Who goes this way stands between these two, across it.
+    pub(super) fn stand_across(&mut self, towards: Heading, from: f64, to: f64) {
+        let across = 1 - axis(towards);
+        self.at[across] = self.at[across].clamp(from, to);
+    }
+
+    /// Who goes this way stands in this cell, across it.
+    pub(super) fn stand_in_column(&mut self, cell: Cell, towards: Heading) {
+        let across = 1 - axis(towards);
+        let centre = [f64::from(cell.x), f64::from(cell.y)][across];
+        self.at[across] = self.at[across].clamp(centre - 0.5, centre + 0.5);
     }
 
     /// This thing is not met twice in the same place.

@@ -38,11 +38,16 @@ impl VirtualRobot {
             self.aim(Aim::Return);
             return self.go_back();
         }
+        if further == FURTHER && self.room.is_some() {
+            // It is not so far yet, and nothing is told of that the room contradicts.
+            return self.stands_before_it();
+        }
         if further == FURTHER {
             return self.lose("what stood ahead of it is not met any more, so it has drifted");
         }
+        let (towards, backward) = (self.moves_towards(), self.moves_backward());
         self.aim(Aim::Touch { is_certain, further: further + 1 });
-        self.drive(self.reckoning.pose().heading, 1.0, false);
+        self.drive(towards, 1.0, backward);
     }
 
     /// Back in the centre of its cell: now for what was ordered.

@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 use std::time::Duration;
 
-use hallsweep_core::units::Heading;
-use hallsweep_drivers::{Face, Room};
+use hallsweep_drivers::{self as drivers, Extent, Room};
 
 /// The robot acts as a square of this half side: boxes grow by it.
 const PADDING: f64 = 2.0;
@@ -60,18 +59,14 @@ impl Scene {
     /// What its scene file tells a driver.
     pub(crate) fn told(&self) -> Room {
         let (px, pz) = self.player;
-        let face = |thing: &Thing, towards, at: f64| Face { name: thing.name.clone(), towards, at: at / 4.0 };
-        let faces = self.things.iter().flat_map(|thing| {
-            [
-                face(thing, Heading::East, thing.x.0 - px),
-                face(thing, Heading::West, px - thing.x.1),
-                face(thing, Heading::South, thing.z.0 - pz),
-                face(thing, Heading::North, pz - thing.z.1),
-            ]
-        });
-        let is_ahead = |thing: &&Thing| px >= thing.x.0 && px <= thing.x.1 && thing.z.0 > pz;
-        let ahead = self.things.iter().filter(is_ahead).map(|thing| (thing.z.0 - pz) / 4.0).reduce(f64::min);
-        Room { faces: faces.collect(), unfixed: Vec::new(), ahead }
+        let extent = |x: (f64, f64), z: (f64, f64)| Extent {
+            x: ((x.0 - px) / 4.0, (x.1 - px) / 4.0),
+            y: ((z.0 - pz) / 4.0, (z.1 - pz) / 4.0),
+        };
+        let things =
+            self.things.iter().map(|thing| drivers::Thing { name: thing.name.clone(), extent: extent(thing.x, thing.z) });
+        let (half_x, half_z) = (self.floor.0 / 2.0, self.floor.1 / 2.0);
+        Room { floor: extent((-half_x, half_x), (-half_z, half_z)), things: things.collect(), moving: Vec::new() }
     }
 
     fn collision(&self, (x, z): (f64, f64)) -> Option<&str> {

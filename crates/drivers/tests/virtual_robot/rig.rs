@@ -42,7 +42,7 @@ pub(crate) struct Rig {
     pub(crate) reports: Vec<RobotEvent>,
     dialect: Dialect,
     /// What the scene file tells, where there is one.
-    room: Room,
+    room: Option<Room>,
 }
 
 impl Rig {
@@ -60,7 +60,7 @@ impl Rig {
             drawn: Vec::new(),
             reports: Vec::new(),
             dialect,
-            room: Room::default(),
+            room: None,
         }
     }
 
@@ -68,15 +68,18 @@ impl Rig {
     pub(crate) fn with_scene(server: Server, strategy: Strategy) -> Rig {
         let room = server.page.as_ref().expect("a page").scene.told();
         let mut rig = Rig::new(server, strategy);
-        rig.driver = VirtualRobot::new(rig.dialect, STEP).in_room(&room);
-        rig.room = room;
+        rig.driver = VirtualRobot::new(rig.dialect, STEP).in_room(room.clone());
+        rig.room = Some(room);
         rig
     }
 
     /// The program is killed, and another one begins with what was written down.
     pub(crate) fn kill_driver(&mut self) {
         let driver = VirtualRobot::remembering(self.dialect, STEP, &self.memory).expect("what was written can be read");
-        self.driver = driver.in_room(&self.room);
+        self.driver = match &self.room {
+            Some(room) => driver.in_room(room.clone()),
+            None => driver,
+        };
         self.cut();
     }
 

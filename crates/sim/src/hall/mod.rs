@@ -23,7 +23,7 @@ use std::sync::Arc;
 
 pub use error::{HallError, HallFault};
 pub use export::{Export, Format, Written};
-pub use scene::{Floor, HallOfScene, MovingObstacle, Player, Scene, SceneSonar, StaticObstacle};
+pub use scene::{Floor, HallOfScene, MovingObstacle, PLAYER, Player, Scene, SceneSonar, StaticObstacle};
 
 use crate::bag::Bag;
 use crate::curve::Curve;

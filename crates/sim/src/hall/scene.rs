@@ -28,8 +28,8 @@ const MAX_THINGS: usize = 256;
 /// A thing may reach out of the floor, but not so far that its place is no number any more.
 const MAX_FRACTION: f64 = 100.0;
 
-/// The side of the square that the player takes up, and of a cell.
-pub(super) const PLAYER: f64 = 4.0;
+/// The side of the square that the player takes up, and of a cell, in units of the page's world.
+pub const PLAYER: f64 = 4.0;
 
 /// What a scene file says, in units of the page's world.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,0 +1,278 @@
+//! What the scene file of the page tells of its room: where everything stands, and so in which cells the robot can stand at all. Whatever
+//! has drifted is then found out: nothing is told that the room contradicts.
+//!
+//! Lengths are in cells from the centre of the robot's start, columns to the east and rows to the south, and concern the robot's centre: it is
+//! a point, and things are larger by half of it on each side.
+
+use super::{Aim, VirtualRobot};
+use hallsweep_core::units::{Cell, Heading};
+
+/// What stops it so near to the centre of a cell does not stand in that cell.
+pub(super) const REACHED: f64 = 0.15;
+
+/// So far before what it meets it stands free, in cells.
+const BEFORE: f64 = 0.2;
+
+/// Further beside a thing than this it cannot meet it, in cells.
+const BESIDE: f64 = 0.1;
+
+/// So many cells aside it is looked for one in which it can stand.
+const ASIDE: i32 = 3;
+
+/// And so many back.
+const FURTHEST_BACK: u8 = 8;
+
+/// The border of the floor, as the page calls it.
+pub(super) const BORDER: &str = "floor-border";
+
+/// A room, as its scene file has it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Room {
+    /// Where the robot can be.
+    pub floor: Extent,
+    /// What stands there for good.
+    pub things: Vec<Thing>,
+    /// The names of things that move: they say nothing of where the robot is.
+    pub moving: Vec<String>,
+}
+
+/// A thing in the room.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Thing {
+    /// What the page calls it.
+    pub name: String,
+    /// Where the robot's centre touches it.
+    pub extent: Extent,
+}
+
+/// From where to where, on both axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the header of the file says what x and y are")]
+pub struct Extent {
+    pub x: (f64, f64),
+    pub y: (f64, f64),
+}
+
+impl Extent {
+    /// How deep within it a point is, at least, from any of its sides; negative outside.
+    fn depth(&self, (x, y): (f64, f64)) -> f64 {
+        (x - self.x.0).min(self.x.1 - x).min(y - self.y.0).min(self.y.1 - y)
+    }
+
+    /// From where to where it is seen by who goes this way.
+    const fn across(&self, towards: Heading) -> (f64, f64) {
+        match towards {
+            Heading::North | Heading::South => self.x,
+            Heading::East | Heading::West => self.y,
+        }
+    }
+
+    /// Where it is met by who goes this way, along that way.
+    fn face(&self, towards: Heading) -> f64 {
+        match towards {
+            Heading::North => -self.y.1,
+            Heading::East => self.x.0,
+            Heading::South => self.y.0,
+            Heading::West => -self.x.1,
+        }
+    }
+}
+
+impl Room {
+    /// Whether its name alone says where it is.
+    fn is_one(&self, name: &str) -> bool {
+        self.things.iter().filter(|thing| thing.name == name).count() == 1 && !self.moves(name)
+    }
+
+    fn moves(&self, name: &str) -> bool {
+        self.moving.iter().any(|moving| moving == name)
+    }
+
+    /// Whether the robot can stand in the centre of this cell.
+    fn is_free(&self, cell: Cell) -> bool {
+        self.is_open((f64::from(cell.x), f64::from(cell.y)))
+    }
+
+    fn is_open(&self, at: (f64, f64)) -> bool {
+        self.floor.depth(at) >= -REACHED && self.things.iter().all(|thing| thing.extent.depth(at) <= REACHED)
+    }
+
+    /// What is met here by who goes this way, when nobody has said it: nothing, where that may be a thing that moves.
+    fn met(&self, at: (f64, f64), towards: Heading) -> Option<&str> {
+        if !self.moving.is_empty() {
+            return None;
+        }
+        let (dx, dy) = (f64::from(towards.vector().0), f64::from(towards.vector().1));
+        let along = dx.mul_add(at.0, dy * at.1);
+        // How far ahead of here it is, where it can be met at all: who comes there has come past everything else.
+        let far = |face: f64| {
+            let ahead = face - along;
+            let before = ahead - BEFORE;
+            let is_met = self.is_open((dx.mul_add(before, at.0), dy.mul_add(before, at.1)));
+            is_met.then_some(ahead.abs())
+        };
+        let across = if dx == 0.0 { at.0 } else { at.1 };
+        let is_ahead = |extent: &Extent| {
+            let (from, to) = extent.across(towards);
+            (from - BESIDE..=to + BESIDE).contains(&across)
+        };
+        let things = self.things.iter().filter(|thing| is_ahead(&thing.extent));
+        let faces = things.map(|thing| (thing.name.as_str(), thing.extent.face(towards)));
+        let all = faces.chain([(BORDER, -self.floor.face(towards.opposite()))]);
+        all.filter_map(|(name, face)| Some((name, far(face)?))).min_by(|one, other| one.1.total_cmp(&other.1)).map(|met| met.0)
+    }
+
+    /// How far it is from the start to the first thing to the south.
+    pub(super) fn ahead(&self) -> f64 {
+        let is_ahead = |extent: &Extent| extent.x.0 <= 0.0 && extent.x.1 >= 0.0 && extent.y.0 > 0.0;
+        let faces = self.things.iter().map(|thing| &thing.extent).filter(|extent| is_ahead(extent)).map(|extent| extent.y.0);
+        faces.fold(self.floor.y.1, f64::min)
+    }
+}
+
+impl VirtualRobot {
+    /// In this room.
+    #[must_use]
+    pub fn in_room(mut self, room: Room) -> VirtualRobot {
+        for Thing { name, extent } in &room.things {
+            if room.is_one(name) {
+                for towards in Heading::ALL {
+                    self.reckoning.place(name, towards, extent.face(towards));
+                }
+            } else {
+                self.reckoning.pass_over(name);
+            }
+        }
+        for name in &room.moving {
+            self.reckoning.pass_over(name);
+        }
+        for (towards, at) in [
+            (Heading::North, -room.floor.y.0),
+            (Heading::East, room.floor.x.1),
+            (Heading::South, room.floor.y.1),
+            (Heading::West, -room.floor.x.0),
+        ] {
+            self.reckoning.place(BORDER, towards, at);
+        }
+        self.gauge_by(room.ahead());
+        self.room = Some(room);
+        self
+    }
+
+    /// What it has met so many cells this way, where its server does not say it.
+    pub(super) fn met_by_room(&self, towards: Heading, way: f64) -> Option<String> {
+        let (room, (x, y), (dx, dy)) = (self.room.as_ref()?, self.reckoning.at(), towards.vector());
+        let at = match towards {
+            // It has come back too far, whatever is counted by a step that is not known yet.
+            Heading::North if self.is_gauging() => (0.0, 0.0),
+            Heading::South if self.is_gauging() => (0.0, room.ahead()),
+            Heading::North | Heading::East | Heading::South | Heading::West => {
+                (f64::from(dx).mul_add(way, x), f64::from(dy).mul_add(way, y))
+            }
+        };
+        room.met(at, towards).map(str::to_owned)
+    }
+
+    /// Whether the room says that it cannot stand there.
+    pub(super) fn is_barred(&self, cell: Cell) -> bool {
+        self.room.as_ref().is_some_and(|room| !room.is_free(cell))
+    }
+
+    /// Whether what it has met cannot be what bars this cell to it.
+    pub(super) fn is_contradicted(&self, cell: Cell) -> bool {
+        let moves = self.met.as_deref().is_some_and(|name| self.room.as_ref().is_some_and(|room| room.moves(name)));
+        self.room.is_some() && !self.is_barred(cell) && !moves
+    }
+
+    /// It was counted into a cell in which it cannot stand, and has met nothing: on it goes until it does.
+    pub(super) fn go_on_until_met(&mut self, towards: Heading, backward: bool) {
+        self.off_centre = true;
+        self.aim(Aim::Touch { is_certain: true, further: 0 });
+        self.drive(towards, 1.0, backward);
+    }
+
+    /// It has gone on and on, and not met what stands there: in the last cell before that it is taken to stand.
+    pub(super) fn stands_before_it(&mut self) {
+        let (back, mut cell) = (self.moves_towards().opposite(), self.reckoning.cell());
+        let mut left = FURTHEST_BACK;
+        while left > 0 && self.is_barred(cell) {
+            (cell, left) = (cell.ahead(back), left - 1);
+        }
+        self.reckoning.advance(back, self.reckoning.way_to(cell, back).max(0.0));
+        self.stand_elsewhere(cell);
+    }
+
+    /// The cell in which it stands in truth, after it has met this: where the reckoning has it, or right beside; `None` where nobody knows.
+    pub(super) fn truly_in(&mut self, name: Option<&str>, towards: Heading) -> Option<Cell> {
+        let room = self.room.as_ref()?;
+        let met = room.things.iter().find(|thing| Some(thing.name.as_str()) == name && room.is_one(&thing.name));
+        if let Some(Thing { extent, .. }) = met {
+            let (from, to) = extent.across(towards);
+            self.reckoning.stand_across(towards, from - BESIDE, to + BESIDE);
+        }
+        let (cell, aside) = (self.reckoning.cell(), towards.right());
+        let beside = |by: i32| Cell::new(cell.x + aside.vector().0 * by, cell.y + aside.vector().1 * by);
+        let near = (0..=ASIDE).flat_map(|by| [by, -by]).map(beside).find(|cell| room.is_free(*cell))?;
+        self.reckoning.stand_in_column(near, towards);
+        Some(near)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A case stands in cell (2, 1) of a floor of four by three; there are two carts, and a cat that walks.
+    fn room() -> Room {
+        let thing = |name: &str, x, y| Thing { name: name.to_owned(), extent: Extent { x, y } };
+        let things = vec![
+            thing("case", (1.4, 2.6), (0.4, 1.6)),
+            thing("cart", (-0.8, -0.6), (-0.9, 2.8)),
+            thing("cart", (-0.8, 3.9), (2.3, 2.8)),
+        ];
+        Room { floor: Extent { x: (-0.8, 3.9), y: (-0.9, 2.8) }, things, moving: vec!["cat".to_owned()] }
+    }
+
+    #[test]
+    fn a_cell_is_free_where_the_centre_of_the_robot_can_be() {
+        let room = room();
+        for (x, y, is_free) in
+            [(0, 0, true), (2, 0, true), (2, 1, false), (1, 2, true), (-1, 0, false), (0, 3, false), (4, 1, true)]
+        {
+            assert_eq!(room.is_free(Cell::new(x, y)), is_free, "({x}, {y})");
+        }
+    }
+
+    #[test]
+    fn what_stands_ahead_of_the_start_is_the_first_thing_to_the_south_or_the_border() {
+        let mut room = room();
+        assert!((room.ahead() - 2.3).abs() < 1e-9);
+        room.things.clear();
+        assert!((room.ahead() - 2.8).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_is_met_without_a_name_is_what_can_be_met_there_unless_things_move() {
+        let mut room = room();
+        assert_eq!(room.met((1.0, 1.0), Heading::East), None, "it may have been the cat");
+        room.moving.clear();
+        for (at, towards, name) in [
+            ((1.0, 1.0), Heading::East, "case"),
+            ((1.0, 0.0), Heading::East, BORDER),
+            ((3.0, 1.0), Heading::West, "case"),
+            ((2.0, -0.3), Heading::South, "case"),
+            ((1.0, 0.0), Heading::South, "cart"),
+            ((0.0, 0.0), Heading::North, BORDER),
+        ] {
+            assert_eq!(room.met(at, towards), Some(name), "{at:?} {towards:?}");
+        }
+    }
+
+    #[test]
+    fn the_name_of_what_moves_or_stands_twice_says_nothing_of_where_it_is() {
+        let robot = VirtualRobot::new(crate::Dialect::Semicolons, std::time::Duration::from_millis(330)).in_room(room());
+        let knows = |name, towards| robot.reckoning.knows(Some(name), towards);
+        assert!(Heading::ALL.into_iter().all(|towards| knows("case", towards) && knows(BORDER, towards)));
+        assert!(!Heading::ALL.into_iter().any(|towards| knows("cart", towards) || knows("cat", towards)));
+    }
+}
