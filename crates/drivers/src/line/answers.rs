@@ -17,7 +17,7 @@ const UNWANTED: Duration = Duration::from_secs(30);
 /// Readings are told so often and no more often, so that a sensor that never stops talking fills no journal.
 const READINGS: Duration = Duration::from_millis(500);
 
-/// So often in a row it may halt by itself.
+/// One that has halted by itself so often in a row has failed.
 const UNASKED: u8 = 20;
 
 /// No camera sees further along a wall, and no sonar further ahead, in cells.
@@ -65,7 +65,7 @@ impl LineDriver {
     fn answered(&mut self, said: FromRobot) {
         match said {
             FromRobot::Done(seq, ahead) => {
-                if let Some(id) = self.close_motion(seq, false) {
+                if let Some(id) = self.close_done(seq) {
                     self.unasked = 0;
                     self.events.extend(ahead.map(bounded).map(RobotEvent::Ahead));
                     self.events.push_back(RobotEvent::Done(id));
@@ -73,6 +73,7 @@ impl LineDriver {
             }
             FromRobot::Blocked(seq, cm, obstacle) => {
                 if let Some(id) = self.close_motion(seq, true) {
+                    let cm = cm.filter(|_| self.has(Part::Sonar));
                     self.events.extend(cm.map(|cm| RobotEvent::Sonar(Some(cm))));
                     self.unasked = 0;
                     self.events.push_back(RobotEvent::Blocked(id, seen(obstacle)));
@@ -97,7 +98,7 @@ impl LineDriver {
         self.unasked = if was_halted { 0 } else { self.unasked + 1 };
         if is_late {
             self.events.push_back(RobotEvent::Failed(id, "it did not finish in time and was halted".to_owned()));
-        } else if self.unasked > UNASKED {
+        } else if self.unasked >= UNASKED {
             self.unasked = 0;
             self.events.push_back(RobotEvent::Failed(id, "it halts by itself again and again".to_owned()));
         } else {
@@ -114,6 +115,16 @@ impl LineDriver {
         let open = self.open.take_if(|open| seq == self.seq && open.task.is_motion())?;
         self.off_centre = off_centre;
         Some(open.order.id)
+    }
+
+    /// The same of one that is complete: the robot stands where it has brought it.
+    fn close_done(&mut self, seq: Seq) -> Option<OrderId> {
+        let task = self.open.as_ref().map(|open| open.task)?;
+        let id = self.close_motion(seq, false)?;
+        if let Link::Up(robot) = &mut self.link {
+            robot.pose = task.after(robot.pose);
+        }
+        Some(id)
     }
 
     /// The bytes of a photo follow. Those that nobody wants are passed over, so that nothing in them is taken for a line.

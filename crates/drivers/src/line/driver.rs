@@ -14,7 +14,7 @@ use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order};
 use hallsweep_core::event::{OffCentre, Parts, Photo, RobotEvent};
 use hallsweep_core::robots::Part;
-use hallsweep_core::units::{Celsius, Now, OrderId};
+use hallsweep_core::units::{Celsius, Now, OrderId, Pose};
 
 /// What is not answered is said again after this long.
 const REPEATED: Duration = Duration::from_millis(100);
@@ -46,8 +46,8 @@ pub struct LineDriver {
     pub(super) not_understood: Option<String>,
     pub(super) picture: Option<Picture>,
     pub(super) open: Option<Open>,
-    /// A drawing that stands for a photo, to be made by somebody else.
-    drawing: Option<OrderId>,
+    /// A drawing that stands for a photo, to be made by somebody else until then.
+    drawing: Option<(OrderId, Duration)>,
     /// The number of the last order, or the one from which orders begin.
     pub(super) seq: Seq,
     led: bool,
@@ -86,6 +86,8 @@ pub(super) struct Robot {
     pub(super) parts: Parts,
     /// The number from which orders begin: as long as it is the same robot, and was not switched off, it knows that one.
     pub(super) from: Seq,
+    /// Where it has come by what it has done.
+    pub(super) pose: Pose,
 }
 
 /// The order that waits for its answer.
@@ -172,19 +174,19 @@ impl LineDriver {
         if !matches!(self.link, Link::Up(_)) {
             return Err("the robot is not connected".to_owned());
         }
-        if let Some(id) = self.open.as_ref().map(|open| open.order.id).or(self.drawing) {
+        if let Some(id) = self.open.as_ref().map(|open| open.order.id).or(self.drawing.map(|(id, _)| id)) {
             return Err(format!("order {id} is still under way"));
         }
         let task = self.task(order.action)?;
+        let until = now.since_start.saturating_add(order.deadline);
         if let Action::Photograph(stamp) = order.action
             && !self.has(Part::Camera)
         {
-            self.drawing = Some(order.id);
+            self.drawing = Some((order.id, until));
             self.outputs.push_back(Output::Draw(order.id, Subject { stamp, name: None }));
             return Ok(());
         }
         self.seq = self.seq.next().ok_or(ALL_COUNTED)?;
-        let until = now.since_start.saturating_add(order.deadline);
         self.open = Some(Open { order, task, until, repeat_at: now.since_start, is_halted: false, is_late: false });
         self.repeat(now);
         Ok(())
@@ -206,23 +208,40 @@ impl LineDriver {
             open.is_late = true;
             open.until = now.since_start + UNHALTED;
         } else if open.task.is_motion() {
-            self.link = Link::Down;
-            self.drop_order();
-            self.outputs.push_back(Output::GiveUp("the robot answers no halt".to_owned()));
+            self.break_link("the robot answers no halt".to_owned());
         } else if let Some(open) = self.open.take() {
             self.picture = None;
             self.events.push_back(RobotEvent::PhotoFailed(open.order.id, "the photo did not come in time".to_owned()));
         }
     }
 
+    /// It has said nothing for so long.
     fn give_up(&mut self, patience: Duration) {
-        self.link = Link::Down;
-        self.drop_order();
-        let lines = self.lines.passed_over();
-        let damaged = if lines > 0 { format!("; {lines} lines were damaged on their way") } else { String::new() };
+        let damaged = if self.lines.passed_over() > 0 { "; lines were damaged on their way" } else { "" };
         let unknown = self.not_understood.take().map(|text| format!("; `{text}` was not understood"));
         let words = format!("the robot said nothing for {} s{damaged}{}", patience.as_secs_f64(), unknown.unwrap_or_default());
+        self.break_link(words);
+    }
+
+    /// The connection is of no use any more; another is made in a while.
+    pub(super) fn break_link(&mut self, words: String) {
+        self.link = Link::Down;
+        self.drop_order();
         self.outputs.push_back(Output::GiveUp(words));
+    }
+
+    fn miss_drawing(&mut self) {
+        let missed = self.drawing.take().map(|(id, _)| RobotEvent::PhotoFailed(id, "it was not drawn in time".to_owned()));
+        self.events.extend(missed);
+    }
+
+    /// Up to where orders are void by a halt. A robot that is being greeted obeys none up to where they are to begin.
+    const fn voided(&self) -> Seq {
+        match self.link {
+            Link::Greeting(Some(from)) => from,
+            Link::Greeting(None) => Seq::FIRST,
+            Link::Down | Link::Up(_) => self.seq,
+        }
     }
 
     /// How long the robot may say nothing; it may always where nobody is connected.
@@ -312,7 +331,7 @@ impl Driver for LineDriver {
             _ if matches!(self.link, Link::Down) => {}
             // A photo goes on, and has the last number.
             Some(_) => self.say(ToRobot::Halt(self.seq.before())),
-            None => self.say(ToRobot::Halt(self.seq)),
+            None => self.say(ToRobot::Halt(self.voided())),
         }
     }
 
@@ -322,7 +341,7 @@ impl Driver for LineDriver {
     }
 
     fn handle_drawing(&mut self, order: OrderId, drawing: Photo, _: Now) {
-        if self.drawing.take_if(|id| *id == order).is_some() {
+        if self.drawing.take_if(|(id, _)| *id == order).is_some() {
             self.events.push_back(RobotEvent::Photo(order, drawing));
         }
     }
@@ -334,6 +353,9 @@ impl Driver for LineDriver {
         }
         if is_due(self.open.as_ref().map(|open| open.until)) {
             self.expire(now);
+        }
+        if is_due(self.drawing.map(|(_, until)| until)) {
+            self.miss_drawing();
         }
         if let Some(patience) = self.patience().filter(|patience| is_due(Some(self.heard + *patience))) {
             return self.give_up(patience);
@@ -360,7 +382,8 @@ impl Driver for LineDriver {
     fn poll_timeout(&self) -> Option<Duration> {
         let silent = self.patience().map(|patience| self.heard + patience);
         let until = self.open.as_ref().map(|open| open.until);
-        [silent, until, self.picture_until(), self.next_repeat(), self.next_hello(), self.next_readings()]
+        let drawn = self.drawing.map(|(_, until)| until);
+        [silent, until, drawn, self.picture_until(), self.next_repeat(), self.next_hello(), self.next_readings()]
             .into_iter()
             .flatten()
             .min()

@@ -17,10 +17,12 @@ use super::to_robot::ToRobot;
 use hallsweep_core::event::{Capabilities, RobotEvent};
 use hallsweep_core::robots::Part;
 use hallsweep_core::units::Now;
-use hallsweep_core::world::hall_map::REACH;
 
 /// A robot that takes longer for a cell or a turn stands still.
 const SLOWEST: Duration = Duration::from_secs(60);
+
+/// No hall has more cells a side, so no robot in one stands further from its entrance.
+const FURTHEST: i32 = 2048;
 
 impl LineDriver {
     /// Asks the robot who it is, or tells it once more from where orders begin.
@@ -38,18 +40,34 @@ impl LineDriver {
             Link::Greeting(Some(from)) if hello.last == Some(*from) => self.rise(hello, *from, now),
             Link::Greeting(Some(from)) if hello.last < Some(*from) => {}
             Link::Greeting(_) => self.begin_above(hello.last, now),
-            Link::Up(robot) if robot.name != hello.name => {
-                let words = format!("{} has taken the place of {}: look where it stands", hello.name, robot.name);
-                self.begin_anew(&words, hello.last, now);
+            Link::Up(robot) => {
+                if let Some(words) = self.mismatch(robot, &hello) {
+                    self.break_link(words);
+                }
             }
-            Link::Up(robot) if hello.last < Some(robot.from) => {
-                let words = format!("{} was switched off and on: look whether it stands where it says", robot.name);
-                self.begin_anew(&words, hello.last, now);
-            }
-            Link::Up(_) if hello.last > Some(self.seq) => {
-                self.begin_anew("another program has given the robot orders: let one drive it", hello.last, now);
-            }
-            Link::Up(_) => {}
+        }
+    }
+
+    /// Why a robot that says this is not the one to which the link stands, or not where that was left. With a new connection it begins
+    /// anew, wherever it stands then.
+    fn mismatch(&self, robot: &Robot, hello: &Hello) -> Option<String> {
+        let Hello { name, parts, stands, last, .. } = hello;
+        let (at, was_at) = (stands.pose, robot.pose);
+        // What it has said before an answer came before that, so that without an order both have counted the same.
+        let is_at_rest = self.open.is_none() && *last == Some(self.seq);
+        if *name != robot.name {
+            Some(format!("{name} has taken the place of {}: look where it stands", robot.name))
+        } else if *last < Some(robot.from) {
+            Some(format!("{name} was switched off and on: look whether it stands where it says"))
+        } else if *last > Some(self.seq) {
+            Some("another program has given the robot orders: let one drive it".to_owned())
+        } else if parts.with(Part::AcknowledgedMoves) != robot.parts {
+            Some(format!("{name} has other parts than it had: is it the same robot?"))
+        } else if is_at_rest && at != was_at {
+            let [(cell, heading), (was, headed)] = [at, was_at].map(|pose| (pose.cell, pose.heading.name()));
+            Some(format!("{name} says that it stands at {cell}, {heading}, and stood at {was}, {headed}: look where it stands"))
+        } else {
+            None
         }
     }
 
@@ -59,12 +77,6 @@ impl LineDriver {
             self.told = Some(words.to_owned());
             self.events.push_back(RobotEvent::LinkLost(words.to_owned()));
         }
-    }
-
-    fn begin_anew(&mut self, words: &str, last: Option<Seq>, now: Now) {
-        self.drop_order();
-        self.tell_lost(words);
-        self.begin_above(last, now);
     }
 
     /// One that has heard of the last number there is must be switched off and on; until then it is asked again.
@@ -80,7 +92,7 @@ impl LineDriver {
     fn rise(&mut self, hello: Hello, from: Seq, now: Now) {
         let Hello { name, parts, step, turn, photo, stands, .. } = hello;
         let cell = stands.pose.cell;
-        if cell.x.abs().max(cell.y.abs()) > REACH {
+        if cell.x.abs().max(cell.y.abs()) > FURTHEST {
             return self
                 .tell_lost(&format!("{name} says that it stands at {cell}, further from the entrance than any hall reaches"));
         }
@@ -91,7 +103,7 @@ impl LineDriver {
         // Whoever speaks this protocol answers each move.
         let acknowledging = parts.with(Part::AcknowledgedMoves);
         let can = Capabilities { step, turn, photo, arm: Duration::ZERO, nudges: false, parts: acknowledging };
-        self.link = Link::Up(Robot { name, parts, from });
+        self.link = Link::Up(Robot { name, parts: acknowledging, from, pose: stands.pose });
         (self.seq, self.off_centre, self.told) = (from, stands.off_centre, None);
         self.hello_at = now.since_start + HELLO;
         self.events.extend([RobotEvent::Stands(stands), RobotEvent::LinkUp(can)]);

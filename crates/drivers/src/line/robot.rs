@@ -165,6 +165,10 @@ impl LineRobot {
                 self.halt();
                 self.from = Some(seq);
                 self.begin_above();
+                if self.from.is_some() {
+                    // It stands only later, or a photo goes on: whoever asks is not to take it for gone.
+                    self.say_hello();
+                }
             }
             ToRobot::Order(task, seq, deadline_ms) => self.order(task, seq, Duration::from_millis(deadline_ms.into()), now),
             ToRobot::Halt(seq) => self.void(seq),
@@ -217,7 +221,7 @@ impl LineRobot {
     fn done(&mut self) {
         let ahead = self.ahead.take();
         if let Some(motion) = self.motion() {
-            self.stands.pose = after(self.stands.pose, motion.task);
+            self.stands.pose = motion.task.after(self.stands.pose);
         }
         self.answer(false, |seq| FromRobot::Done(seq, ahead));
     }
@@ -278,18 +282,6 @@ impl LineRobot {
         if self.outputs.len() < WAITING {
             self.outputs.push_back(Arc::from(framed(&words.to_string())));
         }
-    }
-}
-
-/// Where a robot stands that has done this.
-const fn after(pose: Pose, task: Task) -> Pose {
-    let Pose { cell, heading } = pose;
-    match task {
-        Task::Forward => Pose { cell: cell.ahead(heading), heading },
-        Task::Backward => Pose { cell: cell.ahead(heading.opposite()), heading },
-        Task::Left => Pose { cell, heading: heading.left() },
-        Task::Right => Pose { cell, heading: heading.right() },
-        Task::Recentre | Task::Photo => pose,
     }
 }
 

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::numbers::{Seq, number};
+use hallsweep_core::units::Pose;
 
 /// One line to the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,6 +55,18 @@ impl Task {
     #[must_use]
     pub fn is_motion(self) -> bool {
         self != Task::Photo
+    }
+
+    /// Where a robot stands that has done this.
+    pub(super) const fn after(self, pose: Pose) -> Pose {
+        let Pose { cell, heading } = pose;
+        match self {
+            Task::Forward => Pose { cell: cell.ahead(heading), heading },
+            Task::Backward => Pose { cell: cell.ahead(heading.opposite()), heading },
+            Task::Left => Pose { cell, heading: heading.left() },
+            Task::Right => Pose { cell, heading: heading.right() },
+            Task::Recentre | Task::Photo => pose,
+        }
     }
 }
 

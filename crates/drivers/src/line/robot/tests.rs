@@ -270,6 +270,7 @@ fn a_photo_for_a_program_that_is_gone_is_not_sent() {
     let mut test = Test::ready();
     test.hears("photo 6 4000");
     test.hears("from 7");
+    assert!(matches!(&test.said()[..], [hello] if hello.ends_with("last=6")), "it is there, and not ready yet");
     test.reports(RobotEvent::Photo(SIX, Photo { bytes: Arc::from(*b"bytes"), media_type: "image/png" }));
     assert!(matches!(&test.said()[..], [hello] if hello.ends_with("last=7")));
 }
