@@ -60,6 +60,12 @@ struct Import {
     force: bool,
 }
 
+/// Whether both are one file that is there.
+fn is_same(one: &str, other: &str) -> bool {
+    let [one, other] = [one, other].map(|path| std::fs::canonicalize(path).ok());
+    one.is_some() && one == other
+}
+
 /// Does it, and prints what was written.
 pub fn run(asked: &Halls) -> Result<(), Failure> {
     let line = match &asked.what {
@@ -72,6 +78,9 @@ pub fn run(asked: &Halls) -> Result<(), Failure> {
             let scene = Scene::open(file).map_err(|error| Failure::Usage(error.to_string()))?;
             let hall = scene.hall(&stem).map_err(|fault| Failure::Usage(fault.of(file).to_string()))?;
             let to = to.clone().unwrap_or_else(|| format!("{stem}.toml"));
+            if is_same(file, &to) {
+                return Err(Failure::Usage(format!("{to} is the scene file itself: choose another name")));
+            }
             MapFile::at(&to, *force)?.write(&Export::from(hall))?
         }
     };

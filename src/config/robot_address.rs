@@ -21,6 +21,14 @@ pub enum RobotAddress {
     Device(String),
 }
 
+impl RobotAddress {
+    /// Under one name, although this machine has more than one for itself; `None` for one that is part of this program.
+    pub fn place(&self) -> Option<String> {
+        let written = (*self != RobotAddress::Here).then(|| self.to_string())?;
+        Some(written.replace("127.0.0.1:", "localhost:").replace("[::1]:", "localhost:"))
+    }
+}
+
 impl fmt::Display for RobotAddress {
     /// As it is written in the settings.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -1,12 +1,13 @@
 //! The robots in the settings: the one that searches in `[robot]`, every further one in a section `[robots.NAME]` with the same keys.
 //! That `[robots.discovery]` means the one that searches, `layers` knows; what a robot of some kind does with its settings is not here.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use super::check::{NumberOrWord, count, number, read, sensing, within};
 use super::error::SettingsError;
-use super::key::ROBOTS;
+use super::key::{ROBOT, ROBOTS};
 use super::layers::Layers;
 use super::robot_address::robot_address;
 use super::{RobotSettings, Settings, Speed};
@@ -77,7 +78,27 @@ pub(super) fn further(layers: &Layers) -> Result<Vec<(RobotId, RobotSettings)>, 
         }
         Ok((robot, self::robot(layers, &format!("{ROBOTS}.{name}"))?))
     };
-    names.map(one).collect()
+    let further = names.map(one).collect::<Result<Vec<_>, _>>()?;
+    let searching = (RobotId::discovery(), robot(layers, ROBOT)?);
+    check_apart(layers, &std::iter::once(&searching).chain(&further).collect::<Vec<_>>())?;
+    Ok(further)
+}
+
+/// Two that speak to one robot, or to one page, would take it out of each other's hands.
+fn check_apart(layers: &Layers, robots: &[&(RobotId, RobotSettings)]) -> Result<(), SettingsError> {
+    let mut taken: BTreeMap<String, &RobotId> = BTreeMap::new();
+    for (robot, settings) in robots {
+        let Some(place) = settings.address.place() else { continue };
+        if let Some(first) = taken.insert(place, robot) {
+            let key = format!("{ROBOTS}.{robot}.address");
+            return Err(layers.wrong_with_advice(
+                &key,
+                format!("{first} is there already"),
+                "give each robot an address of its own",
+            ));
+        }
+    }
+    Ok(())
 }
 
 pub(super) fn robot(layers: &Layers, section: &str) -> Result<RobotSettings, SettingsError> {
@@ -223,6 +244,21 @@ mod tests {
             let wrong = said(written(name, text, &[]));
             assert!(wrong.contains("`robots.Porter` (from file ") && wrong.contains("small letters"), "{wrong}");
         }
+    }
+
+    #[test]
+    fn no_two_robots_are_in_one_place() {
+        let line = |name: &str, address: &str| format!("[{name}]\nkind = \"line\"\naddress = \"{address}\"\n");
+        let two = |one, other| line("robot", one) + &line("robots.porter", other);
+        for (one, other) in
+            [("localhost:8300", "127.0.0.1:8300"), ("[::1]:8300", "localhost:8300"), ("/dev/ttyUSB0", "/dev/ttyUSB0")]
+        {
+            let wrong = said(written("one-place", &two(one, other), &[]));
+            assert!(wrong.contains("robots.porter.address") && wrong.contains("discovery is there already"), "{wrong}");
+        }
+        assert!(written("two-places", &two("localhost:8300", "localhost:8301"), &[]).is_ok());
+        let three = two("a:1", "b:1") + &line("robots.crane", "b:1");
+        assert!(said(written("three", &three, &[])).contains("is there already"));
     }
 
     #[test]

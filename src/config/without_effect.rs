@@ -1,7 +1,7 @@
 //! What somebody has set that does nothing: settings of the simulator beside a robot that is not simulated, and the other way round.
 //! The program starts all the same, and says which they are; what is wrong with a value is said elsewhere.
 
-use super::check::sensing;
+use super::check::{read, sensing};
 use super::error::SettingsError;
 use super::key::{ROBOT, ROBOTS};
 use super::layers::Layers;
@@ -32,6 +32,11 @@ pub(super) fn without_effect(layers: &Layers) -> Result<Vec<String>, SettingsErr
         is_any_simulated |= kind == RobotKind::Sim;
         let idle = OF_SOME_KINDS.iter().filter(|(_, kinds)| !kinds.contains(&kind));
         keys.extend(idle.map(|(own, _)| format!("{section}.{own}")));
+        let is_virtual = matches!(kind, RobotKind::VirtualTcp | RobotKind::VirtualWs);
+        if is_virtual && !read::<String>(layers, &format!("{section}.scene"))?.is_empty() {
+            // The file says how long a cell takes.
+            keys.push(format!("{section}.step_ms"));
+        }
     }
     if !is_any_simulated {
         keys.push("hall.file".to_owned());
@@ -94,7 +99,8 @@ mod tests {
         let variables = [("ROBOT__BAUD", "9600"), ("ROBOT__STEP_MS", "400"), ("ROBOT__SCENE", "room.js")];
         let name = |own: &str| format!("environment variable HALLSWEEP__ROBOT__{own}");
         assert_eq!(idle(&[], &variables, "sim"), ["BAUD", "STEP_MS", "SCENE"].map(name));
-        assert_eq!(idle(&[], &variables, "virtual-ws"), [name("BAUD")]);
+        assert_eq!(idle(&[], &variables, "virtual-ws"), ["BAUD", "STEP_MS"].map(name), "the scene says how long a step takes");
+        assert_eq!(idle(&[], &variables[..2], "virtual-ws"), [name("BAUD")]);
     }
 
     #[test]

@@ -293,6 +293,10 @@ fn a_scene_of_the_virtual_robot_becomes_a_hall_that_is_searched() {
     let again = run(&["hall", "import", scene, &to]);
     assert!(!again.status.success() && said(&again).contains("is there already"), "{}", said(&again));
     assert!(run(&["hall", "import", scene, &to, "--force"]).status.success());
+    std::fs::copy(scene, &to).expect("the folder can be written");
+    let onto_itself = run(&["hall", "import", &to, &to, "--force"]);
+    assert!(!onto_itself.status.success() && said(&onto_itself).contains("is the scene file itself"), "{}", said(&onto_itself));
+    assert_eq!(std::fs::read(&to).expect("it is there"), std::fs::read(scene).expect("it is there"));
 }
 
 #[test]

@@ -14,7 +14,7 @@ use super::wire::{Address, Wire};
 use crate::robots::waits::{done, done_for, hand_over};
 use crate::runtime::clock::Clock;
 use crate::runtime::link::{RobotSide, Stamped};
-use hallsweep_core::event::{Photo, RobotEvent};
+use hallsweep_core::event::{Photo, RobotEvent, RobotId};
 use hallsweep_core::units::OrderId;
 use hallsweep_drivers::{Driver, Output};
 
@@ -35,10 +35,18 @@ const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 
 /// Runs a robot outside this program until the loop's end of its channels is gone. What must be known of it to the next program goes
 /// into the file, when there is one, before the robot or anybody else is told of what follows.
-pub(super) async fn run(driver: Box<dyn Driver>, address: Address, side: RobotSide, clock: Clock, file: Option<MemoryFile>) {
+pub(super) async fn run(
+    (robot, driver): (RobotId, Box<dyn Driver>),
+    address: Address,
+    side: RobotSide,
+    clock: Clock,
+    file: Option<MemoryFile>,
+) {
     let connection = Connection::Calling(address.call());
     let link = Link {
+        robot,
         driver,
+        is_up: false,
         address,
         side,
         clock,
@@ -57,7 +65,10 @@ pub(super) async fn run(driver: Box<dyn Driver>, address: Address, side: RobotSi
 }
 
 struct Link {
+    robot: RobotId,
     driver: Box<dyn Driver>,
+    /// As the log has it.
+    is_up: bool,
     address: Address,
     side: RobotSide,
     clock: Clock,
@@ -107,6 +118,7 @@ impl Link {
             }
             if self.report.is_none() && self.writing.is_none() {
                 self.report = self.driver.poll_event();
+                self.log();
             }
             let free = self.report.is_none() && self.writing.is_none();
             let wake = self.wake();
@@ -129,6 +141,21 @@ impl Link {
                 happening = self.connection.happening(), if self.report.is_none() => self.happened(happening),
                 () = tokio::time::sleep_until(wake), if free => self.driver.handle_timeout(self.clock.now()),
             }
+        }
+    }
+
+    /// For whoever has no console open. A link that is up is said to be once more when the robot is known better.
+    fn log(&mut self) {
+        let at = &self.address;
+        match &self.report {
+            Some(RobotEvent::LinkLost(words)) => {
+                self.is_up = false;
+                tracing::warn!(robot = %self.robot, %at, words, "no link to the robot");
+            }
+            Some(RobotEvent::LinkUp(_)) if !std::mem::replace(&mut self.is_up, true) => {
+                tracing::info!(robot = %self.robot, %at, "the link to the robot is up");
+            }
+            Some(_) | None => {}
         }
     }
 
@@ -157,6 +184,9 @@ impl Link {
     }
 
     fn written(&mut self, file: Option<MemoryFile>) {
+        if file.is_none() {
+            tracing::error!(robot = %self.robot, "where the robot stands is not kept any more");
+        }
         let owes = file.as_ref().is_some_and(|file| file.owed().is_some());
         self.write_again = owes.then(|| self.clock.now().since_start + WRITTEN_AGAIN);
         self.file = file;
@@ -209,7 +239,10 @@ impl Link {
         let was_brief = matches!(self.connection, Connection::Stands(_)) && now.saturating_sub(self.connected) < BRIEF;
         self.brief = if was_brief { (self.brief + 1).min(DOUBLED + 1) } else { 0 };
         let wait = AGAIN * 2_u32.pow(self.brief.saturating_sub(1));
-        self.connection = Connection::Waiting(self.clock.instant(now + wait));
+        let waiting = Connection::Waiting(self.clock.instant(now + wait));
+        if let Connection::Stands(wire) = std::mem::replace(&mut self.connection, waiting) {
+            wire.abandon();
+        }
         self.driver.handle_lost(words, self.clock.now());
     }
 
@@ -295,7 +328,7 @@ mod tests {
         let order = Order { id: OrderId(1), action, epoch: Epoch(0), deadline: Duration::from_secs(2) };
         link.orders.try_send(Stamped { order, halts: link.halts.now().count }).unwrap();
         halter.halt();
-        tokio::spawn(run(Box::new(LineDriver::new()), address, side, Clock::default(), None));
+        tokio::spawn(run((RobotId::discovery(), Box::new(LineDriver::new())), address, side, Clock::default(), None));
         within("its answer", link.reports.recv()).await.unwrap()
     }
 

@@ -7,11 +7,12 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::storage::files;
 use crate::storage::small_file::SmallFile;
 use hallsweep_core::event::RobotId;
 
 /// More than a driver ever writes.
-const MOST: usize = 1 << 20;
+const MOST: usize = 4 << 20;
 
 /// Why nobody knows where a robot stands, said with the file and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -50,7 +51,8 @@ impl MemoryFile {
     pub(super) fn open(dir: &Path, robot: &RobotId, whose: &str) -> Result<(MemoryFile, Option<String>), MemoryFileError> {
         let file = SmallFile::within(dir, &format!("robot-{robot}.txt"));
         let out_of_date = dir.join(format!("robot-{robot}.out-of-date"));
-        if out_of_date.exists() {
+        let is_out_of_date = is_marked(&out_of_date, whose);
+        if is_out_of_date == Some(true) {
             return Err(MemoryFileError::OutOfDate { path: out_of_date });
         }
         let path = || file.path().to_owned();
@@ -67,7 +69,8 @@ impl MemoryFile {
                 (of == whose).then(|| memory.to_owned())
             }
         };
-        Ok((MemoryFile { whose: whose.to_owned(), file, out_of_date, is_out_of_date: false, owed: None }, memory))
+        let is_out_of_date = is_out_of_date.is_some();
+        Ok((MemoryFile { whose: whose.to_owned(), file, out_of_date, is_out_of_date, owed: None }, memory))
     }
 
     /// What stands in it is no memory of a robot, for this reason.
@@ -77,7 +80,7 @@ impl MemoryFile {
 
     /// Writes this down. When that fails, the robot goes on all the same, and the log says so once.
     pub(super) fn keep(&mut self, memory: String) {
-        let written = self.file.swap(format!("{}\n{memory}", self.whose).as_bytes());
+        let written = self.write(&memory);
         let failing = "cannot keep where the robot stands: make room, or the folder writable";
         self.file.say(&written, failing, "where the robot stands is kept again");
         match (&written, self.is_out_of_date) {
@@ -88,18 +91,36 @@ impl MemoryFile {
         self.owed = written.is_err().then_some(memory);
     }
 
+    /// Whatever else has the name of the unfinished file would be waited for.
+    fn write(&mut self, memory: &str) -> io::Result<()> {
+        files::check_plain(&self.file.unfinished())?;
+        self.file.swap(format!("{}\n{memory}", self.whose).as_bytes())
+    }
+
     /// What could not be written, and is to be tried again.
     pub(super) fn owed(&self) -> Option<String> {
         self.owed.clone()
     }
 
-    /// That needs no room.
+    /// That needs no room. In a folder that cannot be written the file may still be: without its contents it is believed by nobody.
     fn mark_out_of_date(&self) -> io::Result<()> {
-        match fs::rename(self.file.path(), &self.out_of_date) {
+        let marked = match fs::rename(self.file.path(), &self.out_of_date) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => fs::File::create(&self.out_of_date).map(drop),
             renamed => renamed,
-        }
+        };
+        marked.or_else(|_| fs::OpenOptions::new().write(true).truncate(true).open(self.file.path()).map(drop))
     }
+}
+
+/// Whether the file of this robot is marked as out of date; `Some(false)` where that of another robot is, which stood in its place.
+fn is_marked(out_of_date: &Path, whose: &str) -> Option<bool> {
+    let marked = files::read_if_there(out_of_date, MOST).map(|marked| marked.map(|bytes| is_of(&bytes, whose)));
+    // What cannot be read may be anybody's.
+    marked.unwrap_or(Some(true))
+}
+
+fn is_of(bytes: &[u8], whose: &str) -> bool {
+    bytes.is_empty() || bytes.strip_prefix(whose.as_bytes()).is_some_and(|rest| rest.first() == Some(&b'\n'))
 }
 
 #[cfg(test)]
@@ -135,6 +156,45 @@ mod tests {
         file.keep("elsewhere".to_owned());
         assert_eq!(file.owed(), None);
         assert_eq!(open(&folder, "one").expect("it is well again").1.as_deref(), Some("elsewhere"));
+    }
+
+    #[test]
+    fn what_is_out_of_date_of_one_robot_is_not_of_another_in_its_place() {
+        let folder = Scratch::new();
+        let mark = folder.0.join("robot-discovery.out-of-date");
+        for (left, of_one, of_another) in [("one\nhere", false, true), ("", false, false)] {
+            fs::write(&mark, left).expect("the folder can be written");
+            assert_eq!((open(&folder, "one").is_ok(), open(&folder, "another").is_ok()), (of_one, of_another), "{left:?}");
+        }
+        fs::write(&mark, "one\nhere").expect("the folder can be written");
+        open(&folder, "another").expect("it is not of this robot").0.keep("there".to_owned());
+        assert!(!mark.exists(), "what is kept since is in date");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn in_a_folder_that_cannot_be_written_what_stood_in_the_file_is_not_believed_either() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = Scratch::new();
+        let (mut file, _) = open(&folder, "one").expect("there is none yet");
+        file.keep("here".to_owned());
+        let set = |mode| fs::set_permissions(&folder.0, fs::Permissions::from_mode(mode)).expect("the folder is ours");
+        set(0o555);
+        let is_root = fs::write(folder.0.join("probe"), "").is_ok();
+        file.keep("there".to_owned());
+        set(0o755);
+        assert!(is_root || open(&folder, "one").is_err(), "it is out of date");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_would_be_waited_for_for_ever_is_not_written() {
+        let folder = Scratch::new();
+        let (mut file, _) = open(&folder, "one").expect("there is none yet");
+        let pipe = folder.0.join("robot-discovery.new");
+        std::os::unix::net::UnixListener::bind(&pipe).expect("the folder can be written");
+        file.keep("there".to_owned());
+        assert_eq!(file.owed().as_deref(), Some("there"));
     }
 
     #[test]

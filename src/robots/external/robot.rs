@@ -107,6 +107,6 @@ impl ExternalRobot {
             }
             Kind::Line => Box::new(LineDriver::new()),
         };
-        Box::new(move |side| Box::pin(link::run(driver, address, side, clock, file)))
+        Box::new(move |side| Box::pin(link::run((id, driver), address, side, clock, file)))
     }
 }

@@ -7,9 +7,6 @@ use hallsweep_core::event::RobotId;
 use hallsweep_drivers::{Extent, Room, Thing};
 use hallsweep_sim::{HallError, PLAYER, Scene};
 
-/// So many times a second the page moves the robot by its speed, where it is not slow.
-const FRAMES: f64 = 60.0;
-
 /// The scene file of the settings cannot be read. `Display` is the line for whoever started the program.
 #[derive(Debug, thiserror::Error)]
 #[error("the scene file {path:?} of {robot} cannot be used: {error}")]
@@ -23,10 +20,12 @@ pub struct UnusableScene {
 
 /// What is known of the room, and how long a cell takes where the page is as quick as it is meant to be.
 pub(super) fn room(robot: &RobotId, path: &Path) -> Result<(Room, Duration), UnusableScene> {
-    let read = Scene::open(&path.to_string_lossy());
-    let scene = read.map_err(|error| UnusableScene { robot: robot.clone(), path: path.to_owned(), error })?;
-    let step = Duration::try_from_secs_f64(PLAYER / (scene.player.speed * FRAMES)).unwrap_or(Duration::from_secs(1));
-    Ok((told(&scene), step.clamp(Duration::from_millis(50), Duration::from_secs(5))))
+    let file = path.to_string_lossy();
+    let read = Scene::open(&file).and_then(|scene| {
+        let step = scene.step().map_err(|fault| fault.of(&file))?;
+        Ok((told(&scene), step))
+    });
+    read.map_err(|error| UnusableScene { robot: robot.clone(), path: path.to_owned(), error })
 }
 
 /// In cells from where the player starts, as its centre meets it.

@@ -80,7 +80,10 @@ impl Address {
                 let (stream, _) = connected.await.map_err(io::Error::other)?;
                 Ok(Wire::WebSocket(Box::new(stream)))
             }
-            Address::Serial(device, baud) => Ok(Wire::Serial(SerialPort::open(device, baud)?)),
+            Address::Serial(device, baud) => {
+                let opened = tokio::task::spawn_blocking(move || SerialPort::open(device, baud)).await;
+                Ok(Wire::Serial(opened.map_err(io::Error::other)??))
+            }
         }
     }
 }
@@ -140,6 +143,13 @@ impl Wire {
         };
         let late = || io::Error::new(io::ErrorKind::TimedOut, "it does not take what is sent");
         tokio::time::timeout(SENDING, sent).await.unwrap_or_else(|_| Err(late()))
+    }
+
+    /// Lets go of it. The system may wait for what a serial device has not sent yet: not on this thread.
+    pub(super) fn abandon(self) {
+        if let Wire::Serial(port) = self {
+            tokio::task::spawn_blocking(move || drop(port));
+        }
     }
 
     /// Closes it, and waits a moment until the other side has, too: what it does then must not fall upon the next connection. Whether it

@@ -142,8 +142,9 @@ pub(super) fn message(bytes: &[u8]) -> Option<Heard> {
 }
 
 fn name(value: &Value) -> Option<String> {
-    let visible = value.as_str()?.chars().filter(|letter| !letter.is_control());
-    let name: String = visible.take(LONGEST_NAME).collect();
+    // What turns the way of writing round, or is not to be seen, has no place in the operator's log.
+    let is_visible = |letter: &char| letter.is_alphanumeric() || letter.is_ascii_graphic() || *letter == ' ';
+    let name: String = value.as_str()?.chars().filter(is_visible).take(LONGEST_NAME).collect();
     (!name.is_empty()).then_some(name)
 }
 
@@ -181,6 +182,8 @@ mod tests {
     fn what_is_too_long_is_passed_over_and_the_next_is_read() {
         let long = format!(";{{\"type\":\"{}\"}};\n;{{\"type\":\"webpage-ready\"}};", "x".repeat(LONGEST));
         assert_eq!(read(&long), [Heard::Page]);
+        let turned = ";{\"type\":\"collision\",\"arg\":{\"objectName\":\"wall\u{202e}\u{2028}Right 2\"}};";
+        assert_eq!(read(turned), [Heard::Contact(Some("wallRight 2".into()))]);
         let name = format!(";{{\"type\":\"collision\",\"arg\":{{\"objectName\":\"{}\"}}}};", "n".repeat(500));
         assert_eq!(read(&name), [Heard::Contact(Some("n".repeat(LONGEST_NAME)))]);
     }

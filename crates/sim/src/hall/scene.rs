@@ -10,6 +10,7 @@ mod script;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
+use std::time::Duration;
 
 use serde::Deserialize;
 
@@ -30,6 +31,12 @@ const MAX_FRACTION: f64 = 100.0;
 
 /// The side of the square that the player takes up, and of a cell, in units of the page's world.
 pub const PLAYER: f64 = 4.0;
+
+/// So many times a second the page moves the player by its speed, where it is not slow.
+const FRAMES: f64 = 60.0;
+
+/// A cell that takes less than the first, or more than the second, is of no page.
+const STEPS: [Duration; 2] = [Duration::from_millis(50), Duration::from_secs(5)];
 
 /// What a scene file says, in units of the page's world.
 #[derive(Clone, Debug, PartialEq)]
@@ -143,9 +150,22 @@ impl Scene {
             let line = literal.line + error.position().map_or(0, |position| position.line);
             let whole = error.to_string();
             let reason = whole.rsplit_once(" at line ").map_or(whole.as_str(), |(reason, _)| reason);
+            // That is what may stand anywhere.
+            let reason =
+                if reason == "expected comment" { "what stands here is not reckoned out, as .5 is for 1/2" } else { reason };
             HallFault::Syntax(format!("{reason}: correct this line")).at(file, line)
         })?;
         written.scene().map_err(|fault| fault.at(file, literal.line))
+    }
+
+    /// How long a cell takes where the page is as quick as it is meant to be.
+    ///
+    /// # Errors
+    /// With its speed the player comes nowhere, or everywhere at once.
+    pub fn step(&self) -> Result<Duration, HallFault> {
+        let (speed, [least, most]) = (self.player.speed, STEPS);
+        let step = Duration::try_from_secs_f64(PLAYER / (speed * FRAMES)).ok();
+        step.filter(|step| (least..=most).contains(step)).ok_or(HallFault::PlayerSpeed(speed.to_string()))
     }
 }
 
@@ -210,7 +230,13 @@ struct WrittenMoving {
 struct WrittenStatic {
     name: Name,
     center_position: Pair,
-    size: Pair,
+    size: Sides,
+}
+
+#[derive(Deserialize)]
+struct Sides {
+    x: Length,
+    y: Length,
 }
 
 #[derive(Deserialize)]
@@ -254,6 +280,19 @@ impl TryFrom<f64> for Fraction {
     }
 }
 
+#[derive(Clone, Copy, Deserialize)]
+#[serde(try_from = "f64")]
+struct Length(f64);
+
+impl TryFrom<f64> for Length {
+    type Error = String;
+
+    fn try_from(number: f64) -> Result<Length, String> {
+        let is_good = (0.0..=MAX_FRACTION).contains(&number);
+        if is_good { Ok(Length(number)) } else { Err(format!("{number} is no length, which is 0 to 1 of the floor")) }
+    }
+}
+
 #[derive(Clone, Copy, Default, Deserialize)]
 #[serde(try_from = "f64")]
 struct Amount(f64);
@@ -275,8 +314,9 @@ impl TryFrom<String> for Name {
     type Error = &'static str;
 
     fn try_from(name: String) -> Result<Name, &'static str> {
-        let is_good = (1..=64).contains(&name.chars().count()) && !name.chars().any(char::is_control);
-        if is_good { Ok(Name(name)) } else { Err("a name has 1 to 64 visible characters") }
+        let is_visible = |letter: char| letter.is_alphanumeric() || letter.is_ascii_graphic() || letter == ' ';
+        let is_good = (1..=64).contains(&name.chars().count()) && name.chars().all(is_visible);
+        if is_good { Ok(Name(name)) } else { Err("a name has 1 to 64 letters, digits, signs of ASCII and blanks") }
     }
 }
 
@@ -307,7 +347,7 @@ impl Floor {
     fn obstacle(self, WrittenStatic { name, center_position, size }: WrittenStatic) -> StaticObstacle {
         let (x, from_south) = self.place(&center_position);
         let z = -from_south;
-        let (half_x, half_z) = (size.x.0.abs() * self.x / 2.0, size.y.0.abs() * self.z / 2.0);
+        let (half_x, half_z) = (size.x.0 * self.x / 2.0, size.y.0 * self.z / 2.0);
         StaticObstacle { name: name.0, min_x: x - half_x, max_x: x + half_x, min_z: z - half_z, max_z: z + half_z }
     }
 

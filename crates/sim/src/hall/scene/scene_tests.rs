@@ -44,6 +44,15 @@ fn positions_are_told_from_the_middle_of_the_floor_and_obstacles_from_the_south(
 }
 
 #[test]
+fn a_cell_takes_as_long_as_the_speed_of_the_player_says() {
+    let step = |speed: &str| scene(&EMPTY.replace("speed: .2", speed)).step();
+    assert_eq!(step("speed: .2"), Ok(std::time::Duration::from_secs(1) / 3));
+    for wrong in ["", "speed: 0", "speed: -.2", "speed: 1.4", "speed: 0.01", "speed: 1e300"] {
+        assert!(matches!(step(wrong), Err(HallFault::PlayerSpeed(_))), "{wrong}");
+    }
+}
+
+#[test]
 fn the_room_of_35_has_8_by_8_free_cells_and_the_player_in_its_north_west() {
     let HallOfScene { hall, lost } = scene(EMPTY).hall("room").expect("a hall");
     assert_eq!(drawn(&hall), ["........"; 8].join("/"));
@@ -130,10 +139,15 @@ fn what_is_wrong_with_a_scene_is_said_with_its_line() {
     check(&EMPTY.replace("size: { x: 35", "size: { x: NaN"), "3: a side of the floor is NaN");
     check(&EMPTY.replace("speed: .2", "speed: Infinity"), "4: inf is no number that can be used: correct this line");
     check(&EMPTY.replace("speed: .2", "speed: fast"), "4: expected number: correct this line");
-    check(&EMPTY.replace("speed: .2", "speed: 1 / 5"), "4: ");
+    check(&EMPTY.replace("speed: .2", "speed: 1 / 5"), "4: what stands here is not reckoned out, as .5 is for 1/2");
     check(&EMPTY.replace("y: .08", "z: .08"), "4: missing field `y`: correct this line");
     check(&EMPTY.replace("x: .995", "x: 1e9"), "11: 1000000000 is no fraction of the floor, which is about 0 to 1");
-    check(&EMPTY.replace("\"wallRight\"", "\"\""), "11: a name has 1 to 64 visible characters: correct this line");
+    check(&EMPTY.replace("\"wallRight\"", "\"\""), "11: a name has 1 to 64 letters, digits, signs of ASCII and blanks: correct");
+    check(&EMPTY.replace("wallRight", "wall\u{202e}Right"), "11: a name has 1 to 64 letters");
+    check(
+        &EMPTY.replace("size: { x: .01", "size: { x: -.01"),
+        "10: -0.01 is no length, which is 0 to 1 of the floor: correct this line",
+    );
     check(&EMPTY.replace("    floor:", "    flor:"), "2: missing field `floor`: correct this line");
     let many = obstacle("case", (0.5, 0.5), (0.1, 0.1)).repeat(257);
     let too_many = Scene::parse("room.js", EMPTY.replace("icObstacles: [", &format!("icObstacles: [{many}")).as_bytes());
