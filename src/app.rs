@@ -101,7 +101,7 @@ async fn serve_hall(
     let halter = Halter::new(kept.epoch());
     let reader = Reader::new(Arc::clone(&kept.archive));
     let (hall, cell_m) = (robots.hall_name().to_owned(), robots.cell_m());
-    let kinds = kinds(settings, &robots);
+    let set = set(settings, &robots);
     let (course, coursed) = watch::channel(Course::default());
     let (handle, mut task) = start(settings, (robots, robot), kept, (&halter, coursed), &threads).await;
     find_robot(&handle).await;
@@ -113,7 +113,7 @@ async fn serve_hall(
     let mqtt_ways = (mqtt_ports, mqtt_at, mqtt_access, (&threads, room));
     let mqtt = Mqtt::open(settings, mqtt_ways, handle.clone(), reader.clone(), ending.subscribe()).await?;
     let http = listeners(http, &threads.http)?;
-    let door = HttpDoor::new(handle, reader, &hall, access).with_cells_of(cell_m).with_kinds(kinds);
+    let door = HttpDoor::new(handle, reader, &hall, access).with_cells_of(cell_m).with_robots(set);
     let door = door.with_mqtt(mqtt.as_ref().and_then(Mqtt::hall));
     announce(doors, &entry);
     let [coap_at, mqtt_at] = [doors.coap, doors.mqtt].map(|place| place.map(|place| tracing::field::display(place.at)));
@@ -149,11 +149,14 @@ async fn serve_hall(
     if by_itself || end.is_err() { Err(AppError::LoopEnded) } else { Ok(()) }
 }
 
-/// What kind of robot each is. The pair has no section in the settings: it is simulated.
-fn kinds(settings: &Settings, robots: &Robots) -> Vec<(String, &'static str)> {
-    let set: BTreeMap<RobotId, RobotKind> = settings.robots().map(|(id, robot)| (id, robot.kind)).collect();
-    let kind = |id: &RobotId| set.get(id).copied().unwrap_or(RobotKind::Sim).name();
-    robots.ids().map(|id| (id.name().to_owned(), kind(id))).collect()
+/// What kind of robot each is, and where it is reached. The pair has no section in the settings: it is simulated.
+fn set(settings: &Settings, robots: &Robots) -> Vec<(String, &'static str, Option<String>)> {
+    let set: BTreeMap<RobotId, _> = settings.robots().map(|(id, robot)| (id, (robot.kind, robot.address.to_written()))).collect();
+    let of = |id: &RobotId| {
+        let (kind, address) = set.get(id).cloned().unwrap_or((RobotKind::Sim, None));
+        (id.name().to_owned(), kind.name(), address)
+    };
+    robots.ids().map(of).collect()
 }
 
 fn listeners(bound: Vec<TcpListener>, thread: &Thread) -> Result<Listeners, AppError> {

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define WIRE Serial  // on an ESP32 with WiFi: a WiFiClient
+#define WIRE Serial  // or another serial device of the board, as Serial1
 
 const char NAME[] = "ada";
 const unsigned long STEP_MS = 800, TURN_MS = 650;  // one cell, 90 degrees

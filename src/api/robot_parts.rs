@@ -50,20 +50,29 @@ pub const fn in_words(part: Part) -> &'static str {
     }
 }
 
-/// What kind of robot each is, by its name: as the settings say, and so the same as long as the program runs.
-#[derive(Clone, Debug, Default)]
-pub struct RobotKinds(Arc<BTreeMap<String, &'static str>>);
+/// What the settings say of a robot.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RobotSet {
+    /// As `sim`.
+    pub kind: &'static str,
+    /// Where it is reached; `None` for one that is part of this program.
+    pub address: Option<String>,
+}
 
-impl RobotKinds {
-    /// As `sim`; `None` where it is not known.
-    pub fn of(&self, robot: &str) -> Option<&'static str> {
-        self.0.get(robot).copied()
+/// The same of all robots, by their names: as long as the program runs it does not change.
+#[derive(Clone, Debug, Default)]
+pub struct RobotsSet(Arc<BTreeMap<String, RobotSet>>);
+
+impl RobotsSet {
+    /// `None` where nothing is known of it.
+    pub fn of(&self, robot: &str) -> Option<&RobotSet> {
+        self.0.get(robot)
     }
 }
 
-impl FromIterator<(String, &'static str)> for RobotKinds {
-    fn from_iter<I: IntoIterator<Item = (String, &'static str)>>(kinds: I) -> RobotKinds {
-        RobotKinds(Arc::new(kinds.into_iter().collect()))
+impl FromIterator<(String, RobotSet)> for RobotsSet {
+    fn from_iter<I: IntoIterator<Item = (String, RobotSet)>>(robots: I) -> RobotsSet {
+        RobotsSet(Arc::new(robots.into_iter().collect()))
     }
 }
 

@@ -71,7 +71,7 @@ pub fn run(flags: &RobotEmulator) -> Result<(), Failure> {
     let settings = super::settings(&sources(None, flags.settings()))?;
     app::emulate(&settings, flags.emulation()?, |place| {
         // Whoever closed standard output does not want to know.
-        let _ = super::print(&format!("The robot {} is at {place}: hallsweep serve --robot line={place}", flags.name));
+        let _ = super::print(&format!("The robot {} is at {place}: {}", flags.name, flags.hint(place)));
     })?;
     Ok(())
 }
@@ -81,6 +81,16 @@ impl RobotEmulator {
         let given =
             [("--hall", &self.hall), ("--speed", &self.speed), ("--seed", &self.seed), ("--sensing", &self.sensing)].into_iter();
         given.filter_map(|(flag, value)| Some(Flag::given(flag, value.clone()?))).collect()
+    }
+
+    /// How a program is told to find it.
+    fn hint(&self, place: &str) -> String {
+        if self.at.serial.is_some() {
+            return "hallsweep serve --robot line=DEVICE, with the device at the other end of the cable".to_owned();
+        }
+        // One that listens everywhere is somewhere.
+        let here = place.replace("0.0.0.0:", "localhost:").replace("[::]:", "localhost:");
+        format!("hallsweep serve --robot line={here}")
     }
 
     fn emulation(&self) -> Result<Emulation, Failure> {

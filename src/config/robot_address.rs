@@ -22,10 +22,14 @@ pub enum RobotAddress {
 }
 
 impl RobotAddress {
-    /// Under one name, although this machine has more than one for itself; `None` for one that is part of this program.
-    pub fn place(&self) -> Option<String> {
-        let written = (*self != RobotAddress::Here).then(|| self.to_string())?;
-        Some(written.replace("127.0.0.1:", "localhost:").replace("[::1]:", "localhost:"))
+    /// As it is written in the settings; `None` for one that is part of this program.
+    pub fn to_written(&self) -> Option<String> {
+        (*self != RobotAddress::Here).then(|| self.to_string())
+    }
+
+    /// The same under one name, although this machine has more than one for itself.
+    pub(super) fn place(&self) -> Option<String> {
+        Some(self.to_written()?.replace("127.0.0.1:", "localhost:").replace("[::1]:", "localhost:"))
     }
 }
 

@@ -65,9 +65,9 @@ impl Robots {
         }
     }
 
-    /// How long and wide its cells are, in metres.
-    pub fn cell_m(&self) -> f64 {
-        self.hall.cell_m()
+    /// How long and wide its cells are, in metres; nobody knows it of one that is not ours.
+    pub fn cell_m(&self) -> Option<f64> {
+        matches!(self.all.first(), Some((_, Robot::Sim(_)))).then(|| self.hall.cell_m())
     }
 
     /// Their names, that of the one that searches first.

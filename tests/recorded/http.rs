@@ -49,8 +49,8 @@ impl Http {
     /// A door of this app.
     pub(crate) fn new(app: &TestApp, access: Access) -> Http {
         let archive = Reader::new(app.memory.archive());
-        let door = HttpDoor::new(app.handle.clone(), archive, "airport", access).with_cells_of(0.5);
-        let door = door.with_kinds(vec![("discovery".to_owned(), "sim")]);
+        let door = HttpDoor::new(app.handle.clone(), archive, "airport", access).with_cells_of(Some(0.5));
+        let door = door.with_robots(vec![("discovery".to_owned(), "sim", None)]);
         Http { router: router(&door, Hosts::new(false, &[])) }
     }
 

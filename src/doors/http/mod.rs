@@ -47,7 +47,7 @@ use streams::Streams;
 pub use tls::{Tls, TlsError};
 
 use crate::access::{Access, Attempts};
-use crate::api::robot_parts::RobotKinds;
+use crate::api::robot_parts::{RobotSet, RobotsSet};
 use crate::doors::room::Room;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
@@ -74,7 +74,7 @@ pub struct HttpDoor {
     mqtt: Option<Hall>,
     /// The side of a cell, in metres, where it is known.
     cell_m: Option<f64>,
-    kinds: RobotKinds,
+    robots: RobotsSet,
     began: Arc<console::Began>,
 }
 
@@ -96,7 +96,7 @@ impl HttpDoor {
             cookie: sign_in::cookie_name(0),
             mqtt: None,
             cell_m: None,
-            kinds: RobotKinds::default(),
+            robots: RobotsSet::default(),
             began: Arc::default(),
         }
     }
@@ -118,14 +118,15 @@ impl HttpDoor {
         &self.cookie
     }
 
-    /// The same, of a hall whose cells have sides of this many metres.
-    pub fn with_cells_of(self, cell_m: f64) -> HttpDoor {
-        HttpDoor { cell_m: Some(cell_m), ..self }
+    /// The same, of a hall whose cells have sides of this many metres, where that is known.
+    pub fn with_cells_of(self, cell_m: Option<f64>) -> HttpDoor {
+        HttpDoor { cell_m, ..self }
     }
 
-    /// The same, with robots of these names and kinds.
-    pub fn with_kinds(self, kinds: Vec<(String, &'static str)>) -> HttpDoor {
-        HttpDoor { kinds: kinds.into_iter().collect(), ..self }
+    /// The same, with robots of these names, of these kinds and at these addresses.
+    pub fn with_robots(self, robots: Vec<(String, &'static str, Option<String>)>) -> HttpDoor {
+        let set = robots.into_iter().map(|(name, kind, address)| (name, RobotSet { kind, address }));
+        HttpDoor { robots: set.collect(), ..self }
     }
 
     /// Ends every open stream at once, and every one opened from now on.

@@ -14,7 +14,7 @@ use super::problem::Problem;
 use super::reading::Number;
 use crate::api::luggage::LuggageJson;
 use crate::api::resources::{self, Form, ResourceKind, Row};
-use crate::api::robot::RobotOfKindJson;
+use crate::api::robot::RobotSetJson;
 use crate::api::state;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, NoPhoto};
@@ -47,7 +47,7 @@ pub(super) fn resource(row: &Row, door: &HttpDoor, headers: &HeaderMap) -> Resul
 /// `GET robots`: as they stand in the state, each with its kind, of which no snapshot says anything.
 pub(super) async fn robots(State(door): State<HttpDoor>, headers: HeaderMap) -> Response {
     let snapshot = door.handle.snapshot();
-    let robots = state::robots(&snapshot).into_iter().map(|robot| RobotOfKindJson::new(robot, &door.kinds));
+    let robots = state::robots(&snapshot).into_iter().map(|robot| RobotSetJson::new(robot, &door.robots));
     let tag = tag(&snapshot.run, ResourceKind::State.revision(&snapshot), "robots");
     conditional(&headers, &tag, || axum::Json(robots.collect::<Vec<_>>()).into_response())
 }
@@ -126,9 +126,9 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn the_robots_are_there_with_their_kinds_and_what_is_replaced() {
+    async fn the_robots_are_there_with_what_is_set_of_them_and_what_is_replaced() {
         let mut app = app(searching());
-        app.door = app.door.with_kinds(vec![("discovery".to_owned(), "virtual-tcp")]);
+        app.door = app.door.with_robots(vec![("discovery".to_owned(), "virtual-tcp", Some("localhost:8999".to_owned()))]);
         let mut snapshot = Snapshot::clone(&app.publish.borrow());
         let mut robots = snapshot.robots.to_vec();
         robots[0].parts = Some(Parts::of(&[Part::Base, Part::Bump, Part::Sonar]));
@@ -136,6 +136,7 @@ mod tests {
         app.publish.send_replace(Arc::new(snapshot));
         let (_, robots) = read(app.get("/api/v1/robots").await).await;
         assert_eq!((&robots[0]["name"], &robots[0]["kind"]), (&"discovery".into(), &"virtual-tcp".into()));
+        assert_eq!(robots[0]["address"], "localhost:8999");
         assert_eq!(robots[0]["replaced"][0], serde_json::json!({"part": "camera", "by": "a drawing, which says that it is one"}));
         assert_eq!(robots[0]["replaced"].as_array().map(Vec::len), Some(4));
         let (_, state) = read(app.get("/api/v1/state").await).await;

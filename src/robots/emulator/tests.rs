@@ -109,13 +109,15 @@ async fn one_that_moves_and_hears_nothing_halts_by_itself() {
 /// Safety S5.
 #[tokio::test]
 async fn one_whose_connection_is_gone_halts_and_says_so_to_the_next() {
-    let test = Test::begin(&CORRIDOR, Speed::Times(0.1), Faults::default(), 0).await;
+    let test = Test::begin(&CORRIDOR, Speed::Times(0.5), Faults::default(), 0).await;
     let mut client = test.connect().await;
     client.begin(1).await;
     client.say("w 2 60000").await;
     client.say("hello").await;
     assert!(client.hears("hello").await.unwrap().contains("off last=2"), "it moves");
     drop(client);
+    // Time in which it would have come to the end of its step; and who connects halts it as well.
+    tokio::time::sleep(Duration::from_secs(2)).await;
     let hello = test.connect().await.begin(3).await;
     assert!(hello.contains("at=0,0,south off last=3"), "{hello}");
 }

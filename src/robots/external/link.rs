@@ -243,7 +243,8 @@ impl Link {
         if let Connection::Stands(wire) = std::mem::replace(&mut self.connection, waiting) {
             wire.abandon();
         }
-        self.driver.handle_lost(words, self.clock.now());
+        let fought_over = if self.brief > DOUBLED { " (again and again: does another program call it?)" } else { "" };
+        self.driver.handle_lost(&format!("{words}{fought_over}"), self.clock.now());
     }
 
     fn happened(&mut self, happening: Happening) {
@@ -314,9 +315,10 @@ mod tests {
     use crate::runtime::halt::Halter;
     use crate::runtime::link::link;
     use crate::runtime::within::within;
+    use crate::storage::scratch::Scratch;
     use hallsweep_core::command::Move;
     use hallsweep_core::effect::{Action, Order, Stamp};
-    use hallsweep_core::units::{Epoch, Pose, WallTime};
+    use hallsweep_core::units::{Epoch, Now, Pose, WallTime};
     use hallsweep_drivers::line::LineDriver;
 
     /// What is reported of an order that was sent before a halt, to a robot that has not said who it is.
@@ -330,6 +332,81 @@ mod tests {
         halter.halt();
         tokio::spawn(run((RobotId::discovery(), Box::new(LineDriver::new())), address, side, Clock::default(), None));
         within("its answer", link.reports.recv()).await.unwrap()
+    }
+
+    /// A driver that writes down what it is told, into its memory, and answers every order at once.
+    #[derive(Debug, Default)]
+    struct Recorder {
+        told: Vec<String>,
+        is_changed: bool,
+        answers: Vec<OrderId>,
+    }
+
+    impl Recorder {
+        fn note(&mut self, what: String) {
+            self.told.push(what);
+            self.is_changed = true;
+        }
+    }
+
+    impl Driver for Recorder {
+        fn handle_connected(&mut self, _: Now) {}
+        fn handle_lost(&mut self, _: &str, _: Now) {}
+        fn handle_received(&mut self, _: &[u8], _: Now) {}
+        fn handle_sent(&mut self, _: Now) {}
+        fn handle_order(&mut self, order: Order, _: Now) {
+            self.note(format!("order {}", order.id));
+            self.answers.push(order.id);
+        }
+        fn handle_halt(&mut self, _: Now) {
+            self.note("halt".to_owned());
+        }
+        fn handle_led(&mut self, blinks: bool, _: Now) {
+            self.note(format!("led {blinks}"));
+        }
+        fn handle_drawing(&mut self, _: OrderId, _: Photo, _: Now) {}
+        fn handle_timeout(&mut self, _: Now) {}
+        fn poll_output(&mut self) -> Option<Output> {
+            None
+        }
+        fn poll_event(&mut self) -> Option<RobotEvent> {
+            self.answers.pop().map(RobotEvent::Done)
+        }
+        fn poll_timeout(&self) -> Option<Duration> {
+            None
+        }
+        fn poll_memory(&mut self) -> Option<String> {
+            std::mem::take(&mut self.is_changed).then(|| self.told.join(", "))
+        }
+        fn is_off_centre(&self) -> bool {
+            false
+        }
+    }
+
+    /// Safety R2, and what a search is: the LED blinks before its first order.
+    #[tokio::test]
+    async fn whoever_hears_of_an_answer_finds_in_the_file_what_it_follows_from_the_led_before_the_first_order() {
+        let folder = Scratch::new();
+        let (file, _) = MemoryFile::open(&folder.0, &RobotId::discovery(), "one").expect("there is none yet");
+        let silent = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let address = Address::Tcp(silent.local_addr().unwrap().to_string(), None);
+        let halter = Halter::new(Epoch(0));
+        let (mut link, side) = link(halter.watch());
+        let robot: (RobotId, Box<dyn Driver>) = (RobotId::discovery(), Box::new(Recorder::default()));
+        tokio::spawn(run(robot, address, side, Clock::default(), Some(file)));
+        let mut told = "one\nled false".to_owned();
+        for number in 1..=50 {
+            let order = Order {
+                id: OrderId(number),
+                action: Action::Move(Move::Forward),
+                epoch: Epoch(0),
+                deadline: Duration::from_secs(2),
+            };
+            link.orders.try_send(Stamped { order, halts: link.halts.now().count }).unwrap();
+            assert_eq!(within("its answer", link.reports.recv()).await, Some(RobotEvent::Done(OrderId(number))));
+            told += &format!(", order {number}");
+            assert_eq!(std::fs::read_to_string(folder.0.join("robot-discovery.txt")).unwrap(), told);
+        }
     }
 
     /// Safety S6.

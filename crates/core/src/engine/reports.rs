@@ -185,10 +185,11 @@ impl Engine {
             known.holds.raise(Hold::RobotLink);
         }
         if searches || fetches {
-            let words = if searches { words } else { format!("{robot}: {words}") };
+            let whose = format!("{robot}: {words}");
+            let words = if searches { words } else { whose.clone() };
             if self.state.holds.contains(Hold::RobotLink) {
                 // What it is held by already says no more than that; why may be news.
-                self.world.write(self.now.wall, Tone::Warning, format!("still no link: {words}"));
+                self.world.write(self.now.wall, Tone::Warning, whose);
             }
             self.feed(Input::LinkLost, &InputContext { words: Some(words), ..InputContext::default() });
         } else if known.holds.raise(Hold::RobotLink) {

@@ -47,7 +47,7 @@ impl LineReader {
     }
 
     /// Forgets the beginning of a line: its end will not come.
-    pub fn clear(&mut self) {
+    fn clear(&mut self) {
         self.line.clear();
         self.is_too_long = false;
     }

@@ -323,7 +323,7 @@ impl VirtualRobot {
     /// Nobody knows whether it was told to move.
     pub(super) fn left_in_doubt(&mut self) {
         self.off_centre = true;
-        self.lost = Some(format!("it was lost in the moment in which it was told to move: {PUT_HOME}"));
+        self.lost = Some(format!("it was lost in the moment in which it was told to move. {PUT_HOME}"));
     }
 
     /// It was going forward against something that stands there, and has met it by itself.

@@ -44,11 +44,11 @@ use words::{Command, Heard, Stream};
 const TURN: Duration = Duration::from_millis(400);
 
 /// What is to be done when nobody knows where it stands.
-const PUT_HOME: &str = "open its page anew, so that it stands at its start, and press START";
+const PUT_HOME: &str = "Open its page anew, so that it stands at its start, and press START";
 
 /// And when what it has told may be wrong as well.
 const BEGIN_ANEW: &str =
-    "the map may be wrong: open its page anew, so that it stands at its start, and RESET begins with an empty map";
+    "The map may be wrong. Open its page anew, so that it stands at its start; RESET begins with an empty map";
 
 /// What a photo may take: drawing it is some hundredths of a second, on a machine that may have much else to do.
 const DRAWING: Duration = Duration::from_secs(2);
@@ -210,12 +210,12 @@ impl VirtualRobot {
     /// Nobody knows any more where it stands, and something may have been told of the wrong cell.
     fn lose(&mut self, words: &str) {
         self.reckoning.doubt();
-        self.fail_lost(format!("{words}: {BEGIN_ANEW}"));
+        self.fail_lost(format!("{words}. {BEGIN_ANEW}"));
     }
 
     /// Nobody knows any more where it stands.
     fn lose_sight(&mut self, words: &str) {
-        self.fail_lost(format!("{words}: {PUT_HOME}"));
+        self.fail_lost(format!("{words}. {PUT_HOME}"));
     }
 
     fn fail_lost(&mut self, words: String) {

@@ -44,7 +44,7 @@ pub fn plan(stamp: Stamp, name: Option<&str>) -> Photo {
     fill(&mut canvas, (LEFT + CELL / 2 - 4, TOP + 18), (LEFT + CELL / 2 + 4, TOP + CELL / 2), PAPER);
     fill(&mut canvas, (LEFT + 10, TOP - CELL + 10), (LEFT + CELL - 10, TOP - 10), THING);
     caption::write_large(&mut canvas, "A DRAWING, NO PHOTO", (34, 24), INK, HEADLINE);
-    caption::write_large(&mut canvas, "the robot has no camera", (112, 78), INK, WORDS);
+    caption::write_large(&mut canvas, "no camera: ahead is up", (112, 78), INK, WORDS);
     let name: String = name.unwrap_or("unknown").chars().take(NAME).collect();
     caption::write_large(&mut canvas, &name, (LEFT + CELL + 12, TOP - CELL / 2 - 10), INK, WORDS);
     caption::draw_plain(&mut canvas, &place(stamp), stamp.wall);

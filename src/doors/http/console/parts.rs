@@ -221,6 +221,14 @@ impl Robot<'_> {
         self.v.snapshot.robot.sonar_cm.map_or_else(|| "nothing near".to_owned(), |cm| format!("{cm} cm"))
     }
 
+    fn led(&self) -> &'static str {
+        match self.parts() {
+            Some(parts) if !parts.has(robots::Part::Led) => "none",
+            Some(_) | None if self.v.snapshot.robot.led_blinking => "blinking",
+            Some(_) | None => "off",
+        }
+    }
+
     fn unreached(&self) -> Option<&str> {
         self.v.snapshot.robots.first()?.unreached.as_deref()
     }
@@ -231,7 +239,7 @@ impl Robot<'_> {
 
     fn parts_in_words(&self) -> String {
         let words = |parts: Parts| parts.iter().map(robot_parts::in_words).collect::<Vec<_>>().join(", ");
-        self.parts().map_or_else(|| "not known before it is connected".to_owned(), words)
+        self.parts().map_or_else(|| "not known while there is no link".to_owned(), words)
     }
 
     /// What is missing, and what is done instead.

@@ -8,6 +8,7 @@ use askama::Template;
 
 use super::retrieval::{secured_in_words, wanted_of_the_operator};
 use crate::access::{Need, Role};
+use crate::api::robot_parts::RobotSet;
 use crate::api::time::Zone;
 use crate::doors::http::HttpDoor;
 use hallsweep_core::event::RobotId;
@@ -36,14 +37,13 @@ pub(super) struct HallInfo<'a> {
     pub(super) name: &'a str,
     /// The side of a cell, in metres, where it is known.
     pub(super) cell_m: Option<f64>,
-    /// Of what kind the robot is, where it is known.
-    pub(super) robot_kind: Option<&'static str>,
+    /// What is set of the robot, where it is known.
+    pub(super) robot: Option<&'a RobotSet>,
 }
 
 impl<'a> HallInfo<'a> {
     pub(super) fn of(door: &'a HttpDoor) -> HallInfo<'a> {
-        let robot_kind = door.kinds.of(RobotId::discovery().name());
-        HallInfo { name: &door.hall, cell_m: door.cell_m, robot_kind }
+        HallInfo { name: &door.hall, cell_m: door.cell_m, robot: door.robots.of(RobotId::discovery().name()) }
     }
 }
 

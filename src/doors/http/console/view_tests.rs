@@ -12,7 +12,7 @@ use hallsweep_core::world::robot::RobotShown;
 use hallsweep_core::world::snapshot::{Progress, TimeLeft};
 
 fn view(snapshot: &Snapshot) -> View<'_> {
-    let hall = HallInfo { name: "airport", cell_m: Some(0.5), robot_kind: Some("sim") };
+    let hall = HallInfo { name: "airport", cell_m: Some(0.5), robot: None };
     View { snapshot, hall, began: Some(TEN), who: None, why: None, now: WallTime { unix_ms: TEN.unix_ms + 74_900, ..TEN } }
 }
 
@@ -98,7 +98,7 @@ fn progress_says_what_was_searched_and_what_is_open_and_counts_until_it_is_over(
         (view(&snapshot).searched().as_str(), view(&snapshot).open().as_str()),
         ("15 cells, 3.8 m²", "4 places still open")
     );
-    let unmeasured = View { hall: HallInfo { name: "airport", cell_m: None, robot_kind: None }, ..view(&snapshot) };
+    let unmeasured = View { hall: HallInfo { name: "airport", cell_m: None, robot: None }, ..view(&snapshot) };
     assert_eq!(unmeasured.searched(), "15 cells");
     assert_eq!(view(&snapshot).counts_since(), Some(TEN));
     snapshot.mission.progress = Progress { visited: 19, ..Progress::default() };
@@ -151,23 +151,31 @@ fn a_located_bomb_says_what_to_do_next() {
 #[test]
 fn the_panel_of_the_robot_says_what_it_is_what_it_has_and_what_is_done_instead() {
     let mut snapshot = searching();
-    let panel = |snapshot: &Snapshot, robot_kind| {
-        let hall = HallInfo { name: "airport", cell_m: None, robot_kind };
+    let [sim, page] =
+        [("sim", None), ("virtual-tcp", Some("localhost:8999".to_owned()))].map(|(kind, address)| RobotSet { kind, address });
+    let panel = |snapshot: &Snapshot, robot| {
+        let hall = HallInfo { name: "airport", cell_m: None, robot };
         let part = PARTS.iter().find(|part| part.id == "robot").expect("it is there");
         (part.render)(&View { hall, ..view(snapshot) })
     };
-    let simulated = panel(&snapshot, Some("sim"));
+    let simulated = panel(&snapshot, Some(&sim));
     assert!(simulated.contains("<dt>Kind</dt><dd>sim</dd>") && simulated.contains("camera, sonar, LED"), "{simulated}");
-    assert!(!simulated.contains("Instead of what is missing"), "it has everything: {simulated}");
+    assert!(
+        !simulated.contains("Instead of what is missing") && !simulated.contains("Address"),
+        "it has everything: {simulated}"
+    );
     let mut robots = snapshot.robots.to_vec();
     robots[0].parts = Some(Parts::of(&[Part::Base, Part::Bump, Part::Sonar]));
     snapshot.robots = robots.into();
-    let virtual_robot = panel(&snapshot, Some("virtual-tcp"));
+    let virtual_robot = panel(&snapshot, Some(&page));
     assert!(virtual_robot.contains("<dd>wheels, sonar, bumper</dd>"), "{virtual_robot}");
     assert!(virtual_robot.contains("<dt>No camera</dt><dd>a drawing, which says that it is one</dd>"), "{virtual_robot}");
+    assert!(
+        virtual_robot.contains("<dt>Address</dt><dd>localhost:8999</dd>") && virtual_robot.contains("<dt>LED</dt><dd>none</dd>")
+    );
     let mut robots = snapshot.robots.to_vec();
     robots[0].parts = None;
     snapshot.robots = robots.into();
     let unlinked = panel(&snapshot, None);
-    assert!(unlinked.contains("<dd>not known before it is connected</dd>") && !unlinked.contains("Kind"), "{unlinked}");
+    assert!(unlinked.contains("<dd>not known while there is no link</dd>") && !unlinked.contains("Kind"), "{unlinked}");
 }
