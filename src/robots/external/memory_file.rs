@@ -192,9 +192,17 @@ mod tests {
         let folder = Scratch::new();
         let (mut file, _) = open(&folder, "one").expect("there is none yet");
         let pipe = folder.0.join("robot-discovery.new");
-        std::os::unix::net::UnixListener::bind(&pipe).expect("the folder can be written");
-        file.keep("there".to_owned());
-        assert_eq!(file.owed().as_deref(), Some("there"));
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().expect("every Unix has it").success());
+        let kept = std::thread::spawn(move || {
+            file.keep("there".to_owned());
+            file.owed()
+        });
+        // Whoever reads lets a writer go who waits for a reader.
+        std::thread::sleep(std::time::Duration::from_millis(200));
+        if !kept.is_finished() {
+            fs::read(&pipe).expect("it is there");
+        }
+        assert_eq!(kept.join().expect("it ends").as_deref(), Some("there"));
     }
 
     #[test]

@@ -223,6 +223,14 @@ fn what_a_robot_measures_without_a_sensor_is_not_listened_to() {
 }
 
 #[test]
+fn how_far_what_blocks_it_is_tells_one_with_a_sonar_alone() {
+    let mut test = Test::up(BLIND);
+    test.order(FORWARD);
+    test.hears("blocked 43 12 unknown");
+    assert_eq!(test.events(), [RobotEvent::Blocked(OrderId(7), Obstacle::Unknown)]);
+}
+
+#[test]
 fn no_wall_is_longer_and_no_way_freer_than_a_robot_can_see() {
     let mut test = Test::up(ADA);
     test.order(FORWARD);
