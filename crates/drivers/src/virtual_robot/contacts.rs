@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::legs::LATENCY;
-use super::memory::Unheard;
+use super::memory::{STEPS, Unheard};
 use super::reckoning::{DRIFT, Drift};
 use super::room::{BORDER, REACHED};
 use super::{Aim, Leg, Stage, Then, VirtualRobot, Way};
@@ -23,6 +23,9 @@ pub(super) const LATE_WORD: &str = "the word that it had met something came too 
 
 /// So often something may be met on the way back to the centre.
 const HINDERED: u8 = 2;
+
+/// So often in a row it may be found to stand elsewhere: else it meets what is not in its scene file.
+const ASTRAY: u8 = 4;
 
 /// A measurement changes the time of a step by no more than this, at once.
 const STEP_CHANGE: f64 = 0.2;
@@ -114,7 +117,9 @@ impl VirtualRobot {
         let left = self.reckoning.way_to(to.cell, towards);
         let has = self.reckoning.has_stood_in(to.cell) && left <= DRIFT;
         if has {
-            self.reckoning.advance(towards, left);
+            // What it has met just now for the first time stands so much further.
+            let name = self.met.clone();
+            self.reckoning.correct(name.as_deref(), towards, left);
             self.off_centre = false;
         }
         has
@@ -182,7 +187,7 @@ impl VirtualRobot {
                 if let Some(ratio) = ratio {
                     // Half of it: a single way may have been driven while the page was busy.
                     let change = 1.0 + (ratio - 1.0).clamp(-STEP_CHANGE, STEP_CHANGE) / 2.0;
-                    self.step = self.step.mul_f64(change);
+                    self.step = self.step.mul_f64(change).clamp(STEPS[0], STEPS[1]);
                 }
                 true
             }
@@ -213,6 +218,10 @@ impl VirtualRobot {
 
     /// It has drifted far, and all the way through cells that are free: no map is wrong by that, and now it is known where it is.
     pub(super) fn stand_elsewhere(&mut self, cell: Cell) {
+        self.astray += 1;
+        if self.astray > ASTRAY {
+            return self.lose("again and again it meets something where nothing stands by its scene file");
+        }
         let pose = Pose { cell, ..self.reckoning.pose() };
         self.reckoning.complete(pose);
         self.off_centre = true;

@@ -4,6 +4,7 @@
 use std::time::Duration;
 
 use super::legs::legs;
+use super::memory::STEPS;
 use super::{Aim, TURN, Then, VirtualRobot};
 use hallsweep_core::event::RobotEvent;
 use hallsweep_core::units::{Heading, Pose};
@@ -78,6 +79,10 @@ impl VirtualRobot {
     /// Something was met; it has driven so long since its last leg.
     pub(super) fn gauge_ends(&mut self, driven: Duration) {
         self.gauged += driven;
+        if !self.is_met_as_it_should_be() {
+            // How far that is nobody knows: by it a step is as long as it was taken to be.
+            self.gauge = Some(self.gauged.div_duration_f64(self.step));
+        }
         self.retreat(self.step.mul_f64(LEG), Then::Gauged);
     }
 
@@ -85,8 +90,11 @@ impl VirtualRobot {
     pub(super) fn came_back_gauged(&mut self) {
         let Some(ahead) = self.gauge.take() else { return };
         let step = self.gauged.div_f64(ahead);
-        if step.div_duration_f64(self.step) < SLOWER.recip() {
+        if step.div_duration_f64(self.step) < SLOWER.recip() || step < STEPS[0] {
             return self.lose_sight("something stands much nearer to its start than its scene file says");
+        }
+        if step > STEPS[1] {
+            return self.lose_sight("its page is slower than any that shows a robot");
         }
         (self.step, self.is_gauged, self.off_centre, self.is_changed) = (step, true, false, true);
         self.reckoning.set_out_from_home();

@@ -142,7 +142,7 @@ impl VirtualRobot {
     }
 
     /// What has not gone out by now does not go out any more.
-    fn forget_unsent(&mut self) {
+    pub(super) fn forget_unsent(&mut self) {
         self.outputs.retain(|output| !matches!(output, Output::Send(_)));
     }
 
@@ -202,6 +202,7 @@ impl VirtualRobot {
     }
 
     pub(super) fn complete(&mut self, pose: Pose) {
+        self.astray = 0;
         self.reckoning.complete(pose);
         if !self.off_centre {
             self.met = None;
@@ -326,12 +327,12 @@ impl VirtualRobot {
         self.lost = Some(format!("it was lost in the moment in which it was told to move. {PUT_HOME}"));
     }
 
-    /// It was going forward against something that stands there, and has met it by itself.
-    fn left_against_something(&mut self) {
+    /// It was going forward against something that stands there, and has met it by itself; of what is behind it nobody knows.
+    fn left_against_something(&mut self, backward: bool) {
         let heading = self.reckoning.pose().heading;
         match self.reckoning.contact_ahead() {
-            Some((way, true)) => self.reckoning.advance(heading, way),
-            Some((_, false)) | None => self.left_in_doubt(),
+            Some((way, true)) if !backward => self.reckoning.advance(heading, way),
+            Some(_) | None => self.left_in_doubt(),
         }
     }
 
@@ -373,7 +374,7 @@ impl VirtualRobot {
             ) => {
                 self.reckoning.advance(towards, cells);
             }
-            (Way::Straight { .. }, Aim::Measure(_) | Aim::Touch { .. }) => self.left_against_something(),
+            (Way::Straight { backward, .. }, Aim::Measure(_) | Aim::Touch { .. }) => self.left_against_something(backward),
             (Way::Turn { .. }, _) => {}
         }
     }
@@ -501,6 +502,69 @@ mod tests {
         test.robot.handle_connected(test.now);
         greet(&mut test);
         assert!(matches!(test.robot.poll_output(), Some(Output::Send(_))));
+    }
+
+    const CONTACT: &[u8] = br#"{"collision":"moveForward","target":"wallDown"}"#;
+
+    /// A step that is complete by the clock, with its end acknowledged.
+    fn stepped() -> Test {
+        let mut test = Test::connected();
+        test.robot.latency = Some(Duration::ZERO);
+        test.begin(OrderId(1), Action::Move(Move::Forward));
+        test.robot.handle_received(br#"{"endmove":true,"move":"moveForward"}"#, test.now);
+        test.passes(Duration::from_secs(1));
+        assert_eq!(test.last_event(), Some(RobotEvent::Done(OrderId(1))));
+        test
+    }
+
+    /// Nobody had ordered anything when that was found out.
+    #[test]
+    fn of_a_word_that_came_too_late_whoever_orders_next_is_told() {
+        let mut test = stepped();
+        test.robot.handle_received(CONTACT, test.now);
+        assert_eq!(test.last_event(), None);
+        let order =
+            Order { id: OrderId(2), action: Action::Move(Move::Forward), epoch: Epoch(0), deadline: Duration::from_secs(3) };
+        test.robot.handle_order(order, test.now);
+        assert!(matches!(test.last_event(), Some(RobotEvent::Failed(OrderId(2), words)) if words.contains("too late")));
+        assert_eq!(test.robot.poll_output(), None);
+    }
+
+    /// The file was still being written when that was found out.
+    #[test]
+    fn what_has_not_gone_out_when_the_robot_is_lost_never_goes_out() {
+        let mut test = stepped();
+        let order =
+            Order { id: OrderId(2), action: Action::Move(Move::Forward), epoch: Epoch(0), deadline: Duration::from_secs(3) };
+        test.robot.handle_order(order, test.now);
+        test.robot.handle_received(CONTACT, test.now);
+        assert!(matches!(test.last_event(), Some(RobotEvent::Failed(OrderId(2), _))));
+        assert_eq!(test.robot.poll_output(), None);
+    }
+
+    #[test]
+    fn one_that_is_lost_against_something_behind_it_is_not_taken_to_stand_before_what_is_ahead() {
+        for (backward, is_lost) in [(false, false), (true, true)] {
+            let mut test = Test::connected();
+            test.robot.reckoning.advance(Heading::South, 0.9);
+            test.robot.reckoning.meet(Some("wallDown"), Heading::South).expect("it is new");
+            test.robot.reckoning.advance(Heading::North, 0.9);
+            let way = Way::Straight {
+                towards: Heading::South,
+                cells: 1.0,
+                backward,
+                lasts: Duration::from_millis(330),
+                rest: 0.0,
+                before: Duration::ZERO,
+            };
+            let leg = Some(Leg::new(way, Stage::Sent(Duration::ZERO)));
+            let aim = Aim::Touch { is_certain: true, further: 0 };
+            test.robot.task =
+                Some(Task { order: OrderId(1), action: Action::Recentre, deadline: Duration::MAX, aim, leg, hindered: 0 });
+            test.now.since_start += Duration::from_secs(1);
+            test.robot.handle_lost("the cable was pulled", test.now);
+            assert_eq!(test.robot.lost.is_some(), is_lost, "backward: {backward}");
+        }
     }
 
     #[test]

@@ -13,7 +13,7 @@ use hallsweep_core::units::Heading;
 const VERSION: u32 = 1;
 
 /// Steps quicker or slower than these are none.
-const STEPS: std::ops::RangeInclusive<f64> = 0.02..=10.0;
+pub(super) const STEPS: [Duration; 2] = [Duration::from_millis(20), Duration::from_secs(10)];
 
 /// Words that are longer are cut.
 const MOST: usize = 300;
@@ -61,7 +61,8 @@ impl VirtualRobot {
             }
         };
         let is_measured = |seconds: f64| SLOWEST.as_secs_f64() >= seconds && seconds >= 0.0;
-        let are_times = remembered.latency_s.is_none_or(is_measured) && STEPS.contains(&remembered.step_s);
+        let step_s = Duration::try_from_secs_f64(remembered.step_s).ok().filter(|step| (STEPS[0]..=STEPS[1]).contains(step));
+        let are_times = remembered.latency_s.is_none_or(is_measured) && step_s.is_some();
         if !remembered.reckoning.is_sound() || !are_times {
             return Err("it says that the robot stands where none can be".to_owned());
         }

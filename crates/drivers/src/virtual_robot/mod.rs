@@ -111,6 +111,8 @@ pub struct VirtualRobot {
     is_gauged: bool,
     /// How long it has driven to there, so far.
     gauged: Duration,
+    /// How often in a row it was found to stand elsewhere than was counted.
+    astray: u8,
     /// When it last came to the end of a step without having met anything.
     stepped: Option<Duration>,
     outputs: VecDeque<Output>,
@@ -153,6 +155,7 @@ impl VirtualRobot {
             gauge: None,
             is_gauged: false,
             gauged: Duration::ZERO,
+            astray: 0,
             stepped: None,
             outputs: VecDeque::new(),
             events: VecDeque::new(),
@@ -219,9 +222,11 @@ impl VirtualRobot {
     }
 
     fn fail_lost(&mut self, words: String) {
-        self.off_centre = true;
+        // Nothing is on its way any more, and whoever has no order open is told with the next.
+        self.forget_unsent();
+        (self.off_centre, self.is_told_lost, self.is_changed) = (true, self.task.is_some(), true);
         self.fail(&words);
-        (self.lost, self.is_told_lost, self.is_changed) = (Some(words), true, true);
+        self.lost = Some(words);
     }
 
     fn begin(&mut self, action: Action) {

@@ -84,6 +84,11 @@ impl Room {
         self.things.iter().filter(|thing| thing.name == name).count() == 1 && !self.moves(name)
     }
 
+    /// Whether this is the name of something that stands there for good.
+    fn stands(&self, name: &str) -> bool {
+        (name == BORDER || self.things.iter().any(|thing| thing.name == name)) && !self.moves(name)
+    }
+
     fn moves(&self, name: &str) -> bool {
         self.moving.iter().any(|moving| moving == name)
     }
@@ -159,6 +164,13 @@ impl VirtualRobot {
         self
     }
 
+    /// Whether what stands ahead of its start is what it has met there.
+    pub(super) fn is_met_as_it_should_be(&self) -> bool {
+        let Some((room, met)) = self.room.as_ref().zip(self.met.as_deref()) else { return true };
+        let is_there = |thing: &Thing| thing.name == met && thing.extent.y.0 <= room.ahead() + REACHED && thing.extent.y.1 > 0.0;
+        met == BORDER || room.things.iter().any(is_there)
+    }
+
     /// What it has met so many cells this way, where its server does not say it.
     pub(super) fn met_by_room(&self, towards: Heading, way: f64) -> Option<String> {
         let (room, (x, y), (dx, dy)) = (self.room.as_ref()?, self.reckoning.at(), towards.vector());
@@ -178,13 +190,14 @@ impl VirtualRobot {
         self.room.as_ref().is_some_and(|room| !room.is_free(cell))
     }
 
-    /// Whether what it has met cannot be what bars this cell to it.
+    /// Whether what it has met cannot be what bars this cell to it: something that is known to stand elsewhere. What moves, or was not
+    /// there when the file was written, may stand anywhere.
     pub(super) fn is_contradicted(&self, cell: Cell) -> bool {
-        let moves = self.met.as_deref().is_some_and(|name| self.room.as_ref().is_some_and(|room| room.moves(name)));
-        self.room.is_some() && !self.is_barred(cell) && !moves
+        let stands = |room: &Room| self.met.as_deref().is_some_and(|name| room.stands(name));
+        self.room.as_ref().is_some_and(stands) && !self.is_barred(cell)
     }
 
-    /// It was counted into a cell in which it cannot stand, and has met nothing: on it goes until it does.
+    /// It was counted into a cell in which it cannot stand, and has met nothing: on it goes, for some cells, until it does.
     pub(super) fn go_on_until_met(&mut self, towards: Heading, backward: bool) {
         self.off_centre = true;
         self.aim(Aim::Touch { is_certain: true, further: 0 });
@@ -202,7 +215,8 @@ impl VirtualRobot {
         self.stand_elsewhere(cell);
     }
 
-    /// The cell in which it stands in truth, after it has met this: where the reckoning has it, or right beside; `None` where nobody knows.
+    /// The cell in which it stands in truth, after it has met this: where the reckoning has it, or right before or beside that; `None` where
+    /// nobody knows.
     pub(super) fn truly_in(&mut self, name: Option<&str>, towards: Heading) -> Option<Cell> {
         let room = self.room.as_ref()?;
         let met = room.things.iter().find(|thing| Some(thing.name.as_str()) == name && room.is_one(&thing.name));
@@ -210,9 +224,11 @@ impl VirtualRobot {
             let (from, to) = extent.across(towards);
             self.reckoning.stand_across(towards, from - BESIDE, to + BESIDE);
         }
-        let (cell, aside) = (self.reckoning.cell(), towards.right());
-        let beside = |by: i32| Cell::new(cell.x + aside.vector().0 * by, cell.y + aside.vector().1 * by);
-        let near = (0..=ASIDE).flat_map(|by| [by, -by]).map(beside).find(|cell| room.is_free(*cell))?;
+        let (cell, aside) = (self.reckoning.cell(), towards.right().vector());
+        // What it has met may begin in the middle of a cell, which is not free then.
+        let before = [cell, cell.ahead(towards.opposite())];
+        let beside = |by: i32| before.map(|cell| Cell::new(cell.x + aside.0 * by, cell.y + aside.1 * by));
+        let near = (0..=ASIDE).flat_map(|by| [by, -by]).flat_map(beside).find(|cell| room.is_free(*cell))?;
         self.reckoning.stand_in_column(near, towards);
         Some(near)
     }

@@ -188,3 +188,20 @@ fn a_thing_that_was_moved_is_a_fault_until_the_next_reset_and_no_longer() {
     assert!(!rig.cells(Mark::Visited).contains(&(2, 2)));
     rig.assert_agrees();
 }
+
+/// Somebody has left something in the room since its scene file was written, and the server says what was met.
+#[test]
+fn what_the_scene_file_lacks_is_found_all_the_same() {
+    for version in [Version::First, Version::Year2021, Version::Year2022] {
+        for (column, row) in [(0, 4), (2, 2), (3, 5), (5, 1)] {
+            let mut rig = idle(room(), version, true);
+            rig.server.page.as_mut().expect("a page").scene.put_in_cell("suitcase", column, row);
+            rig.give(Command::Start).expect("an idle robot starts");
+            let what = format!("{version:?} ({column}, {row})");
+            assert_eq!(rig.explore(600), PhaseName::Explored, "{what}: {}", rig.trouble());
+            let rest: Vec<(i32, i32)> = whole().into_iter().filter(|cell| *cell != (column, row)).collect();
+            assert_eq!(rig.cells(Mark::Visited), rest, "{what}: {}", rig.trouble());
+            rig.assert_agrees();
+        }
+    }
+}
