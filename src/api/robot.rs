@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::retrieval::ArmJson;
-use super::robot_parts::{ReplacedJson, RobotsSet, replaced};
+use super::robot_parts::{ReplacedJson, RobotsBySettings, replaced};
 use hallsweep_core::robots::Part;
 use hallsweep_core::units::{Cell, Revision};
 use hallsweep_core::world::robot::{RobotShown, RobotView};
@@ -131,7 +131,7 @@ impl NamedRobotJson {
 
 /// One of all robots, with what the settings say of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct RobotSetJson {
+pub struct RobotBySettingsJson {
     /// `sim`, `virtual-tcp`, `virtual-ws` or `line`; null where it is not known.
     pub kind: Option<&'static str>,
     /// Where it is reached, as `localhost:8999` or `/dev/ttyUSB0`; null for one that is part of this program.
@@ -140,9 +140,9 @@ pub struct RobotSetJson {
     pub robot: NamedRobotJson,
 }
 
-impl RobotSetJson {
-    pub fn new(robot: NamedRobotJson, set: &RobotsSet) -> RobotSetJson {
+impl RobotBySettingsJson {
+    pub fn new(robot: NamedRobotJson, set: &RobotsBySettings) -> RobotBySettingsJson {
         let set = set.of(&robot.name);
-        RobotSetJson { kind: set.map(|set| set.kind), address: set.and_then(|set| set.address.clone()), robot }
+        RobotBySettingsJson { kind: set.map(|set| set.kind), address: set.and_then(|set| set.address.clone()), robot }
     }
 }

@@ -52,7 +52,7 @@ pub const fn in_words(part: Part) -> &'static str {
 
 /// What the settings say of a robot.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RobotSet {
+pub struct RobotBySettings {
     /// As `sim`.
     pub kind: &'static str,
     /// Where it is reached; `None` for one that is part of this program.
@@ -61,18 +61,18 @@ pub struct RobotSet {
 
 /// The same of all robots, by their names: as long as the program runs it does not change.
 #[derive(Clone, Debug, Default)]
-pub struct RobotsSet(Arc<BTreeMap<String, RobotSet>>);
+pub struct RobotsBySettings(Arc<BTreeMap<String, RobotBySettings>>);
 
-impl RobotsSet {
+impl RobotsBySettings {
     /// `None` where nothing is known of it.
-    pub fn of(&self, robot: &str) -> Option<&RobotSet> {
+    pub fn of(&self, robot: &str) -> Option<&RobotBySettings> {
         self.0.get(robot)
     }
 }
 
-impl FromIterator<(String, RobotSet)> for RobotsSet {
-    fn from_iter<I: IntoIterator<Item = (String, RobotSet)>>(robots: I) -> RobotsSet {
-        RobotsSet(Arc::new(robots.into_iter().collect()))
+impl FromIterator<(String, RobotBySettings)> for RobotsBySettings {
+    fn from_iter<I: IntoIterator<Item = (String, RobotBySettings)>>(robots: I) -> RobotsBySettings {
+        RobotsBySettings(Arc::new(robots.into_iter().collect()))
     }
 }
 

@@ -42,7 +42,7 @@ pub(super) enum NumberOrWord {
 
 pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
     check_types(layers)?;
-    Ok(Settings {
+    let settings = Settings {
         hall: hall(layers)?,
         hall_origin: layers.origin("hall.file"),
         http: http(layers)?,
@@ -59,7 +59,9 @@ pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
         sensor_silence: number(layers, "temperature.sensor_silence_s").map(Duration::from_secs_f64)?,
         log: log(layers)?,
         without_effect: without_effect(layers)?,
-    })
+    };
+    robots::check_apart(layers, &settings)?;
+    Ok(settings)
 }
 
 /// Whether every value is of the kind of its setting; else the first that is not, in the order of their names.

@@ -2,6 +2,7 @@
 //! there shows when its adapter connects.
 
 use std::fmt;
+use std::net::IpAddr;
 
 use super::check::read;
 use super::error::SettingsError;
@@ -28,8 +29,15 @@ impl RobotAddress {
     }
 
     /// The same under one name, although this machine has more than one for itself.
-    pub(super) fn place(&self) -> Option<String> {
-        Some(self.to_written()?.replace("127.0.0.1:", "localhost:").replace("[::1]:", "localhost:"))
+    pub fn place(&self) -> Option<String> {
+        match self {
+            RobotAddress::Network { host, port } => {
+                let host = host.trim_end_matches('.').to_ascii_lowercase();
+                let is_here = host.parse::<IpAddr>().is_ok_and(|address| address.to_canonical().is_loopback());
+                Some(format!("{}:{port}", if is_here { "localhost" } else { &host }))
+            }
+            RobotAddress::Here | RobotAddress::Device(_) => self.to_written(),
+        }
     }
 }
 

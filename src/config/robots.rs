@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use super::check::{NumberOrWord, count, number, read, sensing, within};
 use super::error::SettingsError;
-use super::key::{ROBOT, ROBOTS};
+use super::key::ROBOTS;
 use super::layers::Layers;
 use super::robot_address::robot_address;
 use super::{RobotSettings, Settings, Speed};
@@ -78,19 +78,16 @@ pub(super) fn further(layers: &Layers) -> Result<Vec<(RobotId, RobotSettings)>, 
         }
         Ok((robot, self::robot(layers, &format!("{ROBOTS}.{name}"))?))
     };
-    let further = names.map(one).collect::<Result<Vec<_>, _>>()?;
-    let searching = (RobotId::discovery(), robot(layers, ROBOT)?);
-    check_apart(layers, &std::iter::once(&searching).chain(&further).collect::<Vec<_>>())?;
-    Ok(further)
+    names.map(one).collect()
 }
 
 /// Two that speak to one robot, or to one page, would take it out of each other's hands.
-fn check_apart(layers: &Layers, robots: &[&(RobotId, RobotSettings)]) -> Result<(), SettingsError> {
-    let mut taken: BTreeMap<String, &RobotId> = BTreeMap::new();
-    for (robot, settings) in robots {
+pub(super) fn check_apart(layers: &Layers, settings: &Settings) -> Result<(), SettingsError> {
+    let mut taken: BTreeMap<String, RobotId> = BTreeMap::new();
+    for (robot, settings) in settings.robots() {
         let Some(place) = settings.address.place() else { continue };
+        let key = format!("{ROBOTS}.{robot}.address");
         if let Some(first) = taken.insert(place, robot) {
-            let key = format!("{ROBOTS}.{robot}.address");
             return Err(layers.wrong_with_advice(
                 &key,
                 format!("{first} is there already"),
@@ -250,9 +247,13 @@ mod tests {
     fn no_two_robots_are_in_one_place() {
         let line = |name: &str, address: &str| format!("[{name}]\nkind = \"line\"\naddress = \"{address}\"\n");
         let two = |one, other| line("robot", one) + &line("robots.porter", other);
-        for (one, other) in
-            [("localhost:8300", "127.0.0.1:8300"), ("[::1]:8300", "localhost:8300"), ("/dev/ttyUSB0", "/dev/ttyUSB0")]
-        {
+        for (one, other) in [
+            ("localhost:8300", "127.0.0.1:8300"),
+            ("[::1]:8300", "localhost:8300"),
+            ("/dev/ttyUSB0", "/dev/ttyUSB0"),
+            ("LOCALHOST.:1", "127.0.0.2:1"),
+            ("[::ffff:127.0.0.1]:1", "localhost:1"),
+        ] {
             let wrong = said(written("one-place", &two(one, other), &[]));
             assert!(wrong.contains("robots.porter.address") && wrong.contains("discovery is there already"), "{wrong}");
         }

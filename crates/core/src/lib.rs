@@ -45,4 +45,5 @@ pub mod search;
 pub mod settings;
 pub mod state;
 pub mod units;
+pub mod words;
 pub mod world;

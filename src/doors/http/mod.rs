@@ -47,7 +47,7 @@ use streams::Streams;
 pub use tls::{Tls, TlsError};
 
 use crate::access::{Access, Attempts};
-use crate::api::robot_parts::{RobotSet, RobotsSet};
+use crate::api::robot_parts::{RobotBySettings, RobotsBySettings};
 use crate::doors::room::Room;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
@@ -74,7 +74,7 @@ pub struct HttpDoor {
     mqtt: Option<Hall>,
     /// The side of a cell, in metres, where it is known.
     cell_m: Option<f64>,
-    robots: RobotsSet,
+    robots: RobotsBySettings,
     began: Arc<console::Began>,
 }
 
@@ -96,7 +96,7 @@ impl HttpDoor {
             cookie: sign_in::cookie_name(0),
             mqtt: None,
             cell_m: None,
-            robots: RobotsSet::default(),
+            robots: RobotsBySettings::default(),
             began: Arc::default(),
         }
     }
@@ -125,7 +125,7 @@ impl HttpDoor {
 
     /// The same, with robots of these names, of these kinds and at these addresses.
     pub fn with_robots(self, robots: Vec<(String, &'static str, Option<String>)>) -> HttpDoor {
-        let set = robots.into_iter().map(|(name, kind, address)| (name, RobotSet { kind, address }));
+        let set = robots.into_iter().map(|(name, kind, address)| (name, RobotBySettings { kind, address }));
         HttpDoor { robots: set.collect(), ..self }
     }
 

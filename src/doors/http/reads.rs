@@ -14,7 +14,7 @@ use super::problem::Problem;
 use super::reading::Number;
 use crate::api::luggage::LuggageJson;
 use crate::api::resources::{self, Form, ResourceKind, Row};
-use crate::api::robot::RobotSetJson;
+use crate::api::robot::RobotBySettingsJson;
 use crate::api::state;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, NoPhoto};
@@ -44,10 +44,10 @@ pub(super) fn resource(row: &Row, door: &HttpDoor, headers: &HeaderMap) -> Resul
     Ok(response)
 }
 
-/// `GET robots`: as they stand in the state, each with its kind, of which no snapshot says anything.
+/// `GET robots`: as they stand in the state, each with what the settings say of it, of which no snapshot says anything.
 pub(super) async fn robots(State(door): State<HttpDoor>, headers: HeaderMap) -> Response {
     let snapshot = door.handle.snapshot();
-    let robots = state::robots(&snapshot).into_iter().map(|robot| RobotSetJson::new(robot, &door.robots));
+    let robots = state::robots(&snapshot).into_iter().map(|robot| RobotBySettingsJson::new(robot, &door.robots));
     let tag = tag(&snapshot.run, ResourceKind::State.revision(&snapshot), "robots");
     conditional(&headers, &tag, || axum::Json(robots.collect::<Vec<_>>()).into_response())
 }

@@ -227,11 +227,14 @@ impl Link {
             if let Connection::Stands(wire) = std::mem::replace(&mut self.connection, call) {
                 self.connection = Connection::Closing(wire.close());
             }
+            // Whoever ends it himself has found it good.
+            self.brief = 0;
         }
     }
 
     fn cannot_be_reached(&self, error: &io::Error) -> String {
-        format!("the robot at {} cannot be reached: {error}", self.address)
+        let fought_over = if self.brief > DOUBLED { "; again and again: does another program call it?" } else { "" };
+        format!("the robot at {} cannot be reached: {error}{fought_over}", self.address)
     }
 
     fn lose(&mut self, words: &str) {
@@ -243,8 +246,7 @@ impl Link {
         if let Connection::Stands(wire) = std::mem::replace(&mut self.connection, waiting) {
             wire.abandon();
         }
-        let fought_over = if self.brief > DOUBLED { " (again and again: does another program call it?)" } else { "" };
-        self.driver.handle_lost(&format!("{words}{fought_over}"), self.clock.now());
+        self.driver.handle_lost(words, self.clock.now());
     }
 
     fn happened(&mut self, happening: Happening) {

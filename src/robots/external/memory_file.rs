@@ -36,13 +36,24 @@ pub(super) enum MemoryFileError {
 #[derive(Debug)]
 pub(super) struct MemoryFile {
     file: SmallFile,
-    /// What it is called when it could not be replaced.
+    /// Whether what stands in it is of this robot, and not of one in whose place it is.
+    is_own: bool,
+    /// What it is called when it could not be replaced, and whose is there.
     out_of_date: PathBuf,
-    is_out_of_date: bool,
+    mark: Mark,
     /// What could not be written.
     owed: Option<String>,
     /// Which robot it is of: its kind and where it is.
     whose: String,
+}
+
+/// What says that nobody knows where the robot stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Mark {
+    No,
+    /// Of a robot in whose place this one is.
+    OfAnother,
+    Own,
 }
 
 impl MemoryFile {
@@ -51,8 +62,8 @@ impl MemoryFile {
     pub(super) fn open(dir: &Path, robot: &RobotId, whose: &str) -> Result<(MemoryFile, Option<String>), MemoryFileError> {
         let file = SmallFile::within(dir, &format!("robot-{robot}.txt"));
         let out_of_date = dir.join(format!("robot-{robot}.out-of-date"));
-        let is_out_of_date = is_marked(&out_of_date, whose);
-        if is_out_of_date == Some(true) {
+        let mark = mark(&out_of_date, whose);
+        if mark == Mark::Own {
             return Err(MemoryFileError::OutOfDate { path: out_of_date });
         }
         let path = || file.path().to_owned();
@@ -69,8 +80,7 @@ impl MemoryFile {
                 (of == whose).then(|| memory.to_owned())
             }
         };
-        let is_out_of_date = is_out_of_date.is_some();
-        Ok((MemoryFile { whose: whose.to_owned(), file, out_of_date, is_out_of_date, owed: None }, memory))
+        Ok((MemoryFile { whose: whose.to_owned(), file, is_own: memory.is_some(), out_of_date, mark, owed: None }, memory))
     }
 
     /// What stands in it is no memory of a robot, for this reason.
@@ -83,11 +93,17 @@ impl MemoryFile {
         let written = self.write(&memory);
         let failing = "cannot keep where the robot stands: make room, or the folder writable";
         self.file.say(&written, failing, "where the robot stands is kept again");
-        match (&written, self.is_out_of_date) {
-            (Err(_), false) => self.is_out_of_date = self.mark_out_of_date().is_ok(),
-            (Ok(()), true) => self.is_out_of_date = fs::remove_file(&self.out_of_date).is_err(),
-            (Err(_), true) | (Ok(()), false) => {}
+        match (&written, self.mark) {
+            (Err(_), Mark::No | Mark::OfAnother) => match self.mark_out_of_date() {
+                Ok(()) => self.mark = Mark::Own,
+                Err(error) => {
+                    tracing::error!(file = %self.out_of_date.display(), %error, "the next start will not know that the robot stands elsewhere")
+                }
+            },
+            (Ok(()), Mark::Own | Mark::OfAnother) if fs::remove_file(&self.out_of_date).is_ok() => self.mark = Mark::No,
+            (Err(_), Mark::Own) | (Ok(()), _) => {}
         }
+        self.is_own |= written.is_ok();
         self.owed = written.is_err().then_some(memory);
     }
 
@@ -104,23 +120,21 @@ impl MemoryFile {
 
     /// That needs no room. In a folder that cannot be written the file may still be: without its contents it is believed by nobody.
     fn mark_out_of_date(&self) -> io::Result<()> {
-        let marked = match fs::rename(self.file.path(), &self.out_of_date) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => fs::File::create(&self.out_of_date).map(drop),
-            renamed => renamed,
-        };
-        marked.or_else(|_| fs::OpenOptions::new().write(true).truncate(true).open(self.file.path()).map(drop))
+        let anybodys = || fs::File::create(&self.out_of_date).map(drop);
+        let marked = if self.is_own { fs::rename(self.file.path(), &self.out_of_date) } else { anybodys() };
+        marked
+            .or_else(|_| anybodys())
+            .or_else(|_| fs::OpenOptions::new().write(true).truncate(true).open(self.file.path()).map(drop))
     }
 }
 
-/// Whether the file of this robot is marked as out of date; `Some(false)` where that of another robot is, which stood in its place.
-fn is_marked(out_of_date: &Path, whose: &str) -> Option<bool> {
-    let marked = files::read_if_there(out_of_date, MOST).map(|marked| marked.map(|bytes| is_of(&bytes, whose)));
-    // What cannot be read may be anybody's.
-    marked.unwrap_or(Some(true))
-}
-
-fn is_of(bytes: &[u8], whose: &str) -> bool {
-    bytes.is_empty() || bytes.strip_prefix(whose.as_bytes()).is_some_and(|rest| rest.first() == Some(&b'\n'))
+/// Who is marked. An empty mark is anybody's, and so is what cannot be read.
+fn mark(out_of_date: &Path, whose: &str) -> Mark {
+    match files::read_if_there(out_of_date, MOST) {
+        Ok(None) => Mark::No,
+        Ok(Some(bytes)) if !bytes.is_empty() && !bytes.starts_with(format!("{whose}\n").as_bytes()) => Mark::OfAnother,
+        Ok(Some(_)) | Err(_) => Mark::Own,
+    }
 }
 
 #[cfg(test)]
@@ -169,6 +183,18 @@ mod tests {
         fs::write(&mark, "one\nhere").expect("the folder can be written");
         open(&folder, "another").expect("it is not of this robot").0.keep("there".to_owned());
         assert!(!mark.exists(), "what is kept since is in date");
+    }
+
+    /// In the place of another robot, whose file or mark is still there.
+    #[test]
+    fn one_whose_first_writing_fails_is_out_of_date_itself() {
+        for other in ["robot-discovery.txt", "robot-discovery.out-of-date"] {
+            let folder = Scratch::new();
+            fs::write(folder.0.join(other), "one\nhere").expect("the folder can be written");
+            fs::create_dir(folder.0.join("robot-discovery.new")).expect("the folder can be written");
+            open(&folder, "another").expect("it is not of this robot").0.keep("there".to_owned());
+            assert!(open(&folder, "another").is_err(), "{other}");
+        }
     }
 
     #[cfg(unix)]

@@ -18,6 +18,8 @@ pub(in crate::robots) struct ExternalRobot {
     id: RobotId,
     kind: Kind,
     address: Address,
+    /// The same under one name.
+    place: String,
     step: Duration,
     /// By the scene file of its page.
     room: Option<Room>,
@@ -54,7 +56,8 @@ impl ExternalRobot {
             Some(scene) if matches!(kind, Kind::Virtual(_)) => room::room(id, scene).map(|(room, step)| (Some(room), step))?,
             Some(_) | None => (None, settings.step),
         };
-        Ok(Some(ExternalRobot { id: id.clone(), kind, address, step, room, remembered: Remembered::Nothing }))
+        let place = settings.address.place().unwrap_or_default();
+        Ok(Some(ExternalRobot { id: id.clone(), kind, address, place, step, room, remembered: Remembered::Nothing }))
     }
 
     /// Where it is, in place of the hall that is not ours.
@@ -64,9 +67,7 @@ impl ExternalRobot {
 
     pub(in crate::robots) fn recall(&mut self, folder: &Path) {
         let Kind::Virtual(dialect) = self.kind else { return };
-        // This machine has more than one name for itself.
-        let address = self.address.to_string().replace("127.0.0.1", "localhost").replace("[::1]", "localhost");
-        let whose = format!("a virtual robot at {address}");
+        let whose = format!("a virtual robot at {}", self.place);
         let opened = MemoryFile::open(folder, &self.id, &whose).and_then(|(file, memory)| {
             let read = memory.map(|memory| VirtualRobot::remembering(dialect, self.step, &memory)).transpose();
             let robot = read.map_err(|fault| file.damaged(fault))?;
@@ -85,7 +86,7 @@ impl ExternalRobot {
 
     /// What is run for it. The link to one that may be anywhere stays down, and nobody is told that its adapter has ended.
     pub(in crate::robots) fn adapter(self, clock: Clock) -> Adapter {
-        let ExternalRobot { id, kind, address, step, room, remembered } = self;
+        let ExternalRobot { id, kind, address, step, room, remembered, .. } = self;
         let (file, known) = match remembered {
             Remembered::Lost(lost) => {
                 tracing::error!(robot = %id, lost, "nobody knows where the robot was left: it is not started");

@@ -60,6 +60,8 @@ pub struct LineDriver {
     pub(super) unasked: u8,
     /// What the robot called itself that was there last.
     pub(super) name: Option<RobotName>,
+    /// When it was connected.
+    pub(super) connected: Duration,
     /// When something good was last heard.
     pub(super) heard: Duration,
     /// When the next `hello` is due.
@@ -123,6 +125,7 @@ impl LineDriver {
             readings_at: Duration::ZERO,
             unasked: 0,
             name: None,
+            connected: Duration::ZERO,
             heard: Duration::ZERO,
             hello_at: Duration::ZERO,
             outputs: VecDeque::new(),
@@ -282,7 +285,7 @@ impl Driver for LineDriver {
         self.drop_order();
         self.link = Link::Greeting(None);
         self.lines = LineReader::default();
-        self.heard = now.since_start;
+        (self.connected, self.heard) = (now.since_start, now.since_start);
         // What the robot may have heard of the last program ends here.
         self.outputs.push_back(Output::Send(b"\n".to_vec()));
         self.greet(now);

@@ -21,6 +21,9 @@ use hallsweep_core::units::Now;
 /// A robot that takes longer for a cell or a turn stands still.
 const SLOWEST: Duration = Duration::from_secs(60);
 
+/// One that has not taken the number from which orders begin in so long never will; a long photo may be under way.
+const GREETED: Duration = Duration::from_secs(60);
+
 /// No hall has more cells a side, so no robot in one stands further from its entrance.
 const FURTHEST: i32 = 2048;
 
@@ -38,6 +41,9 @@ impl LineDriver {
         match &self.link {
             Link::Down => {}
             Link::Greeting(Some(from)) if hello.last == Some(*from) => self.rise(hello, *from, now),
+            Link::Greeting(_) if now.since_start.saturating_sub(self.connected) > GREETED => {
+                self.break_link(format!("{} says who it is and takes no orders: is there another program?", hello.name));
+            }
             Link::Greeting(Some(from)) if hello.last < Some(*from) => {}
             Link::Greeting(_) => self.begin_above(hello.last, now),
             Link::Up(robot) => {
@@ -53,8 +59,8 @@ impl LineDriver {
     fn mismatch(&self, robot: &Robot, hello: &Hello) -> Option<String> {
         let Hello { name, parts, stands, last, .. } = hello;
         let (at, was_at) = (stands.pose, robot.pose);
-        // What it has said before an answer came before that, so that without an order both have counted the same.
-        let is_at_rest = self.open.is_none() && *last == Some(self.seq);
+        // What it has said before an answer came before that: it stands where its orders have brought it, or where the open one does.
+        let is_there = at == was_at || self.open.as_ref().is_some_and(|open| at == open.task.after(was_at));
         if *name != robot.name {
             Some(format!("{name} has taken the place of {}: look where it stands", robot.name))
         } else if *last < Some(robot.from) {
@@ -63,7 +69,7 @@ impl LineDriver {
             Some("another program has given the robot orders: let one drive it".to_owned())
         } else if parts.with(Part::AcknowledgedMoves) != robot.parts {
             Some(format!("{name} has other parts than it had: is it the same robot?"))
-        } else if is_at_rest && at != was_at {
+        } else if !is_there {
             let [(cell, heading), (was, headed)] = [at, was_at].map(|pose| (pose.cell, pose.heading.name()));
             Some(format!("{name} says that it stands at {cell}, {heading}, and stood at {was}, {headed}: look where it stands"))
         } else {
@@ -82,9 +88,12 @@ impl LineDriver {
     /// One that has heard of the last number there is must be switched off and on; until then it is asked again.
     fn begin_above(&mut self, last: Option<Seq>, now: Now) {
         let from = last.map_or(Some(Seq::FIRST), Seq::next);
+        let is_first = matches!(self.link, Link::Greeting(None));
         self.link = Link::Greeting(from);
         match from {
-            Some(_) => self.greet(now),
+            // One that always knows of more orders hears of it no more often than of anything else.
+            Some(_) if is_first => self.greet(now),
+            Some(_) => {}
             None => self.tell_lost(ALL_COUNTED),
         }
     }
@@ -93,8 +102,8 @@ impl LineDriver {
         let Hello { name, parts, step, turn, photo, stands, .. } = hello;
         let cell = stands.pose.cell;
         if cell.x.abs().max(cell.y.abs()) > FURTHEST {
-            return self
-                .tell_lost(&format!("{name} says that it stands at {cell}, further from the entrance than any hall reaches"));
+            let words = format!("{name} says that it stands at {cell}, further from the entrance than any hall reaches");
+            return self.break_link(words);
         }
         if let Some(before) = self.name.replace(name.clone()).filter(|before| *before != name) {
             self.tell_lost(&format!("{name} has taken the place of {before}: look where it stands"));

@@ -24,8 +24,9 @@ pub(super) const LATE_WORD: &str = "the word that it had met something came too 
 /// So often something may be met on the way back to the centre.
 const HINDERED: u8 = 2;
 
-/// So often in a row it may be found to stand elsewhere: else it meets what is not in its scene file.
-const ASTRAY: u8 = 4;
+/// So often it may be found to stand elsewhere, of which each completed step or turn makes good a third: else its room is another one.
+const ASTRAY: u8 = 4 * FOUND;
+const FOUND: u8 = 3;
 
 /// A measurement changes the time of a step by no more than this, at once.
 const STEP_CHANGE: f64 = 0.2;
@@ -218,9 +219,10 @@ impl VirtualRobot {
 
     /// It has drifted far, and all the way through cells that are free: no map is wrong by that, and now it is known where it is.
     pub(super) fn stand_elsewhere(&mut self, cell: Cell) {
-        self.astray += 1;
+        self.astray += FOUND;
         if self.astray > ASTRAY {
-            return self.lose("again and again it meets something where nothing stands by its scene file");
+            self.astray = 0;
+            return self.lose("again and again it stands elsewhere than was counted, so its scene file is not of this room, or its page is too busy");
         }
         let pose = Pose { cell, ..self.reckoning.pose() };
         self.reckoning.complete(pose);

@@ -202,7 +202,7 @@ impl VirtualRobot {
     }
 
     pub(super) fn complete(&mut self, pose: Pose) {
-        self.astray = 0;
+        self.astray = self.astray.saturating_sub(1);
         self.reckoning.complete(pose);
         if !self.off_centre {
             self.met = None;

@@ -111,7 +111,7 @@ pub struct VirtualRobot {
     is_gauged: bool,
     /// How long it has driven to there, so far.
     gauged: Duration,
-    /// How often in a row it was found to stand elsewhere than was counted.
+    /// How often it was found to stand elsewhere than was counted, by `ASTRAY`.
     astray: u8,
     /// When it last came to the end of a step without having met anything.
     stepped: Option<Duration>,

@@ -8,6 +8,8 @@ use std::time::Duration;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
+use hallsweep_core::words::is_visible;
+
 /// As much of a message as is kept while its end has not come; nothing that the server says is nearly as long.
 const LONGEST: usize = 4096;
 
@@ -142,9 +144,7 @@ pub(super) fn message(bytes: &[u8]) -> Option<Heard> {
 }
 
 fn name(value: &Value) -> Option<String> {
-    // What turns the way of writing round, or is not to be seen, has no place in the operator's log.
-    let is_visible = |letter: &char| letter.is_alphanumeric() || letter.is_ascii_graphic() || *letter == ' ';
-    let name: String = value.as_str()?.chars().filter(is_visible).take(LONGEST_NAME).collect();
+    let name: String = value.as_str()?.chars().filter(|letter| is_visible(*letter)).take(LONGEST_NAME).collect();
     (!name.is_empty()).then_some(name)
 }
 

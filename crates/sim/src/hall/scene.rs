@@ -16,6 +16,7 @@ use serde::Deserialize;
 
 use super::error::{HallError, HallFault};
 pub use cells::HallOfScene;
+use hallsweep_core::words::is_visible;
 
 /// The real ones have three thousand bytes.
 const MAX_SCENE_BYTES: usize = 256 << 10;
@@ -314,9 +315,8 @@ impl TryFrom<String> for Name {
     type Error = &'static str;
 
     fn try_from(name: String) -> Result<Name, &'static str> {
-        let is_visible = |letter: char| letter.is_alphanumeric() || letter.is_ascii_graphic() || letter == ' ';
         let is_good = (1..=64).contains(&name.chars().count()) && name.chars().all(is_visible);
-        if is_good { Ok(Name(name)) } else { Err("a name has 1 to 64 letters, digits, signs of ASCII and blanks") }
+        if is_good { Ok(Name(name)) } else { Err("a name has 1 to 64 visible characters") }
     }
 }
 

@@ -8,7 +8,7 @@ use askama::Template;
 
 use super::retrieval::{secured_in_words, wanted_of_the_operator};
 use crate::access::{Need, Role};
-use crate::api::robot_parts::RobotSet;
+use crate::api::robot_parts::RobotBySettings;
 use crate::api::time::Zone;
 use crate::doors::http::HttpDoor;
 use hallsweep_core::event::RobotId;
@@ -38,7 +38,7 @@ pub(super) struct HallInfo<'a> {
     /// The side of a cell, in metres, where it is known.
     pub(super) cell_m: Option<f64>,
     /// What is set of the robot, where it is known.
-    pub(super) robot: Option<&'a RobotSet>,
+    pub(super) robot: Option<&'a RobotBySettings>,
 }
 
 impl<'a> HallInfo<'a> {

@@ -151,8 +151,8 @@ fn a_located_bomb_says_what_to_do_next() {
 #[test]
 fn the_panel_of_the_robot_says_what_it_is_what_it_has_and_what_is_done_instead() {
     let mut snapshot = searching();
-    let [sim, page] =
-        [("sim", None), ("virtual-tcp", Some("localhost:8999".to_owned()))].map(|(kind, address)| RobotSet { kind, address });
+    let [sim, page] = [("sim", None), ("virtual-tcp", Some("localhost:8999".to_owned()))]
+        .map(|(kind, address)| RobotBySettings { kind, address });
     let panel = |snapshot: &Snapshot, robot| {
         let hall = HallInfo { name: "airport", cell_m: None, robot };
         let part = PARTS.iter().find(|part| part.id == "robot").expect("it is there");

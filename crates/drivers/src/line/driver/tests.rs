@@ -128,6 +128,7 @@ fn one_that_has_heard_of_more_orders_meanwhile_begins_above_those() {
     let mut test = Test::connected();
     test.hears(&format!("{ADA}41"));
     test.hears(&format!("{ADA}50"));
+    test.passes(500);
     assert_eq!((test.said(), test.events()), (vec!["from 42".to_owned(), "from 51".to_owned()], vec![]));
 }
 
@@ -256,7 +257,7 @@ fn a_robot_that_stands_beyond_every_hall_is_not_linked() {
     let far = ADA.replace("2,3,west", "2049,3,west");
     test.hears(&format!("{far}41"));
     test.hears(&format!("{far}42"));
-    assert!(lost(&test.events()).contains("further from the entrance than any hall"));
+    assert!(given_up(&mut test).contains("further from the entrance than any hall"));
 }
 
 #[test]
@@ -475,7 +476,8 @@ fn a_robot_that_says_that_it_stands_elsewhere_than_it_has_come_is_a_lost_link() 
         let mut test = Test::up(ADA);
         test.order(action);
         test.hears(&at("2,3,west", 43));
-        test.hears(&at("7,7,north", 42));
+        test.hears(&at("2,3,west", 42));
+        test.hears(&at(place, 43));
         test.hears("done 43");
         test.hears(&at(place, 43));
         assert!(!test.outputs().iter().any(|output| matches!(output, Output::GiveUp(_))), "{action:?}");
@@ -489,6 +491,35 @@ fn a_robot_that_says_that_it_stands_elsewhere_than_it_has_come_is_a_lost_link() 
     let mut test = done(FORWARD, "1,3,west");
     test.hears(&at("0,3,west", 43));
     assert_eq!(given_up(&mut test), "ada says that it stands at (0, 3), west, and stood at (1, 3), west: look where it stands");
+}
+
+/// Whatever else it says, as that it has begun nothing yet.
+#[test]
+fn one_that_stands_elsewhere_in_the_middle_of_an_order_is_a_lost_link_too() {
+    for (is_ordered, at, last) in [(true, "1,4,west", 43), (true, "3,3,west", 42), (false, "1,3,west", 42)] {
+        let mut test = Test::up(ADA);
+        if is_ordered {
+            test.order(FORWARD);
+        }
+        test.hears(&(ADA.replace("2,3,west", at) + &last.to_string()));
+        assert!(given_up(&mut test).contains("look where it stands"), "{at} {last}");
+    }
+}
+
+#[test]
+fn a_robot_that_never_takes_a_number_is_not_asked_in_a_hurry_and_given_up_after_a_minute() {
+    // It never hears of one, or always of orders above it.
+    for more in [0, 2] {
+        let (mut test, mut last, mut said) = (Test::connected(), 41, 0);
+        for _ in 0..6100 {
+            test.hears(&format!("{ADA}{last}"));
+            last += more;
+            said += test.outputs().len();
+            test.passes(10);
+        }
+        assert!(matches!(test.driver.link, Link::Down), "it is given up");
+        assert!(said < 150, "{said} lines in a minute");
+    }
 }
 
 #[test]

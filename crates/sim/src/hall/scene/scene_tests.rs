@@ -142,8 +142,8 @@ fn what_is_wrong_with_a_scene_is_said_with_its_line() {
     check(&EMPTY.replace("speed: .2", "speed: 1 / 5"), "4: what stands here is not reckoned out, as .5 is for 1/2");
     check(&EMPTY.replace("y: .08", "z: .08"), "4: missing field `y`: correct this line");
     check(&EMPTY.replace("x: .995", "x: 1e9"), "11: 1000000000 is no fraction of the floor, which is about 0 to 1");
-    check(&EMPTY.replace("\"wallRight\"", "\"\""), "11: a name has 1 to 64 letters, digits, signs of ASCII and blanks: correct");
-    check(&EMPTY.replace("wallRight", "wall\u{202e}Right"), "11: a name has 1 to 64 letters");
+    check(&EMPTY.replace("\"wallRight\"", "\"\""), "11: a name has 1 to 64 visible characters: correct this line");
+    check(&EMPTY.replace("wallRight", "wall\u{202e}Right"), "11: a name has 1 to 64 visible characters");
     check(
         &EMPTY.replace("size: { x: .01", "size: { x: -.01"),
         "10: -0.01 is no length, which is 0 to 1 of the floor: correct this line",
