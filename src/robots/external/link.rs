@@ -30,6 +30,9 @@ const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
 /// How often the wait is doubled: to eight seconds.
 const DOUBLED: u32 = 4;
 
+/// After so many brief ones it is asked whether somebody else has the robot.
+const OFTEN: u32 = 3;
+
 /// Timers are not set further ahead than this; then it is looked again.
 const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 
@@ -233,7 +236,7 @@ impl Link {
     }
 
     fn cannot_be_reached(&self, error: &io::Error) -> String {
-        let fought_over = if self.brief > DOUBLED { "; again and again: does another program call it?" } else { "" };
+        let fought_over = if self.brief >= OFTEN { "; again and again: does another program call it?" } else { "" };
         format!("the robot at {} cannot be reached: {error}{fought_over}", self.address)
     }
 

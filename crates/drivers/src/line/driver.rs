@@ -238,15 +238,6 @@ impl LineDriver {
         self.events.extend(missed);
     }
 
-    /// Up to where orders are void by a halt. A robot that is being greeted obeys none up to where they are to begin.
-    const fn voided(&self) -> Seq {
-        match self.link {
-            Link::Greeting(Some(from)) => from,
-            Link::Greeting(None) => Seq::FIRST,
-            Link::Down | Link::Up(_) => self.seq,
-        }
-    }
-
     /// How long the robot may say nothing; it may always where nobody is connected.
     const fn patience(&self) -> Option<Duration> {
         match self.link {

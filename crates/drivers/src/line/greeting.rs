@@ -37,6 +37,15 @@ impl LineDriver {
         self.say_led();
     }
 
+    /// Up to where orders are void by a halt. A robot that is being greeted obeys none up to where they are to begin.
+    pub(super) const fn voided(&self) -> Seq {
+        match self.link {
+            Link::Greeting(Some(from)) => from,
+            Link::Greeting(None) => Seq::FIRST,
+            Link::Down | Link::Up(_) => self.seq,
+        }
+    }
+
     pub(super) fn greeted(&mut self, hello: Hello, now: Now) {
         match &self.link {
             Link::Down => {}

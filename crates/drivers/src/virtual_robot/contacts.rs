@@ -77,11 +77,12 @@ impl VirtualRobot {
             Aim::Step(to) if self.latency.is_none() && !driven.is_zero() => self.retreat(before + driven, Then::Met(to)),
             Aim::Step(to) if !is_known && self.has_drifted_into(to, towards) => self.complete(to),
             Aim::Step(to) => self.met(to, towards),
+            Aim::Touch { .. } if self.has_passed_what_bars(towards) => self.stand_beside(towards),
             Aim::Touch { .. } => {
                 self.aim(Aim::Return);
                 self.go_back();
             }
-            Aim::Turn(_) | Aim::Back | Aim::Return | Aim::Retreat(_) | Aim::Gauge | Aim::Gauged => {
+            Aim::Turn(_) | Aim::Back | Aim::Aside(_) | Aim::Return | Aim::Retreat(_) | Aim::Gauge | Aim::Gauged => {
                 self.hindered(name.as_deref());
             }
             // They end above, or nothing moves.
@@ -176,7 +177,7 @@ impl VirtualRobot {
         (task.leg, task.hindered) = (None, task.hindered + 1);
         if task.hindered > HINDERED {
             let what = name.unwrap_or("something");
-            return self.fail(&format!("{what} is in its way back to the centre of its cell"));
+            return self.lose(&format!("{what} is in its way back to the centre of its cell, so it has drifted"));
         }
         self.go_back();
     }
@@ -214,6 +215,14 @@ impl VirtualRobot {
         match self.truly_in(met.as_deref(), towards) {
             Some(cell) => self.stand_elsewhere(cell),
             None => self.lose("what it has met stands elsewhere by its scene file"),
+        }
+    }
+
+    /// It has come past something that bars its way, so it stands in a column beside the one in which it was counted.
+    fn stand_beside(&mut self, towards: Heading) {
+        match self.column_beside(towards) {
+            Some(cell) => self.stand_elsewhere(cell),
+            None => self.lose("it has come past something that bars its way by its scene file"),
         }
     }
 

@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use super::legs::legs;
+use super::legs::{TURNS_LATE, legs};
 use super::memory::STEPS;
 use super::{Aim, TURN, Then, VirtualRobot};
 use hallsweep_core::event::RobotEvent;
@@ -38,7 +38,7 @@ impl VirtualRobot {
     }
 
     pub(super) fn longest_turn(&self) -> Duration {
-        self.longest_gauging().unwrap_or_else(|| self.with_finding_out(TURN + self.margin()))
+        self.longest_gauging().unwrap_or_else(|| self.with_finding_out(TURN + TURNS_LATE + self.margin()))
     }
 
     /// Who knows the room may go some way to find out where it is.

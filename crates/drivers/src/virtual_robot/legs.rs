@@ -3,6 +3,7 @@
 
 use std::time::Duration;
 
+use super::back::FEELS;
 use super::contacts::LATE_WORD;
 use super::memory::Unheard;
 use super::{Aim, Command, Dialect, Leg, PUT_HOME, Stage, Then, VirtualRobot, Way};
@@ -16,20 +17,20 @@ pub(super) const LATENCY: Duration = Duration::from_millis(30);
 /// Behind the end of a move so long is waited for the word of a contact at its very end, beside the latency to and fro.
 const MARGIN: Duration = Duration::from_millis(60);
 
+/// A turn that is not over swallows what is told next, so that a page that is busy has so much longer for it.
+pub(super) const TURNS_LATE: Duration = Duration::from_millis(120);
+
 /// The same before the latency was measured: the first contact may come as late as this.
 const FIRST_MARGIN: Duration = Duration::from_millis(400);
 
 /// Nearer to the centre than a frame of the page brings it, it is centred.
-const CENTRED: f64 = 0.04;
+pub(super) const CENTRED: f64 = 0.04;
 
 /// No leg lasts longer, so that a robot whose program has died stops within half a second (safety S5). What is longer is driven in several.
 const LONGEST: Duration = Duration::from_millis(450);
 
 /// An order moves it no further than that at once, in cells.
 const FURTHEST: f64 = 1.5;
-
-/// How far ahead it feels whether a step is complete.
-const FEELS: f64 = 0.3;
 
 /// What was not begun because another motion was under way is tried again so much later.
 const AGAIN: Duration = Duration::from_millis(100);
@@ -98,7 +99,8 @@ impl VirtualRobot {
     }
 
     fn end_of(&self, leg: &Leg, sent: Duration) -> Duration {
-        sent + leg.lasts() + self.margin()
+        let late = if matches!(leg.way, Way::Turn { .. }) { TURNS_LATE } else { Duration::ZERO };
+        sent + leg.lasts() + self.margin() + late
     }
 
     fn awaits_word(&self, leg: &Leg) -> bool {
@@ -179,6 +181,7 @@ impl VirtualRobot {
                 self.complete(to);
             }
             Aim::Turn(to) => self.complete(to),
+            Aim::Aside(to) => self.turned_aside(to, leg.is_halted),
             Aim::Feel => {
                 self.felt(FEELS);
                 self.go_back();
@@ -207,39 +210,6 @@ impl VirtualRobot {
         if !self.off_centre {
             self.met = None;
         }
-        self.answer(RobotEvent::Done);
-    }
-
-    /// Senses, as far as that is needed, and goes back to the centre of its cell.
-    pub(super) fn begin_recentring(&mut self) {
-        if self.unheard.is_some() {
-            self.aim(Aim::Feel);
-            return self.drive(self.reckoning.pose().heading, FEELS, false);
-        }
-        self.go_back();
-    }
-
-    /// One leg further towards the centre of its cell, or the end of the order when it is there.
-    pub(super) fn go_back(&mut self) {
-        let Pose { cell, heading } = self.reckoning.pose();
-        let ahead = self.reckoning.way_to(cell, heading);
-        if ahead.abs() <= CENTRED {
-            return self.came_back();
-        }
-        if !matches!(self.task.as_ref().map(|task| task.aim), Some(Aim::Return | Aim::Gauged)) {
-            self.aim(Aim::Back);
-        }
-        let cells = ahead.abs();
-        if ahead > 0.0 { self.drive(heading, cells, false) } else { self.drive(heading.opposite(), cells, true) }
-    }
-
-    pub(super) fn came_back(&mut self) {
-        match self.task.as_ref().map(|task| task.aim) {
-            Some(Aim::Return) => return self.came_back_touched(),
-            Some(Aim::Gauged) => return self.came_back_gauged(),
-            _ => {}
-        }
-        self.off_centre = false;
         self.answer(RobotEvent::Done);
     }
 
@@ -355,7 +325,7 @@ impl VirtualRobot {
             return self.moved_for(leg, lasted);
         }
         match (leg.way, task.aim) {
-            (Way::Turn { .. }, Aim::Turn(to)) => self.reckoning.complete(to),
+            (Way::Turn { .. }, Aim::Turn(to) | Aim::Aside(to)) => self.reckoning.complete(to),
             (Way::Straight { towards, cells, .. }, Aim::Step(_)) => {
                 let cells = match leg.stage {
                     Stage::Halting { lasted, .. } => cells.min(lasted.div_duration_f64(self.step)),
@@ -370,7 +340,7 @@ impl VirtualRobot {
             }
             (
                 Way::Straight { towards, cells, .. },
-                Aim::Turn(_) | Aim::Back | Aim::Return | Aim::Retreat(_) | Aim::Gauge | Aim::Gauged | Aim::Draw,
+                Aim::Turn(_) | Aim::Back | Aim::Aside(_) | Aim::Return | Aim::Retreat(_) | Aim::Gauge | Aim::Gauged | Aim::Draw,
             ) => {
                 self.reckoning.advance(towards, cells);
             }

@@ -20,6 +20,7 @@ use hallsweep_core::event::{Capabilities, OffCentre, Parts, Photo, RobotEvent};
 use hallsweep_core::robots::Part;
 use hallsweep_core::units::{Heading, Now, OrderId, Pose};
 
+mod back;
 mod contacts;
 mod gauge;
 mod greeting;
@@ -49,6 +50,9 @@ const PUT_HOME: &str = "Open its page anew, so that it stands at its start, and 
 /// And when what it has told may be wrong as well.
 const BEGIN_ANEW: &str =
     "The map may be wrong. Open its page anew, so that it stands at its start; RESET begins with an empty map";
+
+/// And where its scene file would have helped.
+const WITH_SCENE: &str = ". With its scene file (robot.scene) a drift is set right";
 
 /// What a photo may take: drawing it is some hundredths of a second, on a machine that may have much else to do.
 const DRAWING: Duration = Duration::from_secs(2);
@@ -213,7 +217,8 @@ impl VirtualRobot {
     /// Nobody knows any more where it stands, and something may have been told of the wrong cell.
     fn lose(&mut self, words: &str) {
         self.reckoning.doubt();
-        self.fail_lost(format!("{words}. {BEGIN_ANEW}"));
+        let advice = if self.room.is_none() { WITH_SCENE } else { "" };
+        self.fail_lost(format!("{words}. {BEGIN_ANEW}{advice}"));
     }
 
     /// Nobody knows any more where it stands.

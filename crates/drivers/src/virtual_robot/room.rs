@@ -215,6 +215,33 @@ impl VirtualRobot {
         self.stand_elsewhere(cell);
     }
 
+    /// Whether it has met something beyond the next cell, which something else bars by the room.
+    pub(super) fn has_passed_what_bars(&self, towards: Heading) -> bool {
+        let next = self.reckoning.pose().cell.ahead(towards);
+        let Some(room) = self.room.as_ref().filter(|room| !room.is_free(next)) else { return false };
+        let centre = (f64::from(next.x), f64::from(next.y));
+        let is_met = |thing: &&Thing| Some(thing.name.as_str()) == self.met.as_deref() && thing.extent.depth(centre) > REACHED;
+        room.floor.depth(centre) >= -REACHED && room.things.iter().find(is_met).is_none()
+    }
+
+    /// Where it stands when it has come here in the column to the right or to the left, if one of them is free all the way.
+    pub(super) fn column_beside(&mut self, towards: Heading) -> Option<Cell> {
+        let room = self.room.as_ref()?;
+        let (back, right) = (towards.opposite(), towards.right().vector());
+        let (from, here) = (self.reckoning.pose().cell, self.reckoning.cell());
+        let here = if room.is_free(here) { here } else { here.ahead(back) };
+        let steps = (here.x - from.x).abs() + (here.y - from.y).abs();
+        let beside = |by: i32| Cell::new(here.x + right.0 * by, here.y + right.1 * by);
+        let is_free = |cell: &Cell| {
+            std::iter::successors(Some(*cell), |cell| Some(cell.ahead(back)))
+                .take(steps.unsigned_abs() as usize + 1)
+                .all(|cell| room.is_free(cell))
+        };
+        let cell = [1, -1].map(beside).into_iter().find(is_free)?;
+        self.reckoning.stand_in_column(cell, towards);
+        Some(cell)
+    }
+
     /// The cell in which it stands in truth, after it has met this: where the reckoning has it, or right before or beside that; `None` where
     /// nobody knows.
     pub(super) fn truly_in(&mut self, name: Option<&str>, towards: Heading) -> Option<Cell> {

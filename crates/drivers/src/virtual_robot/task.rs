@@ -24,6 +24,8 @@ pub(super) enum Aim {
     Turn(Pose),
     /// Back to the centre of its cell.
     Back,
+    /// The same, but it stands beside that and turns towards it first, to face this way in its cell.
+    Aside(Pose),
     /// Forward against what stands there, certainly or maybe, so that it knows where it is; then back to the centre.
     Touch {
         is_certain: bool,

@@ -365,7 +365,37 @@ fn with_the_scene_file_a_page_that_is_now_quick_and_now_slow_makes_neither_a_fau
             assert_eq!(rig.cells(Mark::Visited), whole, "{what}: {}", rig.trouble());
             // What it has counted since it last met something nobody knows better.
             let ((cell, _), counted) = (rig.server.page.as_ref().expect("a page").cell(), rig.state().robot.pose.cell);
-            assert!((cell.0 - counted.x).abs() + (cell.1 - counted.y).abs() <= 1, "{what}: {counted:?}, and in truth {cell:?}");
+            assert!((cell.0 - counted.x).abs() + (cell.1 - counted.y).abs() <= 4, "{what}: {counted:?}, and in truth {cell:?}");
         }
     }
+}
+
+/// A drift that shows by no wall ahead: only that a thing beside the way is met tells of it.
+#[test]
+fn with_the_scene_file_a_drift_to_the_side_is_set_right_too() {
+    let mut turned = 0;
+    for seed in 0..60_u64 {
+        let version = [Version::First, Version::Year2021, Version::Year2022][usize::try_from(seed % 3).unwrap()];
+        let mut stream = RandomStream::new(seed, "aside");
+        let mut scene = Scene::empty(35.0, 35.0);
+        for (name, column, row) in [("suitcase", 3, 3), ("box", 5, 1), ("chair", 1, 6)] {
+            scene.put_in_cell(name, column, row);
+        }
+        let mut rig =
+            Rig::with_scene(Server::new(version, Some(Page::open(scene, Page::steady(), Duration::ZERO))), Strategy::Auto);
+        assert!(rig.until(5, |state| state.mission.holds.is_empty()), "the link is up");
+        rig.give(Command::Start).expect("an idle robot starts");
+        for _ in 0..3 {
+            rig.wait(Duration::from_millis(9_000 + stream.below(15_000)));
+            rig.server.page.as_mut().expect("a page").push(1.7 * [-1.0, 1.0][usize::try_from(stream.below(2)).unwrap()]);
+        }
+        let what = format!("{version:?}, seed {seed}");
+        assert_eq!(rig.explore(900), PhaseName::Explored, "{what}: {}", rig.trouble());
+        let bags = [(3, 3), (5, 1), (1, 6)];
+        let rest: Vec<(i32, i32)> =
+            (0..8).flat_map(|x| (0..8).map(move |y| (x, y))).filter(|cell| !bags.contains(cell)).collect();
+        assert_eq!(rig.cells(Mark::Visited), rest, "{what}: {}", rig.trouble());
+        turned += rig.reports.iter().filter(|report| matches!(report, RobotEvent::Stands(_))).count();
+    }
+    assert!(turned > 60, "{turned}");
 }

@@ -125,6 +125,19 @@ pub(crate) struct Page {
 }
 
 impl Page {
+    /// Moves it to the right by so much, or to the left, where nothing stands.
+    pub(crate) fn push(&mut self, units: f64) {
+        let (x, z) = match self.angle.rem_euclid(4.0) as u8 {
+            0 => (self.at.0 - units, self.at.1),
+            1 => (self.at.0, self.at.1 + units),
+            2 => (self.at.0 + units, self.at.1),
+            _ => (self.at.0, self.at.1 - units),
+        };
+        if self.scene.collision((x, z)).is_none() {
+            self.at = (x, z);
+        }
+    }
+
     pub(crate) fn open(scene: Scene, frames: Frames, now: Duration) -> Page {
         let mut page = Page {
             at: scene.player,

@@ -88,9 +88,7 @@ pub enum HallFault {
     TooManyTemperatures(usize),
     #[error("the temperature at {at} s comes after the one at {before} s: put them in order of time, each time once")]
     TemperatureOrder { at: String, before: String },
-    #[error(
-        "the speed of the player is {0}: give it as the page has it, so that a cell takes from 50 ms to 5 s, which is 1.33 to 0.014"
-    )]
+    #[error("the speed of the player is {0}, or missing: give it as the page has it, from 0.014 (5 s a cell) to 1.33 (50 ms)")]
     PlayerSpeed(String),
     #[error("not a MovingAI map: line {line} {}, it should read `{form}`", said(.found))]
     Header { line: usize, found: String, form: &'static str },

@@ -4,6 +4,7 @@
 mod acts;
 mod began;
 mod carriers;
+mod doing;
 mod hall;
 mod live;
 pub(super) mod missions;

@@ -213,7 +213,7 @@ impl Inspect<'_> {
 
 impl Robot<'_> {
     fn sonar(&self) -> String {
-        match self.parts() {
+        match self.v.parts() {
             None => return "not known".to_owned(),
             Some(parts) if !parts.has(robots::Part::Sonar) => return "none".to_owned(),
             Some(_) => {}
@@ -221,30 +221,14 @@ impl Robot<'_> {
         self.v.snapshot.robot.sonar_cm.map_or_else(|| "nothing near".to_owned(), |cm| format!("{cm} cm"))
     }
 
-    fn led(&self) -> &'static str {
-        match self.parts() {
-            Some(parts) if !parts.has(robots::Part::Led) => "none",
-            Some(_) | None if self.v.snapshot.robot.led_blinking => "blinking",
-            Some(_) | None => "off",
-        }
-    }
-
-    fn unreached(&self) -> Option<&str> {
-        self.v.snapshot.robots.first()?.unreached.as_deref()
-    }
-
-    fn parts(&self) -> Option<Parts> {
-        self.v.snapshot.robots.first().and_then(|robot| robot.parts)
-    }
-
     fn parts_in_words(&self) -> String {
         let words = |parts: Parts| parts.iter().map(robot_parts::in_words).collect::<Vec<_>>().join(", ");
-        self.parts().map_or_else(|| "not known while there is no link".to_owned(), words)
+        self.v.parts().map_or_else(|| "not known while there is no link".to_owned(), words)
     }
 
     /// What is missing, and what is done instead.
     fn missing(&self) -> Vec<(&'static str, &'static str)> {
-        let missing = self.parts().into_iter().flat_map(robot_parts::missing);
+        let missing = self.v.parts().into_iter().flat_map(robot_parts::missing);
         missing.map(|(part, by)| (robot_parts::in_words(part), by)).collect()
     }
 }

@@ -53,9 +53,6 @@ pub(super) struct Who {
     pub(super) role: Role,
 }
 
-/// What is said of whoever was told to halt and has not said yet that it stands.
-const HALTING: &str = "halting …";
-
 /// Why a viewer's buttons are dead.
 const VIEWER: &str = "you are signed in as a viewer";
 
@@ -144,18 +141,6 @@ impl View<'_> {
         stands(&self.snapshot.robot) && self.snapshot.robots.iter().all(|robot| stands(&robot.view))
     }
 
-    /// What the robots do, in the bar: there a STOP is seen on a screen that has no room for what else holds them.
-    pub(super) fn doing(&self) -> &'static str {
-        let is_halting = self.snapshot.robot.halting || self.snapshot.robots.iter().any(|robot| robot.view.halting);
-        let searching_stands = self.snapshot.robot.state == RobotState::Stopped;
-        match self.is_still() {
-            true if self.snapshot.mission.holds.contains(&Hold::Operator) => "held by STOP",
-            false if is_halting => HALTING,
-            false if searching_stands => "the pair moves",
-            true | false => self.robot_state(),
-        }
-    }
-
     /// The zone of every time on the page.
     pub(super) const fn zone(&self) -> Zone {
         Zone::of(self.now)
@@ -167,6 +152,7 @@ impl View<'_> {
         let words = |hold: &Hold| match (hold, self.snapshot.mission.phase) {
             (Hold::Alarm, PhaseName::Retrieving) => "the robots that fetch have called: acknowledge their alarm first".to_owned(),
             // There it is RETRIEVE, or RESET, and not START.
+            (Hold::RobotLink, _) if let Some(why) = self.unreached() => format!("{}: {why}", hold.in_words()),
             (Hold::AwaitingStart, PhaseName::BombLocated) => "waiting for the operator".to_owned(),
             (Hold::Temperature, _) if !heat.is_empty() => {
                 let hot: Vec<String> = heat.iter().map(|(source, reading)| format!("{source} {reading}")).collect();
@@ -283,23 +269,6 @@ impl View<'_> {
 
     fn may_retrieve(&self) -> bool {
         self.shows_retrieve() && self.snapshot.mission.refusals.retrieve.is_none()
-    }
-
-    /// The robot's state in words.
-    pub(super) const fn robot_state(&self) -> &'static str {
-        if self.snapshot.robot.halting {
-            return HALTING;
-        }
-        match self.snapshot.robot.state {
-            RobotState::Stopped => "stands still",
-            RobotState::MovingForward => "moves forward",
-            RobotState::MovingBackward => "moves backward",
-            RobotState::RotateLeft => "turns left",
-            RobotState::RotateRight => "turns right",
-            RobotState::TakingPhoto => "takes a photo",
-            RobotState::SendingPhoto => "sends the photo",
-            RobotState::MovingArm => "moves its arm",
-        }
     }
 
     /// The reading that matters: the hottest of those that are too hot, else the last; or that there is none.
