@@ -43,6 +43,12 @@ fn to_the_driver(bytes: &[u8], cut: usize) {
         driver.handle_received(piece, now);
         now.since_start += Duration::from_millis(10);
         driver.handle_timeout(now);
+        while let Some(output) = driver.poll_output() {
+            match output {
+                Output::GiveUp(words) => driver.handle_lost(&words, now),
+                Output::Send(_) | Output::Reconnect | Output::Draw(..) => {}
+            }
+        }
         while let Some(event) = driver.poll_event() {
             match event {
                 RobotEvent::LinkUp(_) => up = true,
@@ -51,12 +57,6 @@ fn to_the_driver(bytes: &[u8], cut: usize) {
                     assert_eq!(open.take(), Some(id), "an order is answered once");
                 }
                 _ => {}
-            }
-        }
-        while let Some(output) = driver.poll_output() {
-            match output {
-                Output::GiveUp(words) => driver.handle_lost(&words, now),
-                Output::Send(_) | Output::Reconnect | Output::Draw(..) => {}
             }
         }
         if up && open.is_none() {

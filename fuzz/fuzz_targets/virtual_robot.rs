@@ -199,7 +199,9 @@ impl Run {
 
     fn sent(&mut self, bytes: &[u8]) {
         let text = String::from_utf8_lossy(bytes);
-        assert!(!self.is_halted || text.contains("alarm"), "after a halt nothing begins: {text}");
+        let begins = !text.contains("alarm");
+        assert!(!begins || !self.is_halted, "after a halt nothing begins: {text}");
+        assert!(!begins || !self.open.is_empty(), "without an order nothing begins: {text}");
         if self.is_connected {
             self.driver.handle_sent(self.now);
         }
