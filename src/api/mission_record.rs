@@ -6,9 +6,11 @@ use serde::Serialize;
 use super::journal;
 use super::luggage::LuggageJson;
 use super::map::{MapJson, Plan};
+use super::robot::PositionJson;
+use super::time::rfc3339;
 use hallsweep_core::effect::Entry;
 use hallsweep_core::state::PersistentState;
-use hallsweep_core::units::{MissionId, Seq};
+use hallsweep_core::units::{Celsius, MissionId, Seq, WallTime};
 
 /// A mission in one line.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -79,6 +81,75 @@ impl MissionWholeJson {
         let luggage = state.into_iter().flat_map(|state| state.luggage.iter());
         let luggage = luggage.map(|luggage| LuggageJson::from(&**luggage)).collect();
         MissionWholeJson { record, luggage, map: state.map(|state| MapJson::from(Plan::from(state))), damage }
+    }
+}
+
+/// How a mission stood after one of its entries.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MomentJson {
+    /// The mission.
+    pub mission: u64,
+    /// The entry, and when it was written, RFC 3339 with zone.
+    pub seq: u64,
+    pub time: String,
+    /// Where the mission stood, by its name in the protocol.
+    pub phase: &'static str,
+    /// What held the robot.
+    pub holds: Vec<&'static str>,
+    /// The cell it was on its way to, or null.
+    pub goal: Option<PositionJson>,
+    /// Where the robot that searches stood after its last completed step or turn.
+    pub robot: StandsJson,
+    /// The last reading in °C, or null where there was none not long before.
+    pub celsius: Option<f64>,
+    /// The luggage that had been found, by number.
+    pub luggage: Vec<LuggageJson>,
+    /// The hall as far as it was known.
+    pub map: MapJson,
+    /// What of the record cannot be understood, a sentence each.
+    pub damage: Vec<String>,
+    /// What happened from then on, and the page that shows this moment.
+    pub links: MomentLinks,
+}
+
+/// Where a robot stands.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StandsJson {
+    pub position: PositionJson,
+    /// `north`, `east`, `south` or `west`.
+    pub heading: &'static str,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct MomentLinks {
+    pub events: String,
+    pub page: String,
+}
+
+impl MomentJson {
+    /// How this mission stood after the entry that was written then; what was read last, and what cannot be understood.
+    pub fn new(
+        mission: MissionId,
+        (seq, wall): (Seq, WallTime),
+        state: &PersistentState,
+        celsius: Option<Celsius>,
+        damage: Vec<String>,
+    ) -> MomentJson {
+        let Links { events, page, .. } = Links::of(mission);
+        MomentJson {
+            mission: mission.0,
+            seq: seq.0,
+            time: rfc3339(wall),
+            phase: state.phase.name().name(),
+            holds: state.holds.to_vec().iter().map(|hold| hold.name()).collect(),
+            goal: state.goal.map(|goal| goal.cell().into()),
+            robot: StandsJson { position: state.pose.cell.into(), heading: state.pose.heading.name() },
+            celsius: celsius.map(Celsius::degrees),
+            luggage: state.luggage.iter().map(|luggage| LuggageJson::from(&**luggage)).collect(),
+            map: MapJson::from(Plan::from(state)),
+            damage,
+            links: MomentLinks { events: format!("{events}?after={seq}"), page: format!("{page}?at={seq}") },
+        }
     }
 }
 

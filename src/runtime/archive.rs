@@ -6,7 +6,7 @@ use std::sync::Arc;
 use hallsweep_core::effect::Entry;
 use hallsweep_core::event::Photo;
 use hallsweep_core::state::PersistentState;
-use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
+use hallsweep_core::units::{Celsius, LuggageId, MissionId, Seq, WallTime};
 use hallsweep_core::world::luggage::Luggage;
 
 /// Reading failed; why, in words for an operator.
@@ -43,6 +43,19 @@ pub struct MissionRecord {
     pub left: Vec<LuggageId>,
 }
 
+/// How a mission stood after one of its entries.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Moment {
+    /// The entry, the one of the mission before it, and when it was written.
+    pub seq: Seq,
+    pub earlier: Option<Seq>,
+    pub wall: WallTime,
+    /// Everything that follows from the entries up to it.
+    pub state: Sound<PersistentState>,
+    /// The last reading of the temperature before, of whatever source.
+    pub temperature: Option<Celsius>,
+}
+
 /// What is kept and can be read back. Object-safe: the store in memory and the one on disk both are one.
 pub trait Archive: Send + Sync {
     /// The newest photo of a piece, of whatever mission.
@@ -58,6 +71,10 @@ pub trait Archive: Send + Sync {
 
     /// What stood when a mission was put away, or stands now: its map and its luggage with it.
     fn state(&self, mission: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable>;
+
+    /// How a mission stood after its last entry that is not behind `at`; nothing where it has none, or where those from which it follows are
+    /// not kept any more.
+    fn moment(&self, mission: MissionId, at: Seq) -> Result<Option<Moment>, Unreadable>;
 
     /// The entries of a mission after `after`, oldest first, at most `most`.
     fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable>;

@@ -54,7 +54,7 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     use super::*;
-    use crate::runtime::archive::{Happened, MissionRecord, Sound};
+    use crate::runtime::archive::{Happened, MissionRecord, Moment, Sound};
     use hallsweep_core::event::Photo;
     use hallsweep_core::state::PersistentState;
     use hallsweep_core::units::{LuggageId, MissionId, Seq};
@@ -81,6 +81,10 @@ mod tests {
         }
 
         fn state(&self, _: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
+            Ok(None)
+        }
+
+        fn moment(&self, _: MissionId, _: Seq) -> Result<Option<Moment>, Unreadable> {
             Ok(None)
         }
 

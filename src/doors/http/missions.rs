@@ -13,10 +13,12 @@ use super::query::{MOST, Query};
 use super::reading::Number;
 use crate::api::map::{MapJson, Plan};
 use crate::api::map_text;
-use crate::api::mission_record::{Links, MissionListJson, MissionRecordJson, MissionWholeJson, events as events_json};
+use crate::api::mission_record::{
+    Links, MissionListJson, MissionRecordJson, MissionWholeJson, MomentJson, events as events_json,
+};
 use crate::api::retrieval_record::RetrievalRecordJson;
 use crate::api::time::rfc3339;
-use crate::runtime::archive::{Happened, MissionRecord, Sound};
+use crate::runtime::archive::{Happened, MissionRecord, Moment, Sound};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{MissionId, Seq};
@@ -52,6 +54,39 @@ pub(super) async fn list(State(door): State<HttpDoor>, query: Query, headers: He
 pub(super) async fn mission(State(door): State<HttpDoor>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
     let RecordedMission { record, state, damage } = recorded(&door, id).await?;
     Ok(by_content(&headers, JSON, json(&MissionWholeJson::new((&record).into(), state.as_ref(), damage))))
+}
+
+/// `GET missions/{id}/moment`: how it stood after its last entry up to one of them, or after its last.
+pub(super) async fn moment(
+    State(door): State<HttpDoor>,
+    Number(id): Number,
+    query: Query,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    query.only(&["at"])?;
+    let Moment { seq, wall, state, temperature, .. } = stood(&door, id, at(&query)?.unwrap_or(Seq(MOST))).await?;
+    let moment = MomentJson::new(MissionId(id), (seq, wall), &state.of, temperature, state.damage);
+    Ok(by_content(&headers, JSON, json(&moment)))
+}
+
+/// The entry after which a moment is asked for.
+pub(super) fn at(query: &Query) -> Result<Option<Seq>, Problem> {
+    Ok(query.count("at", 1..=MOST)?.map(Seq))
+}
+
+/// How a mission stood after its last entry up to this one.
+pub(super) async fn stood(door: &HttpDoor, id: u64, at: Seq) -> Result<Moment, Problem> {
+    let mission = MissionId(id);
+    let found = door.archive.look_up(move |archive| match archive.mission(mission)? {
+        Some(_) => archive.moment(mission, at).map(Some),
+        None => Ok(None),
+    });
+    let moment = found.await?.ok_or_else(|| unknown(id))?;
+    moment.ok_or_else(|| {
+        Problem::not_found(format!(
+            "how mission {id} stood at entry {at} is not kept: it has no entry so early, or none any more"
+        ))
+    })
 }
 
 /// `GET missions/{id}/events`, oldest first.
@@ -252,6 +287,32 @@ mod tests {
         assert!(plain.headers()["content-type"].to_str().unwrap().starts_with("text/plain"));
         assert!(text(plain).await.starts_with("|r, 1, 1, X, 1, X, \n"));
         assert_eq!(app.send("GET", &link("map"), &[("accept", "image/png")], "").await.status(), 406);
+    }
+
+    #[tokio::test]
+    async fn a_mission_is_told_as_it_stood_after_any_of_its_entries() {
+        let app = app(searching());
+        let moment = json(&app, "/api/v1/missions/1/moment?at=4").await;
+        assert_eq!(
+            (&moment["seq"], &moment["phase"], &moment["holds"]),
+            (&4.into(), &"idle".into(), &serde_json::json!(["operator"]))
+        );
+        assert_eq!((&moment["celsius"], &moment["luggage"]), (&23.5.into(), &serde_json::json!([])));
+        assert_eq!(moment["robot"], serde_json::json!({"position": {"x": 0, "y": 0}, "heading": "south"}));
+        let after = json(&app, moment["links"]["events"].as_str().unwrap()).await;
+        assert_eq!(after["events"][0]["seq"], 5, "what happened from then on");
+        assert_eq!(json(&app, "/api/v1/missions/1/moment?at=3").await["holds"], serde_json::json!([]));
+        assert_eq!(json(&app, "/api/v1/missions/1/moment").await["seq"], 5, "the last that can be understood");
+        for (path, status, words) in [
+            ("/missions/2/moment?at=3", 404, "is not kept"),
+            ("/missions/9/moment", 404, "there is no mission 9"),
+            ("/missions/1/moment?at=x", 422, "`at` is \"x\""),
+            ("/missions/1/moment?on=1", 422, "there is no `on`"),
+        ] {
+            let (got, problem) = read(app.get(&format!("/api/v1{path}")).await).await;
+            assert_eq!(got.as_u16(), status, "{path}: {problem}");
+            assert!(problem["detail"].as_str().unwrap().contains(words), "{path}: {problem}");
+        }
     }
 
     #[tokio::test]

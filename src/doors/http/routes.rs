@@ -98,6 +98,7 @@ fn changes_and_past() -> Vec<Row> {
         get("/api/v1/events", See, events::events),
         get("/api/v1/missions", See, missions::list),
         get("/api/v1/missions/{id}", See, missions::mission),
+        get("/api/v1/missions/{id}/moment", See, missions::moment),
         get("/api/v1/missions/{id}/events", See, missions::events),
         get("/api/v1/missions/{id}/map", See, missions::map),
         get("/api/v1/missions/{id}/retrieval", See, missions::retrieval),

@@ -16,7 +16,7 @@ use tower_service::Service;
 use super::gate::Peer;
 use super::{Hosts, HttpDoor, router};
 use crate::access::{Access, Keyring, Keys, OPERATOR, Role};
-use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadable};
+use crate::runtime::archive::{Archive, Happened, MissionRecord, Moment, Sound, Unreadable};
 use crate::runtime::archive_reader::Reader;
 pub(super) use crate::runtime::obedient::Noted;
 use crate::runtime::obedient::{Script, obedient};
@@ -63,6 +63,10 @@ impl Archive for Pictures {
 
     fn state(&self, mission: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
         Ok((mission == MissionId(1)).then(past::state).map(|of| Sound { of, damage: vec![past::DAMAGE.to_owned()] }))
+    }
+
+    fn moment(&self, mission: MissionId, at: Seq) -> Result<Option<Moment>, Unreadable> {
+        Ok(past::moment(at).filter(|_| mission == MissionId(1)))
     }
 
     fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {

@@ -14,7 +14,7 @@ use super::photos::Pictures;
 use super::rows::{self, EntryFilter};
 use super::{connect, project, recall};
 use crate::api::journal::{self, Picture};
-use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadable};
+use crate::runtime::archive::{Archive, Happened, MissionRecord, Moment, Sound, Unreadable};
 use hallsweep_core::command::Verdict;
 use hallsweep_core::event::Photo;
 use hallsweep_core::state::PersistentState;
@@ -156,6 +156,24 @@ impl Archive for SqliteArchive {
             }
             let words = |fault: &Fault| fault.words_of_an_entry(self.path());
             recall::standing_of(connection, mission, archived.map(|seq| Seq(count(seq))), words).map(Some)
+        })
+    }
+
+    fn moment(&self, mission: MissionId, at: Seq) -> Result<Option<Moment>, Unreadable> {
+        if i64::try_from(mission.0).is_err() {
+            return Ok(None);
+        }
+        let at = Seq(at.0.min(i64::MAX.unsigned_abs()));
+        self.ask(|connection| {
+            let Some((seq, wall)) = rows::last_of(connection, mission, at)? else { return Ok(None) };
+            let before = Some(seq.next());
+            if rows::last_standing(connection, before)?.is_none() && rows::first(connection)? > Some(Seq(1)) {
+                return Ok(None);
+            }
+            let words = |fault: &Fault| fault.words_of_an_entry(self.path());
+            let state = recall::standing_of(connection, mission, before, words)?;
+            let earlier = rows::last_of(connection, mission, Seq(seq.0.saturating_sub(1)))?.map(|(seq, _)| seq);
+            Ok(Some(Moment { seq, earlier, wall, state, temperature: rows::last_temperature(connection, seq)? }))
         })
     }
 

@@ -6,8 +6,8 @@ use rusqlite::{Connection, OptionalExtension, Params, Row, params, params_from_i
 use super::fault::{Fault, count, whole};
 use crate::api::journal::{self, Line};
 use hallsweep_core::command::Verdict;
-use hallsweep_core::effect::Entry;
-use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
+use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::units::{Celsius, LuggageId, MissionId, Seq, WallTime};
 
 /// The columns of an entry, in the order in which `line` takes them.
 const COLUMNS: &str = "seq, mission, at_ms, offset_s, kind, body";
@@ -17,6 +17,9 @@ const NAMED: &str = "kind = 'command' AND iif(json_valid(body), body ->> 'id', N
 
 /// and take it it must: without it every entry would be looked at.
 const BY_NAME: &str = "INDEXED BY named_commands";
+
+/// A reading among so many entries is looked for, which takes milliseconds.
+const NOT_LONG: u64 = 20_000;
 
 /// Which entries are meant; all of them, when nothing is said.
 #[derive(Clone, Copy, Debug, Default)]
@@ -53,6 +56,28 @@ pub(super) fn last_up_to(connection: &Connection, most: Option<Seq>) -> Result<S
     let most = most.map_or(Ok(i64::MAX), |most| whole(most.0))?;
     let last: Option<i64> = connection.query_row("SELECT max(seq) FROM events WHERE seq <= ?1", [most], |row| row.get(0))?;
     Ok(Seq(count(last.unwrap_or(0))))
+}
+
+/// The first entry that is kept.
+pub(super) fn first(connection: &Connection) -> Result<Option<Seq>, Fault> {
+    let first: Option<i64> = connection.query_row("SELECT min(seq) FROM events", [], |row| row.get(0))?;
+    Ok(first.map(|seq| Seq(count(seq))))
+}
+
+/// The last entry of a mission that is not behind `most`, and when it was written.
+pub(super) fn last_of(connection: &Connection, mission: MissionId, most: Seq) -> Result<Option<(Seq, WallTime)>, Fault> {
+    let sql = "SELECT seq, at_ms, offset_s FROM events WHERE mission = ?1 AND seq <= ?2 ORDER BY seq DESC LIMIT 1";
+    let read = |row: &Row<'_>| Ok((Seq(count(row.get(0)?)), WallTime { unix_ms: row.get(1)?, offset_s: row.get(2)? }));
+    Ok(connection.prepare_cached(sql)?.query_row([whole(mission.0)?, whole(most.0)?], read).optional()?)
+}
+
+/// The last reading of a temperature up to this entry that can be understood, if there was one not long before.
+pub(super) fn last_temperature(connection: &Connection, most: Seq) -> Result<Option<Celsius>, Fault> {
+    let sql = "SELECT body FROM events WHERE seq > ?1 AND seq <= ?2 AND kind = 'temperature' ORDER BY seq DESC LIMIT 1";
+    let bounds = [whole(most.0.saturating_sub(NOT_LONG))?, whole(most.0)?];
+    let body: Option<String> = connection.prepare_cached(sql)?.query_row(bounds, |row| row.get(0)).optional()?;
+    let fact = body.and_then(|body| journal::read_body(&body).ok()).map(|(fact, _)| fact);
+    Ok(if let Some(Fact::Temperature(_, celsius)) = fact { Some(celsius) } else { None })
 }
 
 /// The place of the last entry that says everything that stands, before `before`.

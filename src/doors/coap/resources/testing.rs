@@ -9,7 +9,7 @@ use tokio::sync::watch;
 use super::super::application::{Application, Reply};
 use super::Resources;
 use crate::api::fixture::piece;
-use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadable};
+use crate::runtime::archive::{Archive, Happened, MissionRecord, Moment, Sound, Unreadable};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::obedient::{Noted, Script, obedient};
 use crate::runtime::within::within;
@@ -64,6 +64,10 @@ impl Archive for Pictures {
     }
 
     fn state(&self, _: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
+        Ok(None)
+    }
+
+    fn moment(&self, _: MissionId, _: Seq) -> Result<Option<Moment>, Unreadable> {
         Ok(None)
     }
 

@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 use super::carriers::{fetched, fetched_lies_at, has_porch, searcher_at};
 use super::porch::Porch;
-use hallsweep_core::units::{Cell, Heading};
+use hallsweep_core::units::{Cell, Heading, Pose};
 use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark, TILE};
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::snapshot::Snapshot;
@@ -171,11 +171,19 @@ pub(super) fn robot(snapshot: &Snapshot) -> String {
         }
         None => String::new(),
     };
-    let size = larger(&snapshot.map);
-    let led = if snapshot.robot.led_blinking { "led blinking" } else { "led" };
     let off_centre = if snapshot.robot.off_centre { " off-centre" } else { "" };
+    draw_robot((x, y), turn, larger(&snapshot.map), snapshot.robot.led_blinking, off_centre, &name)
+}
+
+/// The robot of a mission's record.
+pub(super) fn robot_at(map: &HallMap, pose: Pose, led_blinking: bool) -> String {
+    draw_robot(middle(pose.cell), turn(pose.heading), larger(map), led_blinking, "", "")
+}
+
+fn draw_robot((x, y): (i32, i32), turn: i32, size: i32, led_blinking: bool, class: &str, name: &str) -> String {
+    let led = if led_blinking { "led blinking" } else { "led" };
     format!(
-        "<g id=\"hall-robot\" class=\"robot{off_centre}\" transform=\"translate({x} {y})\"><g transform=\"rotate({turn}) scale({size})\">\
+        "<g id=\"hall-robot\" class=\"robot{class}\" transform=\"translate({x} {y})\"><g transform=\"rotate({turn}) scale({size})\">\
          <circle class=\"body\" r=\"4\"/><path class=\"nose\" d=\"M0 -3.4L2.4 1.2H-2.4Z\"/>\
          <circle class=\"{led}\" cy=\"2.3\" r=\"0.9\"/></g>{name}</g>"
     )

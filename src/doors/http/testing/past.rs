@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use crate::api::fixture::{TEN, searching};
-use crate::runtime::archive::{Happened, MissionRecord, Unreadable};
+use crate::runtime::archive::{Happened, MissionRecord, Moment, Sound, Unreadable};
 use hallsweep_core::command::{Issuer, Refusal, Refused};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::event::Piece;
@@ -14,7 +14,7 @@ use hallsweep_core::retrieval::{ArmState, BasePose, BaseView, Parcel, Place, Tea
 use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Fetcher;
 use hallsweep_core::state::{PersistentState, Retrieval, RetrievalStage};
-use hallsweep_core::units::{Cell, Heading, LuggageId, MissionId, Pose, Revision, Seq, WallTime};
+use hallsweep_core::units::{Cell, Celsius, Heading, LuggageId, MissionId, Pose, Revision, Seq, WallTime};
 use hallsweep_core::world::hall_map::HallMap;
 
 /// A mission that cannot be read.
@@ -59,6 +59,15 @@ pub(super) fn state() -> PersistentState {
         phase: Phase::BombLocated,
         ..PersistentState::first(Strategy::Snail)
     }
+}
+
+/// How the first stood after its entries up to here: the robot was held at home then, and it had become warm.
+pub(super) fn moment(at: Seq) -> Option<Moment> {
+    let entries = entries().into_iter().filter(|(seq, _)| *seq <= at);
+    let mut of = PersistentState { mission: MissionId(1), ..PersistentState::first(Strategy::Snail) };
+    let seq = entries.filter_map(|(seq, entry)| entry.ok().map(|entry| (seq, of.apply(&entry)))).last()?.0;
+    let earlier = (seq > Seq(1)).then(|| Seq(seq.0 - 1));
+    Some(Moment { seq, earlier, wall: TEN, state: Sound { of, damage: Vec::new() }, temperature: Celsius::new(23.5) })
 }
 
 /// A retrieval by the pair as a journal tells of it: the trees after each of some ticks, from the first to the look for the parcel, and then

@@ -18,7 +18,7 @@ use super::super::commands::Commands;
 use super::super::topics::Topics;
 use super::link::LARGEST;
 use super::{Health, Hearing, Link, Parts, Session, Times};
-use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadable};
+use crate::runtime::archive::{Archive, Happened, MissionRecord, Moment, Sound, Unreadable};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::obedient::{Script, obedient};
 use crate::runtime::within::within;
@@ -255,6 +255,10 @@ impl Archive for Album {
     }
 
     fn state(&self, _: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
+        Ok(None)
+    }
+
+    fn moment(&self, _: MissionId, _: Seq) -> Result<Option<Moment>, Unreadable> {
         Ok(None)
     }
 

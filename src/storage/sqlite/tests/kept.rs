@@ -159,6 +159,43 @@ fn a_mission_that_is_over_is_read_as_it_ended() {
 }
 
 #[test]
+fn a_mission_is_read_as_it_stood_after_each_of_its_entries() {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    let warm = Fact::Temperature("hall".into(), hallsweep_core::units::Celsius::new(27.5).expect("it is one"));
+    scribe.keep(vec![command(None)]);
+    let first =
+        [begin(1), vec![wall(5, 5), warm, inspecting(1), found(1, Some(photo("bag"))), verdict(1, Verdict::Danger)]].concat();
+    scribe.keep(first.clone());
+    scribe.keep([archive(1), begin(2)].concat());
+    let archive = &scribe.opened.archive;
+    let all: Vec<Entry> = std::iter::once(command(None)).chain(first.clone()).map(at_noon).collect();
+    let mut earlier = None;
+    for (seq, _) in archive.entries(MissionId(1), Seq(0), 100).unwrap() {
+        let Some(so_far) = usize::try_from(seq.0).ok().and_then(|count| all.get(..count)) else { break };
+        let moment = archive.moment(MissionId(1), seq).unwrap().expect("it has this entry");
+        assert_eq!((moment.seq, moment.earlier, moment.state.damage.len()), (seq, earlier, 0));
+        let (mut state, mut folded) = (moment.state.of, fold(so_far));
+        // Pictures are kept apart.
+        for state in [&mut state, &mut folded] {
+            state.luggage = Default::default();
+        }
+        assert_eq!(state, folded, "after entry {seq}");
+        let is_warm = so_far.iter().any(|entry| matches!(entry.fact, Fact::Temperature(..)));
+        assert_eq!(moment.temperature.is_some(), is_warm, "after entry {seq}");
+        earlier = Some(seq);
+    }
+    assert_eq!(earlier, Some(Seq(all.len() as u64)), "all of them were looked at");
+    let found = archive.moment(MissionId(1), Seq(all.len() as u64)).unwrap().expect("it is there").state.of;
+    assert!(found.luggage[0].is_dangerous());
+    assert_eq!(archive.moment(MissionId(1), Seq(1)), Ok(None), "it had not begun");
+    assert_eq!(archive.moment(MissionId(3), Seq(9)), Ok(None));
+    assert_eq!(archive.moment(MissionId(u64::MAX), Seq(9)), Ok(None));
+    let last = archive.moment(MissionId(1), Seq(u64::MAX)).unwrap().expect("there is a last").seq;
+    assert_eq!(Some(last), archive.entries(MissionId(1), Seq(0), 100).unwrap().last().map(|(seq, _)| *seq));
+}
+
+#[test]
 fn the_entries_of_a_mission_are_read_page_by_page() {
     let scratch = Scratch::new();
     let mut scribe = Scribe::new(scratch.open());
