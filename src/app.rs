@@ -151,7 +151,7 @@ async fn serve_hall(
 
 /// What kind of robot each is, and where it is reached. The pair has no section in the settings: it is simulated.
 fn set(settings: &Settings, robots: &Robots) -> Vec<(String, &'static str, Option<String>)> {
-    let set: BTreeMap<RobotId, _> = settings.robots().map(|(id, robot)| (id, (robot.kind, robot.address.to_written()))).collect();
+    let set: BTreeMap<RobotId, _> = settings.robots().map(|(id, robot)| (id, (robot.kind, robot.address.written()))).collect();
     let of = |id: &RobotId| {
         let (kind, address) = set.get(id).cloned().unwrap_or((RobotKind::Sim, None));
         (id.name().to_owned(), kind.name(), address)

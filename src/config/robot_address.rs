@@ -24,7 +24,7 @@ pub enum RobotAddress {
 
 impl RobotAddress {
     /// As it is written in the settings; `None` for one that is part of this program.
-    pub fn to_written(&self) -> Option<String> {
+    pub fn written(&self) -> Option<String> {
         (*self != RobotAddress::Here).then(|| self.to_string())
     }
 
@@ -36,7 +36,7 @@ impl RobotAddress {
                 let is_here = host.parse::<IpAddr>().is_ok_and(|address| address.to_canonical().is_loopback());
                 Some(format!("{}:{port}", if is_here { "localhost" } else { &host }))
             }
-            RobotAddress::Here | RobotAddress::Device(_) => self.to_written(),
+            RobotAddress::Here | RobotAddress::Device(_) => self.written(),
         }
     }
 }

@@ -256,6 +256,13 @@ mod tests {
         json
     }
 
+    /// It is a problem, said in words that have these among them.
+    async fn check(app: &TestApp, path: &str, status: u16, words: &str) {
+        let (got, problem) = read(app.get(&format!("/api/v1{path}")).await).await;
+        assert_eq!(got.as_u16(), status, "{path}: {problem}");
+        assert!(problem["detail"].as_str().unwrap().contains(words), "{path}: {problem}");
+    }
+
     fn ids(list: &serde_json::Value) -> Vec<u64> {
         list["missions"].as_array().unwrap().iter().filter_map(|mission| mission["id"].as_u64()).collect()
     }
@@ -309,9 +316,7 @@ mod tests {
             ("/missions/1/moment?at=x", 422, "`at` is \"x\""),
             ("/missions/1/moment?on=1", 422, "there is no `on`"),
         ] {
-            let (got, problem) = read(app.get(&format!("/api/v1{path}")).await).await;
-            assert_eq!(got.as_u16(), status, "{path}: {problem}");
-            assert!(problem["detail"].as_str().unwrap().contains(words), "{path}: {problem}");
+            check(&app, path, status, words).await;
         }
     }
 
@@ -371,9 +376,7 @@ mod tests {
             ("/missions/1/events?limit=1001", 422, "from 1 to 1000"),
             ("/missions/1/events?after=-1", 422, "`after` is \"-1\""),
         ] {
-            let (got, problem) = read(app.get(&format!("/api/v1{path}")).await).await;
-            assert_eq!(got.as_u16(), status, "{path}: {problem}");
-            assert!(problem["detail"].as_str().unwrap().contains(words), "{path}: {problem}");
+            check(&app, path, status, words).await;
         }
     }
 }

@@ -389,4 +389,6 @@ impl Driver for LineDriver {
 }
 
 #[cfg(test)]
+pub(super) mod testing;
+#[cfg(test)]
 mod tests;

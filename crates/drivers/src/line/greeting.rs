@@ -128,3 +128,6 @@ impl LineDriver {
         self.say_led();
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,9 +3,10 @@
 use std::time::Duration;
 
 use super::legs::LATENCY;
-use super::memory::{STEPS, Unheard};
+use super::memory::STEPS;
 use super::reckoning::{DRIFT, Drift};
 use super::room::{BORDER, REACHED};
+use super::unheard::Unheard;
 use super::{Aim, Leg, Stage, Then, VirtualRobot, Way};
 use hallsweep_core::event::{Obstacle, Piece, RobotEvent, Whereabouts};
 use hallsweep_core::units::{Cell, Heading, Pose};

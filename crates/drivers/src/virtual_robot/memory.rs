@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::contacts::SLOWEST;
 use super::reckoning::Reckoning;
+use super::unheard::Unheard;
 use super::{Aim, Dialect, VirtualRobot};
 use hallsweep_core::units::Heading;
 
@@ -17,14 +18,6 @@ pub(super) const STEPS: [Duration; 2] = [Duration::from_millis(20), Duration::fr
 
 /// Words that are longer are cut.
 const MOST: usize = 300;
-
-/// A step that nobody has heard the end of: which way, how far it was to go, and how far it has felt ahead since.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Unheard {
-    pub(super) towards: Heading,
-    pub(super) cells: f64,
-    pub(super) felt: f64,
-}
 
 #[derive(Serialize, Deserialize)]
 struct Remembered {

@@ -31,14 +31,15 @@ mod reckoning;
 mod room;
 mod task;
 mod touch;
+mod unheard;
 mod words;
 
 use greeting::GREETING;
 use leg::{Leg, Stage, Way};
-use memory::Unheard;
 use reckoning::Reckoning;
 pub use room::{Extent, Room, Thing};
 use task::{Aim, Task, Then};
+use unheard::Unheard;
 use words::{Command, Heard, Stream};
 
 /// How long a turn is asked for: it cannot be halted, so it is to be short (safety S5), and less looks wrong on the page.

@@ -60,46 +60,38 @@ fn assert_right_or_fault(rig: &mut Rig, end: PhaseName, what: &str) -> bool {
     true
 }
 
-#[test]
-fn stops_in_mid_step_are_gone_back_from_and_the_map_is_right() {
+/// How many of so many searches come to their end with the right map, disturbed so often; the others are in fault.
+fn right_of(seeds: u64, name: &str, times: u32, mut disturb: impl FnMut(&mut Rig, u64)) -> u32 {
     let mut right = 0;
-    for seed in 0..24_u64 {
-        let version = VERSIONS[usize::try_from(seed % 4).unwrap()];
-        let mut stream = RandomStream::new(seed, "stops");
+    for seed in 0..seeds {
+        let version = VERSIONS[usize::try_from(seed % 4).expect("it is small")];
+        let mut stream = RandomStream::new(seed, name);
         let mut rig = begun(version, Page::steady(), Strategy::Auto);
-        let end = disturbed(&mut rig, &mut stream, 12, |rig, _| rig.stop());
+        let end = disturbed(&mut rig, &mut stream, times, &mut disturb);
         right += u32::from(assert_right_or_fault(&mut rig, end, &format!("{version:?} seed {seed}")));
     }
+    right
+}
+
+#[test]
+fn stops_in_mid_step_are_gone_back_from_and_the_map_is_right() {
+    let right = right_of(24, "stops", 12, |rig, _| rig.stop());
     assert!(right >= 22, "{right} of 24 were explored to their end");
 }
 
 #[test]
 fn a_link_that_is_cut_in_mid_step_holds_the_mission_and_start_goes_on() {
-    let mut right = 0;
-    for seed in 0..24_u64 {
-        let version = VERSIONS[usize::try_from(seed % 4).unwrap()];
-        let mut stream = RandomStream::new(seed, "cuts");
-        let mut rig = begun(version, Page::steady(), Strategy::Auto);
-        let end = disturbed(&mut rig, &mut stream, 8, |rig, _| {
-            rig.cut();
-            assert!(rig.state().mission.holds.contains(&Hold::RobotLink));
-        });
-        right += u32::from(assert_right_or_fault(&mut rig, end, &format!("{version:?} seed {seed}")));
-    }
+    let right = right_of(24, "cuts", 8, |rig, _| {
+        rig.cut();
+        assert!(rig.state().mission.holds.contains(&Hold::RobotLink));
+    });
     // Eight times each, now and then in the very moment in which it is told to move, or while it meets something for the first time.
     assert!(right >= 16, "{right} of 24 were explored to their end");
 }
 
 #[test]
 fn a_program_that_is_killed_leaves_what_the_next_must_know() {
-    let mut right = 0;
-    for seed in 0..16_u64 {
-        let version = VERSIONS[usize::try_from(seed % 4).unwrap()];
-        let mut stream = RandomStream::new(seed, "kills");
-        let mut rig = begun(version, Page::steady(), Strategy::Auto);
-        let end = disturbed(&mut rig, &mut stream, 8, |rig, _| rig.kill_driver());
-        right += u32::from(assert_right_or_fault(&mut rig, end, &format!("{version:?} seed {seed}")));
-    }
+    let right = right_of(16, "kills", 8, |rig, _| rig.kill_driver());
     assert!(right >= 13, "{right} of 16 were explored to their end");
 }
 

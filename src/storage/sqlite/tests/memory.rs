@@ -189,3 +189,16 @@ fn how_a_mission_ended_is_known_when_its_entries_have_given_way() {
     let state = memory.archive().state(mission).unwrap().expect("it was there").of;
     assert_eq!((state.phase.clone(), state.luggage.len()), (Phase::Exploring, 1));
 }
+
+#[test]
+fn a_moment_whose_past_has_given_way_is_not_guessed() {
+    let mut memory = MemoryStore::new();
+    let (archive, mission) = (memory.archive(), MissionId(1));
+    record(&mut memory, [phase(), Entry { wall: WallTime::default(), fact: Fact::MissionBegan(mission, Strategy::Snail) }]);
+    assert!(archive.moment(mission, Seq(2)).unwrap().is_some());
+    record(&mut memory, (0..ENTRIES).map(|_| phase()).chain([standing(), phase()]));
+    record(&mut memory, (0..ENTRIES / 2).map(|_| phase()));
+    let first = archive.entries(mission, Seq(0), 1).unwrap()[0].0;
+    assert!(first > Seq(2), "the beginning is gone: {first}");
+    assert_eq!(archive.moment(mission, first), Ok(None));
+}

@@ -1,0 +1,193 @@
+//! Tests of the virtual robot's motions: what is not sent, not heard, heard too late, or refused.
+
+use super::super::Task;
+use super::*;
+use crate::Driver;
+use hallsweep_core::command::Move;
+use hallsweep_core::effect::{Action, Order};
+use hallsweep_core::units::{Epoch, Now, OrderId};
+
+struct Test {
+    robot: VirtualRobot,
+    now: Now,
+}
+
+impl Test {
+    fn connected() -> Test {
+        let robot = VirtualRobot::new(Dialect::Messages, Duration::from_millis(330));
+        let mut test = Test { robot, now: Now::default() };
+        test.robot.handle_connected(test.now);
+        test
+    }
+
+    /// Gives an order, and tells it that it was sent.
+    fn begin(&mut self, id: OrderId, action: Action) {
+        let deadline = Duration::from_secs(3);
+        self.robot.handle_order(Order { id, action, epoch: Epoch(0), deadline }, self.now);
+        assert!(matches!(self.robot.poll_output(), Some(Output::Send(_))));
+        self.robot.handle_sent(self.now);
+    }
+
+    fn passes(&mut self, time: Duration) {
+        self.now.since_start += time;
+        self.robot.handle_timeout(self.now);
+    }
+
+    fn last_event(&mut self) -> Option<RobotEvent> {
+        std::iter::from_fn(|| self.robot.poll_event()).last()
+    }
+}
+
+/// Safety S6: another client's turn was under way, so that ours was not begun.
+#[test]
+fn a_turn_that_was_refused_is_not_tried_again_after_a_halt() {
+    let mut test = Test::connected();
+    test.begin(OrderId(1), Action::Move(Move::TurnLeft));
+    test.robot.handle_halt(test.now);
+    test.robot.handle_received(br#"{"endmove":false,"move":"turnLeft_notallowed"}"#, test.now);
+    test.passes(AGAIN);
+    assert_eq!((test.robot.poll_output(), test.last_event()), (None, Some(RobotEvent::Halted(OrderId(1), false))));
+}
+
+/// Safety S6: it feels whether its step is complete, is halted, and the word of what it met comes then.
+#[test]
+fn what_is_met_in_the_moment_of_a_halt_sets_nothing_moving() {
+    let mut test = Test::connected();
+    test.begin(OrderId(1), Action::Move(Move::Forward));
+    test.passes(Duration::from_millis(200));
+    test.robot.handle_lost("the cable was pulled", test.now);
+    test.robot.handle_connected(test.now);
+    test.begin(OrderId(2), Action::Recentre);
+    test.passes(Duration::from_millis(90));
+    test.robot.handle_halt(test.now);
+    assert_eq!(test.robot.poll_output(), Some(Output::Send(Command::Alarm.as_message())));
+    test.robot.handle_received(br#"{"collision":"moveForward","target":"wallDown"}"#, test.now);
+    assert_eq!((test.robot.poll_output(), test.last_event()), (None, Some(RobotEvent::Halted(OrderId(2), true))));
+}
+
+/// Safety S6: the file was still being written when the link was lost, and STOP came when it was found again.
+#[test]
+fn what_has_not_gone_out_when_the_link_is_lost_never_goes_out() {
+    let mut test = Test::connected();
+    let order = Order { id: OrderId(1), action: Action::Move(Move::Forward), epoch: Epoch(0), deadline: Duration::from_secs(3) };
+    test.robot.handle_order(order, test.now);
+    test.robot.handle_lost("the cable was pulled", test.now);
+    test.robot.handle_connected(test.now);
+    test.robot.handle_halt(test.now);
+    assert_eq!(test.robot.poll_output(), None);
+    assert!(test.robot.lost.is_none() && !test.robot.off_centre, "it was not told to move");
+}
+
+#[test]
+fn what_was_going_out_when_the_link_was_lost_may_have_come() {
+    let mut test = Test::connected();
+    let order = Order { id: OrderId(1), action: Action::Move(Move::Forward), epoch: Epoch(0), deadline: Duration::from_secs(3) };
+    test.robot.handle_order(order, test.now);
+    assert!(matches!(test.robot.poll_output(), Some(Output::Send(_))), "and nobody says whether it was sent");
+    test.robot.handle_lost("it does not take what is sent", test.now);
+    assert!(test.robot.lost.is_some());
+}
+
+/// Every client hears of every refusal.
+#[test]
+fn a_refusal_of_another_programs_move_is_not_taken_for_ours() {
+    for (name, late) in [("moveBackward", 10), ("moveForward", 500)] {
+        let mut test = Test::connected();
+        test.robot.step = Duration::from_secs(1);
+        test.begin(OrderId(1), Action::Move(Move::Forward));
+        test.passes(Duration::from_millis(late));
+        let said = format!("{{\"endmove\":false,\"move\":\"{name}_notallowed\"}}");
+        test.robot.handle_received(said.as_bytes(), test.now);
+        assert!(test.robot.leg().is_some_and(|leg| matches!(leg.stage, Stage::Sent(_))), "{name} after {late} ms");
+    }
+}
+
+/// While a new connection is made the old one may still greet, since the server greets all when anybody connects.
+#[test]
+fn a_greeting_over_a_connection_that_is_given_up_begins_nothing() {
+    let mut test = Test { robot: VirtualRobot::new(Dialect::Semicolons, Duration::from_millis(330)), now: Now::default() };
+    let greet = |test: &mut Test| test.robot.handle_received(b";{\"type\":\"webpage-ready\"};", test.now);
+    test.robot.handle_connected(test.now);
+    greet(&mut test);
+    let order = Order { id: OrderId(1), action: Action::Move(Move::Forward), epoch: Epoch(0), deadline: Duration::from_secs(3) };
+    test.robot.handle_order(order, test.now);
+    greet(&mut test);
+    assert_eq!(test.robot.poll_output(), Some(Output::Reconnect));
+    assert_eq!(test.robot.poll_output(), None);
+    test.robot.handle_connected(test.now);
+    greet(&mut test);
+    assert!(matches!(test.robot.poll_output(), Some(Output::Send(_))));
+}
+
+const CONTACT: &[u8] = br#"{"collision":"moveForward","target":"wallDown"}"#;
+
+/// A step that is complete by the clock, with its end acknowledged.
+fn stepped() -> Test {
+    let mut test = Test::connected();
+    test.robot.latency = Some(Duration::ZERO);
+    test.begin(OrderId(1), Action::Move(Move::Forward));
+    test.robot.handle_received(br#"{"endmove":true,"move":"moveForward"}"#, test.now);
+    test.passes(Duration::from_secs(1));
+    assert_eq!(test.last_event(), Some(RobotEvent::Done(OrderId(1))));
+    test
+}
+
+/// Nobody had ordered anything when that was found out.
+#[test]
+fn of_a_word_that_came_too_late_whoever_orders_next_is_told() {
+    let mut test = stepped();
+    test.robot.handle_received(CONTACT, test.now);
+    assert_eq!(test.last_event(), None);
+    let order = Order { id: OrderId(2), action: Action::Move(Move::Forward), epoch: Epoch(0), deadline: Duration::from_secs(3) };
+    test.robot.handle_order(order, test.now);
+    assert!(matches!(test.last_event(), Some(RobotEvent::Failed(OrderId(2), words)) if words.contains("too late")));
+    assert_eq!(test.robot.poll_output(), None);
+}
+
+/// The file was still being written when that was found out.
+#[test]
+fn what_has_not_gone_out_when_the_robot_is_lost_never_goes_out() {
+    let mut test = stepped();
+    let order = Order { id: OrderId(2), action: Action::Move(Move::Forward), epoch: Epoch(0), deadline: Duration::from_secs(3) };
+    test.robot.handle_order(order, test.now);
+    test.robot.handle_received(CONTACT, test.now);
+    assert!(matches!(test.last_event(), Some(RobotEvent::Failed(OrderId(2), _))));
+    assert_eq!(test.robot.poll_output(), None);
+}
+
+#[test]
+fn one_that_is_lost_against_something_behind_it_is_not_taken_to_stand_before_what_is_ahead() {
+    for (backward, is_lost) in [(false, false), (true, true)] {
+        let mut test = Test::connected();
+        test.robot.reckoning.advance(Heading::South, 0.9);
+        test.robot.reckoning.meet(Some("wallDown"), Heading::South).expect("it is new");
+        test.robot.reckoning.advance(Heading::North, 0.9);
+        let way = Way::Straight {
+            towards: Heading::South,
+            cells: 1.0,
+            backward,
+            lasts: Duration::from_millis(330),
+            rest: 0.0,
+            before: Duration::ZERO,
+        };
+        let leg = Some(Leg::new(way, Stage::Sent(Duration::ZERO)));
+        let aim = Aim::Touch { is_certain: true, further: 0 };
+        test.robot.task =
+            Some(Task { order: OrderId(1), action: Action::Recentre, deadline: Duration::MAX, aim, leg, hindered: 0 });
+        test.now.since_start += Duration::from_secs(1);
+        test.robot.handle_lost("the cable was pulled", test.now);
+        assert_eq!(test.robot.lost.is_some(), is_lost, "backward: {backward}");
+    }
+}
+
+#[test]
+fn back_from_touching_or_gauging_a_recentring_is_done() {
+    for aim in [Aim::Return, Aim::Gauged] {
+        let mut test = Test::connected();
+        (test.robot.gauge, test.robot.gauged) = (Some(7.0), Duration::from_secs(3));
+        let (order, deadline) = (OrderId(1), Duration::MAX);
+        test.robot.task = Some(Task { order, action: Action::Recentre, deadline, aim, leg: None, hindered: 0 });
+        test.robot.go_back();
+        assert_eq!((test.robot.poll_output(), test.last_event()), (None, Some(RobotEvent::Done(order))), "{aim:?}");
+    }
+}
