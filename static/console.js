@@ -27,7 +27,9 @@ function listen() {
   stream?.close();
   stream = new EventSource("/console/live");
   stream.addEventListener("page", (event) => {
-    show(JSON.parse(event.data));
+    const message = JSON.parse(event.data);
+    if (time.isPast()) time.meanwhile(message);
+    else show(message);
     alive();
     if (openedSince >= STREAMS || document.hidden) stream.close();
   });
@@ -120,20 +122,23 @@ addEventListener("focus", () => openedSince >= STREAMS && join());
 
 /** Shows what changed. */
 function show(message) {
-  ahead = message.now - Date.now();
-  at("hall").setAttribute("viewBox", message.view);
+  if (!message.then) ahead = message.now - Date.now();
   const piece = at("inspect").dataset.luggage;
   const here = document.activeElement;
   for (const [id, markup] of Object.entries(message.parts)) {
-    if (/^(hall-|tile_|pieces_)/.test(id)) draw(id, markup);
+    if (/^(hall-|tile_|pieces_|pins_|time_)/.test(id)) draw(id, markup);
     else morph(id, markup);
   }
   if (message.whole) {
-    for (const part of [...at("tiles").children, ...at("pieces").children]) if (!(part.id in message.parts)) part.remove();
+    for (const layer of Object.values(LAYERS)) for (const part of [...at(layer).children]) if (!(part.id in message.parts)) part.remove();
     at("confirm-yes").disabled = at("confirm-no").disabled = false;
   }
-  if (document.title !== message.title) document.title = message.title;
-  at("revision").textContent = message.revision;
+  hall.bounds(message.view);
+  time.shown(message);
+  if (!message.then) {
+    if (document.title !== message.title) document.title = message.title;
+    at("revision").textContent = message.revision;
+  }
   if (at("inspect").dataset.luggage !== piece) otherPiece();
   if (answered && message.revision >= answered.revision) goOn();
   else if (here !== document.body && isDead(here)) lead();
@@ -147,13 +152,16 @@ function otherPiece() {
   if (at("confirm").dataset.id) unask();
 }
 
+/** Where a piece of the picture goes that was not there before, by the beginning of its id. */
+const LAYERS = { tile: "tiles", pieces: "pieces", pins: "pins", time: "times" };
+
 /** Replaces a piece of the picture; the robot keeps its element, so that it glides instead of jumping. */
 function draw(id, markup) {
   const old = at(id);
   if (!markup) return old?.remove();
   const parsed = new DOMParser().parseFromString(`<svg xmlns="http://www.w3.org/2000/svg">${markup}</svg>`, "image/svg+xml");
   const fresh = document.importNode(parsed.documentElement.firstElementChild, true);
-  if (!old) at(id.startsWith("tile_") ? "tiles" : "pieces").append(fresh);
+  if (!old) at(LAYERS[id.split("_")[0]]).append(fresh);
   else if (id === "hall-robot") {
     for (const { name, value } of fresh.attributes) old.setAttribute(name, value);
     old.replaceChildren(...fresh.childNodes);
@@ -316,7 +324,7 @@ function ask(form) {
 }
 
 let asked = null;
-const rest = () => document.querySelectorAll(".skip, .ask, .field, .retrieval, .controls, .below");
+const rest = () => document.querySelectorAll(".skip, #actions, .ask, .field, .retrieval, #time, .controls, footer");
 
 /** Takes the question back. */
 function unask() {
@@ -331,16 +339,6 @@ at("confirm-no").addEventListener("click", unask);
 // Escape is STOP; a question that is open is thereby taken back.
 document.addEventListener("keydown", (event) => event.key === "Escape" && unask(), { capture: true });
 
-// ---- reading the picture -------------------------------------------------------------------------------------------------
-
-at("hall").addEventListener("pointermove", (event) => {
-  const matrix = at("hall").getScreenCTM();
-  if (!matrix) return;
-  const point = new DOMPoint(event.clientX, event.clientY).matrixTransform(matrix.inverse());
-  at("pointer").textContent = `column ${Math.floor(point.x / 10)}, row ${Math.floor(point.y / 10)}`;
-});
-at("hall").addEventListener("pointerleave", () => (at("pointer").textContent = ""));
-
 root.dataset.live = "opening";
 glide(at("hall-robot"));
-join();
+addEventListener("DOMContentLoaded", join); // when hall.js and time.js are there as well

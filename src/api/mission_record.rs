@@ -148,7 +148,7 @@ impl MomentJson {
             luggage: state.luggage.iter().map(|luggage| LuggageJson::from(&**luggage)).collect(),
             map: MapJson::from(Plan::from(state)),
             damage,
-            links: MomentLinks { events: format!("{events}?after={seq}"), page: format!("{page}?at={seq}") },
+            links: MomentLinks { events: format!("{events}?after={seq}"), page: format!("{page}/moment?at={seq}") },
         }
     }
 }

@@ -4,9 +4,10 @@
 use std::sync::Arc;
 
 use hallsweep_core::effect::Entry;
+use hallsweep_core::engine::Past;
 use hallsweep_core::event::Photo;
 use hallsweep_core::state::PersistentState;
-use hallsweep_core::units::{Celsius, LuggageId, MissionId, Seq, WallTime};
+use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
 use hallsweep_core::world::luggage::Luggage;
 
 /// Reading failed; why, in words for an operator.
@@ -43,17 +44,24 @@ pub struct MissionRecord {
     pub left: Vec<LuggageId>,
 }
 
+/// A moment of a mission: after its last entry up to this one, or up to this time; before its first, after that.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum At {
+    Entry(Seq),
+    /// In milliseconds since 1970.
+    Time(i64),
+}
+
 /// How a mission stood after one of its entries.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moment {
-    /// The entry, the one of the mission before it, and when it was written.
-    pub seq: Seq,
-    pub earlier: Option<Seq>,
+    /// What is on record of it, and what of that cannot be understood.
+    pub past: Sound<Past>,
+    /// When its entry was written.
     pub wall: WallTime,
-    /// Everything that follows from the entries up to it.
-    pub state: Sound<PersistentState>,
-    /// The last reading of the temperature before, of whatever source.
-    pub temperature: Option<Celsius>,
+    /// The entries of the mission before and behind it.
+    pub earlier: Option<Seq>,
+    pub later: Option<Seq>,
 }
 
 /// What is kept and can be read back. Object-safe: the store in memory and the one on disk both are one.
@@ -72,12 +80,16 @@ pub trait Archive: Send + Sync {
     /// What stood when a mission was put away, or stands now: its map and its luggage with it.
     fn state(&self, mission: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable>;
 
-    /// How a mission stood after its last entry that is not behind `at`; nothing where it has none, or where those from which it follows are
-    /// not kept any more.
-    fn moment(&self, mission: MissionId, at: Seq) -> Result<Option<Moment>, Unreadable>;
+    /// How a mission stood at these moments, in their order; their maps share what is the same. Nothing where one of them is before the
+    /// first entry that is asked for by its place, or where those from which it follows are not kept any more.
+    fn moments(&self, mission: MissionId, at: &[At]) -> Result<Vec<Moment>, Unreadable>;
 
     /// The entries of a mission after `after`, oldest first, at most `most`.
     fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable>;
+
+    /// The entries of a mission after `after` that stand on the line of time, oldest first, at most `most`: phases, holds, temperatures,
+    /// luggage, verdicts, alarms, commands, stages of a retrieval, and when the program began and ended.
+    fn timeline(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable>;
 
     /// What the last thousands of entries of a mission tell of its retrieval, and of what held it, oldest first, at most `most`.
     fn retrieval(&self, mission: MissionId, most: usize) -> Result<Vec<Happened>, Unreadable>;

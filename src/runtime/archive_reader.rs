@@ -54,7 +54,7 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     use super::*;
-    use crate::runtime::archive::{Happened, MissionRecord, Moment, Sound};
+    use crate::runtime::archive::{At, Happened, MissionRecord, Moment, Sound};
     use hallsweep_core::event::Photo;
     use hallsweep_core::state::PersistentState;
     use hallsweep_core::units::{LuggageId, MissionId, Seq};
@@ -84,8 +84,12 @@ mod tests {
             Ok(None)
         }
 
-        fn moment(&self, _: MissionId, _: Seq) -> Result<Option<Moment>, Unreadable> {
-            Ok(None)
+        fn moments(&self, _: MissionId, _: &[At]) -> Result<Vec<Moment>, Unreadable> {
+            Ok(Vec::new())
+        }
+
+        fn timeline(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<Happened>, Unreadable> {
+            Ok(Vec::new())
         }
 
         fn entries(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<Happened>, Unreadable> {

@@ -10,6 +10,7 @@ mod every_way;
 mod halls;
 mod mortal;
 mod operator;
+mod past;
 mod public_maps;
 mod random_commands;
 mod random_halls;

@@ -15,7 +15,7 @@ struct Asset {
     text: &'static str,
 }
 
-static ASSETS: [Asset; 12] = [
+static ASSETS: [Asset; 14] = [
     Asset {
         path: "/static/console.css",
         media_type: "text/css; charset=utf-8",
@@ -25,6 +25,16 @@ static ASSETS: [Asset; 12] = [
         path: "/static/console.js",
         media_type: "text/javascript; charset=utf-8",
         text: include_str!("../../../static/console.js"),
+    },
+    Asset {
+        path: "/static/hall.js",
+        media_type: "text/javascript; charset=utf-8",
+        text: include_str!("../../../static/hall.js"),
+    },
+    Asset {
+        path: "/static/time.js",
+        media_type: "text/javascript; charset=utf-8",
+        text: include_str!("../../../static/time.js"),
     },
     Asset {
         path: "/static/stop.js",

@@ -18,7 +18,7 @@ use crate::api::mission_record::{
 };
 use crate::api::retrieval_record::RetrievalRecordJson;
 use crate::api::time::rfc3339;
-use crate::runtime::archive::{Happened, MissionRecord, Moment, Sound};
+use crate::runtime::archive::{Archive, At, Happened, MissionRecord, Moment, Sound, Unreadable};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{MissionId, Seq};
@@ -64,8 +64,10 @@ pub(super) async fn moment(
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     query.only(&["at"])?;
-    let Moment { seq, wall, state, temperature, .. } = stood(&door, id, at(&query)?.unwrap_or(Seq(MOST))).await?;
-    let moment = MomentJson::new(MissionId(id), (seq, wall), &state.of, temperature, state.damage);
+    let at = At::Entry(at(&query)?.unwrap_or(Seq(MOST)));
+    let [Moment { past: Sound { of: past, damage }, wall, .. }] = stood(&door, id, [at]).await?;
+    let celsius = past.readings.last().map(|(_, celsius)| *celsius);
+    let moment = MomentJson::new(MissionId(id), (past.seq, wall), &past.state, celsius, damage);
     Ok(by_content(&headers, JSON, json(&moment)))
 }
 
@@ -74,19 +76,27 @@ pub(super) fn at(query: &Query) -> Result<Option<Seq>, Problem> {
     Ok(query.count("at", 1..=MOST)?.map(Seq))
 }
 
-/// How a mission stood after its last entry up to this one.
-pub(super) async fn stood(door: &HttpDoor, id: u64, at: Seq) -> Result<Moment, Problem> {
+/// How a mission stood at these moments.
+pub(super) async fn stood<const N: usize>(door: &HttpDoor, id: u64, at: [At; N]) -> Result<[Moment; N], Problem> {
     let mission = MissionId(id);
     let found = door.archive.look_up(move |archive| match archive.mission(mission)? {
-        Some(_) => archive.moment(mission, at).map(Some),
+        Some(_) => archive.moments(mission, &at).map(Some),
         None => Ok(None),
     });
-    let moment = found.await?.ok_or_else(|| unknown(id))?;
-    moment.ok_or_else(|| {
-        Problem::not_found(format!(
-            "how mission {id} stood at entry {at} is not kept: it has no entry so early, or none any more"
-        ))
-    })
+    let moments = found.await?.ok_or_else(|| unknown(id))?;
+    let unkept = |_| format!("how mission {id} stood then is not kept: it has no entry so early, or none any more");
+    moments.try_into().map_err(|moments| Problem::not_found(unkept(moments)))
+}
+
+/// `GET missions/{id}/timeline`: those of its events that stand on the line of time, oldest first.
+pub(super) async fn timeline(
+    State(door): State<HttpDoor>,
+    Number(id): Number,
+    query: Query,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    listed(&door, id, &query, &headers, ("timeline", |archive, mission, after, most| archive.timeline(mission, after, most)))
+        .await
 }
 
 /// `GET missions/{id}/events`, oldest first.
@@ -96,12 +106,30 @@ pub(super) async fn events(
     query: Query,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
+    listed(&door, id, &query, &headers, ("events", entries)).await
+}
+
+/// Which entries a list is of.
+pub(super) type Which = fn(&dyn Archive, MissionId, Seq, usize) -> Result<Vec<Happened>, Unreadable>;
+
+fn entries(archive: &dyn Archive, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
+    archive.entries(mission, after, most)
+}
+
+/// A list of what happened in a mission, which goes on under this name.
+async fn listed(
+    door: &HttpDoor,
+    id: u64,
+    query: &Query,
+    headers: &HeaderMap,
+    (name, which): (&str, Which),
+) -> Result<Response, Problem> {
     query.only(&["after", "limit"])?;
     let limit = query.count("limit", 1..=EVENTS)?.unwrap_or(EVENTS);
-    let (entries, next) = happened(&door, id, after(&query)?, limit).await?;
-    let next = next.map(|after| format!("{}?after={after}&limit={limit}", Links::of(MissionId(id)).events));
+    let (entries, next) = of_these(door, id, after(query)?, limit, which).await?;
+    let next = next.map(|after| format!("{}/{name}?after={after}&limit={limit}", Links::of(MissionId(id)).itself));
     let entries = entries.into_iter().map(|(seq, entry)| (seq, entry.map_err(|unreadable| unreadable.0))).collect();
-    Ok(by_content(&headers, JSON, events_json(MissionId(id), entries, next)))
+    Ok(by_content(headers, JSON, events_json(MissionId(id), entries, next)))
 }
 
 /// `GET missions/{id}/map`, as JSON or as the text of old clients.
@@ -186,9 +214,20 @@ pub(super) async fn recorded(door: &HttpDoor, id: u64) -> Result<RecordedMission
 
 /// What happened in a mission after an entry, oldest first, and after which entry the next page begins.
 pub(super) async fn happened(door: &HttpDoor, id: u64, after: Seq, limit: u64) -> Result<(Vec<Happened>, Option<Seq>), Problem> {
+    of_these(door, id, after, limit, entries).await
+}
+
+/// The same of some kinds of entries.
+pub(super) async fn of_these(
+    door: &HttpDoor,
+    id: u64,
+    after: Seq,
+    limit: u64,
+    which: Which,
+) -> Result<(Vec<Happened>, Option<Seq>), Problem> {
     let (mission, limit) = (MissionId(id), count(limit));
     let found = door.archive.look_up(move |archive| match archive.mission(mission)? {
-        Some(_) => archive.entries(mission, after, limit + 1).map(Some),
+        Some(_) => which(archive, mission, after, limit + 1).map(Some),
         None => Ok(None),
     });
     let mut entries = found.await?.ok_or_else(|| unknown(id))?;

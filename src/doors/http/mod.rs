@@ -52,6 +52,7 @@ use crate::doors::room::Room;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
 use crate::runtime::handle::Handle;
+use hallsweep_core::settings::Settings;
 
 /// Streams open at once, the console's and the interface's together: every screen of a site, and a bound on what strangers cost.
 pub const STREAMS: usize = 256;
@@ -76,6 +77,9 @@ pub struct HttpDoor {
     cell_m: Option<f64>,
     robots: RobotsBySettings,
     began: Arc<console::Began>,
+    timelines: Arc<console::Timelines>,
+    /// By which the core decides what is too hot.
+    settings: Settings,
 }
 
 impl HttpDoor {
@@ -98,6 +102,8 @@ impl HttpDoor {
             cell_m: None,
             robots: RobotsBySettings::default(),
             began: Arc::default(),
+            timelines: Arc::default(),
+            settings: Settings::default(),
         }
     }
 
@@ -127,6 +133,11 @@ impl HttpDoor {
     pub fn with_robots(self, robots: Vec<(String, &'static str, Option<String>)>) -> HttpDoor {
         let set = robots.into_iter().map(|(name, kind, address)| (name, RobotBySettings { kind, address }));
         HttpDoor { robots: set.collect(), ..self }
+    }
+
+    /// The same, before a core with these settings.
+    pub fn with_settings(self, settings: Settings) -> HttpDoor {
+        HttpDoor { settings, ..self }
     }
 
     /// Ends every open stream at once, and every one opened from now on.

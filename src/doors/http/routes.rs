@@ -51,6 +51,8 @@ fn for_anybody() -> Vec<Row> {
         post("/sign-out", Nothing, sign_in::sign_out),
         get("/static/console.css", Nothing, assets::file),
         get("/static/console.js", Nothing, assets::file),
+        get("/static/hall.js", Nothing, assets::file),
+        get("/static/time.js", Nothing, assets::file),
         get("/static/stop.js", Nothing, assets::file),
         get("/static/laboratory.css", Nothing, assets::file),
         get("/static/laboratory.js", Nothing, assets::file),
@@ -100,6 +102,7 @@ fn changes_and_past() -> Vec<Row> {
         get("/api/v1/missions/{id}", See, missions::mission),
         get("/api/v1/missions/{id}/moment", See, missions::moment),
         get("/api/v1/missions/{id}/events", See, missions::events),
+        get("/api/v1/missions/{id}/timeline", See, missions::timeline),
         get("/api/v1/missions/{id}/map", See, missions::map),
         get("/api/v1/missions/{id}/retrieval", See, missions::retrieval),
     ]
@@ -143,9 +146,11 @@ fn page() -> Vec<Row> {
         get("/", See, console::page),
         get("/missions", See, console::missions::list),
         get("/missions/{id}", See, console::missions::one),
+        get("/missions/{id}/moment", See, console::moments::page),
         get("/missions/{id}/retrieval", See, console::replay::page),
         get("/luggage/{id}", See, console::photo::page),
         get("/console/live", See, console::live),
+        get("/console/missions/{id}/moment", See, console::moments::message),
         get("/console/confirm/danger/{id}", Act, console::confirm_danger),
         get("/console/confirm/reset", Act, console::confirm_reset),
     ]

@@ -16,12 +16,13 @@ use tower_service::Service;
 use super::gate::Peer;
 use super::{Hosts, HttpDoor, router};
 use crate::access::{Access, Keyring, Keys, OPERATOR, Role};
-use crate::runtime::archive::{Archive, Happened, MissionRecord, Moment, Sound, Unreadable};
+use crate::runtime::archive::{Archive, At, Happened, MissionRecord, Moment, Sound, Unreadable};
 use crate::runtime::archive_reader::Reader;
 pub(super) use crate::runtime::obedient::Noted;
 use crate::runtime::obedient::{Script, obedient};
 use crate::runtime::within::within;
 use hallsweep_core::command::{self, Refused};
+use hallsweep_core::effect::Fact;
 use hallsweep_core::event::Photo;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{LuggageId, MissionId, Seq};
@@ -65,8 +66,14 @@ impl Archive for Pictures {
         Ok((mission == MissionId(1)).then(past::state).map(|of| Sound { of, damage: vec![past::DAMAGE.to_owned()] }))
     }
 
-    fn moment(&self, mission: MissionId, at: Seq) -> Result<Option<Moment>, Unreadable> {
-        Ok(past::moment(at).filter(|_| mission == MissionId(1)))
+    fn moments(&self, mission: MissionId, at: &[At]) -> Result<Vec<Moment>, Unreadable> {
+        let moments: Option<Vec<Moment>> = at.iter().map(|at| past::moment(*at)).collect();
+        Ok(moments.filter(|_| mission == MissionId(1)).unwrap_or_default())
+    }
+
+    fn timeline(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
+        let on_it = |(_, entry): &Happened| entry.as_ref().map_or(true, |entry| !matches!(entry.fact, Fact::Pose(_)));
+        Ok(self.entries(mission, after, usize::MAX)?.into_iter().filter(on_it).take(most).collect())
     }
 
     fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {

@@ -11,10 +11,10 @@ use super::fault::{Fault, Then, count};
 use super::folder::Folder;
 use super::memory::{self, MemoryJournal};
 use super::photos::Pictures;
-use super::rows::{self, EntryFilter};
-use super::{connect, project, recall};
+use super::rows::{self, EntryFilter, Kinds};
+use super::{connect, moments, project, recall};
 use crate::api::journal::{self, Picture};
-use crate::runtime::archive::{Archive, Happened, MissionRecord, Moment, Sound, Unreadable};
+use crate::runtime::archive::{Archive, At, Happened, MissionRecord, Moment, Sound, Unreadable};
 use hallsweep_core::command::Verdict;
 use hallsweep_core::event::Photo;
 use hallsweep_core::state::PersistentState;
@@ -159,22 +159,11 @@ impl Archive for SqliteArchive {
         })
     }
 
-    fn moment(&self, mission: MissionId, at: Seq) -> Result<Option<Moment>, Unreadable> {
+    fn moments(&self, mission: MissionId, at: &[At]) -> Result<Vec<Moment>, Unreadable> {
         if i64::try_from(mission.0).is_err() {
-            return Ok(None);
+            return Ok(Vec::new());
         }
-        let at = Seq(at.0.min(i64::MAX.unsigned_abs()));
-        self.ask(|connection| {
-            let Some((seq, wall)) = rows::last_of(connection, mission, at)? else { return Ok(None) };
-            let before = Some(seq.next());
-            if rows::last_standing(connection, before)?.is_none() && rows::first(connection)? > Some(Seq(1)) {
-                return Ok(None);
-            }
-            let words = |fault: &Fault| fault.words_of_an_entry(self.path());
-            let state = recall::standing_of(connection, mission, before, words)?;
-            let earlier = rows::last_of(connection, mission, Seq(seq.0.saturating_sub(1)))?.map(|(seq, _)| seq);
-            Ok(Some(Moment { seq, earlier, wall, state, temperature: rows::last_temperature(connection, seq)? }))
-        })
+        self.ask(|connection| moments::moments(connection, mission, at, |fault| fault.words_of_an_entry(self.path())))
     }
 
     fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
@@ -187,14 +176,24 @@ impl Archive for SqliteArchive {
         })
     }
 
+    fn timeline(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
+        if i64::try_from(mission.0.max(after.0)).is_err() {
+            return Ok(Vec::new());
+        }
+        self.ask(|connection| {
+            let (after, kinds) = (Some(after), Kinds::Timeline);
+            let which = EntryFilter { after, mission: Some(mission), kinds, most: Some(most), ..EntryFilter::default() };
+            self.happened(connection, which)
+        })
+    }
+
     fn retrieval(&self, mission: MissionId, most: usize) -> Result<Vec<Happened>, Unreadable> {
         if i64::try_from(mission.0).is_err() {
             return Ok(Vec::new());
         }
         self.ask(|connection| {
-            let after = rows::before_the_last(connection, Some(mission), SEARCHED)?;
-            let which =
-                EntryFilter { after, mission: Some(mission), most: Some(most), retrieval: true, ..EntryFilter::default() };
+            let (after, kinds) = (rows::before_the_last(connection, Some(mission), SEARCHED)?, Kinds::Retrieval);
+            let which = EntryFilter { after, mission: Some(mission), kinds, most: Some(most), ..EntryFilter::default() };
             self.happened(connection, which)
         })
     }

@@ -18,6 +18,7 @@ mod fault;
 mod folder;
 mod marker;
 mod memory;
+mod moments;
 mod pages;
 mod photos;
 mod project;

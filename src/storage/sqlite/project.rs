@@ -4,7 +4,7 @@
 use rusqlite::{Connection, Params, params};
 
 use super::fault::{Fault, count, whole};
-use super::rows::{self, EntryFilter};
+use super::rows::{self, EntryFilter, Kinds};
 use crate::api::journal::{self, Line, Picture};
 use hallsweep_core::effect::Fact;
 use hallsweep_core::mission::Phase;
@@ -51,7 +51,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
 pub(super) fn rebuild(connection: &Connection) -> Result<u64, Fault> {
     connection.execute_batch("DELETE FROM luggage; DELETE FROM photos; DELETE FROM missions;")?;
     let mut entries = 0;
-    rows::each(connection, EntryFilter { milestones: true, ..EntryFilter::default() }, |_, line| {
+    rows::each(connection, EntryFilter { kinds: Kinds::Milestones, ..EntryFilter::default() }, |_, line| {
         entries += 1;
         project(connection, &line?)
     })?;

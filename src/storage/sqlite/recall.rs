@@ -8,8 +8,7 @@ use rusqlite::{Connection, ErrorCode};
 use super::connect;
 use super::fault::Fault;
 use super::folder::Folder;
-use super::rows::{self, EntryFilter};
-use crate::api::journal::Line;
+use super::rows::{self, EntryFilter, Kinds};
 use crate::api::journal_words;
 use crate::runtime::archive::Sound;
 use hallsweep_core::effect::{Entry, Fact};
@@ -42,8 +41,14 @@ pub(super) fn recall(folder: &Folder, lost_after: Option<Seq>) -> Result<Option<
     }
     let state = state(&connection, written)?;
     let commands = repeatable(&connection, written)?;
-    let latest = rows::latest(&connection, written, LATEST, LATEST_AMONG)?.iter().map(remembered).collect();
+    let latest = latest(&connection, written)?;
     Ok(Some(Recalled { state, written, commands, latest }))
+}
+
+/// The latest of what people did and what was found up to this entry, oldest first.
+pub(super) fn latest(connection: &Connection, written: Seq) -> Result<Vec<Remembered>, Fault> {
+    let latest = rows::latest(connection, Kinds::Told, written, LATEST, LATEST_AMONG)?;
+    Ok(latest.iter().map(remembered).collect())
 }
 
 /// What people did and what was found, as a line of the log.
@@ -57,7 +62,9 @@ fn remembered(entry: &Entry) -> Remembered {
 /// What stands after all entries up to `written`.
 fn state(connection: &Connection, written: Seq) -> Result<PersistentState, Fault> {
     let mut state = PersistentState::first(Strategy::default());
-    each_from_standing(connection, rows::last_standing(connection, Some(written.next()))?, Some(written.next()), |line| {
+    let before = Some(written.next());
+    let after = rows::last_standing(connection, before)?.map(|seq| Seq(seq.0.saturating_sub(1)));
+    rows::each(connection, EntryFilter { after, before, ..EntryFilter::default() }, |_, line| {
         state.apply(&line?.entry);
         Ok(())
     })?;
@@ -72,10 +79,22 @@ pub(super) fn standing_of(
     before: Option<Seq>,
     words: impl Fn(&Fault) -> String,
 ) -> Result<Sound<PersistentState>, Fault> {
-    let mut state = PersistentState::first(Strategy::default());
-    let mut damage = Damage { words, said: Vec::new(), more: 0 };
-    let from = sound_standing(connection, before)?;
-    each_from_standing(connection, from, before, |line| {
+    let first = Sound { of: PersistentState::first(Strategy::default()), damage: Vec::new() };
+    let from = sound_standing(connection, before)?.map(|seq| Seq(seq.0.saturating_sub(1)));
+    go_on(connection, mission, first, (from, before), words)
+}
+
+/// What stands of a mission after further entries, those behind the first and before the second bound, as far as they can be understood.
+pub(super) fn go_on(
+    connection: &Connection,
+    mission: MissionId,
+    from: Sound<PersistentState>,
+    (after, before): (Option<Seq>, Option<Seq>),
+    words: impl Fn(&Fault) -> String,
+) -> Result<Sound<PersistentState>, Fault> {
+    let Sound { of: mut state, damage } = from;
+    let mut damage = Damage { words, said: damage, more: 0 };
+    rows::each(connection, EntryFilter { after, before, ..EntryFilter::default() }, |_, line| {
         let line = match line {
             Ok(line) => line,
             // SQLite itself does not get on: then nothing behind it is known either.
@@ -114,17 +133,6 @@ fn sound_standing(connection: &Connection, before: Option<Seq>) -> Result<Option
     Ok(from)
 }
 
-/// Walks over the entries from this one that says everything that stands.
-fn each_from_standing(
-    connection: &Connection,
-    from: Option<Seq>,
-    before: Option<Seq>,
-    mut visit: impl FnMut(Result<Line, Fault>) -> Result<(), Fault>,
-) -> Result<(), Fault> {
-    let after = from.map(|seq| Seq(seq.0.saturating_sub(1)));
-    rows::each(connection, EntryFilter { after, before, ..EntryFilter::default() }, |_, line| visit(line))
-}
-
 struct Damage<W> {
     words: W,
     said: Vec<String>,
@@ -153,7 +161,7 @@ fn repeatable(connection: &Connection, written: Seq) -> Result<Vec<Entry>, Fault
     let mut commands = Vec::new();
     let after = rows::before_the_last_named(connection, written, IDS as u64)?;
     let before = Some(written.next());
-    rows::each(connection, EntryFilter { after, before, named: true, ..EntryFilter::default() }, |_, line| {
+    rows::each(connection, EntryFilter { after, before, kinds: Kinds::Named, ..EntryFilter::default() }, |_, line| {
         commands.push(line?.entry);
         Ok(())
     })?;

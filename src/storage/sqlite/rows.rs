@@ -6,8 +6,8 @@ use rusqlite::{Connection, OptionalExtension, Params, Row, params, params_from_i
 use super::fault::{Fault, count, whole};
 use crate::api::journal::{self, Line};
 use hallsweep_core::command::Verdict;
-use hallsweep_core::effect::{Entry, Fact};
-use hallsweep_core::units::{Celsius, LuggageId, MissionId, Seq, WallTime};
+use hallsweep_core::effect::Entry;
+use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
 
 /// The columns of an entry, in the order in which `line` takes them.
 const COLUMNS: &str = "seq, mission, at_ms, offset_s, kind, body";
@@ -18,22 +18,58 @@ const NAMED: &str = "kind = 'command' AND iif(json_valid(body), body ->> 'id', N
 /// and take it it must: without it every entry would be looked at.
 const BY_NAME: &str = "INDEXED BY named_commands";
 
-/// A reading among so many entries is looked for, which takes milliseconds.
-const NOT_LONG: u64 = 20_000;
-
 /// Which entries are meant; all of them, when nothing is said.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct EntryFilter {
     pub(super) after: Option<Seq>,
     pub(super) before: Option<Seq>,
     pub(super) mission: Option<MissionId>,
-    /// Only commands that carry an id.
-    pub(super) named: bool,
-    /// Only those from which the projections follow.
-    pub(super) milestones: bool,
-    /// Only those that tell of a retrieval.
-    pub(super) retrieval: bool,
+    pub(super) kinds: Kinds,
     pub(super) most: Option<usize>,
+}
+
+/// Which kinds of entries are meant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Kinds {
+    #[default]
+    All,
+    /// Only commands that carry an id.
+    Named,
+    /// Only those from which the projections follow.
+    Milestones,
+    /// Only those that tell of a retrieval.
+    Retrieval,
+    /// Only those that stand on the line of time.
+    Timeline,
+    /// Only those that say what people did and what was found.
+    Told,
+    /// Only temperatures.
+    Temperatures,
+    /// Only those from which the way behind the robot follows: where it stood, and where a way begins anew.
+    Way,
+}
+
+impl Kinds {
+    const fn condition(self) -> Option<&'static str> {
+        match self {
+            Kinds::All => None,
+            Kinds::Named => Some(NAMED),
+            Kinds::Milestones => {
+                Some("kind IN ('standing', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'verdict', 'secured')")
+            }
+            Kinds::Retrieval => Some("kind IN ('retrieval', 'holds', 'alarmRaised', 'alarmAcknowledged', 'secured', 'phase')"),
+            Kinds::Timeline => Some(
+                "kind IN ('missionBegan', 'missionArchived', 'phase', 'holds', 'temperature', 'luggage', 'verdict', 'secured',
+                 'alarmRaised', 'alarmAcknowledged', 'command', 'strategy', 'retrieval', 'programStarted', 'programEnded')",
+            ),
+            Kinds::Told => Some(
+                "kind IN ('command', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'verdict', 'alarmRaised',
+                 'alarmAcknowledged', 'programEnded')",
+            ),
+            Kinds::Temperatures => Some("kind = 'temperature'"),
+            Kinds::Way => Some("kind IN ('pose', 'programStarted', 'missionBegan', 'mapEmptied', 'strategy')"),
+        }
+    }
 }
 
 /// Writes an entry. One that is there already is a fault.
@@ -64,20 +100,21 @@ pub(super) fn first(connection: &Connection) -> Result<Option<Seq>, Fault> {
     Ok(first.map(|seq| Seq(count(seq))))
 }
 
-/// The last entry of a mission that is not behind `most`, and when it was written.
+/// The entry of a mission that is the last up to this one, and when it was written.
 pub(super) fn last_of(connection: &Connection, mission: MissionId, most: Seq) -> Result<Option<(Seq, WallTime)>, Fault> {
-    let sql = "SELECT seq, at_ms, offset_s FROM events WHERE mission = ?1 AND seq <= ?2 ORDER BY seq DESC LIMIT 1";
-    let read = |row: &Row<'_>| Ok((Seq(count(row.get(0)?)), WallTime { unix_ms: row.get(1)?, offset_s: row.get(2)? }));
-    Ok(connection.prepare_cached(sql)?.query_row([whole(mission.0)?, whole(most.0)?], read).optional()?)
+    one_of(connection, "mission = ?1 AND seq <= ?2 ORDER BY seq DESC", mission, most)
 }
 
-/// The last reading of a temperature up to this entry that can be understood, if there was one not long before.
-pub(super) fn last_temperature(connection: &Connection, most: Seq) -> Result<Option<Celsius>, Fault> {
-    let sql = "SELECT body FROM events WHERE seq > ?1 AND seq <= ?2 AND kind = 'temperature' ORDER BY seq DESC LIMIT 1";
-    let bounds = [whole(most.0.saturating_sub(NOT_LONG))?, whole(most.0)?];
-    let body: Option<String> = connection.prepare_cached(sql)?.query_row(bounds, |row| row.get(0)).optional()?;
-    let fact = body.and_then(|body| journal::read_body(&body).ok()).map(|(fact, _)| fact);
-    Ok(if let Some(Fact::Temperature(_, celsius)) = fact { Some(celsius) } else { None })
+/// The entry of a mission that is the first from this one on, and when it was written.
+pub(super) fn first_of(connection: &Connection, mission: MissionId, least: Seq) -> Result<Option<(Seq, WallTime)>, Fault> {
+    one_of(connection, "mission = ?1 AND seq >= ?2 ORDER BY seq", mission, least)
+}
+
+fn one_of(connection: &Connection, which: &str, mission: MissionId, bound: Seq) -> Result<Option<(Seq, WallTime)>, Fault> {
+    let sql = format!("SELECT seq, at_ms, offset_s FROM events WHERE {which} LIMIT 1");
+    let read = |row: &Row<'_>| Ok((Seq(count(row.get(0)?)), WallTime { unix_ms: row.get(1)?, offset_s: row.get(2)? }));
+    let mut statement = connection.prepare_cached(&sql)?;
+    Ok(statement.query_row([whole(mission.0)?, whole(bound.0)?], read).optional()?)
 }
 
 /// The place of the last entry that says everything that stands, before `before`.
@@ -94,18 +131,22 @@ pub(super) fn before_the_last(connection: &Connection, mission: Option<MissionId
     place(connection, sql, values)
 }
 
-/// The latest entries that say what people did and what was found, oldest first: at most `most`, of the last `searched`.
-pub(super) fn latest(connection: &Connection, written: Seq, most: usize, searched: u64) -> Result<Vec<Entry>, Fault> {
-    let sql = format!(
-        "SELECT {COLUMNS} FROM events WHERE seq > ?1 AND seq <= ?2 AND kind IN ('command', 'missionBegan', 'missionArchived',
-         'phase', 'luggage', 'verdict', 'alarmRaised', 'alarmAcknowledged', 'programEnded') ORDER BY seq DESC LIMIT {most}"
-    );
+/// The latest entries of some kinds up to `written`, oldest first: at most `most`, of the last `searched`.
+pub(super) fn latest(
+    connection: &Connection,
+    kinds: Kinds,
+    written: Seq,
+    most: usize,
+    searched: u64,
+) -> Result<Vec<Entry>, Fault> {
+    let wanted = kinds.condition().map(|condition| format!(" AND {condition}")).unwrap_or_default();
+    let sql = format!("SELECT {COLUMNS} FROM events WHERE seq > ?1 AND seq <= ?2{wanted} ORDER BY seq DESC LIMIT {most}");
     let bounds = [whole(written.0.saturating_sub(searched))?, whole(written.0)?];
     let mut statement = connection.prepare_cached(&sql)?;
     let mut rows = statement.query(bounds)?;
     let mut latest = Vec::new();
     while let Some(row) = rows.next()? {
-        // These are for people to read: one that cannot be understood and does not count any more is passed over.
+        // They are looked at and nothing follows from them: one that cannot be understood is passed over.
         latest.extend(line(connection, row).1.ok().map(|line| line.entry));
     }
     latest.reverse();
@@ -147,19 +188,11 @@ impl EntryFilter {
         let mission = [("mission = ?", self.mission.map(|mission| mission.0))];
         let given: Vec<_> = bounds.into_iter().chain(mission).filter_map(|(sql, number)| Some((sql, number?))).collect();
         let mut conditions: Vec<&str> = given.iter().map(|(sql, _)| *sql).collect();
-        if self.named {
-            conditions.push(NAMED);
-        }
-        if self.milestones {
-            conditions.push("kind IN ('standing', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'verdict', 'secured')");
-        }
-        if self.retrieval {
-            conditions.push("kind IN ('retrieval', 'holds', 'alarmRaised', 'alarmAcknowledged', 'secured', 'phase')");
-        }
+        conditions.extend(self.kinds.condition());
         let filter = if conditions.is_empty() { String::new() } else { format!(" WHERE {}", conditions.join(" AND ")) };
         let limit = self.most.map(|most| format!(" LIMIT {most}")).unwrap_or_default();
         let values = given.iter().map(|(_, number)| whole(*number).map(Value::from)).collect::<Result<_, _>>()?;
-        let index = if self.named { BY_NAME } else { "" };
+        let index = if self.kinds == Kinds::Named { BY_NAME } else { "" };
         Ok((format!("SELECT {COLUMNS} FROM events {index}{filter} ORDER BY seq{limit}"), values))
     }
 }

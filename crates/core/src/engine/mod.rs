@@ -16,6 +16,7 @@ mod motion;
 mod obstacles;
 mod on_record;
 mod outbox;
+mod past;
 mod phases;
 mod recall;
 mod records;
@@ -37,6 +38,7 @@ use std::time::Duration;
 
 use self::decide::Step;
 pub use self::motion::Barred;
+pub use self::past::{Past, way_behind};
 pub use self::recall::{Recalled, Remembered};
 pub use self::repeats::IDS;
 

@@ -16,7 +16,7 @@ pub use phase::{FaultCause, Inspection, Phase, PhaseName, Stage};
 pub use print::table_markdown;
 pub(crate) use rule::{Act, Case, Guard, Rule, To};
 pub use state::Goal;
-pub(crate) use state::{Deciding, Mission, Recording};
+pub(crate) use state::{Deciding, Mission, Recording, TRAIL};
 pub(crate) use table::rules;
 pub(crate) use words::from_words;
 pub use words::in_words;

@@ -11,7 +11,7 @@ use crate::search::outlook::Gait;
 use crate::units::{Cell, LuggageId, Seq, WallTime};
 
 /// How many cells of the way behind the robot are shown.
-const TRAIL: usize = 48;
+pub(crate) const TRAIL: usize = 48;
 
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Mission {

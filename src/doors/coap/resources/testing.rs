@@ -9,7 +9,7 @@ use tokio::sync::watch;
 use super::super::application::{Application, Reply};
 use super::Resources;
 use crate::api::fixture::piece;
-use crate::runtime::archive::{Archive, Happened, MissionRecord, Moment, Sound, Unreadable};
+use crate::runtime::archive::{Archive, At, Happened, MissionRecord, Moment, Sound, Unreadable};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::obedient::{Noted, Script, obedient};
 use crate::runtime::within::within;
@@ -67,8 +67,12 @@ impl Archive for Pictures {
         Ok(None)
     }
 
-    fn moment(&self, _: MissionId, _: Seq) -> Result<Option<Moment>, Unreadable> {
-        Ok(None)
+    fn moments(&self, _: MissionId, _: &[At]) -> Result<Vec<Moment>, Unreadable> {
+        Ok(Vec::new())
+    }
+
+    fn timeline(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<Happened>, Unreadable> {
+        Ok(Vec::new())
     }
 
     fn entries(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<Happened>, Unreadable> {

@@ -126,7 +126,7 @@ impl Scene {
                     "<g id=\"hall-load\" class=\"robot load\" transform=\"translate({x} {y})\"><g transform=\"scale(.75)\">"
                 ),
             );
-            draw_luggage(group, piece, (0, 0), self.size, false);
+            draw_luggage(group, piece, (0, 0), self.size);
             group.push_str("</g></g>");
         }
     }

@@ -5,8 +5,9 @@
 use std::fmt::Write;
 
 use super::carriers::{fetched, fetched_lies_at, has_porch, searcher_at};
+use super::pieces;
 use super::porch::Porch;
-use hallsweep_core::units::{Cell, Heading, Pose};
+use hallsweep_core::units::{Cell, Heading};
 use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark, TILE};
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::snapshot::Snapshot;
@@ -130,13 +131,14 @@ pub(super) fn frontier(map: &HallMap) -> String {
 /// Everything that moves: trail, route, goal, the piece that is fetched; and home.
 pub(super) fn layer(snapshot: &Snapshot) -> String {
     let size = larger(&snapshot.map);
-    let mut group = format!("<g id=\"hall-layer\"{}>", if size > 1 { " class=\"far\"" } else { "" });
+    let far = if size > 1 { " class=\"far\"" } else { "" };
+    let mut group = format!("<g id=\"hall-layer\" data-larger=\"{size}\"{far}>");
     trail(&mut group, snapshot);
     home(&mut group, size);
     if let Some(piece) = fetched(snapshot)
         && let Some(at) = fetched_lies_at(snapshot, piece)
     {
-        luggage(&mut group, piece, at, size);
+        draw_luggage(&mut group, piece, at, size);
     }
     route(&mut group, snapshot, size);
     if snapshot.robot.outside == 0 {
@@ -155,8 +157,9 @@ pub(super) fn found<'a>(map: &HallMap, porch: Option<Porch>, pieces: impl Iterat
     if let Some(porch) = porch {
         porch.draw(&mut group, &secured.iter().map(|piece| piece.id).collect::<Vec<_>>());
     }
-    left.into_iter().for_each(|piece| luggage(&mut group, piece, middle(piece.cell), size));
     group.push_str("</g>");
+    let left = left.into_iter();
+    group.push_str(&if size > 1 { pieces::pinned(left, size) } else { pieces::in_their_cells(left) });
     group
 }
 
@@ -175,17 +178,13 @@ pub(super) fn robot(snapshot: &Snapshot) -> String {
     draw_robot((x, y), turn, larger(&snapshot.map), snapshot.robot.led_blinking, off_centre, &name)
 }
 
-/// The robot of a mission's record.
-pub(super) fn robot_at(map: &HallMap, pose: Pose, led_blinking: bool) -> String {
-    draw_robot(middle(pose.cell), turn(pose.heading), larger(map), led_blinking, "", "")
-}
-
 fn draw_robot((x, y): (i32, i32), turn: i32, size: i32, led_blinking: bool, class: &str, name: &str) -> String {
     let led = if led_blinking { "led blinking" } else { "led" };
     format!(
-        "<g id=\"hall-robot\" class=\"robot{class}\" transform=\"translate({x} {y})\"><g transform=\"rotate({turn}) scale({size})\">\
+        "<g id=\"hall-robot\" class=\"robot{class}\" transform=\"translate({x} {y})\"><g transform=\"rotate({turn})\">\
+         <g class=\"sized\" transform=\"scale({size})\">\
          <circle class=\"body\" r=\"4\"/><path class=\"nose\" d=\"M0 -3.4L2.4 1.2H-2.4Z\"/>\
-         <circle class=\"{led}\" cy=\"2.3\" r=\"0.9\"/></g>{name}</g>"
+         <circle class=\"{led}\" cy=\"2.3\" r=\"0.9\"/></g></g>{name}</g>"
     )
 }
 
@@ -238,32 +237,32 @@ fn home(group: &mut String, size: i32) {
     write(
         group,
         format_args!(
-            "<path class=\"home\" transform=\"translate({x} {y}) scale({size})\" d=\"M-4 0l4 -3.4l4 3.4v4.4h-8z\"><title>home</title></path>"
+            "<g transform=\"translate({x} {y})\"><path class=\"home sized\" transform=\"scale({size})\" d=\"M-4 0l4 -3.4l4 3.4v4.4h-8z\">\
+             <title>home</title></path></g>"
         ),
     );
 }
 
-pub(super) fn luggage(group: &mut String, piece: &Luggage, at: (i32, i32), size: i32) {
-    // Where cells are tiny the numbers would cover each other; the title still says which piece it is.
-    draw_luggage(group, piece, at, size, size == 1);
-}
-
-pub(super) fn draw_luggage(group: &mut String, piece: &Luggage, (x, y): (i32, i32), size: i32, has_number: bool) {
-    let verdict = piece.verdict_name();
-    let (shape, letter) = match verdict {
-        "safe" => ("<circle r=\"4.2\"/>", "S"),
-        "danger" => ("<path d=\"M0 -5L5 4H-5Z\"/>", "D"),
-        _ => ("<rect x=\"-4.2\" y=\"-4.2\" width=\"8.4\" height=\"8.4\"/>", "?"),
-    };
-    let id = piece.id;
-    let number = if has_number { format!("<text class=\"number\" y=\"7.4\">#{id}</text>") } else { String::new() };
+/// A piece that is not in its cell, or not alone there.
+pub(super) fn draw_luggage(group: &mut String, piece: &Luggage, (x, y): (i32, i32), size: i32) {
+    let (verdict, id) = (piece.verdict_name(), piece.id);
+    let (shape, letter) = sign(verdict);
     write(
         group,
         format_args!(
             "<g class=\"piece {verdict}\" transform=\"translate({x} {y}) scale({size})\">{shape}<text y=\"2\">{letter}</text>\
-             {number}<title>luggage #{id}: {verdict}</title></g>"
+             <title>luggage #{id}: {verdict}</title></g>"
         ),
     );
+}
+
+/// The shape of a verdict and its letter: nobody need know colours apart.
+pub(super) fn sign(verdict: &str) -> (&'static str, &'static str) {
+    match verdict {
+        "safe" => ("<circle r=\"4.2\"/>", "S"),
+        "danger" => ("<path d=\"M0 -5L5 4H-5Z\"/>", "D"),
+        _ => ("<rect x=\"-4.2\" y=\"-4.2\" width=\"8.4\" height=\"8.4\"/>", "?"),
+    }
 }
 
 fn route(group: &mut String, snapshot: &Snapshot, size: i32) {
@@ -279,7 +278,8 @@ fn route(group: &mut String, snapshot: &Snapshot, size: i32) {
         write(
             group,
             format_args!(
-                "<path class=\"goal\" transform=\"translate({x} {y}) scale({size})\" d=\"M-3 -3l6 6m0 -6l-6 6\"><title>goal {goal}</title></path>"
+                "<g transform=\"translate({x} {y})\"><path class=\"goal sized\" transform=\"scale({size})\" d=\"M-3 -3l6 6m0 -6l-6 6\">\
+                 <title>goal {goal}</title></path></g>"
             ),
         );
     }
@@ -354,19 +354,17 @@ mod tests {
     #[test]
     fn the_layer_shows_goal_route_and_trail() {
         let layer = layer(&searching());
-        for part in ["class=\"goal\"", "class=\"route\"", "trail fade-0", "class=\"home\""] {
+        for part in ["class=\"goal sized\"", "class=\"route\"", "trail fade-0", "class=\"home sized\""] {
             assert!(layer.contains(part), "{part} in {layer}");
         }
     }
 
     #[test]
-    fn in_a_large_hall_what_matters_is_drawn_larger_and_the_numbers_are_left_out() {
+    fn in_a_large_hall_what_matters_is_drawn_larger() {
         let mut snapshot = searching();
-        let luggage = |snapshot: &Snapshot| super::super::pieces::all(snapshot);
-        assert!(robot(&snapshot).contains("scale(1)") && luggage(&snapshot).contains(">#3<"));
+        assert!(robot(&snapshot).contains("scale(1)"), "{}", robot(&snapshot));
         snapshot.map.mark(Cell::new(199, 90), Mark::Visited, Revision(21));
         assert!(robot(&snapshot).contains("scale(7)"), "{}", robot(&snapshot));
-        assert!(!luggage(&snapshot).contains(">#3<") && luggage(&snapshot).contains("luggage #3"));
     }
 
     #[test]

@@ -19,16 +19,18 @@ use super::super::gate::LetIn;
 use super::super::problem::Problem;
 use super::super::watcher::{Wake, Watcher};
 use super::parts::PARTS;
-use super::view::{HallInfo, View, Who};
+use super::timeline::{self, Scale, Timeline, Timelines};
+use super::view::{HallInfo, Then, View, Who};
 use super::{began, hall, pieces, who};
-use hallsweep_core::units::{Cell, WallTime};
+use hallsweep_core::units::Cell;
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// The least time between two messages: ten a second are as many as an eye can use.
 const PAUSE: Duration = Duration::from_millis(100);
 
+/// What a page lacks.
 #[derive(Debug, Serialize)]
-struct Message {
+pub(in crate::doors::http) struct Message {
     run: String,
     revision: u64,
     /// The time here, in milliseconds since 1970: the page's own clock may be wrong.
@@ -38,15 +40,29 @@ struct Message {
     whole: bool,
     /// The `viewBox` of the hall.
     view: String,
-    /// The markup of a part by its element's id; empty for a tile, or pieces, that are gone.
+    /// The moment that is shown, if it is not now.
+    then: Option<Then>,
+    /// How the line of time is to be read.
+    line: Option<Scale>,
+    /// The markup of a part by its element's id; empty for a tile, pieces of luggage or of the line of time that are gone.
     parts: BTreeMap<String, String>,
 }
 
+/// What a page shows.
 #[derive(Default)]
-struct Shown {
+pub(super) struct Shown {
     older: Option<Arc<Snapshot>>,
     /// A fingerprint of each part's markup, so that a part whose resource changed but whose looks did not is not sent.
     prints: BTreeMap<&'static str, u64>,
+    line: ShownLine,
+}
+
+/// So much of a line of time.
+#[derive(Clone, Copy, Default, PartialEq, Eq)]
+struct ShownLine {
+    mission: u64,
+    full: usize,
+    growing: u64,
 }
 
 /// `GET console/live`
@@ -61,12 +77,8 @@ pub(in crate::doors::http) async fn live(State(door): State<HttpDoor>, LetIn(cal
                 None => watcher.next(PAUSE, HEARTBEAT).await,
             };
             let event = match wake {
-                Wake::Changed(snapshot) => {
-                    let began = began::began(&door, snapshot.mission.id).await;
-                    let hall = HallInfo::of(&door);
-                    message(&shown.update(snapshot, hall, began, who, door.clock.now().wall))
-                }
-                Wake::Quiet => Event::default().event("tick").data("alive"),
+                Wake::Changed(snapshot) => message(&changed(&door, &mut shown, snapshot, who).await),
+                Wake::Quiet => quiet(&door, &mut shown, who).await,
                 Wake::Closed => return None,
             };
             Some((Ok::<Event, Infallible>(event), (watcher, shown, None)))
@@ -75,45 +87,84 @@ pub(in crate::doors::http) async fn live(State(door): State<HttpDoor>, LetIn(cal
     Ok(([UNBUFFERED], Sse::new(events)).into_response())
 }
 
+async fn changed(door: &HttpDoor, shown: &mut Shown, snapshot: Arc<Snapshot>, who: Option<Who>) -> Message {
+    let mission = snapshot.mission.id;
+    let (began, line) = (began::began(door, mission).await, Timelines::of(door, mission).await);
+    let (hall, now) = (HallInfo::of(door), door.clock.now().wall);
+    shown.update(&snapshot, &View { snapshot: &snapshot, hall, began, who, why: None, now, line: Some(&line), then: None })
+}
+
+/// Nothing has changed but, it may be, what is on record by now: the line of time follows the record.
+async fn quiet(door: &HttpDoor, shown: &mut Shown, who: Option<Who>) -> Event {
+    let older = shown.older.clone();
+    let message_of = async {
+        let snapshot = older?;
+        let message = changed(door, shown, snapshot, who).await;
+        (!message.parts.is_empty()).then(|| self::message(&message))
+    };
+    message_of.await.unwrap_or_else(|| Event::default().event("tick").data("alive"))
+}
+
 fn message(message: &Message) -> Event {
     let event = Event::default().event("page").retry(HEARTBEAT).json_data(message);
     event.expect("a message is strings and numbers, which JSON can hold")
 }
 
 impl Shown {
-    /// What this page lacks of a snapshot; from now on it shows it.
-    fn update(
-        &mut self,
-        snapshot: Arc<Snapshot>,
-        hall: HallInfo<'_>,
-        began: Option<WallTime>,
-        who: Option<Who>,
-        now: WallTime,
-    ) -> Message {
-        let view = View { snapshot: &snapshot, hall, began, who, why: None, now };
-        let older = self.older.take();
-        let mut parts = tiles(older.as_deref(), &snapshot);
-        parts.extend(pieces::changed(older.as_deref(), &snapshot));
+    /// What a page that shows this looks like.
+    pub(super) fn already(snapshot: &Arc<Snapshot>, view: &View<'_>) -> Shown {
+        let prints = PARTS.iter().map(|part| (part.id, fingerprint(&(part.render)(view)))).collect();
+        let line = view.line.map(ShownLine::of).unwrap_or_default();
+        Shown { older: Some(Arc::clone(snapshot)), prints, line }
+    }
+
+    /// What this page lacks of a snapshot, looked at so; from now on it shows it.
+    pub(super) fn update(&mut self, snapshot: &Arc<Snapshot>, view: &View<'_>) -> Message {
+        let older = self.older.replace(Arc::clone(snapshot));
+        let mut parts = tiles(older.as_deref(), snapshot);
+        parts.extend(pieces::changed(older.as_deref(), snapshot));
+        if let Some(line) = view.line {
+            parts.extend(self.line.update(line));
+        }
         for part in &PARTS {
-            let touched = |older: &Arc<Snapshot>| part.shows.iter().any(|r| snapshot.revision_of(*r) > older.revision_of(*r));
+            let touched = |older: &Arc<Snapshot>| part.shows.iter().any(|r| snapshot.revision_of(*r) != older.revision_of(*r));
             if older.as_ref().is_none_or(touched) {
-                let html = (part.render)(&view);
+                let html = (part.render)(view);
                 if self.prints.insert(part.id, fingerprint(&html)) != Some(fingerprint(&html)) {
                     parts.insert(part.id.to_owned(), html);
                 }
             }
         }
-        let message = Message {
+        Message {
             run: snapshot.run.to_string(),
             revision: snapshot.revision.0,
-            now: now.unix_ms,
+            now: view.now.unix_ms,
             title: view.title(),
             whole: older.is_none(),
-            view: hall::view_box_now(&snapshot),
+            view: hall::view_box_now(snapshot),
+            then: view.then,
+            line: view.line.filter(|line| !line.is_empty()).map(Timeline::scale),
             parts,
-        };
-        self.older = Some(snapshot);
-        message
+        }
+    }
+}
+
+impl ShownLine {
+    fn of(line: &Timeline) -> ShownLine {
+        let growing = line.pieces(line.full()).next().map_or(0, |(_, markup)| fingerprint(&markup));
+        ShownLine { mission: line.mission().0, full: line.full(), growing }
+    }
+
+    /// The pieces that are new or differ, and those of another mission's line that are gone.
+    fn update(&mut self, line: &Timeline) -> Vec<(String, String)> {
+        let before = std::mem::replace(self, ShownLine::of(line));
+        if before == *self {
+            return Vec::new();
+        }
+        let is_same = before.mission == self.mission;
+        let gone = if is_same { 0..0 } else { line.full() + 1..before.full + 1 };
+        let newer = line.pieces(if is_same { before.full } else { 0 }).map(|(id, markup)| (id, markup.to_string()));
+        newer.chain(gone.map(|place| (timeline::id(place), String::new()))).collect()
     }
 }
 
@@ -135,11 +186,16 @@ mod tests {
     use hallsweep_core::world::hall_map::Mark;
     use hallsweep_core::world::resource::Resource;
 
-    const AIRPORT: HallInfo<'static> = HallInfo { name: "airport", cell_m: None, robot: None };
+    fn update(shown: &mut Shown, snapshot: Snapshot) -> Message {
+        let snapshot = Arc::new(snapshot);
+        let hall = HallInfo { name: "airport", cell_m: None, robot: None };
+        let view = View { snapshot: &snapshot, hall, began: None, who: None, why: None, now: TEN, line: None, then: None };
+        shown.update(&snapshot, &view)
+    }
 
     #[test]
     fn the_first_message_has_every_part_every_tile_and_all_pieces() {
-        let message = Shown::default().update(Arc::new(searching()), AIRPORT, None, None, TEN);
+        let message = update(&mut Shown::default(), searching());
         assert!(message.whole);
         assert_eq!(message.parts.len(), PARTS.len() + 2);
         for (id, html) in &message.parts {
@@ -154,11 +210,11 @@ mod tests {
             snapshot.map.mark(Cell::new(x, 40), Mark::Wall, Revision(20));
         }
         let mut shown = Shown::default();
-        shown.update(Arc::new(snapshot.clone()), AIRPORT, None, None, TEN);
+        update(&mut shown, snapshot.clone());
         snapshot.map.mark(Cell::new(4, 1), Mark::Visited, Revision(21));
         snapshot.robot.pose.cell = Cell::new(4, 1);
         touch(&mut snapshot, 21, &[Resource::Map, Resource::Robot]);
-        let message = shown.update(Arc::new(snapshot), AIRPORT, None, None, TEN);
+        let message = update(&mut shown, snapshot);
         let ids: Vec<&str> = message.parts.keys().map(String::as_str).collect();
         assert_eq!(ids, ["hall-frontier", "hall-layer", "hall-robot", "robot", "tile_0_0"]);
         assert!(serde_json::to_string(&message).unwrap().len() < 8_000);
@@ -169,18 +225,18 @@ mod tests {
         let mut snapshot = searching();
         snapshot.map.mark(Cell::new(100, 0), Mark::Wall, Revision(20));
         let mut shown = Shown::default();
-        shown.update(Arc::new(snapshot), AIRPORT, None, None, TEN);
+        update(&mut shown, snapshot);
         let mut emptied = idle();
         touch(&mut emptied, 21, &Resource::ALL);
-        assert_eq!(shown.update(Arc::new(emptied), AIRPORT, None, None, TEN).parts["tile_3_0"], "");
+        assert_eq!(update(&mut shown, emptied).parts["tile_3_0"], "");
     }
 
     #[test]
     fn what_looks_the_same_is_not_sent_again() {
         let mut snapshot = searching();
         let mut shown = Shown::default();
-        shown.update(Arc::new(snapshot.clone()), AIRPORT, None, None, TEN);
+        update(&mut shown, snapshot.clone());
         touch(&mut snapshot, 21, &Resource::ALL);
-        assert!(shown.update(Arc::new(snapshot), AIRPORT, None, None, TEN).parts.is_empty());
+        assert!(update(&mut shown, snapshot).parts.is_empty());
     }
 }

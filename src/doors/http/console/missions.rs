@@ -6,22 +6,20 @@ use axum::extract::State;
 use axum::response::Html;
 
 use super::super::HttpDoor;
-use super::super::missions::{MISSIONS, RecordedMission, after, at, before, happened, newest, recorded, stood, wanted};
+use super::super::missions::{MISSIONS, RecordedMission, after, before, happened, newest, recorded, wanted};
 use super::super::problem::Problem;
 use super::super::query::Query;
 use super::super::reading::Number;
 use super::porch::Porch;
-use super::view::place;
 use super::{hall, html};
 use crate::api::journal_words::{asked, outcome, words};
 use crate::api::luggage::photo_url;
 use crate::api::time::{Zone, rfc3339};
-use crate::runtime::archive::{Happened, MissionRecord, Moment, Unreadable};
+use crate::runtime::archive::{Happened, MissionRecord, Unreadable};
 use hallsweep_core::effect::{Entry, Fact};
-use hallsweep_core::event::RobotId;
 use hallsweep_core::mission::PhaseName;
 use hallsweep_core::state::PersistentState;
-use hallsweep_core::units::{Celsius, MissionId, Seq, WallTime};
+use hallsweep_core::units::{MissionId, Seq, WallTime};
 use hallsweep_core::world::luggage::Luggage;
 
 /// Events on a page: a few screens.
@@ -41,25 +39,16 @@ pub(in crate::doors::http) async fn one(
     Number(id): Number,
     query: Query,
 ) -> Result<Html<String>, Problem> {
-    query.only(&["after", "show", "at"])?;
+    query.only(&["after", "show"])?;
     let (after, show) = (after(&query)?, Show::of(query.word("show", &["all", "commands"])?));
-    let RecordedMission { record, mut state, mut damage } = recorded(&door, id).await?;
-    let moment = match at(&query)? {
-        Some(at) => {
-            let Moment { seq, earlier, wall, state: then, temperature } = stood(&door, id, at).await?;
-            (state, damage) = (Some(then.of), then.damage);
-            let later = happened(&door, id, seq, 1).await?.0.first().map(|(seq, _)| *seq);
-            Some(Shown { seq, earlier, wall, temperature, later })
-        }
-        None => None,
-    };
+    let RecordedMission { record, state, damage } = recorded(&door, id).await?;
     let (events, next) = match show {
         Show::Main => wanted(&door, id, after, EVENTS, is_main).await?,
         Show::Commands => wanted(&door, id, after, EVENTS, |fact| matches!(fact, Fact::Command { .. })).await?,
         Show::All => happened(&door, id, after, EVENTS).await?,
     };
     let zone = Zone::of(door.clock.now().wall);
-    Ok(html(&One { record, state, damage, moment, show, after, events, next, zone }))
+    Ok(html(&One { record, state, damage, show, after, events, next, zone }))
 }
 
 /// How much is shown of what happened.
@@ -116,22 +105,11 @@ struct One {
     state: Option<PersistentState>,
     /// What of it cannot be understood, a sentence each.
     damage: Vec<String>,
-    /// The moment at which the hall and the luggage are shown; `None`: the last.
-    moment: Option<Shown>,
     show: Show,
     after: Seq,
     events: Vec<Happened>,
     next: Option<Seq>,
     zone: Zone,
-}
-
-/// A moment that is shown: after which entry, those before and behind it, when it was written, and what was read last.
-struct Shown {
-    seq: Seq,
-    earlier: Option<Seq>,
-    wall: WallTime,
-    temperature: Option<Celsius>,
-    later: Option<Seq>,
 }
 
 struct Event {
@@ -169,20 +147,9 @@ impl One {
         fetched || self.state.as_ref().is_some_and(|state| state.retrieval.is_some())
     }
 
-    /// In an operator's words, with what held the robot.
-    fn phase(&self, state: &PersistentState) -> String {
-        let holds: Vec<&str> = state.holds.to_vec().iter().map(|hold| hold.in_words()).collect();
-        let phase = state.phase.name().in_words();
-        if holds.is_empty() { phase.to_owned() } else { format!("{phase}; held: {}", holds.join(", ")) }
-    }
-
-    fn stands(&self, state: &PersistentState) -> String {
-        format!("{}, facing {}", place(state.pose.cell), state.pose.heading.name())
-    }
-
-    /// Where the page shows this moment.
+    /// Where the console shows the moment after this entry.
     fn at(&self, seq: &Seq) -> String {
-        format!("/missions/{}?at={seq}{}", self.record.id, self.show.address("&"))
+        format!("/missions/{}/moment?at={seq}", self.record.id)
     }
 
     fn view_box(&self, state: &PersistentState) -> String {
@@ -193,9 +160,7 @@ impl One {
         let map = &state.map;
         let tiles: String = map.tiles().map(|(corner, _)| hall::tile(map, corner)).collect();
         let found = hall::found(map, porch(state), state.luggage.iter().map(|luggage| &**luggage));
-        let is_inside = !state.outside.contains_key(&RobotId::discovery());
-        let robot = self.moment.as_ref().filter(|_| is_inside).map(|_| hall::robot_at(map, state.pose, state.led_blinking));
-        format!("{tiles}{}{found}{}", hall::labels(map), robot.unwrap_or_default())
+        format!("{tiles}{}{found}", hall::labels(map))
     }
 
     fn pieces<'s>(&self, state: &'s PersistentState) -> Vec<(&'s Luggage, Option<String>)> {
@@ -356,37 +321,16 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn the_hall_is_shown_as_it_stood_after_any_entry_with_ways_to_those_beside_it() {
-        let app = app(searching());
-        let moment = page(&app, "/missions/1?at=4&show=all").await;
-        check(
-            &moment,
-            &["as it stood after entry 4", "held: stopped by the operator", "23.5 °C", "id=\"hall-robot\"", &here(TEN)],
-        );
-        check(
-            &moment,
-            &[
-                "href=\"/missions/1?at=3&#38;show=all\">One entry earlier",
-                "href=\"/missions/1?at=5&#38;show=all\">One entry later",
-            ],
-        );
-        assert!(!moment.contains("<title>luggage #"), "nothing had been found yet");
-        let first = page(&app, "/missions/1?at=1").await;
-        assert!(first.contains("<dt>Phase</dt><dd>idle</dd>") && !first.contains("One entry earlier"), "{first}");
-        let end = page(&app, "/missions/1").await;
-        check(&end, &["href=\"/missions/1?at=4\""]);
-        assert!(!end.contains("hall-robot") && !end.contains("as it stood after"), "{end}");
-        for (path, status) in [("/missions/2?at=4", 404), ("/missions/1?at=0", 422), ("/missions/9?at=4", 404)] {
-            assert_eq!(app.get(path).await.status(), status, "{path}");
-        }
-    }
-
-    #[tokio::test]
     async fn nothing_on_the_pages_is_inline_or_of_another_origin() {
         let app = app(searching());
-        for path in
-            ["/missions", "/missions?before=2", "/missions/1", "/missions/2", "/missions/1?show=all&after=2", "/missions/1?at=4"]
-        {
+        for path in [
+            "/missions",
+            "/missions?before=2",
+            "/missions/1",
+            "/missions/2",
+            "/missions/1?show=all&after=2",
+            "/missions?before=2",
+        ] {
             let page = page(&app, path).await;
             for unwanted in ["style=", "<style", "onclick", "http://", "https://"] {
                 assert!(!page.contains(unwanted), "{unwanted} in {path}");

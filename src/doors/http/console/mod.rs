@@ -8,12 +8,14 @@ mod doing;
 mod hall;
 mod live;
 pub(super) mod missions;
+pub(super) mod moments;
 mod parts;
 pub(super) mod photo;
 mod pieces;
 mod porch;
 pub(super) mod replay;
 mod retrieval;
+mod timeline;
 mod view;
 
 use askama::Template;
@@ -40,6 +42,7 @@ use view::{HallInfo, View, Who, Why};
 pub(super) use began::Began;
 pub(super) use live::live;
 pub(super) use retrieval::{Row, rows, sign};
+pub(super) use timeline::Timelines;
 
 /// The page again, with the reason in words beside the button that was pressed.
 pub(super) async fn refused_page(door: &HttpDoor, caller: &Caller, button: &str, problem: &Problem) -> Response {
@@ -104,9 +107,9 @@ pub(super) async fn confirm_reset() -> Html<String> {
 async fn whole(door: &HttpDoor, caller: &Caller, why: Option<Why>) -> Html<String> {
     let snapshot = door.handle.snapshot();
     let began = began::began(door, snapshot.mission.id).await;
-    let hall = HallInfo::of(door);
-    let view = View { snapshot: &snapshot, hall, began, who: who(door, caller), why, now: door.clock.now().wall };
-    html(&Page::new(&view))
+    let line = Timelines::of(door, snapshot.mission.id).await;
+    let (hall, who, now) = (HallInfo::of(door), who(door, caller), door.clock.now().wall);
+    html(&Page::new(&View { snapshot: &snapshot, hall, began, who, why, now, line: Some(&line), then: None }))
 }
 
 /// Who is signed in; nobody where nobody is asked.
@@ -161,7 +164,16 @@ mod tests {
     async fn every_page_has_a_stop_that_works_without_a_script_and_the_script_that_does_not_let_it_go() {
         let app = app(searching());
         let browser = [("accept", "text/html,application/xhtml+xml,*/*;q=0.8")];
-        let pages = ["/", "/missions", "/missions/1", "/missions/9", "/luggage/3", "/luggage/99", "/console/confirm/reset"];
+        let pages = [
+            "/",
+            "/missions",
+            "/missions/1",
+            "/missions/1/moment",
+            "/missions/9",
+            "/luggage/3",
+            "/luggage/99",
+            "/console/confirm/reset",
+        ];
         for path in pages.into_iter().chain(["/console/confirm/danger/3", "/nowhere", "/api/v1/luggage/3/photo"]) {
             let mut response = app.send("GET", path, &browser, "").await;
             if let Some(next) = response.headers().get("location").cloned() {
@@ -206,7 +218,8 @@ mod tests {
     async fn nothing_on_the_page_is_inline_or_of_another_origin() {
         for snapshot in [idle(), searching()] {
             let app = app(snapshot);
-            for page in [page(&app).await, text(app.get("/console/confirm/reset").await).await] {
+            let past = text(app.get("/missions/1/moment?at=4").await).await;
+            for page in [page(&app).await, past, text(app.get("/console/confirm/reset").await).await] {
                 assert!(!page.contains("style=") && !page.contains("<style") && !page.contains("onclick"));
                 assert!(!page.contains("http://") && !page.contains("https://"), "everything comes from here");
                 for script in page.split("<script").skip(1) {

@@ -2,11 +2,13 @@
 //! which resources it shows, so that a change renders only what it touches.
 
 use askama::Template;
+use serde::Serialize;
 
 use super::carriers::carriers;
 use super::hall;
 use super::pieces;
 use super::retrieval::{Row, armed, rows, sign, stages};
+use super::timeline::Timeline;
 use super::view::{View, failure, place};
 use crate::api::luggage::photo_url;
 use crate::api::retrieval::ArmJson;
@@ -114,6 +116,47 @@ impl<'a> Page<'a> {
 
     fn pieces(&self) -> String {
         pieces::all(self.v.snapshot)
+    }
+
+    fn pins(&self) -> String {
+        pieces::all_pins(self.v.snapshot)
+    }
+
+    /// How the line of time is to be read, as JSON for the script.
+    fn scale(&self) -> String {
+        json(&self.v.line.filter(|line| !line.is_empty()).map(Timeline::scale))
+    }
+
+    /// The moment of the past that is shown, likewise.
+    fn then(&self) -> String {
+        json(&self.v.then)
+    }
+
+    fn times(&self) -> String {
+        self.v.line.iter().flat_map(|line| line.pieces(0)).map(|(_, markup)| markup.to_string()).collect()
+    }
+
+    fn width(&self) -> i64 {
+        self.v.line.map_or(1, Timeline::width)
+    }
+
+    fn threshold(&self) -> f64 {
+        Timeline::THRESHOLD_Y
+    }
+
+    /// Where the moment that is shown is on the line.
+    fn cursor(&self) -> i64 {
+        self.v.line.map_or(0, |line| self.v.then.map_or(line.width(), |then| line.x(then.time)))
+    }
+
+    fn moment(&self) -> String {
+        match self.v.then {
+            Some(then) => {
+                format!("{}, entry {} of mission {}", self.v.zone().date_and_time(self.v.now), then.seq, then.mission)
+            }
+            None if self.v.snapshot.mission.id.0 == 0 => "No mission has begun yet.".to_owned(),
+            None => "now".to_owned(),
+        }
     }
 }
 
@@ -322,6 +365,10 @@ impl Log<'_> {
         let latest = self.v.snapshot.log.iter().rev().take(LINES);
         latest.map(|line| (&**line, rfc3339(line.wall), self.v.zone().clock_time(line.wall))).collect()
     }
+}
+
+fn json(value: &impl Serialize) -> String {
+    serde_json::to_string(value).expect("numbers are what JSON can hold")
 }
 
 fn html(part: &impl Template) -> String {

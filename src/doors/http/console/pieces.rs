@@ -1,29 +1,59 @@
-//! The luggage in the picture of the hall, in groups by its numbers: so that a change sends the few pieces beside it, and not all that
-//! were ever found. What is being fetched moves, and is drawn by `hall::layer`; what is secured, by `carriers`.
+//! The luggage in the picture of the hall. Each piece stands in its own cell, in groups by numbers, so that a change sends the few pieces
+//! beside it. Where a cell is too small to be seen, pins stand for all that is in a square of cells, in groups by rows of squares. Neither
+//! ever covers another: none is larger than its cell, or its square. What is being fetched moves, and is drawn by `hall::layer`; what is
+//! secured, by `carriers`.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::carriers::fetched;
-use super::hall::{larger, luggage, middle};
+use super::hall::{CELL, larger, middle, sign, write};
+use hallsweep_core::units::{Cell, LuggageId};
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::snapshot::Snapshot;
 
-/// Every group.
+/// Every group of pieces.
 pub(super) fn all(snapshot: &Snapshot) -> String {
     groups(snapshot).map(|(_, markup)| markup).collect()
 }
 
-/// The groups that look other than in an older snapshot, by their ids; one that is gone is empty.
+/// Every row of pins.
+pub(super) fn all_pins(snapshot: &Snapshot) -> String {
+    pins(snapshot).into_values().collect()
+}
+
+/// The groups and rows that look other than in an older snapshot, by their ids; one that is gone is empty.
 pub(super) fn changed(older: Option<&Snapshot>, snapshot: &Snapshot) -> BTreeMap<String, String> {
+    let Some(older) = older else { return groups(snapshot).chain(pins(snapshot)).collect() };
     let looks = |snapshot: &Snapshot| (larger(&snapshot.map), fetched(snapshot).map(|piece| piece.id));
-    let Some(older) = older else { return groups(snapshot).collect() };
-    let gone = (snapshot.luggage.parts().len()..older.luggage.parts().len()).map(|place| (id(place), String::new()));
-    if looks(older) != looks(snapshot) {
-        return groups(snapshot).chain(gone).collect();
+    let is_same = looks(older) == looks(snapshot);
+    let newer: Vec<_> = snapshot.luggage.parts_changed_since(&older.luggage).collect();
+    let (before, now) = (older.luggage.parts().len(), snapshot.luggage.parts().len());
+    if is_same && newer.is_empty() && before == now {
+        return BTreeMap::new();
     }
-    let newer = snapshot.luggage.parts_changed_since(&older.luggage);
-    newer.map(|(place, pieces)| (id(place), group(snapshot, place, pieces))).chain(gone).collect()
+    let mut changed: BTreeMap<String, String> = (now..before).map(|place| (id(place), String::new())).collect();
+    if looks(older).1 == looks(snapshot).1 {
+        changed.extend(newer.into_iter().map(|(place, pieces)| (id(place), group(snapshot, place, pieces))));
+    } else {
+        changed.extend(groups(snapshot));
+    }
+    let (before, now) = (pins(older), pins(snapshot));
+    changed.extend(before.keys().filter(|row| !now.contains_key(*row)).map(|row| (row.clone(), String::new())));
+    changed.extend(now.into_iter().filter(|(row, markup)| before.get(row) != Some(markup)));
+    changed
+}
+
+/// Each in its cell: the pieces of a mission's record.
+pub(super) fn in_their_cells<'a>(pieces: impl Iterator<Item = &'a Luggage>) -> String {
+    let mut group = String::new();
+    pieces.for_each(|piece| draw(&mut group, piece));
+    group
+}
+
+/// By pins of this many cells a side: the same where the picture is too large for that.
+pub(super) fn pinned<'a>(pieces: impl Iterator<Item = &'a Luggage>, size: i32) -> String {
+    rows(pieces, size).into_values().collect()
 }
 
 fn groups(snapshot: &Snapshot) -> impl Iterator<Item = (String, String)> {
@@ -35,13 +65,97 @@ fn id(place: usize) -> String {
 }
 
 fn group(snapshot: &Snapshot, place: usize, pieces: &[Arc<Luggage>]) -> String {
+    let fetched = fetched(snapshot).map(|piece| piece.id);
+    let left = pieces.iter().map(|piece| &**piece).filter(|piece| is_left(piece, fetched));
+    format!("<g id=\"{}\">{}</g>", id(place), in_their_cells(left))
+}
+
+fn is_left(piece: &Luggage, fetched: Option<LuggageId>) -> bool {
+    piece.secured.is_none() && Some(piece.id) != fetched
+}
+
+fn draw(group: &mut String, piece: &Luggage) {
+    let (verdict, id, (x, y)) = (piece.verdict_name(), piece.id, middle(piece.cell));
+    let (shape, letter) = sign(verdict);
+    write(
+        group,
+        format_args!(
+            "<g class=\"piece {verdict}\" data-piece=\"{id}\" transform=\"translate({x} {y}) scale(.9)\">{shape}<text y=\".6\">{letter}</text>\
+             <text class=\"number\" y=\"3.7\">{id}</text><title>luggage #{id}: {verdict}</title></g>"
+        ),
+    );
+}
+
+/// The pins of the picture, by the ids of their rows; none where every piece can be seen in its cell.
+fn pins(snapshot: &Snapshot) -> BTreeMap<String, String> {
     let (size, fetched) = (larger(&snapshot.map), fetched(snapshot).map(|piece| piece.id));
-    let mut group = format!("<g id=\"{}\">", id(place));
-    for piece in pieces.iter().filter(|piece| piece.secured.is_none() && Some(piece.id) != fetched) {
-        luggage(&mut group, piece, middle(piece.cell), size);
+    if size == 1 {
+        return BTreeMap::new();
     }
-    group.push_str("</g>");
-    group
+    rows(snapshot.luggage.iter().map(|piece| &**piece).filter(|piece| is_left(piece, fetched)), size)
+}
+
+fn rows<'a>(pieces: impl Iterator<Item = &'a Luggage>, size: i32) -> BTreeMap<String, String> {
+    let mut squares: BTreeMap<(i32, i32), Square<'a>> = BTreeMap::new();
+    for piece in pieces {
+        let Cell { x, y } = piece.cell;
+        squares.entry((y.div_euclid(size), x.div_euclid(size))).or_default().add(piece);
+    }
+    let mut rows: BTreeMap<i32, String> = BTreeMap::new();
+    for ((row, column), square) in squares {
+        square.draw(rows.entry(row).or_default(), (column, row), size);
+    }
+    rows.into_iter().map(|(row, pins)| (format!("pins_{row}"), format!("<g id=\"pins_{row}\">{pins}</g>"))).collect()
+}
+
+/// The pieces in a square of cells.
+#[derive(Default)]
+struct Square<'a> {
+    danger: usize,
+    pending: usize,
+    safe: usize,
+    last: Option<&'a Luggage>,
+}
+
+impl<'a> Square<'a> {
+    fn add(&mut self, piece: &'a Luggage) {
+        let count = match piece.verdict_name() {
+            "danger" => &mut self.danger,
+            "safe" => &mut self.safe,
+            _ => &mut self.pending,
+        };
+        *count += 1;
+        self.last = Some(piece);
+    }
+
+    /// A pin in the middle of the square, which looks like the worst of what is in it.
+    fn draw(&self, row: &mut String, (x, y): (i32, i32), size: i32) {
+        let verdict = match (self.danger, self.pending) {
+            (0, 0) => "safe",
+            (0, _) => "pending",
+            _ => "danger",
+        };
+        let ((shape, letter), count) = (sign(verdict), self.danger + self.pending + self.safe);
+        let (sign, piece, said) = match self.last.filter(|_| count == 1) {
+            Some(piece) => {
+                let id = piece.id;
+                (letter.to_owned(), format!(" data-piece=\"{id}\""), format!("luggage #{id}: {verdict}"))
+            }
+            None => {
+                let all = [(self.danger, "danger"), (self.pending, "pending"), (self.safe, "safe")];
+                let all = all.into_iter().filter(|(count, _)| *count > 0).map(|(count, verdict)| format!("{count} {verdict}"));
+                (count.to_string(), String::new(), format!("{count} pieces: {}", all.collect::<Vec<_>>().join(", ")))
+            }
+        };
+        let (x, y) = (x * size * CELL + size * CELL / 2, y * size * CELL + size * CELL / 2);
+        write(
+            row,
+            format_args!(
+                "<g class=\"piece pin {verdict}\"{piece} transform=\"translate({x} {y})\"><g class=\"sized\" transform=\"scale({size})\">\
+                 <g transform=\"scale(.9)\">{shape}<text y=\"2\">{sign}</text></g></g><title>{said}</title></g>"
+            ),
+        );
+    }
 }
 
 #[cfg(test)]
@@ -67,6 +181,35 @@ mod tests {
         for part in ["piece safe", "piece danger", "piece pending", "#3"] {
             assert!(drawn.contains(part), "{part} in {drawn}");
         }
+        assert_eq!(all_pins(&searching()), "", "where every cell can be seen there are no pins");
+    }
+
+    #[test]
+    fn where_cells_are_tiny_one_pin_stands_for_a_square_of_them_and_looks_like_its_worst_piece() {
+        let mut snapshot = searching();
+        snapshot.map.mark(Cell::new(199, 90), Mark::Visited, Revision(21));
+        snapshot.luggage = Default::default();
+        let pieces = [
+            (0, 0, Some(Verdict::Safe)),
+            (6, 6, Some(Verdict::Danger)),
+            (7, 0, None),
+            (13, 0, Some(Verdict::Safe)),
+            (70, 70, None),
+        ];
+        for (id, (x, y, verdict)) in (1..).zip(pieces) {
+            snapshot.luggage.insert(piece(id, Cell::new(x, y), verdict));
+        }
+        let rows = pins(&snapshot);
+        assert_eq!(rows.keys().map(String::as_str).collect::<Vec<_>>(), ["pins_0", "pins_10"]);
+        for part in [
+            "piece pin danger\" transform=\"translate(35 35)\"",
+            "2 pieces: 1 danger, 1 safe",
+            "piece pin pending\" transform=\"translate(105 35)\"",
+            "2 pieces: 1 pending, 1 safe",
+        ] {
+            assert!(rows["pins_0"].contains(part), "{part} in {}", rows["pins_0"]);
+        }
+        assert!(rows["pins_10"].contains("data-piece=\"5\"") && rows["pins_10"].contains("luggage #5: pending"));
     }
 
     #[test]
@@ -85,7 +228,8 @@ mod tests {
         let older = with(PART as u64 + 1);
         let mut newer = older.clone();
         newer.map.mark(Cell::new(199, 90), Mark::Visited, Revision(21));
-        assert_eq!(changed(Some(&older), &newer).len(), 2);
+        assert_eq!(changed(Some(&older), &newer).keys().map(String::as_str).collect::<Vec<_>>(), ["pins_0"]);
+        assert_eq!(changed(Some(&newer), &older)["pins_0"], "", "in a small one they are gone");
         let gone = changed(Some(&older), &idle());
         assert_eq!(gone.values().map(String::as_str).collect::<Vec<_>>(), ["", ""]);
     }

@@ -5,8 +5,10 @@ mod progress;
 use std::sync::Arc;
 
 use askama::Template;
+use serde::Serialize;
 
 use super::retrieval::{secured_in_words, wanted_of_the_operator};
+use super::timeline::Timeline;
 use crate::access::{Need, Role};
 use crate::api::robot_parts::RobotBySettings;
 use crate::api::time::Zone;
@@ -29,6 +31,21 @@ pub(super) struct View<'a> {
     pub(super) who: Option<Who>,
     pub(super) why: Option<Why>,
     pub(super) now: WallTime,
+    /// The line of time of the mission that is shown.
+    pub(super) line: Option<&'a Timeline>,
+    /// The moment of the past that is shown; `None`: now.
+    pub(super) then: Option<Then>,
+}
+
+/// A moment of the past.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct Then {
+    pub(super) mission: u64,
+    /// The entry after which everything stood as is shown; when it was written, in milliseconds since 1970; and those beside it.
+    pub(super) seq: u64,
+    pub(super) time: i64,
+    pub(super) earlier: Option<u64>,
+    pub(super) later: Option<u64>,
 }
 
 /// What is known beforehand of the hall, and of the robot that searches it.
@@ -55,6 +72,9 @@ pub(super) struct Who {
 
 /// Why a viewer's buttons are dead.
 const VIEWER: &str = "you are signed in as a viewer";
+
+/// Why everybody's are.
+const PAST: &str = "this is the past: go back to now first";
 
 /// The reason of a refusal, and the button it belongs to; without text it is the place where the script puts one.
 #[derive(Clone, Template)]
@@ -104,8 +124,11 @@ impl View<'_> {
         self.looks_only().or(refusal.as_deref())
     }
 
-    /// Why every button but STOP is dead, for whoever may only look.
+    /// Why every button but STOP is dead: in the past, and for whoever may only look.
     pub(super) fn looks_only(&self) -> Option<&'static str> {
+        if self.then.is_some() {
+            return Some(PAST);
+        }
         self.who.as_ref().filter(|who| !who.role.may(Need::Act)).map(|_| VIEWER)
     }
 
@@ -139,6 +162,11 @@ impl View<'_> {
     pub(super) fn is_still(&self) -> bool {
         let stands = |view: &RobotView| view.state == RobotState::Stopped && !view.halting;
         stands(&self.snapshot.robot) && self.snapshot.robots.iter().all(|robot| stands(&robot.view))
+    }
+
+    /// When the moment of the past was that is shown.
+    pub(super) fn then_at(&self) -> Option<String> {
+        self.then.map(|_| self.zone().clock_time(self.now))
     }
 
     /// The zone of every time on the page.

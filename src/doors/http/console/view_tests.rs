@@ -13,7 +13,8 @@ use hallsweep_core::world::snapshot::{Progress, TimeLeft};
 
 fn view(snapshot: &Snapshot) -> View<'_> {
     let hall = HallInfo { name: "airport", cell_m: Some(0.5), robot: None };
-    View { snapshot, hall, began: Some(TEN), who: None, why: None, now: WallTime { unix_ms: TEN.unix_ms + 74_900, ..TEN } }
+    let now = WallTime { unix_ms: TEN.unix_ms + 74_900, ..TEN };
+    View { snapshot, hall, began: Some(TEN), who: None, why: None, now, line: None, then: None }
 }
 
 #[test]

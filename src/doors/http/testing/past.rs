@@ -4,9 +4,10 @@
 use std::collections::BTreeSet;
 
 use crate::api::fixture::{TEN, searching};
-use crate::runtime::archive::{Happened, MissionRecord, Moment, Sound, Unreadable};
+use crate::runtime::archive::{At, Happened, MissionRecord, Moment, Sound, Unreadable};
 use hallsweep_core::command::{Issuer, Refusal, Refused};
 use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::engine::Past;
 use hallsweep_core::event::Piece;
 use hallsweep_core::mission::{Hold, Phase};
 use hallsweep_core::retrieval::team::TICK;
@@ -61,13 +62,20 @@ pub(super) fn state() -> PersistentState {
     }
 }
 
-/// How the first stood after its entries up to here: the robot was held at home then, and it had become warm.
-pub(super) fn moment(at: Seq) -> Option<Moment> {
-    let entries = entries().into_iter().filter(|(seq, _)| *seq <= at);
-    let mut of = PersistentState { mission: MissionId(1), ..PersistentState::first(Strategy::Snail) };
-    let seq = entries.filter_map(|(seq, entry)| entry.ok().map(|entry| (seq, of.apply(&entry)))).last()?.0;
-    let earlier = (seq > Seq(1)).then(|| Seq(seq.0 - 1));
-    Some(Moment { seq, earlier, wall: TEN, state: Sound { of, damage: Vec::new() }, temperature: Celsius::new(23.5) })
+/// How the first stood then: the robot was held at home, and it had become warm. All its entries were written at the same time.
+pub(super) fn moment(at: At) -> Option<Moment> {
+    let most = match at {
+        At::Entry(seq) => seq,
+        At::Time(unix_ms) if unix_ms < TEN.unix_ms => Seq(1),
+        At::Time(_) => Seq(5),
+    };
+    let entries = entries().into_iter().filter(|(seq, _)| *seq <= most);
+    let mut state = PersistentState { mission: MissionId(1), ..PersistentState::first(Strategy::Snail) };
+    let seq = entries.filter_map(|(seq, entry)| entry.ok().map(|entry| (seq, state.apply(&entry)))).last()?.0;
+    let readings = Celsius::new(23.5).map(|celsius| ("hall".into(), celsius)).into_iter().collect();
+    let past = Past { seq, state, trail: Vec::new(), readings, latest: Vec::new() };
+    let (earlier, later) = ((seq > Seq(1)).then(|| Seq(seq.0 - 1)), (seq < Seq(6)).then(|| seq.next()));
+    Some(Moment { past: Sound { of: past, damage: Vec::new() }, wall: TEN, earlier, later })
 }
 
 /// A retrieval by the pair as a journal tells of it: the trees after each of some ticks, from the first to the look for the parcel, and then

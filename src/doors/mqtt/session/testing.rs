@@ -18,7 +18,7 @@ use super::super::commands::Commands;
 use super::super::topics::Topics;
 use super::link::LARGEST;
 use super::{Health, Hearing, Link, Parts, Session, Times};
-use crate::runtime::archive::{Archive, Happened, MissionRecord, Moment, Sound, Unreadable};
+use crate::runtime::archive::{Archive, At, Happened, MissionRecord, Moment, Sound, Unreadable};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::obedient::{Script, obedient};
 use crate::runtime::within::within;
@@ -258,8 +258,12 @@ impl Archive for Album {
         Ok(None)
     }
 
-    fn moment(&self, _: MissionId, _: Seq) -> Result<Option<Moment>, Unreadable> {
-        Ok(None)
+    fn moments(&self, _: MissionId, _: &[At]) -> Result<Vec<Moment>, Unreadable> {
+        Ok(Vec::new())
+    }
+
+    fn timeline(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<Happened>, Unreadable> {
+        Ok(Vec::new())
     }
 
     fn entries(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<Happened>, Unreadable> {

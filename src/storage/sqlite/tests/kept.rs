@@ -1,19 +1,22 @@
 //! What is kept, is read back: by the next start, by the archive, and by whoever reads the journal.
 
+use std::sync::Arc;
+
 use proptest::prelude::*;
 
 use super::super::{Reading, connect, folder::Folder, rebuild, rows, schema};
 use super::testing::*;
 use crate::api::journal::{Line, arbitrary};
 use crate::api::journal_words;
-use crate::runtime::archive::{Sound, Unreadable};
+use crate::runtime::archive::{Archive, At, Moment, Sound, Unreadable};
 use hallsweep_core::command::{CommandId, Verdict};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::{IDS, Recalled};
 use hallsweep_core::mission::Phase;
 use hallsweep_core::search::Strategy as Order;
 use hallsweep_core::state::PersistentState;
-use hallsweep_core::units::{Cell, LuggageId, MissionId, Seq};
+use hallsweep_core::units::{Cell, LuggageId, MissionId, Pose, Seq, WallTime};
+use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::log::Tone;
 
 fn fold<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> PersistentState {
@@ -173,26 +176,71 @@ fn a_mission_is_read_as_it_stood_after_each_of_its_entries() {
     let mut earlier = None;
     for (seq, _) in archive.entries(MissionId(1), Seq(0), 100).unwrap() {
         let Some(so_far) = usize::try_from(seq.0).ok().and_then(|count| all.get(..count)) else { break };
-        let moment = archive.moment(MissionId(1), seq).unwrap().expect("it has this entry");
-        assert_eq!((moment.seq, moment.earlier, moment.state.damage.len()), (seq, earlier, 0));
-        let (mut state, mut folded) = (moment.state.of, fold(so_far));
+        let moment = moment(archive, 1, seq).expect("it has this entry");
+        let Sound { of: past, damage } = moment.past;
+        assert_eq!((past.seq, moment.earlier, damage.len()), (seq, earlier, 0));
+        let (mut state, mut folded) = (past.state, fold(so_far));
         // Pictures are kept apart.
         for state in [&mut state, &mut folded] {
             state.luggage = Default::default();
         }
         assert_eq!(state, folded, "after entry {seq}");
         let is_warm = so_far.iter().any(|entry| matches!(entry.fact, Fact::Temperature(..)));
-        assert_eq!(moment.temperature.is_some(), is_warm, "after entry {seq}");
+        assert_eq!(past.readings.len(), usize::from(is_warm), "after entry {seq}");
         earlier = Some(seq);
     }
     assert_eq!(earlier, Some(Seq(all.len() as u64)), "all of them were looked at");
-    let found = archive.moment(MissionId(1), Seq(all.len() as u64)).unwrap().expect("it is there").state.of;
-    assert!(found.luggage[0].is_dangerous());
-    assert_eq!(archive.moment(MissionId(1), Seq(1)), Ok(None), "it had not begun");
-    assert_eq!(archive.moment(MissionId(3), Seq(9)), Ok(None));
-    assert_eq!(archive.moment(MissionId(u64::MAX), Seq(9)), Ok(None));
-    let last = archive.moment(MissionId(1), Seq(u64::MAX)).unwrap().expect("there is a last").seq;
+    let found = moment(archive, 1, Seq(all.len() as u64)).expect("it is there").past.of;
+    assert!(found.state.luggage[0].is_dangerous());
+    assert_eq!(moment(archive, 1, Seq(1)), None, "it had not begun");
+    assert_eq!(moment(archive, 3, Seq(9)), None);
+    assert_eq!(moment(archive, u64::MAX, Seq(9)), None);
+    let last = moment(archive, 1, Seq(u64::MAX)).expect("there is a last").past.of.seq;
     assert_eq!(Some(last), archive.entries(MissionId(1), Seq(0), 100).unwrap().last().map(|(seq, _)| *seq));
+}
+
+fn moment(archive: &Arc<dyn Archive>, mission: u64, seq: Seq) -> Option<Moment> {
+    archive.moments(MissionId(mission), &[At::Entry(seq)]).unwrap().pop()
+}
+
+#[test]
+fn a_moment_is_found_by_its_time_and_two_of_them_share_the_map_that_is_the_same() {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    let far = Cell::new(500, 500);
+    let step = |x, y| Fact::Pose(Pose { cell: Cell::new(x, y), ..Pose::START });
+    let facts =
+        [begin(1), vec![wall(5, 5), Fact::Mark(far, Mark::Visited), step(0, 1), step(1, 1), wall(6, 5), step(1, 2)]].concat();
+    let first = at_noon(command(None)).wall.unix_ms;
+    let after = |seconds: i64| first + seconds * 1000;
+    let entries = facts.iter().zip(1..).map(|(fact, second)| {
+        let wall = WallTime { unix_ms: after(second), ..at_noon(command(None)).wall };
+        Entry { wall, fact: fact.clone() }
+    });
+    scribe.keep_entries(entries.collect());
+    let archive = &scribe.opened.archive;
+    let all = archive.entries(MissionId(1), Seq(0), 100).unwrap();
+    for (seq, entry) in &all {
+        let written = entry.as_ref().unwrap().wall.unix_ms;
+        for time in [written, written + 999] {
+            let found = archive.moments(MissionId(1), &[At::Time(time)]).unwrap().pop().expect("there is one");
+            assert_eq!(found.past.of.seq, *seq, "at {time}");
+        }
+    }
+    let (begun, ended) = (all[0].0, all[all.len() - 1].0);
+    for (time, seq) in [(i64::MIN, begun), (first, begun), (i64::MAX, ended)] {
+        assert_eq!(archive.moments(MissionId(1), &[At::Time(time)]).unwrap()[0].past.of.seq, seq);
+    }
+    // In whatever order they are asked for.
+    for (from, to) in [(begun.next(), ended), (ended, begun.next())] {
+        let moments = archive.moments(MissionId(1), &[At::Entry(from), At::Entry(to)]).unwrap();
+        assert_eq!((moments[0].past.of.seq, moments[1].past.of.seq), (from, to));
+    }
+    let [late, end] = [&all[all.len() - 2].0, &ended];
+    let moments = archive.moments(MissionId(1), &[At::Entry(*late), At::Entry(*end)]).unwrap();
+    let [before, last] = [&moments[0].past.of.state.map, &moments[1].past.of.state.map];
+    assert_eq!(before.tiles_changed_since(last).count(), 0, "a step changes no map");
+    assert_eq!(moments[1].past.of.trail, [Cell::HOME, Cell::new(0, 1), Cell::new(1, 1)], "the cells that were left");
 }
 
 #[test]

@@ -78,7 +78,11 @@ impl Scribe {
     }
 
     pub(super) fn hand_knowing(&mut self, facts: Vec<Fact>, losses: u64) -> Seq {
-        let page = Page { first: self.written.next(), entries: facts.into_iter().map(at_noon).collect() };
+        self.hand_entries(facts.into_iter().map(at_noon).collect(), losses)
+    }
+
+    fn hand_entries(&mut self, entries: Vec<Entry>, losses: u64) -> Seq {
+        let page = Page { first: self.written.next(), entries };
         self.written = page.last();
         self.opened.store.record(page, losses);
         self.written
@@ -91,6 +95,13 @@ impl Scribe {
         let waited = runtime.block_on(async { tokio::time::timeout(Duration::from_secs(60), self.word.wait_for(wanted)).await });
         let word = waited.unwrap_or_else(|_| panic!("it does not come to be within a minute: {:?}", *heard.borrow()));
         word.expect("the store lives").clone()
+    }
+
+    /// The same of entries that were not all written at noon.
+    pub(super) fn keep_entries(&mut self, entries: Vec<Entry>) {
+        let losses = self.word.borrow().losses;
+        let last = self.hand_entries(entries, losses);
+        self.until(|word| word.kept >= last);
     }
 
     /// Hands a page over and waits until it is kept.

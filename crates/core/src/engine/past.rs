@@ -1,0 +1,87 @@
+//! How everything looked at a moment of which there is only the record, by the same view as of what stands now. What never goes on
+//! record is not in it: what the sonar saw, what a robot was just doing, the way it meant to go, its arm.
+
+use std::sync::Arc;
+
+use super::Engine;
+use super::on_record::OnRecord;
+use super::recall::Remembered;
+use crate::effect::{Entry, Fact};
+use crate::mission::TRAIL;
+use crate::robots::RobotId;
+use crate::settings::Settings;
+use crate::state::PersistentState;
+use crate::units::{Cell, Celsius, Revision, Seq};
+use crate::world::resource::Resource;
+use crate::world::snapshot::Snapshot;
+
+/// What is on record of a moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Past {
+    /// The last entry of the journal up to then; each has a snapshot of its own.
+    pub seq: Seq,
+    /// What follows from the entries up to it.
+    pub state: PersistentState,
+    /// The cells the robot that searches came through, the latest last.
+    pub trail: Vec<Cell>,
+    /// The readings of not long before, oldest first, each with its source.
+    pub readings: Vec<(Arc<str>, Celsius)>,
+    /// The latest of what people did and what was found, oldest first.
+    pub latest: Vec<Remembered>,
+}
+
+/// The cells that the robot left, the latest last, as far as a snapshot shows them: from the latest entries, oldest first, of where it stood
+/// and of what begins a way anew.
+#[must_use]
+pub fn way_behind<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Vec<Cell> {
+    let mut cells = vec![Cell::HOME];
+    for entry in entries {
+        if let Fact::Pose(pose) = &entry.fact {
+            if cells.last() != Some(&pose.cell) {
+                cells.push(pose.cell);
+            }
+        } else if begins_a_way(&entry.fact) {
+            cells.drain(..cells.len().saturating_sub(1));
+        }
+    }
+    // Where it stands it has not left; and where it was first is known only if that was home.
+    cells.pop();
+    if let [first, second, ..] = cells[..]
+        && !first.neighbours().contains(&second)
+    {
+        cells.remove(0);
+    }
+    cells.split_off(cells.len().saturating_sub(TRAIL))
+}
+
+const fn begins_a_way(fact: &Fact) -> bool {
+    matches!(fact, Fact::ProgramStarted(_) | Fact::MissionBegan(..) | Fact::MapEmptied(_) | Fact::Strategy(_))
+}
+
+impl Past {
+    /// The state as the doors show it, with these robots beside the one that searches. What is too hot is so by the settings of now.
+    #[must_use]
+    pub fn snapshot(self, settings: Settings, others: impl IntoIterator<Item = RobotId>) -> Snapshot {
+        let Past { seq, state, trail, readings, latest } = self;
+        let mut engine = Engine::new(settings, state.strategy, Arc::from("past"));
+        let known: Vec<RobotId> = others.into_iter().chain(state.others.keys().chain(state.outside.keys()).cloned()).collect();
+        for robot in known {
+            if engine.robots.get(&robot).is_none() {
+                engine.robots.add(robot, false);
+            }
+        }
+        engine.state = state;
+        engine.recall_team();
+        engine.mission.trail = trail.into();
+        for (source, celsius) in readings {
+            engine.world.thermometer.read(&source, celsius);
+        }
+        for Remembered { wall, tone, text } in latest {
+            engine.world.log.put(wall, tone, text);
+        }
+        engine.on_record = OnRecord::of(engine.mission_as_it_is());
+        let shown = engine.shown();
+        let revision = Revision(seq.0);
+        Snapshot { revision, revisions: [revision; Resource::COUNT], ..engine.view(shown) }
+    }
+}

@@ -1,0 +1,205 @@
+//! The console at a moment of the past: the same page from the same parts, of what is on record of that moment. Nothing can be done
+//! there but STOP. The script asks for what differs from the moment that it shows, in the same message as the stream of now.
+
+use std::sync::Arc;
+
+use axum::Json;
+use axum::extract::State;
+use axum::response::Html;
+
+use super::super::HttpDoor;
+use super::super::gate::LetIn;
+use super::super::missions::{at, stood};
+use super::super::problem::Problem;
+use super::super::query::{MOST, Query};
+use super::super::reading::Number;
+use super::live::{Message, Shown};
+use super::parts::Page;
+use super::timeline::{Timeline, Timelines};
+use super::view::{HallInfo, Then, View, Who};
+use super::{html, who};
+use crate::runtime::archive::{At, Moment, Sound};
+use hallsweep_core::units::{MissionId, Seq, WallTime};
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// `GET missions/{id}/moment`: the page, at the last entry up to `at`; without it at the first.
+pub(in crate::doors::http) async fn page(
+    State(door): State<HttpDoor>,
+    LetIn(caller): LetIn,
+    Number(id): Number,
+    query: Query,
+) -> Result<Html<String>, Problem> {
+    query.only(&["at"])?;
+    let at = at(&query)?.map_or(At::Time(i64::MIN), At::Entry);
+    let [moment] = stood(&door, id, [at]).await?;
+    let (line, began) = about(&door, id).await?;
+    let who = who(&door, &caller);
+    let shown = Looked::of(&door, id, moment, at);
+    Ok(html(&Page::new(&shown.view(&door, who.as_ref(), began, &line))))
+}
+
+/// `GET console/missions/{id}/moment`: what a page lacks of the last moment up to `at` or up to `time`, that shows the one after the entry
+/// `from` as it was at the time `shown`.
+pub(in crate::doors::http) async fn message(
+    State(door): State<HttpDoor>,
+    LetIn(caller): LetIn,
+    Number(id): Number,
+    query: Query,
+) -> Result<Json<Message>, Problem> {
+    query.only(&["at", "time", "from", "shown"])?;
+    let time = |name| query.count(name, 0..=MOST).map(|time| time.map(|time| At::Time(i64::try_from(time).unwrap_or(i64::MAX))));
+    let wanted = time("time")?.or(at(&query)?.map(At::Entry)).unwrap_or(At::Time(i64::MIN));
+    let shown_at = time("shown")?.unwrap_or(wanted);
+    let from = query.count("from", 1..=MOST)?.map(|seq| At::Entry(Seq(seq)));
+    let (moment, from) = match from {
+        Some(from) => {
+            let [from, moment] = stood(&door, id, [from, wanted]).await?;
+            (moment, Some(from))
+        }
+        None => {
+            let [moment] = stood(&door, id, [wanted]).await?;
+            (moment, None)
+        }
+    };
+    let (line, began) = about(&door, id).await?;
+    let who = who(&door, &caller);
+    let looked = Looked::of(&door, id, moment, wanted);
+    let mut shown = match from {
+        Some(from) => {
+            let from = Looked::of(&door, id, from, shown_at);
+            Shown::already(&from.snapshot, &from.view(&door, who.as_ref(), began, &line))
+        }
+        None => Shown::default(),
+    };
+    Ok(Json(shown.update(&looked.snapshot, &looked.view(&door, who.as_ref(), began, &line))))
+}
+
+/// A mission's line of time, and when the mission began.
+async fn about(door: &HttpDoor, id: u64) -> Result<(Arc<Timeline>, Option<WallTime>), Problem> {
+    let record = door.archive.look_up(move |archive| archive.mission(MissionId(id))).await?;
+    Ok((Timelines::of(door, MissionId(id)).await, record.map(|record| record.began)))
+}
+
+/// A moment as a page shows it.
+struct Looked {
+    snapshot: Arc<Snapshot>,
+    then: Then,
+    wall: WallTime,
+}
+
+impl Looked {
+    /// Between two entries time goes on: asked for by its time, a moment is later than its entry.
+    fn of(door: &HttpDoor, mission: u64, moment: Moment, at: At) -> Looked {
+        let Moment { past: Sound { of: past, .. }, wall, earlier, later } = moment;
+        let unix_ms = match at {
+            At::Time(time) => time.min(door.clock.now().wall.unix_ms).max(wall.unix_ms),
+            At::Entry(_) => wall.unix_ms,
+        };
+        let (wall, number) = (WallTime { unix_ms, ..wall }, |seq: Option<Seq>| seq.map(|seq| seq.0));
+        let then = Then { mission, seq: past.seq.0, time: unix_ms, earlier: number(earlier), later: number(later) };
+        let present = door.handle.snapshot();
+        let others = present.robots.iter().skip(1).map(|robot| robot.id.clone());
+        Looked { snapshot: Arc::new(past.snapshot(door.settings, others)), then, wall }
+    }
+
+    fn view<'a>(&'a self, door: &'a HttpDoor, who: Option<&Who>, began: Option<WallTime>, line: &'a Timeline) -> View<'a> {
+        let Looked { snapshot, then, wall } = self;
+        let (hall, who) = (HallInfo::of(door), who.cloned());
+        View { snapshot, hall, began, who, why: None, now: *wall, line: Some(line), then: Some(*then) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::testing::{TestApp, app, read, text};
+    use crate::api::fixture::searching;
+    use serde_json::Value;
+
+    async fn page(app: &TestApp, path: &str) -> String {
+        let response = app.get(path).await;
+        assert_eq!(response.status(), 200, "{path}");
+        text(response).await
+    }
+
+    async fn message(app: &TestApp, query: &str) -> Value {
+        let (status, message) = read(app.get(&format!("/console/missions/1/moment?{query}")).await).await;
+        assert_eq!(status, 200, "{query}: {message}");
+        message
+    }
+
+    #[tokio::test]
+    async fn a_moment_of_the_past_is_the_same_page_with_nothing_to_press_but_stop() {
+        let app = app(searching());
+        let page = page(&app, "/missions/1/moment?at=4").await;
+        for wanted in [
+            "<html lang=\"en\" data-past=\"yes\">",
+            "<b>Past:</b> as it was at",
+            "idle",
+            "Held:</b> stopped by the operator",
+            "23.5 °C",
+            "id=\"hall-robot\"",
+            "entry 4 of mission 1",
+            "href=\"/missions/1/moment?at=3\">One entry back",
+            "href=\"/missions/1/moment?at=5\">One entry on",
+            "action=\"/console/stop\"",
+        ] {
+            assert!(page.contains(wanted), "{wanted} in {page}");
+        }
+        assert!(!page.contains("waits for your verdict") && !page.contains("<title>luggage #"), "nothing had been found yet");
+        for tag in
+            page.split('<').filter(|tag| ["button", "fieldset", "input", "select"].iter().any(|name| tag.starts_with(name)))
+        {
+            let looks = ["id=\"stop-button\"", "data-always", "id=\"confirm-", "type=\"hidden\"", "name=\"id\""].iter();
+            let within = ["name=\"move\"", "name=\"x\"", "name=\"y\"", "class=\"small\">Go there"].iter();
+            let is_dead = tag.contains("disabled title=\"this is the past: go back to now first\"");
+            assert!(is_dead || looks.chain(within).any(|word| tag.contains(word)), "<{tag}");
+        }
+        let first = self::page(&app, "/missions/1/moment").await;
+        assert!(first.contains("entry 1 of mission 1") && !first.contains(">One entry back<"), "{first}");
+    }
+
+    #[tokio::test]
+    async fn the_script_is_told_what_differs_from_the_moment_that_it_shows() {
+        let app = app(searching());
+        let whole = message(&app, "at=3").await;
+        assert_eq!((&whole["whole"], &whole["then"]["seq"]), (&true.into(), &3.into()));
+        assert!(whole["parts"]["hall-robot"].is_string() && whole["parts"]["time_0"].is_string());
+        let shown = whole["then"]["time"].as_i64().unwrap();
+        let later = message(&app, &format!("at=4&from=3&shown={shown}")).await;
+        assert_eq!((&later["whole"], &later["then"]["seq"]), (&false.into(), &4.into()));
+        let parts: Vec<&str> = later["parts"].as_object().unwrap().keys().map(String::as_str).collect();
+        assert!(parts.contains(&"holds") && !parts.contains(&"hall-robot") && !parts.contains(&"time_0"), "{parts:?}");
+        let back = message(&app, &format!("at=3&from=4&shown={shown}")).await;
+        assert_eq!(back["parts"]["holds"], whole["parts"]["holds"], "backwards likewise");
+        let same = message(&app, &format!("at=4&from=4&shown={shown}")).await;
+        // The archive of the tests shares no maps.
+        assert_eq!(same["parts"].as_object().unwrap().keys().map(String::as_str).collect::<Vec<_>>(), ["tile_0_0"]);
+    }
+
+    #[tokio::test]
+    async fn between_two_entries_time_goes_on_and_never_beyond_now() {
+        let app = app(searching());
+        let began = message(&app, "").await["then"]["time"].as_i64().unwrap();
+        let later = message(&app, &format!("time={}", began + 7000)).await;
+        assert_eq!((&later["then"]["seq"], &later["then"]["time"]), (&5.into(), &(began + 7000).into()));
+        let now = message(&app, "time=99999999999999").await["then"]["time"].as_i64().unwrap();
+        assert!(now < 99_999_999_999_999, "{now}");
+    }
+
+    #[tokio::test]
+    async fn what_is_not_there_is_said_in_words() {
+        let app = app(searching());
+        for (path, status) in [
+            ("/missions/2/moment?at=4", 404),
+            ("/missions/9/moment", 404),
+            ("/missions/1/moment?at=0", 422),
+            ("/missions/1/moment?on=4", 422),
+            ("/console/missions/1/moment?time=-1", 422),
+            ("/console/missions/1/moment?at=4&from=0", 422),
+            ("/console/missions/2/moment", 404),
+            ("/console/missions/99/moment", 503),
+        ] {
+            assert_eq!(app.get(path).await.status(), status, "{path}");
+        }
+    }
+}

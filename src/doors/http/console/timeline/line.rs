@@ -1,0 +1,497 @@
+//! The line of time of one mission as a picture: bands of phases and holds, the temperature, and a mark for whatever else counts. It
+//! grows at its end: what is drawn is cut into pieces of `PIECE` entries, and only the last of them changes.
+//!
+//! ```text
+//!   0 ── 12  phases   each band is drawn to the end of all times; the next one lies over it
+//!  12 ── 16  holds    likewise
+//!  18 ── 42  temperature, with the threshold
+//!  44 ── 54  luggage and verdicts
+//!  56 ── 64  commands; a STOP goes through all
+//! ```
+//! To the right a unit is `UNIT_MS` of the mission's time. While the program was off no time passes.
+
+use std::fmt::Write;
+use std::sync::Arc;
+
+use askama::filters::{Html, escape};
+use serde::Serialize;
+
+use crate::api::journal_words::words;
+use crate::api::time::Zone;
+use crate::runtime::archive::Happened;
+use hallsweep_core::command::Verdict;
+use hallsweep_core::effect::Fact;
+use hallsweep_core::mission::{Phase, PhaseName};
+use hallsweep_core::state::RetrievalStage;
+use hallsweep_core::units::{Celsius, MissionId, Seq, WallTime};
+
+/// Entries in a piece of the picture.
+const PIECE: usize = 64;
+
+/// A unit to the right, in milliseconds.
+const UNIT_MS: i64 = 100;
+
+/// To the right of every moment there can be.
+const FAR: i64 = 1_000_000_000;
+
+/// More is not drawn: days of a busy mission.
+const MOST: usize = 20_000;
+
+/// A mission is never shorter than this in the picture, in milliseconds.
+const LEAST_MS: i64 = 60_000;
+
+/// While the program was off so much time passes in the picture, in milliseconds.
+const OFF_MS: i64 = 5_000;
+
+/// The temperatures that are drawn, below and above the threshold, in °C.
+const BELOW: f64 = 12.0;
+const ABOVE: f64 = 8.0;
+
+/// The heights between which they are.
+const COLD: f64 = 42.0;
+const HOT: f64 = 18.0;
+
+/// What a page must know of a line to move on it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(in super::super) struct Scale {
+    mission: u64,
+    /// When the first entry was written, in milliseconds since 1970.
+    began: i64,
+    /// The same of the last that is on the line, and its place.
+    end: i64,
+    last: u64,
+    /// From when to when the program was off, and how long that is in the picture.
+    breaks: Vec<[i64; 3]>,
+    /// So long a unit is, in milliseconds.
+    unit: i64,
+    /// Whether it goes on.
+    open: bool,
+}
+
+#[derive(Clone, Debug)]
+pub(in super::super) struct Timeline {
+    mission: MissionId,
+    zone: Zone,
+    threshold: Celsius,
+    /// Pieces that are full.
+    full: Vec<Arc<str>>,
+    /// The last, which grows.
+    growing: Piece,
+    /// What was so at the end of the full ones.
+    carried: Carried,
+    began: Option<i64>,
+    end: i64,
+    last: Seq,
+    breaks: Vec<[i64; 3]>,
+    entries: usize,
+    is_over: bool,
+}
+
+/// A piece of the picture, layer by layer.
+#[derive(Clone, Debug, Default)]
+struct Piece {
+    entries: usize,
+    marks: String,
+    temperature: String,
+    hot: String,
+}
+
+/// What goes on beyond the piece in which it began.
+#[derive(Clone, Copy, Debug, Default)]
+struct Carried {
+    phase: Option<(PhaseName, Option<PhaseName>)>,
+    is_held: bool,
+    /// Where the line of the temperature has come, and whether it is too hot there.
+    reading: Option<(i64, f64, bool)>,
+    stage: Option<&'static str>,
+}
+
+impl Timeline {
+    /// The height of the threshold.
+    pub(in super::super) const THRESHOLD_Y: f64 = COLD - BELOW / (ABOVE + BELOW) * (COLD - HOT);
+
+    pub(super) fn new(mission: MissionId, zone: Zone, threshold: Celsius) -> Timeline {
+        Timeline {
+            mission,
+            zone,
+            threshold,
+            full: Vec::new(),
+            growing: Piece::default(),
+            carried: Carried::default(),
+            began: None,
+            end: 0,
+            last: Seq(0),
+            breaks: Vec::new(),
+            entries: 0,
+            is_over: false,
+        }
+    }
+
+    pub(in super::super) const fn mission(&self) -> MissionId {
+        self.mission
+    }
+
+    pub(super) const fn last(&self) -> Seq {
+        self.last
+    }
+
+    /// Whether nothing more will be on it.
+    pub(super) const fn is_complete(&self) -> bool {
+        self.is_over || self.entries >= MOST
+    }
+
+    pub(in super::super) fn is_empty(&self) -> bool {
+        self.began.is_none()
+    }
+
+    pub(in super::super) fn scale(&self) -> Scale {
+        Scale {
+            mission: self.mission.0,
+            began: self.began.unwrap_or(0),
+            end: self.end,
+            last: self.last.0,
+            breaks: self.breaks.clone(),
+            unit: UNIT_MS,
+            open: !self.is_over,
+        }
+    }
+
+    /// How long it is in the picture, in units.
+    pub(in super::super) fn width(&self) -> i64 {
+        self.x(self.end).max(LEAST_MS / UNIT_MS)
+    }
+
+    /// Where a moment is in the picture.
+    pub(in super::super) fn x(&self, unix_ms: i64) -> i64 {
+        let off: i64 = self.breaks.iter().filter(|[_, to, _]| *to <= unix_ms).map(|[from, to, shown]| to - from - shown).sum();
+        (unix_ms - self.began.unwrap_or(unix_ms) - off).max(0) / UNIT_MS
+    }
+
+    /// How many pieces do not change any more.
+    pub(in super::super) fn full(&self) -> usize {
+        self.full.len()
+    }
+
+    /// The pieces of the picture from this one on, each in a group of its own; the last one grows.
+    pub(in super::super) fn pieces(&self, from: usize) -> impl Iterator<Item = (String, Arc<str>)> {
+        let growing = Arc::from(self.growing.drawn(self.full.len(), self.carried.reading, true));
+        let pieces = self.full.iter().skip(from).cloned().chain([growing]);
+        (from..).zip(pieces).map(|(place, markup)| (id(place), markup))
+    }
+
+    /// What happened next.
+    pub(super) fn extend(&mut self, happened: &[Happened]) {
+        for (seq, entry) in happened {
+            self.last = *seq;
+            if self.is_complete() {
+                return;
+            }
+            if let Ok(entry) = entry {
+                self.add(entry.wall, &entry.fact);
+            }
+        }
+    }
+
+    fn add(&mut self, wall: WallTime, fact: &Fact) {
+        let began = *self.began.get_or_insert(wall.unix_ms);
+        if matches!(fact, Fact::ProgramStarted(_)) && wall.unix_ms - self.end > OFF_MS && self.end > began {
+            self.breaks.push([self.end, wall.unix_ms, OFF_MS]);
+        }
+        // A clock that is set back does not make the line go back.
+        self.end = self.end.max(wall.unix_ms);
+        self.entries += 1;
+        self.is_over = matches!(fact, Fact::MissionArchived(..));
+        let x = self.x(self.end);
+        if let Fact::Phase(phase) = fact {
+            self.phase(x, wall, (phase.name(), phase.interrupted().map(Phase::name)));
+        } else if let Fact::Holds(holds) = fact {
+            self.holds(x, wall, fact, !holds.is_empty());
+        } else if let Fact::Temperature(_, celsius) = fact {
+            self.growing.reading(x, *celsius, self.threshold, &mut self.carried.reading);
+        } else if let Fact::Retrieval(retrieval) = fact {
+            let stage = retrieval.as_ref().map(|retrieval| stage(&retrieval.stage));
+            if std::mem::replace(&mut self.carried.stage, stage) != stage {
+                self.mark(x, wall, "secured", fact);
+            }
+        } else if let Some(class) = class(fact) {
+            self.mark(x, wall, class, fact);
+        }
+        self.growing.entries += 1;
+        if self.growing.entries == PIECE {
+            let full = std::mem::take(&mut self.growing);
+            self.full.push(Arc::from(full.drawn(self.full.len(), self.carried.reading, false)));
+            self.growing.go_on(self.carried.reading);
+        }
+    }
+
+    fn phase(&mut self, x: i64, wall: WallTime, phase: (PhaseName, Option<PhaseName>)) {
+        if self.carried.phase == Some(phase) {
+            return;
+        }
+        self.carried.phase = Some(phase);
+        let (name, interrupted) = phase;
+        let was = interrupted.map(|phase| format!(" (was {})", phase.in_words())).unwrap_or_default();
+        let said = format!("{} {}{was}", self.zone.clock_time(wall), name.in_words());
+        self.growing.band(x, (0, 12), &format!("phase {}", name.name()), &said);
+    }
+
+    fn holds(&mut self, x: i64, wall: WallTime, fact: &Fact, is_held: bool) {
+        self.carried.is_held = is_held;
+        let said = format!("{} {}", self.zone.clock_time(wall), words(fact));
+        self.growing.band(x, (12, 16), if is_held { "hold" } else { "no-hold" }, &said);
+    }
+
+    fn mark(&mut self, x: i64, wall: WallTime, class: &str, fact: &Fact) {
+        let said = format!("{} {}", self.zone.clock_time(wall), words(fact));
+        self.growing.mark(x, class, &said);
+    }
+}
+
+impl Piece {
+    fn band(&mut self, x: i64, (top, bottom): (i64, i64), class: &str, said: &str) {
+        let (height, said) = (bottom - top, escaped(said));
+        write(
+            &mut self.marks,
+            format_args!("<path class=\"{class}\" d=\"M{x} {top}H{FAR}v{height}H{x}z\"><title>{said}</title></path>"),
+        );
+    }
+
+    fn mark(&mut self, x: i64, class: &str, said: &str) {
+        let (from, to) = heights(class);
+        let said = escaped(said);
+        write(&mut self.marks, format_args!("<path class=\"mark {class}\" d=\"M{x} {from}V{to}\"><title>{said}</title></path>"));
+    }
+
+    /// The line goes on level to where the next reading lifts or lowers it.
+    fn reading(&mut self, x: i64, celsius: Celsius, threshold: Celsius, at: &mut Option<(i64, f64, bool)>) {
+        let (height, is_hot) = (y(celsius, threshold), celsius > threshold);
+        match *at {
+            Some((from, before, was_hot)) => {
+                write(&mut self.temperature, format_args!("H{x}V{height}"));
+                if was_hot {
+                    write(&mut self.hot, format_args!("M{from} {before}H{x}"));
+                }
+            }
+            None => write(&mut self.temperature, format_args!("M{x} {height}")),
+        }
+        *at = Some((x, height, is_hot));
+    }
+
+    fn go_on(&mut self, reading: Option<(i64, f64, bool)>) {
+        if let Some((x, height, _)) = reading {
+            write(&mut self.temperature, format_args!("M{x} {height}"));
+        }
+    }
+
+    /// Its group. In the last one what was read last holds on.
+    fn drawn(&self, place: usize, reading: Option<(i64, f64, bool)>, is_last: bool) -> String {
+        let (mut temperature, mut hot) = (self.temperature.clone(), self.hot.clone());
+        if let Some((x, height, is_hot)) = reading.filter(|_| is_last) {
+            write(&mut temperature, format_args!("H{FAR}"));
+            if is_hot {
+                write(&mut hot, format_args!("M{x} {height}H{FAR}"));
+            }
+        }
+        let line = |class: &str, path: &str| match path {
+            "" => String::new(),
+            path => format!("<path class=\"{class}\" d=\"{path}\"/>"),
+        };
+        let (temperature, hot) = (line("temperature", &temperature), line("temperature hot", &hot));
+        format!("<g id=\"{}\">{}{temperature}{hot}</g>", id(place), self.marks)
+    }
+}
+
+pub(in super::super) fn id(place: usize) -> String {
+    format!("time_{place}")
+}
+
+/// The height of a temperature.
+fn y(celsius: Celsius, threshold: Celsius) -> f64 {
+    let above = (celsius.degrees() - threshold.degrees()).clamp(-BELOW, ABOVE);
+    let height = COLD - (above + BELOW) / (ABOVE + BELOW) * (COLD - HOT);
+    (height * 10.0).round() / 10.0
+}
+
+/// How a mark looks, for what is one.
+fn class(fact: &Fact) -> Option<&'static str> {
+    Some(match fact {
+        Fact::Luggage { .. } => "found",
+        Fact::Verdict { verdict: Verdict::Safe, .. } => "safe",
+        Fact::Verdict { verdict: Verdict::Danger, .. } => "danger",
+        Fact::Secured(_) => "secured",
+        Fact::AlarmRaised(..) => "alarm",
+        Fact::AlarmAcknowledged(..) => "seen",
+        // What a verdict came to stands with the verdicts.
+        Fact::Command { command, refused: None, .. } if command.starts_with("safe") || command.starts_with("danger") => {
+            return None;
+        }
+        Fact::Command { refused: Some(_), .. } => "refused",
+        Fact::Command { command, .. } if command.starts_with("STOP") => "stop",
+        Fact::Command { .. } => "command",
+        Fact::ProgramStarted(_) | Fact::ProgramEnded(_) => "program",
+        Fact::MissionBegan(..)
+        | Fact::MissionArchived(..)
+        | Fact::Strategy(_)
+        | Fact::Phase(_)
+        | Fact::Holds(_)
+        | Fact::Retrieval(_) => {
+            return None;
+        }
+        // These do not stand on the line.
+        Fact::State(_) | Fact::Epoch(_) | Fact::Goal(..) | Fact::Pose(_) | Fact::RobotPose(..) | Fact::Outside(..) => {
+            return None;
+        }
+        Fact::MetAgain(..) | Fact::Led(_) | Fact::Obstacle(..) | Fact::Mark(..) | Fact::Temperature(..) | Fact::MapEmptied(_) => {
+            return None;
+        }
+    })
+}
+
+/// From where to where a mark goes.
+fn heights(class: &str) -> (i64, i64) {
+    match class {
+        "found" => (49, 54),
+        "safe" => (44, 54),
+        "danger" | "secured" => (42, 56),
+        "alarm" => (16, 44),
+        "seen" => (38, 44),
+        "stop" | "program" => (0, 64),
+        _ => (57, 64),
+    }
+}
+
+const fn stage(stage: &RetrievalStage) -> &'static str {
+    match stage {
+        RetrievalStage::MakingRoom => "makingRoom",
+        RetrievalStage::Fetching => "fetching",
+        RetrievalStage::LettingGo => "lettingGo",
+        RetrievalStage::GoingOut(_) => "goingOut",
+        RetrievalStage::ComingHome(_) => "comingHome",
+    }
+}
+
+fn escaped(words: &str) -> String {
+    escape(words, Html).map(|safe| safe.to_string()).unwrap_or_default()
+}
+
+fn write(text: &mut String, words: std::fmt::Arguments<'_>) {
+    text.write_fmt(words).expect("writing into a string does not fail");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::api::fixture::{TEN, degrees, piece};
+    use hallsweep_core::command::Issuer;
+    use hallsweep_core::effect::Entry;
+    use hallsweep_core::mission::Hold;
+    use hallsweep_core::units::{Cell, LuggageId};
+
+    /// Facts, so many seconds after the first.
+    fn happened(facts: impl IntoIterator<Item = (i64, Fact)>) -> Vec<Happened> {
+        let at = |second: i64| WallTime { unix_ms: TEN.unix_ms + second * 1000, ..TEN };
+        (1..).map(Seq).zip(facts.into_iter().map(|(second, fact)| Ok(Entry { wall: at(second), fact }))).collect()
+    }
+
+    fn line(facts: impl IntoIterator<Item = (i64, Fact)>) -> Timeline {
+        let mut line = Timeline::new(MissionId(1), Zone::of(TEN), degrees(25.0));
+        line.extend(&happened(facts));
+        line
+    }
+
+    fn drawn(line: &Timeline) -> String {
+        line.pieces(0).map(|(_, markup)| markup.to_string()).collect()
+    }
+
+    fn temperature(celsius: f64) -> Fact {
+        Fact::Temperature("hall".into(), degrees(celsius))
+    }
+
+    fn command(words: &str) -> Fact {
+        let issuer = Issuer { who: "<anna>".into(), ..Issuer::operator(crate::api::door::CONSOLE) };
+        Fact::Command { issuer, id: None, command: words.to_owned(), epoch: None, luggage: None, refused: None }
+    }
+
+    #[test]
+    fn phases_holds_temperatures_pieces_verdicts_stops_and_commands_stand_at_their_times() {
+        let verdict = |verdict| Fact::Verdict { luggage: LuggageId(3), verdict, who: "anna".into() };
+        let found = Fact::Luggage { record: piece(3, Cell::new(1, 2), None), photo: None };
+        let line = line([
+            (0, Fact::Phase(Phase::Exploring)),
+            (1, command("START")),
+            (2, temperature(25.0)),
+            (4, found),
+            (6, command("safe #3")),
+            (6, verdict(Verdict::Safe)),
+            (7, verdict(Verdict::Danger)),
+            (8, command("STOP")),
+            (8, Fact::Holds(vec![Hold::Operator])),
+        ]);
+        let drawn = drawn(&line);
+        for part in [
+            "class=\"phase exploring\" d=\"M0 0H1000000000v12H0z\"",
+            "class=\"mark command\" d=\"M10 57V64\"",
+            "class=\"mark found\" d=\"M40 49V54\"",
+            "class=\"mark safe\" d=\"M60",
+            "class=\"mark danger\" d=\"M70",
+            "class=\"mark stop\" d=\"M80 0V64\"",
+            "class=\"hold\" d=\"M80 12",
+            "START by &#60;anna&#62;",
+        ] {
+            assert!(drawn.contains(part), "{part} in {drawn}");
+        }
+        assert!(!drawn.contains("M60 57"), "a verdict is one mark");
+        assert_eq!((line.width(), line.scale().end), (600, TEN.unix_ms + 8000));
+    }
+
+    #[test]
+    fn the_temperature_holds_until_the_next_reading_and_what_is_too_hot_is_seen() {
+        let line = line([(0, temperature(25.0)), (2, temperature(27.0)), (5, temperature(20.0))]);
+        let threshold = Timeline::THRESHOLD_Y;
+        let drawn = drawn(&line);
+        assert!(drawn.contains(&format!("class=\"temperature\" d=\"M0 {threshold}H20V")), "{drawn}");
+        let (_, hot) = drawn.split_once("temperature hot\" d=\"M20 ").expect("it was too hot");
+        assert!(hot.split('"').next().unwrap().ends_with("H50"), "{hot}");
+    }
+
+    #[test]
+    fn what_is_full_never_changes_and_the_temperature_goes_on_beyond_it() {
+        let many = |count: i64| (0..count).map(|second| (second, temperature(20.0 + (second % 3) as f64)));
+        let (before, after) = (line(many(100)), line(many(1000)));
+        assert_eq!((before.full(), after.full()), (100 / PIECE, 1000 / PIECE));
+        let first = |line: &Timeline| line.pieces(0).next().unwrap().1;
+        assert_eq!(first(&before), first(&after));
+        for (place, (_, markup)) in after.pieces(1).enumerate() {
+            let from = (place as i64 + 1) * PIECE as i64 - 1;
+            assert!(
+                markup.contains(&format!("d=\"M{} ", from * 10)),
+                "piece {place} begins where the one before it ended: {markup}"
+            );
+        }
+    }
+
+    #[test]
+    fn while_the_program_was_off_no_time_passes_and_a_clock_set_back_does_not_go_back() {
+        let line = line([
+            (0, command("START")),
+            (10, Fact::ProgramEnded("SIGTERM".to_owned())),
+            (36_010, Fact::ProgramStarted("1".to_owned())),
+            (36_020, command("START")),
+            (30_000, command("RESET")),
+        ]);
+        let at = |second: i64| line.x(TEN.unix_ms + second * 1000);
+        assert_eq!((at(10), at(36_010), at(36_020)), (100, 150, 250));
+        assert_eq!(line.scale().breaks, [[TEN.unix_ms + 10_000, TEN.unix_ms + 36_010_000, 5000]]);
+        assert!(drawn(&line).matches("M250 57").count() == 2, "{}", drawn(&line));
+    }
+
+    #[test]
+    fn it_ends_with_the_mission_and_before_it_is_too_much() {
+        let over = line([(0, command("START")), (1, Fact::MissionArchived(MissionId(1), Vec::new())), (2, command("START"))]);
+        assert!(over.is_complete() && !over.scale().open);
+        assert_eq!(over.scale().end, TEN.unix_ms + 1000);
+        let endless = line((0..MOST as i64 + 10).map(|second| (second, command("START"))));
+        assert!(endless.is_complete());
+        assert_eq!(endless.entries, MOST);
+    }
+}

@@ -1,0 +1,125 @@
+//! How a mission stood at moments of its past: what follows from the entries up to each of them, and what else a page shows of it.
+
+use std::sync::Arc;
+
+use rusqlite::Connection;
+
+use super::fault::Fault;
+use super::recall;
+use super::rows::{self, Kinds};
+use crate::runtime::archive::{At, Moment, Sound};
+use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::engine::{Past, way_behind};
+use hallsweep_core::state::PersistentState;
+use hallsweep_core::units::{Celsius, MissionId, Seq, WallTime};
+
+/// A reading among so many entries is looked for, which takes milliseconds.
+const NOT_LONG: u64 = 20_000;
+
+/// As many readings as tell what of each source was read last, and whether it had cooled down.
+const READINGS: usize = 128;
+
+/// Poses among which the way behind the robot is found: it stands in one cell while it turns.
+const POSES: usize = 192;
+
+/// What stood after an entry.
+type Stood = (Seq, Sound<PersistentState>);
+
+/// Such moments, in their order. What is the same in two of them, they share, as far as one follows from the other.
+pub(super) fn moments(
+    connection: &Connection,
+    mission: MissionId,
+    at: &[At],
+    words: impl Fn(&Fault) -> String,
+) -> Result<Vec<Moment>, Fault> {
+    // All of it is read of the same journal, though somebody writes on.
+    let _unchanging = connection.unchecked_transaction()?;
+    let mut places = Vec::new();
+    for at in at {
+        let Some(place) = place(connection, mission, *at)? else { return Ok(Vec::new()) };
+        places.push(place);
+    }
+    let mut oldest_first: Vec<usize> = (0..places.len()).collect();
+    oldest_first.sort_by_key(|place| places[*place].0);
+    let (mut moments, mut before): (Vec<(usize, Moment)>, Option<Stood>) = (Vec::new(), None);
+    for place in oldest_first {
+        let (seq, wall) = places[place];
+        let Some(state) = stood(connection, mission, seq, before, &words)? else { return Ok(Vec::new()) };
+        before = Some((seq, state.clone()));
+        moments.push((place, moment(connection, mission, (seq, wall), state)?));
+    }
+    moments.sort_by_key(|(place, _)| *place);
+    Ok(moments.into_iter().map(|(_, moment)| moment).collect())
+}
+
+fn place(connection: &Connection, mission: MissionId, at: At) -> Result<Option<(Seq, WallTime)>, Fault> {
+    match at {
+        At::Entry(seq) => rows::last_of(connection, mission, Seq(seq.0.min(i64::MAX.unsigned_abs()))),
+        At::Time(unix_ms) => by_time(connection, mission, unix_ms),
+    }
+}
+
+/// The last entry of a mission that is not later than this; the first, if all are. Entries are in the order of their times, as long as
+/// nobody sets the clock back: then it is one of those that were written at this time.
+fn by_time(connection: &Connection, mission: MissionId, unix_ms: i64) -> Result<Option<(Seq, WallTime)>, Fault> {
+    let Some(mut found) = rows::first_of(connection, mission, Seq(0))? else { return Ok(None) };
+    let Some((last, _)) = rows::last_of(connection, mission, Seq(i64::MAX.unsigned_abs()))? else { return Ok(None) };
+    let mut most = last.0;
+    while found.0.0 < most {
+        let middle = most - (most - found.0.0) / 2;
+        match rows::first_of(connection, mission, Seq(middle))? {
+            Some((seq, wall)) if wall.unix_ms <= unix_ms => found = (seq, wall),
+            Some(_) | None => most = middle - 1,
+        }
+    }
+    Ok(Some(found))
+}
+
+/// What stood after an entry, from what stood after one before it if that is shorter; nothing where what it follows from is not kept.
+fn stood(
+    connection: &Connection,
+    mission: MissionId,
+    seq: Seq,
+    before: Option<Stood>,
+    words: impl Fn(&Fault) -> String,
+) -> Result<Option<Sound<PersistentState>>, Fault> {
+    let end = Some(seq.next());
+    let standing = rows::last_standing(connection, end)?;
+    if let Some((known, state)) = before
+        && standing <= Some(known)
+    {
+        return recall::go_on(connection, mission, state, (Some(known), end), words).map(Some);
+    }
+    if standing.is_none() && rows::first(connection)? > Some(Seq(1)) {
+        return Ok(None);
+    }
+    recall::standing_of(connection, mission, end, words).map(Some)
+}
+
+fn moment(
+    connection: &Connection,
+    mission: MissionId,
+    (seq, wall): (Seq, WallTime),
+    state: Sound<PersistentState>,
+) -> Result<Moment, Fault> {
+    let Sound { of: state, damage } = state;
+    let readings = rows::latest(connection, Kinds::Temperatures, seq, READINGS, NOT_LONG)?;
+    let way = rows::latest(connection, Kinds::Way, seq, POSES, NOT_LONG)?;
+    let past = Past {
+        seq,
+        state,
+        trail: way_behind(&way),
+        readings: readings.into_iter().filter_map(reading).collect(),
+        latest: recall::latest(connection, seq)?,
+    };
+    Ok(Moment {
+        past: Sound { of: past, damage },
+        wall,
+        earlier: rows::last_of(connection, mission, Seq(seq.0.saturating_sub(1)))?.map(|(seq, _)| seq),
+        later: rows::first_of(connection, mission, seq.next())?.map(|(seq, _)| seq),
+    })
+}
+
+fn reading(entry: Entry) -> Option<(Arc<str>, Celsius)> {
+    if let Fact::Temperature(source, celsius) = entry.fact { Some((source, celsius)) } else { None }
+}

@@ -1,0 +1,223 @@
+// The picture of the hall under a person's hands: closer, wider, moved, fitted; what is under the pointer; "go there". What is drawn
+// comes from the server; this only chooses the part of it that is seen.
+"use strict";
+
+const hall = (() => {
+  const CELL = 10; // a cell in the picture's units
+  const NEAR_PX = 14; // from this size of a cell on every piece is drawn in its own cell
+  const LARGEST_PX = 120; // no cell is drawn larger
+  const STEP = 1.35;
+  const CLICK_PX = 6; // a press that moved less is a click
+  const RULER_PX = 90;
+
+  const stage = at("stage");
+  const svg = at("hall");
+  let whole = svg.getAttribute("viewBox").split(" ").map(Number);
+  let lens = null; // the middle of what is shown and the pixels of a unit; null: the whole hall, however it grows
+  const fingers = new Map();
+  let moved = 0;
+  let pinched = 0;
+
+  const size = () => ({ width: svg.clientWidth || 1, height: svg.clientHeight || 1 });
+
+  /** Pixels of a unit when the whole hall is shown. */
+  function fitting() {
+    const { width, height } = size();
+    return Math.min(width / whole[2], height / whole[3]);
+  }
+
+  const scale = () => lens?.scale ?? fitting();
+
+  /** The server's picture has these bounds now. */
+  function bounds(view) {
+    whole = view.split(" ").map(Number);
+    draw();
+  }
+
+  function draw() {
+    const { width, height } = size();
+    if (lens && lens.scale <= fitting() * 1.001) lens = null;
+    if (lens) {
+      // The middle stays within the hall, so that it is never lost.
+      lens.x = Math.min(Math.max(lens.x, whole[0]), whole[0] + whole[2]);
+      lens.y = Math.min(Math.max(lens.y, whole[1]), whole[1] + whole[3]);
+      const [w, h] = [width / lens.scale, height / lens.scale];
+      svg.setAttribute("viewBox", `${lens.x - w / 2} ${lens.y - h / 2} ${w} ${h}`);
+    } else {
+      svg.setAttribute("viewBox", whole.join(" "));
+    }
+    const larger = Number(at("hall-layer").dataset.larger ?? 1);
+    svg.style.setProperty("--sized", Math.max(1, larger * fitting() / scale()));
+    svg.classList.toggle("near", scale() * CELL >= NEAR_PX);
+    at("fit").disabled = at("wider").disabled = !lens;
+    measure();
+  }
+
+  /** A bar as long as a round number of metres, or of cells where their size is not known. */
+  function measure() {
+    const side = Number(svg.dataset.cellM) || 0;
+    const unit = side ? scale() * CELL / side : scale() * CELL;
+    const most = RULER_PX / unit;
+    const power = 10 ** Math.floor(Math.log10(most));
+    const length = [5, 2, 1].map((n) => n * power).find((n) => n <= most) ?? power;
+    at("ruler").style.width = `${length * unit}px`;
+    at("ruler").textContent = side ? `${Number(length.toPrecision(2))} m` : `${Number(length.toPrecision(2))} cells`;
+  }
+
+  /** The point of the picture under a point of the window. */
+  function under({ clientX, clientY }) {
+    const matrix = svg.getScreenCTM();
+    return matrix && new DOMPoint(clientX, clientY).matrixTransform(matrix.inverse());
+  }
+
+  /** So many times as close, while this point of the picture stays where it is. */
+  function zoom(factor, about = middle()) {
+    const before = scale();
+    const now = Math.min(before * factor, LARGEST_PX / CELL);
+    const { x, y } = lens ?? middle();
+    const kept = before / now;
+    lens = { scale: now, x: about.x + (x - about.x) * kept, y: about.y + (y - about.y) * kept };
+    hideOffer();
+    draw();
+  }
+
+  function move(dx, dy) {
+    if (!lens) return;
+    lens.x += dx / lens.scale;
+    lens.y += dy / lens.scale;
+    hideOffer();
+    draw();
+  }
+
+  const middle = () => lens ?? { x: whole[0] + whole[2] / 2, y: whole[1] + whole[3] / 2 };
+
+  function fit() {
+    lens = null;
+    hideOffer();
+    draw();
+  }
+
+  const cellOf = (point) => ({ x: Math.floor(point.x / CELL), y: Math.floor(point.y / CELL) });
+
+  // ---- go there ----
+
+  const offer = document.createElement("form");
+  offer.id = "offer";
+  offer.method = "post";
+  offer.action = "/console/goto";
+  offer.dataset.why = "page";
+  offer.hidden = true;
+  for (const name of ["epoch", "x", "y"]) offer.append(Object.assign(document.createElement("input"), { type: "hidden", name }));
+  offer.append(Object.assign(document.createElement("button"), { className: "small" }));
+  stage.append(offer);
+
+  /** A free cell was pressed: the robot can be sent there, when driving is allowed. */
+  function offerCell(event) {
+    hideOffer();
+    const isFree = event.target.closest?.(".visited, .trail, .route, .ray");
+    const drive = document.querySelector("#manual form[action='/console/goto']");
+    if (!isFree || root.dataset.past || !drive || drive.querySelector("fieldset").disabled) return;
+    const cell = cellOf(under(event));
+    offer.elements.x.value = cell.x;
+    offer.elements.y.value = cell.y;
+    offer.querySelector("button").textContent = `Go to column ${cell.x}, row ${cell.y}`;
+    offer.hidden = false;
+    const box = stage.getBoundingClientRect();
+    offer.style.left = `${Math.min(event.clientX - box.left, box.width - offer.offsetWidth - 8)}px`;
+    offer.style.top = `${Math.min(event.clientY - box.top, box.height - offer.offsetHeight - 8)}px`;
+  }
+
+  function hideOffer() {
+    offer.hidden = true;
+  }
+
+  offer.addEventListener("submit", () => {
+    // A STOP since then makes it void, as it does of any other button.
+    offer.elements.epoch.value = document.querySelector("#manual form[action='/console/goto'] [name=epoch]").value;
+    setTimeout(hideOffer);
+  }, { capture: true });
+
+  // ---- hands ----
+
+  svg.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    zoom(event.deltaY < 0 ? STEP : 1 / STEP, under(event) ?? undefined);
+  }, { passive: false });
+
+  svg.addEventListener("pointerdown", (event) => {
+    if (event.button > 0) return;
+    fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    if (fingers.size === 1) moved = 0;
+    pinched = spread();
+  });
+
+  svg.addEventListener("pointermove", (event) => {
+    const finger = fingers.get(event.pointerId);
+    if (finger) {
+      const [dx, dy] = [event.clientX - finger.x, event.clientY - finger.y];
+      moved += Math.abs(dx) + Math.abs(dy);
+      if (moved > CLICK_PX && !svg.hasPointerCapture(event.pointerId)) svg.setPointerCapture(event.pointerId);
+      finger.x = event.clientX;
+      finger.y = event.clientY;
+      if (fingers.size === 1 && moved > CLICK_PX) move(-dx, -dy);
+      if (fingers.size === 2) pinch();
+    }
+    const point = under(event);
+    if (point) {
+      const { x, y } = cellOf(point);
+      at("pointer").textContent = `column ${x}, row ${y}`;
+    }
+  });
+
+  /** How far apart two fingers are. */
+  function spread() {
+    const [one, other] = [...fingers.values()];
+    return other ? Math.hypot(one.x - other.x, one.y - other.y) : 0;
+  }
+
+  function pinch() {
+    const [one, other] = [...fingers.values()];
+    const about = under({ clientX: (one.x + other.x) / 2, clientY: (one.y + other.y) / 2 });
+    const now = spread();
+    if (pinched > 0 && now > 0) zoom(now / pinched, about ?? undefined);
+    pinched = now;
+  }
+
+  for (const what of ["pointerup", "pointercancel"]) {
+    svg.addEventListener(what, (event) => {
+      fingers.delete(event.pointerId);
+      pinched = 0;
+    });
+  }
+  svg.addEventListener("pointerleave", () => (at("pointer").textContent = ""));
+
+  svg.addEventListener("click", (event) => {
+    if (moved > CLICK_PX) return event.preventDefault();
+    const piece = event.target.closest("[data-piece]");
+    if (piece) open(`/luggage/${piece.dataset.piece}`, "_blank", "noopener");
+    else if (event.target.closest(".pin")) zoom(STEP ** 4, under(event) ?? undefined);
+    else offerCell(event);
+  });
+
+  at("closer").addEventListener("click", () => zoom(STEP * STEP));
+  at("wider").addEventListener("click", () => zoom(1 / STEP / STEP));
+  at("fit").addEventListener("click", fit);
+
+  stage.tabIndex = 0;
+  stage.addEventListener("keydown", (event) => {
+    if (event.target !== stage || event.ctrlKey || event.metaKey || event.altKey) return;
+    const step = Math.min(size().width, size().height) / 5;
+    const keys = {
+      "+": () => zoom(STEP), "=": () => zoom(STEP), "-": () => zoom(1 / STEP), 0: fit,
+      ArrowLeft: () => move(-step, 0), ArrowRight: () => move(step, 0), ArrowUp: () => move(0, -step), ArrowDown: () => move(0, step),
+    };
+    const act = keys[event.key];
+    if (!act || (event.key.startsWith("Arrow") && !lens)) return;
+    event.preventDefault();
+    act();
+  });
+
+  new ResizeObserver(draw).observe(svg);
+  draw();
+  return { bounds };
+})();

@@ -1,0 +1,239 @@
+// The line of time: drags the page to any moment of the mission, plays it forwards and backwards, and comes back to now. What a moment
+// looks like is drawn by the server, from the same parts as now; this asks for what differs and hands it to the console's `show`.
+"use strict";
+
+const time = (() => {
+  const TICK_MS = 100;
+  const LEAST = 600; // units: a shorter line is drawn so long
+  const LEAP_MS = 10_000; // shift and an arrow
+  const NOW_PART = 0.995; // whoever drags to the right edge wants now
+
+  const panel = at("time");
+  const track = at("track");
+  let line = JSON.parse(panel.dataset.line); // how the line is to be read
+  let then = JSON.parse(panel.dataset.then); // the moment of the past that is shown; null: now
+  let present = then ? null : line?.mission; // the mission that goes on
+  let place = 0; // where the replay is, in units
+  let direction = 0; // of the replay; 0 while it does not play
+  let wanted = null; // what is to be asked next
+  let asking = false;
+  let visit = 0; // each way back to now ends what was asked before
+
+  const serverNow = () => Date.now() + ahead;
+
+  /** Where a moment is on the line, in units: while the program was off no time passes. */
+  function unitOf(moment) {
+    let off = 0;
+    for (const [from, to, shown] of line.breaks) if (to <= moment) off += to - from - shown;
+    return Math.max(0, (moment - line.began - off) / line.unit);
+  }
+
+  /** The moment at a place of the line. */
+  function momentAt(unit) {
+    let moment = line.began + unit * line.unit;
+    for (const [from, to, shown] of line.breaks) {
+      if (moment < from + shown) break;
+      moment += to - from - shown;
+    }
+    return Math.round(moment);
+  }
+
+  const isPresent = () => line && line.mission === present && line.open;
+  const end = () => (isPresent() ? Math.max(line.end, serverNow()) : line.end);
+  const width = () => Math.max(LEAST, unitOf(end()));
+
+  /** Draws where we are. */
+  function draw() {
+    panel.classList.toggle("empty", !line);
+    if (!line) return;
+    const wide = width();
+    const at_ = then ? unitOf(then.time) : wide;
+    at("time-line").setAttribute("viewBox", `0 0 ${wide} 64`);
+    at("cursor").setAttribute("d", `M${at_} 0v64`);
+    const words = then ? `${clockTime(then.time - ahead)}, entry ${then.seq} of mission ${then.mission}` : "now";
+    if (at("moment").textContent !== words) at("moment").textContent = words;
+    track.setAttribute("aria-valuemax", Math.round(wide / 10));
+    track.setAttribute("aria-valuenow", Math.round(at_ / 10));
+    track.setAttribute("aria-valuetext", then ? `${words}: ${document.querySelector("#bar .phase").textContent}` : "now");
+    at("to-now").hidden = !then;
+    at("play").setAttribute("aria-pressed", direction > 0);
+    at("play").textContent = direction > 0 ? "❚❚" : "▶";
+    at("play").setAttribute("aria-label", direction > 0 ? "Pause" : "Play");
+    at("backwards").setAttribute("aria-pressed", direction < 0);
+    at("step-back").disabled = then ? !then.earlier : false;
+    at("step-on").disabled = !then;
+  }
+
+  /** The page shows this now: of the present, or of the past. */
+  function shown(message) {
+    if (message.line) line = message.line;
+    if (!message.then) present = message.line?.mission ?? present;
+    then = message.then;
+    if (then) root.dataset.past = "yes";
+    else delete root.dataset.past;
+    draw();
+  }
+
+  /** Something happens now while the past is shown: it is said, and the picture stays. */
+  function meanwhile(message) {
+    ahead = message.now - Date.now();
+    if (document.title !== message.title) document.title = message.title;
+    present = message.line?.mission ?? present;
+    if (line?.mission === message.line?.mission) line = message.line;
+    const words = message.title.replace(/ · hallsweep$/, "");
+    at("now-words").textContent = `: ${words}`;
+    at("to-now").title = `now: ${words}`;
+    draw();
+  }
+
+  /** Shows a moment; of many that are asked for quickly, the last. */
+  async function go(to) {
+    if (!line) return;
+    wanted = to;
+    if (asking) return;
+    asking = true;
+    const here = visit;
+    while (wanted && here === visit) {
+      const query = new URLSearchParams(wanted);
+      wanted = null;
+      if (then) {
+        query.set("from", then.seq);
+        query.set("shown", then.time);
+      }
+      const answer = await fetch(`/console/missions/${line.mission}/moment?${query}`, { signal: AbortSignal.timeout(SEND_MS) }).catch(() => null);
+      if (here !== visit) break;
+      if (answer?.status === 401) signIn("watching");
+      if (!answer?.ok) {
+        pause();
+        const said = await answer?.json().catch(() => null);
+        at("moment").textContent = said?.detail ?? "No connection: the past cannot be shown just now.";
+        break;
+      }
+      const message = await answer.json();
+      if (here !== visit) break;
+      show(message);
+      history.replaceState(null, "", `/missions/${line.mission}/moment?at=${then.seq}`);
+    }
+    asking = false;
+  }
+
+  /** Back to now: the stream's first message holds everything. */
+  function now() {
+    pause();
+    visit += 1;
+    asking = false;
+    wanted = null;
+    then = null;
+    at("now-words").textContent = "";
+    history.replaceState(null, "", "/");
+    delete root.dataset.past;
+    join();
+    draw();
+  }
+
+  function toUnit(unit) {
+    place = Math.min(Math.max(0, unit), width());
+    go({ time: Math.max(0, momentAt(place)) });
+  }
+
+  function start() {
+    pause();
+    go({});
+  }
+
+  function step(by) {
+    pause();
+    if (by < 0) go({ at: then ? then.earlier ?? then.seq : line.last });
+    else if (then?.later) go({ at: then.later });
+    else if (then && isPresent()) now();
+  }
+
+  function leap(ms) {
+    pause();
+    if (!then && ms > 0) return;
+    const to = (then ? then.time : end()) + ms;
+    if (to >= end() && isPresent()) now();
+    else toUnit(unitOf(to));
+  }
+
+  function play(way) {
+    const was = direction;
+    pause();
+    if (was === way) return;
+    if (!line || (way > 0 && !then)) return;
+    direction = way;
+    place = then ? unitOf(then.time) : width();
+    draw();
+  }
+
+  function pause() {
+    direction = 0;
+    draw();
+  }
+
+  setInterval(() => {
+    if (!line) return;
+    if (!direction) {
+      if (!then && isPresent()) draw();
+      return;
+    }
+    place += direction * Number(at("speed").value) * TICK_MS / line.unit;
+    if (place >= width()) {
+      if (isPresent()) return now();
+      go({ at: line.last });
+      return pause();
+    }
+    if (place <= 0) pause();
+    toUnit(place);
+  }, TICK_MS);
+
+  // ---- hands ----
+
+  function drag(event) {
+    const box = at("time-line").getBoundingClientRect();
+    const part = Math.min(Math.max(0, (event.clientX - box.left) / box.width), 1);
+    if (part >= NOW_PART && isPresent()) {
+      if (then) now();
+    } else {
+      toUnit(part * width());
+    }
+  }
+
+  track.addEventListener("pointerdown", (event) => {
+    if (event.button > 0 || !line) return;
+    track.setPointerCapture(event.pointerId);
+    pause();
+    drag(event);
+  });
+  track.addEventListener("pointermove", (event) => track.hasPointerCapture(event.pointerId) && drag(event));
+
+  track.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || !line) return;
+    const keys = {
+      ArrowLeft: () => (event.shiftKey ? leap(-LEAP_MS) : step(-1)),
+      ArrowRight: () => (event.shiftKey ? leap(LEAP_MS) : step(1)),
+      PageDown: () => leap(-6 * LEAP_MS),
+      PageUp: () => leap(6 * LEAP_MS),
+      Home: start,
+      End: () => (isPresent() ? then && now() : go({ at: line.last })),
+      " ": () => play(1),
+    };
+    const act = keys[event.key];
+    if (!act) return;
+    event.preventDefault();
+    act();
+  });
+
+  at("to-start").addEventListener("click", start);
+  at("play").addEventListener("click", () => play(1));
+  at("backwards").addEventListener("click", () => play(-1));
+  at("step-back").addEventListener("click", () => step(-1));
+  at("step-on").addEventListener("click", () => step(1));
+  at("to-now").addEventListener("click", (event) => {
+    event.preventDefault();
+    now();
+  });
+
+  draw();
+  return { shown, meanwhile, isPast: () => then !== null };
+})();
