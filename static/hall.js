@@ -48,6 +48,7 @@ const hall = (() => {
     }
     const larger = Number(at("hall-layer").dataset.larger ?? 1);
     svg.style.setProperty("--sized", Math.max(1, larger * fitting() / scale()));
+    svg.classList.toggle("closer", lens !== null);
     svg.classList.toggle("near", scale() * CELL >= NEAR_PX);
     at("fit").disabled = at("wider").disabled = !lens;
     measure();

@@ -183,7 +183,7 @@ const time = (() => {
       go({ at: line.last });
       return pause();
     }
-    if (place <= 0) pause();
+    if (place <= 0) return start();
     toUnit(place);
   }, TICK_MS);
 
@@ -235,5 +235,5 @@ const time = (() => {
   });
 
   draw();
-  return { shown, meanwhile, isPast: () => then !== null };
+  return { shown, meanwhile, go, isPast: () => then !== null };
 })();

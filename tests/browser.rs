@@ -158,6 +158,26 @@ fn the_keyboard_is_where_the_next_act_is() {
 }
 
 #[test]
+fn any_moment_of_a_mission_is_shown_again_as_it_was_shown_then() {
+    play("replayed", &["--hall", "airport", "--speed", "20"]);
+}
+
+#[test]
+fn the_past_is_dragged_stepped_and_played_and_only_stop_can_be_pressed_there() {
+    play("past", &["--hall", "airport", "--speed", "20"]);
+}
+
+#[test]
+fn without_scripts_a_mission_is_looked_at_again_entry_by_entry() {
+    play("pastPlain", &["--hall", "airport", "--speed", "max"]);
+}
+
+#[test]
+fn the_hall_is_looked_at_from_near_and_a_free_cell_offers_the_way_there() {
+    play("lens", &["--hall", "airport", "--speed", "20"]);
+}
+
+#[test]
 fn people_sign_in_and_a_viewer_can_only_stop() {
     play_with_keys("signedIn");
 }

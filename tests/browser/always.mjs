@@ -7,8 +7,8 @@ const SCREENS = [[320, 568], [320, 256], [390, 844], [640, 360], [760, 900], [76
   [1280, 800], [1401, 900], [1920, 1080], [2560, 1440]];
 
 /** The pages there are while a piece waits. */
-const pages = (id) => ['/', '/missions', '/missions/1', '/missions/1?show=all', `/luggage/${id}`, `/api/v1/luggage/${id}/photo`,
-  '/console/confirm/reset', `/console/confirm/danger/${id}`, '/missions/99', '/nowhere'];
+const pages = (id) => ['/', '/missions', '/missions/1', '/missions/1?show=all', '/missions/1/moment', `/luggage/${id}`,
+  `/api/v1/luggage/${id}/photo`, '/console/confirm/reset', `/console/confirm/danger/${id}`, '/missions/99', '/nowhere'];
 
 const stateOf = (url) => async () => (await fetch(`${url}/api/v1/state`)).json();
 const isHeld = (url) => async () => (await stateOf(url)()).mission.holds.includes('operator');
@@ -91,7 +91,7 @@ export const reachPlain = {
   },
 };
 
-/** Two fingers make a photo or the hall larger than the screen: STOP stays on the part that is seen. */
+/** Two fingers make a photo or a page larger than the screen: STOP stays on the part that is seen. On the hall they move closer in it. */
 export const magnified = {
   browser: { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true },
   async play({ page, url, picture, patience }) {
@@ -101,7 +101,8 @@ export const magnified = {
       for (const [width, height] of [[390, 844], [844, 390], [1024, 768]]) {
         await page.setViewportSize({ width, height });
         await page.goto(url + path);
-        await fingers.send('Input.synthesizePinchGesture', { x: width / 3, y: height / 3, scaleFactor: 2.5 });
+        const x = path === '/' && width > 760 ? width - 150 : width / 3;
+        await fingers.send('Input.synthesizePinchGesture', { x, y: height / 2.5, scaleFactor: 2.5 });
         const seen = () => page.evaluate(() => {
           const { scale, offsetLeft, offsetTop, width: wide, height: high } = visualViewport;
           const button = document.querySelector('#stop button');

@@ -1,0 +1,232 @@
+// The line of time and the lens: any moment is shown again as it was shown, nothing but STOP can be done there, and the hall is looked at
+// from as near as one likes.
+
+import { appears, look, must, numberOf, phase, safe, start, stop, until } from './person.mjs';
+
+const MOMENTS = 10;
+
+/** What the page shows of everything that goes on record; with the robot where the picture has it. */
+const shown = (page) => page.evaluate(() => {
+  const layer = document.getElementById('hall-layer').cloneNode(true);
+  // The way it meant to go and its sonar are not on record.
+  for (const unrecorded of layer.querySelectorAll('.route, .ray')) unrecorded.remove();
+  const words = (id) => document.getElementById(id).innerText.replace(/\s+/g, ' ').trim();
+  const drawn = (id) => [...document.getElementById(id).children].map((child) => child.outerHTML).sort().join('');
+  const robot = document.getElementById('hall-robot');
+  return {
+    phase: document.querySelector('#bar .phase').innerText,
+    temperature: document.querySelector('#temperature .head').innerText,
+    holds: words('holds'),
+    alarms: words('alarms').replace(/Acknowledge/g, '').trim(),
+    searched: document.querySelector('#progress b')?.innerText,
+    gallery: words('gallery'),
+    tiles: drawn('tiles'),
+    frontier: document.getElementById('hall-frontier').innerHTML,
+    pieces: drawn('pieces'),
+    layer: layer.innerHTML,
+    robot: robot.getAttribute('transform') + robot.innerHTML,
+    view: document.getElementById('hall').getAttribute('viewBox'),
+  };
+});
+
+const last = async (url) => (await (await fetch(`${url}/api/v1/missions/1/moment`)).json()).seq;
+
+function mustBeSame(now, then, where) {
+  for (const [what, looks] of Object.entries(now)) must(then[what] === looks, `${where}: ${what} was\n${looks}\nand is shown as\n${then[what]}`);
+}
+
+/** Ten moments of a mission, however the robot stood in them, are shown later exactly as they were shown then. */
+export const replayed = {
+  async play({ page, url, picture, patience }) {
+    const moments = [];
+    /** Remembers what is shown, once all of it is on record and nothing changes any more. */
+    async function remember() {
+      for (const end = Date.now() + patience; ; ) {
+        const before = await last(url);
+        const looks = await shown(page);
+        await page.waitForTimeout(300);
+        if ((await last(url)) === before && JSON.stringify(await shown(page)) === JSON.stringify(looks)) {
+          moments.push([before, looks]);
+          return;
+        }
+        must(Date.now() < end, 'the page never comes to rest');
+      }
+    }
+    async function goOn() {
+      await start(page).click();
+      await page.getByText(/^Held: stopped by the operator/).waitFor({ state: 'hidden' });
+    }
+    await page.goto(url);
+    await start(page).click();
+    while (moments.length < MOMENTS) {
+      await until(async () => (await page.locator('#inspect.waiting').count()) > 0 || (await page.locator('#bar.working').count()) > 0, 'it goes on', patience);
+      if ((await page.locator('#inspect.waiting').count()) === 0) {
+        await page.waitForTimeout(150);
+        await stop(page).click();
+        await page.getByText(/^Held: stopped by the operator/).waitFor();
+        await remember();
+        if ((await page.locator('#inspect.waiting').count()) === 0) await goOn();
+        continue;
+      }
+      await look(page);
+      await remember();
+      const id = await numberOf(safe(page));
+      await safe(page).click();
+      await page.waitForFunction((id) => document.getElementById('inspect').dataset.luggage !== String(id), id);
+      if (await page.getByText(/^Held: stopped by the operator/).isVisible()) await goOn();
+    }
+    must(new Set(moments.map(([seq]) => seq)).size > 7, `they are ${moments.map(([seq]) => seq)}`);
+    for (const [seq, looks] of moments) {
+      await page.goto(`${url}/missions/1/moment?at=${seq}`);
+      mustBeSame(looks, await shown(page), `entry ${seq}, opened by its address`);
+    }
+    // The same without loading the page anew, forwards and backwards.
+    const order = [...moments.keys()].sort((a, b) => (a * 7) % MOMENTS - (b * 7) % MOMENTS);
+    for (const place of order) {
+      const [seq, looks] = moments[place];
+      await page.evaluate((seq) => time.go({ at: seq }), seq);
+      await page.waitForURL(new RegExp(`at=${seq}$`));
+      mustBeSame(looks, await shown(page), `entry ${seq}, come to from another moment`);
+    }
+    await picture('replayed');
+    await page.locator('#to-now').click();
+    await page.waitForURL(`${url}/`);
+    await page.locator('html:not([data-past])').waitFor();
+    must(await page.getByRole('link', { name: /Back to now/ }).isHidden(), 'now there is no way back to now');
+  },
+};
+
+/** By pointer and by keys: dragged, stepped, played forwards and backwards; meanwhile what happens now is said, and STOP is STOP. */
+export const past = {
+  async play({ page, url, picture, patience }) {
+    const track = page.getByRole('slider', { name: 'Moment of the mission' });
+    const entry = async () => Number(/entry (\d+)/.exec(await page.locator('#moment').innerText())?.[1] ?? NaN);
+    await page.goto(url);
+    must(await track.isHidden(), 'before the first mission there is no line of time');
+    await start(page).click();
+    await appears(page, safe(page), { patience });
+    await look(page);
+    await page.waitForTimeout(1500);
+    const box = await page.locator('#time-line').boundingBox();
+    await page.mouse.move(box.x + box.width * 0.5, box.y + 20);
+    await page.mouse.down();
+    await page.mouse.move(box.x + 2, box.y + 20, { steps: 5 });
+    await page.mouse.up();
+    await page.getByText('Past: as it was at').waitFor();
+    await page.waitForURL(/\/missions\/1\/moment\?at=\d+$/);
+    await picture('dragged');
+    const alive = await page.locator('button:enabled:visible:not(.lens *, .transport *)').allInnerTexts();
+    must(alive.length === 1 && /STOP/.test(alive[0]), `in the past these can be pressed: ${alive}`);
+
+    await track.focus();
+    await page.keyboard.press('Home');
+    await page.waitForFunction(() => document.getElementById('step-back').disabled);
+    const first = await entry();
+    await page.keyboard.press('ArrowRight');
+    await until(async () => (await entry()) > first, 'a step on', patience);
+    const second = await entry();
+    await page.keyboard.press('ArrowRight');
+    await until(async () => (await entry()) > second, 'a second step', patience);
+    await page.keyboard.press('ArrowLeft');
+    await until(async () => (await entry()) === second, 'a step back', patience);
+    must(/entry \d+ of mission 1: /.test(await track.getAttribute('aria-valuetext')), await track.getAttribute('aria-valuetext'));
+    await page.locator('#speed').selectOption('64');
+    await track.focus();
+    await page.keyboard.press('Space');
+    await page.getByRole('button', { name: 'Pause' }).waitFor();
+    await page.waitForURL(`${url}/`);
+    await page.locator('html:not([data-past])').waitFor();
+    await page.getByRole('button', { name: 'Play backwards' }).click();
+    await page.waitForFunction(() => document.getElementById('step-back').disabled);
+    await page.getByRole('button', { name: 'Play backwards' }).and(page.locator('[aria-pressed=false]')).waitFor();
+
+    // What happens now is said there, and does not take the past away; STOP is now's.
+    const id = (await (await fetch(`${url}/api/v1/state`)).json()).luggage[0].id;
+    const headers = { 'content-type': 'application/json' };
+    await fetch(`${url}/api/v1/luggage/${id}/verdict`, { method: 'POST', headers, body: '{"verdict":"safe"}' });
+    await page.getByRole('link', { name: /Back to now: .*exploring/ }).waitFor();
+    await page.getByText('Past: as it was at').waitFor();
+    await stop(page).click();
+    await until(async () => (await (await fetch(`${url}/api/v1/state`)).json()).mission.holds.includes('operator'), 'STOP from the past', patience);
+    await page.getByRole('link', { name: /Back to now/ }).click();
+    await page.getByText(/^Held: stopped by the operator/).waitFor();
+    await phase(page, /exploring/i, { patience });
+    must(await start(page).isEnabled(), 'back in the present START is there');
+    await picture('now');
+  },
+};
+
+/** Without scripts a mission is looked at again entry by entry. */
+export const pastPlain = {
+  browser: { javaScriptEnabled: false },
+  async play({ page, url, picture, patience }) {
+    await page.goto(url);
+    await start(page).click();
+    await appears(page, safe(page), { patience, reload: true });
+    await page.getByRole('link', { name: 'Look at this mission from its beginning' }).click();
+    await page.getByText('Past: as it was at').waitFor();
+    const at = async () => Number(/entry (\d+) of mission 1/.exec(await page.locator('#moment').innerText())[1]);
+    const first = await at();
+    await page.getByRole('link', { name: 'One entry on' }).click();
+    must((await at()) > first, `after a step on it is entry ${await at()}`);
+    await picture('step');
+    await page.getByRole('link', { name: 'One entry back' }).click();
+    must((await at()) === first, `after a step back it is entry ${await at()}`);
+    await stop(page).click();
+    await page.getByText(/^Held: stopped by the operator/).waitFor();
+  },
+};
+
+/** Closer and wider by wheel, keys and buttons; a click on a free cell sends the robot there, when driving is allowed. */
+export const lens = {
+  async play({ page, url, picture, patience }) {
+    const state = async () => (await fetch(`${url}/api/v1/state`)).json();
+    const hall = page.locator('#hall');
+    const view = () => hall.getAttribute('viewBox');
+    await page.goto(url);
+    await start(page).click();
+    await appears(page, safe(page), { patience });
+    await look(page);
+    const whole = await view();
+    const box = await hall.boundingBox();
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.mouse.wheel(0, -300);
+    const closer = await view();
+    must(Number(closer.split(' ')[3]) < Number(whole.split(' ')[3]), `the wheel leads from ${whole} to ${closer}`);
+    await page.mouse.down();
+    await page.mouse.move(box.x + box.width / 2 - 80, box.y + box.height / 2 - 30, { steps: 4 });
+    await page.mouse.up();
+    must((await view()) !== closer, 'dragged, the hall stays where it is');
+    must(await page.locator('#offer').isHidden(), 'a drag offers nothing');
+    await picture('closer');
+    await page.getByRole('button', { name: 'The whole hall' }).click();
+    must((await view()) === whole, 'fitted, the whole hall is seen');
+    await page.locator('#stage').focus();
+    for (const key of ['+', '+', 'ArrowLeft', '-']) {
+      const before = await view();
+      await page.keyboard.press(key);
+      must((await view()) !== before, `${key} does nothing`);
+    }
+    await page.keyboard.press('0');
+    must((await view()) === whole, '0 shows the whole hall');
+
+    const home = () => page.evaluate(() => {
+      const matrix = document.getElementById('hall').getScreenCTM();
+      return { x: 5 * matrix.a + matrix.e, y: 15 * matrix.d + matrix.f };
+    });
+    const beside = await home();
+    await page.mouse.click(beside.x, beside.y);
+    must(await page.locator('#offer').isHidden(), 'while a piece is inspected nobody drives by hand');
+    await safe(page).click();
+    await phase(page, /exploring/i, { patience });
+    await stop(page).click();
+    await page.getByText(/^Held: stopped by the operator/).waitFor();
+    await page.locator('#manual fieldset:enabled').first().waitFor({ state: 'attached' });
+    const cell = await home();
+    await page.mouse.click(cell.x, cell.y);
+    await picture('offer');
+    must((await state()).robot.position.y > 1, 'it is there already');
+    await page.getByRole('button', { name: 'Go to column 0, row 1' }).click();
+    await until(async () => (({ x, y }) => x === 0 && y === 1)((await state()).robot.position), 'the robot at column 0, row 1', patience);
+  },
+};
