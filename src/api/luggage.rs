@@ -44,13 +44,15 @@ pub struct PhotoJson {
     pub reason: Option<String>,
 }
 
-/// Who decided, and when.
+/// Who decided, when, and what was noted.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DecisionJson {
     /// Who.
     pub by: String,
     /// When, RFC 3339 with zone.
     pub at: String,
+    /// What else was said of it, where something was.
+    pub note: Option<String>,
 }
 
 /// Where a piece's photo can be fetched; it changes with every take, so that nobody is shown the one before.
@@ -79,7 +81,8 @@ impl From<&Luggage> for LuggageJson {
 
 impl From<&Decision> for DecisionJson {
     fn from(decision: &Decision) -> DecisionJson {
-        DecisionJson { by: decision.who.to_string(), at: rfc3339(decision.wall) }
+        let note = decision.note.as_ref().map(|note| note.text().to_owned());
+        DecisionJson { by: decision.who.to_string(), at: rfc3339(decision.wall), note }
     }
 }
 

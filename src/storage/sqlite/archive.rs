@@ -15,7 +15,7 @@ use super::rows::{self, EntryFilter};
 use super::{connect, project, recall};
 use crate::api::journal::{self, Picture};
 use crate::runtime::archive::{Archive, Happened, MissionRecord, Moment, Sound, Unreadable};
-use hallsweep_core::command::Verdict;
+use hallsweep_core::command::{Note, Verdict};
 use hallsweep_core::event::Photo;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
@@ -113,7 +113,7 @@ impl Archive for SqliteArchive {
     fn luggage(&self, luggage: LuggageId) -> Result<Option<Luggage>, Unreadable> {
         let Ok(id) = i64::try_from(luggage.0) else { return Ok(None) };
         self.ask(|connection| {
-            let sql = "SELECT record, verdict, decided_by, decided_ms, decided_offset_s FROM luggage WHERE id = ?1";
+            let sql = "SELECT record, verdict, decided_by, decided_ms, decided_offset_s, note FROM luggage WHERE id = ?1";
             let mut statement = connection.prepare_cached(sql)?;
             let mut rows = statement.query([id])?;
             rows.next()?.map(|row| luggage_of(luggage, row)).transpose()
@@ -227,7 +227,8 @@ fn luggage_of(id: LuggageId, row: &Row<'_>) -> Result<Luggage, Fault> {
     });
     let decision = |verdict| -> Result<Decision, Fault> {
         let wall = WallTime { unix_ms: row.get(3)?, offset_s: row.get(4)? };
-        Ok(Decision { verdict, who: Arc::from(row.get::<_, String>(2)?), wall })
+        let note: Option<String> = row.get(5)?;
+        Ok(Decision { verdict, who: Arc::from(row.get::<_, String>(2)?), wall, note: note.as_deref().and_then(Note::new) })
     };
     Ok(Luggage { verdict: verdict.transpose()?.map(decision).transpose()?, ..record })
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::command::Verdict;
+use crate::command::{Note, Verdict};
 use crate::event::{Photo, Piece};
 use crate::units::{Cell, LuggageId, Pose, WallTime};
 
@@ -77,6 +77,8 @@ pub struct Decision {
     pub who: Arc<str>,
     /// When.
     pub wall: WallTime,
+    /// What else was said of it.
+    pub note: Option<Note>,
 }
 
 impl Luggage {

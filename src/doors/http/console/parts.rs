@@ -13,6 +13,7 @@ use crate::api::retrieval::ArmJson;
 use crate::api::robot_parts;
 use crate::api::time::rfc3339;
 use hallsweep_core::behaviour::Status;
+use hallsweep_core::command::Note;
 use hallsweep_core::mission::PhaseName;
 use hallsweep_core::retrieval::ArmState;
 use hallsweep_core::robots::{self, Parts};
@@ -127,10 +128,11 @@ pub(super) struct Confirm {
     action: &'static str,
     id: Option<LuggageId>,
     photo: Option<String>,
+    note: Option<Note>,
 }
 
 impl Confirm {
-    pub(super) fn danger(luggage: &Luggage) -> Confirm {
+    pub(super) fn danger(luggage: &Luggage, note: Option<Note>) -> Confirm {
         Confirm {
             question: format!("Is luggage #{} dangerous?", luggage.id),
             consequence: DANGER,
@@ -138,6 +140,7 @@ impl Confirm {
             action: "/console/danger",
             id: Some(luggage.id),
             photo: photo_url(luggage),
+            note,
         }
     }
 
@@ -149,6 +152,7 @@ impl Confirm {
             action: "/console/reset",
             id: None,
             photo: None,
+            note: None,
         }
     }
 }
@@ -204,6 +208,10 @@ impl Inspect<'_> {
 
     const fn danger(&self) -> &'static str {
         DANGER
+    }
+
+    const fn longest_note(&self) -> usize {
+        Note::MOST
     }
 
     fn may_retake(&self, luggage: &Luggage) -> bool {

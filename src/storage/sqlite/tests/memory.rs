@@ -80,7 +80,7 @@ fn every_clone_sees_the_newest_photo_of_a_piece() {
 #[test]
 fn a_piece_is_found_with_its_verdict_whatever_mission_it_was_of() {
     let mut memory = MemoryStore::new();
-    let verdict = Fact::Verdict { luggage: LuggageId(1), verdict: Verdict::Safe, who: "operator".into() };
+    let verdict = Fact::Verdict { luggage: LuggageId(1), verdict: Verdict::Safe, who: "operator".into(), note: None };
     record(&mut memory, [luggage(1, Ok("first")), Entry { wall: WallTime::default(), fact: verdict }, luggage(2, Err("dark"))]);
     let first = memory.archive().luggage(LuggageId(1)).unwrap().expect("the first piece is kept");
     assert_eq!((first.verdict_name(), first.has_photo()), ("safe", true));

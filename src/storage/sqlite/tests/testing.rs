@@ -162,7 +162,7 @@ pub(super) fn found(id: u64, photo: Option<Photo>) -> Fact {
 }
 
 pub(super) fn verdict(id: u64, verdict: Verdict) -> Fact {
-    Fact::Verdict { luggage: LuggageId(id), verdict, who: "anna".into() }
+    Fact::Verdict { luggage: LuggageId(id), verdict, who: "anna".into(), note: None }
 }
 
 pub(super) fn wall(x: i32, y: i32) -> Fact {

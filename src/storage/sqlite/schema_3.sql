@@ -1,0 +1,2 @@
+-- What an operator noted with a verdict.
+ALTER TABLE luggage ADD COLUMN note TEXT;
