@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::robot::PositionJson;
 use super::time::rfc3339;
+use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
 
 /// One record.
@@ -58,9 +59,14 @@ pub struct DecisionJson {
 /// Where a piece's photo can be fetched; it changes with every take, so that nobody is shown the one before.
 pub fn photo_url(luggage: &Luggage) -> Option<String> {
     match luggage.photo {
-        PhotoState::Taken { take, .. } => Some(format!("/api/v1/luggage/{}/photo?take={take}", luggage.id)),
+        PhotoState::Taken { take, .. } => Some(take_url(luggage.id, take)),
         PhotoState::Failed(_) => None,
     }
+}
+
+/// Where one photo of a piece can be fetched, by how often it had been taken then.
+pub fn take_url(luggage: LuggageId, take: u32) -> String {
+    format!("/api/v1/luggage/{luggage}/photo?take={take}")
 }
 
 impl From<&Luggage> for LuggageJson {

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use rusqlite::{Connection, OptionalExtension, Row, params};
+use rusqlite::{Connection, OptionalExtension, Params, Row, params};
 
 use super::connect::Reader;
 use super::fault::{Fault, Then, count};
@@ -63,6 +63,13 @@ impl SqliteArchive {
         Ok(entries)
     }
 
+    /// The photo whose digest and media type are asked for.
+    fn picture(&self, connection: &Connection, sql: &str, which: impl Params) -> Result<Option<Photo>, Fault> {
+        let picture = |row: &Row<'_>| Ok(Picture { digest: row.get(0)?, media_type: row.get(1)? });
+        let picture = connection.prepare_cached(sql)?.query_row(which, picture).optional()?;
+        picture.map(|picture| self.pictures().read(connection, &picture)).transpose()
+    }
+
     fn pictures(&self) -> Pictures<'_> {
         match self {
             SqliteArchive::Folder { folder, .. } => Pictures::Files(folder),
@@ -104,9 +111,15 @@ impl Archive for SqliteArchive {
         let Ok(id) = i64::try_from(luggage.0) else { return Ok(None) };
         self.ask(|connection| {
             let sql = "SELECT digest, media_type FROM luggage JOIN photos ON digest = photo WHERE id = ?1";
-            let picture = |row: &Row<'_>| Ok(Picture { digest: row.get(0)?, media_type: row.get(1)? });
-            let picture = connection.prepare_cached(sql)?.query_row([id], picture).optional()?;
-            picture.map(|picture| self.pictures().read(connection, &picture)).transpose()
+            self.picture(connection, sql, params![id])
+        })
+    }
+
+    fn take(&self, luggage: LuggageId, take: u32) -> Result<Option<Photo>, Unreadable> {
+        let Ok(id) = i64::try_from(luggage.0) else { return Ok(None) };
+        self.ask(|connection| {
+            let sql = "SELECT digest, media_type FROM takes JOIN photos ON digest = photo WHERE luggage = ?1 AND take = ?2";
+            self.picture(connection, sql, params![id, take])
         })
     }
 

@@ -50,7 +50,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
 
 /// Makes all projections anew; how many entries they follow from.
 pub(super) fn rebuild(connection: &Connection) -> Result<u64, Fault> {
-    connection.execute_batch("DELETE FROM luggage; DELETE FROM photos; DELETE FROM missions;")?;
+    connection.execute_batch("DELETE FROM takes; DELETE FROM luggage; DELETE FROM photos; DELETE FROM missions;")?;
     let mut entries = 0;
     rows::each(connection, EntryFilter { milestones: true, ..EntryFilter::default() }, |_, line| {
         entries += 1;
@@ -89,9 +89,12 @@ fn came_to(connection: &Connection, mission: MissionId, phase: &Phase, wall: Wal
 
 /// A piece, or another photo of it. Where no new photo came the older one stays good.
 fn found(connection: &Connection, mission: Option<MissionId>, record: &Luggage, picture: Option<&Picture>) -> Result<(), Fault> {
-    if let (Some(picture), PhotoState::Taken { bytes, .. }) = (picture, &record.photo) {
+    if let (Some(picture), PhotoState::Taken { bytes, take }) = (picture, &record.photo) {
         let sql = "INSERT INTO photos (digest, media_type, bytes) VALUES (?1, ?2, ?3) ON CONFLICT (digest) DO NOTHING";
         run(connection, sql, params![picture.digest, picture.media_type, whole(*bytes as u64)?])?;
+        let sql = "INSERT INTO takes (luggage, take, photo) VALUES (?1, ?2, ?3)
+                   ON CONFLICT (luggage, take) DO UPDATE SET photo = excluded.photo";
+        run(connection, sql, params![whole(record.id.0)?, take, picture.digest])?;
     }
     let sql = "INSERT INTO luggage (id, mission, record, photo) VALUES (?1, ?2, ?3, ?4) ON CONFLICT (id) DO UPDATE
                SET record = excluded.record, photo = coalesce(excluded.photo, photo)";

@@ -156,7 +156,7 @@ mod tests {
 
     #[expect(clippy::wildcard_enum_match_arm, reason = "a command that is missing here ends the test")]
     fn command(input: Input, dice: &mut RandomStream) -> Command {
-        let mut piece = |dice: &mut RandomStream| {
+        let piece = |dice: &mut RandomStream| {
             if dice.happens(0.2) { LuggageRef::Pending } else { LuggageRef::Id(LuggageId(number(dice))) }
         };
         match input {

@@ -135,7 +135,7 @@ mod tests {
     use hallsweep_core::world::hall_map::Mark;
     use hallsweep_core::world::resource::Resource;
 
-    const AIRPORT: HallInfo<'static> = HallInfo { name: "airport", cell_m: None, robot: None };
+    const AIRPORT: HallInfo<'static> = HallInfo { name: "airport", cell_m: None, evacuation_m: 100.0, robot: None };
 
     #[test]
     fn the_first_message_has_every_part_every_tile_and_all_pieces() {

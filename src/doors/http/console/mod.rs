@@ -5,7 +5,9 @@ mod acts;
 mod began;
 mod carriers;
 mod doing;
+mod evacuation;
 mod hall;
+mod incident;
 mod live;
 pub(super) mod missions;
 mod parts;
@@ -192,7 +194,7 @@ mod tests {
         let app = app(searching());
         let photo = "/api/v1/luggage/3/photo?take=1";
         let opened = app.send("GET", photo, &[("accept", "text/html,image/avif,*/*;q=0.8")], "").await;
-        assert_eq!((opened.status().as_u16(), &opened.headers()["location"]), (303, &"/luggage/3".parse().unwrap()));
+        assert_eq!((opened.status().as_u16(), &opened.headers()["location"]), (303, &"/luggage/3?take=1".parse().unwrap()));
         for accept in ["*/*", "image/avif,image/webp,image/*,*/*;q=0.8", "image/png"] {
             let picture = app.send("GET", photo, &[("accept", accept)], "").await;
             assert_eq!(

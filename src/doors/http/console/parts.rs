@@ -4,7 +4,10 @@
 use askama::Template;
 
 use super::carriers::carriers;
+use super::evacuation::{self, from_home};
 use super::hall;
+use super::incident::{Incident, is_of_incident};
+use super::photo::{Take, takes};
 use super::pieces;
 use super::retrieval::{Row, armed, rows, sign, stages};
 use super::view::{View, failure, place};
@@ -20,6 +23,7 @@ use hallsweep_core::robots::{self, Parts};
 use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Fetcher;
 use hallsweep_core::units::{LuggageId, WallTime};
+use hallsweep_core::world::alarm::AlarmView;
 use hallsweep_core::world::log::LogLine;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
@@ -40,7 +44,7 @@ pub(super) struct Part {
 }
 
 /// All of them, in the page's order.
-pub(super) const PARTS: [Part; 20] = [
+pub(super) const PARTS: [Part; 22] = [
     Part {
         id: "announce",
         shows: &[Resource::Mission, Resource::Luggage, Resource::Alarms, Resource::Temperature],
@@ -53,6 +57,11 @@ pub(super) const PARTS: [Part; 20] = [
     },
     Part { id: "holds", shows: &[Resource::Mission, Resource::Temperature], render: |v| html(&Holds { v }) },
     Part { id: "hall-labels", shows: &[Resource::Map], render: |v| hall::labels(&v.snapshot.map) },
+    Part {
+        id: "hall-evacuation",
+        shows: &[Resource::Luggage, Resource::Robot, Resource::Map, Resource::Retrieval],
+        render: evacuation::circles,
+    },
     Part { id: "hall-frontier", shows: &[Resource::Map], render: |v| hall::frontier(&v.snapshot.map) },
     Part {
         id: "hall-layer",
@@ -66,7 +75,12 @@ pub(super) const PARTS: [Part; 20] = [
     },
     Part { id: "hall-robot", shows: &[Resource::Robot, Resource::Map], render: |v| hall::robot(v.snapshot) },
     Part { id: "progress", shows: &[Resource::Mission], render: |v| html(&Progress { v }) },
-    Part { id: "alarms", shows: &[Resource::Alarms], render: |v| html(&Alarms { v }) },
+    Part {
+        id: "incident",
+        shows: &[Resource::Luggage, Resource::Alarms, Resource::Mission, Resource::Map],
+        render: |v| html(&Incident { v }),
+    },
+    Part { id: "alarms", shows: &[Resource::Alarms, Resource::Luggage], render: |v| html(&Alarms { v }) },
     Part {
         id: "retrieval",
         shows: &[Resource::Retrieval, Resource::Robot, Resource::Mission],
@@ -193,6 +207,13 @@ impl Inspect<'_> {
         photo_url(luggage)
     }
 
+    /// The photos before the newest, where there are any.
+    fn earlier(&self, luggage: &Luggage) -> Option<Vec<Take>> {
+        let mut takes = takes(luggage);
+        takes.pop();
+        (!takes.is_empty()).then_some(takes)
+    }
+
     fn failure<'l>(&self, luggage: &'l Luggage) -> &'l str {
         failure(luggage)
     }
@@ -200,7 +221,8 @@ impl Inspect<'_> {
     fn where_and_when(&self, luggage: &Luggage) -> String {
         let (cell, from) = (place(luggage.cell), place(luggage.pose.cell));
         format!(
-            "The bag is at {cell}; seen from {from}, facing {}; {}",
+            "The bag is at {cell}: {}; seen from {from}, facing {}; {}",
+            from_home(luggage.cell, self.v.hall.cell_m),
             luggage.pose.heading.name(),
             self.v.zone().date_and_time(luggage.taken)
         )
@@ -263,6 +285,12 @@ impl Gallery<'_> {
 }
 
 impl Alarms<'_> {
+    /// Those that are not acknowledged, the newest first; those of an incident stand in it.
+    fn unseen(&self) -> Vec<&AlarmView> {
+        let unseen = |alarm: &&AlarmView| alarm.acknowledged.is_none() && !is_of_incident(self.v, alarm);
+        self.v.snapshot.alarms.iter().rev().filter(unseen).collect()
+    }
+
     fn time(&self, wall: &WallTime) -> String {
         self.v.zone().clock_time(*wall)
     }
