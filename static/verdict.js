@@ -70,11 +70,11 @@
 
   let askedAt = 0;
 
-  /** Where a question can stand: not over the bar, not over STOP. */
+  /** Where a question can stand: not over the bar, not over STOP and what is said beside it. */
   function room() {
-    const stop = document.getElementById("stop-button").getBoundingClientRect();
+    const stop = document.getElementById("corner").getBoundingClientRect();
     const bar = document.getElementById("top").getBoundingClientRect();
-    const isBelow = stop.top > innerHeight / 2;
+    const isBelow = stop.bottom > innerHeight - GAP_PX && stop.width > innerWidth / 2;
     const isBeside = !isBelow && stop.top > bar.bottom - GAP_PX;
     return {
       left: GAP_PX,
@@ -129,7 +129,9 @@
     askedAt = performance.now();
     place();
   }).observe(dialog, { attributeFilter: ["open"] });
-  addEventListener("resize", () => dialog.open && place());
+  const placeAgain = () => dialog.open && place();
+  addEventListener("resize", placeAgain);
+  new ResizeObserver(placeAgain).observe(document.getElementById("corner"));
 
   // The second click of a double click on DANGER may land on the answer.
   dialog.addEventListener("click", (event) => {
