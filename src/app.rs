@@ -114,6 +114,7 @@ async fn serve_hall(
     let mqtt = Mqtt::open(settings, mqtt_ways, handle.clone(), reader.clone(), ending.subscribe()).await?;
     let http = listeners(http, &threads.http)?;
     let door = HttpDoor::new(handle, reader, &hall, access).with_cells_of(cell_m).with_robots(set).with_settings(settings.core);
+    let door = door.with_evacuation_of(settings.evacuation_m);
     let door = door.with_mqtt(mqtt.as_ref().and_then(Mqtt::hall));
     announce(doors, &entry);
     let [coap_at, mqtt_at] = [doors.coap, doors.mqtt].map(|place| place.map(|place| tracing::field::display(place.at)));

@@ -42,6 +42,8 @@ pub struct Settings {
     pub coap: Option<Bind>,
     pub mqtt: MqttSettings,
     pub old_clients: OldClients,
+    /// How far away from a bomb people must be, in metres.
+    pub evacuation_m: f64,
     /// Where everything is kept that outlives the program; `None`: nothing is kept.
     pub store: Option<PathBuf>,
     /// The robot that searches.

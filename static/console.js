@@ -208,6 +208,7 @@ function giveUp(select) {
 /** Whether this is the person's and not the server's: a reason being shown, something typed, a choice not yet sent. */
 function isPersons(node) {
   if (node.tagName === "INPUT") return node.type !== "hidden";
+  if (node.tagName === "TEXTAREA") return true;
   return node.classList?.contains("why") || node.dataset?.touched === "yes";
 }
 
@@ -228,7 +229,8 @@ document.addEventListener("submit", (event) => {
   if (settling && event.submitter === settling.button && performance.now() < settling.until && !isAimed) {
     return tell(form.dataset.why, "This came with the press before it: it was not sent. Press again.");
   }
-  if (form.dataset.confirm) return ask(form);
+  const asks = event.submitter?.dataset.confirm ? event.submitter : form;
+  if (asks.dataset.confirm) return ask(asks);
   if (form.closest("#confirm")) unask();
   send(form, new URLSearchParams(new FormData(form, event.submitter)), event.submitter);
 });
@@ -305,17 +307,19 @@ function tell(button, words) {
 }
 
 /** Asks before the act, not after it. */
-function ask(form) {
+function ask({ dataset, form }) {
   const dialog = at("confirm");
   const inner = dialog.querySelector("form");
-  inner.action = form.dataset.confirm;
-  inner.dataset.why = form.dataset.why;
-  inner.elements.id.value = form.dataset.id ?? "";
-  inner.elements.id.disabled = !form.dataset.id;
-  dialog.dataset.id = form.dataset.id ?? "";
-  at("confirm-question").textContent = form.dataset.question;
-  at("confirm-consequence").textContent = form.dataset.consequence;
-  at("confirm-yes").textContent = form.dataset.yes;
+  inner.action = dataset.confirm;
+  inner.dataset.why = dataset.why;
+  inner.elements.id.value = dataset.id ?? "";
+  inner.elements.id.disabled = !dataset.id;
+  inner.elements.note.value = form?.elements.note?.value ?? "";
+  inner.elements.note.disabled = !inner.elements.note.value;
+  dialog.dataset.id = dataset.id ?? "";
+  at("confirm-question").textContent = dataset.question;
+  at("confirm-consequence").textContent = dataset.consequence;
+  at("confirm-yes").textContent = dataset.yes;
   // The question is not modal, since STOP must stay in reach; everything else is out of it until there is an answer.
   rest().forEach((part) => (part.inert = true));
   asked = document.activeElement;

@@ -66,6 +66,25 @@ fn a_person_watches_the_laboratory_and_halts_the_hall_from_there() {
     }
 }
 
+#[test]
+fn a_person_looks_closely_and_gives_verdicts_with_notes_by_keys_and_without_scripts() {
+    for scenario in ["verdictKeys", "verdictOnPhone", "notePlain"] {
+        play(scenario, &["--hall", "airport", "--speed", "max"]);
+    }
+}
+
+#[test]
+fn a_person_who_looks_elsewhere_is_called_only_when_it_was_switched_on() {
+    play("called", &["--hall", "airport", "--speed", "max"]);
+}
+
+#[test]
+fn a_bomb_makes_the_page_the_incident_with_its_circle_of_evacuation() {
+    for scenario in ["incident", "incidentOnPhone"] {
+        play_with(scenario, &["--hall", "airport", "--speed", "max"], &[("HALLSWEEP__CONSOLE__EVACUATION_M", "3")]);
+    }
+}
+
 /// R-reachBag, R-bagAtHome: with one STOP and one lost parcel on the way.
 #[test]
 fn a_person_has_the_dangerous_bag_fetched_and_looks_at_it_again() {

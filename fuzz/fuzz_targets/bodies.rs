@@ -1,6 +1,7 @@
 //! What holds for the body of every command, however it is written: it is a command, or a sentence that repeats little of it. Which
 //! notation that is, the targets say.
 
+use hallsweep_core::command::LuggageRef;
 use hallsweep_fuzz::api::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, Unusable, VerdictBody};
 use hallsweep_fuzz::api::fields::{Body, Unread};
 
@@ -18,7 +19,7 @@ pub(crate) fn check<N: Notation>(bytes: &[u8]) {
     read::<N, EpochBody>(bytes).map(EpochBody::epoch);
     said(read::<N, MoveBody>(bytes).map(|body| body.command()));
     said(read::<N, GotoBody>(bytes).map(GotoBody::command));
-    said(read::<N, VerdictBody>(bytes).map(|body| body.verdict()));
+    said(read::<N, VerdictBody>(bytes).map(|body| body.command(LuggageRef::Pending)));
     said(read::<N, TemperatureBody>(bytes).map(|body| body.report()));
     said(read::<N, StrategyBody>(bytes).map(|body| body.strategy()));
 }

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use super::fields::{Body, Fields, Unread, in_short, needed};
 use super::halt::is_halt;
-use hallsweep_core::command::{Command, CommandId, Move, TemperatureReport, Verdict};
+use hallsweep_core::command::{Command, CommandId, LuggageRef, Move, Note, TemperatureReport, Verdict};
 use hallsweep_core::search::Strategy;
 use hallsweep_core::units::{Cell, Celsius, Epoch};
+use hallsweep_core::words::is_visible;
 use hallsweep_core::world::hall_map::REACH;
 
 pub use super::fields::Unusable;
@@ -32,10 +33,11 @@ pub struct GotoBody {
     epoch: Option<u64>,
 }
 
-/// `{"verdict":"safe"}`.
+/// `{"verdict":"safe"}` or `{"verdict":"safe","note":"a lunch box"}`.
 #[derive(Clone, Debug)]
 pub struct VerdictBody {
     verdict: String,
+    note: Option<String>,
 }
 
 /// `{"celsius":21.5}`, `{"celsius":21.5,"sensor":"roof"}` or `{"status":"ok"}`.
@@ -79,10 +81,11 @@ impl Body for GotoBody {
 }
 
 impl Body for VerdictBody {
-    const FIELDS: &'static [&'static str] = &["verdict"];
+    const FIELDS: &'static [&'static str] = &["verdict", "note"];
 
     fn taken(fields: &Fields) -> Result<VerdictBody, Unusable> {
-        Ok(VerdictBody { verdict: needed(fields.text("verdict")?, "verdict", "{\"verdict\":\"safe\"}")? })
+        let verdict = needed(fields.text("verdict")?, "verdict", "{\"verdict\":\"safe\"}")?;
+        Ok(VerdictBody { verdict, note: fields.text("note")? })
     }
 }
 
@@ -124,8 +127,13 @@ impl GotoBody {
 }
 
 impl VerdictBody {
-    /// The verdict.
-    pub fn verdict(&self) -> Result<Verdict, Unusable> {
+    /// The command for this piece.
+    pub fn command(&self, luggage: LuggageRef) -> Result<Command, Unusable> {
+        let note = self.note.as_deref().map(note).transpose()?.flatten();
+        Ok(Command::Verdict { luggage, verdict: self.verdict()?, note })
+    }
+
+    fn verdict(&self) -> Result<Verdict, Unusable> {
         match self.verdict.as_str() {
             "safe" => Ok(Verdict::Safe),
             "danger" => Ok(Verdict::Danger),
@@ -177,6 +185,21 @@ impl StrategyBody {
         Strategy::named(&self.name)
             .ok_or_else(|| Unusable(format!("there is no strategy {:?}: there are {}", in_short(&self.name), known.join(", "))))
     }
+}
+
+/// The note of a verdict; a blank one is none.
+pub fn note(text: &str) -> Result<Option<Note>, Unusable> {
+    let (text, most) = (text.trim(), Note::MOST);
+    let length = text.chars().count();
+    if length > most {
+        return Err(Unusable(format!("the note has {length} characters: {most} are the most")));
+    }
+    if let Some(hidden) = text.chars().find(|letter| !is_visible(*letter)) {
+        return Err(Unusable(format!(
+            "the note has a character that is not seen, {hidden:?}: write it in one line, without such"
+        )));
+    }
+    Ok(Note::new(text))
 }
 
 /// What is wrong with a command's own name that is none, or that was sent more than once; `place` says where the door takes it from.

@@ -9,13 +9,17 @@ use super::luggage::LuggageJson;
 use super::map::map_revision;
 use super::resources::{Form, shape};
 use super::robot::PositionJson;
+use hallsweep_core::command::Note;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::records::LuggageRecords;
 use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::snapshot::Snapshot;
 
-/// So many pieces are published whole: with 512 bytes for each, more than its record takes, that is the MiB that every broker lets pass.
-const PIECES: usize = 2048;
+/// So much of the luggage is published: the MiB that every broker lets pass.
+const LUGGAGE_BYTES: usize = 1024 * 1024;
+
+/// So much of that is a piece's, more than its record takes without a note.
+const PIECE_BYTES: usize = 512;
 
 /// Of more pieces so many of the newest, as the stream over HTTP sends whole; the others are shown because they matter.
 const NEWEST: usize = 256;
@@ -61,13 +65,18 @@ pub fn excerpt(resource: Resource, snapshot: &Snapshot) -> Option<Vec<u8>> {
 }
 
 fn luggage(records: &LuggageRecords) -> Option<LuggageExcerpt> {
-    if records.len() <= PIECES {
+    if records.iter().map(|piece| bytes(piece)).sum::<usize>() <= LUGGAGE_BYTES {
         return None;
     }
     let dangerous = || records.bombs_left().chain(records.secured());
-    let matters = dangerous().chain(records.pending()).take(PIECES - NEWEST);
-    let shown: BTreeMap<u64, &Luggage> =
-        matters.chain(records.iter().rev().take(NEWEST)).map(|piece| (piece.id.0, &**piece)).collect();
+    let newest = || records.iter().rev().take(NEWEST);
+    let mut room = LUGGAGE_BYTES.saturating_sub(newest().map(|piece| bytes(piece)).sum());
+    let matters = dangerous().chain(records.pending()).take_while(|piece| {
+        let fits = bytes(piece) <= room;
+        room = room.saturating_sub(bytes(piece));
+        fits
+    });
+    let shown: BTreeMap<u64, &Luggage> = matters.chain(newest()).map(|piece| (piece.id.0, &**piece)).collect();
     Some(LuggageExcerpt {
         pieces: records.len(),
         pending: records.pending().count(),
@@ -75,6 +84,12 @@ fn luggage(records: &LuggageRecords) -> Option<LuggageExcerpt> {
         all: "/api/v1/luggage",
         luggage: shown.into_values().map(LuggageJson::from).collect(),
     })
+}
+
+/// What a piece takes at most.
+fn bytes(piece: &Luggage) -> usize {
+    let note = piece.verdict.as_ref().and_then(|decision| decision.note.as_ref()).map_or("", Note::text);
+    PIECE_BYTES + note.len() + note.matches(['"', '\\']).count()
 }
 
 fn map(snapshot: &Snapshot) -> Option<MapExcerpt> {
@@ -98,6 +113,9 @@ mod tests {
     use hallsweep_core::units::{Cell, LuggageId, Revision};
     use hallsweep_core::world::hall_map::Mark;
 
+    /// So many are published whole when nobody wrote notes.
+    const PIECES: usize = LUGGAGE_BYTES / PIECE_BYTES;
+
     /// So many pieces, of which these are not safe.
     fn with(count: u64, others: &[(u64, Option<Verdict>)]) -> Snapshot {
         let mut snapshot = idle();
@@ -120,6 +138,23 @@ mod tests {
         let bytes = serde_json::to_vec(&crate::api::state::luggage(&whole)).expect("it is JSON").len();
         assert!(bytes < PIECES * 512, "{bytes} bytes");
         assert!(Resource::ALL.iter().all(|resource| excerpt(*resource, &idle()).is_none()));
+    }
+
+    /// The longest notes there are, of letters that take the most room.
+    #[test]
+    fn what_is_published_fits_a_message_whatever_was_noted() {
+        for letter in ["\"", "ü", "𝔘"] {
+            let mut snapshot = with(PIECES as u64, &[]);
+            let note = Note::new(&letter.repeat(Note::MOST));
+            for id in 1..=PIECES as u64 {
+                snapshot.luggage.change(LuggageId(id), |piece| {
+                    let decision = piece.verdict.as_mut().expect("it is decided");
+                    (decision.verdict, decision.note) = (Verdict::Danger, note.clone());
+                });
+            }
+            let bytes = excerpt(Resource::Luggage, &snapshot).expect("it is too large").len();
+            assert!((LUGGAGE_BYTES / 2..LUGGAGE_BYTES).contains(&bytes), "{letter}: {bytes} bytes");
+        }
     }
 
     /// What waits for a verdict and what is dangerous is shown, however long ago it was found.

@@ -56,7 +56,10 @@ fn said(fact: &Fact) -> String {
             format!("cell {cell}: {}", if *mark == Mark::NotInspected { "not inspected" } else { mark.name() })
         }
         Fact::Luggage { record, .. } => luggage(record),
-        Fact::Verdict { luggage, verdict, who } => format!("verdict on luggage #{luggage}: {}, by {who}", verdict.name()),
+        Fact::Verdict { luggage, verdict, who, note } => {
+            let note = note.as_ref().map(|note| format!(" (note: {note})")).unwrap_or_default();
+            format!("verdict on luggage #{luggage}: {}, by {who}{note}", verdict.name())
+        }
         Fact::Temperature(source, celsius) => format!("temperature {celsius}, by {source}"),
         Fact::AlarmRaised(alarm, _, text) => format!("alarm {alarm} raised: {text}"),
         Fact::AlarmAcknowledged(alarm, who) => format!("alarm {alarm} acknowledged by {who}"),
@@ -67,8 +70,9 @@ fn said(fact: &Fact) -> String {
 
 /// A command with the piece that it turned out to be about, where its sender did not name it.
 pub fn asked(command: &str, luggage: Option<LuggageId>) -> String {
-    let named = luggage.map(|id| format!(" #{id}")).filter(|id| !command.ends_with(id.as_str()));
-    format!("{command}{}", named.unwrap_or_default())
+    let (asked, note) = command.split_once(" (note: ").map_or((command, None), |(asked, note)| (asked, Some(note)));
+    let named = luggage.map(|id| format!(" #{id}")).filter(|id| !asked.ends_with(id.as_str())).unwrap_or_default();
+    note.map_or_else(|| format!("{asked}{named}"), |note| format!("{asked}{named} (note: {note}"))
 }
 
 /// What became of a command: `accepted`, or `refused` and why.
@@ -176,7 +180,12 @@ mod tests {
         check(command(None), "command START by anna (http, 192.0.2.7): accepted");
         let refused = "command START by anna (http, 192.0.2.7): refused: the robot is moving: press STOP first";
         check(command(Some(Refused::Moving)), refused);
-        for (words, expect) in [("safe", "safe #13"), ("safe #13", "safe #13")] {
+        for (words, expect) in [
+            ("safe", "safe #13"),
+            ("safe #13", "safe #13"),
+            ("safe (note: as #13)", "safe #13 (note: as #13)"),
+            ("safe #13 (note: red)", "safe #13 (note: red)"),
+        ] {
             assert_eq!(asked(words, Some(LuggageId(13))), expect, "the piece that was meant is named once");
         }
     }

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::robot::PositionJson;
 use super::time::rfc3339;
+use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
 
 /// One record.
@@ -44,21 +45,28 @@ pub struct PhotoJson {
     pub reason: Option<String>,
 }
 
-/// Who decided, and when.
+/// Who decided, when, and what was noted.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DecisionJson {
     /// Who.
     pub by: String,
     /// When, RFC 3339 with zone.
     pub at: String,
+    /// What else was said of it, where something was.
+    pub note: Option<String>,
 }
 
 /// Where a piece's photo can be fetched; it changes with every take, so that nobody is shown the one before.
 pub fn photo_url(luggage: &Luggage) -> Option<String> {
     match luggage.photo {
-        PhotoState::Taken { take, .. } => Some(format!("/api/v1/luggage/{}/photo?take={take}", luggage.id)),
+        PhotoState::Taken { take, .. } => Some(take_url(luggage.id, take)),
         PhotoState::Failed(_) => None,
     }
+}
+
+/// Where one photo of a piece can be fetched, by how often it had been taken then.
+pub fn take_url(luggage: LuggageId, take: u32) -> String {
+    format!("/api/v1/luggage/{luggage}/photo?take={take}")
 }
 
 impl From<&Luggage> for LuggageJson {
@@ -79,7 +87,8 @@ impl From<&Luggage> for LuggageJson {
 
 impl From<&Decision> for DecisionJson {
     fn from(decision: &Decision) -> DecisionJson {
-        DecisionJson { by: decision.who.to_string(), at: rfc3339(decision.wall) }
+        let note = decision.note.as_ref().map(|note| note.text().to_owned());
+        DecisionJson { by: decision.who.to_string(), at: rfc3339(decision.wall), note }
     }
 }
 

@@ -33,8 +33,8 @@ pub struct Row {
     pub messages: &'static [&'static str],
 }
 
-pub const SAFE: Command = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe };
-pub const DANGER: Command = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Danger };
+pub const SAFE: Command = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: None };
+pub const DANGER: Command = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Danger, note: None };
 
 const MOVES: &[&str] = &["w", "s", "a", "l", "d", "r", "h", "z", "x"];
 

@@ -49,6 +49,7 @@ pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
         coap: coap(layers)?,
         mqtt: mqtt::mqtt(layers)?,
         old_clients: OldClients { manual_driving: read(layers, "old_clients.manual_driving")? },
+        evacuation_m: number(layers, "console.evacuation_m")?,
         store: store(layers)?,
         robot: robots::robot(layers, ROBOT)?,
         further_robots: robots::further(layers)?,

@@ -47,6 +47,9 @@ const MISHAPS: Kind = Kind::Number { least: 0.0, most: 10.0 };
 /// A factor; the word is `max`.
 const SPEED: Kind = Kind::NumberOrWord { least: Speed::SLOWEST, most: Speed::FASTEST };
 
+/// From a letter bomb to a lorry's, and then some.
+const EVACUATION_M: Kind = Kind::Number { least: 1.0, most: 5000.0 };
+
 /// What a hall can have.
 const CELSIUS: Kind = Kind::Number { least: Celsius::LEAST, most: Celsius::MOST };
 
@@ -82,7 +85,7 @@ pub(super) const ROBOTS: &str = "robots";
 pub(super) const ROBOT: &str = "robot";
 
 /// Every setting, in the order of `config/default.toml`.
-pub const KEYS: [Key; 45] = [
+pub const KEYS: [Key; 46] = [
     text("hall.file", "name a built-in hall, as airport, or the path of a .toml or .map file").set_by("--hall"),
     text("http.bind", "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080")
         .set_by("--http"),
@@ -93,6 +96,7 @@ pub const KEYS: [Key; 45] = [
         "http.tls_key",
         "name the PEM file with the certificate's private key, and http.tls_certificate too; or leave both empty",
     ),
+    key("console.evacuation_m", EVACUATION_M, "write a number of metres from 1 to 5000, as 100"),
     text("coap.bind", COAP_BIND).set_by("--coap"),
     yes_no("coap.open_to_others"),
     text("mqtt.bind", MQTT_BIND).set_by("--mqtt"),
@@ -259,7 +263,7 @@ mod tests {
         );
         assert!(
             Key::advice_for_unknown("htpp.bind")
-                .starts_with("the sections are hall, http, coap, mqtt, old_clients, store, robot")
+                .starts_with("the sections are hall, http, console, coap, mqtt, old_clients, store, robot")
         );
     }
 

@@ -69,6 +69,9 @@ pub trait Archive: Send + Sync {
     /// The newest photo of a piece, of whatever mission.
     fn photo(&self, luggage: LuggageId) -> Result<Option<Photo>, Unreadable>;
 
+    /// One photo of a piece by how often it had been taken then, from 1.
+    fn take(&self, luggage: LuggageId, take: u32) -> Result<Option<Photo>, Unreadable>;
+
     /// The record of a piece, of whatever mission.
     fn luggage(&self, luggage: LuggageId) -> Result<Option<Luggage>, Unreadable>;
 

@@ -68,6 +68,10 @@ mod tests {
             Ok(None)
         }
 
+        fn take(&self, _: LuggageId, _: u32) -> Result<Option<Photo>, Unreadable> {
+            Ok(None)
+        }
+
         fn luggage(&self, _: LuggageId) -> Result<Option<Luggage>, Unreadable> {
             Ok(None)
         }

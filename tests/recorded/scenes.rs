@@ -90,7 +90,7 @@ impl Scene {
             Scene::Inspecting | Scene::WithoutPhoto => inspected(&app),
             Scene::BombLocated | Scene::Fetching | Scene::Secured => {
                 inspected(&app);
-                given(&app, Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Danger });
+                given(&app, Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Danger, note: None });
                 app.until(|state| state.mission.phase == PhaseName::BombLocated);
                 self.fetch(&app);
             }

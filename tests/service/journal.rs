@@ -41,6 +41,38 @@ pub(crate) fn of_kind<'a>(lines: &'a [Value], kind: &str) -> Vec<&'a Value> {
     lines.iter().filter(|line| line["kind"] == kind).collect()
 }
 
+#[test]
+fn what_was_noted_with_a_verdict_is_never_markup_and_outlives_the_program() {
+    let folder = Folder::new("journal-notes");
+    let program = serve(&folder);
+    program.command("start").accepted();
+    let id = program.until_asked();
+    let give = |note: &str| {
+        let body = serde_json::json!({"verdict": "safe", "note": note}).to_string();
+        program.post(&format!("/api/v1/luggage/{id}/verdict"), &body)
+    };
+    assert!(give(&"x".repeat(1_000_000)).problem(413).contains("larger"));
+    assert!(give(&"x".repeat(501)).problem(422).contains("501 characters: 500 are the most"));
+    assert!(give("a\u{0}b").problem(422).contains("not seen"));
+    assert!(program.json(&format!("luggage/{id}"))["decided"].is_null(), "nothing of that was a verdict");
+    give(" <script>alert(1)</script> ").accepted();
+    give("another").accepted();
+    drop(program);
+    let program = serve(&folder);
+    let record = program.json(&format!("luggage/{id}"));
+    assert_eq!(record["decided"]["note"], "<script>alert(1)</script>");
+    for page in ["/".to_owned(), format!("/luggage/{id}"), "/missions/1".to_owned()] {
+        let page = program.read(&page, &[("accept", "text/html")]).text();
+        assert!(page.contains("&#60;script&#62;alert(1)") && !page.contains("<script>alert"), "{page}");
+    }
+    drop(program);
+    let lines = exported(&folder);
+    let verdicts = of_kind(&lines, "verdict");
+    assert_eq!((verdicts.len(), &verdicts[0]["note"]), (1, &"<script>alert(1)</script>".into()));
+    let (well, said) = journal(&folder, &["check"]);
+    assert!(well, "{said}");
+}
+
 /// Safety S1, A6: by every door where a command can have a name, accepted or refused. What makes no sense is no use of a name, and a
 /// STOP halts each time.
 #[test]

@@ -143,7 +143,7 @@ impl Bare {
     }
 
     pub(crate) fn verdict(&mut self, verdict: Verdict) -> Result<Ticket, Refused> {
-        self.give(Command::Verdict { luggage: LuggageRef::Id(LuggageId(1)), verdict })
+        self.give(Command::Verdict { luggage: LuggageRef::Id(LuggageId(1)), verdict, note: None })
     }
 
     /// The answer to an accepted command, if it was given.

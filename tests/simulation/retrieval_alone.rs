@@ -49,7 +49,9 @@ fn locate(mortal: &mut Mortal, is_bomb: impl Fn(&Snapshot) -> bool) -> bool {
         match (state.pending(), state.mission.phase) {
             (Some(piece), _) => {
                 let verdict = if is_bomb(&state) { Verdict::Danger } else { Verdict::Safe };
-                mortal.give(Command::Verdict { luggage: LuggageRef::Id(piece.id), verdict }).expect("it is asked about");
+                mortal
+                    .give(Command::Verdict { luggage: LuggageRef::Id(piece.id), verdict, note: None })
+                    .expect("it is asked about");
             }
             (None, PhaseName::BombLocated) => return true,
             (None, PhaseName::Explored) => return false,

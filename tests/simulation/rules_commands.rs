@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use hallsweep_core::command::{Command, CommandId, Door, Issuer, LuggageRef, Refused, Request, TemperatureReport, Verdict};
+use hallsweep_core::command::{Command, CommandId, Door, Issuer, LuggageRef, Note, Refused, Request, TemperatureReport, Verdict};
 use hallsweep_core::effect::{Effect, Fact};
 use hallsweep_core::engine::IDS;
 use hallsweep_core::mission::PhaseName;
@@ -22,7 +22,7 @@ fn by(who: &str, id: &str, command: Command) -> Request {
 }
 
 fn verdict(verdict: Verdict) -> Command {
-    Command::Verdict { luggage: LuggageRef::Id(LuggageId(1)), verdict }
+    Command::Verdict { luggage: LuggageRef::Id(LuggageId(1)), verdict, note: None }
 }
 
 #[test]
@@ -133,6 +133,30 @@ fn of_two_verdicts_at_the_same_moment_one_wins_and_the_other_is_told_so() {
             assert!(expected, "{early:?} then {late:?}: {said:?} was answered {answer:?}");
         }
         assert_eq!(bare.state().luggage(LuggageId(1)).unwrap().verdict.as_ref().unwrap().verdict, stands);
+    }
+}
+
+/// Safety V1: what was noted is as final as the verdict.
+#[test]
+fn an_equal_verdict_that_comes_later_does_not_change_the_note() {
+    let noted = |verdict, note| Command::Verdict { luggage: LuggageRef::Id(LuggageId(1)), verdict, note: Note::new(note) };
+    for (early, late, stands) in [
+        (Verdict::Safe, Verdict::Safe, "early"),
+        (Verdict::Danger, Verdict::Danger, "early"),
+        (Verdict::Safe, Verdict::Danger, "late"),
+        (Verdict::Danger, Verdict::Safe, "early"),
+    ] {
+        let mut bare = Bare::at_a_bag();
+        bare.keeps = false;
+        bare.ask(by("anna", "1", noted(early, "early"))).unwrap();
+        // Which of them is taken, another test says.
+        let _ = bare.ask(by("ben", "1", noted(late, "late")));
+        bare.keep_all();
+        let _ = bare.ask(by("ben", "2", noted(late, "too late")));
+        bare.keep_all();
+        let state = bare.state();
+        let decision = state.luggage(LuggageId(1)).unwrap().verdict.as_ref().unwrap();
+        assert_eq!(decision.note.as_ref().map(Note::text), Some(stands), "{early:?} then {late:?}");
     }
 }
 

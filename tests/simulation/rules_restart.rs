@@ -180,7 +180,7 @@ fn a_fault_outlives_the_program_with_what_it_interrupted() {
 #[test]
 fn a_bare_safe_that_comes_again_after_a_restart_decides_no_other_piece() {
     let named = |command| Request { id: CommandId::new("bare"), ..Request::new(command, Issuer::operator(Door("http"))) };
-    let safe = || Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe };
+    let safe = || Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: None };
     let mut mortal = Mortal::born(hall("airport"), SimSettings::new(1, Camera::Stub));
     mortal.give(Command::Start).unwrap();
     let first = until_pending(&mut mortal);
@@ -212,7 +212,7 @@ fn a_danger_on_record_alarms_after_a_restart_although_nobody_was_told_before() {
     let mut mortal = Mortal::born(hall("seed"), SimSettings::new(1, Camera::Stub));
     mortal.give(Command::Start).unwrap();
     let pending = until_pending(&mut mortal);
-    mortal.give(Command::Verdict { luggage: LuggageRef::Id(pending), verdict: Verdict::Danger }).unwrap();
+    mortal.give(Command::Verdict { luggage: LuggageRef::Id(pending), verdict: Verdict::Danger, note: None }).unwrap();
     let mut mortal = mortal.killed(1);
     assert!(mortal.state().luggage(pending).unwrap().is_dangerous(), "that is on record");
     mortal.keep_all();
@@ -243,7 +243,7 @@ fn in_another_hall_everything_begins_anew_but_the_numbers() {
     while mortal.state().mission.phase != PhaseName::Explored {
         mortal.keep_all();
         match mortal.state().pending().map(|luggage| luggage.id) {
-            Some(id) => drop(mortal.give(Command::Verdict { luggage: LuggageRef::Id(id), verdict: Verdict::Safe })),
+            Some(id) => drop(mortal.give(Command::Verdict { luggage: LuggageRef::Id(id), verdict: Verdict::Safe, note: None })),
             None => drop(mortal.advance()),
         }
     }

@@ -7,6 +7,7 @@ pub use super::refused::{CODES, Refusal, RefusalKind, Refused};
 
 use super::search::Strategy;
 use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
+use super::words::is_visible;
 use super::world::temperature::{OPERATOR, OTHERS, ROBOT};
 
 /// A command with what came with it.
@@ -79,6 +80,8 @@ pub enum Command {
         luggage: LuggageRef,
         /// What it is.
         verdict: Verdict,
+        /// What is to be remembered of it.
+        note: Option<Note>,
     },
     /// Take the photo of the piece being inspected again.
     RetakePhoto(LuggageId),
@@ -154,6 +157,35 @@ named! {
         Safe = "safe",
         /// The robot comes home and the piece is fetched.
         Danger = "danger",
+    }
+}
+
+/// What an operator wrote down with a verdict, for whoever reads the record later.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Note(Arc<str>);
+
+impl Note {
+    /// The longest note, in characters: some sentences, and no more than a line of the log can bear.
+    pub const MOST: usize = 500;
+
+    /// `text` without the blanks around it as a note: 1 to `MOST` visible characters, in one line; else `None`.
+    #[must_use]
+    pub fn new(text: &str) -> Option<Note> {
+        let text = text.trim();
+        let sound = (1..=Note::MOST).contains(&text.chars().count()) && text.chars().all(is_visible);
+        sound.then(|| Note(Arc::from(text)))
+    }
+
+    /// The words.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.0
+    }
+}
+
+impl std::fmt::Display for Note {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
     }
 }
 
@@ -238,4 +270,19 @@ pub struct Accepted {
     pub epoch: Epoch,
     /// The piece it concerned, where it concerned one.
     pub luggage: Option<LuggageId>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_note_is_one_line_of_visible_characters() {
+        let text = |text: &str| Note::new(text).map(|note| note.text().to_owned());
+        assert_eq!(text("  red, with <b>wires</b> \n").as_deref(), Some("red, with <b>wires</b>"));
+        assert_eq!(text(&"ü".repeat(Note::MOST)).map(|text| text.chars().count()), Some(500));
+        for unsound in ["", " \n ", "two\nlines", "a\u{202e}b", "\u{0}", &"x".repeat(Note::MOST + 1)] {
+            assert_eq!(text(unsound), None, "{unsound:?}");
+        }
+    }
 }

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::command::{Accepted, CommandId, Issuer, Move, Refusal, Refused, Verdict};
+use super::command::{Accepted, CommandId, Issuer, Move, Note, Refusal, Refused, Verdict};
 use super::event::{Photo, Piece, RobotId};
 use super::mission::{Goal, Hold, Input, Phase};
 use super::retrieval::ArmAction;
@@ -209,6 +209,8 @@ pub enum Fact {
         verdict: Verdict,
         /// Who says so.
         who: Arc<str>,
+        /// What else was said of it.
+        note: Option<Note>,
     },
     /// A temperature was read: the source and the reading.
     Temperature(Arc<str>, Celsius),

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use crate::api::door::DOORS;
 use crate::api::problem::refusal;
 use hallsweep_core::behaviour::Value as TreeValue;
-use hallsweep_core::command::{CommandId, Issuer, Move, Verdict};
+use hallsweep_core::command::{CommandId, Issuer, Move, Note, Verdict};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::event::{Piece, RobotId};
 use hallsweep_core::mission::{FaultCause, Goal, Hold, Inspection, Phase, Stage};
@@ -54,8 +54,12 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
         (cell(), prop_oneof![Just("wall"), Just("luggage"), Just("unknown")]).prop_map(|(cell, kind)| Fact::Obstacle(cell, kind)),
         (cell(), one_of(&MARKS)).prop_map(|(cell, mark)| Fact::Mark(cell, mark)),
         luggage().prop_map(|record| Fact::Luggage { record: Arc::new(record), photo: None }),
-        (any::<u64>(), verdict(), text())
-            .prop_map(|(id, verdict, who)| { Fact::Verdict { luggage: LuggageId(id), verdict, who: who.into() } }),
+        (any::<u64>(), verdict(), text(), note()).prop_map(|(id, verdict, who, note)| Fact::Verdict {
+            luggage: LuggageId(id),
+            verdict,
+            who: who.into(),
+            note
+        }),
         (text(), celsius()).prop_map(|(source, celsius)| Fact::Temperature(source.into(), celsius)),
         (any::<u64>(), option::of(any::<u64>()), text())
             .prop_map(|(id, luggage, text)| { Fact::AlarmRaised(AlarmId(id), luggage.map(LuggageId), text) }),
@@ -219,13 +223,17 @@ fn team() -> impl Strategy<Value = TeamState> {
     })
 }
 
+fn note() -> impl Strategy<Value = Option<Note>> {
+    text().prop_map(|text| Note::new(&text))
+}
+
 fn luggage() -> impl Strategy<Value = Luggage> {
     let photo = prop_oneof![
         (any::<usize>(), any::<u32>()).prop_map(|(bytes, take)| PhotoState::Taken { bytes, take }),
         text().prop_map(PhotoState::Failed),
     ];
-    let decision = (verdict(), text(), wall());
-    let decision = decision.prop_map(|(verdict, who, wall)| Decision { verdict, who: who.into(), wall });
+    let decision = (verdict(), text(), wall(), note());
+    let decision = decision.prop_map(|(verdict, who, wall, note)| Decision { verdict, who: who.into(), wall, note });
     let piece = option::of(any::<u32>().prop_map(Piece));
     (any::<u64>(), cell(), pose(), wall(), photo, option::of(decision), piece, option::of(wall())).prop_map(
         |(id, cell, pose, taken, photo, verdict, piece, secured)| Luggage {

@@ -100,6 +100,9 @@ pub(super) enum Shape {
         luggage: u64,
         verdict: String,
         who: String,
+        /// Entries of versions that knew no notes have none.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        note: Option<String>,
     },
     Temperature {
         source: String,
@@ -206,9 +209,12 @@ impl Shape {
             Fact::Obstacle(Cell { x, y }, taken_for) => Shape::Obstacle { x: *x, y: *y, taken_for: (*taken_for).to_owned() },
             Fact::Mark(Cell { x, y }, mark) => Shape::Mark { x: *x, y: *y, mark: mark.name().to_owned() },
             Fact::Luggage { record, .. } => Shape::Luggage { luggage: (&**record).into(), picture: picture.cloned() },
-            Fact::Verdict { luggage, verdict, who } => {
-                Shape::Verdict { luggage: luggage.0, verdict: verdict.name().to_owned(), who: who.to_string() }
-            }
+            Fact::Verdict { luggage, verdict, who, note } => Shape::Verdict {
+                luggage: luggage.0,
+                verdict: verdict.name().to_owned(),
+                who: who.to_string(),
+                note: note.as_ref().map(|note| note.text().to_owned()),
+            },
             Fact::Temperature(source, celsius) => Shape::Temperature { source: source.to_string(), celsius: celsius.degrees() },
             Fact::AlarmRaised(alarm, luggage, text) => {
                 Shape::AlarmRaised { alarm: alarm.0, luggage: luggage.map(|id| id.0), text: text.clone() }
@@ -251,9 +257,12 @@ impl Shape {
             Shape::Led { blinking } => Fact::Led(blinking),
             Shape::Obstacle { x, y, taken_for } => Fact::Obstacle(Cell::new(x, y), names::taken_for(&taken_for)?),
             Shape::Mark { x, y, mark } => Fact::Mark(Cell::new(x, y), map::named(&mark)?),
-            Shape::Verdict { luggage, verdict, who } => {
-                Fact::Verdict { luggage: LuggageId(luggage), verdict: names::verdict(&verdict)?, who: who.into() }
-            }
+            Shape::Verdict { luggage, verdict, who, note } => Fact::Verdict {
+                luggage: LuggageId(luggage),
+                verdict: names::verdict(&verdict)?,
+                who: who.into(),
+                note: names::note(note)?,
+            },
             Shape::Temperature { source, celsius } => Fact::Temperature(source.into(), names::celsius(celsius)?),
             Shape::AlarmRaised { alarm, luggage, text } => Fact::AlarmRaised(AlarmId(alarm), luggage.map(LuggageId), text),
             Shape::AlarmAcknowledged { alarm, who } => Fact::AlarmAcknowledged(AlarmId(alarm), who.into()),

@@ -40,6 +40,8 @@ struct DecisionShape {
     verdict: String,
     who: String,
     when: Moment,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    note: Option<String>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -96,13 +98,15 @@ impl LuggageShape {
 impl From<&Decision> for DecisionShape {
     fn from(decision: &Decision) -> DecisionShape {
         let (verdict, who) = (decision.verdict.name().to_owned(), decision.who.to_string());
-        DecisionShape { verdict, who, when: decision.wall.into() }
+        let note = decision.note.as_ref().map(|note| note.text().to_owned());
+        DecisionShape { verdict, who, when: decision.wall.into(), note }
     }
 }
 
 impl DecisionShape {
     fn decision(self) -> Result<Decision, Unparsed> {
-        Ok(Decision { verdict: names::verdict(&self.verdict)?, who: self.who.into(), wall: self.when.into() })
+        let (verdict, note) = (names::verdict(&self.verdict)?, names::note(self.note)?);
+        Ok(Decision { verdict, who: self.who.into(), wall: self.when.into(), note })
     }
 }
 

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::Unparsed;
 use crate::api::door::DOORS;
 use crate::api::fields::in_short;
-use hallsweep_core::command::{Door, Move, Verdict};
+use hallsweep_core::command::{Door, Move, Note, Verdict};
 use hallsweep_core::event::RobotId;
 use hallsweep_core::mission::Hold;
 use hallsweep_core::search::{Search, Strategy};
@@ -45,6 +45,12 @@ pub(super) fn door(name: &str) -> Result<Door, Unparsed> {
 
 pub(super) fn robot(name: &str) -> Result<RobotId, Unparsed> {
     RobotId::new(name).ok_or_else(|| Unparsed(format!("`{name}` is no name of a robot")))
+}
+
+/// The note of a verdict, where it has one.
+pub(super) fn note(text: Option<String>) -> Result<Option<Note>, Unparsed> {
+    let sound = |text: String| Note::new(&text).ok_or_else(|| Unparsed(format!("{:?} is no note of a verdict", in_short(&text))));
+    text.map(sound).transpose()
 }
 
 pub(super) fn heading(name: &str) -> Result<Heading, Unparsed> {

@@ -15,7 +15,7 @@ struct Asset {
     text: &'static str,
 }
 
-static ASSETS: [Asset; 14] = [
+static ASSETS: [Asset; 18] = [
     Asset {
         path: "/static/console.css",
         media_type: "text/css; charset=utf-8",
@@ -35,6 +35,26 @@ static ASSETS: [Asset; 14] = [
         path: "/static/time.js",
         media_type: "text/javascript; charset=utf-8",
         text: include_str!("../../../static/time.js"),
+    },
+    Asset {
+        path: "/static/verdict.css",
+        media_type: "text/css; charset=utf-8",
+        text: include_str!("../../../static/verdict.css"),
+    },
+    Asset {
+        path: "/static/photo.js",
+        media_type: "text/javascript; charset=utf-8",
+        text: include_str!("../../../static/photo.js"),
+    },
+    Asset {
+        path: "/static/verdict.js",
+        media_type: "text/javascript; charset=utf-8",
+        text: include_str!("../../../static/verdict.js"),
+    },
+    Asset {
+        path: "/static/attention.js",
+        media_type: "text/javascript; charset=utf-8",
+        text: include_str!("../../../static/attention.js"),
     },
     Asset {
         path: "/static/stop.js",
@@ -92,4 +112,20 @@ pub(super) fn fingerprint(text: &str) -> u64 {
     let mut hasher = DefaultHasher::new();
     text.hash(&mut hasher);
     hasher.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::app;
+    use super::ASSETS;
+    use crate::api::fixture::idle;
+
+    #[tokio::test]
+    async fn every_file_of_the_page_can_be_fetched_by_whoever_asks() {
+        let app = app(idle());
+        for asset in &ASSETS {
+            let answer = app.get(asset.path).await;
+            assert_eq!((answer.status().as_u16(), &answer.headers()["content-type"]), (200, &asset.media_type.parse().unwrap()));
+        }
+    }
 }

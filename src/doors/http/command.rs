@@ -38,7 +38,7 @@ mod tests {
     use super::super::testing::{TestApp, app, read};
     use super::*;
     use crate::api::fixture::searching;
-    use hallsweep_core::command::{LuggageRef, Move, Refused, TemperatureReport, Verdict};
+    use hallsweep_core::command::{LuggageRef, Move, Note, Refused, TemperatureReport, Verdict};
     use hallsweep_core::units::{AlarmId, Cell, LuggageId};
 
     /// Sends JSON and expects this status; for problems also that they are complete.
@@ -58,7 +58,8 @@ mod tests {
     async fn every_command_reaches_the_loop_as_what_it_says() {
         let app = app(searching());
         let cell = Cell::new(4, -2);
-        let verdict = |verdict| Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict };
+        let verdict = |verdict| Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict, note: None };
+        let noted = Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict: Verdict::Safe, note: Note::new("red") };
         let cases = [
             ("POST", "/commands/start", "", Command::Start),
             ("POST", "/commands/start", "{}", Command::Start),
@@ -70,6 +71,7 @@ mod tests {
             ("POST", "/commands/move", r#"{"move":"h"}"#, Command::Stop),
             ("POST", "/commands/goto", r#"{"x":4,"y":-2}"#, Command::Goto(cell)),
             ("POST", "/luggage/3/verdict", r#"{"verdict":"safe"}"#, verdict(Verdict::Safe)),
+            ("POST", "/luggage/3/verdict", r#"{"verdict":"safe","note":"red"}"#, noted),
             ("POST", "/luggage/3/verdict", r#"{"verdict":"danger"}"#, verdict(Verdict::Danger)),
             ("POST", "/luggage/3/photo", "", Command::RetakePhoto(LuggageId(3))),
             ("POST", "/alarms/1/acknowledge", "", Command::Acknowledge(AlarmId(1))),

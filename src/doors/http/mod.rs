@@ -57,6 +57,9 @@ use hallsweep_core::settings::Settings;
 /// Streams open at once, the console's and the interface's together: every screen of a site, and a bound on what strangers cost.
 pub const STREAMS: usize = 256;
 
+/// How far away from a bomb people must be where nobody says it, in metres: the default of the setting.
+const EVACUATION_M: f64 = 100.0;
+
 /// What the door needs of the program. Cheap to clone.
 #[derive(Clone)]
 pub struct HttpDoor {
@@ -75,6 +78,8 @@ pub struct HttpDoor {
     mqtt: Option<Hall>,
     /// The side of a cell, in metres, where it is known.
     cell_m: Option<f64>,
+    /// How far away from a bomb people must be, in metres.
+    evacuation_m: f64,
     robots: RobotsBySettings,
     began: Arc<console::Began>,
     timelines: Arc<console::Timelines>,
@@ -100,6 +105,7 @@ impl HttpDoor {
             cookie: sign_in::cookie_name(0),
             mqtt: None,
             cell_m: None,
+            evacuation_m: EVACUATION_M,
             robots: RobotsBySettings::default(),
             began: Arc::default(),
             timelines: Arc::default(),
@@ -127,6 +133,11 @@ impl HttpDoor {
     /// The same, of a hall whose cells have sides of this many metres, where that is known.
     pub fn with_cells_of(self, cell_m: Option<f64>) -> HttpDoor {
         HttpDoor { cell_m, ..self }
+    }
+
+    /// The same, with people this far away from a bomb, in metres.
+    pub fn with_evacuation_of(self, evacuation_m: f64) -> HttpDoor {
+        HttpDoor { evacuation_m, ..self }
     }
 
     /// The same, with robots of these names, of these kinds and at these addresses.

@@ -11,6 +11,7 @@ use super::HttpDoor;
 use super::accept::preferred;
 use super::etag::{conditional, tag};
 use super::problem::Problem;
+use super::query::{MOST, Query};
 use super::reading::Number;
 use crate::api::luggage::LuggageJson;
 use crate::api::resources::{self, Form, ResourceKind, Row};
@@ -61,21 +62,42 @@ pub(super) async fn luggage(State(door): State<HttpDoor>, Number(id): Number, he
     Ok(conditional(&headers, &tag, || ([(header::CONTENT_TYPE, "application/json")], json()).into_response()))
 }
 
-/// `GET luggage/{id}/photo`: the newest picture of a piece. A browser that opens it by itself is led to its page, because a bare
-/// picture has no STOP on it.
-pub(super) async fn photo(State(door): State<HttpDoor>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
+/// `GET luggage/{id}/photo`: the newest picture of a piece, or with `?take=1` an earlier one. A browser that opens it by itself is led
+/// to its page, because a bare picture has no STOP on it.
+pub(super) async fn photo(
+    State(door): State<HttpDoor>,
+    Number(id): Number,
+    query: Query,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let asked = asked_take(&query)?;
     if preferred(&headers, &["image/*", "text/html"]) == Some("text/html") {
-        return Ok(([(header::VARY, "accept")], Redirect::to(&format!("/luggage/{id}"))).into_response());
+        let take = asked.map_or_else(String::new, |take| format!("?take={take}"));
+        return Ok(([(header::VARY, "accept")], Redirect::to(&format!("/luggage/{id}{take}"))).into_response());
     }
     let snapshot = door.handle.snapshot();
-    let take = record(&door, &snapshot, id).await?.take()?;
-    let kept = door.archive.look_up(move |archive| archive.photo(LuggageId(id))).await?;
+    let take = taken(&*record(&door, &snapshot, id).await?, asked)?;
+    let kept = door.archive.look_up(move |archive| archive.take(LuggageId(id), take)).await?;
     let photo = kept.ok_or(NoPhoto::NotKept(LuggageId(id)))?;
     let tag = tag(&snapshot.run, format_args!("{id}.{take}"), "photo");
     let bytes = axum::body::Bytes::from_owner(photo.bytes);
     let mut response = conditional(&headers, &tag, || ([(header::CONTENT_TYPE, photo.media_type)], bytes).into_response());
     response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
     Ok(response)
+}
+
+/// The take in an address.
+pub(super) fn asked_take(query: &Query) -> Result<Option<u64>, Problem> {
+    query.only(&["take"])?;
+    query.count("take", 1..=MOST)
+}
+
+/// The take that is asked for, else the newest.
+pub(super) fn taken(luggage: &Luggage, asked: Option<u64>) -> Result<u32, NoPhoto> {
+    let newest = luggage.take()?;
+    let Some(asked) = asked else { return Ok(newest) };
+    let taken = u32::try_from(asked).ok().filter(|take| (1..=newest).contains(take));
+    taken.ok_or(NoPhoto::NotTaken(luggage.id, asked, newest))
 }
 
 /// `GET /healthz`: `ok` and the revision, as long as the loop behind the door lives.
@@ -182,6 +204,42 @@ mod tests {
         assert!(response.headers().get("content-encoding").is_none());
         let bytes = axum::body::to_bytes(response.into_body(), 100).await.unwrap();
         assert_eq!(&bytes[..], b"\x89PNG");
+    }
+
+    #[tokio::test]
+    async fn every_take_of_a_piece_can_be_fetched_and_one_that_was_not_taken_is_not_there() {
+        let mut snapshot = searching();
+        let thrice = Luggage { photo: PhotoState::Taken { bytes: 1, take: 3 }, ..(*snapshot.luggage[2]).clone() };
+        snapshot.luggage.insert(Arc::new(thrice));
+        let app = app(snapshot);
+        for (take, bytes) in [("?take=2", "2"), ("?take=3", "3"), ("", "3")] {
+            assert_eq!(text(app.get(&format!("/api/v1/luggage/3/photo{take}")).await).await, bytes, "{take}");
+        }
+        let tags =
+            [etag(&app, "/api/v1/luggage/3/photo?take=2", "*/*").await, etag(&app, "/api/v1/luggage/3/photo", "*/*").await];
+        assert_ne!(tags[0], tags[1]);
+        for (take, status, words) in [
+            ("4", 404, "there is no photo 4 of luggage #3: there are 1 to 3"),
+            ("99999999999", 404, "1 to 3"),
+            ("0", 422, "a whole number from 1"),
+            ("x", 422, "a whole number from 1"),
+        ] {
+            let (is, json) = read(app.get(&format!("/api/v1/luggage/3/photo?take={take}")).await).await;
+            assert_eq!(is.as_u16(), status, "{take}: {json}");
+            assert!(json["detail"].as_str().unwrap().contains(words), "{json}");
+        }
+        let page = text(app.get("/luggage/3").await).await;
+        for take in 1..=3 {
+            assert!(page.contains(&format!("href=\"/luggage/3?take={take}\"")), "{page}");
+        }
+        let page = text(app.get("/luggage/3?take=2").await).await;
+        assert!(
+            page.contains("src=\"/api/v1/luggage/3/photo?take=2\" alt=\"Photo 2 of 3 of luggage #3, an earlier one\""),
+            "{page}"
+        );
+        assert_eq!(app.get("/luggage/3?take=4").await.status(), 404);
+        let console = text(app.get("/").await).await;
+        assert!(console.contains("href=\"/luggage/3?take=1\"") && console.contains("href=\"/luggage/3?take=2\""), "{console}");
     }
 
     #[tokio::test]

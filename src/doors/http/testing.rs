@@ -46,6 +46,15 @@ impl Archive for Pictures {
         Ok(Some(Photo { bytes: Arc::from(*b"\x89PNG"), media_type: "image/png" }))
     }
 
+    /// From the second its bytes say which it is.
+    fn take(&self, luggage: LuggageId, take: u32) -> Result<Option<Photo>, Unreadable> {
+        if take > 1 {
+            Ok(Some(Photo { bytes: Arc::from(take.to_string().as_bytes()), media_type: "image/png" }))
+        } else {
+            self.photo(luggage)
+        }
+    }
+
     fn luggage(&self, _: LuggageId) -> Result<Option<Luggage>, Unreadable> {
         Ok(None)
     }

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use rusqlite::{Connection, OptionalExtension, Row, params};
+use rusqlite::{Connection, OptionalExtension, Params, Row, params};
 
 use super::connect::Reader;
 use super::fault::{Fault, Then, count};
@@ -15,7 +15,7 @@ use super::rows::{self, EntryFilter, Kinds};
 use super::{connect, moments, project, recall};
 use crate::api::journal::{self, Picture};
 use crate::runtime::archive::{Archive, At, Happened, MissionRecord, Moment, Sound, Unreadable};
-use hallsweep_core::command::Verdict;
+use hallsweep_core::command::{Note, Verdict};
 use hallsweep_core::event::Photo;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
@@ -63,6 +63,13 @@ impl SqliteArchive {
         Ok(entries)
     }
 
+    /// The photo whose digest and media type are asked for.
+    fn picture(&self, connection: &Connection, sql: &str, which: impl Params) -> Result<Option<Photo>, Fault> {
+        let picture = |row: &Row<'_>| Ok(Picture { digest: row.get(0)?, media_type: row.get(1)? });
+        let picture = connection.prepare_cached(sql)?.query_row(which, picture).optional()?;
+        picture.map(|picture| self.pictures().read(connection, &picture)).transpose()
+    }
+
     fn pictures(&self) -> Pictures<'_> {
         match self {
             SqliteArchive::Folder { folder, .. } => Pictures::Files(folder),
@@ -104,16 +111,22 @@ impl Archive for SqliteArchive {
         let Ok(id) = i64::try_from(luggage.0) else { return Ok(None) };
         self.ask(|connection| {
             let sql = "SELECT digest, media_type FROM luggage JOIN photos ON digest = photo WHERE id = ?1";
-            let picture = |row: &Row<'_>| Ok(Picture { digest: row.get(0)?, media_type: row.get(1)? });
-            let picture = connection.prepare_cached(sql)?.query_row([id], picture).optional()?;
-            picture.map(|picture| self.pictures().read(connection, &picture)).transpose()
+            self.picture(connection, sql, params![id])
+        })
+    }
+
+    fn take(&self, luggage: LuggageId, take: u32) -> Result<Option<Photo>, Unreadable> {
+        let Ok(id) = i64::try_from(luggage.0) else { return Ok(None) };
+        self.ask(|connection| {
+            let sql = "SELECT digest, media_type FROM takes JOIN photos ON digest = photo WHERE luggage = ?1 AND take = ?2";
+            self.picture(connection, sql, params![id, take])
         })
     }
 
     fn luggage(&self, luggage: LuggageId) -> Result<Option<Luggage>, Unreadable> {
         let Ok(id) = i64::try_from(luggage.0) else { return Ok(None) };
         self.ask(|connection| {
-            let sql = "SELECT record, verdict, decided_by, decided_ms, decided_offset_s FROM luggage WHERE id = ?1";
+            let sql = "SELECT record, verdict, decided_by, decided_ms, decided_offset_s, note FROM luggage WHERE id = ?1";
             let mut statement = connection.prepare_cached(sql)?;
             let mut rows = statement.query([id])?;
             rows.next()?.map(|row| luggage_of(luggage, row)).transpose()
@@ -226,7 +239,8 @@ fn luggage_of(id: LuggageId, row: &Row<'_>) -> Result<Luggage, Fault> {
     });
     let decision = |verdict| -> Result<Decision, Fault> {
         let wall = WallTime { unix_ms: row.get(3)?, offset_s: row.get(4)? };
-        Ok(Decision { verdict, who: Arc::from(row.get::<_, String>(2)?), wall })
+        let note: Option<String> = row.get(5)?;
+        Ok(Decision { verdict, who: Arc::from(row.get::<_, String>(2)?), wall, note: note.as_deref().and_then(Note::new) })
     };
     Ok(Luggage { verdict: verdict.transpose()?.map(decision).transpose()?, ..record })
 }

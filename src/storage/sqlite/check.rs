@@ -128,7 +128,7 @@ fn losses(connection: &Connection) -> Result<Vec<Seq>, Fault> {
 
 /// Whether the tables are what follows from the entries.
 fn projections(connection: &Connection, anew: &Connection, findings: &mut Findings) -> Result<(), Fault> {
-    for table in ["missions", "photos", "luggage"] {
+    for table in ["missions", "photos", "luggage", "takes"] {
         let (there, expected) = (rows_of(connection, table)?, rows_of(anew, table)?);
         let differing = there.iter().filter(|row| !expected.contains(*row)).count();
         let missing = expected.iter().filter(|row| !there.contains(*row)).count();

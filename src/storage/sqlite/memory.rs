@@ -26,6 +26,9 @@ pub(super) const ENTRIES: u64 = 16_384;
 /// How many pieces have a photo that is kept: more than a hall holds, at some 100 KB each.
 pub(super) const PHOTOS: u64 = 256;
 
+/// How many earlier photos of pieces are kept, of those that were taken again.
+pub(super) const EARLIER: u64 = 64;
+
 /// How many luggage records are kept: more than a busy year's, at about 400 bytes each.
 const RECORDS: u64 = 16_384;
 
@@ -49,7 +52,11 @@ const GIVES_WAY: &str = "
     UPDATE luggage SET photo = NULL WHERE id IN (SELECT id FROM luggage INDEXED BY photographed
         WHERE photo IS NOT NULL ORDER BY id DESC LIMIT -1 OFFSET {PHOTOS});
     DELETE FROM luggage WHERE id <= (SELECT max(id) FROM luggage) - {RECORDS};
-    DELETE FROM photos WHERE digest NOT IN (SELECT photo FROM luggage INDEXED BY photographed WHERE photo IS NOT NULL);
+    DELETE FROM takes WHERE luggage NOT IN (SELECT id FROM luggage INDEXED BY photographed WHERE photo IS NOT NULL);
+    DELETE FROM takes WHERE rowid IN (SELECT rowid FROM takes AS earlier
+        WHERE take < (SELECT max(take) FROM takes WHERE luggage = earlier.luggage) ORDER BY rowid DESC LIMIT -1 OFFSET {EARLIER});
+    DELETE FROM photos WHERE digest NOT IN (SELECT photo FROM luggage INDEXED BY photographed WHERE photo IS NOT NULL)
+        AND digest NOT IN (SELECT photo FROM takes);
     DELETE FROM pictures WHERE digest NOT IN (SELECT digest FROM photos);
     DELETE FROM missions WHERE id <= (SELECT id FROM missions ORDER BY id DESC LIMIT 1 OFFSET {MISSIONS});
     DELETE FROM ended WHERE mission NOT IN (SELECT id FROM missions);";
@@ -179,7 +186,7 @@ fn remember_end(connection: &Connection, mission: MissionId, before: Seq) -> Res
 }
 
 pub(super) fn gives_way() -> String {
-    let bounds = [("{PHOTOS}", PHOTOS), ("{RECORDS}", RECORDS), ("{MISSIONS}", MISSIONS)];
+    let bounds = [("{PHOTOS}", PHOTOS), ("{EARLIER}", EARLIER), ("{RECORDS}", RECORDS), ("{MISSIONS}", MISSIONS)];
     bounds.into_iter().fold(GIVES_WAY.to_owned(), |sql, (name, bound)| sql.replace(name, &bound.to_string()))
 }
 

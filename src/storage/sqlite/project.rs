@@ -6,6 +6,7 @@ use rusqlite::{Connection, Params, params};
 use super::fault::{Fault, count, whole};
 use super::rows::{self, EntryFilter, Kinds};
 use crate::api::journal::{self, Line, Picture};
+use hallsweep_core::command::Note;
 use hallsweep_core::effect::Fact;
 use hallsweep_core::mission::Phase;
 use hallsweep_core::search::Strategy;
@@ -20,8 +21,8 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
         Fact::MissionArchived(mission, left) => archived(connection, *mission, left, wall, seq),
         Fact::Phase(phase) => line.mission.map_or(Ok(()), |mission| came_to(connection, mission, phase, wall)),
         Fact::Luggage { record, .. } => found(connection, line.mission, record, line.picture.as_ref()),
-        Fact::Verdict { luggage, verdict, who } => {
-            decided(connection, *luggage, &Decision { verdict: *verdict, who: who.clone(), wall })
+        Fact::Verdict { luggage, verdict, who, note } => {
+            decided(connection, *luggage, &Decision { verdict: *verdict, who: who.clone(), wall, note: note.clone() })
         }
         Fact::Secured(luggage) => secured(connection, *luggage, wall),
         Fact::State(state) => stands(connection, state, wall, seq),
@@ -49,7 +50,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
 
 /// Makes all projections anew; how many entries they follow from.
 pub(super) fn rebuild(connection: &Connection) -> Result<u64, Fault> {
-    connection.execute_batch("DELETE FROM luggage; DELETE FROM photos; DELETE FROM missions;")?;
+    connection.execute_batch("DELETE FROM takes; DELETE FROM luggage; DELETE FROM photos; DELETE FROM missions;")?;
     let mut entries = 0;
     rows::each(connection, EntryFilter { kinds: Kinds::Milestones, ..EntryFilter::default() }, |_, line| {
         entries += 1;
@@ -88,9 +89,12 @@ fn came_to(connection: &Connection, mission: MissionId, phase: &Phase, wall: Wal
 
 /// A piece, or another photo of it. Where no new photo came the older one stays good.
 fn found(connection: &Connection, mission: Option<MissionId>, record: &Luggage, picture: Option<&Picture>) -> Result<(), Fault> {
-    if let (Some(picture), PhotoState::Taken { bytes, .. }) = (picture, &record.photo) {
+    if let (Some(picture), PhotoState::Taken { bytes, take }) = (picture, &record.photo) {
         let sql = "INSERT INTO photos (digest, media_type, bytes) VALUES (?1, ?2, ?3) ON CONFLICT (digest) DO NOTHING";
         run(connection, sql, params![picture.digest, picture.media_type, whole(*bytes as u64)?])?;
+        let sql = "INSERT INTO takes (luggage, take, photo) VALUES (?1, ?2, ?3)
+                   ON CONFLICT (luggage, take) DO UPDATE SET photo = excluded.photo";
+        run(connection, sql, params![whole(record.id.0)?, take, picture.digest])?;
     }
     let sql = "INSERT INTO luggage (id, mission, record, photo) VALUES (?1, ?2, ?3, ?4) ON CONFLICT (id) DO UPDATE
                SET record = excluded.record, photo = coalesce(excluded.photo, photo)";
@@ -100,9 +104,11 @@ fn found(connection: &Connection, mission: Option<MissionId>, record: &Luggage, 
 }
 
 fn decided(connection: &Connection, luggage: LuggageId, decision: &Decision) -> Result<(), Fault> {
-    let sql = "UPDATE luggage SET verdict = ?2, decided_by = ?3, decided_ms = ?4, decided_offset_s = ?5 WHERE id = ?1";
-    let Decision { verdict, who, wall } = decision;
-    run(connection, sql, params![whole(luggage.0)?, verdict.name(), &**who, wall.unix_ms, wall.offset_s])
+    let sql = "UPDATE luggage SET verdict = ?2, decided_by = ?3, decided_ms = ?4, decided_offset_s = ?5, note = ?6
+               WHERE id = ?1";
+    let Decision { verdict, who, wall, note } = decision;
+    let note = note.as_ref().map(Note::text);
+    run(connection, sql, params![whole(luggage.0)?, verdict.name(), &**who, wall.unix_ms, wall.offset_s, note])
 }
 
 fn secured(connection: &Connection, luggage: LuggageId, wall: WallTime) -> Result<(), Fault> {

@@ -8,7 +8,7 @@ use super::fault::Fault;
 const APPLICATION: i64 = 0x4853_5750;
 
 /// What brings a file from each format to the next; an empty file is of format 0.
-const MIGRATIONS: [&str; 2] = [include_str!("schema.sql"), include_str!("schema_2.sql")];
+const MIGRATIONS: [&str; 3] = [include_str!("schema.sql"), include_str!("schema_2.sql"), include_str!("schema_3.sql")];
 
 pub(super) const FORMAT: i64 = MIGRATIONS.len() as i64;
 

@@ -64,10 +64,12 @@ impl Engine {
     pub(super) fn record_verdict(&mut self, context: &InputContext) {
         let (Some(luggage), Some(verdict), Some(issuer)) = (context.luggage, context.verdict, &context.issuer) else { return };
         let who = Arc::clone(&issuer.who);
-        let seq = self.outbox.record(self.now.wall, Fact::Verdict { luggage, verdict, who: Arc::clone(&who) });
+        let note = context.note.clone();
+        let fact = Fact::Verdict { luggage, verdict, who: Arc::clone(&who), note: note.clone() };
+        let seq = self.outbox.record(self.now.wall, fact);
         self.mission.deciding.retain(|deciding| deciding.luggage != luggage);
         self.outbox.defer(luggage, seq);
-        self.mission.deciding.push(Deciding { seq, wall: self.now.wall, luggage, verdict, who });
+        self.mission.deciding.push(Deciding { seq, wall: self.now.wall, luggage, verdict, who, note });
     }
 
     /// Everything up to `seq` is kept: what waited for it happens now, in order.
@@ -103,12 +105,12 @@ impl Engine {
         }
     }
 
-    fn decide_piece(&mut self, Deciding { wall, luggage, verdict, who, .. }: Deciding) {
+    fn decide_piece(&mut self, Deciding { wall, luggage, verdict, who, note, .. }: Deciding) {
         if self.state.luggage.get(luggage).is_none() {
             return;
         }
         self.world.touch(Resource::Mission);
-        self.state.follow(&Fact::Verdict { luggage, verdict, who }, wall, self.world.revision());
+        self.state.follow(&Fact::Verdict { luggage, verdict, who, note }, wall, self.world.revision());
         let input = match verdict {
             Verdict::Safe => Input::SafeRecorded,
             Verdict::Danger => Input::DangerRecorded,

@@ -92,8 +92,8 @@ fn command(input: Input) -> Option<Command> {
         Input::Start => Command::Start,
         Input::Stop => Command::Stop,
         Input::BackHome => Command::BackHome,
-        Input::Safe => Command::Verdict { luggage, verdict: Verdict::Safe },
-        Input::Danger => Command::Verdict { luggage, verdict: Verdict::Danger },
+        Input::Safe => Command::Verdict { luggage, verdict: Verdict::Safe, note: None },
+        Input::Danger => Command::Verdict { luggage, verdict: Verdict::Danger, note: None },
         Input::TemperatureOk => Command::Temperature(TemperatureReport::Ok),
         Input::TemperatureTooHigh => Command::Temperature(TemperatureReport::TooHigh),
         Input::Reading => Command::Temperature(TemperatureReport::Reading(Celsius::new(20.0)?)),
@@ -149,7 +149,7 @@ fn a_hold_raised_during_a_mission_also_waits_for_a_start() {
 #[test]
 fn a_danger_that_comes_before_a_safe_is_kept_replaces_it() {
     let give = |engine: &mut Engine, verdict| {
-        let command = Command::Verdict { luggage: LuggageRef::Id(LuggageId(1)), verdict };
+        let command = Command::Verdict { luggage: LuggageRef::Id(LuggageId(1)), verdict, note: None };
         engine.handle_command(Request::new(command, Issuer::operator(Door::LOCAL)), now(1))
     };
     let mut engine = sweep_in(PhaseName::Inspecting, &[]);

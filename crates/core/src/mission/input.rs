@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::FaultCause;
-use crate::command::{Command, Issuer, LuggageRef, Move, TemperatureReport, Verdict};
+use crate::command::{Command, Issuer, LuggageRef, Move, Note, TemperatureReport, Verdict};
 use crate::event::{Obstacle, Photo};
 use crate::search::Strategy;
 use crate::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
@@ -75,6 +75,7 @@ pub(crate) struct InputContext {
     /// The piece named, or found to be meant by a bare word.
     pub(crate) luggage: Option<LuggageId>,
     pub(crate) verdict: Option<Verdict>,
+    pub(crate) note: Option<Note>,
     pub(crate) step: Option<Move>,
     /// The cell of a goto, or of an obstacle.
     pub(crate) cell: Option<Cell>,
@@ -101,7 +102,7 @@ impl InputContext {
             Command::Reset => (Input::Reset, context),
             Command::Move(step) => (Input::Move, InputContext { step: Some(*step), ..context }),
             Command::Goto(cell) => (Input::Goto, InputContext { cell: Some(*cell), ..context }),
-            Command::Verdict { luggage, verdict } => {
+            Command::Verdict { luggage, verdict, note } => {
                 let luggage = match luggage {
                     LuggageRef::Id(id) => Some(*id),
                     LuggageRef::Pending => pending,
@@ -110,7 +111,7 @@ impl InputContext {
                     Verdict::Safe => Input::Safe,
                     Verdict::Danger => Input::Danger,
                 };
-                (input, InputContext { luggage, verdict: Some(*verdict), ..context })
+                (input, InputContext { luggage, verdict: Some(*verdict), note: note.clone(), ..context })
             }
             Command::RetakePhoto(id) => (Input::RetakePhoto, InputContext { luggage: Some(*id), ..context }),
             Command::Acknowledge(id) => (Input::Acknowledge, InputContext { alarm: Some(*id), ..context }),

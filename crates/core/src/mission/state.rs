@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::pace::Pace;
-use crate::command::{Move, Verdict};
+use crate::command::{Move, Note, Verdict};
 use crate::effect::Fact;
 use crate::search::outlook::Gait;
 use crate::units::{Cell, LuggageId, Seq, WallTime};
@@ -70,6 +70,7 @@ pub(crate) struct Deciding {
     pub(crate) luggage: LuggageId,
     pub(crate) verdict: Verdict,
     pub(crate) who: Arc<str>,
+    pub(crate) note: Option<Note>,
 }
 
 impl Mission {

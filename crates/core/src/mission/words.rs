@@ -2,10 +2,13 @@
 //! makes them a command again where they come in. Commands are compared as values, never by their words.
 
 use super::{Input, InputContext};
-use crate::command::{Command, Door, Issuer, LuggageRef, Move, TemperatureReport, Verdict};
+use crate::command::{Command, Door, Issuer, LuggageRef, Move, Note, TemperatureReport, Verdict};
 use crate::search::Strategy;
 use crate::units::{AlarmId, Cell, Celsius, LuggageId};
 use crate::world::temperature::OPERATOR;
+
+/// Where the note begins in the words of a verdict.
+const NOTE: &str = "(note: ";
 
 /// What is asked, in words.
 #[must_use]
@@ -20,7 +23,10 @@ pub fn in_words(command: &Command) -> String {
 pub(crate) fn from_words(words: &str) -> Option<Command> {
     let (input, about) = Input::from_words(words)?;
     let about = about.trim_start();
-    let verdict = |verdict| Some(Command::Verdict { luggage: piece(about)?, verdict });
+    let verdict = |verdict| {
+        let (about, note) = noted(about)?;
+        Some(Command::Verdict { luggage: piece(about)?, verdict, note })
+    };
     let command = match input {
         Input::Start => Command::Start,
         Input::Stop => Command::Stop,
@@ -59,7 +65,7 @@ impl Input {
 }
 
 impl InputContext {
-    /// What the command is about, for the log: ` #3`, ` (1, 2)`, or nothing.
+    /// What the command is about, for the log: ` #3`, ` #3 (note: red)`, ` (1, 2)`, or nothing.
     #[must_use]
     pub(crate) fn in_words(&self) -> String {
         let luggage = self.luggage.map(|id| format!(" #{id}"));
@@ -69,8 +75,15 @@ impl InputContext {
         let strategy = self.strategy.map(|strategy| format!(" {}", strategy.name()));
         let named = |source: &str| if source == OPERATOR { String::new() } else { format!(" {source}") };
         let reading = self.reading.as_ref().map(|(source, celsius)| format!("{} {} °C", named(source), celsius.degrees()));
-        [luggage, cell, step, alarm, strategy, reading].into_iter().flatten().collect()
+        let note = self.note.as_ref().map(|note| format!(" {NOTE}{note})"));
+        [luggage, note, cell, step, alarm, strategy, reading].into_iter().flatten().collect()
     }
+}
+
+/// `#3 (note: red)`: what stands before the note, and the note.
+fn noted(words: &str) -> Option<(&str, Option<Note>)> {
+    let Some((about, note)) = words.split_once(NOTE) else { return Some((words, None)) };
+    Some((about.trim_end(), Some(Note::new(note.strip_suffix(')')?)?)))
 }
 
 /// `#3`, or nothing where the pending piece is meant.
@@ -134,15 +147,24 @@ mod tests {
         }
     }
 
+    fn note(dice: &mut RandomStream) -> Option<Note> {
+        let parts = ["red", " ", "(note: ", ")", " #3", "ü鞄", "<b>", "safe"];
+        let length = dice.below(6);
+        let text: String = (0..length).map(|_| parts[dice.below(parts.len() as u64) as usize]).collect();
+        Note::new(&text)
+    }
+
     #[expect(clippy::wildcard_enum_match_arm, reason = "a command that is missing here ends the test")]
     fn command(input: Input, dice: &mut RandomStream) -> Command {
-        let mut piece = || if dice.happens(0.2) { LuggageRef::Pending } else { LuggageRef::Id(LuggageId(number(dice))) };
+        let piece = |dice: &mut RandomStream| {
+            if dice.happens(0.2) { LuggageRef::Pending } else { LuggageRef::Id(LuggageId(number(dice))) }
+        };
         match input {
             Input::Start => Command::Start,
             Input::Stop => Command::Stop,
             Input::BackHome => Command::BackHome,
-            Input::Safe => Command::Verdict { luggage: piece(), verdict: Verdict::Safe },
-            Input::Danger => Command::Verdict { luggage: piece(), verdict: Verdict::Danger },
+            Input::Safe => Command::Verdict { luggage: piece(dice), verdict: Verdict::Safe, note: note(dice) },
+            Input::Danger => Command::Verdict { luggage: piece(dice), verdict: Verdict::Danger, note: note(dice) },
             Input::TemperatureOk => Command::Temperature(TemperatureReport::Ok),
             Input::TemperatureTooHigh => Command::Temperature(TemperatureReport::TooHigh),
             Input::Reading => Command::Temperature(TemperatureReport::Reading(reading(dice))),
@@ -173,9 +195,22 @@ mod tests {
 
     #[test]
     fn words_of_another_version_are_no_command() {
-        for words in
-            ["", "start", "START ", "STOP, 3 times at once", "safe #03", "safe  #3", "safe 3", "goto (1,2)", "move", "fly"]
-        {
+        for words in [
+            "",
+            "start",
+            "START ",
+            "STOP, 3 times at once",
+            "safe #03",
+            "safe  #3",
+            "safe 3",
+            "safe #3 (note: )",
+            "safe #3 (note: a",
+            "safe #3(note: a)",
+            "goto (note: a)",
+            "goto (1,2)",
+            "move",
+            "fly",
+        ] {
             assert_eq!(from_words(words), None, "{words}");
         }
     }

@@ -137,8 +137,8 @@ impl PersistentState {
             Fact::Led(blinking) => self.led_blinking = *blinking,
             Fact::Mark(cell, mark) => self.mark(*cell, *mark, revision),
             Fact::Luggage { record, .. } => self.keep(record),
-            Fact::Verdict { luggage, verdict, who } => {
-                self.decide(*luggage, Decision { verdict: *verdict, who: Arc::clone(who), wall });
+            Fact::Verdict { luggage, verdict, who, note } => {
+                self.decide(*luggage, Decision { verdict: *verdict, who: Arc::clone(who), wall, note: note.clone() });
             }
             Fact::Temperature(source, celsius) if **source == *OPERATOR => self.reading = Some(*celsius),
             Fact::Temperature(..) => {}

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::command::Verdict;
+use crate::command::{Note, Verdict};
 use crate::event::{Photo, Piece};
 use crate::units::{Cell, LuggageId, Pose, WallTime};
 
@@ -63,6 +63,9 @@ pub enum NoPhoto {
     /// The camera failed, and how.
     #[error("there is no photo of luggage #{0}: {1}; take it again")]
     Failed(LuggageId, String),
+    /// It was not taken so often; how often it was.
+    #[error("there is no photo {1} of luggage #{0}: there are 1 to {2}")]
+    NotTaken(LuggageId, u64, u32),
     /// It was taken, and the record has it no more.
     #[error("the photo of luggage #{0} is not kept")]
     NotKept(LuggageId),
@@ -77,6 +80,8 @@ pub struct Decision {
     pub who: Arc<str>,
     /// When.
     pub wall: WallTime,
+    /// What else was said of it.
+    pub note: Option<Note>,
 }
 
 impl Luggage {

@@ -194,7 +194,7 @@ mod tests {
     use crate::world::luggage::{Decision, PhotoState};
 
     fn record(id: u64, verdict: Option<Verdict>) -> Arc<Luggage> {
-        let decision = |verdict| Decision { verdict, who: Arc::from("somebody"), wall: WallTime::default() };
+        let decision = |verdict| Decision { verdict, who: Arc::from("somebody"), wall: WallTime::default(), note: None };
         Arc::new(Luggage {
             id: LuggageId(id),
             cell: Cell::HOME,

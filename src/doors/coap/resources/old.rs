@@ -119,7 +119,7 @@ mod tests {
             assert_eq!(word("w", format).unwrap(), Command::Move(Move::Forward));
             assert_eq!(word(" l\r\n", format).unwrap(), Command::Move(Move::TurnLeft));
             assert_eq!(word("\"x\"", format).unwrap(), Command::Move(Move::NudgeRight));
-            let safe = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe };
+            let safe = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: None };
             assert_eq!(word("safe", format).unwrap(), safe);
         }
         assert_eq!(word("w", Some(Format::CBOR)).unwrap_err().refusal().code, "unsupportedMediaType");

@@ -8,7 +8,7 @@ use super::*;
 use crate::api::cbor;
 use crate::api::fixture::{idle, piece, searching, touch};
 use coap_endpoint::{Code, Format};
-use hallsweep_core::command::{Command, LuggageRef, Move, TemperatureReport, Verdict};
+use hallsweep_core::command::{Command, LuggageRef, Move, Note, TemperatureReport, Verdict};
 use hallsweep_core::mission::in_words;
 use hallsweep_core::search::Strategy;
 use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId};
@@ -45,7 +45,8 @@ fn words(answer: &Answer) -> Vec<String> {
 #[tokio::test]
 async fn every_command_reaches_the_loop_as_what_it_says() {
     let app = app(searching());
-    let verdict = |verdict| Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict };
+    let verdict = |verdict| Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict, note: None };
+    let noted = Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict: Verdict::Safe, note: Note::new("red") };
     let cases = [
         (post("/commands/start", ""), Command::Start),
         (post("/commands/start", "{}"), Command::Start),
@@ -57,6 +58,7 @@ async fn every_command_reaches_the_loop_as_what_it_says() {
         (post("/commands/move", r#"{"move":"h"}"#), Command::Stop),
         (post("/commands/goto", r#"{"x":4,"y":-2}"#), Command::Goto(Cell::new(4, -2))),
         (post("/luggage/3/verdict", r#"{"verdict":"safe"}"#), verdict(Verdict::Safe)),
+        (post("/luggage/3/verdict", r#"{"verdict":"safe","note":"red"}"#), noted),
         (put("/luggage/3/verdict", r#"{"verdict":"danger"}"#), verdict(Verdict::Danger)),
         (post("/luggage/3/photo", ""), Command::RetakePhoto(LuggageId(3))),
         (post("/alarms/1/acknowledge", ""), Command::Acknowledge(AlarmId(1))),
@@ -390,7 +392,7 @@ async fn an_old_client_is_answered_in_a_word() {
     let cases = [
         ("w", Command::Move(Move::Forward)),
         ("h", Command::Stop),
-        ("safe", Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe }),
+        ("safe", Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: None }),
     ];
     for (word, command) in cases {
         for request in [put("/resourcemodel", word), post("/resourcemodel", word)] {

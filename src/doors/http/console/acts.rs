@@ -6,7 +6,7 @@ use super::super::problem::Problem;
 use crate::api::command::{self, StrategyBody};
 use crate::api::commands::{CommandKind, Row};
 use crate::api::fields::in_short;
-use hallsweep_core::command::{Command, LuggageRef, TemperatureReport, Verdict};
+use hallsweep_core::command::{Command, LuggageRef, Note, TemperatureReport, Verdict};
 use hallsweep_core::units::{AlarmId, Epoch, LuggageId};
 
 /// The fields of any of the forms; a field that is not there is not sent.
@@ -21,6 +21,20 @@ pub(in crate::doors::http) struct Fields {
     name: Option<String>,
     status: Option<String>,
     celsius: Option<String>,
+    note: Option<String>,
+}
+
+/// What was typed as a note, in the address of the page that asks once more.
+#[derive(Debug, Default, Deserialize)]
+pub(in crate::doors::http) struct TypedNote {
+    #[serde(default)]
+    note: String,
+}
+
+impl TypedNote {
+    pub(super) fn note(&self) -> Result<Option<Note>, Problem> {
+        note(&self.note)
+    }
 }
 
 /// The words of the buttons that ask for a command: its name, but for the two verdicts.
@@ -66,7 +80,8 @@ impl Fields {
     }
 
     fn verdict(&self, verdict: Verdict) -> Result<Command, Problem> {
-        Ok(Command::Verdict { luggage: LuggageRef::Id(LuggageId(self.id()?)), verdict })
+        let note = self.note.as_deref().map(note).transpose()?.flatten();
+        Ok(Command::Verdict { luggage: LuggageRef::Id(LuggageId(self.id()?)), verdict, note })
     }
 
     fn id(&self) -> Result<u64, Problem> {
@@ -86,6 +101,12 @@ impl Fields {
             (None, degrees) => Ok(command::reading(number("celsius", &needed("celsius", degrees)?.replace(',', "."))?)?),
         }
     }
+}
+
+/// The note that was typed: line ends and tabs, which a page's field takes, are blanks in it.
+fn note(typed: &str) -> Result<Option<Note>, Problem> {
+    let line: Vec<&str> = typed.split_whitespace().collect();
+    Ok(command::note(&line.join(" "))?)
 }
 
 fn needed<'a>(name: &str, value: Option<&'a str>) -> Result<&'a str, Problem> {
@@ -114,6 +135,7 @@ mod tests {
             name: Some("snail".to_owned()),
             status: None,
             celsius: Some("21,5".to_owned()),
+            note: Some(" a lunch\r\n\tbox".to_owned()),
         };
         let rows = super::super::super::routes::table();
         let acts = rows.iter().filter(|row| row.method == Method::POST);
@@ -122,6 +144,8 @@ mod tests {
             assert_eq!(fields.command(act).map(|(_, epoch)| epoch).ok(), Some(Some(Epoch(4))), "{act}");
         }
         assert_eq!(fields.command("goto").unwrap().0, Command::Goto(Cell::new(1, -2)));
+        let (luggage, note) = (LuggageRef::Id(LuggageId(3)), Note::new("a lunch box"));
+        assert_eq!(fields.command("safe").unwrap().0, Command::Verdict { luggage, verdict: Verdict::Safe, note });
     }
 
     #[test]
@@ -130,5 +154,9 @@ mod tests {
         assert!(problem.detail().contains("x is missing"), "{}", problem.detail());
         let fields = Fields { celsius: Some("warm".to_owned()), ..Fields::default() };
         assert!(fields.command("temperature").unwrap_err().detail().contains("\"warm\""));
+        let with = |note: String| Fields { id: Some("3".to_owned()), note: Some(note), ..Fields::default() }.command("danger");
+        assert!(with("x".repeat(501)).unwrap_err().detail().contains("501 characters: 500 are the most"));
+        assert!(with("a\u{202e}b".to_owned()).unwrap_err().detail().contains("not seen"));
+        assert!(matches!(with(" \n".to_owned()), Ok((Command::Verdict { note: None, .. }, _))), "a blank note is none");
     }
 }

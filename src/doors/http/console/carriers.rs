@@ -53,6 +53,16 @@ pub(super) fn fetched_lies_at(snapshot: &Snapshot, piece: &Luggage) -> Option<(i
     Some(middle(if found { piece.cell } else { cells[0] }))
 }
 
+/// Where a piece is in the picture: where it was found, or where it is held while it is fetched.
+pub(super) fn is_at(snapshot: &Snapshot, piece: &Luggage) -> (i32, i32) {
+    let is_fetched = fetched(snapshot).is_some_and(|fetched| fetched.id == piece.id);
+    match held_at(snapshot).filter(|_| is_fetched) {
+        Some(place) => Scene::of(snapshot).place(place),
+        None if is_fetched => fetched_lies_at(snapshot, piece).unwrap_or_else(|| middle(piece.cell)),
+        None => middle(piece.cell),
+    }
+}
+
 /// Over which place a piece is held.
 fn held_at(snapshot: &Snapshot) -> Option<Place> {
     snapshot.robots.iter().find_map(|robot| robot.arm?.holds).map(|parcel| parcel.place)

@@ -5,7 +5,9 @@ mod acts;
 mod began;
 mod carriers;
 mod doing;
+mod evacuation;
 mod hall;
+mod incident;
 mod live;
 pub(super) mod missions;
 pub(super) mod moments;
@@ -19,8 +21,9 @@ mod timeline;
 mod view;
 
 use askama::Template;
-use axum::extract::State;
-use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri, header};
+use axum::extract::rejection::QueryRejection;
+use axum::extract::{Query, State};
+use axum::http::{HeaderMap, HeaderValue, Uri, header};
 use axum::response::{Html, IntoResponse, Redirect, Response};
 
 use super::HttpDoor;
@@ -33,8 +36,8 @@ use crate::access::{Access, Caller};
 use crate::api::answer::AnswerJson;
 use crate::api::door;
 use crate::runtime::carry_out::Done;
-use acts::Fields;
 pub(super) use acts::buttons;
+use acts::{Fields, TypedNote};
 use hallsweep_core::units::LuggageId;
 use parts::Page;
 use view::{HallInfo, View, Who, Why};
@@ -87,16 +90,20 @@ async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields
     response
 }
 
-/// `GET console/confirm/danger/{id}`
-pub(super) async fn confirm_danger(State(door): State<HttpDoor>, LetIn(caller): LetIn, Number(id): Number) -> Response {
+/// `GET console/confirm/danger/{id}?note=…`: the note that was typed beside the button goes on with the question.
+pub(super) async fn confirm_danger(
+    State(door): State<HttpDoor>,
+    LetIn(caller): LetIn,
+    Number(id): Number,
+    typed: Result<Query<TypedNote>, QueryRejection>,
+) -> Response {
     let snapshot = door.handle.snapshot();
-    match snapshot.luggage(LuggageId(id)) {
-        Some(luggage) => html(&parts::Confirm::danger(luggage)).into_response(),
-        None => {
-            let why = Why::new("page", Problem::no_luggage(id).detail());
-            (StatusCode::NOT_FOUND, whole(&door, &caller, Some(why)).await).into_response()
-        }
-    }
+    let (button, problem) = match (snapshot.luggage(LuggageId(id)), typed.map_or(Ok(None), |Query(typed)| typed.note())) {
+        (Some(luggage), Ok(note)) => return html(&parts::Confirm::danger(luggage, note)).into_response(),
+        (Some(_), Err(problem)) => ("verdict", problem),
+        (None, _) => ("page", Problem::no_luggage(id)),
+    };
+    refused_page(&door, &caller, button, &problem).await
 }
 
 /// `GET console/confirm/reset`
@@ -128,7 +135,7 @@ pub(in crate::doors::http) fn html(template: &impl Template) -> Html<String> {
 mod tests {
     use super::super::testing::{TestApp, app, read, text};
     use crate::api::fixture::{idle, searching};
-    use hallsweep_core::command::{Command, LuggageRef, Move, Refused, Verdict};
+    use hallsweep_core::command::{Command, LuggageRef, Move, Note, Refused, Verdict};
     use hallsweep_core::units::{Cell, Epoch, LuggageId};
 
     const FORM: (&str, &str) = ("content-type", "application/x-www-form-urlencoded");
@@ -199,7 +206,7 @@ mod tests {
         let app = app(searching());
         let photo = "/api/v1/luggage/3/photo?take=1";
         let opened = app.send("GET", photo, &[("accept", "text/html,image/avif,*/*;q=0.8")], "").await;
-        assert_eq!((opened.status().as_u16(), &opened.headers()["location"]), (303, &"/luggage/3".parse().unwrap()));
+        assert_eq!((opened.status().as_u16(), &opened.headers()["location"]), (303, &"/luggage/3?take=1".parse().unwrap()));
         for accept in ["*/*", "image/avif,image/webp,image/*,*/*;q=0.8", "image/png"] {
             let picture = app.send("GET", photo, &[("accept", accept)], "").await;
             assert_eq!(
@@ -276,7 +283,20 @@ mod tests {
         assert_eq!(app.get("/console/confirm/danger/9").await.status(), 404);
         assert_eq!(app.form("/console/danger", "id=3").await.status(), 303);
         let luggage = LuggageRef::Id(LuggageId(3));
-        assert_eq!(app.last().command, Command::Verdict { luggage, verdict: Verdict::Danger });
+        assert_eq!(app.last().command, Command::Verdict { luggage, verdict: Verdict::Danger, note: None });
+    }
+
+    #[tokio::test]
+    async fn the_note_that_was_typed_goes_on_with_the_question_and_is_never_markup() {
+        let app = app(searching());
+        let asked = text(app.get("/console/confirm/danger/3?id=3&note=%3Cb%3E+red%0D%0Abag").await).await;
+        assert!(asked.contains("name=\"note\" value=\"&#60;b&#62; red bag\"") && !asked.contains("<b> red"), "{asked}");
+        let endless = app.get(&format!("/console/confirm/danger/3?note={}", "x".repeat(501))).await;
+        assert_eq!(endless.status(), 422);
+        assert!(text(endless).await.contains("id=\"why-verdict\" role=\"alert\">the note has 501 characters: 500 are the most"));
+        assert_eq!(app.form("/console/danger", "id=3&note=%3Cb%3E+red%0D%0Abag").await.status(), 303);
+        let (luggage, note) = (LuggageRef::Id(LuggageId(3)), Note::new("<b> red bag"));
+        assert_eq!(app.last().command, Command::Verdict { luggage, verdict: Verdict::Danger, note });
     }
 
     #[tokio::test]

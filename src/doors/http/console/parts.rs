@@ -5,7 +5,10 @@ use askama::Template;
 use serde::Serialize;
 
 use super::carriers::carriers;
+use super::evacuation::{self, from_home};
 use super::hall;
+use super::incident::{Incident, is_of_incident};
+use super::photo::{Take, takes};
 use super::pieces;
 use super::retrieval::{Row, armed, rows, sign, stages};
 use super::timeline::Timeline;
@@ -15,12 +18,14 @@ use crate::api::retrieval::ArmJson;
 use crate::api::robot_parts;
 use crate::api::time::rfc3339;
 use hallsweep_core::behaviour::Status;
+use hallsweep_core::command::Note;
 use hallsweep_core::mission::PhaseName;
 use hallsweep_core::retrieval::ArmState;
 use hallsweep_core::robots::{self, Parts};
 use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Fetcher;
 use hallsweep_core::units::{LuggageId, WallTime};
+use hallsweep_core::world::alarm::AlarmView;
 use hallsweep_core::world::log::LogLine;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
@@ -41,7 +46,7 @@ pub(super) struct Part {
 }
 
 /// All of them, in the page's order.
-pub(super) const PARTS: [Part; 20] = [
+pub(super) const PARTS: [Part; 22] = [
     Part {
         id: "announce",
         shows: &[Resource::Mission, Resource::Luggage, Resource::Alarms, Resource::Temperature],
@@ -54,6 +59,11 @@ pub(super) const PARTS: [Part; 20] = [
     },
     Part { id: "holds", shows: &[Resource::Mission, Resource::Temperature], render: |v| html(&Holds { v }) },
     Part { id: "hall-labels", shows: &[Resource::Map], render: |v| hall::labels(&v.snapshot.map) },
+    Part {
+        id: "hall-evacuation",
+        shows: &[Resource::Luggage, Resource::Robot, Resource::Map, Resource::Retrieval],
+        render: evacuation::circles,
+    },
     Part { id: "hall-frontier", shows: &[Resource::Map], render: |v| hall::frontier(&v.snapshot.map) },
     Part {
         id: "hall-layer",
@@ -67,7 +77,12 @@ pub(super) const PARTS: [Part; 20] = [
     },
     Part { id: "hall-robot", shows: &[Resource::Robot, Resource::Map], render: |v| hall::robot(v.snapshot) },
     Part { id: "progress", shows: &[Resource::Mission], render: |v| html(&Progress { v }) },
-    Part { id: "alarms", shows: &[Resource::Alarms], render: |v| html(&Alarms { v }) },
+    Part {
+        id: "incident",
+        shows: &[Resource::Luggage, Resource::Alarms, Resource::Mission, Resource::Map],
+        render: |v| html(&Incident { v }),
+    },
+    Part { id: "alarms", shows: &[Resource::Alarms, Resource::Luggage], render: |v| html(&Alarms { v }) },
     Part {
         id: "retrieval",
         shows: &[Resource::Retrieval, Resource::Robot, Resource::Mission],
@@ -170,10 +185,11 @@ pub(super) struct Confirm {
     action: &'static str,
     id: Option<LuggageId>,
     photo: Option<String>,
+    note: Option<Note>,
 }
 
 impl Confirm {
-    pub(super) fn danger(luggage: &Luggage) -> Confirm {
+    pub(super) fn danger(luggage: &Luggage, note: Option<Note>) -> Confirm {
         Confirm {
             question: format!("Is luggage #{} dangerous?", luggage.id),
             consequence: DANGER,
@@ -181,6 +197,7 @@ impl Confirm {
             action: "/console/danger",
             id: Some(luggage.id),
             photo: photo_url(luggage),
+            note,
         }
     }
 
@@ -192,6 +209,7 @@ impl Confirm {
             action: "/console/reset",
             id: None,
             photo: None,
+            note: None,
         }
     }
 }
@@ -232,6 +250,13 @@ impl Inspect<'_> {
         photo_url(luggage)
     }
 
+    /// The photos before the newest, where there are any.
+    fn earlier(&self, luggage: &Luggage) -> Option<Vec<Take>> {
+        let mut takes = takes(luggage);
+        takes.pop();
+        (!takes.is_empty()).then_some(takes)
+    }
+
     fn failure<'l>(&self, luggage: &'l Luggage) -> &'l str {
         failure(luggage)
     }
@@ -239,7 +264,8 @@ impl Inspect<'_> {
     fn where_and_when(&self, luggage: &Luggage) -> String {
         let (cell, from) = (place(luggage.cell), place(luggage.pose.cell));
         format!(
-            "The bag is at {cell}; seen from {from}, facing {}; {}",
+            "The bag is at {cell}: {}; seen from {from}, facing {}; {}",
+            from_home(luggage.cell, self.v.hall.cell_m),
             luggage.pose.heading.name(),
             self.v.zone().date_and_time(luggage.taken)
         )
@@ -247,6 +273,10 @@ impl Inspect<'_> {
 
     const fn danger(&self) -> &'static str {
         DANGER
+    }
+
+    const fn longest_note(&self) -> usize {
+        Note::MOST
     }
 
     fn may_retake(&self, luggage: &Luggage) -> bool {
@@ -298,6 +328,12 @@ impl Gallery<'_> {
 }
 
 impl Alarms<'_> {
+    /// Those that are not acknowledged, the newest first; those of an incident stand in it.
+    fn unseen(&self) -> Vec<&AlarmView> {
+        let unseen = |alarm: &&AlarmView| alarm.acknowledged.is_none() && !is_of_incident(self.v, alarm);
+        self.v.snapshot.alarms.iter().rev().filter(unseen).collect()
+    }
+
     fn time(&self, wall: &WallTime) -> String {
         self.v.zone().clock_time(*wall)
     }

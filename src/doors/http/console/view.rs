@@ -54,13 +54,16 @@ pub(super) struct HallInfo<'a> {
     pub(super) name: &'a str,
     /// The side of a cell, in metres, where it is known.
     pub(super) cell_m: Option<f64>,
+    /// How far away from a bomb people must be, in metres.
+    pub(super) evacuation_m: f64,
     /// What is set of the robot, where it is known.
     pub(super) robot: Option<&'a RobotBySettings>,
 }
 
 impl<'a> HallInfo<'a> {
     pub(super) fn of(door: &'a HttpDoor) -> HallInfo<'a> {
-        HallInfo { name: &door.hall, cell_m: door.cell_m, robot: door.robots.of(RobotId::discovery().name()) }
+        let robot = door.robots.of(RobotId::discovery().name());
+        HallInfo { name: &door.hall, cell_m: door.cell_m, evacuation_m: door.evacuation_m, robot }
     }
 }
 

@@ -6,7 +6,7 @@ use super::testing::{app, driven_app, here, say, viewer};
 use super::*;
 use crate::api::commands::COMMANDS;
 use crate::api::fixture::{degrees, searching};
-use hallsweep_core::command::{LuggageRef, Move, TemperatureReport, Verdict};
+use hallsweep_core::command::{LuggageRef, Move, Note, TemperatureReport, Verdict};
 use hallsweep_core::search::Strategy;
 use hallsweep_core::units::{AlarmId, Cell, LuggageId};
 use hallsweep_core::world::luggage::Luggage;
@@ -19,7 +19,8 @@ fn event(id: &str) -> String {
 
 /// A command of each name that the table has, and what it is.
 fn all_commands() -> Vec<(&'static str, &'static str, Command)> {
-    let verdict = |verdict| Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict };
+    let verdict = |verdict| Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict, note: None };
+    let noted = Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict: Verdict::Safe, note: Note::new("red") };
     let temperature = Command::Temperature;
     vec![
         ("start", "", Command::Start),
@@ -33,6 +34,7 @@ fn all_commands() -> Vec<(&'static str, &'static str, Command)> {
         ("move", r#"{"move":"h"}"#, Command::Stop),
         ("goto", r#"{"x":4,"y":-2}"#, Command::Goto(Cell::new(4, -2))),
         ("verdict", r#"{"luggage":3,"verdict":"safe"}"#, verdict(Verdict::Safe)),
+        ("verdict", r#"{"luggage":3,"verdict":"safe","note":"red"}"#, noted),
         ("verdict", r#"{"verdict":"danger","luggage":3}"#, verdict(Verdict::Danger)),
         ("retake", r#"{"luggage":3}"#, Command::RetakePhoto(LuggageId(3))),
         ("acknowledge", r#"{"alarm":2}"#, Command::Acknowledge(AlarmId(2))),
@@ -136,7 +138,9 @@ async fn what_is_wrong_is_refused_in_words_and_put_on_record() {
         ("verdict", r#"{"verdict":"safe"}"#, 422, "unusable", "`luggage` is missing: send {\"luggage\":3,"),
         ("verdict", r#"{"luggage":"3","verdict":"safe"}"#, 422, "unusable", "`luggage` is \"3\": a whole number from 0"),
         ("verdict", r#"{"luggage":3,"verdict":"maybe"}"#, 422, "unusable", "\"maybe\" is no verdict"),
-        ("verdict", r#"{"luggage":3,"word":"safe"}"#, 422, "unusable", "its fields are verdict, id, luggage"),
+        ("verdict", r#"{"luggage":3,"word":"safe"}"#, 422, "unusable", "its fields are verdict, note, id, luggage"),
+        ("verdict", r#"{"luggage":3,"verdict":"safe","note":"a\nb"}"#, 422, "unusable", "a character that is not seen, '\\n'"),
+        ("verdict", r#"{"luggage":3,"verdict":"safe","note":7}"#, 422, "unusable", "`note` is 7: a text in quotes"),
         ("retake", "{}", 422, "unusable", "`luggage` is missing: send {\"luggage\":3}"),
         ("acknowledge", r#"{"luggage":1}"#, 422, "unusable", "`alarm` is missing: send {\"alarm\":2}"),
         ("strategy", r#"{"name":"worm"}"#, 422, "unusable", "there is no strategy \"worm\": there are"),
@@ -303,7 +307,7 @@ async fn whoever_commands_through_another_broker_is_known_by_that_broker_alone()
 #[tokio::test]
 async fn messages_of_the_original_system_command_and_are_answered_by_none() {
     let mut app = app(searching());
-    let verdict = |verdict| Command::Verdict { luggage: LuggageRef::Pending, verdict };
+    let verdict = |verdict| Command::Verdict { luggage: LuggageRef::Pending, verdict, note: None };
     for (id, command) in [
         ("startCmd", Command::Start),
         ("backHomeCmd", Command::BackHome),

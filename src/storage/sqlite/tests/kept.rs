@@ -312,6 +312,25 @@ fn a_journal_of_the_first_format_is_brought_up_to_date() {
     assert_eq!(scratch.open().recalled.expect("it was kept").commands.len(), 2);
 }
 
+/// A journal of a version that kept of each piece the newest photo alone, and no notes, has the files of all of them.
+#[test]
+fn every_photo_of_a_piece_is_found_also_in_a_journal_that_did_not_list_them() {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    scribe.keep([begin(1), vec![taken(1, 1, photo("first")), taken(1, 2, photo("again")), found(2, None)]].concat());
+    let all =
+        |archive: &dyn Archive| [(1, 1), (1, 2), (1, 3), (2, 1)].map(|(id, take)| archive.take(LuggageId(id), take).unwrap());
+    let expect = [Some(photo("first")), Some(photo("again")), None, None];
+    assert_eq!(all(&*scribe.opened.archive), expect);
+    drop(scribe);
+    let old = rusqlite::Connection::open(scratch.data().join("journal.db")).unwrap();
+    old.execute_batch("DROP TABLE takes; ALTER TABLE luggage DROP COLUMN note; PRAGMA user_version = 2;").unwrap();
+    drop(old);
+    drop(Scribe::new(scratch.open()));
+    check_finds(&scratch, &[]);
+    assert_eq!(all(&*scratch.open().archive), expect);
+}
+
 /// Safety D3.
 #[test]
 fn a_photo_is_a_file_named_by_its_digest() {

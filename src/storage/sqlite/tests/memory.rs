@@ -5,8 +5,9 @@ use std::sync::Arc;
 use rusqlite::{Connection, StatementStatus};
 
 use super::super::MemoryStore;
-use super::super::memory::{ENTRIES, PHOTOS, gives_way};
+use super::super::memory::{EARLIER, ENTRIES, PHOTOS, gives_way};
 use super::super::rows::{self, EntryFilter};
+use super::testing::{photo, taken};
 use crate::runtime::archive::At;
 use crate::runtime::store::Store;
 use hallsweep_core::command::Verdict;
@@ -81,7 +82,7 @@ fn every_clone_sees_the_newest_photo_of_a_piece() {
 #[test]
 fn a_piece_is_found_with_its_verdict_whatever_mission_it_was_of() {
     let mut memory = MemoryStore::new();
-    let verdict = Fact::Verdict { luggage: LuggageId(1), verdict: Verdict::Safe, who: "operator".into() };
+    let verdict = Fact::Verdict { luggage: LuggageId(1), verdict: Verdict::Safe, who: "operator".into(), note: None };
     record(&mut memory, [luggage(1, Ok("first")), Entry { wall: WallTime::default(), fact: verdict }, luggage(2, Err("dark"))]);
     let first = memory.archive().luggage(LuggageId(1)).unwrap().expect("the first piece is kept");
     assert_eq!((first.verdict_name(), first.has_photo()), ("safe", true));
@@ -123,6 +124,23 @@ fn the_oldest_entries_and_photos_give_way() {
     let entries = entries(&memory);
     assert_eq!(entries.len() as u64, ENTRIES);
     assert_eq!(entries.first().map(|(seq, _)| *seq), Some(Seq(2 * many + 3)));
+}
+
+#[test]
+fn of_earlier_photos_the_oldest_give_way_and_the_newest_of_a_piece_never_for_them() {
+    let mut memory = MemoryStore::new();
+    let archive = memory.archive();
+    let take = |n: u32| Entry { wall: WallTime::default(), fact: taken(1, n, photo(&format!("photo {n}"))) };
+    let last = 2 * u32::try_from(EARLIER).unwrap();
+    record(&mut memory, std::iter::once(luggage(2, Ok("of another"))).chain((1..=last).map(take)));
+    let kept: Vec<u32> = (1..=last).filter(|n| archive.take(LuggageId(1), *n).unwrap().is_some()).collect();
+    assert_eq!(kept, (last - u32::try_from(EARLIER).unwrap()..=last).collect::<Vec<_>>());
+    assert_eq!(archive.take(LuggageId(2), 1).unwrap(), archive.photo(LuggageId(2)).unwrap());
+    let files =
+        |connection: &Connection| Ok(connection.query_row("SELECT count(*) FROM pictures", [], |row| row.get::<_, i64>(0))?);
+    assert_eq!(memory.journal.ask(files).unwrap(), i64::try_from(EARLIER).unwrap() + 2, "nor are their pixels kept");
+    record(&mut memory, (3..=PHOTOS + 3).map(|id| luggage(id, Ok("photo"))));
+    assert_eq!(archive.take(LuggageId(1), last), Ok(None), "with the photo of a piece its earlier ones go");
 }
 
 /// How many steps SQLite takes to let go of what is behind the bounds, when one more piece has come.

@@ -172,8 +172,15 @@ pub(super) fn found(id: u64, photo: Option<Photo>) -> Fact {
     Fact::Luggage { record: Arc::new(record), photo }
 }
 
+/// The piece as it was photographed so often.
+pub(super) fn taken(id: u64, take: u32, photo: Photo) -> Fact {
+    let Fact::Luggage { record, photo } = found(id, Some(photo)) else { panic!("it is a piece of luggage") };
+    let state = PhotoState::Taken { bytes: 1, take };
+    Fact::Luggage { record: Arc::new(Luggage { photo: state, ..Luggage::clone(&record) }), photo }
+}
+
 pub(super) fn verdict(id: u64, verdict: Verdict) -> Fact {
-    Fact::Verdict { luggage: LuggageId(id), verdict, who: "anna".into() }
+    Fact::Verdict { luggage: LuggageId(id), verdict, who: "anna".into(), note: None }
 }
 
 pub(super) fn wall(x: i32, y: i32) -> Fact {

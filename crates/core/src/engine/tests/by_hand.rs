@@ -178,6 +178,7 @@ fn moment(name: PhaseName, table: &'static str, holds: &[Hold]) -> Engine {
             verdict: Verdict::Safe,
             who: Issuer::operator(Door::LOCAL).who,
             wall: WallTime::default(),
+            note: None,
         };
         let luggage = Luggage { verdict: Some(decision), ..Luggage::clone(&engine.state.luggage[0]) };
         engine.state.luggage.insert(Arc::new(luggage));

@@ -1,0 +1,127 @@
+//! How far it is: from home to a piece in metres, and the circle of evacuation round a bomb, which is drawn where the side of a cell is
+//! known. How large it is, the settings say; whom it sends away, people decide.
+
+use std::fmt::Write;
+
+use super::carriers::is_at;
+use super::hall::CELL;
+use super::view::View;
+use hallsweep_core::units::Cell;
+
+/// The circles round all bombs in the hall; that of one which is fetched moves with it.
+pub(super) fn circles(v: &View<'_>) -> String {
+    let mut group = String::from("<g id=\"hall-evacuation\">");
+    if let Some(cell_m) = v.hall.cell_m {
+        let radius = f64::from(CELL) * v.hall.evacuation_m / cell_m;
+        for bomb in v.snapshot.luggage.bombs_left() {
+            let (x, y) = is_at(v.snapshot, bomb);
+            let circle = format_args!("<circle class=\"evacuation\" cx=\"{x}\" cy=\"{y}\" r=\"{radius:.1}\"/>");
+            group.write_fmt(circle).expect("a string takes what is written to it");
+        }
+    }
+    group.push_str("</g>");
+    group
+}
+
+/// Whether all of the hall that is known lies within the circle round this cell.
+pub(super) fn takes_in_all(v: &View<'_>, bomb: Cell) -> bool {
+    let Some(cell_m) = v.hall.cell_m else { return false };
+    let known = v.snapshot.map.known_bounds();
+    let corners = [
+        (known.least.x, known.least.y),
+        (known.most.x, known.least.y),
+        (known.least.x, known.most.y),
+        (known.most.x, known.most.y),
+    ];
+    corners.into_iter().all(|(x, y)| distance(Cell::new(x, y), bomb) * cell_m <= v.hall.evacuation_m)
+}
+
+/// Where a cell lies as seen from home.
+pub(super) fn from_home(cell: Cell, cell_m: Option<f64>) -> String {
+    let (east, south) = (cell.x - Cell::HOME.x, cell.y - Cell::HOME.y);
+    let sides = [(east, "east", "west"), (south, "south", "north")];
+    let sides = sides.into_iter().filter(|(cells, ..)| *cells != 0);
+    let towards = |cells: i32, there: &'static str, back: &'static str| if cells > 0 { there } else { back };
+    let words = |(cells, there, back): (i32, &'static str, &'static str)| {
+        let (number, towards) = (f64::from(cells.abs()), towards(cells, there, back));
+        match cell_m {
+            Some(cell_m) => format!("{:.1}\u{a0}m {towards}", number * cell_m),
+            None => format!("{number} {} {towards}", if cells.abs() == 1 { "cell" } else { "cells" }),
+        }
+    };
+    let sides: Vec<String> = sides.map(words).collect();
+    match (sides.len(), cell_m) {
+        (0, _) => "at home".to_owned(),
+        (1, _) => format!("{} of home", sides.concat()),
+        (_, Some(cell_m)) => {
+            format!("{} of home, {:.1}\u{a0}m as the crow flies", sides.join(" and "), distance(cell, Cell::HOME) * cell_m)
+        }
+        (_, None) => format!("{} of home", sides.join(" and ")),
+    }
+}
+
+/// From middle to middle, in cells.
+fn distance(one: Cell, other: Cell) -> f64 {
+    f64::from(one.x - other.x).hypot(f64::from(one.y - other.y))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::view::HallInfo;
+    use super::*;
+    use crate::api::fixture::{TEN, idle, piece, searching};
+    use hallsweep_core::command::Verdict;
+    use hallsweep_core::world::snapshot::Snapshot;
+
+    fn view(snapshot: &Snapshot, cell_m: Option<f64>) -> View<'_> {
+        let hall = HallInfo { name: "airport", cell_m, evacuation_m: 25.0, robot: None };
+        View { snapshot, hall, began: None, who: None, why: None, now: TEN }
+    }
+
+    #[test]
+    fn every_bomb_in_the_hall_has_a_circle_of_as_many_metres_as_are_set() {
+        let mut snapshot = searching();
+        snapshot.luggage.insert(piece(4, Cell::new(0, 4), Some(Verdict::Danger)));
+        let drawn = circles(&view(&snapshot, Some(0.5)));
+        assert_eq!(drawn.matches("r=\"500.0\"").count(), 2, "{drawn}");
+        assert!(drawn.contains("cx=\"5\" cy=\"45\""), "round the middle of its cell: {drawn}");
+        snapshot.luggage.change(hallsweep_core::units::LuggageId(4), |bomb| bomb.secured = Some(TEN));
+        assert_eq!(
+            circles(&view(&snapshot, Some(0.5))).matches("<circle").count(),
+            1,
+            "one in the container is none in the hall"
+        );
+        assert_eq!(circles(&view(&idle(), Some(0.5))), "<g id=\"hall-evacuation\"></g>");
+    }
+
+    #[test]
+    fn without_the_side_of_a_cell_no_circle_is_guessed() {
+        let snapshot = searching();
+        let unmeasured = view(&snapshot, None);
+        assert_eq!(circles(&unmeasured), "<g id=\"hall-evacuation\"></g>");
+        assert!(!takes_in_all(&unmeasured, Cell::HOME));
+    }
+
+    #[test]
+    fn that_the_whole_hall_lies_within_is_said_only_when_its_far_corner_does() {
+        let snapshot = searching();
+        let known = snapshot.map.known_bounds();
+        let reach = distance(known.most, known.least);
+        assert!(takes_in_all(&view(&snapshot, Some(24.9 / reach)), known.most));
+        assert!(!takes_in_all(&view(&snapshot, Some(25.1 / reach)), known.most));
+    }
+
+    #[test]
+    fn a_place_is_said_as_seen_from_home() {
+        let half = Some(0.5);
+        for (cell, cell_m, words) in [
+            (Cell::new(3, 4), half, "1.5 m east and 2.0 m south of home, 2.5 m as the crow flies"),
+            (Cell::new(-3, 0), half, "1.5 m west of home"),
+            (Cell::new(0, -1), None, "1 cell north of home"),
+            (Cell::new(6, 2), None, "6 cells east and 2 cells south of home"),
+            (Cell::HOME, half, "at home"),
+        ] {
+            assert_eq!(from_home(cell, cell_m).replace('\u{a0}', " "), words);
+        }
+    }
+}

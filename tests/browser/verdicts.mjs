@@ -1,0 +1,289 @@
+// The moment of the verdict: looking closely at the photo, notes, keys, the question beside the photo, the call for whoever looks
+// elsewhere, and the incident.
+
+import { appears, button, danger, fits, hits, look, must, numberOf, phase, photoIsShown, safe, start, until } from './person.mjs';
+
+const phone = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
+
+const record = async (url, id) => (await fetch(`${url}/api/v1/luggage/${id}`)).json();
+const dialog = (page) => page.getByRole('dialog', { name: /dangerous\?/ });
+const note = (page) => page.getByRole('textbox', { name: /Note/ });
+
+/** The next piece that waits, by its number. */
+async function asked(page, patience, after = 0) {
+  const next = button(page, after ? new RegExp(`SAFE #(?!${after}\\b)\\d+`) : /SAFE #\d+/).first();
+  await appears(page, next, { patience });
+  const id = await numberOf(next);
+  await photoIsShown(page, id);
+  return id;
+}
+
+/** How many times its size the photo is drawn. */
+const scale = (page) => page.locator('#inspect .viewer img').evaluate((image) => new DOMMatrix(getComputedStyle(image).transform).a);
+
+/** The question and the photo have no point in common, and the photo is on the screen. */
+async function isBeside(page, when) {
+  const [question, photo] = await Promise.all([dialog(page).boundingBox(), page.locator('#inspect .viewer img').boundingBox()]);
+  const apart = question.x >= photo.x + photo.width || photo.x >= question.x + question.width
+    || question.y >= photo.y + photo.height || photo.y >= question.y + question.height;
+  const { width, height } = page.viewportSize();
+  must(apart, `${when} at ${width}×${height} the question lies over the photo: ${JSON.stringify([question, photo])}`);
+  must(photo.y >= 0 && photo.y + photo.height <= height, `${when} the photo is not to be seen: ${JSON.stringify(photo)}`);
+  // While there is a question the photo itself takes no presses, and so is not found there.
+  const over = await page.evaluate(({ x, y, width, height }) => [0.1, 0.5, 0.9].some((part) =>
+    document.elementFromPoint(x + width * part, y + height * part)?.closest('dialog, #top, #stop')), photo);
+  must(!over, `${when} something lies over the photo`);
+  await hits(page, when);
+}
+
+/** What is pressed in the moment in which another piece comes up is not sent. */
+async function pressesOnChange(page) {
+  await page.evaluate(() => {
+    const inspect = document.getElementById('inspect');
+    globalThis.changed = 0;
+    new MutationObserver(() => {
+      if (!inspect.dataset.luggage) return;
+      globalThis.changed += 1;
+      // Behind whatever the page itself does about it.
+      queueMicrotask(() => document.body.dispatchEvent(new KeyboardEvent('keydown', { key: 's', bubbles: true, cancelable: true })));
+    }).observe(document.getElementById('desk'), { subtree: true, attributeFilter: ['data-luggage'] });
+  });
+}
+
+async function giveBoth({ page, url, picture, patience }) {
+  await page.goto(url);
+  await start(page).click();
+  const first = await asked(page, patience);
+  const isPending = async (id, when) => must((await record(url, id)).verdict === 'pending', `${when} decided luggage #${id}`);
+
+  // Looking closely.
+  const photo = page.locator('#inspect a.photo');
+  await photo.focus();
+  await page.keyboard.press('+');
+  await page.keyboard.press('+');
+  must(await scale(page) > 2, `two presses of + enlarge ${await scale(page)} times`);
+  const before = await page.locator('#inspect .viewer img').boundingBox();
+  await page.keyboard.press('ArrowRight');
+  must((await page.locator('#inspect .viewer img').boundingBox()).x < before.x, 'an arrow does not move the photo');
+  await picture('closely');
+  await page.keyboard.press('0');
+  must(await scale(page) === 1, '0 does not show the whole photo');
+  await photo.hover();
+  await page.mouse.wheel(0, -400);
+  await until(async () => await scale(page) > 1.5, 'the wheel enlarging the photo', patience);
+  await page.keyboard.press('0');
+
+  // Keys that are none: what is typed, and what has a modifier.
+  await note(page).fill('');
+  await note(page).pressSequentially('sad <b>bag</b>? ');
+  for (const key of ['Control+s', 'Alt+d', 'Meta+s', 'Shift+S']) {
+    await photo.focus();
+    await page.evaluate((combined) => {
+      const [modifier, key] = combined.split('+');
+      const flags = { ctrlKey: modifier === 'Control', altKey: modifier === 'Alt', metaKey: modifier === 'Meta', shiftKey: modifier === 'Shift' };
+      document.activeElement.dispatchEvent(new KeyboardEvent('keydown', { key, ...flags, bubbles: true, cancelable: true }));
+    }, key);
+    must(await dialog(page).isHidden(), `${key} asked`);
+  }
+  await isPending(first, 'typing, or a key with a modifier');
+  await page.keyboard.press('?');
+  await page.getByRole('dialog', { name: 'Keys' }).waitFor();
+  await page.keyboard.press('s');
+  await picture('keys');
+  await page.keyboard.press('?');
+  await page.getByRole('dialog', { name: 'Keys' }).waitFor({ state: 'hidden' });
+  await isPending(first, 'a key while the list of keys is open');
+
+  await pressesOnChange(page);
+  await photo.focus();
+  await page.keyboard.press('s');
+  await until(async () => (await record(url, first)).verdict === 'safe', 'S giving the verdict safe', patience);
+  must((await record(url, first)).decided.note === 'sad <b>bag</b>?', `noted: ${(await record(url, first)).decided.note}`);
+
+  const second = await asked(page, patience, first);
+  await page.getByText('The piece has just changed').waitFor();
+  must(await page.evaluate(() => globalThis.changed) > 0, 'nothing was pressed in that moment');
+  await isPending(second, 'a key in the moment in which the piece came up');
+  must(await note(page).inputValue() === '', 'the note on one piece stands at the next');
+
+  await note(page).fill('wires');
+  await look(page);
+  for (const [width, height] of [[1280, 800], [1920, 1080], [768, 1024], [390, 844], [844, 390]]) {
+    await page.setViewportSize({ width, height });
+    await photo.focus();
+    await page.keyboard.press('d');
+    await dialog(page).waitFor();
+    await isBeside(page, 'when D asks');
+    if (width === 1280) await picture('beside');
+    await dialog(page).getByRole('button', { name: /No/ }).click();
+    await dialog(page).waitFor({ state: 'hidden' });
+  }
+  await page.setViewportSize({ width: 1280, height: 800 });
+  await isPending(second, 'a question that was taken back');
+  await page.keyboard.press('f');
+  const large = await page.locator('#inspect .viewer img').boundingBox();
+  must(large.width > 500, `the large photo is ${large.width} pixels wide`);
+  await hits(page, 'beside the large photo');
+  await picture('large');
+  await page.keyboard.press('d');
+  await dialog(page).waitFor();
+  await isBeside(page, 'beside the large photo');
+  // The second click of a double click that was meant for DANGER.
+  await page.evaluate(() => document.getElementById('confirm-no').click());
+  await page.evaluate(() => {
+    document.body.dispatchEvent(new KeyboardEvent('keydown', { key: 'd', bubbles: true, cancelable: true }));
+    const second = new MouseEvent('click', { detail: 2, bubbles: true, cancelable: true });
+    return new Promise((done) => setTimeout(() => done(document.getElementById('confirm-yes').dispatchEvent(second)), 0));
+  });
+  await isPending(second, 'an answer that came with the question');
+  await look(page);
+  await dialog(page).getByRole('button', { name: /Yes/ }).click();
+  await phase(page, /bomb located/i, { patience });
+  must((await record(url, second)).decided.note === 'wires', 'the note did not go with the question');
+}
+export const verdictKeys = { play: giveBoth };
+
+export const verdictOnPhone = {
+  browser: phone,
+  async play({ page, url, picture, patience }) {
+    await page.goto(url);
+    await start(page).click();
+    const id = await asked(page, patience);
+    await fits(page);
+    await look(page);
+    await danger(page).click();
+    await dialog(page).waitFor();
+    await isBeside(page, 'on a phone');
+    await picture('beside');
+    must((await record(url, id)).verdict === 'pending', 'the first press decided');
+    await dialog(page).getByRole('button', { name: /No/ }).click();
+    // The page of the photo has buttons for whoever cannot pinch.
+    await page.goto(`${url}/luggage/${id}`);
+    await button(page, 'Larger').click();
+    const large = await page.locator('.viewer img').evaluate((image) => new DOMMatrix(getComputedStyle(image).transform).a);
+    must(large > 1, 'the button does not enlarge the photo');
+    await fits(page);
+  },
+};
+
+export const notePlain = {
+  browser: { javaScriptEnabled: false },
+  async play({ page, url, picture, patience }) {
+    const waiting = { patience, reload: true };
+    await page.goto(url);
+    await start(page).click();
+    await appears(page, safe(page), waiting);
+    const first = await numberOf(safe(page));
+    await note(page).fill('a lunch box,\nopen');
+    await safe(page).click();
+    must((await record(url, first)).decided.note === 'a lunch box, open', 'the note did not go with SAFE');
+    const next = button(page, new RegExp(`DANGER #(?!${first}\\b)\\d+`)).first();
+    await appears(page, next, waiting);
+    const second = await numberOf(next);
+    await note(page).fill('wires <b>');
+    await next.click();
+    await page.getByText('wires <b>').waitFor();
+    must((await record(url, second)).verdict === 'pending', 'the first press decided');
+    await picture('sure');
+    await button(page, /Yes/).click();
+    must((await record(url, second)).decided.note === 'wires <b>', 'the note did not go with DANGER');
+    await phase(page, /bomb located/i, waiting);
+    await page.getByRole('heading', { name: /Danger: a bomb/ }).waitFor();
+    await picture('incident');
+  },
+};
+
+export const called = {
+  async play({ page, url, picture, patience }) {
+    // A browser without windows shows no notifications, and is never out of view.
+    await page.addInitScript(() => {
+      globalThis.calls = [];
+      globalThis.away = false;
+      globalThis.Notification = class {
+        static permission = sessionStorage.getItem('permission') ?? 'default';
+        static async requestPermission() {
+          this.permission = sessionStorage.getItem('answer') ?? 'denied';
+          sessionStorage.setItem('permission', this.permission);
+          return this.permission;
+        }
+        constructor(words, { tag }) {
+          globalThis.calls.push(`${tag}: ${words}`);
+        }
+        close() {}
+      };
+      Object.defineProperty(document, 'hidden', { get: () => globalThis.away });
+    });
+    const lookElsewhere = (away) => page.evaluate((is) => {
+      globalThis.away = is;
+      document.dispatchEvent(new Event('visibilitychange'));
+    }, away);
+    const calls = () => page.evaluate(() => globalThis.calls);
+    const notify = page.getByRole('switch', { name: /notify me/ });
+    await page.goto(url);
+    must(!(await notify.isChecked()) && !(await page.getByRole('switch', { name: /sound/ }).isChecked()), 'a switch is on from the start');
+    await notify.click();
+    await page.getByText('This browser allows no notifications').waitFor();
+    must(!(await notify.isChecked()), 'it is on although it was denied');
+    await page.evaluate(() => {
+      sessionStorage.setItem('answer', 'granted');
+      sessionStorage.removeItem('permission');
+    });
+    await page.reload();
+    await notify.click();
+    await until(() => page.evaluate(() => localStorage.getItem('hallsweep-notify') === 'on'), 'the switch remembered', patience);
+    await page.getByRole('switch', { name: /sound/ }).click();
+    await picture('switches');
+    await page.reload();
+    await until(() => notify.isChecked(), 'the switch on after a reload', patience);
+
+    await start(page).click();
+    const first = await asked(page, patience);
+    must((await calls()).length === 0, `called although somebody looks: ${await calls()}`);
+    await look(page);
+    await lookElsewhere(true);
+    const decide = (id, verdict) => fetch(`${url}/api/v1/luggage/${id}/verdict`,
+      { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify({ verdict }) });
+    await decide(first, 'safe');
+    await until(async () => (await calls()).some((call) => /^hallsweep-waits-\d+: Luggage #\d+ waits for your verdict\.$/.test(call)),
+      'the call for the piece that waits', patience);
+    const second = Number(/waits-(\d+)/.exec((await calls())[0])[1]);
+    await decide(second, 'danger');
+    await until(async () => (await calls()).some((call) => /^hallsweep-alarm-\d+: Alarm/.test(call)), 'the call for the alarm', patience);
+    must((await calls()).length === 2, `called more than once for each: ${JSON.stringify(await calls())}`);
+  },
+};
+
+async function bomb({ page, url, picture, patience }) {
+  await page.goto(url);
+  must(await page.getByRole('heading', { name: /Danger/ }).isHidden(), 'there is an incident before there is a bomb');
+  await start(page).click();
+  const id = await asked(page, patience);
+  await look(page);
+  await note(page).fill('wires');
+  await danger(page).click();
+  await look(page);
+  await dialog(page).getByRole('button', { name: /Yes/ }).click();
+  const incident = page.getByRole('region', { name: /Danger: a bomb in the hall/ });
+  await incident.waitFor();
+  await incident.getByText('Nobody has acknowledged it yet').waitFor();
+  await incident.getByText('Keep 3 m away').waitFor();
+  await incident.getByText(/m (east|south) of home/).waitFor();
+  await incident.getByText('wires').waitFor();
+  await photoIsShown(page, id);
+  const { x, y } = (await record(url, id)).cell;
+  const circle = page.locator('#hall-evacuation circle');
+  const drawn = await circle.evaluate((one) => [one.getAttribute('cx'), one.getAttribute('cy'), one.getAttribute('r')].map(Number));
+  must(JSON.stringify(drawn) === JSON.stringify([x * 10 + 5, y * 10 + 5, 60]), `the circle is ${drawn}`);
+  await fits(page);
+  await page.evaluate(() => scrollTo(0, 0));
+  const top = await incident.boundingBox();
+  must(top.y < page.viewportSize().height / 2, `the incident begins at ${top.y}`);
+  await picture('incident');
+  await incident.getByRole('button', { name: 'Acknowledge' }).click();
+  await incident.getByText(/acknowledged by operator/).waitFor();
+  await phase(page, /bomb located/i, { patience });
+  await hits(page, 'at an incident');
+  await picture('acknowledged');
+}
+export const incident = { play: bomb };
+export const incidentOnPhone = { browser: phone, play: bomb };
