@@ -66,6 +66,20 @@ fn a_person_watches_the_laboratory_and_halts_the_hall_from_there() {
     }
 }
 
+#[test]
+fn a_person_draws_a_hall_by_pointer_or_by_keys_and_has_it_searched() {
+    for scenario in ["hallByPointer", "hallByKeys", "hallsOpened"] {
+        play(scenario, &["--hall", "empty-8x8", "--speed", "max"]);
+    }
+}
+
+#[test]
+fn a_person_stops_the_time_of_the_simulator_and_lets_things_fail() {
+    for scenario in ["simulatorControls", "simulatorOnPhone", "simulatorPlain"] {
+        play(scenario, &["--hall", "empty-8x8", "--speed", "max"]);
+    }
+}
+
 /// R-reachBag, R-bagAtHome: with one STOP and one lost parcel on the way.
 #[test]
 fn a_person_has_the_dangerous_bag_fetched_and_looks_at_it_again() {

@@ -1,6 +1,6 @@
 // Plays one scenario: `node play.mjs SCENARIO URL CHROMIUM SHOTS`. Exit code 0 when a person would have been content.
-// The scenarios are in scenarios.mjs, those about STOP and the keyboard in always.mjs, those of the laboratory and of the
-// retrieval in laboratory.mjs and retrieval.mjs; here a browser is opened, watched for what no page may do, and closed.
+// The scenarios are in scenarios.mjs, those about STOP and the keyboard in always.mjs, those of the laboratory, of the
+// retrieval and of the simulator in laboratory.mjs, retrieval.mjs and simulator.mjs; here a browser is opened, watched for what no page may do, and closed.
 
 import { mkdirSync } from 'node:fs';
 import { createInterface } from 'node:readline';
@@ -10,9 +10,10 @@ import * as laboratory from './laboratory.mjs';
 import { relay } from './relay.mjs';
 import * as retrieval from './retrieval.mjs';
 import * as missions from './scenarios.mjs';
+import * as simulator from './simulator.mjs';
 
 const [name, url, executablePath, shots] = process.argv.slice(2);
-const scenario = { ...missions, ...always, ...laboratory, ...retrieval }[name];
+const scenario = { ...missions, ...always, ...laboratory, ...retrieval, ...simulator }[name];
 const patience = 60_000;
 
 const lines = createInterface({ input: process.stdin })[Symbol.asyncIterator]();

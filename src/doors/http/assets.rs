@@ -15,7 +15,7 @@ struct Asset {
     text: &'static str,
 }
 
-static ASSETS: [Asset; 12] = [
+static ASSETS: [Asset; 15] = [
     Asset {
         path: "/static/console.css",
         media_type: "text/css; charset=utf-8",
@@ -55,6 +55,21 @@ static ASSETS: [Asset; 12] = [
         path: "/static/roomba.js",
         media_type: "text/javascript; charset=utf-8",
         text: include_str!("../../../static/roomba.js"),
+    },
+    Asset {
+        path: "/static/simulator.css",
+        media_type: "text/css; charset=utf-8",
+        text: include_str!("../../../static/simulator.css"),
+    },
+    Asset {
+        path: "/static/simulator.js",
+        media_type: "text/javascript; charset=utf-8",
+        text: include_str!("../../../static/simulator.js"),
+    },
+    Asset {
+        path: "/static/editor.js",
+        media_type: "text/javascript; charset=utf-8",
+        text: include_str!("../../../static/editor.js"),
     },
     Asset {
         path: "/static/trees.js",

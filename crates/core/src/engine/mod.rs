@@ -24,6 +24,7 @@ mod repeats;
 mod reports;
 mod retrieval;
 mod sharing;
+mod simulated;
 mod stops;
 mod team;
 mod view;

@@ -63,7 +63,8 @@ pub(in crate::doors::http) async fn live(State(door): State<HttpDoor>, LetIn(cal
             let event = match wake {
                 Wake::Changed(snapshot) => {
                     let began = began::began(&door, snapshot.mission.id).await;
-                    let hall = HallInfo::of(&door);
+                    let named = door.hall();
+                    let hall = HallInfo::of(&door, &named);
                     message(&shown.update(snapshot, hall, began, who, door.clock.now().wall))
                 }
                 Wake::Quiet => Event::default().event("tick").data("alive"),

@@ -104,7 +104,8 @@ pub(super) async fn confirm_reset() -> Html<String> {
 async fn whole(door: &HttpDoor, caller: &Caller, why: Option<Why>) -> Html<String> {
     let snapshot = door.handle.snapshot();
     let began = began::began(door, snapshot.mission.id).await;
-    let hall = HallInfo::of(door);
+    let named = door.hall();
+    let hall = HallInfo::of(door, &named);
     let view = View { snapshot: &snapshot, hall, began, who: who(door, caller), why, now: door.clock.now().wall };
     html(&Page::new(&view))
 }

@@ -42,8 +42,9 @@ pub(super) struct HallInfo<'a> {
 }
 
 impl<'a> HallInfo<'a> {
-    pub(super) fn of(door: &'a HttpDoor) -> HallInfo<'a> {
-        HallInfo { name: &door.hall, cell_m: door.cell_m, robot: door.robots.of(RobotId::discovery().name()) }
+    /// Of a hall that is called so and has such cells.
+    pub(super) fn of(door: &'a HttpDoor, (name, cell_m): &'a (Arc<str>, Option<f64>)) -> HallInfo<'a> {
+        HallInfo { name, cell_m: *cell_m, robot: door.robots.of(RobotId::discovery().name()) }
     }
 }
 
@@ -94,6 +95,11 @@ impl Mood {
 }
 
 impl View<'_> {
+    /// Whether the robot that searches is simulated.
+    pub(super) fn is_simulated(&self) -> bool {
+        self.hall.robot.is_some_and(|robot| robot.kind == "sim")
+    }
+
     /// What was refused at this button, or the empty place for it.
     pub(super) fn why(&self, button: &str) -> Why {
         self.why.clone().filter(|why| why.button == button).unwrap_or_else(|| Why::new(button, ""))
