@@ -106,7 +106,8 @@ async fn a_halt_is_obeyed_and_answered_while_time_stands() {
 #[tokio::test(start_paused = true)]
 async fn a_step_is_one_order_and_a_step_without_a_pause_is_none() {
     let mut robot = Controlled::begin(&["S", ".", ".", "."]).await;
-    robot.say(|controls| controls.steps += 1);
+    robot.say(|controls| (controls.steps, controls.speed) = (1, Some(Speed::Times(2.0))));
+    assert!(matches!(robot.next().await, RobotEvent::LinkUp(_)), "it has heard of the step");
     robot.say(|controls| controls.is_paused = true);
     assert_eq!(robot.next().await, RobotEvent::Paused);
     for _ in 0..3 {
