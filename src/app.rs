@@ -20,12 +20,13 @@ use crate::doors::http::{self, HttpDoor};
 use crate::doors::listeners::Listeners;
 use crate::doors::room::Room;
 pub use crate::robots::Adapter;
-use crate::robots::Robots;
+use crate::robots::{Adapters, Robots};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
 use crate::runtime::halt::Halter;
 use crate::runtime::handle::Handle;
 use crate::runtime::link::link;
+use crate::runtime::simulator::Simulator;
 use crate::runtime::task::{Course, Task};
 use crate::runtime::threads::Thread;
 use crate::storage::stops;
@@ -103,7 +104,7 @@ async fn serve_hall(
     let (hall, cell_m) = (robots.hall_name().to_owned(), robots.cell_m());
     let set = set(settings, &robots);
     let (course, coursed) = watch::channel(Course::default());
-    let (handle, mut task) = start(settings, (robots, robot), kept, (&halter, coursed), &threads).await;
+    let (handle, mut task, simulator) = start(settings, (robots, robot), kept, (&halter, coursed), &threads).await;
     find_robot(&handle).await;
     let ending = watch::Sender::new(false);
     let resources = || Resources::new(handle.clone(), reader.clone(), settings.old_clients.manual_driving);
@@ -115,6 +116,7 @@ async fn serve_hall(
     let http = listeners(http, &threads.http)?;
     let door = HttpDoor::new(handle, reader, &hall, access).with_cells_of(cell_m).with_robots(set).with_settings(settings.core);
     let door = door.with_evacuation_of(settings.evacuation_m);
+    let door = door.with_simulator(simulator);
     let door = door.with_mqtt(mqtt.as_ref().and_then(Mqtt::hall));
     announce(doors, &entry);
     let [coap_at, mqtt_at] = [doors.coap, doors.mqtt].map(|place| place.map(|place| tracing::field::display(place.at)));
@@ -182,7 +184,7 @@ async fn start(
     mut kept: DataFolder,
     (halter, course): (&Halter, watch::Receiver<Course>),
     threads: &Threads,
-) -> (Handle, JoinHandle<()>) {
+) -> (Handle, JoinHandle<()>, Option<Arc<dyn Simulator>>) {
     let clock = Clock::default();
     let in_doubt = kept.stop_in_doubt();
     if let Some(stops) = kept.stops.take() {
@@ -205,15 +207,17 @@ async fn start(
         // So that robots and map are in the same hall at the next start as well.
         robots.keep_other_hall();
     }
-    let mut adapters = robots.adapters(clock);
+    let Adapters { all: mut adapters, mut simulator } = robots.adapters(clock);
     if let Some(other) = other {
         adapters[0] = other;
+        simulator = None;
     }
     for (adapter, side) in adapters.into_iter().zip(sides) {
         threads.robot.handle().spawn(adapter(side));
     }
     let (handle, task) = Task::new(engine, links, kept.store, clock, halter.clone());
-    (handle, threads.core.handle().spawn(task.run(course)))
+    let simulator = simulator.map(|parts| parts.in_hand_of(handle.clone()));
+    (handle, threads.core.handle().spawn(task.run(course)), simulator)
 }
 
 /// The core as it was, or as it is at the very first start.

@@ -74,6 +74,13 @@ fn a_person_looks_closely_and_gives_verdicts_with_notes_by_keys_and_without_scri
 }
 
 #[test]
+fn a_person_draws_a_hall_by_pointer_or_by_keys_and_has_it_searched() {
+    for scenario in ["hallByPointer", "hallByKeys", "hallsOpened"] {
+        play(scenario, &["--hall", "empty-8x8", "--speed", "max"]);
+    }
+}
+
+#[test]
 fn a_person_who_looks_elsewhere_is_called_only_when_it_was_switched_on() {
     play("called", &["--hall", "airport", "--speed", "max"]);
 }
@@ -82,6 +89,13 @@ fn a_person_who_looks_elsewhere_is_called_only_when_it_was_switched_on() {
 fn a_bomb_makes_the_page_the_incident_with_its_circle_of_evacuation() {
     for scenario in ["incident", "incidentOnPhone"] {
         play_with(scenario, &["--hall", "airport", "--speed", "max"], &[("HALLSWEEP__CONSOLE__EVACUATION_M", "3")]);
+    }
+}
+
+#[test]
+fn a_person_stops_the_time_of_the_simulator_and_lets_things_fail() {
+    for scenario in ["simulatorControls", "simulatorOnPhone", "simulatorPlain"] {
+        play(scenario, &["--hall", "empty-8x8", "--speed", "max"]);
     }
 }
 

@@ -59,6 +59,8 @@ mod robots;
 mod sensors;
 #[path = "service/shutdown.rs"]
 mod shutdown;
+#[path = "service/simulator.rs"]
+mod simulator;
 #[path = "service/start.rs"]
 mod start;
 #[path = "service/stop_floods.rs"]

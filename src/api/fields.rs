@@ -15,6 +15,12 @@ const ECHO: usize = 40;
 #[error("{0}")]
 pub struct Unusable(pub(super) String);
 
+impl Unusable {
+    pub(super) const fn new(words: String) -> Unusable {
+        Unusable(words)
+    }
+}
+
 /// Why no command can be made of a body.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Unread {
@@ -97,7 +103,7 @@ impl Fields {
         self.only(T::FIELDS).and_then(|()| T::taken(self))
     }
 
-    fn field<T>(&self, name: &str, kind: &str, read: impl Fn(&Value) -> Option<T>) -> Result<Option<T>, Unusable> {
+    pub(super) fn field<T>(&self, name: &str, kind: &str, read: impl Fn(&Value) -> Option<T>) -> Result<Option<T>, Unusable> {
         let there = self.left.get(name).filter(|value| !value.is_null());
         let wrong = |value: &Value| Unusable(format!("`{name}` is {}: {kind} belongs there", in_short(&value.to_string())));
         there.map(|value| read(value).ok_or_else(|| wrong(value))).transpose()

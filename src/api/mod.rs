@@ -16,6 +16,7 @@ pub mod excerpt;
 pub mod fields;
 #[cfg(test)]
 pub(crate) mod fixture;
+pub mod hall_files;
 pub mod halt;
 pub mod journal;
 pub mod journal_words;
@@ -38,6 +39,7 @@ pub mod retrieval_record;
 pub mod robot;
 pub mod robot_parts;
 pub mod senml;
+pub mod simulator;
 pub mod state;
 pub mod temperature;
 pub mod text;

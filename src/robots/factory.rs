@@ -8,8 +8,10 @@ use tokio::sync::watch;
 
 use super::Adapter;
 use super::external::{ExternalRobot, UnusableScene};
-use super::sim::{self, SimPair, SimRobot, UnusableHall};
-use crate::config::{RobotKind, RobotSettings, Settings};
+use super::sim::{
+    self, ChosenHall, Controls, Ground, Remote, SimPair, SimRobot, SimulatorParts, UnusableChosenHall, UnusableHall,
+};
+use crate::config::{self, RobotKind, RobotSettings, Settings};
 use crate::runtime::clock::Clock;
 use hallsweep_core::event::RobotId;
 use hallsweep_core::settings::Fetcher;
@@ -23,6 +25,12 @@ pub struct Robots {
     /// The pair that fetches. Where the settings want none it is not started, and what it has taken away stays away.
     pair: SimPair,
     wants_pair: bool,
+    seed: u64,
+    speed: config::Speed,
+    /// Where a hall is kept that is chosen while the program runs.
+    chosen: Option<ChosenHall>,
+    /// As the settings name the hall.
+    usual: String,
     /// The names of all, those of the pair last.
     ids: Vec<RobotId>,
 }
@@ -32,6 +40,8 @@ pub struct Robots {
 pub enum Unusable {
     #[error(transparent)]
     Hall(#[from] UnusableHall),
+    #[error(transparent)]
+    ChosenHall(#[from] UnusableChosenHall),
     #[error(transparent)]
     Scene(#[from] UnusableScene),
 }
@@ -44,17 +54,26 @@ enum Robot {
 impl Robots {
     pub fn of(settings: &Settings) -> Result<Robots, Unusable> {
         let is_simulated = settings.robots().any(|(_, robot)| robot.kind == RobotKind::Sim);
-        let hall = if is_simulated { sim::hall(settings)? } else { no_hall() };
+        let chosen = settings.store.as_deref().filter(|_| is_simulated).map(|folder| ChosenHall::within(folder, &settings.hall));
+        let was_chosen = chosen.as_ref().map(ChosenHall::read).transpose()?.flatten();
+        let Ground { hall, seed } = match was_chosen {
+            Some(ground) => ground,
+            None => Ground { hall: if is_simulated { sim::hall(settings)? } else { no_hall() }, seed: settings.robot.seed },
+        };
         let fetches = |id: &RobotId| settings.core.fetcher == Fetcher::Discovery && *id == RobotId::discovery();
         let robot = |(id, robot): (RobotId, &RobotSettings)| {
             let fetches = fetches(&id);
+            // The seed that was chosen with the hall is that of the robot that searches.
+            let robot = if id == RobotId::discovery() { &RobotSettings { seed, ..robot.clone() } } else { robot };
             Ok((id.clone(), Robot::of(id, robot, &hall, fetches)?))
         };
         let all = settings.robots().map(robot).collect::<Result<Vec<(RobotId, Robot)>, UnusableScene>>()?;
         let wants_pair = settings.core.fetcher == Fetcher::Pair;
-        let pair = SimPair::new(Arc::clone(&hall), &settings.robot, settings.pair);
+        let pair = SimPair::new(Arc::clone(&hall), &RobotSettings { seed, ..settings.robot.clone() }, settings.pair);
         let ids = all.iter().map(|(id, _)| id.clone()).chain(SimPair::ids().into_iter().filter(|_| wants_pair)).collect();
-        Ok(Robots { hall, all, pair, wants_pair, ids })
+        let speed = settings.robot.speed;
+        let usual = settings.hall.clone();
+        Ok(Robots { hall, all, pair, wants_pair, seed, speed, chosen, usual, ids })
     }
 
     /// The name of the hall, or where the robot is that searches one that is not ours.
@@ -125,16 +144,37 @@ impl Robots {
         })
     }
 
-    /// What is run for each of them, in the order of their names in `ids`.
-    pub fn adapters(self, clock: Clock) -> Vec<Adapter> {
+    /// What is run for each of them, and the simulator, where the robot that searches is simulated.
+    pub fn adapters(self, clock: Clock) -> Adapters {
+        let simulates = matches!(self.all.first(), Some((_, Robot::Sim(_))));
+        let (controls, obeyed) = watch::channel(Controls::default());
+        let (mut robots, mut links) = (Vec::new(), Vec::new());
+        let mut remote = |ids: &[RobotId]| {
+            let (remote, link) = Remote::new(obeyed.clone());
+            robots.extend_from_slice(ids);
+            links.push(link);
+            remote
+        };
         let moved = if self.wants_pair { self.pair.moved() } else { watch::channel(self.pair.taken_away()).1 };
-        let robots = self.all.into_iter().map(|(_, robot)| match robot {
-            Robot::Sim(robot) => robot.adapter(clock, moved.clone()),
+        // The pair first: what it had lifted is back before the others are in another hall.
+        let pair = self.wants_pair.then(|| self.pair.adapters(clock, remote(&SimPair::ids())));
+        let of_one = |(id, robot): (RobotId, Robot)| match robot {
+            Robot::Sim(robot) => robot.adapter(clock, moved.clone(), remote(&[id])),
             Robot::External(robot) => robot.adapter(clock),
-        });
-        let pair = self.wants_pair.then(|| self.pair.adapters(clock));
-        robots.collect::<Vec<_>>().into_iter().chain(pair.into_iter().flatten()).collect()
+        };
+        let all: Vec<Adapter> = self.all.into_iter().map(of_one).collect();
+        let (ground, speed) = (Ground { hall: self.hall, seed: self.seed }, sim::speed(self.speed));
+        let parts = sim::Parts { ground, speed, controls, robots, links, chosen: self.chosen, usual: self.usual };
+        let simulator = simulates.then(|| SimulatorParts(parts));
+        Adapters { all: all.into_iter().chain(pair.into_iter().flatten()).collect(), simulator }
     }
+}
+
+/// What runs the robots.
+pub struct Adapters {
+    /// Of each, in the order of their names in `ids`.
+    pub all: Vec<Adapter>,
+    pub simulator: Option<SimulatorParts>,
 }
 
 impl Robot {

@@ -13,7 +13,8 @@ pub mod sim;
 mod waits;
 
 pub use external::UnusableScene;
-pub use factory::{Robots, Unusable};
+pub use factory::{Adapters, Robots, Unusable};
+pub use sim::SimulatorParts;
 
 /// What stands between the program and a robot: it takes the adapter's end of the link, and runs until the loop's end is gone.
 pub type Adapter = Box<dyn FnOnce(RobotSide) -> Pin<Box<dyn Future<Output = ()> + Send>> + Send>;

@@ -8,6 +8,7 @@ use tokio::sync::{mpsc, oneshot, watch};
 use super::halt::Halter;
 use super::overflow::{OverflowIn, OverflowOut, overflow};
 use hallsweep_core::command::{Accepted, Command, Issuer, Refused, Request};
+use hallsweep_core::event::RobotId;
 use hallsweep_core::units::Epoch;
 use hallsweep_core::world::snapshot::Snapshot;
 
@@ -24,6 +25,10 @@ pub enum Envelope {
     /// What a door refused to take from somebody, for the record: who, what was asked for, and why not; and who waits until it is
     /// there, if anybody does.
     Refused(Issuer, String, Refused, Option<oneshot::Sender<Answer>>),
+    /// What somebody did to what is simulated, in words, for the record.
+    Simulated(Issuer, String),
+    /// These simulated robots are to be put down in the hall of this name, and who asks for it.
+    PutDown(Issuer, String, Vec<RobotId>, oneshot::Sender<Answer>),
 }
 
 pub(super) type Answer = Result<Accepted, Refused>;
@@ -117,6 +122,19 @@ impl Handle {
         }
     }
 
+    /// Puts on record what somebody did to what is simulated.
+    pub async fn note_simulated(&self, issuer: Issuer, words: String) -> Result<(), Gone> {
+        self.commands.send(Envelope::Simulated(issuer, words)).await.map_err(|_| Gone)
+    }
+
+    /// Asks that these simulated robots be put down in the hall of this name; the answer comes when that is on record. Then they count as
+    /// unreached until they say that they stand there.
+    pub async fn put_down(&self, issuer: Issuer, hall: String, robots: Vec<RobotId>) -> Given {
+        let (answer, answered) = oneshot::channel();
+        self.commands.send(Envelope::PutDown(issuer, hall, robots, answer)).await.map_err(|_| Gone)?;
+        answered.await.map_err(|_| Gone)
+    }
+
     /// The epoch that the last stop has made: what arrives now arrives in it.
     pub fn epoch(&self) -> Epoch {
         self.halter.watch().now().epoch
@@ -144,7 +162,11 @@ impl Handle {
                 let (request, answer) = beside(request, answer)?;
                 Some(QueuedCommand { commands: self.commands.clone(), envelope: Envelope::Command(request, answer) })
             }
-            Ok(()) | Err(TrySendError::Full(Envelope::Refused(..)) | TrySendError::Closed(_)) => None,
+            Ok(())
+            | Err(
+                TrySendError::Full(Envelope::Refused(..) | Envelope::Simulated(..) | Envelope::PutDown(..))
+                | TrySendError::Closed(_),
+            ) => None,
         }
     }
 
@@ -193,7 +215,7 @@ mod tests {
     fn next(envelopes: &mut mpsc::Receiver<Envelope>) -> Option<Request> {
         match envelopes.try_recv().ok()? {
             Envelope::Command(request, _) => Some(request),
-            Envelope::Refused(..) => panic!("nothing was refused"),
+            Envelope::Refused(..) | Envelope::Simulated(..) | Envelope::PutDown(..) => panic!("nothing but commands is given"),
         }
     }
 

@@ -11,6 +11,7 @@ mod links;
 #[cfg(test)]
 pub(crate) mod obedient;
 mod overflow;
+pub mod simulator;
 pub mod store;
 pub mod task;
 pub mod threads;

@@ -46,6 +46,14 @@ impl Script {
                     let _ = answer.map(|answer| answer.send(Err(refused)));
                     continue;
                 }
+                Envelope::Simulated(..) => continue,
+                Envelope::PutDown(_, _, _, answer) => {
+                    let refused = self.refuse.lock().unwrap().clone();
+                    let Snapshot { revision, mission, .. } = &**self.publish.borrow();
+                    let accepted = Accepted { revision: *revision, epoch: mission.epoch, luggage: None };
+                    let _ = answer.send(refused.map_or(Ok(accepted), Err));
+                    continue;
+                }
             };
             let snapshot = Arc::clone(&self.publish.borrow());
             let luggage = about(&request.command, &snapshot);

@@ -129,7 +129,12 @@ impl Task {
     fn take_rest(&mut self) {
         self.hear_halts();
         while let Ok(envelope) = self.commands.try_recv() {
-            if !matches!(&envelope, Envelope::Command(request, _) if request.command != Command::Stop) {
+            let is_late = match &envelope {
+                Envelope::Command(request, _) => request.command != Command::Stop,
+                Envelope::PutDown(..) => true,
+                Envelope::Refused(..) | Envelope::Simulated(..) => false,
+            };
+            if !is_late {
                 self.take(envelope);
             }
         }
@@ -160,6 +165,11 @@ impl Task {
                 self.await_answer(given, vec![answer]);
             }
             Envelope::Refused(issuer, asked, refused, answer) => self.note_refused(issuer, asked, refused, answer),
+            Envelope::Simulated(issuer, words) => self.engine.note_simulated(&issuer, &words, self.clock.now()),
+            Envelope::PutDown(issuer, hall, robots, answer) => {
+                let given = self.engine.put_down_in(&hall, &robots, &issuer, self.clock.now());
+                self.await_answer(given, vec![answer]);
+            }
         }
     }
 

@@ -1,7 +1,7 @@
 // Plays one scenario: `node play.mjs SCENARIO URL CHROMIUM SHOTS`. Exit code 0 when a person would have been content.
 // The scenarios are in scenarios.mjs, those about STOP and the keyboard in always.mjs, those of the laboratory, of the retrieval, of
-// the line of time and of the moment of the verdict in laboratory.mjs, retrieval.mjs, time.mjs and verdicts.mjs; here a browser is opened,
-// watched for what no page may do, and closed.
+// the line of time, of the moment of the verdict and of the simulator in laboratory.mjs, retrieval.mjs, time.mjs, verdicts.mjs and
+// simulator.mjs; here a browser is opened, watched for what no page may do, and closed.
 
 import { mkdirSync } from 'node:fs';
 import { createInterface } from 'node:readline';
@@ -12,10 +12,11 @@ import { relay } from './relay.mjs';
 import * as retrieval from './retrieval.mjs';
 import * as missions from './scenarios.mjs';
 import * as time from './time.mjs';
+import * as simulator from './simulator.mjs';
 import * as verdicts from './verdicts.mjs';
 
 const [name, url, executablePath, shots] = process.argv.slice(2);
-const scenario = { ...missions, ...always, ...laboratory, ...retrieval, ...time, ...verdicts }[name];
+const scenario = { ...missions, ...always, ...laboratory, ...retrieval, ...time, ...verdicts, ...simulator }[name];
 const patience = 60_000;
 
 const lines = createInterface({ input: process.stdin })[Symbol.asyncIterator]();

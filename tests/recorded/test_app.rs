@@ -136,6 +136,8 @@ impl Inside {
                 self.publish();
                 let _ = answer.map(|answer| answer.send(Err(refused)));
             }
+            // Nothing of this is simulated in the sense of a door.
+            Envelope::Simulated(..) | Envelope::PutDown(..) => {}
         }
     }
 

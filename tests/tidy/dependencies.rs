@@ -4,7 +4,7 @@
 //! ```text
 //!   main → cli, app → { doors, robots, storage, runtime, config, telemetry }
 //!   doors → access, runtime, api     storage → runtime, api     robots → config, runtime, storage     one door ↛ another
-//!   access → storage             api, runtime, config, telemetry → themselves
+//!   access → storage             api → access, runtime     runtime, config, telemetry → themselves
 //! ```
 //! Only `robots` makes a robot out of its settings: `app` knows no kind of them. `access` names of `storage` only how a small file is written: the keys lie in the data folder like everything that is kept there.
 
@@ -31,8 +31,8 @@ const RULES: [Rule; 11] = [
     },
     Rule {
         module: "api",
-        // The table of commands says what each asks of its sender.
-        modules: &["access"],
+        // The table of commands says what each asks of its sender; what is shown of the simulator is said by its port.
+        modules: &["access", "runtime"],
         // Of the simulator what drives nothing of the hall: the laboratory, which is arithmetic, and how halls are written in files.
         crates: &["hallsweep_core", "hallsweep_sim", "jiff", "minicbor", "minicbor_serde", "serde", "serde_json", "thiserror"],
     },

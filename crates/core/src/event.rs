@@ -37,6 +37,9 @@ pub enum RobotEvent {
     LinkUp(Capabilities),
     /// The link is lost; the robot halts by itself. No open order will be answered.
     LinkLost(String),
+    /// Its time stands still, as that of a simulated robot may: it obeys halts and answers them, and nothing that is under way is overdue
+    /// before `LinkUp` says that its time goes on, and what takes how long now.
+    Paused,
     /// A step, turn, recentring or movement of the arm is complete, or a controller at work.
     Done(OrderId),
     /// A step met an obstacle: the robot stands against it, away from the centre of the cell it left, until recentred.

@@ -33,5 +33,5 @@ pub use hall::{Export, Format, Hall, HallError, HallFault, MAX_PIECES, Truth, Wr
 pub use hall::{Floor, HallOfScene, MovingObstacle, PLAYER, Player, Scene, SceneSonar, StaticObstacle};
 pub use memory::SimMemory;
 pub use settings::{Camera, SimSettings};
-pub use simulator::Sim;
+pub use simulator::{Faults, Sim};
 pub use speed::{Speed, SpeedError, times};

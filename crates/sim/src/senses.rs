@@ -104,6 +104,11 @@ impl Thermometer {
         self.next.map(|second| Duration::from_secs(second).saturating_sub(self.before))
     }
 
+    /// It was not there until the hall was so old: what it would have said meanwhile is not said any more.
+    pub(super) fn come_back(&mut self, age: Duration) {
+        self.next = self.next.map(|second| second.max(age.as_secs()));
+    }
+
     /// What it has to say at the moment named by `next`.
     pub(super) fn read(&mut self) -> Option<RobotEvent> {
         let second = self.next.take()?;

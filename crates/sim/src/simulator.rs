@@ -16,15 +16,18 @@ use super::settings::SimSettings;
 use super::sonar::way_to_contact;
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order};
-use hallsweep_core::event::{Capabilities, Obstacle, Parts, RobotEvent, Whereabouts};
+use hallsweep_core::event::{Obstacle, RobotEvent};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::{Cell, Now, OrderId, Pose};
 
 mod entrance;
+mod faults;
 mod hook;
+mod introduction;
 mod photo;
 mod recall;
 
+pub use self::faults::Faults;
 use self::{hook::Handling, photo::Film};
 
 /// A robot in a hall.
@@ -48,6 +51,7 @@ pub struct Sim {
     led: bool,
     senses: Senses,
     thermometer: Thermometer,
+    faults: Faults,
     failures: RandomStream,
     events: VecDeque<RobotEvent>,
     /// How old the hall was when this run began.
@@ -116,6 +120,7 @@ impl Sim {
             led: false,
             senses: Senses::new(Arc::clone(&hall), &noise),
             thermometer: Thermometer::new(Arc::clone(&hall), memory.age),
+            faults: Faults::default(),
             failures: RandomStream::new(noise.seed, "photo"),
             events: VecDeque::new(),
             before: memory.age,
@@ -124,23 +129,8 @@ impl Sim {
             hall,
             settings,
         };
-        let off_centre = sim.is_off_centre();
-        let stands = match sim.outside {
-            0 => RobotEvent::Stands(Whereabouts { pose: sim.pose, off_centre }),
-            steps => RobotEvent::StandsOutside(steps, sim.pose.heading, off_centre),
-        };
-        sim.events.push_back(stands);
-        sim.tell_hook();
-        sim.events.push_back(RobotEvent::LinkUp(sim.capabilities()));
+        sim.introduce();
         sim
-    }
-
-    /// What it can do, in simulated time.
-    #[must_use]
-    pub const fn capabilities(&self) -> Capabilities {
-        let SimSettings { step, turn, photo, has_hook, hook, .. } = self.settings;
-        let (arm, parts) = if has_hook { (hook, Parts::ROUND_ROBOT_WITH_HOOK) } else { (Duration::ZERO, Parts::ROUND_ROBOT) };
-        Capabilities { step, turn, photo, arm, nudges: false, parts }
     }
 
     /// Begins an order, or answers at once why it cannot.
@@ -317,7 +307,8 @@ impl Sim {
     fn next_due(&self) -> Option<(Duration, Due)> {
         let end = self.task.as_ref().and_then(|task| Some((task.work.ends()?, Due::End)));
         let deadline = self.task.as_ref().map(|task| (task.deadline, Due::Deadline));
-        let temperature = self.thermometer.next().map(|at| (at, Due::Temperature));
+        let is_read = !self.faults.no_thermometer;
+        let temperature = self.thermometer.next().filter(|_| is_read).map(|at| (at, Due::Temperature));
         [end, deadline, temperature].into_iter().flatten().min_by_key(|(at, _)| *at)
     }
 

@@ -15,7 +15,7 @@ struct Asset {
     text: &'static str,
 }
 
-static ASSETS: [Asset; 18] = [
+static ASSETS: [Asset; 21] = [
     Asset {
         path: "/static/console.css",
         media_type: "text/css; charset=utf-8",
@@ -85,6 +85,21 @@ static ASSETS: [Asset; 18] = [
         path: "/static/roomba.js",
         media_type: "text/javascript; charset=utf-8",
         text: include_str!("../../../static/roomba.js"),
+    },
+    Asset {
+        path: "/static/simulator.css",
+        media_type: "text/css; charset=utf-8",
+        text: include_str!("../../../static/simulator.css"),
+    },
+    Asset {
+        path: "/static/simulator.js",
+        media_type: "text/javascript; charset=utf-8",
+        text: include_str!("../../../static/simulator.js"),
+    },
+    Asset {
+        path: "/static/editor.js",
+        media_type: "text/javascript; charset=utf-8",
+        text: include_str!("../../../static/editor.js"),
     },
     Asset {
         path: "/static/trees.js",

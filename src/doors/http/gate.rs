@@ -190,7 +190,7 @@ fn asked(request: &Request, need: Need) -> Option<(command::Door, String)> {
 
 /// By which door a path leads, as records name it.
 pub(super) fn by_path(path: &str) -> command::Door {
-    if path.starts_with("/console/") { door::CONSOLE } else { door::HTTP }
+    if path.starts_with("/console/") || path.starts_with("/simulator/") { door::CONSOLE } else { door::HTTP }
 }
 
 /// A person is led to the page where one signs in, and from there back, or is told there that what he pressed was not done; a

@@ -53,7 +53,8 @@ impl HttpDoor {
         // The lock is given back when the file is written, also when nobody waits for it any more.
         let writing = tokio::task::spawn_blocking(move || {
             let snapshot = door.handle.snapshot();
-            let bytes = row.written(&door.hall, door.cell_m, &snapshot).into();
+            let (hall, cell_m) = door.hall();
+            let bytes = row.written(&hall, cell_m, &snapshot).into();
             let file = MapFile { revision: row.revision(&snapshot), bytes };
             files.insert(row.name, file.clone());
             file

@@ -26,6 +26,7 @@ mod routes;
 pub mod scanning;
 mod serve;
 mod sign_in;
+mod simulator;
 mod streams;
 #[cfg(test)]
 mod testing;
@@ -37,7 +38,7 @@ use std::sync::Arc;
 
 use axum::Router;
 use axum::http::Request;
-use tokio::sync::watch;
+use tokio::sync::{Semaphore, watch};
 
 pub use guard::Hosts;
 use lines::Lines;
@@ -52,6 +53,7 @@ use crate::doors::room::Room;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
 use crate::runtime::handle::Handle;
+use crate::runtime::simulator::Simulator;
 use hallsweep_core::settings::Settings;
 
 /// Streams open at once, the console's and the interface's together: every screen of a site, and a bound on what strangers cost.
@@ -85,6 +87,10 @@ pub struct HttpDoor {
     timelines: Arc<console::Timelines>,
     /// By which the core decides what is too hot.
     settings: Settings,
+    /// Where the robot that searches is simulated.
+    simulator: Option<Arc<dyn Simulator>>,
+    /// Halls are read one after the other.
+    halls: Arc<Semaphore>,
 }
 
 impl HttpDoor {
@@ -110,6 +116,25 @@ impl HttpDoor {
             began: Arc::default(),
             timelines: Arc::default(),
             settings: Settings::default(),
+            simulator: None,
+            halls: Arc::new(Semaphore::new(1)),
+        }
+    }
+
+    /// The same with a simulator in hand.
+    pub fn with_simulator(self, simulator: Option<Arc<dyn Simulator>>) -> HttpDoor {
+        HttpDoor { simulator, ..self }
+    }
+
+    /// The name of the hall, and the side of its cells in metres, where that is known.
+    fn hall(&self) -> (Arc<str>, Option<f64>) {
+        match &self.simulator {
+            Some(simulator) => {
+                let state = simulator.watch();
+                let hall = &state.borrow().hall;
+                (Arc::clone(&hall.name), Some(hall.cell_m))
+            }
+            None => (Arc::clone(&self.hall), self.cell_m),
         }
     }
 

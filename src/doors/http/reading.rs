@@ -18,6 +18,9 @@ use crate::api::fields::{self, Body as Fields, Unread, in_short};
 /// The largest body that is read: a command is a few dozen bytes.
 pub(super) const BODY_BYTES: usize = 16 * 1024;
 
+/// The largest that is read of a hall: a hall file of 250 × 250 cells. With its head it has room in what is heard ahead of the answers.
+pub(super) const HALL_BYTES: usize = 64 * 1024;
+
 /// So long a body may take before it is looked at how fast it comes,
 const BODY_BEGIN: Duration = Duration::from_secs(2);
 
@@ -30,8 +33,17 @@ pub(super) struct JsonPayload {
     body: Bytes,
 }
 
+/// The same where it may be as large as a hall.
+pub(super) struct HallPayload(pub(super) JsonPayload);
+
+/// A file as it is, as large as a hall.
+pub(super) struct HallFile(pub(super) Bytes);
+
 /// The fields of a form.
 pub(super) struct Form<T>(pub(super) T);
+
+/// The same where one of them may be as large as a hall.
+pub(super) struct HallForm<T>(pub(super) T);
 
 /// The number of a thing, from the path.
 pub(super) struct Number(pub(super) u64);
@@ -40,8 +52,33 @@ impl<S: Send + Sync> FromRequest<S> for JsonPayload {
     type Rejection = Problem;
 
     async fn from_request(request: Request, _: &S) -> Result<JsonPayload, Problem> {
-        let (headers, body) = body_of(request).await?;
+        let (headers, body) = body_of(request, BODY_BYTES).await?;
         Ok(JsonPayload { headers, body })
+    }
+}
+
+impl<S: Send + Sync> FromRequest<S> for HallPayload {
+    type Rejection = Problem;
+
+    async fn from_request(request: Request, _: &S) -> Result<HallPayload, Problem> {
+        let (headers, body) = body_of(request, HALL_BYTES).await?;
+        Ok(HallPayload(JsonPayload { headers, body }))
+    }
+}
+
+impl<S: Send + Sync> FromRequest<S> for HallFile {
+    type Rejection = Problem;
+
+    async fn from_request(request: Request, _: &S) -> Result<HallFile, Problem> {
+        body_of(request, HALL_BYTES).await.map(|(_, body)| HallFile(body))
+    }
+}
+
+impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for HallForm<T> {
+    type Rejection = Problem;
+
+    async fn from_request(request: Request, state: &S) -> Result<HallForm<T>, Problem> {
+        form(request, HALL_BYTES, state).await.map(HallForm)
     }
 }
 
@@ -65,15 +102,19 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for Form<T> {
     type Rejection = Problem;
 
     async fn from_request(request: Request, state: &S) -> Result<Form<T>, Problem> {
-        let (headers, body) = body_of(request).await?;
-        let mut whole = Request::new(Body::from(body));
-        *whole.method_mut() = axum::http::Method::POST;
-        let form = HeaderMap::from_iter([(header::CONTENT_TYPE, form_type(&headers)?)]);
-        *whole.headers_mut() = form;
-        let read = axum::Form::<T>::from_request(whole, state).await;
-        read.map(|axum::Form(fields)| Form(fields))
-            .map_err(|_| Problem::unusable("the form cannot be read: send each of its fields once".to_owned()))
+        form(request, BODY_BYTES, state).await.map(Form)
     }
+}
+
+async fn form<S: Send + Sync, T: DeserializeOwned>(request: Request, most: usize, state: &S) -> Result<T, Problem> {
+    let (headers, body) = body_of(request, most).await?;
+    let mut whole = Request::new(Body::from(body));
+    *whole.method_mut() = axum::http::Method::POST;
+    let form = HeaderMap::from_iter([(header::CONTENT_TYPE, form_type(&headers)?)]);
+    *whole.headers_mut() = form;
+    let read = axum::Form::<T>::from_request(whole, state).await;
+    read.map(|axum::Form(fields)| fields)
+        .map_err(|_| Problem::unusable("the form cannot be read: send each of its fields once".to_owned()))
 }
 
 impl<S: Send + Sync> FromRequestParts<S> for Number {
@@ -87,25 +128,25 @@ impl<S: Send + Sync> FromRequestParts<S> for Number {
     }
 }
 
-async fn body_of(request: Request) -> Result<(HeaderMap, Bytes), Problem> {
+async fn body_of(request: Request, most: usize) -> Result<(HeaderMap, Bytes), Problem> {
     let (parts, body) = request.into_parts();
     let announced = parts.headers.get(header::CONTENT_LENGTH).and_then(|length| length.to_str().ok()?.parse::<u64>().ok());
-    if announced.is_some_and(|length| length > BODY_BYTES as u64) {
-        return Err(too_large());
+    if announced.is_some_and(|length| length > most as u64) {
+        return Err(too_large(most));
     }
-    Ok((parts.headers, read(body).await?))
+    Ok((parts.headers, read(body, most).await?))
 }
 
 /// All of a body, unless it is too large or comes too slowly.
-async fn read(body: Body) -> Result<Bytes, Problem> {
+async fn read(body: Body, most: usize) -> Result<Bytes, Problem> {
     let (mut pieces, mut read) = (body.into_data_stream(), BytesMut::new());
     let (mut span, mut before) = (BODY_BEGIN, None);
     loop {
         let all = async {
             while let Some(piece) = pieces.next().await {
                 let piece = piece.map_err(|error| Problem::malformed(format!("the body could not be read: {error}")))?;
-                if read.len() + piece.len() > BODY_BYTES {
-                    return Err(too_large());
+                if read.len() + piece.len() > most {
+                    return Err(too_large(most));
                 }
                 read.extend_from_slice(&piece);
             }
@@ -124,8 +165,12 @@ async fn read(body: Body) -> Result<Bytes, Problem> {
     }
 }
 
-fn too_large() -> Problem {
-    Problem::too_large(format!("the body is larger than {BODY_BYTES} bytes: a command is a few dozen"))
+fn too_large(most: usize) -> Problem {
+    Problem::too_large(if most == BODY_BYTES {
+        format!("the body is larger than {BODY_BYTES} bytes: a command is a few dozen")
+    } else {
+        format!("the hall is larger than {most} bytes: make it smaller, or start hallsweep with --hall FILE")
+    })
 }
 
 fn json<T: Fields>(headers: &HeaderMap, body: &[u8]) -> Result<T, Problem> {
@@ -175,7 +220,7 @@ mod tests {
             tokio::time::sleep(after).await;
             (sent < pieces).then(|| (Ok::<_, std::io::Error>(vec![b'x'; bytes]), sent + 1))
         }));
-        read(body).await.map(|body| body.len()).map_err(|problem| problem.status().as_u16())
+        read(body, BODY_BYTES).await.map(|body| body.len()).map_err(|problem| problem.status().as_u16())
     }
 
     /// Safety S9, A5.

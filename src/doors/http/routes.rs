@@ -13,7 +13,9 @@ use axum::routing::{MethodFilter, MethodRouter, on};
 
 use super::gate::{Gate, gate};
 use super::reading::Number;
-use super::{HttpDoor, assets, command, console, events, laboratory, map_files, missions, mqtt, old, problem, reads, sign_in};
+use super::{
+    HttpDoor, assets, command, console, events, laboratory, map_files, missions, mqtt, old, problem, reads, sign_in, simulator,
+};
 use crate::access::Need;
 use crate::access::Need::{Act, Nothing, See, Stop};
 use crate::api::commands::{self, COMMANDS, CommandKind, Methods, Subject};
@@ -37,7 +39,7 @@ pub(super) struct Row {
 /// Every route. STOP is everywhere in reach of anyone signed in; a `move` may be one, its other words ask for an operator.
 pub(super) fn table() -> Vec<Row> {
     let seen = [for_anybody(), resources(), files_of_the_map(), changes_and_past()];
-    let rows = seen.into_iter().chain([commands(), page(), laboratory(), buttons(), old_console()]);
+    let rows = seen.into_iter().chain([commands(), page(), laboratory(), simulator(), buttons(), old_console()]);
     rows.flatten().collect()
 }
 
@@ -63,6 +65,9 @@ fn for_anybody() -> Vec<Row> {
         get("/static/pallet.js", Nothing, assets::file),
         get("/static/replay.js", Nothing, assets::file),
         get("/static/roomba.js", Nothing, assets::file),
+        get("/static/simulator.css", Nothing, assets::file),
+        get("/static/simulator.js", Nothing, assets::file),
+        get("/static/editor.js", Nothing, assets::file),
         get("/static/trees.js", Nothing, assets::file),
         get("/static/vendor/idiomorph.js", Nothing, assets::file),
         get("/static/icon.svg", Nothing, assets::file),
@@ -119,6 +124,25 @@ fn laboratory() -> Vec<Row> {
         get("/laboratory", See, laboratory::page),
         get("/api/v1/laboratory/roomba", See, laboratory::roomba),
         get("/api/v1/laboratory/pallet", See, laboratory::pallet),
+    ]
+}
+
+/// What is done to what is simulated, by programs and on its pages.
+#[rustfmt::skip]
+fn simulator() -> Vec<Row> {
+    vec![
+        get("/simulator", See, simulator::page),
+        post("/simulator/change", Act, simulator::change_by_form),
+        post("/simulator/hall", Act, simulator::choose_by_form),
+        get("/simulator/editor", See, simulator::editor),
+        post("/simulator/editor", Act, simulator::use_edited),
+        get("/api/v1/simulator", See, simulator::simulator),
+        put("/api/v1/simulator", Act, simulator::change),
+        post("/api/v1/simulator/step", Act, simulator::step),
+        get("/api/v1/simulator/hall", See, simulator::hall),
+        put("/api/v1/simulator/hall", Act, simulator::put_down),
+        get("/api/v1/simulator/halls/{name}", See, simulator::offered),
+        post("/api/v1/simulator/hall/check", Act, simulator::check),
     ]
 }
 
@@ -196,6 +220,10 @@ fn get<H: Handler<T, HttpDoor>, T: 'static>(path: impl Into<Cow<'static, str>>, 
 
 fn post<H: Handler<T, HttpDoor>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> Row {
     Row { method: Method::POST, path: path.into(), need, answers: on(MethodFilter::POST, handler) }
+}
+
+fn put<H: Handler<T, HttpDoor>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> Row {
+    Row { method: Method::PUT, path: path.into(), need, answers: on(MethodFilter::PUT, handler) }
 }
 
 #[cfg(test)]

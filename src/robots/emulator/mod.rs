@@ -18,7 +18,7 @@ use self::connection::Connection;
 pub use self::faults::Faults;
 use self::wire::Wire;
 pub use self::wire::{EmulatorError, End};
-use super::sim::SimRobot;
+use super::sim::{Remote, SimRobot};
 use crate::config::RobotSettings;
 use crate::runtime::clock::Clock;
 use crate::runtime::halt::Halter;
@@ -53,7 +53,7 @@ pub async fn play(
     let (link, side) = link(halter.watch());
     let robot = SimRobot::new(RobotId::discovery(), hall, settings, false);
     // Nobody else lifts anything in its hall.
-    tokio::spawn(robot.adapter(clock, watch::channel(Default::default()).1)(side));
+    tokio::spawn(robot.adapter(clock, watch::channel(Default::default()).1, Remote::untouched())(side));
     announce(&place);
     let chance = RandomStream::new(settings.seed, "wire");
     let robot = LineRobot::new(emulation.name.clone());

@@ -1,23 +1,26 @@
-//! Joins the simulated robot to the loop: channels, timers, the speed of time, and the threads on which photos are drawn and the
-//! state file is written.
+//! Joins the simulated robot to the loop: channels, timers, the speed of time, the simulator's controls, and the threads on which photos are
+//! drawn and the state file is written.
 //! What the robot does is decided by `hallsweep_sim`; this is the only file of the simulated robot that waits.
 
+use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;
 
-use tokio::sync::watch;
+use tokio::sync::{oneshot, watch};
 use tokio::task::JoinHandle;
 use tokio::time::Instant;
 
 use super::pair_link::Moved;
+use super::remote::{Controls, Ground, News, Remote};
+use super::sim_time::SimTime;
 use super::state_file::SimStateFile;
 use crate::robots::waits::{done, done_for, hand_over};
 use crate::runtime::clock::Clock;
 use crate::runtime::link::{RobotSide, Stamped};
 use hallsweep_core::effect::Order;
 use hallsweep_core::event::{Capabilities, Photo, RobotEvent};
-use hallsweep_core::units::{Now, OrderId};
-use hallsweep_sim::{Hall, Sim, Speed, times};
+use hallsweep_core::units::{Cell, Now, OrderId};
+use hallsweep_sim::{Faults, Hall, Sim, SimSettings, Speed};
 
 /// What drawing a photo may take of real time, whatever the speed; the core is told so. It takes some hundredths of a second, but the
 /// machine may have much else to do, and a photo that is late counts as none.
@@ -29,47 +32,73 @@ const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 /// So long after the state file could not be written it is tried again, when nothing new has happened before.
 const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
 
-/// Runs a simulated robot until the loop's end of its channels is gone. What it must not forget goes into the state file, when there
-/// is one, before anybody is told of it.
-/// `floor` says what others have lifted.
-pub(super) async fn run(sim: Sim, side: RobotSide, clock: Clock, speed: Speed, state_file: Option<SimStateFile>, floor: Floor) {
-    let began = clock.now().since_start;
+/// A simulated robot before it runs, and what is to become of it.
+pub(super) struct Begin {
+    pub(super) sim: Sim,
+    /// Of which another is made in another hall.
+    pub(super) settings: SimSettings,
+    pub(super) speed: Speed,
+    /// What it must not forget goes there, when there is one, before anybody is told of it.
+    pub(super) state_file: Option<SimStateFile>,
+    pub(super) floor: Floor,
+    pub(super) remote: Remote,
+    /// Whether faults of robots are its own: they are of the one that searches.
+    pub(super) has_faults: bool,
+}
+
+/// Runs a simulated robot until the loop's end of its channels is gone.
+pub(super) async fn run(begin: Begin, side: RobotSide, clock: Clock) {
+    let Begin { sim, settings, speed, state_file, floor, remote, has_faults } = begin;
     let link = Link {
         sim,
+        settings,
         side,
         clock,
-        speed,
-        began,
-        skipped: Duration::ZERO,
+        usual_speed: speed,
+        time: SimTime::begin(speed, clock.now().since_start),
         report: None,
+        said: VecDeque::new(),
         developing: None,
         obeyed: 0,
         state_file,
         writing: None,
         write_again: None,
         floor,
+        remote,
+        has_faults,
+        controls: Controls::default(),
+        is_stepping: false,
     };
     link.run().await;
 }
 
-/// The hall as it was opened, and what others have lifted since.
+/// The hall as it was opened, what others have lifted since, and where something was put into the way.
 #[derive(Clone, Debug)]
 pub(super) struct Floor {
     pub(super) hall: Arc<Hall>,
     pub(super) moved: watch::Receiver<Moved>,
+    /// The cells in which something stands that the hall does not have.
+    pub(super) blocked: BTreeSet<Cell>,
+}
+
+impl Floor {
+    pub(super) const fn new(hall: Arc<Hall>, moved: watch::Receiver<Moved>) -> Floor {
+        Floor { hall, moved, blocked: BTreeSet::new() }
+    }
 }
 
 struct Link {
     sim: Sim,
+    settings: SimSettings,
     side: RobotSide,
     clock: Clock,
-    speed: Speed,
-    /// When simulated time began, by the real clock.
-    began: Duration,
-    /// The simulated time that was jumped over.
-    skipped: Duration,
+    /// While the controls name no other.
+    usual_speed: Speed,
+    time: SimTime,
     /// A report on its way. Until it is taken nothing but a halt is listened to, so that reports cannot pile up.
     report: Option<RobotEvent>,
+    /// What the link itself has to report, before the robot's next report.
+    said: VecDeque<RobotEvent>,
     developing: Option<(OrderId, JoinHandle<Photo>)>,
     /// The halts of which the last order that was begun knew.
     obeyed: u64,
@@ -81,22 +110,35 @@ struct Link {
     /// When what could not be written is tried again, by the real clock.
     write_again: Option<Duration>,
     floor: Floor,
+    remote: Remote,
+    has_faults: bool,
+    /// The controls as far as they are obeyed.
+    controls: Controls,
+    /// Time stands, but for the order under way.
+    is_stepping: bool,
 }
 
 impl Link {
     async fn run(mut self) {
         self.floor.moved.mark_changed();
+        self.remote.controls.mark_changed();
         loop {
             self.write();
+            self.put_obstacles();
             self.next_report();
-            let free = self.report.is_none() && self.writing.is_none();
-            let jumps = free && self.speed == Speed::Max && self.sim.is_busy() && !self.sim.is_developing();
+            let settled = self.report.is_none() && self.writing.is_none();
+            if settled {
+                self.remote.say_ready();
+            }
+            let free = settled && !self.remote.is_moving();
+            let jumps = free && self.jumps();
             let wake = self.wake();
             tokio::select! {
                 biased;
                 halts = self.side.halts.raised() => self.halt(halts.count),
                 sent = hand_over(&self.side.reports, &mut self.report), if self.report.is_some() => if !sent { return },
                 state_file = done(&mut self.writing) => self.written(state_file),
+                news = self.remote.news(settled) => self.hear(news),
                 Ok(()) = self.floor.moved.changed() => self.look_at_floor(),
                 Ok(()) = self.side.led.changed() => self.led(),
                 given = self.side.orders.recv(), if free => match given {
@@ -112,16 +154,21 @@ impl Link {
 
     fn now(&self) -> Now {
         let Now { since_start, wall } = self.clock.now();
-        let passed = times(since_start.saturating_sub(self.began), self.speed.pace());
-        Now { since_start: passed.saturating_add(self.skipped), wall }
+        Now { since_start: self.time.at(since_start), wall }
     }
 
     /// When the simulation has to be looked at again, by the real clock.
     fn wake(&self) -> Instant {
-        let wait = self.sim.poll_timeout().map(|at| at.saturating_sub(self.now().since_start));
-        let wait = wait.map_or(LONGEST_WAIT, |wait| times(wait, 1.0 / self.speed.pace()).min(LONGEST_WAIT));
-        let at = self.clock.now().since_start + wait;
+        let now = self.clock.now().since_start;
+        let wait = self.sim.poll_timeout().and_then(|at| self.time.until(at, now));
+        let at = now + wait.unwrap_or(LONGEST_WAIT).min(LONGEST_WAIT);
         self.clock.instant(self.write_again.map_or(at, |again| again.min(at)))
+    }
+
+    /// Whether time is not waited for.
+    fn jumps(&self) -> bool {
+        let runs = self.time.speed() == Speed::Max && !self.time.is_paused();
+        (runs || self.is_stepping) && self.sim.is_busy() && !self.sim.is_developing()
     }
 
     /// Begins to write down what has changed, or what is still owed when its time has come.
@@ -144,33 +191,101 @@ impl Link {
         self.state_file = state_file;
     }
 
-    /// Takes the next report, unless one is on its way already, or what it follows from is not written down yet.
+    /// Takes the next report, unless one is on its way already, or what it follows from is not written down yet. Nobody hears what a robot
+    /// says whose link is lost.
     fn next_report(&mut self) {
         if self.report.is_some() || self.writing.is_some() {
             return;
         }
-        self.report = self.sim.poll_event();
+        self.report = self.said.pop_front();
+        if self.report.is_none() && !self.controls.is_link_lost {
+            self.report = self.sim.poll_event();
+        }
         if let Some(RobotEvent::LinkUp(capabilities)) = self.report {
             self.report = Some(RobotEvent::LinkUp(self.in_real_time(capabilities)));
+            self.said.extend(self.time.is_paused().then_some(RobotEvent::Paused));
         }
     }
 
     fn in_real_time(&self, simulated: Capabilities) -> Capabilities {
-        let Capabilities { step, turn, photo, arm, .. } = simulated;
-        let photo = self.speed.to_real(photo) + DEVELOPING;
-        Capabilities {
-            step: self.speed.to_real(step),
-            turn: self.speed.to_real(turn),
-            photo,
-            arm: self.speed.to_real(arm),
-            ..simulated
+        let (speed, Capabilities { step, turn, photo, arm, .. }) = (self.time.speed(), simulated);
+        let photo = speed.to_real(photo) + DEVELOPING;
+        Capabilities { step: speed.to_real(step), turn: speed.to_real(turn), photo, arm: speed.to_real(arm), ..simulated }
+    }
+
+    fn hear(&mut self, news: News) {
+        match news {
+            News::Controls => self.obey_controls(),
+            News::Asked(asked) => self.remote.under_way = Some(asked),
+            News::Decided(decided) => self.move_to(decided),
+        }
+    }
+
+    /// Comes to be as the controls say.
+    fn obey_controls(&mut self) {
+        let wanted = self.remote.controls.borrow_and_update().clone();
+        let wanted = if self.has_faults { wanted } else { Controls { is_link_lost: false, faults: Faults::default(), ..wanted } };
+        let before = std::mem::replace(&mut self.controls, wanted);
+        let Controls { speed, is_paused, steps, is_link_lost, faults, .. } = self.controls.clone();
+        let runs_otherwise = self.time.run_at(speed.unwrap_or(self.usual_speed), is_paused, self.clock.now().since_start);
+        self.is_stepping = is_paused && (self.is_stepping || steps != before.steps);
+        self.sim.handle_faults(faults, self.now());
+        match (before.is_link_lost, is_link_lost) {
+            (false, true) => {
+                self.sim.handle_link_lost(self.now());
+                self.developing = None;
+                self.said.push_back(RobotEvent::LinkLost("the simulator keeps it lost".to_owned()));
+            }
+            (true, false) => self.sim.handle_link_back(self.now()),
+            (false, false) if runs_otherwise && is_paused => self.said.push_back(RobotEvent::Paused),
+            (false, false) if runs_otherwise => self.sim.tell_capabilities(),
+            (true, true) | (false, false) => {}
         }
     }
 
     /// What was lifted is not met any more.
     fn look_at_floor(&mut self) {
         let moved = self.floor.moved.borrow_and_update().clone();
-        self.sim.handle_hall(Arc::new(self.floor.hall.rearranged(&moved)));
+        let hall = self.floor.hall.rearranged(&moved);
+        let hall = if self.floor.blocked.is_empty() { hall } else { hall.blocked(&self.floor.blocked) };
+        self.sim.handle_hall(Arc::new(hall));
+    }
+
+    /// Puts into the way what the controls want there, but for where the robot is: there it is put when the robot has left.
+    fn put_obstacles(&mut self) {
+        let wanted = &self.controls.blocked;
+        if wanted.is_empty() && self.floor.blocked.is_empty() {
+            return;
+        }
+        let free: BTreeSet<Cell> = wanted.iter().filter(|cell| !self.sim.is_in_or_enters(**cell)).copied().collect();
+        if free != self.floor.blocked {
+            self.floor.blocked = free;
+            self.look_at_floor();
+        }
+    }
+
+    /// The robot is put down in another hall, or goes on in this one.
+    fn move_to(&mut self, decided: Option<(Ground, oneshot::Sender<()>)>) {
+        let Some((Ground { hall, seed }, put_down)) = decided else { return };
+        self.settings.seed = seed;
+        self.sim = Sim::new(Arc::clone(&hall), self.settings);
+        self.sim.handle_faults(self.controls.faults, Now::default());
+        self.sim.handle_led(*self.side.led.borrow());
+        let (speed, is_paused, now) = (self.time.speed(), self.time.is_paused(), self.clock.now().since_start);
+        self.time = SimTime::begin(speed, now);
+        self.time.run_at(speed, is_paused, now);
+        (self.developing, self.is_stepping, self.write_again) = (None, false, None);
+        if let Some(state_file) = &mut self.state_file {
+            state_file.move_to(&hall);
+        }
+        if self.floor.moved.has_changed().is_err() {
+            // Nobody lifts anything; what had been lifted was of the hall before.
+            self.floor.moved = watch::channel(Moved::new()).1;
+        }
+        self.floor = Floor::new(hall, self.floor.moved.clone());
+        self.look_at_floor();
+        // Whoever waits for it may have gone.
+        let _ = put_down.send(());
     }
 
     fn led(&mut self) {
@@ -183,6 +298,7 @@ impl Link {
         if self.obeyed < count {
             self.sim.handle_halt(self.now());
         }
+        self.is_stepping = false;
     }
 
     fn order(&mut self, stamped: Stamped) {
@@ -191,8 +307,12 @@ impl Link {
             self.report = Some(RobotEvent::Halted(order.id, self.sim.is_off_centre()));
             return;
         }
+        if self.controls.is_link_lost {
+            // It does not arrive, and the core knows that the link is lost before it waits for an answer.
+            return;
+        }
         self.obeyed = halts;
-        let deadline = self.speed.to_simulated(order.deadline);
+        let deadline = self.time.speed().to_simulated(order.deadline);
         self.sim.handle_order(Order { deadline, ..order }, self.now());
         if let Some((id, exposure)) = self.sim.take_exposure() {
             self.developing = Some((id, tokio::task::spawn_blocking(move || exposure.develop())));
@@ -208,11 +328,16 @@ impl Link {
 
     fn jump(&mut self) {
         if let Some(at) = self.sim.poll_timeout() {
-            self.skipped += at.saturating_sub(self.now().since_start);
+            self.time.jump_to(at, self.clock.now().since_start);
         }
         self.sim.handle_timeout(self.now());
+        self.is_stepping &= self.sim.is_busy();
     }
 }
+
+#[cfg(test)]
+#[path = "controlled_tests.rs"]
+mod controlled_tests;
 
 #[cfg(test)]
 mod tests {
@@ -247,7 +372,16 @@ mod tests {
         async fn with(sim: Sim, speed: Speed, state_file: Option<SimStateFile>) -> (Test, Whereabouts) {
             let halter = Halter::new(Epoch(0));
             let (mut link, side) = link(halter.watch());
-            let task = tokio::spawn(run(sim, side, Clock::default(), speed, state_file, still_floor()));
+            let begin = Begin {
+                sim,
+                settings: SimSettings::new(1, Camera::Rendered),
+                speed,
+                state_file,
+                floor: still_floor(),
+                remote: Remote::untouched(),
+                has_faults: true,
+            };
+            let task = tokio::spawn(run(begin, side, Clock::default()));
             let Some(RobotEvent::Stands(whereabouts)) = within("where it is", link.reports.recv()).await else {
                 panic!("first it says where it is")
             };
@@ -275,7 +409,7 @@ mod tests {
 
     fn still_floor() -> Floor {
         let hall = Arc::new(Hall::from_rows("test", &["S.", ".."]).unwrap());
-        Floor { hall, moved: watch::channel(Moved::new()).1 }
+        Floor::new(hall, watch::channel(Moved::new()).1)
     }
 
     const FORWARD: Action = Action::Move(Move::Forward);

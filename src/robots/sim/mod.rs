@@ -1,14 +1,24 @@
 //! The simulated robot: `hallsweep_sim` says what it does; here are what the settings make of it, the link that joins it to the loop,
 //! and the state file by which it is as it was left.
 
+mod chosen_hall;
 mod link;
 mod pair;
 mod pair_link;
 mod pair_state_file;
+mod remote;
 mod robot;
 mod settings;
+mod sim_time;
+mod simulator;
 mod state_file;
 
+pub(super) use chosen_hall::ChosenHall;
+pub use chosen_hall::UnusableChosenHall;
 pub(super) use pair::SimPair;
+pub(super) use remote::{Controls, Ground, Remote};
 pub(super) use robot::SimRobot;
+pub(super) use settings::speed;
 pub use settings::{UnusableHall, hall, sim_settings};
+pub(super) use simulator::Parts;
+pub use simulator::SimulatorParts;

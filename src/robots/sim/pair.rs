@@ -5,16 +5,17 @@ use std::sync::Arc;
 
 use tokio::sync::watch;
 
-use super::pair_link::{self, Moved};
+use super::pair_link::{self, Begin, Moved};
 use super::pair_state_file::PairStateFile;
+use super::remote::Remote;
 use super::settings::speed;
 use super::state_file::StateFileError;
 use crate::config::{PairMishaps, RobotSettings};
 use crate::robots::Adapter;
 use crate::runtime::clock::Clock;
 use hallsweep_core::event::RobotId;
-use hallsweep_core::retrieval::{BasePose, Place, Which};
-use hallsweep_core::units::{Now, Pose};
+use hallsweep_core::retrieval::{Place, Which};
+use hallsweep_core::units::Now;
 use hallsweep_sim::pair::{Mishaps, Pair, PairMemory, PairSettings, Slip};
 use hallsweep_sim::{Hall, Speed};
 
@@ -95,7 +96,7 @@ impl SimPair {
     }
 
     /// What is run for SRM1 and SRM2. The links to a pair that may be anywhere stay down.
-    pub(in crate::robots) fn adapters(self, clock: Clock) -> [Adapter; 2] {
+    pub(in crate::robots) fn adapters(self, clock: Clock, remote: Remote) -> [Adapter; 2] {
         let SimPair { hall, settings, speed, remembered, moved } = self;
         let (memory, state_file) = match remembered {
             Remembered::Lost(lost) => {
@@ -105,13 +106,11 @@ impl SimPair {
             Remembered::Here(state_file, memory) => (memory, Some(state_file)),
             Remembered::Nothing | Remembered::Elsewhere(_) => (None, None),
         };
+        let of_another = settings.clone();
         let pair = move |now| match memory {
             Some(memory) => Pair::remembering(hall, settings, *memory, now),
-            None => {
-                let outside = BasePose { place: Place::ENTRANCE, heading: Pose::START.heading };
-                Pair::new(hall, settings, [outside; 2])
-            }
+            None => Pair::new(hall, settings, pair_link::outside()),
         };
-        pair_link::adapters(pair, clock, speed, state_file, moved)
+        pair_link::adapters(Begin { pair, settings: of_another, speed, state_file, moved, remote }, clock)
     }
 }

@@ -1,7 +1,8 @@
 //! Joins the simulated pair to the loop: the links of both robots, which one parcel couples, timers, the speed of time, and the thread on
 //! which the state file is written. What the pair does is decided by `hallsweep_sim::pair`; this is the only file of it that waits.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
 use std::time::Duration;
 
 use tokio::sync::{mpsc, oneshot, watch};
@@ -9,16 +10,18 @@ use tokio::task::JoinHandle;
 use tokio::time::Instant;
 
 use super::pair_state_file::PairStateFile;
+use super::remote::{Controls, Ground, News, Remote};
+use super::sim_time::SimTime;
 use crate::robots::Adapter;
 use crate::robots::waits::done;
 use crate::runtime::clock::Clock;
 use crate::runtime::link::{RobotSide, Stamped};
 use hallsweep_core::effect::Order;
 use hallsweep_core::event::{Capabilities, Piece, RobotEvent};
-use hallsweep_core::retrieval::Which;
-use hallsweep_core::units::{Cell, Now};
-use hallsweep_sim::pair::Pair;
-use hallsweep_sim::{Speed, times};
+use hallsweep_core::retrieval::{BasePose, Place, Which};
+use hallsweep_core::units::{Cell, Now, Pose};
+use hallsweep_sim::Speed;
+use hallsweep_sim::pair::{Pair, PairSettings};
 
 /// Timers are not set further ahead than this; then it is looked again.
 const LONGEST_WAIT: Duration = Duration::from_secs(3600);
@@ -29,14 +32,21 @@ const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
 /// Every piece that was lifted, and where it lies now.
 pub(in crate::robots) type Moved = BTreeMap<Piece, Option<Cell>>;
 
+/// The pair before it runs, and what is to become of it.
+pub(super) struct Begin<P> {
+    /// Makes it at a moment.
+    pub(super) pair: P,
+    /// Of which another is made before another hall.
+    pub(super) settings: PairSettings,
+    pub(super) speed: Speed,
+    pub(super) state_file: Option<PairStateFile>,
+    pub(super) moved: watch::Sender<Moved>,
+    pub(super) remote: Remote,
+}
+
 /// What runs the pair for SRM1 and for SRM2: the second hands its link to the first, which drives both.
-pub(super) fn adapters(
-    pair: impl FnOnce(Now) -> Pair + Send + 'static,
-    clock: Clock,
-    speed: Speed,
-    state_file: Option<PairStateFile>,
-    moved: watch::Sender<Moved>,
-) -> [Adapter; 2] {
+pub(super) fn adapters(begin: Begin<impl FnOnce(Now) -> Pair + Send + 'static>, clock: Clock) -> [Adapter; 2] {
+    let Begin { pair, settings, speed, state_file, moved, remote } = begin;
     let (hand_over, other) = oneshot::channel::<RobotSide>();
     let first: Adapter = Box::new(move |side| {
         Box::pin(async move {
@@ -45,17 +55,22 @@ pub(super) fn adapters(
             let pair = pair(Now { since_start: Duration::ZERO, ..began });
             let link = PairLink {
                 pair,
+                settings,
                 sides: [side, other],
                 clock,
-                speed,
-                began: began.since_start,
-                skipped: Duration::ZERO,
+                usual_speed: speed,
+                time: SimTime::begin(speed, began.since_start),
                 report: None,
+                said: VecDeque::new(),
                 obeyed: [0; 2],
                 state_file,
                 writing: None,
                 write_again: None,
                 moved,
+                remote,
+                controls: Controls::default(),
+                is_stepping: false,
+                is_all_blocked: true,
             };
             link.run().await;
         })
@@ -73,16 +88,17 @@ pub(super) fn adapters(
 
 struct PairLink {
     pair: Pair,
+    settings: PairSettings,
     /// Of SRM1 and SRM2.
     sides: [RobotSide; 2],
     clock: Clock,
-    speed: Speed,
-    /// When simulated time began, by the real clock.
-    began: Duration,
-    /// The simulated time that was jumped over.
-    skipped: Duration,
+    /// While the controls name no other.
+    usual_speed: Speed,
+    time: SimTime,
     /// A report on its way, and whose it is. Until it is taken nothing but a halt is listened to.
     report: Option<(Which, RobotEvent)>,
+    /// What the link itself has to report, before the pair's next report.
+    said: VecDeque<(Which, RobotEvent)>,
     /// Of each the halts of which the last order that was begun knew.
     obeyed: [u64; 2],
     /// The state file, while it is not being written.
@@ -93,17 +109,31 @@ struct PairLink {
     write_again: Option<Duration>,
     /// What the robot that searches will not meet any more.
     moved: watch::Sender<Moved>,
+    remote: Remote,
+    /// The controls as far as they are obeyed.
+    controls: Controls,
+    /// Time stands, but for the orders under way.
+    is_stepping: bool,
+    /// Whether every cell is blocked that is to be.
+    is_all_blocked: bool,
 }
 
 impl PairLink {
     async fn run(mut self) {
+        self.remote.controls.mark_changed();
         loop {
             self.tell_moved();
             self.write();
+            if !self.is_all_blocked {
+                self.put_obstacles();
+            }
             self.next_report();
-            let free = self.report.is_none() && self.writing.is_none();
-            let is_busy = Which::ALL.into_iter().any(|which| self.pair.is_busy(which));
-            let jumps = free && self.speed == Speed::Max && is_busy && !self.pair.awaits_the_other();
+            let settled = self.report.is_none() && self.writing.is_none();
+            if settled {
+                self.remote.say_ready();
+            }
+            let free = settled && !self.remote.is_moving();
+            let jumps = free && self.jumps();
             let wake = self.wake();
             let [one, two] = &mut self.sides;
             tokio::select! {
@@ -112,6 +142,7 @@ impl PairLink {
                 halts = two.halts.raised() => self.halt(Which::Srm2, halts.count),
                 sent = hand_over([&one.reports, &two.reports], &mut self.report), if self.report.is_some() => if !sent { return },
                 state_file = done(&mut self.writing) => self.written(state_file),
+                news = self.remote.news(settled) => self.hear(news),
                 given = one.orders.recv(), if free => match given {
                     Some(stamped) => self.order(Which::Srm1, stamped),
                     None => return,
@@ -131,16 +162,72 @@ impl PairLink {
 
     fn now(&self) -> Now {
         let Now { since_start, wall } = self.clock.now();
-        let passed = times(since_start.saturating_sub(self.began), self.speed.pace());
-        Now { since_start: passed.saturating_add(self.skipped), wall }
+        Now { since_start: self.time.at(since_start), wall }
     }
 
     /// When the simulation has to be looked at again, by the real clock.
     fn wake(&self) -> Instant {
-        let wait = self.pair.poll_timeout().map(|at| at.saturating_sub(self.now().since_start));
-        let wait = wait.map_or(LONGEST_WAIT, |wait| times(wait, 1.0 / self.speed.pace()).min(LONGEST_WAIT));
-        let at = self.clock.now().since_start + wait;
+        let now = self.clock.now().since_start;
+        let wait = self.pair.poll_timeout().and_then(|at| self.time.until(at, now));
+        let at = now + wait.unwrap_or(LONGEST_WAIT).min(LONGEST_WAIT);
         self.clock.instant(self.write_again.map_or(at, |again| again.min(at)))
+    }
+
+    fn is_busy(&self) -> bool {
+        Which::ALL.into_iter().any(|which| self.pair.is_busy(which))
+    }
+
+    /// Whether time is not waited for.
+    fn jumps(&self) -> bool {
+        let runs = self.time.speed() == Speed::Max && !self.time.is_paused();
+        (runs || self.is_stepping) && self.is_busy() && !self.pair.awaits_the_other()
+    }
+
+    fn hear(&mut self, news: News) {
+        match news {
+            News::Controls => self.obey_controls(),
+            News::Asked(asked) => self.remote.under_way = Some(asked),
+            News::Decided(decided) => self.move_to(decided),
+        }
+    }
+
+    /// Comes to be as the controls say. What fails of robots is of the one that searches.
+    fn obey_controls(&mut self) {
+        let wanted = self.remote.controls.borrow_and_update().clone();
+        let before = std::mem::replace(&mut self.controls, wanted);
+        let Controls { speed, is_paused, steps, .. } = self.controls;
+        let runs_otherwise = self.time.run_at(speed.unwrap_or(self.usual_speed), is_paused, self.clock.now().since_start);
+        self.is_stepping = is_paused && (self.is_stepping || steps != before.steps);
+        if runs_otherwise && is_paused {
+            self.said.extend(Which::ALL.map(|which| (which, RobotEvent::Paused)));
+        } else if runs_otherwise {
+            self.pair.tell_capabilities();
+        }
+        if self.controls.blocked != before.blocked {
+            self.put_obstacles();
+        }
+    }
+
+    fn put_obstacles(&mut self) {
+        self.is_all_blocked = self.pair.handle_blocked(&self.controls.blocked);
+    }
+
+    /// The pair is put down before another hall, or goes on in this one.
+    fn move_to(&mut self, decided: Option<(Ground, oneshot::Sender<()>)>) {
+        let Some((Ground { hall, seed }, put_down)) = decided else { return };
+        self.settings.seed = seed;
+        if let Some(state_file) = &mut self.state_file {
+            state_file.move_to(&hall);
+        }
+        self.pair = Pair::new(Arc::clone(&hall), self.settings.clone(), outside());
+        let (speed, is_paused, now) = (self.time.speed(), self.time.is_paused(), self.clock.now().since_start);
+        self.time = SimTime::begin(speed, now);
+        self.time.run_at(speed, is_paused, now);
+        (self.is_stepping, self.write_again) = (false, None);
+        self.put_obstacles();
+        self.tell_moved();
+        // Whoever waits for it may have gone.
+        let _ = put_down.send(());
     }
 
     fn tell_moved(&self) {
@@ -177,15 +264,16 @@ impl PairLink {
         if self.report.is_some() || self.writing.is_some() {
             return;
         }
-        self.report = self.pair.poll_event();
+        self.report = self.said.pop_front().or_else(|| self.pair.poll_event());
         if let Some((which, RobotEvent::LinkUp(can))) = self.report {
             self.report = Some((which, RobotEvent::LinkUp(self.in_real_time(can))));
+            self.said.extend(self.time.is_paused().then_some((which, RobotEvent::Paused)));
         }
     }
 
     fn in_real_time(&self, simulated: Capabilities) -> Capabilities {
         let Capabilities { step, turn, photo, arm, .. } = simulated;
-        let real = |time| self.speed.to_real(time);
+        let real = |time| self.time.speed().to_real(time);
         Capabilities { step: real(step), turn: real(turn), photo: real(photo), arm: real(arm), ..simulated }
     }
 
@@ -195,6 +283,7 @@ impl PairLink {
             let now = self.now();
             self.pair.handle_halt(which, now);
         }
+        self.is_stepping = false;
     }
 
     fn order(&mut self, which: Which, stamped: Stamped) {
@@ -205,18 +294,24 @@ impl PairLink {
             return;
         }
         self.obeyed[which.index()] = halts;
-        let deadline = self.speed.to_simulated(order.deadline);
+        let deadline = self.time.speed().to_simulated(order.deadline);
         let now = self.now();
         self.pair.handle_order(which, Order { deadline, ..order }, now);
     }
 
     fn jump(&mut self) {
         if let Some(at) = self.pair.poll_timeout() {
-            self.skipped += at.saturating_sub(self.now().since_start);
+            self.time.jump_to(at, self.clock.now().since_start);
         }
         let now = self.now();
         self.pair.handle_timeout(now);
+        self.is_stepping &= self.is_busy();
     }
+}
+
+/// Where both wait when nothing is known of them.
+pub(super) fn outside() -> [BasePose; 2] {
+    [BasePose { place: Place::ENTRANCE, heading: Pose::START.heading }; 2]
 }
 
 /// Sends the report to its robot's end as soon as there is room for it; false when nobody receives any more.

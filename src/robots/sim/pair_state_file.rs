@@ -48,6 +48,11 @@ impl PairStateFile {
         PairStateFile { file: SmallFile::within(dir, FILE), whose: Whose::of(hall), owed: None }
     }
 
+    /// From now on the pair is before this hall, newly put down.
+    pub(super) fn move_to(&mut self, hall: &Hall) {
+        (self.whose, self.owed) = (Whose::of(hall), None);
+    }
+
     /// Writes down a memory. When that fails, the simulation goes on all the same: the log says so once, and the memory stays owed until
     /// this, or a later one, is written.
     pub(super) fn keep(&mut self, memory: PairMemory) {

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use tokio::sync::watch;
 
-use super::link::{self, Floor};
+use super::link::{self, Begin, Floor};
 use super::pair_link::Moved;
+use super::remote::Remote;
 use super::settings::{sim_settings, speed};
 use super::state_file::{SimStateFile, StateFileError};
 use crate::config::RobotSettings;
@@ -76,7 +77,7 @@ impl SimRobot {
 
     /// What is run for it. The link to one that may be anywhere stays down, and nobody is told that its adapter has ended.
     /// `moved` says what others have lifted.
-    pub(in crate::robots) fn adapter(self, clock: Clock, moved: watch::Receiver<Moved>) -> Adapter {
+    pub(in crate::robots) fn adapter(self, clock: Clock, moved: watch::Receiver<Moved>, remote: Remote) -> Adapter {
         let SimRobot { id, hall, settings, speed, remembered } = self;
         let (memory, state_file) = match remembered {
             Remembered::Lost(lost) => {
@@ -87,12 +88,14 @@ impl SimRobot {
             Remembered::PutDown(state_file) => (None, Some(*state_file)),
             Remembered::Nothing | Remembered::Elsewhere(..) => (None, None),
         };
-        let floor = Floor { hall: Arc::clone(&hall), moved };
+        let floor = Floor::new(Arc::clone(&hall), moved);
+        let has_faults = id == RobotId::discovery();
         let sim = match memory {
             Some(memory) => Sim::remembering(hall, settings, memory),
             None => Sim::new(hall, settings),
         };
-        Box::new(move |side| Box::pin(link::run(sim, side, clock, speed, state_file, floor)))
+        let begin = Begin { sim, settings, speed, state_file, floor, remote, has_faults };
+        Box::new(move |side| Box::pin(link::run(begin, side, clock)))
     }
 }
 
@@ -123,7 +126,7 @@ mod tests {
     /// The column in which it says that it stands; `None` when it says nothing.
     async fn stands(robot: SimRobot) -> Option<i32> {
         let (mut link, side): (RobotLink, _) = link(Halter::new(Epoch(0)).watch());
-        tokio::spawn(robot.adapter(Clock::default(), watch::channel(Moved::new()).1)(side));
+        tokio::spawn(robot.adapter(Clock::default(), watch::channel(Moved::new()).1, Remote::untouched())(side));
         match tokio::time::timeout(std::time::Duration::from_millis(300), link.reports.recv()).await {
             Ok(Some(RobotEvent::Stands(whereabouts))) => Some(whereabouts.pose.cell.x),
             Ok(other) => panic!("first it says where it is: {other:?}"),

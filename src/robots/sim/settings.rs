@@ -31,7 +31,7 @@ pub fn sim_settings(robot: &RobotSettings, camera: Camera) -> SimSettings {
     }
 }
 
-pub(super) const fn speed(speed: config::Speed) -> Speed {
+pub(in crate::robots) const fn speed(speed: config::Speed) -> Speed {
     match speed {
         config::Speed::Times(factor) => Speed::Times(factor),
         config::Speed::Max => Speed::Max,

@@ -80,6 +80,11 @@ impl SimStateFile {
         SimStateFile { file: SmallFile::within(dir, &file_of(robot)), whose: Whose::of(hall), turn: 0, anew: true, owed: None }
     }
 
+    /// From now on the robot is in this hall, newly put down: the next writing takes the place of what is there.
+    pub(super) fn move_to(&mut self, hall: &Hall) {
+        (self.whose, self.turn, self.anew, self.owed) = (Whose::of(hall), 0, true, None);
+    }
+
     /// Writes down a memory. When that fails, the simulation goes on all the same: the log says so once, and the memory stays
     /// owed until this, or a later one, is written.
     pub(super) fn keep(&mut self, memory: SimMemory) {

@@ -25,6 +25,7 @@ mod repeats;
 mod reports;
 mod retrieval;
 mod sharing;
+mod simulated;
 mod stops;
 mod team;
 mod view;

@@ -89,12 +89,16 @@ impl Engine {
     /// under way in the old one.
     pub fn put_down_elsewhere(&mut self, now: Now) {
         self.begin(now);
+        self.put_down();
+    }
+
+    pub(super) fn put_down(&mut self) {
         self.archive();
         self.robots.searching_mut().off_centre = false;
         self.record(Fact::Pose(Pose::START));
         self.empty_map();
         self.note_phase(Phase::Idle);
-        self.world.write(now.wall, Tone::Info, "the robot was put down in another hall".to_owned());
+        self.world.write(self.now.wall, Tone::Info, "the robot was put down in another hall".to_owned());
     }
 
     /// Everything that outlives the program, as it would be read back.

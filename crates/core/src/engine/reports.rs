@@ -33,6 +33,11 @@ impl Engine {
             RobotEvent::Found(id, parcel) => self.found(robot, id, parcel),
             RobotEvent::LinkUp(can) => self.link_up(robot, can),
             RobotEvent::LinkLost(words) => self.link_lost(robot, words),
+            RobotEvent::Paused => {
+                if let Some(robot) = self.robots.get_mut(robot) {
+                    robot.controller.pause();
+                }
+            }
             RobotEvent::Done(id) => self.done(robot, id),
             RobotEvent::Blocked(id, obstacle) => self.blocked(robot, id, obstacle),
             RobotEvent::Halted(id, off_centre) => self.halted(robot, id, off_centre),
@@ -154,8 +159,9 @@ impl Engine {
             let words = format!("{robot} has no thermometer now, and the last reading was too hot: report what the hall's is");
             self.world.write(self.now.wall, Tone::Warning, words);
         }
+        let now = self.now.since_start;
         let Some(known) = self.robots.get_mut(robot) else { return };
-        known.controller.link_up(can);
+        known.controller.link_up(can, now);
         known.unreached = None;
         if self.robots.searching_id() == robot {
             self.planner.costs = self.settings.costs.unwrap_or_else(|| Costs::of(can.step, can.turn));
@@ -172,7 +178,7 @@ impl Engine {
     }
 
     /// The robot halts by itself; where exactly it stands is not known before it is recentred. The others go on.
-    fn link_lost(&mut self, robot: &RobotId, words: String) {
+    pub(super) fn link_lost(&mut self, robot: &RobotId, words: String) {
         let searches = self.searches(robot);
         let Some(known) = self.robots.get_mut(robot) else { return };
         known.off_centre |= known.controller.lose();

@@ -5,6 +5,7 @@ mod by_hand;
 mod fetching;
 mod floods;
 mod shown;
+mod simulated;
 
 use std::time::Duration;
 

@@ -21,6 +21,8 @@ pub(crate) struct RobotController {
     last: OrderId,
     /// It was told to halt, or cannot be reached, and has not said since that it stands.
     halting: bool,
+    /// Its time stands still: nothing it does is overdue.
+    is_paused: bool,
     /// What the robot will be seen doing when it recentres: the opposite of what took it off centre.
     way_back: Option<RobotState>,
 }
@@ -60,14 +62,23 @@ impl RobotController {
         self.capabilities = None;
         let halting = self.halting || self.may_be_moving();
         let was_moving = self.drop_open().is_some_and(|order| order.action.is_motion());
-        (self.overdue, self.halting) = (None, halting);
+        (self.overdue, self.halting, self.is_paused) = (None, halting, false);
         was_moving
     }
 
-    /// The robot's link is up: it stands, unless it has an order.
-    pub(crate) fn link_up(&mut self, can: Capabilities) {
-        self.capabilities = Some(can);
+    /// The robot's link is up: it stands, unless it has an order. That one is waited for anew, as long as this robot takes.
+    pub(crate) fn link_up(&mut self, can: Capabilities, since_start: Duration) {
+        (self.capabilities, self.is_paused) = (Some(can), false);
         self.halting &= self.is_moving();
+        if let Some(action) = self.open.map(|open| open.order.action) {
+            let deadline = self.deadline(action);
+            self.open = self.open.map(|open| Open { order: Order { deadline, ..open.order }, sent: since_start });
+        }
+    }
+
+    /// The robot's time stands still until its link is up anew.
+    pub(crate) const fn pause(&mut self) {
+        self.is_paused = true;
     }
 
     /// Whether a motion that was ordered has not been answered, however late it is.
@@ -111,7 +122,7 @@ impl RobotController {
     }
 
     pub(crate) fn due(&self) -> Option<Duration> {
-        self.open.map(|open| open.sent.saturating_add(open.order.deadline).saturating_add(GRACE))
+        self.open.filter(|_| !self.is_paused).map(|open| open.sent.saturating_add(open.order.deadline).saturating_add(GRACE))
     }
 
     pub(crate) fn state(&self) -> RobotState {
@@ -146,5 +157,40 @@ const fn doing(step: Move) -> RobotState {
         Move::Backward => RobotState::MovingBackward,
         Move::TurnLeft | Move::NudgeLeft => RobotState::RotateLeft,
         Move::TurnRight | Move::NudgeRight => RobotState::RotateRight,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::event::Parts;
+
+    fn can(step_s: u64) -> Capabilities {
+        let step = Duration::from_secs(step_s);
+        Capabilities { step, turn: step, photo: step, arm: Duration::ZERO, nudges: false, parts: Parts::ROUND_ROBOT }
+    }
+
+    #[test]
+    fn nothing_is_overdue_while_time_stands_and_what_goes_on_is_waited_for_anew() {
+        let mut robot = RobotController::default();
+        robot.link_up(can(1), Duration::ZERO);
+        robot.give(Action::Move(Move::Forward), Epoch(0), Duration::ZERO);
+        assert_eq!(robot.due(), Some(Duration::from_secs(3 + 1 + 2)));
+        robot.pause();
+        assert_eq!(robot.due(), None);
+        robot.link_up(can(10), Duration::from_secs(500));
+        assert_eq!(robot.due(), Some(Duration::from_secs(500 + 30 + 1 + 2)), "it is slower now");
+        assert!(robot.is_moving(), "the order is the same");
+    }
+
+    #[test]
+    fn a_robot_that_is_lost_while_its_time_stands_is_waited_for_when_it_is_back() {
+        let mut robot = RobotController::default();
+        robot.link_up(can(1), Duration::ZERO);
+        robot.pause();
+        robot.lose();
+        robot.link_up(can(1), Duration::from_secs(9));
+        robot.give(Action::Recentre, Epoch(0), Duration::from_secs(9));
+        assert!(robot.due().is_some());
     }
 }

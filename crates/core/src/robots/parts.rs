@@ -59,6 +59,12 @@ impl Parts {
         Parts(self.0 | 1 << part as u16)
     }
 
+    /// These but for one.
+    #[must_use]
+    pub const fn without(self, part: Part) -> Parts {
+        Parts(self.0 & !(1 << part as u16))
+    }
+
     /// Whether this is among them.
     #[must_use]
     pub const fn has(self, part: Part) -> bool {

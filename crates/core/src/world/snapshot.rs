@@ -10,9 +10,10 @@ use super::luggage::Luggage;
 use super::records::LuggageRecords;
 use super::resource::Resource;
 use super::retrieval::RetrievalView;
-use super::robot::{RobotShown, RobotView};
+use super::robot::{RobotShown, RobotState, RobotView};
 use super::temperature::TemperatureView;
 use crate::mission::{Hold, PhaseName};
+use crate::refused::Refused;
 use crate::search::Strategy;
 use crate::units::{Cell, Epoch, LuggageId, MissionId, Revision};
 
@@ -63,6 +64,20 @@ impl Snapshot {
     pub fn pending(&self) -> Option<&Arc<Luggage>> {
         let inspected = self.mission.inspected.and_then(|id| self.luggage(id)).filter(|luggage| luggage.is_pending());
         inspected.or_else(|| self.luggage.pending().next())
+    }
+
+    /// Why the robots could not be put down in another hall just now, by what is shown (`Engine::put_down_in`); `None` when they could.
+    #[must_use]
+    pub fn bound_to_hall(&self) -> Option<Refused> {
+        let is_over = matches!(self.mission.phase, PhaseName::Idle | PhaseName::Explored | PhaseName::BagSecured);
+        let stands = |robot: &RobotShown| robot.view.state == RobotState::Stopped && !robot.view.halting;
+        if !is_over {
+            Some(Refused::NotInPhase(self.mission.phase))
+        } else if !self.robots.iter().all(stands) {
+            Some(Refused::Moving)
+        } else {
+            self.mission.holds.contains(&Hold::Store).then_some(Refused::StoreDown)
+        }
     }
 }
 

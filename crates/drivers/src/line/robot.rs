@@ -124,6 +124,7 @@ impl LineRobot {
             RobotEvent::Photo(_, photo) => self.send_photo(&photo),
             RobotEvent::StandsOutside(..)
             | RobotEvent::LinkLost(_)
+            | RobotEvent::Paused
             | RobotEvent::Found(..)
             | RobotEvent::Arm(_)
             | RobotEvent::ParcelLost(_) => {}

@@ -278,6 +278,7 @@ impl Run {
             }
             RobotEvent::PhotoFailed(id, _) => drop(self.close(id)),
             other @ (RobotEvent::StandsOutside(..)
+            | RobotEvent::Paused
             | RobotEvent::Found(..)
             | RobotEvent::Arm(_)
             | RobotEvent::ParcelLost(_)

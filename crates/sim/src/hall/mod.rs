@@ -158,6 +158,35 @@ impl Hall {
         hall
     }
 
+    /// The same hall with obstacles in these cells, as far as they are free: nobody knows what they are before it is looked.
+    #[must_use]
+    pub fn blocked(&self, cells: &BTreeSet<Cell>) -> Hall {
+        let mut hall = self.clone();
+        for place in cells.iter().filter_map(|cell| self.place(*cell)) {
+            if hall.squares[place] == Truth::Free {
+                hall.squares[place] = Truth::Wall;
+            }
+        }
+        hall
+    }
+
+    /// The pieces that no robot can come to: none of their cells is beside one that is reachable.
+    #[must_use]
+    pub fn unreachable_pieces(&self) -> Vec<&Bag> {
+        let reached = self.reachable();
+        let is_met = |bag: &&Bag| bag.cells.iter().any(|cell| cell.neighbours().iter().any(|beside| reached.contains(beside)));
+        self.bags.iter().filter(|bag| !is_met(bag)).collect()
+    }
+
+    /// The free cells that no robot can come to.
+    #[must_use]
+    pub fn unreachable_cells(&self) -> Vec<Cell> {
+        let reached = self.reachable();
+        let Bounds { least, most } = self.bounds;
+        let all = (least.y..=most.y).flat_map(|y| (least.x..=most.x).map(move |x| Cell::new(x, y)));
+        all.filter(|cell| self.truth(*cell) == Truth::Free && !reached.contains(cell)).collect()
+    }
+
     /// Every cell the robot can come to from its start, going from side to side over free cells.
     #[must_use]
     pub fn reachable(&self) -> BTreeSet<Cell> {
@@ -226,6 +255,19 @@ mod tests {
         let reachable = hall().reachable();
         assert!(reachable.contains(&Cell::new(1, -1)));
         assert!(!reachable.contains(&Cell::new(2, 1)), "the cell behind the bag");
+    }
+
+    #[test]
+    fn what_cannot_be_reached_is_named_and_a_blocked_cell_is_in_the_way() {
+        let hall = hall();
+        assert_eq!(hall.unreachable_cells(), vec![Cell::new(2, 1)]);
+        assert!(hall.unreachable_pieces().is_empty());
+        let blocked = hall.blocked(&BTreeSet::from([Cell::new(0, -1), Cell::new(1, 0), Cell::new(99, 99)]));
+        assert_eq!(blocked.truth(Cell::new(0, -1)), Truth::Wall);
+        assert_eq!(blocked.truth(Cell::new(1, 0)), Truth::Luggage(Piece(1)), "luggage stays what it is");
+        assert!(blocked.unreachable_cells().contains(&Cell::new(1, -1)));
+        let walled = Hall::from_rows("test", &["S#a"]).expect("a valid drawing");
+        assert_eq!(walled.unreachable_pieces().len(), 1);
     }
 
     #[test]

@@ -21,12 +21,14 @@ pub(super) struct Ground {
     taken_in: Vec<Piece>,
     /// Cells that were closed since the hall was opened.
     closed: BTreeSet<Cell>,
+    /// Cells with something in the way that is taken away again.
+    blocked: BTreeSet<Cell>,
 }
 
 impl Ground {
     #[cfg(test)]
     pub(super) const fn new(hall: Arc<Hall>) -> Ground {
-        Ground { hall, moved: BTreeMap::new(), taken_in: Vec::new(), closed: BTreeSet::new() }
+        Ground { hall, moved: BTreeMap::new(), taken_in: Vec::new(), closed: BTreeSet::new(), blocked: BTreeSet::new() }
     }
 
     /// As it was left.
@@ -37,6 +39,7 @@ impl Ground {
             moved: lying.iter().map(|(piece, place)| (*piece, Some(*place))).chain(inside).collect(),
             taken_in: taken_in.to_vec(),
             closed: closed.iter().copied().collect(),
+            blocked: BTreeSet::new(),
         }
     }
 
@@ -63,7 +66,7 @@ impl Ground {
 
     /// What is in a cell, the bases aside.
     pub(super) fn truth(&self, cell: Cell) -> Truth {
-        if self.closed.contains(&cell) {
+        if self.closed.contains(&cell) || self.blocked.contains(&cell) {
             return Truth::Wall;
         }
         if let Some((piece, _)) = self.lying().find(|(_, place)| *place == Place::Cell(cell)) {
@@ -114,6 +117,10 @@ impl Ground {
     pub(super) fn take_in(&mut self, piece: Piece) {
         self.moved.insert(piece, None);
         self.taken_in.push(piece);
+    }
+
+    pub(super) fn block(&mut self, cells: BTreeSet<Cell>) {
+        self.blocked = cells;
     }
 
     pub(super) fn close(&mut self, cell: Cell) {

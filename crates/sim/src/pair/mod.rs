@@ -20,7 +20,7 @@ mod settings;
 #[cfg(test)]
 mod tests;
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -123,15 +123,33 @@ impl Pair {
 
     /// Somebody closes a cell for good. One in which a robot or a parcel is stays as it is: false.
     pub fn close_cell(&mut self, cell: Cell) -> bool {
-        let place = Place::Cell(cell);
-        let in_use = self.robots.iter().any(|robot| robot.is_in_or_enters(place, self.now))
-            || self.load().is_some_and(|parcel| parcel.place == place)
-            || self.ground.piece_at(place).is_some();
+        let in_use = self.is_in_use(cell);
         if !in_use {
             self.ground.close(cell);
             self.unkept = true;
         }
         !in_use
+    }
+
+    /// Something stands in these cells until it is taken away, and in no others. Whether all of it does: where a robot or a parcel is,
+    /// nothing is put.
+    pub fn handle_blocked(&mut self, cells: &BTreeSet<Cell>) -> bool {
+        let (taken, free): (BTreeSet<Cell>, BTreeSet<Cell>) = cells.iter().partition(|cell| self.is_in_use(**cell));
+        self.ground.block(free);
+        taken.is_empty()
+    }
+
+    fn is_in_use(&self, cell: Cell) -> bool {
+        let place = Place::Cell(cell);
+        self.robots.iter().any(|robot| robot.is_in_or_enters(place, self.now))
+            || self.load().is_some_and(|parcel| parcel.place == place)
+            || self.ground.piece_at(place).is_some()
+    }
+
+    /// Says anew what both can do.
+    pub fn tell_capabilities(&mut self) {
+        let can = self.capabilities();
+        self.events.extend(Which::ALL.map(|which| (which, RobotEvent::LinkUp(can))));
     }
 
     /// Whether one of them waits for the other to be told its part of what only both can do.

@@ -119,6 +119,7 @@ impl Crew {
             }
             RobotEvent::LinkUp(_)
             | RobotEvent::LinkLost(_)
+            | RobotEvent::Paused
             | RobotEvent::Photo(..)
             | RobotEvent::PhotoFailed(..)
             | RobotEvent::Sonar(_)

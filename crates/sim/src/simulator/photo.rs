@@ -55,7 +55,7 @@ impl Sim {
             Film::Developed(photo) => photo,
             Film::Away => return,
         };
-        self.events.push_back(if self.failures.happens(self.settings.photo_failure_rate) {
+        self.events.push_back(if self.faults.camera_fails || self.failures.happens(self.settings.photo_failure_rate) {
             RobotEvent::PhotoFailed(order, "the shutter did not open: take the photo again".to_owned())
         } else {
             RobotEvent::Photo(order, photo)

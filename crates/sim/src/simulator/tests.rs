@@ -4,6 +4,7 @@
 use super::super::settings::Camera;
 use super::*;
 use hallsweep_core::effect::Stamp;
+use hallsweep_core::event::Whereabouts;
 use hallsweep_core::units::{Cell, Epoch, Heading};
 
 mod recall;

@@ -188,7 +188,7 @@ mod tests {
 
     fn update(shown: &mut Shown, snapshot: Snapshot) -> Message {
         let snapshot = Arc::new(snapshot);
-        let hall = HallInfo { name: "airport", cell_m: None, evacuation_m: 100.0, robot: None };
+        let hall = HallInfo { name: "airport".into(), cell_m: None, evacuation_m: 100.0, robot: None };
         let view = View { snapshot: &snapshot, hall, began: None, who: None, why: None, now: TEN, line: None, then: None };
         shown.update(&snapshot, &view)
     }

@@ -49,9 +49,9 @@ pub(super) struct Then {
 }
 
 /// What is known beforehand of the hall, and of the robot that searches it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct HallInfo<'a> {
-    pub(super) name: &'a str,
+    pub(super) name: Arc<str>,
     /// The side of a cell, in metres, where it is known.
     pub(super) cell_m: Option<f64>,
     /// How far away from a bomb people must be, in metres.
@@ -62,8 +62,8 @@ pub(super) struct HallInfo<'a> {
 
 impl<'a> HallInfo<'a> {
     pub(super) fn of(door: &'a HttpDoor) -> HallInfo<'a> {
-        let robot = door.robots.of(RobotId::discovery().name());
-        HallInfo { name: &door.hall, cell_m: door.cell_m, evacuation_m: door.evacuation_m, robot }
+        let (name, cell_m) = door.hall();
+        HallInfo { name, cell_m, evacuation_m: door.evacuation_m, robot: door.robots.of(RobotId::discovery().name()) }
     }
 }
 
@@ -117,6 +117,11 @@ impl Mood {
 }
 
 impl View<'_> {
+    /// Whether the robot that searches is simulated.
+    pub(super) fn is_simulated(&self) -> bool {
+        self.hall.robot.is_some_and(|robot| robot.kind == "sim")
+    }
+
     /// What was refused at this button, or the empty place for it.
     pub(super) fn why(&self, button: &str) -> Why {
         self.why.clone().filter(|why| why.button == button).unwrap_or_else(|| Why::new(button, ""))

@@ -79,7 +79,7 @@ async fn only_so_many_commands_are_under_way_and_one_more_is_told_so() {
     let came = std::iter::from_fn(|| envelopes.try_recv().ok());
     let names = came.filter_map(|envelope| match envelope {
         Envelope::Command(request, _) => request.id.map(|id| id.text().to_owned()),
-        Envelope::Refused(..) => None,
+        Envelope::Refused(..) | Envelope::Simulated(..) | Envelope::PutDown(..) => None,
     });
     assert_eq!(names.collect::<Vec<_>>(), ["k2"]);
 }

@@ -1,0 +1,57 @@
+//! What is done to the hall and the robots where both are simulated, and what stays true of the mission then: it is on record with whoever
+//! did it, and a robot is put down in another hall only when nothing is lost by it. How anything is simulated is not known here.
+
+use super::Engine;
+use super::outbox::WaitingAnswer;
+use crate::command::{Issuer, Refused};
+use crate::effect::Fact;
+use crate::event::RobotId;
+use crate::mission::Hold;
+use crate::units::{Now, Ticket};
+use crate::world::log::Tone;
+
+impl Engine {
+    /// Somebody did something to what is simulated, in these words, as `the simulator was paused`: it goes into log and journal.
+    pub fn note_simulated(&mut self, issuer: &Issuer, words: &str, now: Now) {
+        self.begin(now);
+        self.write_simulated(issuer, words);
+    }
+
+    /// Puts the robots down at home in another hall, while no mission is under way (one that is over is put away). These, which are
+    /// simulated, count as unreached until they say that they stand there. The ticket is answered when all of it is on record.
+    ///
+    /// # Errors
+    /// Why not now: something would be lost. Nothing has changed.
+    pub fn put_down_in(&mut self, hall: &str, robots: &[RobotId], issuer: &Issuer, now: Now) -> Result<Ticket, Refused> {
+        self.may_be_put_down()?;
+        self.begin(now);
+        self.write_simulated(issuer, &format!("put down in the hall {hall}"));
+        self.put_down();
+        for robot in robots {
+            self.link_lost(robot, format!("it is put down in the hall {hall}"));
+        }
+        let (ticket, seq) = (self.outbox.next_ticket(), self.outbox.written());
+        self.outbox.wait(WaitingAnswer { ticket, seq, luggage: None, verdict: None, decided: false });
+        self.go_on();
+        Ok(ticket)
+    }
+
+    fn may_be_put_down(&self) -> Result<(), Refused> {
+        if self.state.phase.is_mission() {
+            Err(Refused::NotInPhase(self.state.phase.name()))
+        } else if self.robots.are_halting() || !self.robots.moving().is_empty() {
+            Err(Refused::Moving)
+        } else if self.state.holds.contains(Hold::Store) {
+            Err(Refused::StoreDown)
+        } else {
+            Ok(())
+        }
+    }
+
+    fn write_simulated(&mut self, issuer: &Issuer, words: &str) {
+        self.world.write(self.now.wall, Tone::Info, format!("{words}, by {issuer}"));
+        let (issuer, command) = (issuer.clone(), words.to_owned());
+        let fact = Fact::Command { issuer, id: None, command, epoch: None, luggage: None, refused: None };
+        self.outbox.record_command(self.now.wall, fact, None);
+    }
+}

@@ -1,0 +1,82 @@
+//! What the core makes of a simulator in somebody's hand: time that stands still, and another hall.
+
+use super::*;
+
+fn robot(engine: &mut Engine, report: RobotEvent, at: u64) {
+    engine.handle_event(Event::Robot(RobotId::discovery(), report), now(at));
+}
+
+fn issuer() -> Issuer {
+    Issuer::operator(Door::LOCAL)
+}
+
+fn put_down(engine: &mut Engine) -> Result<Ticket, Refused> {
+    engine.put_down_in("depot", &[RobotId::discovery()], &issuer(), now(2))
+}
+
+/// Everything that the engine wants kept, as words.
+fn recorded(engine: &mut Engine) -> Vec<String> {
+    let mut words = Vec::new();
+    while let Some(effect) = engine.poll_effect() {
+        if let Effect::Record(page) = effect {
+            words.extend(page.entries.iter().map(|entry| format!("{:?}", entry.fact)));
+            engine.handle_event(Event::Recorded(page.last()), now(3));
+        }
+    }
+    words
+}
+
+#[test]
+fn a_robot_whose_time_stands_is_never_overdue_and_is_waited_for_when_it_goes_on() {
+    let mut engine = sweep_in(PhaseName::Exploring, &[]);
+    engine.handle_timeout(now(1));
+    assert!(!settle(&mut engine).is_empty(), "it was ordered on");
+    robot(&mut engine, RobotEvent::Paused, 1);
+    engine.handle_timeout(now(10_000));
+    assert_eq!(engine.snapshot().mission.phase, PhaseName::Exploring);
+    let can = engine.robots.searching().controller.capabilities.expect("it is linked");
+    robot(&mut engine, RobotEvent::LinkUp(can), 10_000);
+    engine.handle_timeout(now(10_001));
+    assert_eq!(engine.snapshot().mission.phase, PhaseName::Exploring, "it has its time again");
+    engine.handle_timeout(now(10_100));
+    assert_eq!(engine.snapshot().mission.phase, PhaseName::Fault, "and no more than that");
+}
+
+#[test]
+fn a_hall_is_left_only_when_no_mission_is_under_way_and_no_robot_moves() {
+    for phase in PhaseName::ALL {
+        let mut engine = sweep_in(phase, &[]);
+        let is_over = matches!(phase, PhaseName::Idle | PhaseName::Explored | PhaseName::BagSecured);
+        let bound = engine.snapshot().bound_to_hall();
+        let put_down = put_down(&mut engine);
+        assert_eq!(put_down.is_ok(), is_over, "{phase:?}");
+        assert_eq!(put_down.err(), bound, "{phase:?}: what is shown is what is done");
+    }
+    assert_eq!(put_down(&mut sweep_in(PhaseName::Idle, &[Hold::Store])), Err(Refused::StoreDown));
+    let mut driven = sweep_in(PhaseName::Idle, &[]);
+    driven.handle_command(Request::new(Command::Move(Move::TurnLeft), issuer()), now(1)).expect("it may be driven");
+    settle(&mut driven);
+    assert!(put_down(&mut driven).is_err(), "it moves");
+}
+
+#[test]
+fn put_down_in_another_hall_the_map_is_empty_who_asked_is_on_record_and_nothing_moves_before_the_robot_is_there() {
+    let mut engine = sweep_in(PhaseName::Explored, &[]);
+    put_down(&mut engine).expect("nothing is under way");
+    let words = recorded(&mut engine);
+    assert!(words.iter().any(|fact| fact.contains("put down in the hall depot") && fact.contains("operator")), "{words:?}");
+    let state = engine.snapshot();
+    assert_eq!((state.mission.phase, state.robot.pose), (PhaseName::Idle, Pose::START));
+    assert!(state.mission.holds.contains(&Hold::RobotLink), "it is not there yet");
+    assert_eq!((state.mission.progress.visited, state.luggage.len()), (1, 0));
+    assert!(engine.handle_command(Request::new(Command::Start, issuer()), now(4)).is_err());
+}
+
+#[test]
+fn what_was_done_to_the_simulator_is_in_log_and_journal() {
+    let mut engine = sweep_in(PhaseName::Exploring, &[]);
+    engine.note_simulated(&issuer(), "simulator paused", now(1));
+    assert!(recorded(&mut engine).iter().any(|fact| fact.contains("simulator paused")));
+    let log: Vec<String> = engine.snapshot().log.iter().map(|line| line.text.clone()).collect();
+    assert!(log.contains(&"simulator paused, by operator (local)".to_owned()), "{log:?}");
+}

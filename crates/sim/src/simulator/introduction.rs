@@ -1,0 +1,36 @@
+//! What a simulated robot says of itself: where it stands and what it can do.
+
+use std::time::Duration;
+
+use super::super::settings::SimSettings;
+use super::Sim;
+use hallsweep_core::event::{Capabilities, Parts, RobotEvent, Whereabouts};
+use hallsweep_core::robots::Part;
+
+impl Sim {
+    /// What it says of itself when its link comes up.
+    pub(super) fn introduce(&mut self) {
+        let off_centre = self.is_off_centre();
+        let stands = match self.outside {
+            0 => RobotEvent::Stands(Whereabouts { pose: self.pose, off_centre }),
+            steps => RobotEvent::StandsOutside(steps, self.pose.heading, off_centre),
+        };
+        self.events.push_back(stands);
+        self.tell_hook();
+        self.events.push_back(RobotEvent::LinkUp(self.capabilities()));
+    }
+
+    /// What it can do, in simulated time.
+    #[must_use]
+    pub const fn capabilities(&self) -> Capabilities {
+        let SimSettings { step, turn, photo, has_hook, hook, .. } = self.settings;
+        let (arm, parts) = if has_hook { (hook, Parts::ROUND_ROBOT_WITH_HOOK) } else { (Duration::ZERO, Parts::ROUND_ROBOT) };
+        let parts = if self.faults.no_thermometer { parts.without(Part::Thermometer) } else { parts };
+        Capabilities { step, turn, photo, arm, nudges: false, parts }
+    }
+
+    /// Says anew what it can do.
+    pub fn tell_capabilities(&mut self) {
+        self.events.push_back(RobotEvent::LinkUp(self.capabilities()));
+    }
+}

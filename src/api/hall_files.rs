@@ -1,0 +1,165 @@
+//! Hall files of every format as somebody sends them, read in memory: the hall they make, as our own hall file, and what a search of it would
+//! not come to. An image comes behind the YAML that says what it means, parted by YAML's own end of a document, a line `...`.
+
+use serde::Serialize;
+
+use hallsweep_core::units::Cell;
+use hallsweep_sim::{Export, Format, Hall, HallError, Scene};
+
+/// So many findings of one kind are said by their cells; of the others how many there are.
+const SAID: usize = 20;
+
+/// A file that was read.
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct ReadHall {
+    name: String,
+    width: i32,
+    height: i32,
+    cell_m: f64,
+    pieces: usize,
+    /// The whole hall, as a hall file.
+    pub toml: String,
+    pub findings: Vec<Finding>,
+}
+
+/// Something that a search of the hall would not come to.
+#[derive(Debug, PartialEq, Serialize)]
+pub struct Finding {
+    /// Where, counted from 0 in the north-west corner of the drawing.
+    pub column: i32,
+    pub row: i32,
+    pub text: String,
+}
+
+impl ReadHall {
+    /// Reads a file that is called so.
+    pub fn of(file: &str, bytes: &[u8]) -> Result<ReadHall, HallError> {
+        let ends = |extension: &str| file.to_ascii_lowercase().ends_with(extension);
+        if ends(".js") {
+            let hall = Scene::parse(file, bytes)?.hall(&stem(file)).map_err(|fault| fault.of(file))?;
+            let toml = text(&Export::from(hall));
+            return Ok(ReadHall::new(&Hall::parse(file.trim_end_matches(".js"), &toml)?));
+        }
+        if let Some((yaml, image)) = (ends(".yaml") || ends(".yml")).then(|| parted(bytes)).flatten() {
+            let yaml = String::from_utf8_lossy(yaml);
+            return Ok(ReadHall::new(&Hall::parse_occupancy(file, &yaml, "the image", image, None)?));
+        }
+        Ok(ReadHall::new(&Hall::parse(file, &String::from_utf8_lossy(bytes))?))
+    }
+
+    fn new(hall: &Hall) -> ReadHall {
+        let bounds = hall.bounds();
+        ReadHall {
+            name: hall.name().to_owned(),
+            width: bounds.width(),
+            height: bounds.height(),
+            cell_m: hall.cell_m(),
+            pieces: hall.pieces().len(),
+            toml: text(&Export::from(hall.clone())),
+            findings: findings(hall),
+        }
+    }
+}
+
+fn text(export: &Export) -> String {
+    String::from_utf8_lossy(&export.file(Format::Toml, "hall")).into_owned()
+}
+
+fn stem(file: &str) -> String {
+    std::path::Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// What stands before and behind the first line `...`.
+fn parted(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
+    const END: &[u8] = b"\n...\n";
+    let at = bytes.windows(END.len()).position(|window| window == END)?;
+    Some((&bytes[..=at], &bytes[at + END.len()..]))
+}
+
+/// Pieces first: what nobody finds may be a bomb.
+fn findings(hall: &Hall) -> Vec<Finding> {
+    let least = hall.bounds().least;
+    let at = |cell: Cell, text: String| Finding { column: cell.x - least.x, row: cell.y - least.y, text };
+    let pieces = hall.unreachable_pieces();
+    let of_pieces = pieces.iter().filter_map(|bag| {
+        let cell = *bag.cells.first()?;
+        Some(at(cell, format!("the {} at {cell} cannot be reached: no free cell beside it leads home", bag.name)))
+    });
+    let cells = hall.unreachable_cells();
+    let of_cells = cells.iter().map(|cell| at(*cell, format!("the free cell {cell} cannot be reached from home")));
+    let mut said: Vec<Finding> = of_pieces.take(SAID).chain(of_cells.take(SAID)).collect();
+    let more = pieces.len().saturating_sub(SAID) + cells.len().saturating_sub(SAID);
+    if more > 0 {
+        said.push(at(least, format!("and {more} more that cannot be reached")));
+    }
+    if hall.pieces().is_empty() {
+        said.push(at(Cell::HOME, "there is no luggage in it: a search has nothing to inspect".to_owned()));
+    }
+    said
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(file: &str, bytes: &[u8]) -> ReadHall {
+        ReadHall::of(file, bytes).unwrap_or_else(|error| panic!("{file}: {error}"))
+    }
+
+    #[test]
+    fn a_file_of_every_format_is_read() {
+        let toml = b"drawing = \"\"\"\nS.T\n\"\"\"\n";
+        let movingai = b"type octile\nheight 1\nwidth 3\nmap\n..T\n";
+        let yaml =
+            b"image: m.pgm\nresolution: 0.5\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n...\n\
+                     P2 3 1 255\n254 254 0\n";
+        let scene = b"const config = { floor: { size: { x: 35, y: 35 } }, player: { position: { x: .08, y: .08 }, speed: .2 },\n\
+                      staticObstacles: [] };\nexport default config;\n";
+        for (file, bytes, size, pieces) in [
+            ("m.toml", &toml[..], (3, 1), 1),
+            ("m.map", movingai, (3, 1), 1),
+            ("m.yaml", yaml, (3, 1), 0),
+            ("m.txt", b"|r, 1, X, \n", (3, 1), 0),
+            ("room.js", scene, (9, 9), 0),
+        ] {
+            let hall = read(file, bytes);
+            assert_eq!(((hall.width, hall.height), hall.pieces), (size, pieces), "{file}");
+            let again = read("again.toml", hall.toml.as_bytes());
+            assert_eq!((again.width, again.height, again.pieces), (hall.width, hall.height, hall.pieces), "{file}");
+        }
+    }
+
+    #[test]
+    fn what_a_search_does_not_come_to_is_said_with_its_cell() {
+        let hall = read("m.toml", b"drawing = \"\"\"\n.#T#\nS###\n.#..\n\"\"\"\n");
+        let said: Vec<_> = hall.findings.iter().map(|finding| (finding.column, finding.row, &*finding.text)).collect();
+        let [(2, 0, piece), (2, 2, first), (3, 2, _)] = said[..] else { panic!("{said:?}") };
+        assert!(piece.contains("at (2, -1) cannot be reached"), "{piece}");
+        assert!(first.contains("(2, 1)"), "{first}");
+        assert!(read("m.toml", b"drawing = \"\"\"\nS.T\n\"\"\"\n").findings.is_empty());
+        let empty = read("m.toml", b"width = 3\nheight = 2\n").findings;
+        assert!(empty.iter().any(|finding| finding.text.contains("no luggage")), "{empty:?}");
+    }
+
+    #[test]
+    fn a_great_many_findings_are_counted() {
+        let walls = format!("drawing = \"\"\"\nS#{}\n\"\"\"\n", ".".repeat(100));
+        let findings = read("m.toml", walls.as_bytes()).findings;
+        assert!(findings.len() < 30 && findings.iter().any(|finding| finding.text == "and 80 more that cannot be reached"));
+    }
+
+    #[test]
+    fn what_cannot_be_read_is_said_with_its_file() {
+        for (file, bytes, words) in [
+            ("m.toml", &b"drawing = \"\"\"\n...\n\"\"\"\n"[..], "m.toml:1: no start"),
+            ("m.js", b"nonsense", "m.js:1: "),
+            ("m.yaml", b"image: m.pgm\n", "m.yaml: "),
+            ("m.yaml", b"image: m.pgm\n...\nP5 9 9 255\n", "m.yaml: "),
+            ("m.map", b"\xff\xfe", "m.map:1: "),
+        ] {
+            let why = ReadHall::of(file, bytes).expect_err(file).to_string();
+            assert!(why.starts_with(words), "{why}");
+        }
+    }
+}

@@ -1,0 +1,201 @@
+//! The simulator on the wire: its state, what is to be other than it is, and the hall in which the robots are to be put down. What is shown
+//! and what is sent have the same names, so that what was read can be sent back changed.
+
+use std::collections::BTreeSet;
+
+use serde::{Serialize, Serializer};
+use serde_json::Value;
+
+use super::fields::{Body, Fields, Unusable, in_short};
+use crate::runtime::simulator::{Change, HallSource, OtherHall, Pace, SimulatorState};
+use hallsweep_core::units::Cell;
+
+/// `GET simulator`
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct SimulatorJson<'a> {
+    hall: HallJson<'a>,
+    /// In digits and quotes: not every reader has whole numbers so large.
+    #[serde(serialize_with = "in_digits")]
+    seed: u64,
+    #[serde(serialize_with = "speed")]
+    speed: Pace,
+    paused: bool,
+    link_lost: bool,
+    no_thermometer: bool,
+    camera_fails: bool,
+    blocked: Vec<CellJson>,
+    /// The names of the halls that are offered.
+    halls: Vec<String>,
+    /// Why the robots cannot be put down in another hall just now.
+    bound: Option<String>,
+}
+
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+struct HallJson<'a> {
+    name: &'a str,
+    /// In cells.
+    width: u32,
+    height: u32,
+    cell_m: f64,
+    pieces: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct CellJson {
+    x: i32,
+    y: i32,
+}
+
+impl<'a> SimulatorJson<'a> {
+    pub fn new(state: &'a SimulatorState, halls: Vec<String>, bound: Option<String>) -> SimulatorJson<'a> {
+        let SimulatorState { hall, seed, speed, is_paused, faults } = state;
+        let (width, height) = hall.size;
+        SimulatorJson {
+            hall: HallJson { name: &hall.name, width, height, cell_m: hall.cell_m, pieces: hall.pieces },
+            seed: *seed,
+            speed: *speed,
+            paused: *is_paused,
+            link_lost: faults.link_lost,
+            no_thermometer: faults.no_thermometer,
+            camera_fails: faults.camera_fails,
+            blocked: faults.blocked.iter().map(|cell| CellJson { x: cell.x, y: cell.y }).collect(),
+            halls,
+            bound,
+        }
+    }
+}
+
+fn in_digits<S: Serializer>(number: &u64, to: S) -> Result<S::Ok, S::Error> {
+    to.collect_str(number)
+}
+
+fn speed<S: Serializer>(speed: &Pace, to: S) -> Result<S::Ok, S::Error> {
+    match speed {
+        Pace::Times(factor) => to.serialize_f64(*factor),
+        Pace::Max => to.serialize_str("max"),
+    }
+}
+
+/// `PUT simulator`
+pub struct ChangeBody(pub Change);
+
+impl Body for ChangeBody {
+    const FIELDS: &'static [&'static str] = &["speed", "paused", "linkLost", "noThermometer", "cameraFails", "blocked"];
+
+    fn taken(fields: &Fields) -> Result<ChangeBody, Unusable> {
+        let whether = |name| fields.field(name, "true or false", Value::as_bool);
+        let number_or_max = |value: &Value| value.as_str().map(str::to_owned).or_else(|| Some(value.as_f64()?.to_string()));
+        let speed = fields.field("speed", "a number, as 2, or \"max\"", number_or_max)?;
+        let blocked = fields.field("blocked", "a list of cells, as [{\"x\":1,\"y\":2}],", cells)?;
+        Ok(ChangeBody(Change {
+            speed: speed.as_deref().map(pace).transpose()?,
+            is_paused: whether("paused")?,
+            link_lost: whether("linkLost")?,
+            no_thermometer: whether("noThermometer")?,
+            camera_fails: whether("cameraFails")?,
+            blocked,
+        }))
+    }
+}
+
+fn cells(value: &Value) -> Option<BTreeSet<Cell>> {
+    let side = |cell: &Value, name: &str| i32::try_from(cell.get(name)?.as_i64()?).ok();
+    value.as_array()?.iter().map(|cell| Some(Cell::new(side(cell, "x")?, side(cell, "y")?))).collect()
+}
+
+/// A speed, as a person writes it too.
+pub fn pace(text: &str) -> Result<Pace, Unusable> {
+    if text.trim() == "max" {
+        return Ok(Pace::Max);
+    }
+    let range = Pace::SLOWEST..=Pace::FASTEST;
+    let factor = text.trim().replace(',', ".").parse().ok().filter(|factor| range.contains(factor));
+    factor.map(Pace::Times).ok_or_else(|| {
+        let words = format!("`speed` is {}: {} to {} belongs there, or max", in_short(text), Pace::SLOWEST, Pace::FASTEST);
+        Unusable::new(words)
+    })
+}
+
+/// `PUT simulator/hall`
+pub struct HallBody(pub OtherHall);
+
+impl Body for HallBody {
+    const FIELDS: &'static [&'static str] = &["name", "toml", "seed"];
+
+    fn taken(fields: &Fields) -> Result<HallBody, Unusable> {
+        let source = match (fields.text("name")?, fields.text("toml")?) {
+            (Some(name), None) => HallSource::Named(name),
+            (None, Some(toml)) => HallSource::Toml(toml),
+            (Some(_), Some(_)) => return Err(Unusable::new("`name` and `toml` are both there: send one of them".to_owned())),
+            (None, None) => {
+                let words = "a hall is missing: send `name`, as \"airport\", or `toml`, a hall file as a text".to_owned();
+                return Err(Unusable::new(words));
+            }
+        };
+        let digits = |value: &Value| value.as_str().map_or_else(|| value.as_u64(), |text| text.parse().ok());
+        Ok(HallBody(OtherHall { source, seed: fields.field("seed", "a whole number from 0", digits)? }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::api::fields::{Unread, body};
+
+    fn change(text: &str) -> Result<Change, String> {
+        body::<ChangeBody>(text.as_bytes()).map(|ChangeBody(change)| change).map_err(said)
+    }
+
+    fn said(unread: Unread) -> String {
+        match unread {
+            Unread::Malformed(words) => words,
+            Unread::Unusable(unusable) => unusable.to_string(),
+        }
+    }
+
+    #[test]
+    fn what_is_named_changes_and_nothing_else() {
+        assert_eq!(change("{}"), Ok(Change::default()));
+        let all = r#"{"speed":"max","paused":true,"linkLost":false,"cameraFails":true,"blocked":[{"x":1,"y":-2}]}"#;
+        let expect = Change {
+            speed: Some(Pace::Max),
+            is_paused: Some(true),
+            link_lost: Some(false),
+            camera_fails: Some(true),
+            blocked: Some(BTreeSet::from([Cell::new(1, -2)])),
+            no_thermometer: None,
+        };
+        assert_eq!(change(all), Ok(expect));
+        assert_eq!(change(r#"{"speed":2.5}"#), Ok(Change { speed: Some(Pace::Times(2.5)), ..Change::default() }));
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_its_field() {
+        for (body, words) in [
+            (r#"{"speed":0}"#, "`speed` is 0: 0.1 to 1000 belongs there, or max"),
+            (r#"{"speed":"fast"}"#, "`speed` is fast"),
+            (r#"{"speed":"nan"}"#, "`speed` is nan"),
+            (r#"{"paused":"yes"}"#, "`paused` is \"yes\": true or false belongs there"),
+            (r#"{"blocked":[{"x":1}]}"#, "`blocked` is [{\"x\":1}]: a list of cells"),
+            (r#"{"blocked":[{"x":1,"y":5000000000}]}"#, "`blocked` is"),
+            (r#"{"hall":"airport"}"#, "this command has no field `hall`"),
+        ] {
+            let why = change(body).expect_err(body);
+            assert!(why.contains(words), "{body}: {why}");
+        }
+    }
+
+    #[test]
+    fn a_hall_is_named_or_sent_and_never_both() {
+        let hall = |text: &str| body::<HallBody>(text.as_bytes()).map(|HallBody(hall)| hall).map_err(said);
+        let named = OtherHall { source: HallSource::Named("seed".to_owned()), seed: Some(18_446_744_073_709_551_615) };
+        assert_eq!(hall(r#"{"name":"seed","seed":"18446744073709551615"}"#), Ok(named));
+        let sent = OtherHall { source: HallSource::Toml("width = 2".to_owned()), seed: None };
+        assert_eq!(hall(r#"{"toml":"width = 2"}"#), Ok(sent));
+        assert!(hall("{}").is_err_and(|why| why.contains("a hall is missing")));
+        assert!(hall(r#"{"name":"a","toml":"b"}"#).is_err_and(|why| why.contains("both there")));
+        assert!(hall(r#"{"name":"a","seed":-1}"#).is_err_and(|why| why.contains("`seed` is -1")));
+    }
+}

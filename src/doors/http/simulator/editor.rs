@@ -1,0 +1,86 @@
+//! The editor of halls as a page. Without scripts it is a text field with the hall file, which can be checked and used; with them `editor.js`
+//! draws the same text.
+
+use std::sync::Arc;
+
+use askama::Template;
+use axum::response::{IntoResponse, Redirect, Response};
+use serde::Deserialize;
+
+use super::super::console::html;
+use super::super::problem::Problem;
+use super::super::query::Query;
+use super::super::reading::HallForm;
+use super::{Asker, read_hall};
+use crate::api::door;
+use crate::api::fields::in_short;
+use crate::api::hall_files::Finding;
+use crate::runtime::simulator::{HallSource, OtherHall};
+
+#[derive(Template)]
+#[template(path = "simulator/editor.html")]
+struct Page {
+    toml: String,
+    halls: Vec<String>,
+    bound: Option<String>,
+    may_act: bool,
+    /// What is wrong with it, in words.
+    why: Option<String>,
+    /// What a search would not come to; `None` when it was not checked.
+    findings: Option<Vec<Finding>>,
+}
+
+impl Page {
+    fn of(asker: &Asker, toml: String) -> Page {
+        let (halls, bound, may_act) = (asker.simulator.halls(), asker.bound(), asker.may_act());
+        Page { toml, halls, bound, may_act, why: None, findings: None }
+    }
+}
+
+/// `GET simulator/editor`: the hall that is simulated, or one that is offered.
+pub(in crate::doors::http) async fn editor(asker: Asker, query: Query) -> Result<Response, Problem> {
+    query.only(&["hall"])?;
+    let toml = match query.every("hall").first() {
+        Some(name) => asker.simulator.hall(name)?,
+        None => asker.state().hall.toml.to_string(),
+    };
+    Ok(html(&Page::of(&asker, toml)).into_response())
+}
+
+#[derive(Debug, Deserialize)]
+pub(in crate::doors::http) struct Fields {
+    act: String,
+    toml: String,
+}
+
+/// `POST simulator/editor`
+pub(in crate::doors::http) async fn use_edited(asker: Asker, HallForm(fields): HallForm<Fields>) -> Response {
+    // Browsers send text with the line ends of old terminals.
+    let toml = fields.toml.replace("\r\n", "\n");
+    match acted(&asker, &fields.act, &toml).await {
+        Ok(Some(findings)) => html(&Page { findings: Some(findings), ..Page::of(&asker, toml) }).into_response(),
+        Ok(None) => Redirect::to("/simulator").into_response(),
+        Err(problem) => {
+            let page = Page { why: Some(problem.detail().to_owned()), ..Page::of(&asker, toml) };
+            let mut response = (problem.status(), html(&page)).into_response();
+            problem.tell_gate(&mut response);
+            response
+        }
+    }
+}
+
+/// What was found, or nothing when the hall is used.
+async fn acted(asker: &Asker, act: &str, toml: &str) -> Result<Option<Vec<Finding>>, Problem> {
+    match act {
+        "check" => {
+            let read = read_hall(&asker.door, "hall.toml".to_owned(), toml.as_bytes().to_vec()).await?;
+            Ok(Some(read.findings))
+        }
+        "use" => {
+            let hall = OtherHall { source: HallSource::Toml(toml.to_owned()), seed: None };
+            Asker::done(Arc::clone(&asker.simulator).put_down(hall, asker.issuer(door::CONSOLE))).await?;
+            Ok(None)
+        }
+        other => Err(Problem::not_found(format!("the editor has no button {:?}", in_short(other)))),
+    }
+}

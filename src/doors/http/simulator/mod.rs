@@ -1,0 +1,173 @@
+//! The simulator's controls, where the robot that searches is simulated: as JSON here, as pages in `page` and `editor`. What may be changed
+//! when, the core and the simulator decide; this file says who asks for it.
+
+mod editor;
+mod page;
+
+use std::sync::Arc;
+
+use axum::extract::{FromRequestParts, Path, State};
+use axum::http::header;
+use axum::http::request::Parts;
+use axum::response::{IntoResponse, Response};
+
+use super::HttpDoor;
+use super::gate::{LetIn, Peer, issuer};
+use super::problem::Problem;
+use super::query::Query;
+use super::reading::{HallFile, HallPayload, JsonPayload};
+use crate::access::Need;
+use crate::api::commands::Payload;
+use crate::api::door;
+use crate::api::fields::in_short;
+use crate::api::hall_files::ReadHall;
+use crate::api::problem::ProblemKind;
+use crate::api::simulator::{ChangeBody, HallBody, SimulatorJson};
+use crate::runtime::simulator::{NotSimulated, Simulator, SimulatorState};
+use hallsweep_core::command::{Door, Issuer, Refused};
+
+pub(super) use editor::{editor, use_edited};
+pub(super) use page::{change_by_form, choose_by_form, page};
+
+type Answer = Result<Response, Problem>;
+
+/// Whoever asks for something of the simulator.
+pub(super) struct Asker {
+    door: HttpDoor,
+    simulator: Arc<dyn Simulator>,
+    caller: crate::access::Caller,
+    peer: Peer,
+}
+
+impl FromRequestParts<HttpDoor> for Asker {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, door: &HttpDoor) -> Result<Asker, Problem> {
+        let LetIn(caller) = LetIn::from_request_parts(parts, door).await?;
+        let peer = Peer::from_request_parts(parts, door).await?;
+        let simulator = door.simulator.clone().ok_or_else(Problem::no_simulator)?;
+        Ok(Asker { door: door.clone(), simulator, caller, peer })
+    }
+}
+
+impl Asker {
+    fn issuer(&self, by: Door) -> Issuer {
+        issuer(&self.caller, by, self.peer)
+    }
+
+    fn state(&self) -> Arc<SimulatorState> {
+        Arc::clone(&self.simulator.watch().borrow())
+    }
+
+    fn may_act(&self) -> bool {
+        self.caller.may(Need::Act).is_ok()
+    }
+
+    /// Why the robots cannot be put down in another hall just now.
+    fn bound(&self) -> Option<String> {
+        self.door.handle.snapshot().bound_to_hall().map(|refused| bound(&refused))
+    }
+
+    /// In a task of its own what was begun is brought to its end although whoever asked goes.
+    async fn done(changing: crate::runtime::simulator::Changing) -> Result<Arc<SimulatorState>, Problem> {
+        Ok(tokio::spawn(changing).await.map_err(|_| Problem::internal())??)
+    }
+
+    fn json(&self, state: &SimulatorState) -> Response {
+        axum::Json(SimulatorJson::new(state, self.simulator.halls(), self.bound())).into_response()
+    }
+}
+
+/// Why the robots stay in their hall, and what to do.
+fn bound(refused: &Refused) -> String {
+    if matches!(refused, Refused::NotInPhase(_)) {
+        format!("{refused}: let the mission end, or press RESET, which keeps what was found")
+    } else {
+        refused.to_string()
+    }
+}
+
+impl Problem {
+    fn no_simulator() -> Problem {
+        let detail = "the robot that searches is not simulated: there is no simulator to be controlled".to_owned();
+        Problem::new(("notSimulated", ProblemKind::NotFound), detail)
+    }
+}
+
+impl From<NotSimulated> for Problem {
+    fn from(not: NotSimulated) -> Problem {
+        let words = not.to_string();
+        match not {
+            NotSimulated::Refused(refused) => Problem::refused(&refused).saying(bound(&refused)),
+            NotSimulated::NotPaused => Problem::new(("notPaused", ProblemKind::Conflict), words),
+            NotSimulated::NothingUnderWay => Problem::new(("nothingUnderWay", ProblemKind::Conflict), words),
+            NotSimulated::Hall(_) => Problem::new(("unusableHall", ProblemKind::Unusable), words),
+            NotSimulated::NoFreeCell(_) | NotSimulated::TooManyBlocked(_) => {
+                Problem::new(("notBlocked", ProblemKind::Unusable), words)
+            }
+            NotSimulated::NotKept(_) => Problem::new(("hallNotKept", ProblemKind::Unavailable), words),
+            NotSimulated::Gone(_) => Problem::closing(),
+        }
+    }
+}
+
+/// `GET simulator`
+pub(super) async fn simulator(asker: Asker) -> Response {
+    asker.json(&asker.state())
+}
+
+/// `PUT simulator`
+pub(super) async fn change(asker: Asker, body: JsonPayload) -> Answer {
+    let ChangeBody(change) = body.needed()?;
+    let state = Asker::done(Arc::clone(&asker.simulator).change(change, asker.issuer(door::HTTP))).await?;
+    Ok(asker.json(&state))
+}
+
+/// `POST simulator/step`
+pub(super) async fn step(asker: Asker) -> Answer {
+    let state = Asker::done(Arc::clone(&asker.simulator).step(asker.issuer(door::HTTP))).await?;
+    Ok(asker.json(&state))
+}
+
+/// `GET simulator/hall`
+pub(super) async fn hall(asker: Asker) -> Response {
+    toml(asker.state().hall.toml.to_string())
+}
+
+/// `GET simulator/halls/{name}`
+pub(super) async fn offered(asker: Asker, Path(name): Path<String>) -> Answer {
+    let hall = asker.simulator.hall(&name);
+    Ok(toml(hall.map_err(|_| {
+        Problem::not_found(format!("no hall is offered as {:?}: GET /api/v1/simulator lists them", in_short(&name)))
+    })?))
+}
+
+fn toml(text: String) -> Response {
+    ([(header::CONTENT_TYPE, "application/toml")], text).into_response()
+}
+
+/// `PUT simulator/hall`
+pub(super) async fn put_down(asker: Asker, HallPayload(body): HallPayload) -> Answer {
+    let HallBody(hall) = body.needed()?;
+    let state = Asker::done(Arc::clone(&asker.simulator).put_down(hall, asker.issuer(door::HTTP))).await?;
+    Ok(asker.json(&state))
+}
+
+/// `POST simulator/hall/check`
+pub(super) async fn check(_: Asker, State(door): State<HttpDoor>, query: Query, HallFile(bytes): HallFile) -> Answer {
+    query.only(&["name"])?;
+    let name = query.every("name").first().map_or("hall.toml", String::as_str).to_owned();
+    let read = read_hall(&door, name, bytes.into()).await?;
+    Ok(axum::Json(read).into_response())
+}
+
+/// Reads a hall beside what answers requests, one after the other, whoever asks.
+async fn read_hall(door: &HttpDoor, name: String, bytes: Vec<u8>) -> Result<ReadHall, Problem> {
+    let _turn = door.halls.acquire().await.map_err(|_| Problem::closing())?;
+    let read = tokio::task::spawn_blocking(move || ReadHall::of(&name, &bytes).map_err(|error| error.to_string()));
+    let read = read.await.map_err(|_| Problem::internal())?;
+    read.map_err(|words| Problem::new(("unusableHall", ProblemKind::Unusable), words))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,255 @@
+//! The page of the simulator's controls. Every button is a form, so that it works without scripts; what was refused is said beside it.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use askama::Template;
+use axum::response::{Html, IntoResponse, Redirect, Response};
+use serde::Deserialize;
+
+use super::super::console::html;
+use super::super::problem::Problem;
+use super::super::reading::Form;
+use super::Asker;
+use crate::api::door;
+use crate::api::fields::in_short;
+use crate::api::simulator::pace;
+use crate::runtime::simulator::{Change, HallSource, OtherHall, Pace, SimulatorState};
+use hallsweep_core::units::{Cell, Heading};
+use hallsweep_core::world::robot::{RobotState, RobotView};
+
+/// The speeds that are offered; the interface takes any between.
+const SPEEDS: [&str; 8] = ["0.1", "0.5", "1", "2", "5", "10", "50", "max"];
+
+/// One fault of the robot, its words and the buttons that bring it about and take it back.
+struct Fault {
+    name: &'static str,
+    title: &'static str,
+    /// What the core makes of it.
+    means: &'static str,
+    is_there: bool,
+    bring: &'static str,
+    take_back: &'static str,
+}
+
+#[derive(Template)]
+#[template(path = "simulator/page.html")]
+struct Page {
+    state: Arc<SimulatorState>,
+    halls: Vec<String>,
+    bound: Option<String>,
+    may_act: bool,
+    /// What was refused, and of which button.
+    why: Option<(&'static str, String)>,
+}
+
+impl Page {
+    fn of(asker: &Asker, why: Option<(&'static str, String)>) -> Page {
+        Page { state: asker.state(), halls: asker.simulator.halls(), bound: asker.bound(), may_act: asker.may_act(), why }
+    }
+
+    fn why(&self, place: &str) -> &str {
+        self.why.as_ref().filter(|(of, _)| *of == place).map_or("", |(_, words)| words)
+    }
+
+    fn speeds(&self) -> Vec<(String, bool)> {
+        let now = self.state.speed.to_string();
+        let other = (!SPEEDS.contains(&now.as_str())).then(|| now.clone());
+        other.into_iter().chain(SPEEDS.map(str::to_owned)).map(|speed| (speed.clone(), speed == now)).collect()
+    }
+
+    fn runs(&self) -> String {
+        match (self.state.is_paused, self.state.speed) {
+            (true, _) => "Paused: simulated time stands still.".to_owned(),
+            (false, Pace::Max) => "Running as fast as it can.".to_owned(),
+            (false, Pace::Times(factor)) => format!("Running at {factor} times real time."),
+        }
+    }
+
+    fn faults(&self) -> [Fault; 3] {
+        let faults = &self.state.faults;
+        [
+            Fault {
+                name: "linkLost",
+                title: "Link",
+                means: "without it the robot halts by itself and the mission is held",
+                is_there: faults.link_lost,
+                bring: "Lose the link",
+                take_back: "Restore the link",
+            },
+            Fault {
+                name: "noThermometer",
+                title: "Thermometer",
+                means: "without it no reading of the robot comes",
+                is_there: faults.no_thermometer,
+                bring: "Take the thermometer away",
+                take_back: "Give the thermometer back",
+            },
+            Fault {
+                name: "cameraFails",
+                title: "Camera",
+                means: "when it fails, no photo succeeds",
+                is_there: faults.camera_fails,
+                bring: "Let the camera fail",
+                take_back: "Mend the camera",
+            },
+        ]
+    }
+}
+
+/// `GET simulator`, the page.
+pub(in crate::doors::http) async fn page(asker: Asker) -> Html<String> {
+    html(&Page::of(&asker, None))
+}
+
+/// The fields of any form of the page but that of the hall.
+#[derive(Debug, Default, Deserialize)]
+pub(in crate::doors::http) struct Fields {
+    act: String,
+    speed: Option<String>,
+    fault: Option<String>,
+    x: Option<String>,
+    y: Option<String>,
+}
+
+/// `POST simulator/change`
+pub(in crate::doors::http) async fn change_by_form(asker: Asker, Form(fields): Form<Fields>) -> Response {
+    let issuer = asker.issuer(door::CONSOLE);
+    let simulator = Arc::clone(&asker.simulator);
+    let done = match fields.act.as_str() {
+        "step" => Asker::done(simulator.step(issuer)).await,
+        _ => match fields.change(&asker) {
+            Ok(change) => Asker::done(simulator.change(change, issuer)).await,
+            Err(problem) => Err(problem),
+        },
+    };
+    answer(&asker, fields.place(), done.err())
+}
+
+/// The fields of the form of the hall.
+#[derive(Debug, Deserialize)]
+pub(in crate::doors::http) struct HallFields {
+    name: String,
+    seed: Option<String>,
+}
+
+/// `POST simulator/hall`
+pub(in crate::doors::http) async fn choose_by_form(asker: Asker, Form(fields): Form<HallFields>) -> Response {
+    let seed = fields.seed.as_deref().map(str::trim).filter(|seed| !seed.is_empty());
+    let wrong = |seed: &str| Problem::unusable(format!("seed is {:?}: a whole number from 0 belongs there", in_short(seed)));
+    let seed = seed.map(|seed| seed.parse().map_err(|_| wrong(seed))).transpose();
+    let done = match seed {
+        Ok(seed) => {
+            let hall = OtherHall { source: HallSource::Named(fields.name), seed };
+            Asker::done(Arc::clone(&asker.simulator).put_down(hall, asker.issuer(door::CONSOLE))).await
+        }
+        Err(problem) => Err(problem),
+    };
+    answer(&asker, "hall", done.err())
+}
+
+fn answer(asker: &Asker, place: &'static str, problem: Option<Problem>) -> Response {
+    let Some(problem) = problem else { return Redirect::to("/simulator").into_response() };
+    let page = Page::of(asker, Some((place, problem.detail().to_owned())));
+    let mut response = (problem.status(), html(&page)).into_response();
+    problem.tell_gate(&mut response);
+    response
+}
+
+impl Fields {
+    /// Where what is said of it belongs.
+    fn place(&self) -> &'static str {
+        match self.act.as_str() {
+            "block" | "blockAhead" | "free" | "freeAll" => "way",
+            "fault" | "mend" => "faults",
+            _ => "time",
+        }
+    }
+
+    fn change(&self, asker: &Asker) -> Result<Change, Problem> {
+        let blocked = || asker.state().faults.blocked.clone();
+        let change = Change::default();
+        Ok(match self.act.as_str() {
+            "pause" => Change { is_paused: Some(true), ..change },
+            "goOn" => Change { is_paused: Some(false), ..change },
+            "speed" => Change { speed: Some(pace(needed("speed", self.speed.as_deref())?)?), ..change },
+            "fault" => self.fault(true)?,
+            "mend" => self.fault(false)?,
+            "block" => Change { blocked: Some(with(blocked(), self.cell()?)), ..change },
+            "blockAhead" => {
+                let ahead = ahead(&asker.door.handle.snapshot().robot);
+                Change { blocked: Some(with(blocked(), ahead)), ..change }
+            }
+            "free" => {
+                let cell = self.cell()?;
+                Change { blocked: Some(blocked().into_iter().filter(|other| *other != cell).collect()), ..change }
+            }
+            "freeAll" => Change { blocked: Some(BTreeSet::new()), ..change },
+            other => return Err(Problem::not_found(format!("the simulator has no button {:?}", in_short(other)))),
+        })
+    }
+
+    fn fault(&self, is_so: bool) -> Result<Change, Problem> {
+        let (is_so, change) = (Some(is_so), Change::default());
+        match needed("fault", self.fault.as_deref())? {
+            "linkLost" => Ok(Change { link_lost: is_so, ..change }),
+            "noThermometer" => Ok(Change { no_thermometer: is_so, ..change }),
+            "cameraFails" => Ok(Change { camera_fails: is_so, ..change }),
+            other => {
+                let words = format!("{:?} is no fault: there are linkLost, noThermometer, cameraFails", in_short(other));
+                Err(Problem::unusable(words))
+            }
+        }
+    }
+
+    fn cell(&self) -> Result<Cell, Problem> {
+        let side = |name: &str, text: Option<&str>| {
+            let text = needed(name, text)?;
+            text.parse().map_err(|_| Problem::unusable(format!("{name} is {:?}: a whole number belongs there", in_short(text))))
+        };
+        Ok(Cell::new(side("x", self.x.as_deref())?, side("y", self.y.as_deref())?))
+    }
+}
+
+fn needed<'a>(name: &str, value: Option<&'a str>) -> Result<&'a str, Problem> {
+    let given = value.map(str::trim).filter(|text| !text.is_empty());
+    given.ok_or_else(|| Problem::unusable(format!("{name} is missing: fill it in")))
+}
+
+fn with(mut blocked: BTreeSet<Cell>, cell: Cell) -> BTreeSet<Cell> {
+    blocked.insert(cell);
+    blocked
+}
+
+/// The cell ahead of a robot, or of where the step under way leads it.
+fn ahead(robot: &RobotView) -> Cell {
+    let steps = if robot.state == RobotState::MovingForward { 2 } else { 1 };
+    let Cell { x, y } = robot.pose.cell;
+    match robot.pose.heading {
+        Heading::North => Cell::new(x, y - steps),
+        Heading::East => Cell::new(x + steps, y),
+        Heading::South => Cell::new(x, y + steps),
+        Heading::West => Cell::new(x - steps, y),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::api::fixture::searching;
+
+    #[test]
+    fn the_way_ahead_is_beyond_the_step_under_way() {
+        let mut robot = searching().robot;
+        robot.pose.cell = Cell::new(3, 4);
+        for (heading, state, expect) in [
+            (Heading::North, RobotState::Stopped, Cell::new(3, 3)),
+            (Heading::East, RobotState::MovingForward, Cell::new(5, 4)),
+            (Heading::South, RobotState::RotateLeft, Cell::new(3, 5)),
+            (Heading::West, RobotState::MovingForward, Cell::new(1, 4)),
+        ] {
+            (robot.pose.heading, robot.state) = (heading, state);
+            assert_eq!(ahead(&robot), expect);
+        }
+    }
+}

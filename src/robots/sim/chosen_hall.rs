@@ -1,0 +1,120 @@
+//! The hall that somebody has chosen in the simulator, kept in the data folder so that a restart goes on in it: a hall file with two lines of
+//! its own before. It holds as long as the settings name the hall that they named then.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::remote::Ground;
+use crate::storage::small_file::SmallFile;
+use hallsweep_sim::{Export, Format, Hall};
+
+const FILE: &str = "simulated-hall.toml";
+
+/// Room for the largest hall that is taken, and the words about it.
+const MOST: usize = 4 << 20;
+
+const INSTEAD: &str = "# chosen in the simulator instead of ";
+const SEED: &str = "# seed ";
+
+#[derive(Clone, Debug)]
+pub(in crate::robots) struct ChosenHall {
+    folder: PathBuf,
+    /// The hall of the settings.
+    usual: String,
+}
+
+/// The file cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "{} is the hall that was chosen in the simulator, and cannot be used: {fault}; mend it, or move it away and start again: the hall is \
+     then that of the setting hall.file",
+    .path.display()
+)]
+pub struct UnusableChosenHall {
+    path: PathBuf,
+    fault: String,
+}
+
+impl ChosenHall {
+    pub(in crate::robots) fn within(folder: &Path, usual: &str) -> ChosenHall {
+        ChosenHall { folder: folder.to_owned(), usual: usual.to_owned() }
+    }
+
+    fn file(&self) -> SmallFile {
+        SmallFile::within(&self.folder, FILE)
+    }
+
+    /// What was chosen, if that was instead of the hall that the settings name now.
+    pub(in crate::robots) fn read(&self) -> Result<Option<Ground>, UnusableChosenHall> {
+        let path = self.folder.join(FILE);
+        let unusable = |fault: String| UnusableChosenHall { path: path.clone(), fault };
+        let Some(bytes) = self.file().read(MOST).map_err(|error| unusable(error.to_string()))? else { return Ok(None) };
+        let text = String::from_utf8(bytes).map_err(|_| unusable("it is no text".to_owned()))?;
+        let line = |begin: &str| text.lines().find_map(|line| line.strip_prefix(begin)).map(str::to_owned);
+        let instead = line(INSTEAD).ok_or_else(|| unusable(format!("the line `{INSTEAD}…` is missing")))?;
+        if instead != written(&self.usual) {
+            tracing::info!(instead, hall = self.usual, "the settings name another hall than when one was chosen: they hold");
+            return Ok(None);
+        }
+        let seed = line(SEED).and_then(|seed| seed.parse().ok());
+        let seed = seed.ok_or_else(|| unusable(format!("the line `{SEED}…` with its number is missing")))?;
+        let hall = Hall::parse(FILE, &text).map_err(|error| unusable(error.to_string()))?;
+        Ok(Some(Ground { hall: hall.into(), seed }))
+    }
+
+    /// Keeps what was chosen, whole or not at all.
+    pub(super) fn keep(&self, ground: &Ground) -> io::Result<()> {
+        let hall = file_of(&ground.hall);
+        let text = format!("{INSTEAD}{}\n{SEED}{}\n{hall}", written(&self.usual), ground.seed);
+        self.file().make(text.as_bytes())
+    }
+}
+
+/// A hall as a hall file.
+pub(super) fn file_of(hall: &Hall) -> String {
+    let file = Export::from(hall.clone()).file(Format::Toml, "hall");
+    String::from_utf8_lossy(&file).into_owned()
+}
+
+/// The name of a hall in one line.
+fn written(name: &str) -> String {
+    format!("{name:?}")
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::storage::scratch::Scratch;
+
+    fn ground() -> Ground {
+        Ground { hall: Arc::new(Hall::named_or_file("airport").expect("it is built in")), seed: 7 }
+    }
+
+    #[test]
+    fn what_was_chosen_comes_back_until_the_settings_name_another_hall() {
+        let folder = Scratch::new();
+        let chosen = ChosenHall::within(&folder.0, "halls/a \"b\".toml");
+        assert!(chosen.read().expect("nothing is there").is_none());
+        chosen.keep(&ground()).expect("the folder can be written");
+        let back = chosen.read().expect("it is ours").expect("it is there");
+        assert_eq!((&*back.hall, back.seed), (&*ground().hall, 7));
+        assert!(ChosenHall::within(&folder.0, "seed").read().expect("it is ours").is_none());
+    }
+
+    #[test]
+    fn what_cannot_be_used_is_said_with_its_file_and_what_to_do() {
+        let folder = Scratch::new();
+        let chosen = ChosenHall::within(&folder.0, "seed");
+        for (text, words) in [
+            ("width = 3\n", "the line `# chosen in the simulator instead of …` is missing"),
+            ("# chosen in the simulator instead of \"seed\"\nwidth = 3\nheight = 3\n", "the line `# seed …`"),
+            ("# chosen in the simulator instead of \"seed\"\n# seed 1\nwidth = 0\nheight = 3\n", ":3: "),
+        ] {
+            std::fs::write(folder.0.join(FILE), text).expect("the folder can be written");
+            let said = chosen.read().expect_err("it is damaged").to_string();
+            assert!(said.contains(FILE) && said.contains(words) && said.contains("move it away"), "{said}");
+        }
+    }
+}

@@ -1,0 +1,327 @@
+//! The simulator in somebody's hand: what doors see of it and change while it runs, and the way of all simulated robots into another hall.
+//!
+//! Into another hall: every link hands over what it has to report and begins nothing more; the core agrees and puts it on record, and takes
+//! the robots for unreached; the hall is kept for a restart; the pair is put down, then the others, and each says where it stands. A kill in
+//! between leaves robots and record each in a hall of which the next start makes one (`app::data_folder`).
+
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio::sync::{Mutex, mpsc, oneshot, watch};
+
+use super::chosen_hall::{ChosenHall, file_of};
+use super::remote::{Controls, Ground, Move};
+use crate::runtime::handle::{Gone, Handle};
+use crate::runtime::simulator::{
+    Change, Changing, Faults, HallFacts, HallSource, MOST_BLOCKED, NotSimulated, OtherHall, Pace, Simulator, SimulatorState,
+};
+use hallsweep_core::command::Issuer;
+use hallsweep_core::event::RobotId;
+use hallsweep_core::units::Cell;
+use hallsweep_core::world::robot::RobotState;
+use hallsweep_sim::{Hall, Speed, Truth};
+
+/// The largest side of a hall that is taken while the program runs: a page must be able to draw it.
+const MOST_SIDE: i32 = 250;
+
+/// So long a robot may take to be ready for another hall: it writes its state file first.
+const READY_WITHIN: Duration = Duration::from_secs(5);
+
+/// What the factory knows of the simulator before the loop runs.
+pub(in crate::robots) struct Parts {
+    pub(in crate::robots) ground: Ground,
+    pub(in crate::robots) speed: Speed,
+    pub(in crate::robots) controls: watch::Sender<Controls>,
+    /// The simulated robots, and the ways to their links, that of the pair first.
+    pub(in crate::robots) robots: Vec<RobotId>,
+    pub(in crate::robots) links: Vec<mpsc::Sender<Move>>,
+    pub(in crate::robots) chosen: Option<ChosenHall>,
+    /// The hall of the settings.
+    pub(in crate::robots) usual: String,
+}
+
+/// What is left of the simulator until the loop runs: it needs the core's consent.
+pub struct SimulatorParts(pub(in crate::robots) Parts);
+
+impl SimulatorParts {
+    pub fn in_hand_of(self, handle: Handle) -> Arc<dyn Simulator> {
+        let Parts { ground, speed, controls, robots, links, chosen, usual } = self.0;
+        let state = SimulatorState {
+            hall: facts(&ground.hall),
+            seed: ground.seed,
+            speed: pace(speed),
+            is_paused: false,
+            faults: Faults::default(),
+        };
+        let (state, turn) = (watch::Sender::new(Arc::new(state)), Mutex::new(ground));
+        let offered = Offered::with(&usual);
+        Arc::new(InHand { handle, state, controls, turn, robots, links, chosen, offered })
+    }
+}
+
+struct InHand {
+    handle: Handle,
+    state: watch::Sender<Arc<SimulatorState>>,
+    controls: watch::Sender<Controls>,
+    /// One change after the other; the hall in which the robots are.
+    turn: Mutex<Ground>,
+    robots: Vec<RobotId>,
+    links: Vec<mpsc::Sender<Move>>,
+    chosen: Option<ChosenHall>,
+    offered: Offered,
+}
+
+/// The halls by whose names somebody may choose: the built-in ones, and the file that the settings name, by its own name.
+#[derive(Clone, Debug)]
+struct Offered(Vec<(String, String)>);
+
+impl Offered {
+    fn with(usual: &str) -> Offered {
+        let mut halls: Vec<(String, String)> = Hall::builtin_names().map(|name| (name.to_owned(), name.to_owned())).collect();
+        let stem = Path::new(usual).file_stem().map(|stem| stem.to_string_lossy().into_owned());
+        // It stands in addresses.
+        let is_plain = |name: &String| name.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_.".contains(letter));
+        let is_known = |name: &str| halls.iter().any(|(known, _)| known == name);
+        if !is_known(usual) {
+            let name = stem.filter(|name| is_plain(name) && !is_known(name)).unwrap_or_else(|| "hall-of-the-settings".to_owned());
+            halls.push((name, usual.to_owned()));
+        }
+        Offered(halls)
+    }
+
+    fn names(&self) -> Vec<String> {
+        self.0.iter().map(|(name, _)| name.clone()).collect()
+    }
+
+    fn named(&self, name: &str) -> Result<Hall, NotSimulated> {
+        let Some((_, file)) = self.0.iter().find(|(known, _)| known == name) else {
+            let known = self.names().join(", ");
+            return Err(NotSimulated::Hall(format!("no hall of the name {name:?} is offered: there are {known}")));
+        };
+        Hall::named_or_file(file).map_err(|error| NotSimulated::Hall(error.to_string()))
+    }
+}
+
+impl Simulator for InHand {
+    fn watch(&self) -> watch::Receiver<Arc<SimulatorState>> {
+        self.state.subscribe()
+    }
+
+    fn halls(&self) -> Vec<String> {
+        self.offered.names()
+    }
+
+    fn hall(&self, name: &str) -> Result<String, NotSimulated> {
+        self.offered.named(name).map(|hall| file_of(&hall))
+    }
+
+    fn change(self: Arc<Self>, change: Change, issuer: Issuer) -> Changing {
+        Box::pin(async move {
+            let ground = self.turn.lock().await;
+            check_blocked(&ground.hall, change.blocked.as_ref())?;
+            let Some(words) = change.in_words() else { return Ok(self.now()) };
+            self.handle.note_simulated(issuer, words).await?;
+            self.take(change);
+            Ok(self.now())
+        })
+    }
+
+    fn step(self: Arc<Self>, issuer: Issuer) -> Changing {
+        Box::pin(async move {
+            let _turn = self.turn.lock().await;
+            if !self.state.borrow().is_paused {
+                return Err(NotSimulated::NotPaused);
+            }
+            let snapshot = self.handle.snapshot();
+            if snapshot.robots.iter().all(|robot| robot.view.state == RobotState::Stopped) {
+                return Err(NotSimulated::NothingUnderWay);
+            }
+            self.handle.note_simulated(issuer, "simulator one step".to_owned()).await?;
+            self.controls.send_modify(|controls| controls.steps += 1);
+            Ok(self.now())
+        })
+    }
+
+    fn put_down(self: Arc<Self>, hall: OtherHall, issuer: Issuer) -> Changing {
+        Box::pin(async move {
+            let mut ground = self.turn.lock().await;
+            let seed = hall.seed.unwrap_or(ground.seed);
+            let offered = self.offered.clone();
+            let read = tokio::task::spawn_blocking(move || read(hall.source, &offered));
+            let hall = read.await.map_err(|_| Gone)??;
+            let next = Ground { hall: Arc::new(hall), seed };
+            self.move_all(&next, issuer).await?;
+            let unkept = self.keep(&next).await;
+            // What stood in the way of the hall before is not in this one.
+            self.controls.send_modify(|controls| controls.blocked = Arc::default());
+            *ground = next;
+            self.state.send_modify(|state| {
+                let faults = Faults { blocked: BTreeSet::new(), ..state.faults.clone() };
+                let hall = facts(&ground.hall);
+                *state = Arc::new(SimulatorState { hall, seed: ground.seed, faults, ..SimulatorState::clone(state) });
+            });
+            unkept.map_or_else(|| Ok(self.now()), |why| Err(NotSimulated::NotKept(why)))
+        })
+    }
+}
+
+impl InHand {
+    fn now(&self) -> Arc<SimulatorState> {
+        Arc::clone(&self.state.borrow())
+    }
+
+    fn take(&self, change: Change) {
+        let Change { speed, is_paused, link_lost, no_thermometer, camera_fails, blocked } = change;
+        self.state.send_modify(|state| {
+            let faults = Faults {
+                link_lost: link_lost.unwrap_or(state.faults.link_lost),
+                no_thermometer: no_thermometer.unwrap_or(state.faults.no_thermometer),
+                camera_fails: camera_fails.unwrap_or(state.faults.camera_fails),
+                blocked: blocked.unwrap_or_else(|| state.faults.blocked.clone()),
+            };
+            *state = Arc::new(SimulatorState {
+                speed: speed.unwrap_or(state.speed),
+                is_paused: is_paused.unwrap_or(state.is_paused),
+                faults,
+                ..SimulatorState::clone(state)
+            });
+        });
+        let SimulatorState { is_paused, faults, .. } = &*self.now();
+        self.controls.send_modify(|controls| {
+            *controls = Controls {
+                speed: speed.map_or(controls.speed, |speed| Some(self::speed(speed))),
+                is_paused: *is_paused,
+                steps: controls.steps,
+                is_link_lost: faults.link_lost,
+                faults: hallsweep_sim::Faults { no_thermometer: faults.no_thermometer, camera_fails: faults.camera_fails },
+                blocked: Arc::new(faults.blocked.clone()),
+            };
+        });
+    }
+
+    /// Takes all links into another hall, when the core agrees. What is dropped on the way lets them go on where they are.
+    async fn move_all(&self, next: &Ground, issuer: Issuer) -> Result<(), NotSimulated> {
+        let mut moves = Vec::new();
+        for link in &self.links {
+            let ((ready, is_ready), (decide, decided), (put_down, is_put_down)) =
+                (oneshot::channel(), oneshot::channel(), oneshot::channel());
+            let asked = Move { ready: Some(ready), decided, put_down };
+            let begun = async { link.send(asked).await.ok().and(is_ready.await.ok()) };
+            if tokio::time::timeout(READY_WITHIN, begun).await.ok().flatten().is_none() {
+                return Err(NotSimulated::Hall(
+                    "a simulated robot does not answer: look into the log, and start hallsweep again".into(),
+                ));
+            }
+            moves.push((decide, is_put_down));
+        }
+        self.handle.put_down(issuer, next.hall.name().to_owned(), self.robots.clone()).await??;
+        for (decide, is_put_down) in moves {
+            if decide.send(next.clone()).is_err() || is_put_down.await.is_err() {
+                tracing::error!("a simulated robot has ended while it was put down in another hall");
+            }
+        }
+        Ok(())
+    }
+
+    /// Keeps the hall for a restart; why not, when it cannot be.
+    async fn keep(&self, next: &Ground) -> Option<String> {
+        let (chosen, next) = (self.chosen.clone()?, next.clone());
+        let kept = tokio::task::spawn_blocking(move || chosen.keep(&next).map_err(|error| error.to_string()));
+        kept.await.unwrap_or_else(|error| Err(error.to_string())).err()
+    }
+}
+
+fn read(source: HallSource, offered: &Offered) -> Result<Hall, NotSimulated> {
+    let hall = match source {
+        HallSource::Named(name) => offered.named(&name)?,
+        HallSource::Toml(text) => Hall::parse("hall.toml", &text).map_err(|error| NotSimulated::Hall(error.to_string()))?,
+    };
+    let (width, height) = (hall.bounds().width(), hall.bounds().height());
+    if width.max(height) > MOST_SIDE {
+        let words =
+            format!("a hall of {width} × {height} cells is too large for the simulator's page: {MOST_SIDE} a side are the most");
+        return Err(NotSimulated::Hall(words));
+    }
+    Ok(hall)
+}
+
+fn check_blocked(hall: &Hall, blocked: Option<&BTreeSet<Cell>>) -> Result<(), NotSimulated> {
+    let Some(blocked) = blocked else { return Ok(()) };
+    if blocked.len() > MOST_BLOCKED {
+        return Err(NotSimulated::TooManyBlocked(blocked.len()));
+    }
+    blocked.iter().find(|cell| hall.truth(**cell) != Truth::Free).map_or(Ok(()), |cell| Err(NotSimulated::NoFreeCell(*cell)))
+}
+
+fn facts(hall: &Hall) -> HallFacts {
+    let side = |cells: i32| u32::try_from(cells).unwrap_or_default();
+    HallFacts {
+        name: hall.name().into(),
+        size: (side(hall.bounds().width()), side(hall.bounds().height())),
+        cell_m: hall.cell_m(),
+        pieces: hall.pieces().len(),
+        toml: file_of(hall).into(),
+    }
+}
+
+const fn pace(speed: Speed) -> Pace {
+    match speed {
+        Speed::Times(factor) => Pace::Times(factor),
+        Speed::Max => Pace::Max,
+    }
+}
+
+const fn speed(pace: Pace) -> Speed {
+    match pace {
+        Pace::Times(factor) => Speed::Times(factor),
+        Pace::Max => Speed::Max,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_pace_of_the_port_is_a_speed_of_the_simulator() {
+        assert_eq!((Pace::SLOWEST, Pace::FASTEST), (Speed::SLOWEST, Speed::FASTEST));
+        for shown in [Speed::Times(2.5), Speed::Max] {
+            assert_eq!(speed(pace(shown)), shown);
+        }
+    }
+
+    #[test]
+    fn a_hall_that_is_not_there_too_large_or_wrong_is_refused_in_words() {
+        let why = |source| read(source, &Offered::with("seed")).expect_err("it is refused").to_string();
+        assert!(why(HallSource::Named("/etc/passwd".to_owned())).contains("there are airport, empty-8x8"));
+        assert!(why(HallSource::Toml("width = 600\nheight = 2\n".to_owned())).contains("600 × 2 cells is too large"));
+        assert!(why(HallSource::Toml("width = 0\nheight = 2\n".to_owned())).starts_with("hall.toml:1: "));
+        assert!(read(HallSource::Toml("width = 250\nheight = 250\n".to_owned()), &Offered::with("seed")).is_ok());
+    }
+
+    #[test]
+    fn the_hall_of_the_settings_is_offered_by_a_name_of_its_own() {
+        let last = |usual: &str| Offered::with(usual).names().pop();
+        assert_eq!(Offered::with("airport").names().len(), Hall::builtin_names().count());
+        assert_eq!(last("halls/depot.yaml").as_deref(), Some("depot"));
+        for other in ["my/airport.toml", "halls/a b.toml", ".."] {
+            assert_eq!(last(other).as_deref(), Some("hall-of-the-settings"), "{other}");
+        }
+        let gone = Offered::with("halls/depot.yaml").named("depot").expect_err("it is not there").to_string();
+        assert!(gone.contains("halls/depot.yaml"), "{gone}");
+    }
+
+    #[test]
+    fn only_free_cells_can_be_blocked_and_not_too_many() {
+        let hall = Hall::from_rows("test", &["S.#", "a.."]).expect("a good hall");
+        let why = |cells: &[Cell]| check_blocked(&hall, Some(&cells.iter().copied().collect()));
+        assert_eq!(why(&[Cell::new(1, 0), Cell::new(1, 1)]), Ok(()));
+        for taken in [Cell::new(2, 0), Cell::new(0, 1), Cell::new(9, 9)] {
+            assert_eq!(why(&[Cell::new(1, 0), taken]), Err(NotSimulated::NoFreeCell(taken)));
+        }
+        let many: Vec<Cell> = (0..100).map(|x| Cell::new(x, 0)).collect();
+        assert_eq!(why(&many), Err(NotSimulated::TooManyBlocked(100)));
+    }
+}

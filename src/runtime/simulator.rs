@@ -1,0 +1,193 @@
+//! The port to the simulator, where the robots are simulated: how a door sees it, changes it while it runs, and has the robots put down in
+//! another hall. What is simulated and how is not known here; whether a hall may be changed just now, the core decides.
+
+use std::collections::BTreeSet;
+use std::pin::Pin;
+use std::sync::Arc;
+
+use tokio::sync::watch;
+
+use super::handle::Gone;
+use hallsweep_core::command::{Issuer, Refused};
+use hallsweep_core::units::Cell;
+
+/// As many cells as can be blocked at once: more than anybody places by hand.
+pub const MOST_BLOCKED: usize = 64;
+
+/// How fast simulated time runs beside the real one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pace {
+    /// So many times as fast.
+    Times(f64),
+    /// It jumps to the end of what is under way.
+    Max,
+}
+
+impl Pace {
+    pub const SLOWEST: f64 = 0.1;
+    pub const FASTEST: f64 = 1000.0;
+}
+
+impl std::fmt::Display for Pace {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Pace::Times(factor) => write!(f, "{factor}"),
+            Pace::Max => f.write_str("max"),
+        }
+    }
+}
+
+/// What somebody lets go wrong, until it is taken back.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Faults {
+    /// The link to the robot that searches is lost.
+    pub link_lost: bool,
+    /// It has no thermometer.
+    pub no_thermometer: bool,
+    /// No photo of it succeeds.
+    pub camera_fails: bool,
+    /// Something stands in these cells that the hall does not have.
+    pub blocked: BTreeSet<Cell>,
+}
+
+/// The simulator as it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SimulatorState {
+    pub hall: HallFacts,
+    pub seed: u64,
+    pub speed: Pace,
+    pub is_paused: bool,
+    pub faults: Faults,
+}
+
+/// What is said of the hall that is simulated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HallFacts {
+    pub name: Arc<str>,
+    /// Columns and rows.
+    pub size: (u32, u32),
+    pub cell_m: f64,
+    pub pieces: usize,
+    /// The whole hall, as a hall file.
+    pub toml: Arc<str>,
+}
+
+/// What is to be other than it is; what is not named stays.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Change {
+    pub speed: Option<Pace>,
+    pub is_paused: Option<bool>,
+    pub link_lost: Option<bool>,
+    pub no_thermometer: Option<bool>,
+    pub camera_fails: Option<bool>,
+    pub blocked: Option<BTreeSet<Cell>>,
+}
+
+/// The hall in which the robots are to be put down.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OtherHall {
+    pub source: HallSource,
+    /// Of the noise and failures of the sensors; as it was when nobody says.
+    pub seed: Option<u64>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum HallSource {
+    /// One that is offered by this name.
+    Named(String),
+    /// A hall file, whole.
+    Toml(String),
+}
+
+/// Why it was not done. `Display` is the sentence a person reads.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NotSimulated {
+    /// The core has refused it.
+    #[error(transparent)]
+    Refused(#[from] Refused),
+    #[error("the simulator runs: pause it first, then go on step by step")]
+    NotPaused,
+    #[error("no robot has anything under way: a step takes one to the end of its order; press START first")]
+    NothingUnderWay,
+    /// There is no such hall, or what is wrong with it.
+    #[error("{0}")]
+    Hall(String),
+    #[error("nothing can be put into {0}: it is no free cell of this hall")]
+    NoFreeCell(Cell),
+    #[error("{0} cells are to be blocked, and at most {MOST_BLOCKED} can be: leave some free")]
+    TooManyBlocked(usize),
+    /// It is done, and would be gone after a restart.
+    #[error("the robots are put down there, but the hall cannot be kept ({0}): after a restart it is the one before again")]
+    NotKept(String),
+    #[error(transparent)]
+    Gone(#[from] Gone),
+}
+
+/// What becomes of a change.
+pub type Changing = Pin<Box<dyn Future<Output = Result<Arc<SimulatorState>, NotSimulated>> + Send>>;
+
+/// The simulator, as doors have it.
+pub trait Simulator: Send + Sync {
+    /// Always the newest state.
+    fn watch(&self) -> watch::Receiver<Arc<SimulatorState>>;
+
+    /// The names of the halls that are offered, and the hall file of one; `None` where there is no such.
+    fn halls(&self) -> Vec<String>;
+
+    /// The hall that is offered by this name, as a hall file.
+    ///
+    /// # Errors
+    /// There is none, or what is wrong with it.
+    fn hall(&self, name: &str) -> Result<String, NotSimulated>;
+
+    /// Changes what is named, at once, and puts it on record.
+    fn change(self: Arc<Self>, change: Change, issuer: Issuer) -> Changing;
+
+    /// Takes every robot to the end of what it has under way, while time stands still.
+    fn step(self: Arc<Self>, issuer: Issuer) -> Changing;
+
+    /// Puts the robots down at home in another hall.
+    fn put_down(self: Arc<Self>, hall: OtherHall, issuer: Issuer) -> Changing;
+}
+
+impl Change {
+    /// What it comes to, in words for log and journal; `None` when nothing is named.
+    pub fn in_words(&self) -> Option<String> {
+        let fault = |name: &str, is_so: bool| format!("{name}: {}", if is_so { "yes" } else { "no" });
+        let cells = |cells: &BTreeSet<Cell>| match cells.len() {
+            0 => "no way blocked".to_owned(),
+            _ => format!("blocked {}", cells.iter().map(Cell::to_string).collect::<Vec<_>>().join(", ")),
+        };
+        let words = [
+            self.is_paused.map(|is_paused| if is_paused { "paused" } else { "going on" }.to_owned()),
+            self.speed.map(|speed| format!("speed {speed}")),
+            self.link_lost.map(|is_so| fault("link lost", is_so)),
+            self.no_thermometer.map(|is_so| fault("no thermometer", is_so)),
+            self.camera_fails.map(|is_so| fault("camera fails", is_so)),
+            self.blocked.as_ref().map(cells),
+        ];
+        let words: Vec<String> = words.into_iter().flatten().collect();
+        (!words.is_empty()).then(|| format!("simulator {}", words.join(", ")))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_change_is_said_in_words_and_no_change_in_none() {
+        assert_eq!(Change::default().in_words(), None);
+        let change = Change {
+            speed: Some(Pace::Times(2.5)),
+            is_paused: Some(true),
+            camera_fails: Some(false),
+            blocked: Some(BTreeSet::from([Cell::new(1, 2), Cell::new(3, 4)])),
+            ..Change::default()
+        };
+        let words = "simulator paused, speed 2.5, camera fails: no, blocked (1, 2), (3, 4)";
+        assert_eq!(change.in_words().as_deref(), Some(words));
+        let free = Change { blocked: Some(BTreeSet::new()), is_paused: Some(false), ..Change::default() };
+        assert_eq!(free.in_words().as_deref(), Some("simulator going on, no way blocked"));
+    }
+}

@@ -1,0 +1,430 @@
+// The editor of halls: draws the hall file that stands in the text field below it, and writes what is drawn back into it. What a hall file
+// means, and what is wrong with one, the program says; this script knows only the drawing in it and the words about luggage.
+"use strict";
+
+const LETTERS = "abcdefghijklmnopqrstuvwxyz";
+const STEPS_BACK = 200; // so much can be undone
+const CHECK_MS = 500; // the hall is checked when nothing was drawn for so long
+const LARGEST_PX = 40; // a cell on the screen, at most
+const FLOOR = ".", WALL = "#", HOME = "S", PLAIN = "T";
+
+const $ = (id) => document.getElementById(id);
+const canvas = $("plan");
+const text = $("toml");
+const most = Number($("draw").dataset.most);
+const mostBytes = Number($("draw").dataset.bytes);
+const mayAct = !text.readOnly;
+
+/** The hall: rows of characters, what is said of each letter, and the other lines of the file as they stand. */
+let hall = { rows: ["S"], bags: {}, head: "", tail: "" };
+let cursor = { x: 0, y: 0 };
+let anchor = null; // where a line or a rectangle began
+let stroke = null; // what is drawn while the pointer is down: its letter, and the cell before
+let findings = [];
+let undone = [], done = [];
+let checking, checks = 0;
+
+// ---- the file ----
+
+/** The hall of a file as the program writes it; null when it is written otherwise. */
+function parse(toml) {
+  const parts = toml.replaceAll("\r\n", "\n").match(/^([\s\S]*?)drawing = """\n([\s\S]*?)"""\n([\s\S]*)$/);
+  if (!parts) return null;
+  const [, head, drawing, rest] = parts;
+  const rows = drawing.trimEnd().split("\n").map((row) => row.trim());
+  const blocks = rest.split(/(?=^\[\[)/m).map((block) => block.trim()).filter(Boolean);
+  const bags = {};
+  for (const block of blocks.filter((block) => block.startsWith("[[luggage]]"))) {
+    const mark = block.match(/^mark = "([a-z])"$/m)?.[1];
+    if (!mark) return null;
+    const lines = block.split("\n").slice(1).filter((line) => !/^(mark|dangerous) = /.test(line));
+    bags[mark] = { lines, dangerous: /^dangerous = true$/m.test(block) };
+  }
+  const tail = blocks.filter((block) => !block.startsWith("[[luggage]]")).join("\n\n");
+  return rows.some((row) => row.length !== rows[0].length) ? null : { rows, bags, head, tail };
+}
+
+function written({ rows, bags, head, tail }) {
+  const there = new Set(rows.join(""));
+  const blocks = Object.entries(bags).filter(([mark]) => there.has(mark)).sort().map(([mark, bag]) =>
+    ["[[luggage]]", `mark = "${mark}"`, ...bag.lines, ...(bag.dangerous ? ["dangerous = true"] : [])].join("\n"));
+  return [`${head}drawing = """\n${rows.join("\n")}\n"""`, ...blocks, tail].filter(Boolean).join("\n\n") + "\n";
+}
+
+/** What the program reads in a file: the hall as a hall file, and findings; or the words of its refusal. */
+async function read(name, body) {
+  if (body.size > mostBytes) return { why: `The file has ${body.size} bytes, and ${mostBytes} are the most here: start hallsweep with --hall FILE.` };
+  try {
+    const place = `/api/v1/simulator/hall/check?name=${encodeURIComponent(name.replaceAll(/[^\w.-]/g, "_"))}`;
+    const response = await fetch(place, { method: "POST", body });
+    const answer = await response.json();
+    return response.ok ? answer : { why: answer.detail };
+  } catch {
+    return { why: "hallsweep cannot be reached: try again" };
+  }
+}
+
+// ---- what is drawn ----
+
+const width = () => hall.rows[0].length;
+const height = () => hall.rows.length;
+const at = (x, y) => hall.rows[y]?.[x];
+const copy = () => JSON.stringify(hall);
+
+function put(x, y, mark) {
+  if (at(x, y) === undefined || at(x, y) === mark) return;
+  hall.rows[y] = hall.rows[y].slice(0, x) + mark + hall.rows[y].slice(x + 1);
+}
+
+/** The letter of a new dangerous piece; none is left when all stand in the drawing. */
+function newLetter() {
+  const there = new Set(hall.rows.join(""));
+  const letter = [...LETTERS].find((letter) => !there.has(letter));
+  if (!letter) return say("26 pieces have a letter already, and there are no more: make one of them plain floor first.");
+  hall.bags[letter] = { lines: ['kind = "backpack"', 'colour = "red"'], dangerous: true };
+  return letter;
+}
+
+/** Draws with the tool into one cell. Home is moved, and never drawn over. */
+function draw(x, y) {
+  const tool = chosen("tool"), here = at(x, y);
+  if (here === undefined || (here === HOME && tool !== "home")) return;
+  if (tool === "wall") put(x, y, WALL);
+  if (tool === "floor") put(x, y, FLOOR);
+  if (tool === "home") {
+    hall.rows = hall.rows.map((row) => row.replace(HOME, FLOOR));
+    put(x, y, HOME);
+  }
+  if (tool === "bag") {
+    if (hall.bags[here]) hall.bags[here].dangerous = false;
+    else put(x, y, PLAIN);
+  }
+  if (tool === "danger") {
+    if (hall.bags[here]) hall.bags[here].dangerous = true;
+    else {
+      const letter = stroke?.letter ?? newLetter();
+      if (stroke && letter) stroke.letter = letter; // one stroke is one piece
+      if (letter) put(x, y, letter);
+    }
+  }
+}
+
+/** All cells from one to another, so that a quick pointer leaves no gap: side by side, as pieces must touch. */
+function* between(from, to) {
+  let { x, y } = from;
+  const dx = Math.abs(to.x - x), dy = Math.abs(to.y - y), sx = Math.sign(to.x - x), sy = Math.sign(to.y - y);
+  yield { x, y };
+  for (let i = 0, j = 0; i < dx || j < dy;) {
+    if (j >= dy || (i < dx && (i + .5) * dy < (j + .5) * dx)) { x += sx; i += 1; } else { y += sy; j += 1; }
+    yield { x, y };
+  }
+}
+
+function* inside(from, to) {
+  for (let y = Math.min(from.y, to.y); y <= Math.max(from.y, to.y); y += 1)
+    for (let x = Math.min(from.x, to.x); x <= Math.max(from.x, to.x); x += 1) yield { x, y };
+}
+
+const cellsOf = (shape, from, to) => (shape === "rectangle" ? inside(from, to) : between(from, to));
+
+/** Draws the line or rectangle that began at the anchor. */
+function drawShape(to) {
+  change(() => {
+    stroke = {};
+    for (const { x, y } of cellsOf(chosen("shape"), anchor, to)) draw(x, y);
+    stroke = null;
+  });
+  anchor = null;
+}
+
+/** Does something that can be undone. */
+function change(act) {
+  const before = copy();
+  act();
+  remember(before);
+}
+
+function remember(before) {
+  if (before === copy()) return paint();
+  done = [...done.slice(-STEPS_BACK), before];
+  undone = [];
+  changed();
+}
+
+function step(from, to) {
+  if (!from.length) return;
+  to.push(copy());
+  hall = JSON.parse(from.pop());
+  changed();
+}
+
+/** The text, the fields and the check follow what is drawn. */
+function changed() {
+  text.value = written(hall);
+  cursor = { x: Math.min(cursor.x, width() - 1), y: Math.min(cursor.y, height() - 1) };
+  showFields();
+  paint();
+  clearTimeout(checking);
+  checking = setTimeout(check, CHECK_MS);
+}
+
+async function check() {
+  const number = checks += 1;
+  const answer = await read("hall.toml", new Blob([text.value]));
+  if (number !== checks) return; // a later one is on its way
+  findings = answer.findings ?? [];
+  $("why").textContent = answer.why ?? "";
+  const rows = findings.map(({ column, row, text }) => {
+    const item = document.createElement("li"), to = document.createElement("button");
+    to.type = "button";
+    to.className = "small";
+    to.textContent = `column ${column + 1}, row ${row + 1}: ${text}`;
+    to.addEventListener("click", () => { cursor = { x: column, y: row }; canvas.focus(); moved(); });
+    item.append(to);
+    return item;
+  });
+  const words = document.createElement("p");
+  words.textContent = rows.length ? "It can be used. A search of it does not come to everything:" : "It is sound: everything in it can be reached.";
+  const list = document.createElement("ul");
+  list.append(...rows);
+  $("findings").replaceChildren(...(answer.why ? [] : [words, list]));
+  paint();
+}
+
+// ---- what is shown ----
+
+const chosen = (name) => document.querySelector(`input[name=${name}]:checked`).value;
+const say = (words) => { $("draw-why").textContent = words; };
+const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+let side = 20;
+let painting = false;
+
+function paint() {
+  if (!painting) requestAnimationFrame(paintNow);
+  painting = true;
+}
+
+function paintNow() {
+  painting = false;
+  const room = $("sheet").clientWidth - 2;
+  side = Math.max(4, Math.min(LARGEST_PX, Math.floor(room / width())));
+  const scale = window.devicePixelRatio || 1;
+  canvas.width = width() * side * scale;
+  canvas.height = height() * side * scale;
+  canvas.style.width = `${width() * side}px`;
+  canvas.style.height = `${height() * side}px`;
+  const to = canvas.getContext("2d");
+  to.scale(scale, scale);
+  const looks = { [FLOOR]: colour("--visited"), [WALL]: colour("--wall"), [PLAIN]: colour("--bag"), [HOME]: colour("--visited") };
+  to.fillStyle = colour("--grid");
+  to.fillRect(0, 0, width() * side, height() * side);
+  const gap = side > 7 ? 1 : 0;
+  to.textAlign = "center";
+  to.textBaseline = "middle";
+  to.font = `700 ${Math.round(side * .62)}px system-ui, sans-serif`;
+  hall.rows.forEach((row, y) => [...row].forEach((mark, x) => {
+    const dangerous = hall.bags[mark]?.dangerous;
+    to.fillStyle = dangerous ? colour("--red") : looks[mark] ?? colour("--bag");
+    to.fillRect(x * side, y * side, side - gap, side - gap);
+    if (side < 10 || mark === FLOOR || mark === WALL) return;
+    to.fillStyle = dangerous ? "#fff" : mark === HOME ? colour("--text") : "#161d2b";
+    to.fillText(dangerous ? "▲" : mark === PLAIN ? "" : mark, (x + .5) * side, (y + .55) * side);
+  }));
+  to.lineWidth = 2;
+  to.strokeStyle = colour("--red-text");
+  to.setLineDash([3, 2]);
+  for (const { column, row } of findings) to.strokeRect(column * side + 1, row * side + 1, side - 3, side - 3);
+  to.setLineDash([]);
+  to.strokeStyle = colour("--focus");
+  if (anchor) for (const { x, y } of cellsOf(chosen("shape"), anchor, cursor)) to.strokeRect(x * side + 1, y * side + 1, side - 3, side - 3);
+  to.lineWidth = 3;
+  to.strokeRect(cursor.x * side + 1, cursor.y * side + 1, side - 3, side - 3);
+}
+
+const NAMES = { [FLOOR]: "floor", [WALL]: "wall", [HOME]: "home", [PLAIN]: "luggage" };
+
+/** What is under the cursor, for whoever does not see it. */
+function under() {
+  const mark = at(cursor.x, cursor.y);
+  const bag = hall.bags[mark];
+  const what = bag ? `${bag.dangerous ? "dangerous " : ""}luggage ${mark}` : NAMES[mark] ?? mark;
+  const found = findings.find(({ column, row }) => column === cursor.x && row === cursor.y);
+  return `column ${cursor.x + 1}, row ${cursor.y + 1}: ${what}${found ? `, ${found.text}` : ""}${anchor ? `, ${chosen("shape")} begun` : ""}`;
+}
+
+function moved() {
+  $("cursor").textContent = under();
+  paint();
+}
+
+function showFields() {
+  $("columns").value = width();
+  $("rows").value = height();
+  $("name").value = hall.head.match(/^name = "(.*)"$/m)?.[1] ?? "";
+  $("undo").disabled = !mayAct || !done.length;
+  $("redo").disabled = !mayAct || !undone.length;
+  $("download").href = `data:application/toml;charset=utf-8,${encodeURIComponent(text.value)}`;
+  $("download").download = `${($("name").value || "hall").replaceAll(/[^\w-]/g, "-")}.toml`;
+  $("cursor").textContent = under();
+}
+
+/** Takes a hall that the program has read. */
+function take(toml, words) {
+  const next = parse(toml);
+  if (!next) return say("This hall cannot be drawn here: change it as a text below.");
+  say("");
+  change(() => { hall = next; });
+  $("cursor").textContent = words ?? under();
+}
+
+// ---- by pointer ----
+
+function cellAt(event) {
+  const { left, top } = canvas.getBoundingClientRect();
+  const within = (value, size) => Math.max(0, Math.min(size - 1, Math.floor(value / side)));
+  return { x: within(event.clientX - left, width()), y: within(event.clientY - top, height()) };
+}
+
+canvas.addEventListener("pointerdown", (event) => {
+  if (event.button !== 0 || !mayAct) return;
+  event.preventDefault();
+  canvas.focus();
+  canvas.setPointerCapture(event.pointerId);
+  cursor = cellAt(event);
+  say("");
+  if (chosen("shape") === "brush") {
+    stroke = { before: copy(), last: cursor };
+    draw(cursor.x, cursor.y);
+  } else {
+    anchor = cursor;
+  }
+  moved();
+});
+
+canvas.addEventListener("pointermove", (event) => {
+  if (!stroke && !(anchor && canvas.hasPointerCapture(event.pointerId))) return;
+  cursor = cellAt(event);
+  if (stroke) {
+    for (const { x, y } of between(stroke.last, cursor)) draw(x, y);
+    stroke.last = cursor;
+  }
+  moved();
+});
+
+canvas.addEventListener("pointerup", (event) => {
+  if (stroke) {
+    const { before } = stroke;
+    stroke = null;
+    remember(before);
+  } else if (anchor && canvas.hasPointerCapture(event.pointerId)) {
+    drawShape(cellAt(event));
+  }
+  moved();
+});
+
+canvas.addEventListener("pointercancel", () => {
+  if (stroke) hall = JSON.parse(stroke.before);
+  stroke = anchor = null;
+  moved();
+});
+
+// ---- by keyboard ----
+
+const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+const CHOICES = { w: "wall", e: "floor", b: "bag", d: "danger", h: "home", f: "brush", l: "line", r: "rectangle" };
+
+canvas.addEventListener("keydown", (event) => {
+  const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+  if (event.ctrlKey || event.metaKey) {
+    const back = key === "z" && !event.shiftKey;
+    if (!mayAct || !(key === "z" || key === "y")) return;
+    event.preventDefault();
+    return back ? step(done, undone) : step(undone, done);
+  }
+  if (event.altKey) return;
+  if (ARROWS[key]) {
+    const [dx, dy] = ARROWS[key];
+    cursor = { x: Math.max(0, Math.min(width() - 1, cursor.x + dx)), y: Math.max(0, Math.min(height() - 1, cursor.y + dy)) };
+    if (event.shiftKey && mayAct && chosen("shape") === "brush") change(() => draw(cursor.x, cursor.y));
+  } else if (CHOICES[key]) {
+    document.querySelector(`.tools input[value=${CHOICES[key]}]`).checked = true;
+  } else if (key === "c") {
+    anchor = null;
+  } else if ((key === " " || key === "Enter") && mayAct) {
+    say("");
+    if (chosen("shape") === "brush") change(() => draw(cursor.x, cursor.y));
+    else if (anchor) drawShape(cursor);
+    else anchor = cursor;
+  } else {
+    return;
+  }
+  event.preventDefault();
+  moved();
+});
+
+// ---- buttons and files ----
+
+$("undo").addEventListener("click", () => step(done, undone));
+$("redo").addEventListener("click", () => step(undone, done));
+
+$("size").addEventListener("submit", (event) => {
+  event.preventDefault();
+  const columns = Number($("columns").value), rows = Number($("rows").value), name = $("name").value.trim();
+  if (!(columns >= 1 && rows >= 1 && columns <= most && rows <= most)) return say(`A hall here has 1 to ${most} columns and rows.`);
+  const home = hall.rows.findIndex((row) => row.includes(HOME));
+  if (home >= rows || hall.rows[home].indexOf(HOME) >= columns) return say("Home would be outside: move it first.");
+  say("");
+  change(() => {
+    const line = (row = "") => row.slice(0, columns).padEnd(columns, FLOOR);
+    hall.rows = Array.from({ length: rows }, (_, y) => line(hall.rows[y]));
+    const head = hall.head.replace(/^name = .*\n/m, "");
+    hall.head = name ? `name = ${JSON.stringify(name)}\n${head}` : head;
+  });
+});
+
+$("file").addEventListener("change", async () => {
+  const files = [...$("file").files];
+  const ends = (file, ...endings) => endings.some((ending) => file.name.toLowerCase().endsWith(ending));
+  const image = files.find((file) => ends(file, ".pgm", ".png"));
+  const yaml = files.find((file) => ends(file, ".yaml", ".yml"));
+  const file = yaml ?? image ?? files[0];
+  if (!file) return;
+  let name = file.name, body = file;
+  if (image) {
+    const metres = Number($("resolution").value.replace(",", "."));
+    const words = yaml ? await yaml.text()
+      : `image: ${image.name}\nresolution: ${metres}\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n`;
+    body = new Blob([words.replace(/\n*$/, "\n"), "...\n", image]);
+    name = yaml?.name ?? image.name.replace(/\.\w+$/, ".yaml");
+  }
+  const answer = await read(name, body);
+  $("file").value = "";
+  if (answer.why) return say(answer.why);
+  take(answer.toml, `${file.name} is open: ${answer.width} × ${answer.height} cells, ${answer.pieces} pieces of luggage`);
+});
+
+text.addEventListener("change", async () => {
+  const answer = await read("hall.toml", new Blob([text.value]));
+  $("why").textContent = answer.why ?? "";
+  if (!answer.why) take(answer.toml);
+});
+
+for (const input of document.querySelectorAll(".tools input")) {
+  input.disabled = !mayAct;
+  input.addEventListener("change", () => { anchor = null; moved(); });
+}
+for (const field of $("size").elements) field.disabled = !mayAct;
+
+const first = parse(text.value);
+if (first) {
+  hall = first;
+  cursor = { x: Math.max(0, ...hall.rows.map((row) => row.indexOf(HOME))), y: Math.max(0, hall.rows.findIndex((row) => row.includes(HOME))) };
+  $("draw").append($("acts"), $("said")); // what is done with the drawing stands under it
+  $("check").hidden = true; // it is checked by itself
+  $("draw").hidden = false;
+  showFields();
+  paint();
+  if (mayAct) check();
+  new ResizeObserver(paint).observe($("sheet"));
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
+}

@@ -1,0 +1,202 @@
+// A person with the simulator in hand: stops its time, lets things fail, draws a hall by pointer or by keys and has it searched; on a phone and
+// without scripts, too.
+
+import { button, fits, must, phase, safe, look, start, stop, until } from './person.mjs';
+
+const cursor = (page) => page.locator('#cursor');
+const text = (page) => page.locator('#toml').inputValue();
+const drawing = async (page) => (await text(page)).match(/"""\n([\s\S]*?)\n"""/)[1].split('\n');
+const choose = (page, name) => page.getByRole('radio', { name }).check({ force: true });
+
+/** Where the middle of a cell of the plan is on the screen. */
+async function middle(page, column, row, columns) {
+  const plan = page.locator('#plan');
+  await plan.scrollIntoViewIfNeeded();
+  const { x, y, width } = await plan.boundingBox();
+  const side = width / columns;
+  return [x + (column + .5) * side, y + (row + .5) * side];
+}
+
+async function drag(page, from, to, columns) {
+  await page.mouse.move(...await middle(page, ...from, columns));
+  await page.mouse.down();
+  await page.mouse.move(...await middle(page, ...to, columns), { steps: 5 });
+  await page.mouse.up();
+}
+
+/** The hall is used, searched, and its one piece found safe. */
+async function searched(page, patience, reload = false) {
+  await button(page, 'START the search').click();
+  await page.waitForURL(/\/$/);
+  await safe(page).waitFor({ timeout: patience });
+  await look(page);
+  await safe(page).click();
+  await phase(page, /explored/i, { patience, reload });
+}
+
+export const hallByPointer = {
+  tolerated: ['422'],
+  async play({ page, url, picture, patience }) {
+    await page.goto(`${url}/simulator/editor?hall=empty-8x8`);
+    await page.locator('#plan').waitFor();
+    await fits(page);
+    await choose(page, /^Wall/);
+    await choose(page, /^Line/);
+    await drag(page, [0, 4], [6, 4], 8);
+    must((await drawing(page))[4] === '#######.', `the line is ${(await drawing(page))[4]}`);
+    await choose(page, /^Dangerous/);
+    await choose(page, /^Brush/);
+    await drag(page, [3, 6], [4, 6], 8);
+    must((await drawing(page))[6] === '...aa...', `the piece is ${(await drawing(page))[6]}`);
+    await choose(page, /^Luggage/);
+    await drag(page, [3, 6], [3, 6], 8);
+    must(!/dangerous = true/.test(await text(page)), 'the danger is not taken back');
+    await button(page, 'Undo').click();
+    must(/dangerous = true/.test(await text(page)), 'the danger is not back');
+    await page.getByText('It is sound').waitFor();
+
+    await choose(page, /^Wall/);
+    await drag(page, [7, 4], [7, 4], 8);
+    await page.locator('#findings').getByText(/red backpack.*cannot be reached/).waitFor();
+    await picture('walled');
+    await button(page, 'Undo').click();
+    await page.getByText('It is sound').waitFor();
+    await button(page, 'Redo').click();
+    await button(page, 'Undo').click();
+    await page.getByText('It is sound').waitFor();
+
+    await page.getByLabel('Name').fill('drawn by hand');
+    await button(page, 'Set name and size').click();
+    await button(page, 'Put the robots down in it').click();
+    await page.getByText('drawn by hand').waitFor();
+    await searched(page, patience);
+    must(await page.locator('footer').getByText('drawn by hand').isVisible(), 'the console calls the hall otherwise');
+    await picture('searched');
+  },
+};
+
+export const hallByKeys = {
+  async play({ page, url, picture, patience }) {
+    await page.goto(`${url}/simulator/editor?hall=seed-9x8`);
+    const plan = page.locator('#plan');
+    await plan.waitFor();
+    for (let tabs = 0; !(await plan.evaluate((canvas) => canvas === document.activeElement)); tabs += 1) {
+      must(tabs < 30, 'the plan is not to be reached by keys');
+      await page.keyboard.press('Tab');
+    }
+    const press = async (...keys) => { for (const key of keys) await page.keyboard.press(key); };
+    await press('e', 'r', 'ArrowDown', 'Space', ...Array(8).fill('ArrowRight'), ...Array(6).fill('ArrowDown'), 'Space');
+    must((await drawing(page)).slice(1).join('') === '.'.repeat(63), `it is not empty: ${await drawing(page)}`);
+    await press('w', 'f', 'ArrowUp', 'Space', 'Shift+ArrowLeft', 'Shift+ArrowLeft');
+    must((await drawing(page))[6] === '......###', `the wall is ${(await drawing(page))[6]}`);
+    must(/column 7, row 7: wall/.test(await cursor(page).innerText()), await cursor(page).innerText());
+    await press('d', 'ArrowUp', 'Space');
+    must(/column 7, row 6: dangerous luggage a/.test(await cursor(page).innerText()), await cursor(page).innerText());
+    await press('Control+z', 'b', 'Space', 'l', 'Space', 'c');
+    must(/: luggage$/.test(await cursor(page).innerText()), await cursor(page).innerText());
+    await picture('typed');
+    await page.getByText('It is sound').waitFor();
+    await button(page, 'Put the robots down in it').focus();
+    await page.keyboard.press('Enter');
+    await page.waitForURL(/\/simulator$/);
+    await searched(page, patience);
+  },
+};
+
+const files = {
+  'm.map': 'type octile\nheight 2\nwidth 4\nmap\n..T@\n....\n',
+  'room.js': 'const config = { floor: { size: { x: 35, y: 35 } }, player: { position: { x: .08, y: .08 }, speed: .2 } };\nexport default config;\n',
+  'mine.toml': 'drawing = """\nS.T.\n"""\n',
+  'depot.pgm': 'P2 3 2 255\n254 254 0\n254 254 254\n',
+};
+
+export const hallsOpened = {
+  tolerated: ['422'],
+  async play({ page, url, picture }) {
+    await page.goto(`${url}/simulator/editor`);
+    await page.locator('#plan').waitFor();
+    const open = (...names) => page.locator('#file').setInputFiles(names.map((name) => ({ name, mimeType: 'text/plain', buffer: Buffer.from(files[name] ?? 'nonsense') })));
+    for (const [name, rows] of [['m.map', ['S.T#', '....']], ['mine.toml', ['S.T.']], ['room.js', null]]) {
+      await open(name);
+      await cursor(page).getByText(`${name} is open`).waitFor();
+      if (rows) must(JSON.stringify(await drawing(page)) === JSON.stringify(rows), `${name}: ${await drawing(page)}`);
+    }
+    await page.getByLabel(/Metres a pixel/).fill('0.5');
+    await open('depot.pgm');
+    await cursor(page).getByText('depot.pgm is open').waitFor();
+    must(JSON.stringify(await drawing(page)) === '["S.#","..."]', `depot.pgm: ${await drawing(page)}`);
+    await open('broken.js');
+    await page.locator('#draw-why').getByText(/broken\.js:1/).waitFor();
+    const down = page.waitForEvent('download');
+    await page.getByText('Download').click();
+    must((await down).suggestedFilename() === 'depot.toml', 'it is called otherwise');
+    await picture('opened');
+  },
+};
+
+export const simulatorControls = {
+  tolerated: ['409', '422'],
+  async play({ page, url, picture, patience }) {
+    await page.goto(url);
+    await page.getByRole('link', { name: 'simulator' }).click();
+    await page.waitForURL(/simulator$/);
+    await fits(page);
+    await button(page, /^Pause/).click();
+    await page.getByText('simulated time stands still').waitFor();
+    await button(page, /^One step/).click();
+    await page.locator('#time').getByText('press START first').waitFor();
+    await button(page, 'Let the camera fail').click();
+    await page.getByText('Camera: failing').waitFor();
+    await page.getByLabel('x', { exact: true }).fill('1');
+    await page.getByLabel('y', { exact: true }).fill('2');
+    await button(page, 'Block this cell').click();
+    await button(page, 'Clear (1, 2)').waitFor();
+    await picture('paused');
+    await button(page, 'START the search').click();
+    await page.waitForURL(/\/$/);
+    await page.goto(`${url}/simulator`);
+    await page.getByText(/let the mission end, or press RESET/).waitFor();
+    must(await button(page, 'Put the robots down there').isDisabled(), 'the hall can be left');
+    await button(page, /^One step/).click();
+    await stop(page).click();
+    await page.getByText('STOP is confirmed').waitFor();
+    await button(page, 'Mend the camera').click();
+    await page.getByText('Camera: well').waitFor();
+    await button(page, /^Go on/).click();
+    await page.getByText(/Running/).waitFor();
+    await page.goto(url);
+    await start(page).click();
+    await phase(page, /explored/i, { patience });
+  },
+};
+
+const phone = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
+export const simulatorOnPhone = { ...simulatorControls, browser: phone };
+
+export const simulatorPlain = {
+  tolerated: ['422'],
+  browser: { javaScriptEnabled: false },
+  async play({ page, url, picture, patience }) {
+    await page.goto(`${url}/simulator`);
+    await button(page, /^Pause/).click();
+    await page.getByText('simulated time stands still').waitFor();
+    await button(page, /^Go on/).click();
+    await page.getByText(/Running/).waitFor();
+    await page.getByRole('link', { name: 'Edit the hall' }).click();
+    must(!(await page.locator('#draw').isVisible()), 'tools are shown that do nothing');
+    await page.locator('#toml').fill('drawing = """\nS..\n##.\nT..\n...\n');
+    await button(page, 'Check').click();
+    await page.locator('#why').getByText(/hall\.toml:\d+/).waitFor();
+    await page.locator('#toml').fill('name = "written"\ndrawing = """\nS..\n##.\nT..\n"""\n');
+    await button(page, 'Check').click();
+    await page.getByText('It is sound').waitFor();
+    await fits(page);
+    await picture('checked');
+    await button(page, 'Put the robots down in it').click();
+    await page.getByText('written').waitFor();
+    await button(page, 'START the search').click();
+    await until(async () => { await page.reload(); return safe(page).isVisible(); }, 'that the piece waits', patience);
+    await safe(page).click();
+    await phase(page, /explored/i, { patience, reload: true });
+  },
+};

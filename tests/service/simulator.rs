@@ -1,0 +1,244 @@
+//! The simulator in somebody's hand, while the real program runs: its time, its faults as the mission sees them, and other halls.
+
+use std::io::{Read, Write};
+use std::net::TcpStream;
+
+use serde_json::{Value, json};
+
+use crate::kill::Folder;
+use crate::program::{Program, hallsweep};
+
+const SIMULATOR: &str = "/api/v1/simulator";
+
+fn change(program: &Program, body: &str) -> Value {
+    let answer = program.put(SIMULATOR, body);
+    assert_eq!(answer.status, 200, "{body}: {}", answer.text());
+    answer.json()
+}
+
+fn holds(state: &Value, hold: &str) -> bool {
+    state["mission"]["holds"].as_array().is_some_and(|holds| holds.iter().any(|held| held == hold))
+}
+
+fn says(state: &Value, words: &str) -> bool {
+    state["log"]
+        .as_array()
+        .is_some_and(|lines| lines.iter().any(|line| line["text"].as_str().is_some_and(|text| text.contains(words))))
+}
+
+/// What is answered to these bytes.
+fn raw(program: &Program, bytes: &str) -> String {
+    let mut stream = TcpStream::connect(program.address()).expect("the program listens");
+    stream.write_all(bytes.as_bytes()).expect("it takes a head");
+    let mut answer = [0; 64];
+    let read = stream.read(&mut answer).expect("it answers");
+    String::from_utf8_lossy(&answer[..read]).into_owned()
+}
+
+fn put_down(program: &Program, toml: &str) {
+    let answer = program.put("/api/v1/simulator/hall", &json!({ "toml": toml }).to_string());
+    assert_eq!(answer.status, 200, "{}", answer.text());
+}
+
+const LONG: &str = "name = \"corridor\"\ndrawing = \"\"\"\nS.........\n..........\n\"\"\"\n";
+
+#[test]
+fn what_is_shown_changes_as_it_was_asked_for_and_is_on_record() {
+    let program = Program::serve("airport", "2");
+    let shown = program.json("simulator");
+    assert_eq!(shown["hall"], json!({"name":"airport","width":16,"height":10,"cellM":0.5,"pieces":7}));
+    assert_eq!((&shown["speed"], &shown["paused"], &shown["blocked"]), (&json!(2.0), &json!(false), &json!([])));
+    assert!(shown["halls"].as_array().is_some_and(|halls| halls.contains(&json!("seed"))) && shown["bound"].is_null());
+    let shown = change(&program, r#"{"speed":"max","paused":true,"cameraFails":true,"blocked":[{"x":1,"y":0}]}"#);
+    assert_eq!((&shown["speed"], &shown["paused"], &shown["cameraFails"]), (&json!("max"), &json!(true), &json!(true)));
+    assert_eq!(program.json("simulator"), shown);
+    let words = "simulator paused, speed max, camera fails: yes, blocked (1, 0), by operator (http, 127.0.0.1)";
+    program.until("it is on record", |state| says(state, words));
+}
+
+/// Safety S1: STOP works while paused, and at once.
+#[test]
+fn a_paused_robot_does_not_get_on_is_stopped_and_takes_steps() {
+    let program = Program::serve("empty-8x8", "1");
+    change(&program, r#"{"paused":true}"#);
+    assert!(program.command("start").status == 200);
+    let state = program.until("it has an order", |state| state["robot"]["state"] != "stopped");
+    assert_eq!(state["robot"]["position"], json!({"x":0,"y":0}));
+    let stopped = program.command("stop");
+    assert_eq!(stopped.status, 200);
+    let state = program.until("it stands", |state| state["robot"]["halting"] == false && state["robot"]["state"] == "stopped");
+    assert!(holds(&state, "operator"), "{state:#}");
+    program.command("start").accepted();
+    program.until("it has an order", |state| state["robot"]["state"] != "stopped");
+    let mut steps = 0;
+    while program.json("state")["robot"]["position"] == json!({"x":0,"y":0}) {
+        let _ = program.post("/api/v1/simulator/step", "");
+        steps += 1;
+        assert!(steps < 100, "steps lead nowhere");
+    }
+    let why = program.put(SIMULATOR, r#"{"paused":false,"speed":"max"}"#);
+    assert_eq!(why.status, 200);
+    assert!(program.post("/api/v1/simulator/step", "").problem(409).contains("pause it first"));
+    program.until_phase("explored");
+    change(&program, r#"{"paused":true}"#);
+    assert_eq!(program.post("/api/v1/simulator/step", "").json()["code"], "nothingUnderWay");
+}
+
+#[test]
+fn a_lost_link_holds_the_mission_and_it_goes_on_when_the_link_is_back() {
+    let program = Program::serve("empty-8x8", "5");
+    program.command("start").accepted();
+    program.until("it drives", |state| state["robot"]["position"] != json!({"x":0,"y":0}));
+    change(&program, r#"{"linkLost":true}"#);
+    let state = program.until("it is held", |state| holds(state, "robotLink"));
+    assert!(holds(&state, "awaitingStart") && state["robots"][0]["unreached"].is_string(), "{state:#}");
+    assert!(program.command("start").problem(409).contains("link"));
+    change(&program, r#"{"linkLost":false,"speed":"max"}"#);
+    let state = program.until("it is linked", |state| !holds(state, "robotLink"));
+    assert!(holds(&state, "awaitingStart"), "the end of the cause alone sets nothing moving");
+    program.command("start").accepted();
+    program.until_phase("explored");
+}
+
+#[test]
+fn a_camera_that_fails_leaves_a_piece_without_a_photo_until_it_is_mended() {
+    let program = Program::serve("airport", "max");
+    change(&program, r#"{"cameraFails":true,"noThermometer":true}"#);
+    let parts = |state: &Value| state["robots"][0]["parts"].as_array().cloned().unwrap_or_default();
+    program.until("it has no thermometer", |state| !parts(state).contains(&json!("thermometer")));
+    program.command("start").accepted();
+    let id = program.until_asked();
+    let photo = |state: &Value| state["luggage"].as_array().and_then(|all| all.iter().find(|piece| piece["id"] == id).cloned());
+    let piece = photo(&program.json("state")).expect("it is there");
+    assert_eq!(piece["photo"]["state"], "failed", "{piece}");
+    assert!(program.verdict(id, "safe").problem(409).contains("no usable photo"));
+    change(&program, r#"{"cameraFails":false,"noThermometer":false}"#);
+    program.post(&format!("/api/v1/luggage/{id}/photo"), "").accepted();
+    program.until("it has a photo", |state| photo(state).is_some_and(|piece| piece["photo"]["state"] == "taken"));
+    program.until("it has its thermometer", |state| parts(state).contains(&json!("thermometer")));
+}
+
+#[test]
+fn a_blocked_way_is_an_obstacle_and_the_search_goes_round_it() {
+    let program = Program::serve("empty-8x8", "max");
+    change(&program, r#"{"blocked":[{"x":0,"y":3},{"x":4,"y":4}]}"#);
+    program.command("start").accepted();
+    let state = program.until_phase("explored");
+    let rows = state["map"]["rows"].as_array().expect("rows");
+    // The walls round the hall are the first row and column.
+    let mark = |x: usize, y: usize| rows[y + 1].as_str().map(|row| row[x + 1..=x + 1].to_owned());
+    assert_eq!((mark(0, 3), mark(4, 4), mark(4, 3)), (Some("X".into()), Some("X".into()), Some("1".into())), "{rows:?}");
+    for (body, words) in [
+        (r#"{"blocked":[{"x":99,"y":0}]}"#, "nothing can be put into (99, 0)"),
+        (r#"{"blocked":[{"x":0}]}"#, "`blocked` is"),
+        (r#"{"speed":0}"#, "0.1 to 1000"),
+        (r#"{"pause":true}"#, "has no field `pause`"),
+    ] {
+        assert!(program.put(SIMULATOR, body).problem(422).contains(words), "{body}");
+    }
+}
+
+#[test]
+fn another_hall_is_searched_while_no_mission_is_under_way_and_a_restart_goes_on_in_it() {
+    let folder = Folder::new("simulator-hall");
+    let serve = |hall: &str| {
+        let arguments = ["serve", "--http", "127.0.0.1:0", "--hall", hall, "--speed", "max", "--data", folder.text()];
+        Program::started(&mut hallsweep(&arguments))
+    };
+    let program = serve("airport");
+    program.command("start").accepted();
+    program.until_asked();
+    let refused = program.put("/api/v1/simulator/hall", r#"{"name":"seed"}"#);
+    assert_eq!(refused.json()["code"], "notInPhase");
+    assert!(refused.problem(409).contains("let the mission end, or press RESET"));
+    assert!(program.json("simulator")["bound"].is_string());
+    let id = program.json("state")["luggage"][0]["id"].as_u64().expect("a piece");
+    program.command("stop").accepted();
+    program.verdict(id, "safe").accepted();
+    program.until("it stands", |state| state["robot"]["state"] == "stopped" && state["robot"]["halting"] == false);
+    program.command("reset").accepted();
+
+    put_down(&program, LONG);
+    let state = program
+        .until("it is there", |state| !holds(state, "robotLink") && says(state, "put down in the hall corridor, by operator"));
+    assert_eq!((&state["robot"]["position"], &state["mission"]["phase"]), (&json!({"x":0,"y":0}), &json!("idle")));
+    assert_eq!(program.json("simulator")["hall"]["name"], "corridor");
+    program.command("start").accepted();
+    let explored = program.until_phase("explored");
+    assert_eq!(explored["mission"]["progress"]["visited"], 20);
+    program.killer()();
+    drop(program);
+
+    let program = serve("airport");
+    let state = program.until("it is linked", |state| !holds(state, "robotLink"));
+    assert_eq!((&state["mission"]["phase"], &state["map"]["rows"]), (&json!("explored"), &explored["map"]["rows"]));
+    assert_eq!(program.json("simulator")["hall"]["name"], "corridor", "it goes on in the hall that was chosen");
+    put_down(&program, "name = \"small\"\nwidth = 2\nheight = 2\n");
+    program.command("start").accepted();
+    assert_eq!(program.until_phase("explored")["mission"]["progress"]["visited"], 4);
+    drop(program);
+
+    let program = serve("seed-9x8");
+    assert_eq!(program.json("simulator")["hall"]["name"], "seed-9x8", "the settings name another hall now: they hold");
+}
+
+#[test]
+fn halls_of_every_format_are_read_over_the_wire_and_nonsense_is_refused_in_words() {
+    let program = Program::serve("empty-8x8", "max");
+    let check = |name: &str, file: &str| {
+        program.send("POST", &format!("/api/v1/simulator/hall/check?name={name}"), "application/octet-stream", file)
+    };
+    let yaml = "image: m.pgm\nresolution: 0.5\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n...\n\
+                P2 3 1 255\n254 254 0\n";
+    let scene = "const config = { floor: { size: { x: 35, y: 35 } }, player: { position: { x: .08, y: .08 }, speed: .2 } };\n\
+                 export default config;\n";
+    for (name, file, width) in [
+        ("m.toml", LONG, 10),
+        ("m.map", "type octile\nheight 1\nwidth 3\nmap\n..T\n", 3),
+        ("m.yaml", yaml, 3),
+        ("room.js", scene, 9),
+    ] {
+        let read = check(name, file);
+        assert_eq!((read.status, &read.json()["width"]), (200, &json!(width)), "{name}: {}", read.text());
+        put_down(&program, read.json()["toml"].as_str().expect("a hall file"));
+        assert_eq!(program.json("simulator")["hall"]["width"], width, "{name}");
+    }
+    let walled = check("m.toml", "drawing = \"\"\"\nS.#T\n\"\"\"\n").json();
+    assert_eq!((&walled["findings"][0]["column"], &walled["findings"][0]["row"]), (&json!(3), &json!(0)), "{walled}");
+    for (name, file, words) in [
+        ("m.toml", "drawing = \"\"\"\n...\n\"\"\"\n", "m.toml:1: no start"),
+        ("m.js", "nonsense", "m.js:1: "),
+        ("m.toml", "\u{0}\u{1}", "m.toml:1: "),
+    ] {
+        assert!(check(name, file).problem(422).contains(words), "{name}");
+    }
+    let large = "#".repeat(70_000);
+    for (method, path) in
+        [("POST", "/api/v1/simulator/hall/check"), ("PUT", "/api/v1/simulator/hall"), ("POST", "/simulator/editor")]
+    {
+        let answer = program.send(method, path, "application/json", &large);
+        assert!(answer.problem(413).contains("the hall is larger than 65536 bytes"), "{path}");
+        let huge = format!("{method} {path} HTTP/1.1\r\nHost: localhost\r\nContent-Length: {}\r\n\r\n", 10 << 20);
+        assert!(raw(&program, &huge).starts_with("HTTP/1.1 413"), "{path}: before any of it has come");
+    }
+    assert!(program.put("/api/v1/simulator/hall", r#"{"name":"../../etc/passwd"}"#).problem(422).contains("there are airport"));
+    assert_eq!(program.read("/api/v1/simulator/halls/nowhere", &[]).status, 404);
+    let wide = json!({ "toml": "width = 251\nheight = 2\n" });
+    let refused = program.put("/api/v1/simulator/hall", &wide.to_string());
+    assert!(refused.problem(422).contains("251 × 2 cells is too large"));
+    // As large as may be, it comes through whole.
+    let wide = format!("drawing = \"\"\"\nS{}\n{}\"\"\"\n", "#".repeat(249), format!("{}\n", ".".repeat(250)).repeat(249));
+    put_down(&program, &wide);
+    assert_eq!(program.json("simulator")["hall"]["height"], 250);
+}
+
+#[test]
+fn where_the_robot_is_not_simulated_there_is_no_simulator() {
+    let mut command = hallsweep(&["serve", "--http", "127.0.0.1:0", "--robot", "virtual-tcp=127.0.0.1:9"]);
+    let program = Program::started(&mut command);
+    let answer = program.read(SIMULATOR, &[]);
+    assert_eq!(answer.json()["code"], "notSimulated");
+    assert!(answer.problem(404).contains("not simulated"));
+    let page = program.read("/simulator", &[("accept", "text/html")]);
+    assert!(page.status == 404 && page.text().contains("not simulated"));
+}
