@@ -74,8 +74,8 @@ mod tests {
     use hallsweep_core::world::snapshot::Snapshot;
 
     fn view(snapshot: &Snapshot, cell_m: Option<f64>) -> View<'_> {
-        let hall = HallInfo { name: "airport", cell_m, evacuation_m: 25.0, robot: None };
-        View { snapshot, hall, began: None, who: None, why: None, now: TEN }
+        let hall = HallInfo { name: "airport".into(), cell_m, evacuation_m: 25.0, robot: None };
+        View { snapshot, hall, began: None, who: None, why: None, now: TEN, line: None, then: None }
     }
 
     #[test]

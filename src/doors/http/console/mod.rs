@@ -11,6 +11,7 @@ mod incident;
 mod live;
 pub(super) mod missions;
 pub(super) mod moments;
+mod page;
 mod parts;
 pub(super) mod photo;
 mod pieces;
@@ -39,7 +40,7 @@ use crate::runtime::carry_out::Done;
 pub(super) use acts::buttons;
 use acts::{Fields, TypedNote};
 use hallsweep_core::units::LuggageId;
-use parts::Page;
+use page::Page;
 use view::{HallInfo, View, Who, Why};
 
 pub(super) use began::Began;

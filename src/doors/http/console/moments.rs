@@ -14,7 +14,7 @@ use super::super::problem::Problem;
 use super::super::query::{MOST, Query};
 use super::super::reading::Number;
 use super::live::{Message, Shown};
-use super::parts::Page;
+use super::page::Page;
 use super::timeline::{Timeline, Timelines};
 use super::view::{HallInfo, Then, View, Who};
 use super::{html, who};
@@ -145,7 +145,7 @@ mod tests {
         ] {
             assert!(page.contains(wanted), "{wanted} in {page}");
         }
-        assert!(!page.contains("waits for your verdict") && !page.contains("<title>luggage #"), "nothing had been found yet");
+        assert!(page.contains("data-luggage=\"\"") && !page.contains("<title>luggage #"), "nothing had been found yet");
         for tag in
             page.split('<').filter(|tag| ["button", "fieldset", "input", "select"].iter().any(|name| tag.starts_with(name)))
         {

@@ -414,7 +414,7 @@ mod tests {
 
     #[test]
     fn phases_holds_temperatures_pieces_verdicts_stops_and_commands_stand_at_their_times() {
-        let verdict = |verdict| Fact::Verdict { luggage: LuggageId(3), verdict, who: "anna".into() };
+        let verdict = |verdict| Fact::Verdict { luggage: LuggageId(3), verdict, who: "anna".into(), note: None };
         let found = Fact::Luggage { record: piece(3, Cell::new(1, 2), None), photo: None };
         let line = line([
             (0, Fact::Phase(Phase::Exploring)),

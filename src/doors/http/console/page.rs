@@ -1,0 +1,89 @@
+//! The whole page: the parts in their places, the hall with all its tiles and the whole line of time.
+
+use askama::Template;
+use serde::Serialize;
+
+use super::parts::PARTS;
+use super::timeline::Timeline;
+use super::view::View;
+use super::{hall, pieces};
+
+#[derive(Template)]
+#[template(path = "console/page.html")]
+pub(super) struct Page<'a> {
+    v: &'a View<'a>,
+}
+
+impl<'a> Page<'a> {
+    /// The page of this view.
+    pub(super) const fn new(v: &'a View<'a>) -> Page<'a> {
+        Page { v }
+    }
+
+    fn part(&self, id: &str) -> String {
+        let part = PARTS.iter().find(|part| part.id == id).expect("the page's template names only parts there are");
+        (part.render)(self.v)
+    }
+
+    fn view_box(&self) -> String {
+        hall::view_box_now(self.v.snapshot)
+    }
+
+    fn made(&self) -> String {
+        self.v.zone().date_and_time(self.v.now)
+    }
+
+    fn tiles(&self) -> String {
+        let map = &self.v.snapshot.map;
+        map.tiles().map(|(corner, _)| hall::tile(map, corner)).collect()
+    }
+
+    fn pieces(&self) -> String {
+        pieces::all(self.v.snapshot)
+    }
+
+    fn pins(&self) -> String {
+        pieces::all_pins(self.v.snapshot)
+    }
+
+    /// How the line of time is to be read, as JSON for the script.
+    fn scale(&self) -> String {
+        json(&self.v.line.filter(|line| !line.is_empty()).map(Timeline::scale))
+    }
+
+    /// The moment of the past that is shown, likewise.
+    fn then(&self) -> String {
+        json(&self.v.then)
+    }
+
+    fn times(&self) -> String {
+        self.v.line.iter().flat_map(|line| line.pieces(0)).map(|(_, markup)| markup.to_string()).collect()
+    }
+
+    fn width(&self) -> i64 {
+        self.v.line.map_or(1, Timeline::width)
+    }
+
+    fn threshold(&self) -> f64 {
+        Timeline::THRESHOLD_Y
+    }
+
+    /// Where the moment that is shown is on the line.
+    fn cursor(&self) -> i64 {
+        self.v.line.map_or(0, |line| self.v.then.map_or(line.width(), |then| line.x(then.time)))
+    }
+
+    fn moment(&self) -> String {
+        match self.v.then {
+            Some(then) => {
+                format!("{}, entry {} of mission {}", self.v.zone().date_and_time(self.v.now), then.seq, then.mission)
+            }
+            None if self.v.snapshot.mission.id.0 == 0 => "No mission has begun yet.".to_owned(),
+            None => "now".to_owned(),
+        }
+    }
+}
+
+fn json(value: &impl Serialize) -> String {
+    serde_json::to_string(value).expect("numbers are what JSON can hold")
+}
