@@ -70,16 +70,19 @@
 
   let askedAt = 0;
 
-  /** Where a question can stand: not over the bar, not over STOP and what is said beside it. */
+  /** Where a question can stand: not over the bar, not over STOP and what is said of it, under it or in a column of its own. */
   function room() {
-    const stop = document.getElementById("corner").getBoundingClientRect();
-    const bar = document.getElementById("top").getBoundingClientRect();
+    const box = (one) => one.getBoundingClientRect();
+    const stop = box(document.getElementById("corner"));
+    const bar = box(document.getElementById("top"));
+    const column = parseFloat(getComputedStyle(document.getElementById("desk")).paddingRight);
     const isBelow = stop.bottom > innerHeight - GAP_PX && stop.width > innerWidth / 2;
-    const isBeside = !isBelow && stop.top > bar.bottom - GAP_PX;
+    const said = [...document.querySelectorAll("#why-stop:not(:empty), #lost:not([hidden])")].map(box);
+    const isUnder = !isBelow && column < GAP_PX * 4;
     return {
       left: GAP_PX,
-      top: bar.bottom + GAP_PX,
-      right: (isBeside ? stop.left : innerWidth) - GAP_PX,
+      top: Math.max(bar.bottom, ...(isUnder ? said.map(({ bottom }) => bottom) : [])) + GAP_PX,
+      right: innerWidth - Math.max(column, GAP_PX),
       bottom: (isBelow ? stop.top : innerHeight) - GAP_PX,
     };
   }
@@ -131,7 +134,8 @@
   }).observe(dialog, { attributeFilter: ["open"] });
   const placeAgain = () => dialog.open && place();
   addEventListener("resize", placeAgain);
-  new ResizeObserver(placeAgain).observe(document.getElementById("corner"));
+  const observer = new ResizeObserver(placeAgain);
+  for (const id of ["corner", "why-stop", "notes"]) observer.observe(document.getElementById(id));
 
   // The second click of a double click on DANGER may land on the answer.
   dialog.addEventListener("click", (event) => {
