@@ -426,5 +426,5 @@ if (first) {
   paint();
   if (mayAct) check();
   new ResizeObserver(paint).observe($("sheet"));
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
+  addEventListener("themechange", paint);
 }

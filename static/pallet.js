@@ -289,7 +289,7 @@ async function begin() {
     played.again();
   };
   new ResizeObserver(anew).observe(yard.canvas);
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", anew);
+  addEventListener("themechange", anew);
 }
 
 begin().catch((error) => {

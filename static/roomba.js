@@ -147,7 +147,7 @@ async function begin() {
     played.again();
   };
   new ResizeObserver(anew).observe(rooms[0].canvas);
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", anew);
+  addEventListener("themechange", anew);
 }
 
 begin().catch((error) => {

@@ -15,7 +15,7 @@ struct Asset {
     text: &'static str,
 }
 
-static ASSETS: [Asset; 21] = [
+static ASSETS: [Asset; 22] = [
     Asset {
         path: "/static/console.css",
         media_type: "text/css; charset=utf-8",
@@ -55,6 +55,11 @@ static ASSETS: [Asset; 21] = [
         path: "/static/attention.js",
         media_type: "text/javascript; charset=utf-8",
         text: include_str!("../../../static/attention.js"),
+    },
+    Asset {
+        path: "/static/theme.js",
+        media_type: "text/javascript; charset=utf-8",
+        text: include_str!("../../../static/theme.js"),
     },
     Asset {
         path: "/static/stop.js",

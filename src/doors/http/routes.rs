@@ -59,6 +59,7 @@ fn for_anybody() -> Vec<Row> {
         get("/static/photo.js", Nothing, assets::file),
         get("/static/verdict.js", Nothing, assets::file),
         get("/static/attention.js", Nothing, assets::file),
+        get("/static/theme.js", Nothing, assets::file),
         get("/static/stop.js", Nothing, assets::file),
         get("/static/laboratory.css", Nothing, assets::file),
         get("/static/laboratory.js", Nothing, assets::file),

@@ -80,7 +80,7 @@ fn draw(group: &mut String, piece: &Luggage) {
     write(
         group,
         format_args!(
-            "<g class=\"piece {verdict}\" data-piece=\"{id}\" transform=\"translate({x} {y}) scale(.9)\">{shape}<text y=\".6\">{letter}</text>\
+            "<g class=\"piece own {verdict}\" data-piece=\"{id}\" transform=\"translate({x} {y}) scale(.9)\">{shape}<text y=\".6\">{letter}</text>\
              <text class=\"number\" y=\"3.7\">{id}</text><title>luggage #{id}: {verdict}</title></g>"
         ),
     );
@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn every_piece_is_drawn() {
         let drawn = all(&searching());
-        for part in ["piece safe", "piece danger", "piece pending", "#3"] {
+        for part in ["piece own safe", "piece own danger", "piece own pending", "#3"] {
             assert!(drawn.contains(part), "{part} in {drawn}");
         }
         assert_eq!(all_pins(&searching()), "", "where every cell can be seen there are no pins");
@@ -219,7 +219,7 @@ mod tests {
         newer.luggage.insert(piece(20 * PART as u64 + 6, Cell::new(4, 4), None));
         let sent = changed(Some(&older), &newer);
         assert_eq!(sent.keys().map(String::as_str).collect::<Vec<_>>(), ["pieces_20"]);
-        assert_eq!(sent["pieces_20"].matches("class=\"piece").count(), 6);
+        assert_eq!(sent["pieces_20"].matches("class=\"piece own").count(), 6);
         assert!(changed(Some(&newer), &newer.clone()).is_empty());
     }
 
