@@ -328,7 +328,7 @@ function ask({ dataset, form }) {
 }
 
 let asked = null;
-const rest = () => document.querySelectorAll(".skip, #actions, .ask, .field, .retrieval, #time, .controls, footer");
+const rest = () => document.querySelectorAll(".skip, #side, .field, .retrieval, #time");
 
 /** Takes the question back. */
 function unask() {

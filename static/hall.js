@@ -28,11 +28,16 @@ const hall = (() => {
 
   const scale = () => lens?.scale ?? fitting();
 
-  /** The server's picture has these bounds now. */
+  /** The server's picture has these bounds now. Most often they are the same, and nothing is to be painted anew. */
   function bounds(view) {
+    if (view === whole.join(" ") && larger() === drawnLarger) return;
     whole = view.split(" ").map(Number);
     draw();
   }
+
+  /** How many times their size the robot and its like are drawn in. */
+  const larger = () => Number(at("hall-layer").dataset.larger ?? 1);
+  let drawnLarger = 0;
 
   function draw() {
     const { width, height } = size();
@@ -46,8 +51,8 @@ const hall = (() => {
     } else {
       svg.setAttribute("viewBox", whole.join(" "));
     }
-    const larger = Number(at("hall-layer").dataset.larger ?? 1);
-    svg.style.setProperty("--sized", Math.max(1, larger * fitting() / scale()));
+    drawnLarger = larger();
+    svg.style.setProperty("--sized", Math.max(1, drawnLarger * fitting() / scale()));
     svg.classList.toggle("closer", lens !== null);
     svg.classList.toggle("near", scale() * CELL >= NEAR_PX);
     at("fit").disabled = at("wider").disabled = !lens;

@@ -42,18 +42,26 @@ const time = (() => {
   const end = () => (isPresent() ? Math.max(line.end, serverNow()) : line.end);
   const width = () => Math.max(LEAST, unitOf(end()));
 
+  let drawn = 0; // so many units are drawn
+
+  function paint(id, attribute, value) {
+    if (at(id).getAttribute(attribute) !== value) at(id).setAttribute(attribute, value);
+  }
+
   /** Draws where we are. */
   function draw() {
     panel.classList.toggle("empty", !line);
     if (!line) return;
-    const wide = width();
-    const at_ = then ? unitOf(then.time) : wide;
-    at("time-line").setAttribute("viewBox", `0 0 ${wide} 64`);
-    at("cursor").setAttribute("d", `M${at_} 0v64`);
+    // What would move it by less than a point of the screen is not painted anew.
+    if (width() < drawn || width() > drawn * (1 + 1 / track.clientWidth)) drawn = width();
+    const wide = drawn;
+    const here = then ? unitOf(then.time) : wide;
+    paint("time-line", "viewBox", `0 0 ${wide} 64`);
+    paint("cursor", "d", `M${here} 0v64`);
     const words = then ? `${clockTime(then.time - ahead)}, entry ${then.seq} of mission ${then.mission}` : "now";
     if (at("moment").textContent !== words) at("moment").textContent = words;
     track.setAttribute("aria-valuemax", Math.round(wide / 10));
-    track.setAttribute("aria-valuenow", Math.round(at_ / 10));
+    track.setAttribute("aria-valuenow", Math.round(here / 10));
     track.setAttribute("aria-valuetext", then ? `${words}: ${document.querySelector("#bar .phase").textContent}` : "now");
     at("to-now").hidden = !then;
     at("play").setAttribute("aria-pressed", direction > 0);
@@ -171,10 +179,12 @@ const time = (() => {
     draw();
   }
 
+  let ticks = 0;
   setInterval(() => {
     if (!line) return;
     if (!direction) {
-      if (!then && isPresent()) draw();
+      ticks += 1;
+      if (!then && isPresent() && ticks % 10 === 0) draw();
       return;
     }
     place += direction * Number(at("speed").value) * TICK_MS / line.unit;

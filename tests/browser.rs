@@ -211,6 +211,11 @@ fn the_hall_is_looked_at_from_near_and_a_free_cell_offers_the_way_there() {
 }
 
 #[test]
+fn every_page_in_every_state_is_for_everybody() {
+    play("accessible", &["--hall", "airport", "--speed", "max"]);
+}
+
+#[test]
 fn people_sign_in_and_a_viewer_can_only_stop() {
     play_with_keys("signedIn");
 }

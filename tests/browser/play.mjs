@@ -6,6 +6,7 @@
 import { mkdirSync } from 'node:fs';
 import { createInterface } from 'node:readline';
 import { chromium } from 'playwright-core';
+import * as access from './access.mjs';
 import * as always from './always.mjs';
 import * as laboratory from './laboratory.mjs';
 import { relay } from './relay.mjs';
@@ -16,7 +17,7 @@ import * as simulator from './simulator.mjs';
 import * as verdicts from './verdicts.mjs';
 
 const [name, url, executablePath, shots] = process.argv.slice(2);
-const scenario = { ...missions, ...always, ...laboratory, ...retrieval, ...time, ...verdicts, ...simulator }[name];
+const scenario = { ...missions, ...access, ...always, ...laboratory, ...retrieval, ...time, ...verdicts, ...simulator }[name];
 const patience = 60_000;
 
 const lines = createInterface({ input: process.stdin })[Symbol.asyncIterator]();

@@ -1,7 +1,7 @@
 // A person with the simulator in hand: stops its time, lets things fail, draws a hall by pointer or by keys and has it searched; on a phone and
 // without scripts, too.
 
-import { button, fits, must, phase, safe, look, start, stop, until } from './person.mjs';
+import { appears, button, fits, must, phase, safe, look, start, stop } from './person.mjs';
 
 const cursor = (page) => page.locator('#cursor');
 const text = (page) => page.locator('#toml').inputValue();
@@ -195,7 +195,8 @@ export const simulatorPlain = {
     await button(page, 'Put the robots down in it').click();
     await page.getByText('written').waitFor();
     await button(page, 'START the search').click();
-    await until(async () => { await page.reload(); return safe(page).isVisible(); }, 'that the piece waits', patience);
+    await page.waitForURL(`${url}/`);
+    await appears(page, safe(page), { patience, reload: true });
     await safe(page).click();
     await phase(page, /explored/i, { patience, reload: true });
   },

@@ -223,6 +223,51 @@ mod tests {
         assert!(changed(Some(&newer), &newer.clone()).is_empty());
     }
 
+    /// The boxes of what is drawn, as their middles and half their sides, strokes included.
+    fn boxes(markup: &str) -> Vec<(f64, f64, f64)> {
+        let number = |text: &str| text.parse::<f64>().expect("a number");
+        let drawn = markup.split("<g class=\"piece").skip(1).map(|drawn| {
+            let (_, at) = drawn.split_once("translate(").expect("it has a place");
+            let (x, y) = at.split_once(')').and_then(|(at, _)| at.split_once(' ')).expect("two numbers");
+            let scales = drawn.split("scale(").skip(1).map(|scale| number(scale.split(')').next().expect("it ends")));
+            // The largest of the shapes is the triangle, ten units high and wide; half its stroke lies outside.
+            (number(x), number(y), scales.product::<f64>() * (5.0 + 0.35))
+        });
+        drawn.collect()
+    }
+
+    fn check_apart(markup: &str) -> usize {
+        let mut boxes = boxes(markup);
+        boxes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (place, (x, y, half)) in boxes.iter().enumerate() {
+            for (other_x, other_y, other) in boxes[place + 1..].iter().take_while(|(other_x, ..)| other_x - x < 2.0 * half) {
+                assert!(
+                    (other_y - y).abs() >= half + other || (other_x - x).abs() >= half + other,
+                    "at {x} {y} and {other_x} {other_y}"
+                );
+            }
+        }
+        boxes.len()
+    }
+
+    #[test]
+    fn however_many_pieces_there_are_none_is_drawn_over_another() {
+        for side in [30, 60, 170, 1000] {
+            let mut snapshot = searching();
+            snapshot.map.mark(Cell::new(side - 1, side - 1), Mark::Visited, Revision(21));
+            snapshot.luggage = Default::default();
+            for id in 0..770 {
+                let cell = Cell::new(i32::try_from(id * 7919 % 1009).unwrap() % side, i32::try_from(id / 2).unwrap() % side);
+                snapshot.luggage.insert(piece(id + 1, cell, if id % 3 == 0 { None } else { Some(Verdict::Danger) }));
+            }
+            let cells: std::collections::BTreeSet<Cell> = snapshot.luggage.iter().map(|piece| piece.cell).collect();
+            if cells.len() == snapshot.luggage.len() {
+                assert_eq!(check_apart(&all(&snapshot)), 770);
+            }
+            assert!(check_apart(&all_pins(&snapshot)) > 0 || larger(&snapshot.map) == 1, "{side} cells a side");
+        }
+    }
+
     #[test]
     fn a_larger_picture_draws_all_anew_and_an_emptied_hall_takes_them_away() {
         let older = with(PART as u64 + 1);
