@@ -1,9 +1,12 @@
 //! What the console says of the robots' doings, and of the one that searches: whether it is there, and what it is made of.
 
-use super::view::View;
+use super::view::{View, place};
 use hallsweep_core::mission::Hold;
 use hallsweep_core::robots::{Part, Parts};
-use hallsweep_core::world::robot::RobotState;
+use hallsweep_core::world::robot::{RobotShown, RobotState};
+
+/// So many pieces are named to somebody who listens: as many as one remembers.
+const NAMED: usize = 8;
 
 /// What it does nobody knows.
 const UNREACHED: &str = "no link";
@@ -51,15 +54,94 @@ impl View<'_> {
         if self.snapshot.robot.halting {
             return HALTING;
         }
-        match self.snapshot.robot.state {
-            RobotState::Stopped => "stands still",
-            RobotState::MovingForward => "moves forward",
-            RobotState::MovingBackward => "moves backward",
-            RobotState::RotateLeft => "turns left",
-            RobotState::RotateRight => "turns right",
-            RobotState::TakingPhoto => "takes a photo",
-            RobotState::SendingPhoto => "sends the photo",
-            RobotState::MovingArm => "moves its arm",
+        in_words(self.snapshot.robot.state)
+    }
+
+    /// The robots beside the one that searches.
+    pub(super) fn others(&self) -> &[RobotShown] {
+        self.snapshot.robots.get(1..).unwrap_or_default()
+    }
+
+    /// What one of them does.
+    pub(super) fn does(&self, robot: &RobotShown) -> &'static str {
+        match robot.view.halting {
+            _ if robot.unreached.is_some() || robot.holds.contains(&Hold::RobotLink) => UNREACHED,
+            true => HALTING,
+            false => in_words(robot.view.state),
         }
+    }
+
+    /// The hall as somebody hears it who does not see it: how far the search is, where the robot stands, and what was found where.
+    pub(super) fn hall_in_words(&self) -> String {
+        let robot = &self.snapshot.robot;
+        let stands = match robot.outside {
+            0 => format!("the robot at {}, facing {}", place(robot.pose.cell), robot.pose.heading.name()),
+            _ => "the robot before the entrance".to_owned(),
+        };
+        let mut words = vec![format!("{} searched, {}; {stands}.", self.searched(), self.open())];
+        let pieces = &self.snapshot.luggage;
+        let left = pieces.pending().chain(pieces.bombs_left()).take(NAMED);
+        words.extend(left.map(|piece| {
+            let verdict = if piece.is_pending() { "waits for its verdict" } else { "is dangerous" };
+            format!("Luggage #{} at {} {verdict}.", piece.id, place(piece.cell))
+        }));
+        words.push(format!("Pieces of luggage found: {}.", pieces.len()));
+        words.join(" ")
+    }
+}
+
+const fn in_words(state: RobotState) -> &'static str {
+    match state {
+        RobotState::Stopped => "stands still",
+        RobotState::MovingForward => "moves forward",
+        RobotState::MovingBackward => "moves backward",
+        RobotState::RotateLeft => "turns left",
+        RobotState::RotateRight => "turns right",
+        RobotState::TakingPhoto => "takes a photo",
+        RobotState::SendingPhoto => "sends the photo",
+        RobotState::MovingArm => "moves its arm",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::view::HallInfo;
+    use super::*;
+    use crate::api::fixture::{TEN, searching};
+    use hallsweep_core::retrieval::Which;
+    use hallsweep_core::world::robot::RobotView;
+    use hallsweep_core::world::snapshot::Snapshot;
+
+    fn view(snapshot: &Snapshot) -> View<'_> {
+        let hall = HallInfo { name: "airport".into(), cell_m: Some(0.5), evacuation_m: 100.0, robot: None };
+        View { snapshot, hall, began: None, who: None, why: None, now: TEN, line: None, then: None }
+    }
+
+    #[test]
+    fn who_does_not_see_the_hall_hears_what_is_where() {
+        let snapshot = searching();
+        assert_eq!(
+            view(&snapshot).hall_in_words(),
+            "15 cells, 3.8 m² searched, 4 places still open; the robot at column 2, row 2, facing east. Luggage #3 at column 3, row 2 waits for \
+             its verdict. Luggage #2 at column 1, row 2 is dangerous. Pieces of luggage found: 3."
+        );
+    }
+
+    #[test]
+    fn of_every_robot_it_is_said_what_it_does_and_whether_it_is_there() {
+        let mut snapshot = searching();
+        let robot = |unreached: Option<&str>, halting| RobotShown {
+            id: Which::Srm1.robot(),
+            view: RobotView { state: RobotState::MovingArm, halting, ..snapshot.robot },
+            parts: None,
+            holds: Vec::new(),
+            arm: None,
+            unreached: unreached.map(Into::into),
+        };
+        let robots = [robot(None, false), robot(None, true), robot(Some("nobody answers"), false)];
+        let said = robots.each_ref().map(|robot| view(&snapshot).does(robot));
+        assert_eq!(said, ["moves its arm", HALTING, UNREACHED]);
+        snapshot.robots = robots.into();
+        assert_eq!(view(&snapshot).others().len(), 2, "the first is the one that searches");
     }
 }

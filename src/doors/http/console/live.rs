@@ -216,7 +216,7 @@ mod tests {
         touch(&mut snapshot, 21, &[Resource::Map, Resource::Robot]);
         let message = update(&mut shown, snapshot);
         let ids: Vec<&str> = message.parts.keys().map(String::as_str).collect();
-        assert_eq!(ids, ["hall-frontier", "hall-layer", "hall-robot", "robot", "tile_0_0"]);
+        assert_eq!(ids, ["about-hall", "hall-frontier", "hall-layer", "hall-robot", "robot", "tile_0_0"]);
         assert!(serde_json::to_string(&message).unwrap().len() < 8_000);
     }
 

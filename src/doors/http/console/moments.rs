@@ -18,6 +18,7 @@ use super::page::Page;
 use super::timeline::{Timeline, Timelines};
 use super::view::{HallInfo, Then, View, Who};
 use super::{html, who};
+use crate::access::Caller;
 use crate::runtime::archive::{At, Moment, Sound};
 use hallsweep_core::units::{MissionId, Seq, WallTime};
 use hallsweep_core::world::snapshot::Snapshot;
@@ -32,10 +33,9 @@ pub(in crate::doors::http) async fn page(
     query.only(&["at"])?;
     let at = at(&query)?.map_or(At::Time(i64::MIN), At::Entry);
     let [moment] = stood(&door, id, [at]).await?;
-    let (line, began) = about(&door, id).await?;
-    let who = who(&door, &caller);
-    let shown = Looked::of(&door, id, moment, at);
-    Ok(html(&Page::new(&shown.view(&door, who.as_ref(), began, &line))))
+    let about = About::of(&door, caller, id).await?;
+    let page = move || html(&Page::new(&about.view(&about.looked_at(moment, at))));
+    Ok(door.archive.look_up(move |_| Ok(page())).await?)
 }
 
 /// `GET console/missions/{id}/moment`: what a page lacks of the last moment up to `at` or up to `time`, that shows the one after the entry
@@ -61,23 +61,54 @@ pub(in crate::doors::http) async fn message(
             (moment, None)
         }
     };
-    let (line, began) = about(&door, id).await?;
-    let who = who(&door, &caller);
-    let looked = Looked::of(&door, id, moment, wanted);
-    let mut shown = match from {
-        Some(from) => {
-            let from = Looked::of(&door, id, from, shown_at);
-            Shown::already(&from.snapshot, &from.view(&door, who.as_ref(), began, &line))
-        }
-        None => Shown::default(),
+    let about = About::of(&door, caller, id).await?;
+    let message = move || {
+        let mut shown = from.map_or_else(Shown::default, |from| {
+            let from = about.looked_at(from, shown_at);
+            Shown::already(&from.snapshot, &about.view(&from))
+        });
+        let looked = about.looked_at(moment, wanted);
+        shown.update(&looked.snapshot, &about.view(&looked))
     };
-    Ok(Json(shown.update(&looked.snapshot, &looked.view(&door, who.as_ref(), began, &line))))
+    // A large hall takes its time to be drawn: that is done where nothing waits for it (safety S7), a few at once.
+    Ok(Json(door.archive.look_up(move |_| Ok(message())).await?))
 }
 
-/// A mission's line of time, and when the mission began.
-async fn about(door: &HttpDoor, id: u64) -> Result<(Arc<Timeline>, Option<WallTime>), Problem> {
-    let record = door.archive.look_up(move |archive| archive.mission(MissionId(id))).await?;
-    Ok((Timelines::of(door, MissionId(id)).await, record.map(|record| record.began)))
+/// What is shown of a mission at whatever moment, and to whom.
+struct About {
+    door: HttpDoor,
+    mission: u64,
+    line: Arc<Timeline>,
+    began: Option<WallTime>,
+    who: Option<Who>,
+}
+
+impl About {
+    async fn of(door: &HttpDoor, caller: Caller, id: u64) -> Result<About, Problem> {
+        let record = door.archive.look_up(move |archive| archive.mission(MissionId(id))).await?;
+        let (line, who) = (Timelines::of(door, MissionId(id)).await, who(door, &caller));
+        Ok(About { door: door.clone(), mission: id, line, began: record.map(|record| record.began), who })
+    }
+
+    /// Between two entries time goes on: asked for by its time, a moment is later than its entry.
+    fn looked_at(&self, moment: Moment, at: At) -> Looked {
+        let Moment { past: Sound { of: past, .. }, wall, earlier, later } = moment;
+        let unix_ms = match at {
+            At::Time(time) => time.min(self.door.clock.now().wall.unix_ms).max(wall.unix_ms),
+            At::Entry(_) => wall.unix_ms,
+        };
+        let (wall, number) = (WallTime { unix_ms, ..wall }, |seq: Option<Seq>| seq.map(|seq| seq.0));
+        let (earlier, later) = (number(earlier), number(later));
+        let then = Then { mission: self.mission, seq: past.seq.0, time: unix_ms, earlier, later };
+        let present = self.door.handle.snapshot();
+        let others = present.robots.iter().skip(1).map(|robot| robot.id.clone());
+        Looked { snapshot: Arc::new(past.snapshot(self.door.settings, others)), then, wall }
+    }
+
+    fn view<'a>(&'a self, Looked { snapshot, then, wall }: &'a Looked) -> View<'a> {
+        let (hall, who, line) = (HallInfo::of(&self.door), self.who.clone(), Some(&*self.line));
+        View { snapshot, hall, began: self.began, who, why: None, now: *wall, line, then: Some(*then) }
+    }
 }
 
 /// A moment as a page shows it.
@@ -85,28 +116,6 @@ struct Looked {
     snapshot: Arc<Snapshot>,
     then: Then,
     wall: WallTime,
-}
-
-impl Looked {
-    /// Between two entries time goes on: asked for by its time, a moment is later than its entry.
-    fn of(door: &HttpDoor, mission: u64, moment: Moment, at: At) -> Looked {
-        let Moment { past: Sound { of: past, .. }, wall, earlier, later } = moment;
-        let unix_ms = match at {
-            At::Time(time) => time.min(door.clock.now().wall.unix_ms).max(wall.unix_ms),
-            At::Entry(_) => wall.unix_ms,
-        };
-        let (wall, number) = (WallTime { unix_ms, ..wall }, |seq: Option<Seq>| seq.map(|seq| seq.0));
-        let then = Then { mission, seq: past.seq.0, time: unix_ms, earlier: number(earlier), later: number(later) };
-        let present = door.handle.snapshot();
-        let others = present.robots.iter().skip(1).map(|robot| robot.id.clone());
-        Looked { snapshot: Arc::new(past.snapshot(door.settings, others)), then, wall }
-    }
-
-    fn view<'a>(&'a self, door: &'a HttpDoor, who: Option<&Who>, began: Option<WallTime>, line: &'a Timeline) -> View<'a> {
-        let Looked { snapshot, then, wall } = self;
-        let (hall, who) = (HallInfo::of(door), who.cloned());
-        View { snapshot, hall, began, who, why: None, now: *wall, line: Some(line), then: Some(*then) }
-    }
 }
 
 #[cfg(test)]

@@ -43,7 +43,7 @@ pub(super) struct Part {
 }
 
 /// All of them, in the page's order.
-pub(super) const PARTS: [Part; 22] = [
+pub(super) const PARTS: [Part; 23] = [
     Part {
         id: "announce",
         shows: &[Resource::Mission, Resource::Luggage, Resource::Alarms, Resource::Temperature],
@@ -73,6 +73,11 @@ pub(super) const PARTS: [Part; 22] = [
         render: |v| carriers(v.snapshot),
     },
     Part { id: "hall-robot", shows: &[Resource::Robot, Resource::Map], render: |v| hall::robot(v.snapshot) },
+    Part {
+        id: "about-hall",
+        shows: &[Resource::Mission, Resource::Robot, Resource::Luggage],
+        render: |v| html(&HallWords { v }),
+    },
     Part { id: "progress", shows: &[Resource::Mission], render: |v| html(&Progress { v }) },
     Part {
         id: "incident",
@@ -152,6 +157,7 @@ parts! {
     Announce "console/announce.html"
     Bar "console/bar.html"
     Holds "console/holds.html"
+    HallWords "console/hall_words.html"
     Progress "console/progress.html"
     Alarms "console/alarms.html"
     Inspect "console/inspect.html"
