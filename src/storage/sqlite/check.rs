@@ -46,7 +46,10 @@ pub(super) fn check(connection: &Connection, folder: &Folder) -> Result<Findings
         if unclear {
             findings.notes.push(advice(folder));
         } else {
-            projections(&moment, &anew, &mut findings)?;
+            // What follows from the entries of an older format is made up to date by the next start.
+            if schema::format(&moment)? == schema::Format::Current {
+                projections(&moment, &anew, &mut findings)?;
+            }
         }
         pictures(&moment, folder, &mut findings)?;
     }

@@ -49,22 +49,31 @@ pub(super) struct Reader {
 
 /// A connection that only reads; `None` when there is no journal yet.
 pub(super) fn reader(folder: &Folder) -> Result<Option<Reader>, Fault> {
+    reader_from(folder, schema::FORMAT)
+}
+
+/// The same for whoever only reads entries, which were written alike before other tables were added.
+pub(super) fn reader_of_entries(folder: &Folder) -> Result<Option<Reader>, Fault> {
+    reader_from(folder, schema::ENTRIES_SINCE)
+}
+
+fn reader_from(folder: &Folder, oldest: i64) -> Result<Option<Reader>, Fault> {
     if !folder.has_journal()? {
         return Ok(None);
     }
-    match open_reader(&folder.journal(), OpenFlags::empty()) {
+    match open_reader(&folder.journal(), OpenFlags::empty(), oldest) {
         // Where nothing can be written SQLite cannot even make the files by which readers and writers agree. Nobody else writes
         // there either, so that it can be told that the file stands still.
         Err(Fault::Sql(error)) if needs_no_log(&error) && !folder.has_log() => {
             let address = format!("file:{}?immutable=1", escaped(&folder.journal()));
-            let connection = open_reader(Path::new(&address), OpenFlags::SQLITE_OPEN_URI)?;
+            let connection = open_reader(Path::new(&address), OpenFlags::SQLITE_OPEN_URI, oldest)?;
             Ok(connection.map(|connection| Reader { connection, is_still: true }))
         }
         connection => Ok(connection?.map(|connection| Reader { connection, is_still: false })),
     }
 }
 
-fn open_reader(path: &Path, flags: OpenFlags) -> Result<Option<Connection>, Fault> {
+fn open_reader(path: &Path, flags: OpenFlags, oldest: i64) -> Result<Option<Connection>, Fault> {
     let flags = flags | OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let connection = Connection::open_with_flags(path, flags)?;
     connection.busy_timeout(PATIENCE)?;
@@ -72,8 +81,8 @@ fn open_reader(path: &Path, flags: OpenFlags) -> Result<Option<Connection>, Faul
     connection.query_row("PRAGMA mmap_size = 0", [], |_| Ok(())).or_else(no_row)?;
     match schema::format(&connection)? {
         Format::Empty => Ok(None),
-        Format::Older(version) => Err(Fault::Older(version)),
-        Format::Current => Ok(Some(connection)),
+        Format::Older(version) if version < oldest => Err(Fault::Older(version)),
+        Format::Older(_) | Format::Current => Ok(Some(connection)),
     }
 }
 

@@ -24,7 +24,7 @@ impl Reading {
     /// Opens the journal in the folder `path`.
     pub fn open(path: &Path) -> Result<Reading, Unreadable> {
         let folder = Folder::new(path);
-        let opened = connect::reader(&folder).map_err(|fault| unreadable(&folder, &fault))?;
+        let opened = connect::reader_of_entries(&folder).map_err(|fault| unreadable(&folder, &fault))?;
         let none = || Unreadable(format!("there is no journal in {}: name its folder with --data", path.display()));
         Ok(Reading { connection: opened.ok_or_else(none)?.connection, folder })
     }

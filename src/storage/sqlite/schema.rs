@@ -12,6 +12,9 @@ const MIGRATIONS: [&str; 3] = [include_str!("schema.sql"), include_str!("schema_
 
 pub(super) const FORMAT: i64 = MIGRATIONS.len() as i64;
 
+/// Since this format entries are written as they are now.
+pub(super) const ENTRIES_SINCE: i64 = 2;
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Format {
     Empty,
