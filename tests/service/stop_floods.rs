@@ -151,3 +151,28 @@ fn a_flood_of_stops_over_coap_costs_nobody_a_command() {
     let (entries, counted) = stops(&journal, "operator", "coap");
     assert!(counted > 100 && entries < counted / 2, "{entries} entries for {counted}");
 }
+
+/// Safety S7: to draw a moment of the past costs more than most requests, and whoever may only look may ask for it.
+#[test]
+fn whoever_has_the_past_drawn_without_end_keeps_nobody_from_a_command() {
+    const MOMENTS: usize = 400;
+    let site = Site::new("moment-flood", &ASKS);
+    let operator = format!("Bearer {}", site.operator);
+    site.program.post_with("/api/v1/commands/start", &[("authorization", &operator)], "").accepted();
+    let journal = site.flooded(|site| {
+        let viewer = format!("Bearer {}", site.viewer);
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| {
+                    for place in 0..MOMENTS / 4 {
+                        let path = format!("/console/missions/1/moment?at=99999&from={}", 3 + place % 20);
+                        // One that has no such entry yet is told so.
+                        let status = site.program.read(&path, &[("authorization", &viewer)]).status;
+                        assert!([200, 404].contains(&status), "{path}: {status}");
+                    }
+                });
+            }
+        });
+    });
+    assert_eq!(stops(&journal, "operator", "http"), (PRESSED, PRESSED));
+}

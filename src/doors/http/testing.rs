@@ -143,6 +143,13 @@ impl TestApp {
         self.send("GET", path, &[], "").await
     }
 
+    /// A page that is there.
+    pub(super) async fn page(&self, path: &str) -> String {
+        let response = self.get(path).await;
+        assert_eq!(response.status(), 200, "{path}");
+        text(response).await
+    }
+
     pub(super) async fn json(&self, method: &str, path: &str, body: &str) -> (StatusCode, Value) {
         let headers: &[(&str, &str)] = if body.is_empty() { &[] } else { &[("content-type", "application/json")] };
         read(self.send(method, path, headers, body).await).await

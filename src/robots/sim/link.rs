@@ -26,9 +26,6 @@ use hallsweep_sim::{Faults, Hall, Sim, SimSettings, Speed};
 /// machine may have much else to do, and a photo that is late counts as none.
 const DEVELOPING: Duration = Duration::from_secs(3);
 
-/// Timers are not set further ahead than this; then it is looked again.
-const LONGEST_WAIT: Duration = Duration::from_secs(3600);
-
 /// So long after the state file could not be written it is tried again, when nothing new has happened before.
 const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
 
@@ -54,7 +51,6 @@ pub(super) async fn run(begin: Begin, side: RobotSide, clock: Clock) {
         settings,
         side,
         clock,
-        usual_speed: speed,
         time: SimTime::begin(speed, clock.now().since_start),
         report: None,
         said: VecDeque::new(),
@@ -67,7 +63,6 @@ pub(super) async fn run(begin: Begin, side: RobotSide, clock: Clock) {
         remote,
         has_faults,
         controls: Controls::default(),
-        is_stepping: false,
     };
     link.run().await;
 }
@@ -92,8 +87,6 @@ struct Link {
     settings: SimSettings,
     side: RobotSide,
     clock: Clock,
-    /// While the controls name no other.
-    usual_speed: Speed,
     time: SimTime,
     /// A report on its way. Until it is taken nothing but a halt is listened to, so that reports cannot pile up.
     report: Option<RobotEvent>,
@@ -114,8 +107,6 @@ struct Link {
     has_faults: bool,
     /// The controls as far as they are obeyed.
     controls: Controls,
-    /// Time stands, but for the order under way.
-    is_stepping: bool,
 }
 
 impl Link {
@@ -159,16 +150,13 @@ impl Link {
 
     /// When the simulation has to be looked at again, by the real clock.
     fn wake(&self) -> Instant {
-        let now = self.clock.now().since_start;
-        let wait = self.sim.poll_timeout().and_then(|at| self.time.until(at, now));
-        let at = now + wait.unwrap_or(LONGEST_WAIT).min(LONGEST_WAIT);
+        let at = self.time.comes(self.sim.poll_timeout(), self.clock.now().since_start);
         self.clock.instant(self.write_again.map_or(at, |again| again.min(at)))
     }
 
     /// Whether time is not waited for.
     fn jumps(&self) -> bool {
-        let runs = self.time.speed() == Speed::Max && !self.time.is_paused();
-        (runs || self.is_stepping) && self.sim.is_busy() && !self.sim.is_developing()
+        self.time.jumps() && self.sim.is_busy() && !self.sim.is_developing()
     }
 
     /// Begins to write down what has changed, or what is still owed when its time has come.
@@ -216,7 +204,7 @@ impl Link {
     fn hear(&mut self, news: News) {
         match news {
             News::Controls => self.obey_controls(),
-            News::Asked(asked) => self.remote.under_way = Some(asked),
+            News::Asked => {}
             News::Decided(decided) => self.move_to(decided),
         }
     }
@@ -226,9 +214,8 @@ impl Link {
         let wanted = self.remote.controls.borrow_and_update().clone();
         let wanted = if self.has_faults { wanted } else { Controls { is_link_lost: false, faults: Faults::default(), ..wanted } };
         let before = std::mem::replace(&mut self.controls, wanted);
-        let Controls { speed, is_paused, steps, is_link_lost, faults, .. } = self.controls.clone();
-        let runs_otherwise = self.time.run_at(speed.unwrap_or(self.usual_speed), is_paused, self.clock.now().since_start);
-        self.is_stepping = is_paused && (self.is_stepping || steps != before.steps);
+        let runs_otherwise = self.time.obey(&self.controls, &before, self.clock.now().since_start);
+        let Controls { is_paused, is_link_lost, faults, .. } = self.controls;
         self.sim.handle_faults(faults, self.now());
         match (before.is_link_lost, is_link_lost) {
             (false, true) => {
@@ -271,10 +258,8 @@ impl Link {
         self.sim = Sim::new(Arc::clone(&hall), self.settings);
         self.sim.handle_faults(self.controls.faults, Now::default());
         self.sim.handle_led(*self.side.led.borrow());
-        let (speed, is_paused, now) = (self.time.speed(), self.time.is_paused(), self.clock.now().since_start);
-        self.time = SimTime::begin(speed, now);
-        self.time.run_at(speed, is_paused, now);
-        (self.developing, self.is_stepping, self.write_again) = (None, false, None);
+        self.time.begin_again(self.clock.now().since_start);
+        (self.developing, self.write_again) = (None, None);
         if let Some(state_file) = &mut self.state_file {
             state_file.move_to(&hall);
         }
@@ -298,7 +283,7 @@ impl Link {
         if self.obeyed < count {
             self.sim.handle_halt(self.now());
         }
-        self.is_stepping = false;
+        self.time.end_step();
     }
 
     fn order(&mut self, stamped: Stamped) {
@@ -331,7 +316,9 @@ impl Link {
             self.time.jump_to(at, self.clock.now().since_start);
         }
         self.sim.handle_timeout(self.now());
-        self.is_stepping &= self.sim.is_busy();
+        if !self.sim.is_busy() {
+            self.time.end_step();
+        }
     }
 }
 
@@ -340,250 +327,5 @@ impl Link {
 mod controlled_tests;
 
 #[cfg(test)]
-mod tests {
-    use std::path::Path;
-    use std::sync::Arc;
-
-    use super::*;
-    use crate::runtime::halt::Halter;
-    use crate::runtime::link::{REPORTS, RobotLink, link};
-    use crate::runtime::within::within;
-    use crate::storage::scratch::Scratch;
-    use hallsweep_core::command::Move;
-    use hallsweep_core::effect::{Action, Stamp};
-    use hallsweep_core::event::{RobotId, Whereabouts};
-    use hallsweep_core::units::{Epoch, Pose, WallTime};
-    use hallsweep_sim::{Camera, Hall, SimMemory, SimSettings};
-
-    struct Test {
-        link: RobotLink,
-        halter: Halter,
-        task: JoinHandle<()>,
-        capabilities: Capabilities,
-    }
-
-    impl Test {
-        async fn begin(rows: &[&str], speed: Speed) -> Test {
-            let settings = SimSettings { sonar_noise_cm: 0.0, ..SimSettings::new(1, Camera::Rendered) };
-            let sim = Sim::new(Arc::new(Hall::from_rows("test", rows).unwrap()), settings);
-            Test::with(sim, speed, None).await.0
-        }
-
-        async fn with(sim: Sim, speed: Speed, state_file: Option<SimStateFile>) -> (Test, Whereabouts) {
-            let halter = Halter::new(Epoch(0));
-            let (mut link, side) = link(halter.watch());
-            let begin = Begin {
-                sim,
-                settings: SimSettings::new(1, Camera::Rendered),
-                speed,
-                state_file,
-                floor: still_floor(),
-                remote: Remote::untouched(),
-                has_faults: true,
-            };
-            let task = tokio::spawn(run(begin, side, Clock::default()));
-            let Some(RobotEvent::Stands(whereabouts)) = within("where it is", link.reports.recv()).await else {
-                panic!("first it says where it is")
-            };
-            let Some(RobotEvent::LinkUp(capabilities)) = within("the link", link.reports.recv()).await else {
-                panic!("then the link comes up")
-            };
-            (Test { link, halter, task, capabilities }, whereabouts)
-        }
-
-        async fn give(&mut self, id: u64, action: Action, halts: u64) {
-            let order = Order { id: OrderId(id), action, epoch: Epoch(0), deadline: Duration::from_secs(5) };
-            self.link.orders.send(Stamped { order, halts }).await.unwrap();
-        }
-
-        /// The answer to the order under way, past what the sonar says.
-        async fn answer(&mut self) -> RobotEvent {
-            loop {
-                let event = within("the robot's answer", self.link.reports.recv()).await.expect("the robot is running");
-                if !matches!(event, RobotEvent::Sonar(_)) {
-                    return event;
-                }
-            }
-        }
-    }
-
-    fn still_floor() -> Floor {
-        let hall = Arc::new(Hall::from_rows("test", &["S.", ".."]).unwrap());
-        Floor::new(hall, watch::channel(Moved::new()).1)
-    }
-
-    const FORWARD: Action = Action::Move(Move::Forward);
-    const LEFT: Action = Action::Move(Move::TurnLeft);
-
-    fn photograph() -> Action {
-        Action::Photograph(Stamp { pose: Pose::START, wall: WallTime::default() })
-    }
-
-    #[tokio::test]
-    async fn at_full_speed_a_thousand_steps_are_all_answered() {
-        let mut test = Test::begin(&["S", "."], Speed::Max).await;
-        for id in 0..1000 {
-            test.give(id, Action::Move(if id % 2 == 0 { Move::Forward } else { Move::Backward }), 0).await;
-            assert_eq!(test.answer().await, RobotEvent::Done(OrderId(id)));
-        }
-    }
-
-    #[tokio::test]
-    async fn durations_are_told_and_kept_in_real_time() {
-        let mut test = Test::begin(&["S", "."], Speed::Times(10.0)).await;
-        assert_eq!(test.capabilities.step, Duration::from_millis(33));
-        let clock = Clock::default();
-        test.give(1, FORWARD, 0).await;
-        assert_eq!(test.answer().await, RobotEvent::Done(OrderId(1)));
-        assert!(clock.now().since_start >= Duration::from_millis(32));
-    }
-
-    #[tokio::test]
-    async fn a_halt_stops_the_order_under_way_at_once() {
-        let mut test = Test::begin(&["S", "."], Speed::Times(0.1)).await;
-        test.give(1, FORWARD, 0).await;
-        tokio::time::sleep(Duration::from_millis(50)).await;
-        test.halter.halt();
-        assert_eq!(test.answer().await, RobotEvent::Halted(OrderId(1), true));
-        test.give(2, Action::Recentre, 1).await;
-        assert_eq!(test.answer().await, RobotEvent::Done(OrderId(2)));
-    }
-
-    #[tokio::test]
-    async fn an_order_from_before_a_halt_is_not_begun_and_one_from_after_it_is() {
-        let mut test = Test::begin(&["S", "."], Speed::Max).await;
-        test.halter.halt();
-        test.give(1, FORWARD, 0).await;
-        assert_eq!(test.answer().await, RobotEvent::Halted(OrderId(1), false));
-        test.halter.halt();
-        test.give(2, FORWARD, 2).await;
-        assert_eq!(test.answer().await, RobotEvent::Done(OrderId(2)));
-    }
-
-    #[tokio::test]
-    async fn a_halt_gets_through_while_nobody_takes_the_reports() {
-        let mut test = Test::begin(&["S", "."], Speed::Max).await;
-        // Each turn makes an answer and a sonar reading at most: so many fill the channel, and the robot waits with the next.
-        let orders = REPORTS as u64 + 8;
-        let mut given = 0;
-        while given < orders && tokio::time::timeout(Duration::from_millis(200), test.give(given, LEFT, 0)).await.is_ok() {
-            given += 1;
-        }
-        assert!(given < orders, "the robot never had to wait");
-        test.halter.halt();
-        let mut last = RobotEvent::Sonar(None);
-        for _ in 0..given {
-            last = test.answer().await;
-        }
-        assert!(
-            matches!(last, RobotEvent::Halted(id, _) if id == OrderId(given - 1)),
-            "what was still queued did not begin: {last:?}"
-        );
-    }
-
-    #[tokio::test]
-    async fn a_photo_is_drawn_beside_the_loop_and_no_halt_cuts_it_short() {
-        let mut test = Test::begin(&["S", "a"], Speed::Times(2.0)).await;
-        test.give(1, photograph(), 0).await;
-        tokio::time::sleep(Duration::from_millis(50)).await;
-        test.halter.halt();
-        let RobotEvent::Photo(OrderId(1), photo) = test.answer().await else { panic!("a photo was ordered") };
-        assert_eq!(photo.media_type, "image/png");
-    }
-
-    fn hall() -> Arc<Hall> {
-        Arc::new(Hall::from_rows("test", &["S", "."]).unwrap())
-    }
-
-    /// Begins with what the state file in this folder remembers.
-    async fn begin_in(folder: &Path, speed: Speed) -> (Test, Whereabouts) {
-        let (state_file, memory) = SimStateFile::open(folder, &RobotId::discovery(), &hall(), &hall()).unwrap();
-        let settings = SimSettings::new(1, Camera::Stub);
-        let sim = match memory {
-            Some(memory) => Sim::remembering(hall(), settings, memory),
-            None => Sim::new(hall(), settings),
-        };
-        Test::with(sim, speed, Some(state_file)).await
-    }
-
-    /// Looks into the folder until what is remembered there is as expected.
-    async fn until_remembered(folder: &Path, expect: impl Fn(SimMemory) -> bool) {
-        let seen = async {
-            while !SimStateFile::open(folder, &RobotId::discovery(), &hall(), &hall()).unwrap().1.is_some_and(&expect) {
-                tokio::time::sleep(Duration::from_millis(1)).await;
-            }
-        };
-        within("what is to be remembered", seen).await;
-    }
-
-    /// Safety R2.
-    #[tokio::test]
-    async fn whatever_was_reported_before_the_program_died_is_known_to_the_next() {
-        let folder = Scratch::new();
-        let mut pose = Pose::START;
-        for id in 0..20 {
-            let (mut test, whereabouts) = begin_in(&folder.0, Speed::Max).await;
-            assert_eq!(whereabouts, Whereabouts { pose, off_centre: false });
-            let step = if pose.cell.y == 0 { Move::Forward } else { Move::Backward };
-            test.give(id, Action::Move(step), 0).await;
-            assert_eq!(test.answer().await, RobotEvent::Done(OrderId(id)));
-            pose.cell.y = 1 - pose.cell.y;
-            test.task.abort();
-        }
-    }
-
-    /// Safety R2.
-    #[tokio::test]
-    async fn a_step_under_way_when_the_program_dies_leaves_it_off_centre() {
-        let folder = Scratch::new();
-        let (mut test, _) = begin_in(&folder.0, Speed::Times(0.1)).await;
-        test.give(1, FORWARD, 0).await;
-        until_remembered(&folder.0, |memory| memory.motion.is_some()).await;
-        test.task.abort();
-        let (mut test, whereabouts) = begin_in(&folder.0, Speed::Max).await;
-        assert_eq!(whereabouts, Whereabouts { pose: Pose::START, off_centre: true });
-        test.give(1, Action::Recentre, 0).await;
-        assert_eq!(test.answer().await, RobotEvent::Done(OrderId(1)));
-    }
-
-    #[tokio::test]
-    async fn without_a_folder_to_write_in_it_goes_on_and_writes_as_soon_as_there_is_one() {
-        let folder = Scratch::new();
-        let late = folder.0.join("late");
-        let (mut test, _) = begin_in(&late, Speed::Max).await;
-        test.give(1, FORWARD, 0).await;
-        assert_eq!(test.answer().await, RobotEvent::Done(OrderId(1)));
-        std::fs::create_dir(&late).unwrap();
-        until_remembered(&late, |memory| memory.pose != Pose::START).await;
-    }
-
-    /// Safety S1.
-    #[cfg(unix)]
-    #[tokio::test]
-    async fn a_disk_that_hangs_delays_no_halt() {
-        let folder = Scratch::new();
-        let late = folder.0.join("late");
-        let (mut test, _) = begin_in(&late, Speed::Times(0.5)).await;
-        // The next writing waits for somebody at the other end of a pipe.
-        let pipe = late.join("simulated-robot.new");
-        std::fs::create_dir(&late).unwrap();
-        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-        test.give(1, FORWARD, 0).await;
-        tokio::time::sleep(Duration::from_millis(200)).await;
-        test.halter.halt();
-        // By now the step would have ended.
-        tokio::time::sleep(Duration::from_millis(800)).await;
-        assert!(test.link.reports.try_recv().is_err(), "nothing is told that is not written");
-        std::fs::rename(&pipe, folder.0.join("pipe")).unwrap();
-        let other_end = tokio::task::spawn_blocking(move || std::fs::read(folder.0.join("pipe")).map(|_| folder));
-        assert_eq!(test.answer().await, RobotEvent::Halted(OrderId(1), true));
-        drop(other_end.await);
-    }
-
-    #[tokio::test]
-    async fn it_ends_when_the_loop_is_gone() {
-        let Test { link, task, .. } = Test::begin(&["S"], Speed::Times(1.0)).await;
-        drop(link);
-        within("its end", task).await.unwrap();
-    }
-}
+#[path = "link_tests.rs"]
+mod tests;

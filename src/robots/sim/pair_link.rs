@@ -23,9 +23,6 @@ use hallsweep_core::units::{Cell, Now, Pose};
 use hallsweep_sim::Speed;
 use hallsweep_sim::pair::{Pair, PairSettings};
 
-/// Timers are not set further ahead than this; then it is looked again.
-const LONGEST_WAIT: Duration = Duration::from_secs(3600);
-
 /// So long after the state file could not be written it is tried again, when nothing new has happened before.
 const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
 
@@ -58,7 +55,6 @@ pub(super) fn adapters(begin: Begin<impl FnOnce(Now) -> Pair + Send + 'static>, 
                 settings,
                 sides: [side, other],
                 clock,
-                usual_speed: speed,
                 time: SimTime::begin(speed, began.since_start),
                 report: None,
                 said: VecDeque::new(),
@@ -69,7 +65,6 @@ pub(super) fn adapters(begin: Begin<impl FnOnce(Now) -> Pair + Send + 'static>, 
                 moved,
                 remote,
                 controls: Controls::default(),
-                is_stepping: false,
                 is_all_blocked: true,
             };
             link.run().await;
@@ -92,8 +87,6 @@ struct PairLink {
     /// Of SRM1 and SRM2.
     sides: [RobotSide; 2],
     clock: Clock,
-    /// While the controls name no other.
-    usual_speed: Speed,
     time: SimTime,
     /// A report on its way, and whose it is. Until it is taken nothing but a halt is listened to.
     report: Option<(Which, RobotEvent)>,
@@ -112,8 +105,6 @@ struct PairLink {
     remote: Remote,
     /// The controls as far as they are obeyed.
     controls: Controls,
-    /// Time stands, but for the orders under way.
-    is_stepping: bool,
     /// Whether every cell is blocked that is to be.
     is_all_blocked: bool,
 }
@@ -167,9 +158,7 @@ impl PairLink {
 
     /// When the simulation has to be looked at again, by the real clock.
     fn wake(&self) -> Instant {
-        let now = self.clock.now().since_start;
-        let wait = self.pair.poll_timeout().and_then(|at| self.time.until(at, now));
-        let at = now + wait.unwrap_or(LONGEST_WAIT).min(LONGEST_WAIT);
+        let at = self.time.comes(self.pair.poll_timeout(), self.clock.now().since_start);
         self.clock.instant(self.write_again.map_or(at, |again| again.min(at)))
     }
 
@@ -179,14 +168,13 @@ impl PairLink {
 
     /// Whether time is not waited for.
     fn jumps(&self) -> bool {
-        let runs = self.time.speed() == Speed::Max && !self.time.is_paused();
-        (runs || self.is_stepping) && self.is_busy() && !self.pair.awaits_the_other()
+        self.time.jumps() && self.is_busy() && !self.pair.awaits_the_other()
     }
 
     fn hear(&mut self, news: News) {
         match news {
             News::Controls => self.obey_controls(),
-            News::Asked(asked) => self.remote.under_way = Some(asked),
+            News::Asked => {}
             News::Decided(decided) => self.move_to(decided),
         }
     }
@@ -195,10 +183,8 @@ impl PairLink {
     fn obey_controls(&mut self) {
         let wanted = self.remote.controls.borrow_and_update().clone();
         let before = std::mem::replace(&mut self.controls, wanted);
-        let Controls { speed, is_paused, steps, .. } = self.controls;
-        let runs_otherwise = self.time.run_at(speed.unwrap_or(self.usual_speed), is_paused, self.clock.now().since_start);
-        self.is_stepping = is_paused && (self.is_stepping || steps != before.steps);
-        if runs_otherwise && is_paused {
+        let runs_otherwise = self.time.obey(&self.controls, &before, self.clock.now().since_start);
+        if runs_otherwise && self.time.is_paused() {
             self.said.extend(Which::ALL.map(|which| (which, RobotEvent::Paused)));
         } else if runs_otherwise {
             self.pair.tell_capabilities();
@@ -220,10 +206,8 @@ impl PairLink {
             state_file.move_to(&hall);
         }
         self.pair = Pair::new(Arc::clone(&hall), self.settings.clone(), outside());
-        let (speed, is_paused, now) = (self.time.speed(), self.time.is_paused(), self.clock.now().since_start);
-        self.time = SimTime::begin(speed, now);
-        self.time.run_at(speed, is_paused, now);
-        (self.is_stepping, self.write_again) = (false, None);
+        self.time.begin_again(self.clock.now().since_start);
+        self.write_again = None;
         self.put_obstacles();
         self.tell_moved();
         // Whoever waits for it may have gone.
@@ -283,7 +267,7 @@ impl PairLink {
             let now = self.now();
             self.pair.handle_halt(which, now);
         }
-        self.is_stepping = false;
+        self.time.end_step();
     }
 
     fn order(&mut self, which: Which, stamped: Stamped) {
@@ -305,7 +289,9 @@ impl PairLink {
         }
         let now = self.now();
         self.pair.handle_timeout(now);
-        self.is_stepping &= self.is_busy();
+        if !self.is_busy() {
+            self.time.end_step();
+        }
     }
 }
 

@@ -52,7 +52,7 @@ pub(in crate::robots) struct Remote {
     pub(super) controls: watch::Receiver<Controls>,
     pub(super) moves: mpsc::Receiver<Move>,
     /// The move that is under way.
-    pub(super) under_way: Option<Move>,
+    under_way: Option<Move>,
 }
 
 impl Remote {
@@ -92,7 +92,10 @@ impl Remote {
                 }))
             }
             Ok(()) = controls.changed() => News::Controls,
-            Some(asked) = moves.recv(), if has_settled && !is_moving => News::Asked(asked),
+            Some(asked) = moves.recv(), if has_settled && !is_moving => {
+                *under_way = Some(asked);
+                News::Asked
+            }
             else => std::future::pending().await,
         }
     }
@@ -103,8 +106,8 @@ impl Remote {
 pub(super) enum News {
     /// They say something else.
     Controls,
-    /// Another hall comes, perhaps.
-    Asked(Move),
+    /// Another hall comes, perhaps: nothing more is to be begun.
+    Asked,
     /// This one, and whom to tell; or none.
     Decided(Option<(Ground, oneshot::Sender<()>)>),
 }

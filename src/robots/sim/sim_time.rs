@@ -1,13 +1,22 @@
-//! Simulated time beside the real one: how fast it runs may change while it does, it may stand still, and it may jump.
+//! Simulated time beside the real one, as the simulator's controls let it run: how fast may change while it does, it may stand still but for
+//! a step, and it may jump.
 
 use std::time::Duration;
 
+use super::remote::Controls;
 use hallsweep_sim::{Speed, times};
+
+/// Timers are not set further ahead than this; then it is looked again.
+const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SimTime {
+    /// While the controls name no other.
+    usual_speed: Speed,
     speed: Speed,
     is_paused: bool,
+    /// It stands, but for what is under way.
+    is_stepping: bool,
     /// A moment by the real clock, and the simulated time then.
     real: Duration,
     simulated: Duration,
@@ -16,7 +25,12 @@ pub(super) struct SimTime {
 impl SimTime {
     /// It begins at this moment of the real clock.
     pub(super) const fn begin(speed: Speed, real: Duration) -> SimTime {
-        SimTime { speed, is_paused: false, real, simulated: Duration::ZERO }
+        SimTime { usual_speed: speed, speed, is_paused: false, is_stepping: false, real, simulated: Duration::ZERO }
+    }
+
+    /// It begins anew, and runs or stands as before.
+    pub(super) fn begin_again(&mut self, real: Duration) {
+        *self = SimTime { is_stepping: false, real, simulated: Duration::ZERO, ..*self };
     }
 
     pub(super) const fn speed(&self) -> Speed {
@@ -32,11 +46,23 @@ impl SimTime {
         self.simulated.saturating_add(times(real.saturating_sub(self.real), pace))
     }
 
-    /// From now on it runs so; whether that is news.
-    pub(super) fn run_at(&mut self, speed: Speed, is_paused: bool, real: Duration) -> bool {
+    /// From now on it runs as these controls say, which said that before; whether it runs otherwise.
+    pub(super) fn obey(&mut self, controls: &Controls, before: &Controls, real: Duration) -> bool {
+        let (speed, is_paused) = (controls.speed.unwrap_or(self.usual_speed), controls.is_paused);
         let is_news = (self.speed, self.is_paused) != (speed, is_paused);
-        *self = SimTime { speed, is_paused, real, simulated: self.at(real) };
+        let is_stepping = is_paused && (self.is_stepping || controls.steps != before.steps);
+        *self = SimTime { speed, is_paused, is_stepping, real, simulated: self.at(real), ..*self };
         is_news
+    }
+
+    /// Whether it is not waited for while something is under way.
+    pub(super) fn jumps(&self) -> bool {
+        self.is_stepping || self.speed == Speed::Max && !self.is_paused
+    }
+
+    /// A step ends with what was under way.
+    pub(super) const fn end_step(&mut self) {
+        self.is_stepping = false;
     }
 
     /// Nothing happens in between.
@@ -44,8 +70,14 @@ impl SimTime {
         *self = SimTime { real, simulated: simulated.max(self.at(real)), ..*self };
     }
 
+    /// When a simulated moment comes, or it has to be looked again whether it has one, by the real clock.
+    pub(super) fn comes(&self, simulated: Option<Duration>, real: Duration) -> Duration {
+        let wait = simulated.and_then(|at| self.until(at, real));
+        real + wait.unwrap_or(LONGEST_WAIT).min(LONGEST_WAIT)
+    }
+
     /// How long a simulated moment is away, by the real clock; for ever while time stands still.
-    pub(super) fn until(&self, simulated: Duration, real: Duration) -> Option<Duration> {
+    fn until(&self, simulated: Duration, real: Duration) -> Option<Duration> {
         let wait = simulated.saturating_sub(self.at(real));
         (!self.is_paused).then(|| times(wait, 1.0 / self.speed.pace()))
     }
@@ -63,13 +95,31 @@ mod tests {
     fn it_runs_at_its_speed_stands_while_it_is_paused_and_never_goes_back() {
         let mut time = SimTime::begin(Speed::Times(2.0), s(10));
         assert_eq!((time.at(s(15)), time.until(s(30), s(15))), (s(10), Some(s(10))));
-        assert!(time.run_at(Speed::Times(2.0), true, s(15)) && time.is_paused());
+        let runs = Controls { speed: Some(Speed::Times(2.0)), ..Controls::default() };
+        let stands = Controls { is_paused: true, ..runs.clone() };
+        assert!(time.obey(&stands, &runs, s(15)) && time.is_paused() && !time.jumps());
         assert_eq!((time.at(s(1000)), time.until(s(30), s(1000))), (s(10), None));
         time.jump_to(s(12), s(1000));
         time.jump_to(s(3), s(1000));
         assert_eq!(time.at(s(2000)), s(12));
-        assert!(time.run_at(Speed::Times(4.0), false, s(2000)));
-        assert!(!time.run_at(Speed::Times(4.0), false, s(2001)), "it runs so already");
+        let faster = Controls { speed: Some(Speed::Times(4.0)), ..Controls::default() };
+        assert!(time.obey(&faster, &stands, s(2000)));
+        assert!(!time.obey(&faster, &faster, s(2001)), "it runs so already");
         assert_eq!(time.at(s(2010)), s(52));
+        time.begin_again(s(2010));
+        assert_eq!((time.at(s(2011)), time.speed()), (s(4), Speed::Times(4.0)));
+    }
+
+    #[test]
+    fn a_step_is_not_waited_for_and_ends_with_what_was_under_way() {
+        let mut time = SimTime::begin(Speed::Times(1.0), s(0));
+        let stands = Controls { is_paused: true, ..Controls::default() };
+        let steps = Controls { steps: 1, ..stands.clone() };
+        time.obey(&stands, &Controls::default(), s(1));
+        assert!(!time.obey(&steps, &stands, s(2)) && time.jumps());
+        time.obey(&steps, &steps, s(3));
+        assert!(time.jumps(), "whatever else the controls say");
+        time.end_step();
+        assert!(!time.jumps());
     }
 }

@@ -5,5 +5,7 @@ mod faults;
 mod files;
 mod kept;
 mod memory;
+mod missions;
 mod mounts;
+mod photos;
 mod testing;

@@ -151,7 +151,7 @@ impl Shown {
 
 impl ShownLine {
     fn of(line: &Timeline) -> ShownLine {
-        let growing = line.pieces(line.full()).next().map_or(0, |(_, markup)| fingerprint(&markup));
+        let growing = line.sections(line.full()).next().map_or(0, |(_, markup)| fingerprint(&markup));
         ShownLine { mission: line.mission().0, full: line.full(), growing }
     }
 
@@ -163,7 +163,7 @@ impl ShownLine {
         }
         let is_same = before.mission == self.mission;
         let gone = if is_same { 0..0 } else { line.full() + 1..before.full + 1 };
-        let newer = line.pieces(if is_same { before.full } else { 0 }).map(|(id, markup)| (id, markup.to_string()));
+        let newer = line.sections(if is_same { before.full } else { 0 }).map(|(id, markup)| (id, markup.to_string()));
         newer.chain(gone.map(|place| (timeline::id(place), String::new()))).collect()
     }
 }

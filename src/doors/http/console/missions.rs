@@ -244,18 +244,12 @@ fn came_to(record: &MissionRecord) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::testing::{TestApp, app, text};
+    use super::super::super::testing::{app, text};
     use crate::api::fixture::{TEN, searching};
     use crate::api::time::Zone;
     use crate::runtime::archive::MissionRecord;
     use crate::runtime::clock::Clock;
     use hallsweep_core::units::WallTime;
-
-    async fn page(app: &TestApp, path: &str) -> String {
-        let response = app.get(path).await;
-        assert_eq!(response.status(), 200, "{path}");
-        text(response).await
-    }
 
     /// A moment as a page of this machine shows it.
     fn here(wall: WallTime) -> String {
@@ -270,7 +264,7 @@ mod tests {
 
     #[tokio::test]
     async fn the_list_says_what_each_mission_came_to() {
-        let page = page(&app(searching()), "/missions").await;
+        let page = app(searching()).page("/missions").await;
         let began = here(TEN);
         check(
             &page,
@@ -288,7 +282,7 @@ mod tests {
 
     #[tokio::test]
     async fn a_mission_shows_its_hall_its_luggage_and_who_decided() {
-        let page = page(&app(searching()), "/missions/1").await;
+        let page = app(searching()).page("/missions/1").await;
         let hall = ["<svg id=\"hall\"", "class=\"wall\"", "class=\"piece danger\"", "<title>home</title>"];
         check(&page, &hall);
         check(&page, &["What is missing here", "a mouse was at it"]);
@@ -300,21 +294,21 @@ mod tests {
     #[tokio::test]
     async fn the_events_say_who_commanded_what_from_where_and_what_became_of_it() {
         let app = app(searching());
-        let all = page(&app, "/missions/1").await;
+        let all = app.page("/missions/1").await;
         check(&all, &["START <span class=\"by\">by anna (console, 192.0.2.7):</span> <b class=\"accepted\">accepted</b>"]);
         check(
             &all,
             &["<b class=\"refused\">refused: the robot is moving: press STOP first</b>", "held: stopped by the operator"],
         );
-        let commands = page(&app, "/missions/1?show=commands").await;
+        let commands = app.page("/missions/1?show=commands").await;
         assert!(commands.contains("RESET") && !commands.contains("held: stopped by the operator"));
         for view in [&all, &commands] {
             check(view, &["title=\"the hall as it stood then\">6</a> entry 6 of the journal cannot be understood"]);
         }
-        let steps = page(&app, "/missions/1?show=all").await;
+        let steps = app.page("/missions/1?show=all").await;
         check(&steps, &["robot at (0, 0)", "START", "<b>Every step</b>"]);
         assert!(!all.contains("robot at (0, 0)") && all.contains("<b>What was done and found</b>"), "steps are a second view");
-        let later = page(&app, "/missions/1?after=3").await;
+        let later = app.page("/missions/1?after=3").await;
         assert!(
             !later.contains("anna") && later.contains("held: stopped by the operator") && later.contains("From the beginning")
         );
@@ -331,7 +325,7 @@ mod tests {
             "/missions/1?show=all&after=2",
             "/missions?before=2",
         ] {
-            let page = page(&app, path).await;
+            let page = app.page(path).await;
             for unwanted in ["style=", "<style", "onclick", "http://", "https://"] {
                 assert!(!page.contains(unwanted), "{unwanted} in {path}");
             }

@@ -134,21 +134,17 @@ pub(in crate::doors::http) fn html(template: &impl Template) -> Html<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{TestApp, app, read, text};
+    use super::super::testing::{app, read, text};
     use crate::api::fixture::{idle, searching};
     use hallsweep_core::command::{Command, LuggageRef, Move, Note, Refused, Verdict};
     use hallsweep_core::units::{Cell, Epoch, LuggageId};
 
     const FORM: (&str, &str) = ("content-type", "application/x-www-form-urlencoded");
 
-    async fn page(app: &TestApp) -> String {
-        text(app.get("/").await).await
-    }
-
     #[tokio::test]
     async fn the_page_is_complete_without_a_script() {
         let app = app(searching());
-        let page = page(&app).await;
+        let page = app.page("/").await;
         for wanted in [
             "waits for your verdict",
             "STOP",
@@ -227,7 +223,7 @@ mod tests {
         for snapshot in [idle(), searching()] {
             let app = app(snapshot);
             let past = text(app.get("/missions/1/moment?at=4").await).await;
-            for page in [page(&app).await, past, text(app.get("/console/confirm/reset").await).await] {
+            for page in [app.page("/").await, past, text(app.get("/console/confirm/reset").await).await] {
                 assert!(!page.contains("style=") && !page.contains("<style") && !page.contains("onclick"));
                 assert!(!page.contains("http://") && !page.contains("https://"), "everything comes from here");
                 for script in page.split("<script").skip(1) {

@@ -120,15 +120,9 @@ struct Looked {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::testing::{TestApp, app, read, text};
+    use super::super::super::testing::{TestApp, app, read};
     use crate::api::fixture::searching;
     use serde_json::Value;
-
-    async fn page(app: &TestApp, path: &str) -> String {
-        let response = app.get(path).await;
-        assert_eq!(response.status(), 200, "{path}");
-        text(response).await
-    }
 
     async fn message(app: &TestApp, query: &str) -> Value {
         let (status, message) = read(app.get(&format!("/console/missions/1/moment?{query}")).await).await;
@@ -139,7 +133,7 @@ mod tests {
     #[tokio::test]
     async fn a_moment_of_the_past_is_the_same_page_with_nothing_to_press_but_stop() {
         let app = app(searching());
-        let page = page(&app, "/missions/1/moment?at=4").await;
+        let page = app.page("/missions/1/moment?at=4").await;
         for wanted in [
             "<html lang=\"en\" data-past=\"yes\">",
             "<b>Past:</b> as it was at",
@@ -172,7 +166,7 @@ mod tests {
             let is_dead = tag.contains("disabled title=\"this is the past: go back to now first\"");
             assert!(is_dead || looks.chain(within).any(|word| tag.contains(word)), "<{tag}");
         }
-        let first = self::page(&app, "/missions/1/moment").await;
+        let first = app.page("/missions/1/moment").await;
         assert!(first.contains("entry 1 of mission 1") && !first.contains(">One entry back<"), "{first}");
     }
 

@@ -4,7 +4,7 @@ use askama::Template;
 use serde::Serialize;
 
 use super::parts::PARTS;
-use super::timeline::Timeline;
+use super::timeline::{THRESHOLD_Y, Timeline};
 use super::view::View;
 use super::{hall, pieces};
 
@@ -57,7 +57,7 @@ impl<'a> Page<'a> {
     }
 
     fn times(&self) -> String {
-        self.v.line.iter().flat_map(|line| line.pieces(0)).map(|(_, markup)| markup.to_string()).collect()
+        self.v.line.iter().flat_map(|line| line.sections(0)).map(|(_, markup)| markup.to_string()).collect()
     }
 
     fn width(&self) -> i64 {
@@ -65,7 +65,7 @@ impl<'a> Page<'a> {
     }
 
     fn threshold(&self) -> f64 {
-        Timeline::THRESHOLD_Y
+        THRESHOLD_Y
     }
 
     /// Where the moment that is shown is on the line.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::super::writer::Patience;
-use super::super::{OpenError, Opened, open_with};
+use super::super::{OpenError, Opened, Reading, connect, folder::Folder, open_with};
 use crate::runtime::store::StoreStatus;
 use crate::runtime::within::within;
 use crate::storage::scratch;
@@ -14,6 +14,7 @@ use hallsweep_core::effect::{Entry, Fact, Page};
 use hallsweep_core::event::Photo;
 use hallsweep_core::mission::{Inspection, Phase, Stage};
 use hallsweep_core::search::Strategy;
+use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Cell, LuggageId, MissionId, Pose, Seq, WallTime};
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
@@ -199,4 +200,24 @@ pub(super) fn bytes(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     }
     files.sort();
     files
+}
+
+/// What stands after these entries.
+pub(super) fn fold<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> PersistentState {
+    let mut state = PersistentState::first(Strategy::default());
+    entries.into_iter().for_each(|entry| state.apply(entry));
+    state
+}
+
+pub(super) fn check_finds(scratch: &Scratch, words: &[&str]) {
+    let findings = Reading::open(&scratch.data()).unwrap().check().unwrap();
+    assert_eq!(findings.faults.len(), words.len(), "{:?}", findings.faults);
+    for (fault, words) in findings.faults.iter().zip(words) {
+        assert!(fault.contains(words), "{fault}");
+    }
+}
+
+/// Changes the file behind the store's back.
+pub(super) fn meddle(scratch: &Scratch, sql: &str) {
+    connect::writer(&Folder::new(&scratch.data())).unwrap().execute_batch(sql).unwrap();
 }

@@ -1,38 +1,25 @@
-//! The line of time of one mission as a picture: bands of phases and holds, the temperature, and a mark for whatever else counts. It
-//! grows at its end: what is drawn is cut into pieces of `PIECE` entries, and only the last of them changes.
-//!
-//! ```text
-//!   0 ── 12  phases   each band is drawn to the end of all times; the next one lies over it
-//!  12 ── 16  holds    likewise
-//!  18 ── 42  temperature, with the threshold
-//!  44 ── 54  luggage and verdicts
-//!  56 ── 64  commands; a STOP goes through all
-//! ```
-//! To the right a unit is `UNIT_MS` of the mission's time. While the program was off no time passes.
+//! The line of time of one mission: which of its entries stand on it, and where. It grows at its end: it is cut into sections of `SECTION`
+//! entries, and only the last of them changes. To the right a unit is `UNIT_MS` of the mission's time; while the program was off no time
+//! passes. How a section is drawn stands in `section`.
 
-use std::fmt::Write;
 use std::sync::Arc;
 
-use askama::filters::{Html, escape};
 use serde::Serialize;
 
+use super::section::{Reading, Section, id};
 use crate::api::journal_words::words;
 use crate::api::time::Zone;
 use crate::runtime::archive::Happened;
 use hallsweep_core::command::Verdict;
 use hallsweep_core::effect::Fact;
 use hallsweep_core::mission::{Phase, PhaseName};
-use hallsweep_core::state::RetrievalStage;
 use hallsweep_core::units::{Celsius, MissionId, Seq, WallTime};
 
-/// Entries in a piece of the picture.
-const PIECE: usize = 64;
+/// Entries in a section of the picture.
+const SECTION: usize = 64;
 
 /// A unit to the right, in milliseconds.
 const UNIT_MS: i64 = 100;
-
-/// To the right of every moment there can be.
-const FAR: i64 = 1_000_000_000;
 
 /// More is not drawn: days of a busy mission.
 const MOST: usize = 20_000;
@@ -42,14 +29,6 @@ const LEAST_MS: i64 = 60_000;
 
 /// While the program was off so much time passes in the picture, in milliseconds.
 const OFF_MS: i64 = 5_000;
-
-/// The temperatures that are drawn, below and above the threshold, in °C.
-const BELOW: f64 = 12.0;
-const ABOVE: f64 = 8.0;
-
-/// The heights between which they are.
-const COLD: f64 = 42.0;
-const HOT: f64 = 18.0;
 
 /// What a page must know of a line to move on it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -73,10 +52,10 @@ pub(in super::super) struct Timeline {
     mission: MissionId,
     zone: Zone,
     threshold: Celsius,
-    /// Pieces that are full.
+    /// Sections that are full.
     full: Vec<Arc<str>>,
     /// The last, which grows.
-    growing: Piece,
+    growing: Section,
     /// What was so at the end of the full ones.
     carried: Carried,
     began: Option<i64>,
@@ -87,36 +66,22 @@ pub(in super::super) struct Timeline {
     is_over: bool,
 }
 
-/// A piece of the picture, layer by layer.
-#[derive(Clone, Debug, Default)]
-struct Piece {
-    entries: usize,
-    marks: String,
-    temperature: String,
-    hot: String,
-}
-
-/// What goes on beyond the piece in which it began.
+/// What goes on beyond the section in which it began.
 #[derive(Clone, Copy, Debug, Default)]
 struct Carried {
     phase: Option<(PhaseName, Option<PhaseName>)>,
-    is_held: bool,
-    /// Where the line of the temperature has come, and whether it is too hot there.
-    reading: Option<(i64, f64, bool)>,
+    reading: Option<Reading>,
     stage: Option<&'static str>,
 }
 
 impl Timeline {
-    /// The height of the threshold.
-    pub(in super::super) const THRESHOLD_Y: f64 = COLD - BELOW / (ABOVE + BELOW) * (COLD - HOT);
-
     pub(super) fn new(mission: MissionId, zone: Zone, threshold: Celsius) -> Timeline {
         Timeline {
             mission,
             zone,
             threshold,
             full: Vec::new(),
-            growing: Piece::default(),
+            growing: Section::default(),
             carried: Carried::default(),
             began: None,
             end: 0,
@@ -167,16 +132,16 @@ impl Timeline {
         (unix_ms - self.began.unwrap_or(unix_ms) - off).max(0) / UNIT_MS
     }
 
-    /// How many pieces do not change any more.
+    /// How many sections do not change any more.
     pub(in super::super) fn full(&self) -> usize {
         self.full.len()
     }
 
-    /// The pieces of the picture from this one on, each in a group of its own; the last one grows.
-    pub(in super::super) fn pieces(&self, from: usize) -> impl Iterator<Item = (String, Arc<str>)> {
+    /// The sections of the picture from this one on, each in a group of its own; the last one grows.
+    pub(in super::super) fn sections(&self, from: usize) -> impl Iterator<Item = (String, Arc<str>)> {
         let growing = Arc::from(self.growing.drawn(self.full.len(), self.carried.reading, true));
-        let pieces = self.full.iter().skip(from).cloned().chain([growing]);
-        (from..).zip(pieces).map(|(place, markup)| (id(place), markup))
+        let sections = self.full.iter().skip(from).cloned().chain([growing]);
+        (from..).zip(sections).map(|(place, markup)| (id(place), markup))
     }
 
     /// What happened next.
@@ -209,7 +174,7 @@ impl Timeline {
         } else if let Fact::Temperature(_, celsius) = fact {
             self.growing.reading(x, *celsius, self.threshold, &mut self.carried.reading);
         } else if let Fact::Retrieval(retrieval) = fact {
-            let stage = retrieval.as_ref().map(|retrieval| stage(&retrieval.stage));
+            let stage = retrieval.as_ref().map(|retrieval| retrieval.stage.name());
             if std::mem::replace(&mut self.carried.stage, stage) != stage {
                 self.mark(x, wall, "secured", fact);
             }
@@ -217,7 +182,7 @@ impl Timeline {
             self.mark(x, wall, class, fact);
         }
         self.growing.entries += 1;
-        if self.growing.entries == PIECE {
+        if self.growing.entries == SECTION {
             let full = std::mem::take(&mut self.growing);
             self.full.push(Arc::from(full.drawn(self.full.len(), self.carried.reading, false)));
             self.growing.go_on(self.carried.reading);
@@ -236,7 +201,6 @@ impl Timeline {
     }
 
     fn holds(&mut self, x: i64, wall: WallTime, fact: &Fact, is_held: bool) {
-        self.carried.is_held = is_held;
         let said = format!("{} {}", self.zone.clock_time(wall), words(fact));
         self.growing.band(x, (12, 16), if is_held { "hold" } else { "no-hold" }, &said);
     }
@@ -245,71 +209,6 @@ impl Timeline {
         let said = format!("{} {}", self.zone.clock_time(wall), words(fact));
         self.growing.mark(x, class, &said);
     }
-}
-
-impl Piece {
-    fn band(&mut self, x: i64, (top, bottom): (i64, i64), class: &str, said: &str) {
-        let (height, said) = (bottom - top, escaped(said));
-        write(
-            &mut self.marks,
-            format_args!("<path class=\"{class}\" d=\"M{x} {top}H{FAR}v{height}H{x}z\"><title>{said}</title></path>"),
-        );
-    }
-
-    fn mark(&mut self, x: i64, class: &str, said: &str) {
-        let (from, to) = heights(class);
-        let said = escaped(said);
-        write(&mut self.marks, format_args!("<path class=\"mark {class}\" d=\"M{x} {from}V{to}\"><title>{said}</title></path>"));
-    }
-
-    /// The line goes on level to where the next reading lifts or lowers it.
-    fn reading(&mut self, x: i64, celsius: Celsius, threshold: Celsius, at: &mut Option<(i64, f64, bool)>) {
-        let (height, is_hot) = (y(celsius, threshold), celsius > threshold);
-        match *at {
-            Some((from, before, was_hot)) => {
-                write(&mut self.temperature, format_args!("H{x}V{height}"));
-                if was_hot {
-                    write(&mut self.hot, format_args!("M{from} {before}H{x}"));
-                }
-            }
-            None => write(&mut self.temperature, format_args!("M{x} {height}")),
-        }
-        *at = Some((x, height, is_hot));
-    }
-
-    fn go_on(&mut self, reading: Option<(i64, f64, bool)>) {
-        if let Some((x, height, _)) = reading {
-            write(&mut self.temperature, format_args!("M{x} {height}"));
-        }
-    }
-
-    /// Its group. In the last one what was read last holds on.
-    fn drawn(&self, place: usize, reading: Option<(i64, f64, bool)>, is_last: bool) -> String {
-        let (mut temperature, mut hot) = (self.temperature.clone(), self.hot.clone());
-        if let Some((x, height, is_hot)) = reading.filter(|_| is_last) {
-            write(&mut temperature, format_args!("H{FAR}"));
-            if is_hot {
-                write(&mut hot, format_args!("M{x} {height}H{FAR}"));
-            }
-        }
-        let line = |class: &str, path: &str| match path {
-            "" => String::new(),
-            path => format!("<path class=\"{class}\" d=\"{path}\"/>"),
-        };
-        let (temperature, hot) = (line("temperature", &temperature), line("temperature hot", &hot));
-        format!("<g id=\"{}\">{}{temperature}{hot}</g>", id(place), self.marks)
-    }
-}
-
-pub(in super::super) fn id(place: usize) -> String {
-    format!("time_{place}")
-}
-
-/// The height of a temperature.
-fn y(celsius: Celsius, threshold: Celsius) -> f64 {
-    let above = (celsius.degrees() - threshold.degrees()).clamp(-BELOW, ABOVE);
-    let height = COLD - (above + BELOW) / (ABOVE + BELOW) * (COLD - HOT);
-    (height * 10.0).round() / 10.0
 }
 
 /// How a mark looks, for what is one.
@@ -347,39 +246,9 @@ fn class(fact: &Fact) -> Option<&'static str> {
     })
 }
 
-/// From where to where a mark goes.
-fn heights(class: &str) -> (i64, i64) {
-    match class {
-        "found" => (49, 54),
-        "safe" => (44, 54),
-        "danger" | "secured" => (42, 56),
-        "alarm" => (16, 44),
-        "seen" => (38, 44),
-        "stop" | "program" => (0, 64),
-        _ => (57, 64),
-    }
-}
-
-const fn stage(stage: &RetrievalStage) -> &'static str {
-    match stage {
-        RetrievalStage::MakingRoom => "makingRoom",
-        RetrievalStage::Fetching => "fetching",
-        RetrievalStage::LettingGo => "lettingGo",
-        RetrievalStage::GoingOut(_) => "goingOut",
-        RetrievalStage::ComingHome(_) => "comingHome",
-    }
-}
-
-fn escaped(words: &str) -> String {
-    escape(words, Html).map(|safe| safe.to_string()).unwrap_or_default()
-}
-
-fn write(text: &mut String, words: std::fmt::Arguments<'_>) {
-    text.write_fmt(words).expect("writing into a string does not fail");
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::section::THRESHOLD_Y;
     use super::*;
     use crate::api::fixture::{TEN, degrees, piece};
     use hallsweep_core::command::Issuer;
@@ -400,7 +269,7 @@ mod tests {
     }
 
     fn drawn(line: &Timeline) -> String {
-        line.pieces(0).map(|(_, markup)| markup.to_string()).collect()
+        line.sections(0).map(|(_, markup)| markup.to_string()).collect()
     }
 
     fn temperature(celsius: f64) -> Fact {
@@ -447,7 +316,7 @@ mod tests {
     #[test]
     fn the_temperature_holds_until_the_next_reading_and_what_is_too_hot_is_seen() {
         let line = line([(0, temperature(25.0)), (2, temperature(27.0)), (5, temperature(20.0))]);
-        let threshold = Timeline::THRESHOLD_Y;
+        let threshold = THRESHOLD_Y;
         let drawn = drawn(&line);
         assert!(drawn.contains(&format!("class=\"temperature\" d=\"M0 {threshold}H20V")), "{drawn}");
         let (_, hot) = drawn.split_once("temperature hot\" d=\"M20 ").expect("it was too hot");
@@ -458,14 +327,14 @@ mod tests {
     fn what_is_full_never_changes_and_the_temperature_goes_on_beyond_it() {
         let many = |count: i64| (0..count).map(|second| (second, temperature(20.0 + (second % 3) as f64)));
         let (before, after) = (line(many(100)), line(many(1000)));
-        assert_eq!((before.full(), after.full()), (100 / PIECE, 1000 / PIECE));
-        let first = |line: &Timeline| line.pieces(0).next().unwrap().1;
+        assert_eq!((before.full(), after.full()), (100 / SECTION, 1000 / SECTION));
+        let first = |line: &Timeline| line.sections(0).next().unwrap().1;
         assert_eq!(first(&before), first(&after));
-        for (place, (_, markup)) in after.pieces(1).enumerate() {
-            let from = (place as i64 + 1) * PIECE as i64 - 1;
+        for (place, (_, markup)) in after.sections(1).enumerate() {
+            let from = (place as i64 + 1) * SECTION as i64 - 1;
             assert!(
                 markup.contains(&format!("d=\"M{} ", from * 10)),
-                "piece {place} begins where the one before it ended: {markup}"
+                "section {place} begins where the one before it ended: {markup}"
             );
         }
     }

@@ -1,7 +1,8 @@
 //! The lines of time of the missions that are looked at: read once from the archive, continued while a mission goes on, and shared by
-//! all pages. How one is drawn stands in `line`.
+//! all pages. What stands on one says `line`, how it is drawn `section`.
 
 mod line;
+mod section;
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -11,7 +12,8 @@ use hashlink::LruCache;
 use super::super::HttpDoor;
 use crate::api::time::Zone;
 use hallsweep_core::units::MissionId;
-pub(super) use line::{Scale, Timeline, id};
+pub(super) use line::{Scale, Timeline};
+pub(super) use section::{THRESHOLD_Y, id};
 
 /// A line that has not been read to its end sooner is shown as far as it was: the page does not wait for a disk that hangs,
 const PATIENCE: Duration = Duration::from_secs(2);

@@ -1,0 +1,128 @@
+//! A section of the line of time as a picture: bands of phases and holds, the temperature, and a mark for whatever else counts.
+//!
+//! ```text
+//!   0 ── 12  phases   each band is drawn to the end of all times; the next one lies over it
+//!  12 ── 16  holds    likewise
+//!  18 ── 42  temperature, with the threshold
+//!  44 ── 54  luggage and verdicts
+//!  56 ── 64  commands; a STOP goes through all
+//! ```
+//! What stands where on it is `line`'s business.
+
+use askama::filters::{Html, escape};
+
+use super::super::hall::write;
+use hallsweep_core::units::Celsius;
+
+/// To the right of every moment there can be.
+const FAR: i64 = 1_000_000_000;
+
+/// The temperatures that are drawn, below and above the threshold, in °C.
+const BELOW: f64 = 12.0;
+const ABOVE: f64 = 8.0;
+
+/// The heights between which they are.
+const COLD: f64 = 42.0;
+const HOT: f64 = 18.0;
+
+/// The height of the threshold.
+pub(in super::super) const THRESHOLD_Y: f64 = COLD - BELOW / (ABOVE + BELOW) * (COLD - HOT);
+
+/// Where the line of the temperature has come.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reading {
+    x: i64,
+    height: f64,
+    is_hot: bool,
+}
+
+/// A section of the picture, layer by layer.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Section {
+    pub(super) entries: usize,
+    marks: String,
+    temperature: String,
+    hot: String,
+}
+
+impl Section {
+    pub(super) fn band(&mut self, x: i64, (top, bottom): (i64, i64), class: &str, said: &str) {
+        let (height, said) = (bottom - top, escaped(said));
+        write(
+            &mut self.marks,
+            format_args!("<path class=\"{class}\" d=\"M{x} {top}H{FAR}v{height}H{x}z\"><title>{said}</title></path>"),
+        );
+    }
+
+    pub(super) fn mark(&mut self, x: i64, class: &str, said: &str) {
+        let (from, to) = heights(class);
+        let said = escaped(said);
+        write(&mut self.marks, format_args!("<path class=\"mark {class}\" d=\"M{x} {from}V{to}\"><title>{said}</title></path>"));
+    }
+
+    /// The line goes on level to where the next reading lifts or lowers it.
+    pub(super) fn reading(&mut self, x: i64, celsius: Celsius, threshold: Celsius, at: &mut Option<Reading>) {
+        let (height, is_hot) = (y(celsius, threshold), celsius > threshold);
+        match *at {
+            Some(Reading { x: from, height: before, is_hot: was_hot }) => {
+                write(&mut self.temperature, format_args!("H{x}V{height}"));
+                if was_hot {
+                    write(&mut self.hot, format_args!("M{from} {before}H{x}"));
+                }
+            }
+            None => write(&mut self.temperature, format_args!("M{x} {height}")),
+        }
+        *at = Some(Reading { x, height, is_hot });
+    }
+
+    pub(super) fn go_on(&mut self, reading: Option<Reading>) {
+        if let Some(Reading { x, height, .. }) = reading {
+            write(&mut self.temperature, format_args!("M{x} {height}"));
+        }
+    }
+
+    /// Its group. In the last one what was read last holds on.
+    pub(super) fn drawn(&self, place: usize, reading: Option<Reading>, is_last: bool) -> String {
+        let (mut temperature, mut hot) = (self.temperature.clone(), self.hot.clone());
+        if let Some(Reading { x, height, is_hot }) = reading.filter(|_| is_last) {
+            write(&mut temperature, format_args!("H{FAR}"));
+            if is_hot {
+                write(&mut hot, format_args!("M{x} {height}H{FAR}"));
+            }
+        }
+        let line = |class: &str, path: &str| match path {
+            "" => String::new(),
+            path => format!("<path class=\"{class}\" d=\"{path}\"/>"),
+        };
+        let (temperature, hot) = (line("temperature", &temperature), line("temperature hot", &hot));
+        format!("<g id=\"{}\">{}{temperature}{hot}</g>", id(place), self.marks)
+    }
+}
+
+pub(in super::super) fn id(place: usize) -> String {
+    format!("time_{place}")
+}
+
+/// The height of a temperature.
+fn y(celsius: Celsius, threshold: Celsius) -> f64 {
+    let above = (celsius.degrees() - threshold.degrees()).clamp(-BELOW, ABOVE);
+    let height = COLD - (above + BELOW) / (ABOVE + BELOW) * (COLD - HOT);
+    (height * 10.0).round() / 10.0
+}
+
+/// From where to where a mark goes.
+fn heights(class: &str) -> (i64, i64) {
+    match class {
+        "found" => (49, 54),
+        "safe" => (44, 54),
+        "danger" | "secured" => (42, 56),
+        "alarm" => (16, 44),
+        "seen" => (38, 44),
+        "stop" | "program" => (0, 64),
+        _ => (57, 64),
+    }
+}
+
+fn escaped(words: &str) -> String {
+    escape(words, Html).map(|safe| safe.to_string()).unwrap_or_default()
+}

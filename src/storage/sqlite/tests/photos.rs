@@ -1,0 +1,61 @@
+//! Photos are files beside the journal, and every take of a piece is found.
+
+use super::testing::*;
+use crate::runtime::archive::{Archive, Unreadable};
+use hallsweep_core::command::Verdict;
+use hallsweep_core::units::LuggageId;
+
+/// A journal of a version that kept of each piece the newest photo alone, and no notes, has the files of all of them.
+#[test]
+fn every_photo_of_a_piece_is_found_also_in_a_journal_that_did_not_list_them() {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    scribe.keep([begin(1), vec![taken(1, 1, photo("first")), taken(1, 2, photo("again")), found(2, None)]].concat());
+    let all =
+        |archive: &dyn Archive| [(1, 1), (1, 2), (1, 3), (2, 1)].map(|(id, take)| archive.take(LuggageId(id), take).unwrap());
+    let expect = [Some(photo("first")), Some(photo("again")), None, None];
+    assert_eq!(all(&*scribe.opened.archive), expect);
+    drop(scribe);
+    let old = rusqlite::Connection::open(scratch.data().join("journal.db")).unwrap();
+    old.execute_batch("DROP TABLE takes; ALTER TABLE luggage DROP COLUMN note; PRAGMA user_version = 2;").unwrap();
+    drop(old);
+    drop(Scribe::new(scratch.open()));
+    check_finds(&scratch, &[]);
+    assert_eq!(all(&*scratch.open().archive), expect);
+}
+
+/// Safety D3.
+#[test]
+fn a_photo_is_a_file_named_by_its_digest() {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    scribe.keep(vec![found(1, Some(photo("bag"))), found(2, None), found(3, Some(photo("bag")))]);
+    let archive = &scribe.opened.archive;
+    assert_eq!(archive.photo(LuggageId(1)), Ok(Some(photo("bag"))));
+    assert_eq!((archive.photo(LuggageId(2)), archive.photo(LuggageId(4))), (Ok(None), Ok(None)));
+    let files: Vec<_> = bytes(&scratch.data().join("photos"));
+    assert_eq!(files.len(), 1, "the same photo is kept once: {files:?}");
+    let name = files[0].0.strip_prefix(scratch.data()).unwrap().display().to_string();
+    assert_eq!((name.len(), name.ends_with(".png")), ("photos/".len() + 2 + 1 + 62 + ".png".len(), true), "{name}");
+
+    std::fs::write(&files[0].0, "bog").unwrap();
+    let Err(Unreadable(words)) = archive.photo(LuggageId(1)) else { panic!("another photo was shown") };
+    assert!(words.contains("is not what it was"), "{words}");
+    check_finds(&scratch, &["is not what it was"]);
+    scribe.keep(vec![found(1, Some(photo("bag")))]);
+    assert_eq!(scribe.opened.archive.photo(LuggageId(1)), Ok(Some(photo("bag"))), "taken again it is whole");
+    std::fs::remove_file(&files[0].0).unwrap();
+    check_finds(&scratch, &["is not there"]);
+}
+
+#[test]
+fn a_failed_retake_leaves_the_photo_there_was() {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    scribe.keep(vec![found(1, Some(photo("bag"))), verdict(1, Verdict::Safe)]);
+    scribe.keep(vec![found(1, None)]);
+    assert_eq!(scribe.opened.archive.photo(LuggageId(1)), Ok(Some(photo("bag"))));
+    let record = scribe.opened.archive.luggage(LuggageId(1)).unwrap().expect("it is on record");
+    assert_eq!((record.verdict_name(), &*record.verdict.unwrap().who), ("safe", "anna"));
+    assert_eq!(scribe.opened.archive.luggage(LuggageId(7)), Ok(None));
+}
