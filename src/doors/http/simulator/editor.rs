@@ -11,7 +11,7 @@ use super::super::console::html;
 use super::super::problem::Problem;
 use super::super::query::Query;
 use super::super::reading::HallForm;
-use super::{Asker, read_hall};
+use super::{Asker, offered_hall, read_hall};
 use crate::api::door;
 use crate::api::fields::in_short;
 use crate::api::hall_files::Finding;
@@ -41,7 +41,7 @@ impl Page {
 pub(in crate::doors::http) async fn editor(asker: Asker, query: Query) -> Result<Response, Problem> {
     query.only(&["hall"])?;
     let toml = match query.every("hall").first() {
-        Some(name) => asker.simulator.hall(name)?,
+        Some(name) => offered_hall(&asker, name).await??,
         None => asker.state().hall.toml.to_string(),
     };
     Ok(html(&Page::of(&asker, toml)).into_response())

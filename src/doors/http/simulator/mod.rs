@@ -136,10 +136,15 @@ pub(super) async fn hall(asker: Asker) -> Response {
 
 /// `GET simulator/halls/{name}`
 pub(super) async fn offered(asker: Asker, Path(name): Path<String>) -> Answer {
-    let hall = asker.simulator.hall(&name);
-    Ok(toml(hall.map_err(|_| {
-        Problem::not_found(format!("no hall is offered as {:?}: GET /api/v1/simulator lists them", in_short(&name)))
-    })?))
+    let unknown = || Problem::not_found(format!("no hall is offered as {:?}: GET /api/v1/simulator lists them", in_short(&name)));
+    Ok(toml(offered_hall(&asker, &name).await?.map_err(|_| unknown())?))
+}
+
+/// One of the halls that are offered, read where nothing waits for the disk, one after the other, whoever asks (safety S7).
+async fn offered_hall(asker: &Asker, name: &str) -> Result<Result<String, NotSimulated>, Problem> {
+    let _turn = asker.door.halls.acquire().await.map_err(|_| Problem::closing())?;
+    let (simulator, name) = (Arc::clone(&asker.simulator), name.to_owned());
+    tokio::task::spawn_blocking(move || simulator.hall(&name)).await.map_err(|_| Problem::internal())
 }
 
 fn toml(text: String) -> Response {

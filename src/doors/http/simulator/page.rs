@@ -15,7 +15,7 @@ use crate::api::door;
 use crate::api::fields::in_short;
 use crate::api::simulator::pace;
 use crate::runtime::simulator::{Change, HallSource, OtherHall, Pace, SimulatorState};
-use hallsweep_core::units::{Cell, Heading};
+use hallsweep_core::units::Cell;
 use hallsweep_core::world::robot::{RobotState, RobotView};
 
 /// The speeds that are offered; the interface takes any between.
@@ -224,19 +224,15 @@ fn with(mut blocked: BTreeSet<Cell>, cell: Cell) -> BTreeSet<Cell> {
 /// The cell ahead of a robot, or of where the step under way leads it.
 fn ahead(robot: &RobotView) -> Cell {
     let steps = if robot.state == RobotState::MovingForward { 2 } else { 1 };
-    let Cell { x, y } = robot.pose.cell;
-    match robot.pose.heading {
-        Heading::North => Cell::new(x, y - steps),
-        Heading::East => Cell::new(x + steps, y),
-        Heading::South => Cell::new(x, y + steps),
-        Heading::West => Cell::new(x - steps, y),
-    }
+    let (Cell { x, y }, (dx, dy)) = (robot.pose.cell, robot.pose.heading.vector());
+    Cell::new(x + dx * steps, y + dy * steps)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::api::fixture::searching;
+    use hallsweep_core::units::Heading;
 
     #[test]
     fn the_way_ahead_is_beyond_the_step_under_way() {
