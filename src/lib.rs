@@ -22,6 +22,7 @@ pub mod app;
 pub mod cli;
 pub mod config;
 pub mod doors;
+pub mod phrases;
 pub mod robots;
 pub mod runtime;
 pub mod storage;

@@ -20,11 +20,14 @@ function signIn(undone) {
 const stopping = (() => {
   const form = document.getElementById("stop");
   const place = document.getElementById("why-stop");
+  const words = place?.dataset; // in the language of the page
+  const filled = (phrase, value) => phrase.replace("{}", () => value);
   const key = "hallsweep-stop"; // a page that is loaded anew finds the name of an unconfirmed STOP under this
   const page = crypto.getRandomValues(new Uint32Array(4)).join("-");
   let pressed = 0; // how often it was pressed here
   let name = ""; // a press has one name for all its attempts, so that it is on record once
   let open = false; // whether a press is not confirmed yet
+  let isInDoubt = false; // whether that was said
   let underWay = 0;
   let triedAt = -Infinity;
   let again, soon, over;
@@ -44,14 +47,14 @@ const stopping = (() => {
     triedAt = performance.now();
     clearTimeout(again);
     clearTimeout(soon);
-    if (!place.textContent) soon = setTimeout(() => open && say("STOP is on its way…"), SOON_MS);
+    if (!place.textContent) soon = setTimeout(() => open && say(words.soon), SOON_MS);
     const failure = await failed(name);
     underWay -= 1;
     if (failure === "401") return giveUp();
     if (!open || (failure === null && press === pressed)) return confirmed();
     clearTimeout(soon);
     clearTimeout(again);
-    if (failure !== null) say(`STOP is not confirmed: ${failure}. Use the robot's own switch. This page goes on trying.`);
+    if (failure !== null) doubt(failure);
     again = setTimeout(attempt, failure === null ? 0 : AGAIN_MS);
   }
 
@@ -63,21 +66,22 @@ const stopping = (() => {
       const answer = await fetch(form.action, { method: "POST", headers, keepalive: true, signal });
       if (answer.status === 401) return "401";
       const said = await answer.json();
-      return answer.ok && said.accepted ? null : `hallsweep says: ${said.detail ?? answer.status}`;
+      return answer.ok && said.accepted ? null : filled(words.says, said.detail ?? answer.status);
     } catch (error) {
-      return error.name === "TimeoutError" ? "no answer came" : "there is no connection";
+      return error.name === "TimeoutError" ? words.silent : words.cut;
     }
   }
 
   function confirmed() {
     if (!open) return;
-    const wasLate = place.textContent.includes("not confirmed");
+    const wasLate = isInDoubt;
+    isInDoubt = false;
     open = false;
     remember(null);
     clearTimeout(again);
     clearTimeout(soon);
     // The console shows by itself what holds the robot; other pages do not, and whoever was in doubt is told anywhere.
-    say(wasLate || !document.getElementById("bar") ? "STOP is confirmed." : "", true);
+    say(wasLate || !document.getElementById("bar") ? words.confirmed : "", true);
     over = setTimeout(() => say(""), OVER_MS);
   }
 
@@ -88,10 +92,15 @@ const stopping = (() => {
     signIn("stop");
   }
 
-  function say(words, isDone = false) {
+  function doubt(failure) {
+    isInDoubt = true;
+    say(filled(words.unconfirmed, failure));
+  }
+
+  function say(said, isDone = false) {
     clearTimeout(over);
     place.classList.toggle("done", isDone);
-    if (place.textContent !== words) place.textContent = words;
+    if (place.textContent !== said) place.textContent = said;
   }
 
   function remember(unconfirmed) {
@@ -146,7 +155,7 @@ const stopping = (() => {
     document.addEventListener("visibilitychange", connected);
     const before = leftUnconfirmed();
     if (before) {
-      say("STOP is not confirmed: the page was left before. Use the robot's own switch. This page goes on trying.");
+      doubt(words.left);
       press(before);
     }
   }

@@ -5,6 +5,8 @@
 mod crates;
 #[path = "tidy/dependencies.rs"]
 mod dependencies;
+#[path = "tidy/phrases.rs"]
+mod phrases;
 #[path = "tidy/reading.rs"]
 mod reading;
 #[path = "tidy/routes.rs"]
@@ -74,6 +76,12 @@ fn the_clock_is_read_in_one_place() {
 fn nothing_is_left_undone() {
     check(words::undone);
     sources("tests").iter().for_each(|source| assert_eq!(words::undone(source), Vec::<String>::new()));
+}
+
+#[test]
+fn every_phrase_is_there_in_every_language_and_said_somewhere() {
+    let findings = phrases::findings();
+    assert!(findings.is_empty(), "\n{}\n", findings.join("\n"));
 }
 
 #[test]

@@ -20,8 +20,8 @@ pub(super) fn preferred<'a>(headers: &HeaderMap, offers: &[&'a str]) -> Option<&
     best.map(|(offer, _)| offer)
 }
 
-/// `text/plain;q=0.5` → (`text/plain`, 0.5); other parameters are ignored, a quality that is no number counts as 0.
-fn range(text: &str) -> Option<(&str, f32)> {
+/// `text/plain;q=0.5` → (`text/plain`, 0.5), and of languages likewise; other parameters are ignored, a quality that is no number counts as 0.
+pub(super) fn range(text: &str) -> Option<(&str, f32)> {
     let mut parts = text.split(';').map(str::trim);
     let media = parts.next().filter(|media| !media.is_empty())?;
     let quality = parts.find_map(|part| part.strip_prefix("q=").or_else(|| part.strip_prefix("Q=")));

@@ -15,7 +15,7 @@ struct Asset {
     text: &'static str,
 }
 
-static ASSETS: [Asset; 22] = [
+static ASSETS: [Asset; 23] = [
     Asset {
         path: "/static/console.css",
         media_type: "text/css; charset=utf-8",
@@ -60,6 +60,11 @@ static ASSETS: [Asset; 22] = [
         path: "/static/theme.js",
         media_type: "text/javascript; charset=utf-8",
         text: include_str!("../../../static/theme.js"),
+    },
+    Asset {
+        path: "/static/words.js",
+        media_type: "text/javascript; charset=utf-8",
+        text: include_str!("../../../static/words.js"),
     },
     Asset {
         path: "/static/stop.js",

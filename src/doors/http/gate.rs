@@ -228,9 +228,14 @@ fn tokens(headers: &HeaderMap) -> impl Iterator<Item = String> {
 }
 
 fn sessions(headers: &HeaderMap, cookie: &str) -> Vec<String> {
+    cookies(headers, cookie).map(str::to_owned).take(KEYS).collect()
+}
+
+/// The values of the cookies of this name.
+pub(super) fn cookies<'a>(headers: &'a HeaderMap, cookie: &'a str) -> impl Iterator<Item = &'a str> {
     let cookies = headers.get_all(header::COOKIE).iter().filter_map(|value| value.to_str().ok());
     let pairs = cookies.flat_map(|value| value.split(';')).filter_map(|pair| pair.trim().split_once('='));
-    pairs.filter(|(name, _)| *name == cookie).map(|(_, value)| value.to_owned()).take(KEYS).collect()
+    pairs.filter(move |(name, _)| *name == cookie).map(|(_, value)| value)
 }
 
 #[cfg(test)]

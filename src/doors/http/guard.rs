@@ -19,8 +19,10 @@ use tower_http::set_header::SetResponseHeaderLayer;
 use super::HttpDoor;
 use super::accept::preferred;
 use super::gate::Peer;
+use super::language::spoken;
 use super::problem::{Problem, Said};
 use crate::api::fields::in_short;
+use crate::phrases::Language;
 
 /// Nothing but this origin's own files, no inline script or style, no frame, no form to anywhere else.
 const CONTENT_SECURITY_POLICY: &str = "default-src 'self'; object-src 'none'; frame-ancestors 'none'; form-action 'self'; \
@@ -114,6 +116,7 @@ pub(super) fn is_for_people(path: &str, headers: &HeaderMap) -> bool {
 /// A browser that went astray is shown a page; programs get the problem itself, and under `/api` everybody does.
 async fn for_people(request: Request, next: Next) -> Response {
     let is_program = !is_for_people(request.uri().path(), request.headers());
+    let language = spoken(request.headers());
     let mut response = next.run(request).await;
     let Some(Said(detail)) = response.extensions_mut().remove::<Said>() else { return response };
     response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
@@ -125,7 +128,7 @@ async fn for_people(request: Request, next: Next) -> Response {
     parts.headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8"));
     // Under a name that is not ours STOP would be refused as well: nobody is to count on it there.
     let may_stop = parts.status != StatusCode::MISDIRECTED_REQUEST;
-    let page = Astray { title: for_a_person(parts.status), detail, may_stop };
+    let page = Astray { language, title: for_a_person(parts.status), detail, may_stop };
     let page = page.render().expect("the template only writes strings, which does not fail");
     Response::from_parts(parts, page.into())
 }
@@ -148,6 +151,7 @@ fn for_a_person(status: StatusCode) -> &'static str {
 #[derive(Template)]
 #[template(path = "astray.html")]
 struct Astray {
+    language: Language,
     title: &'static str,
     detail: String,
     may_stop: bool,

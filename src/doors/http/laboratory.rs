@@ -15,6 +15,7 @@ use self::asked::{AskedPage, AskedPallet, AskedRoomba};
 use super::HttpDoor;
 use super::console::{Row as TreeRow, html, rows, sign};
 use super::gate::LetIn;
+use super::language::Reader;
 use super::problem::Problem;
 use super::query::Query;
 use crate::access::Caller;
@@ -22,6 +23,7 @@ use crate::api::laboratory::mishap::Mishap;
 use crate::api::laboratory::pallet::Pallet;
 use crate::api::laboratory::roomba::{Roomba, Row};
 use crate::doors::shares::{Limits, Shares};
+use crate::phrases::Language;
 use hallsweep_core::behaviour::Status;
 use hallsweep_core::world::retrieval::{TreeView, TreesView};
 
@@ -37,11 +39,12 @@ pub(super) struct Laboratory {
 }
 
 /// `GET laboratory`
-pub(super) async fn page(State(door): State<HttpDoor>, LetIn(caller): LetIn, query: Query) -> Result<Html<String>, Problem> {
+pub(super) async fn page(State(door): State<HttpDoor>, to: Reader, query: Query) -> Result<Html<String>, Problem> {
+    let Reader { caller, language } = to;
     let asked = AskedPage::of(&query)?;
     let page = door.computed(&caller, move || {
         let (roomba, pallet) = (asked.roomba.run()?, asked.pallet.run()?);
-        Ok(Page::of(asked, &roomba, &pallet))
+        Ok(Page::of(language, asked, &roomba, &pallet))
     });
     Ok(html(&page.await?))
 }
@@ -87,6 +90,7 @@ impl HttpDoor {
 #[derive(Template)]
 #[template(path = "laboratory/page.html")]
 struct Page {
+    language: Language,
     asked: AskedPage,
     transitions: usize,
     /// Where machine and tree part, if they do.
@@ -112,8 +116,9 @@ struct Carried {
 }
 
 impl Page {
-    fn of(asked: AskedPage, roomba: &Roomba, pallet: &Pallet) -> Page {
+    fn of(language: Language, asked: AskedPage, roomba: &Roomba, pallet: &Pallet) -> Page {
         Page {
+            language,
             asked,
             transitions: roomba.transitions(),
             parting: roomba.parting().map(|parting| parting.to_string()),

@@ -12,6 +12,7 @@ mod gate;
 mod guard;
 mod hearing;
 mod laboratory;
+mod language;
 mod lines;
 mod map_files;
 mod missions;

@@ -6,6 +6,7 @@ use axum::response::{IntoResponse, Redirect, Response};
 
 use super::accept::preferred;
 use super::command_sender::CommandSender;
+use super::language::Reader;
 use super::{command, console};
 use crate::api::old_clients::posted;
 
@@ -18,7 +19,10 @@ pub(super) async fn give(sender: CommandSender, uri: Uri, headers: HeaderMap) ->
     let wants_page = preferred(&headers, &["application/json", "text/html"]) == Some("text/html");
     match given {
         Ok(_) if wants_page => Redirect::to("/").into_response(),
-        Err(problem) if wants_page => console::refused_page(&sender.door, &sender.caller, "old", &problem).await,
+        Err(problem) if wants_page => {
+            let to = Reader::new(sender.caller.clone(), &headers);
+            console::refused_page(&sender.door, &to, "old", &problem).await
+        }
         Ok(answer) => answer,
         Err(problem) => problem.into_response(),
     }

@@ -14,7 +14,8 @@ use axum::routing::{MethodFilter, MethodRouter, on};
 use super::gate::{Gate, gate};
 use super::reading::Number;
 use super::{
-    HttpDoor, assets, command, console, events, laboratory, map_files, missions, mqtt, old, problem, reads, sign_in, simulator,
+    HttpDoor, assets, command, console, events, laboratory, language, map_files, missions, mqtt, old, problem, reads, sign_in,
+    simulator,
 };
 use crate::access::Need;
 use crate::access::Need::{Act, Nothing, See, Stop};
@@ -51,6 +52,7 @@ fn for_anybody() -> Vec<Row> {
         get("/sign-in", Nothing, sign_in::page),
         post("/sign-in", Nothing, sign_in::sign_in),
         post("/sign-out", Nothing, sign_in::sign_out),
+        post("/language", Nothing, language::choose),
         get("/static/console.css", Nothing, assets::file),
         get("/static/console.js", Nothing, assets::file),
         get("/static/hall.js", Nothing, assets::file),
@@ -60,6 +62,7 @@ fn for_anybody() -> Vec<Row> {
         get("/static/verdict.js", Nothing, assets::file),
         get("/static/attention.js", Nothing, assets::file),
         get("/static/theme.js", Nothing, assets::file),
+        get("/static/words.js", Nothing, assets::file),
         get("/static/stop.js", Nothing, assets::file),
         get("/static/laboratory.css", Nothing, assets::file),
         get("/static/laboratory.js", Nothing, assets::file),

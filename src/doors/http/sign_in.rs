@@ -12,9 +12,11 @@ use serde::Deserialize;
 use super::HttpDoor;
 use super::gate::{LetIn, Peer};
 
+use super::language::Spoken;
 use super::reading::Form;
 use super::scanning::names;
 use crate::access::{Access, Network, SESSION_S};
+use crate::phrases::Language;
 
 pub(super) fn cookie_name(port: u16) -> Arc<str> {
     format!("hallsweep-{port}").into()
@@ -58,6 +60,7 @@ pub(super) struct SignInForm {
 #[derive(Default, Template)]
 #[template(path = "sign_in.html")]
 struct SignIn<'a> {
+    language: Language,
     token: &'a str,
     next: &'a str,
     undone: &'static str,
@@ -99,6 +102,7 @@ impl Undone {
 /// `GET sign-in`
 pub(super) async fn page(
     State(door): State<HttpDoor>,
+    Spoken(language): Spoken,
     peer: Peer,
     caller: Result<LetIn, super::problem::Problem>,
     asked: Result<Query<SignInQuery>, axum::extract::rejection::QueryRejection>,
@@ -112,12 +116,13 @@ pub(super) async fn page(
     let undone = asked.undone.map_or("", Undone::in_words);
     let why = if matches!(&door.access, Access::Keys(keyring) if keyring.is_unusable()) { UNUSABLE } else { "" };
     let token = asked.token.as_deref().unwrap_or_default();
-    shown(StatusCode::OK, peer, SignIn { token, next, undone, why, is_in, ..SignIn::default() })
+    shown(StatusCode::OK, peer, SignIn { language, token, next, undone, why, is_in, ..SignIn::default() })
 }
 
 /// `POST sign-in`
 pub(super) async fn sign_in(
     State(door): State<HttpDoor>,
+    Spoken(language): Spoken,
     peer: Peer,
     caller: Result<LetIn, super::problem::Problem>,
     Form(sent): Form<SignInForm>,
@@ -127,7 +132,7 @@ pub(super) async fn sign_in(
     let Some(session) = keyring.sign_in(sent.token.trim(), door.now_s()) else {
         door.hold_back(peer).await;
         let why = if keyring.is_unusable() { UNUSABLE } else { UNKNOWN };
-        return shown(StatusCode::FORBIDDEN, peer, SignIn { next, why, is_in: caller.is_ok(), ..SignIn::default() });
+        return shown(StatusCode::FORBIDDEN, peer, SignIn { language, next, why, is_in: caller.is_ok(), ..SignIn::default() });
     };
     (cookie(&door, &session, SESSION_S, peer), Redirect::to(next)).into_response()
 }
@@ -161,7 +166,7 @@ fn cookie(door: &HttpDoor, session: &str, lasts_s: i64, peer: Peer) -> HeaderMap
 }
 
 /// Where to go after signing in: a path of this door, never another place.
-fn local(next: Option<&str>) -> &str {
+pub(super) fn local(next: Option<&str>) -> &str {
     let is_local = |path: &&str| {
         let visible = path.bytes().all(|byte| byte.is_ascii_graphic() && byte != b'\\');
         path.starts_with('/') && !path.starts_with("//") && visible && path.len() <= LONGEST_PATH

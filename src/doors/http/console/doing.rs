@@ -108,13 +108,14 @@ mod tests {
     use super::super::view::HallInfo;
     use super::*;
     use crate::api::fixture::{TEN, searching};
+    use crate::phrases::Language;
     use hallsweep_core::retrieval::Which;
     use hallsweep_core::world::robot::RobotView;
     use hallsweep_core::world::snapshot::Snapshot;
 
     fn view(snapshot: &Snapshot) -> View<'_> {
         let hall = HallInfo { name: "airport".into(), cell_m: Some(0.5), evacuation_m: 100.0, robot: None };
-        View { snapshot, hall, began: None, who: None, why: None, now: TEN, line: None, then: None }
+        View { snapshot, hall, began: None, who: None, language: Language::English, why: None, now: TEN, line: None, then: None }
     }
 
     #[test]

@@ -70,12 +70,13 @@ mod tests {
     use super::super::view::HallInfo;
     use super::*;
     use crate::api::fixture::{TEN, idle, piece, searching};
+    use crate::phrases::Language;
     use hallsweep_core::command::Verdict;
     use hallsweep_core::world::snapshot::Snapshot;
 
     fn view(snapshot: &Snapshot, cell_m: Option<f64>) -> View<'_> {
         let hall = HallInfo { name: "airport".into(), cell_m, evacuation_m: 25.0, robot: None };
-        View { snapshot, hall, began: None, who: None, why: None, now: TEN, line: None, then: None }
+        View { snapshot, hall, began: None, who: None, language: Language::English, why: None, now: TEN, line: None, then: None }
     }
 
     #[test]

@@ -15,13 +15,14 @@ use serde::Serialize;
 use super::super::HttpDoor;
 use super::super::assets::fingerprint;
 use super::super::events::{HEARTBEAT, UNBUFFERED};
-use super::super::gate::LetIn;
+use super::super::language::Reader;
 use super::super::problem::Problem;
 use super::super::watcher::{Wake, Watcher};
 use super::parts::PARTS;
 use super::timeline::{self, Scale, Timeline, Timelines};
 use super::view::{HallInfo, Then, View, Who};
 use super::{began, hall, pieces, who};
+use crate::phrases::Language;
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::snapshot::Snapshot;
 
@@ -66,7 +67,8 @@ struct ShownLine {
 }
 
 /// `GET console/live`
-pub(in crate::doors::http) async fn live(State(door): State<HttpDoor>, LetIn(caller): LetIn) -> Result<Response, Problem> {
+pub(in crate::doors::http) async fn live(State(door): State<HttpDoor>, to: Reader) -> Result<Response, Problem> {
+    let Reader { caller, language } = to;
     let who = who(&door, &caller);
     let (watcher, snapshot) = Watcher::open(&door, caller)?;
     let events = stream::unfold((watcher, Shown::default(), Some(snapshot)), move |(mut watcher, mut shown, first)| {
@@ -77,8 +79,8 @@ pub(in crate::doors::http) async fn live(State(door): State<HttpDoor>, LetIn(cal
                 None => watcher.next(PAUSE, HEARTBEAT).await,
             };
             let event = match wake {
-                Wake::Changed(snapshot) => message(&changed(&door, &mut shown, snapshot, who).await),
-                Wake::Quiet => quiet(&door, &mut shown, who).await,
+                Wake::Changed(snapshot) => message(&changed(&door, &mut shown, snapshot, who, language).await),
+                Wake::Quiet => quiet(&door, &mut shown, who, language).await,
                 Wake::Closed => return None,
             };
             Some((Ok::<Event, Infallible>(event), (watcher, shown, None)))
@@ -87,19 +89,20 @@ pub(in crate::doors::http) async fn live(State(door): State<HttpDoor>, LetIn(cal
     Ok(([UNBUFFERED], Sse::new(events)).into_response())
 }
 
-async fn changed(door: &HttpDoor, shown: &mut Shown, snapshot: Arc<Snapshot>, who: Option<Who>) -> Message {
+async fn changed(door: &HttpDoor, shown: &mut Shown, snapshot: Arc<Snapshot>, who: Option<Who>, language: Language) -> Message {
     let mission = snapshot.mission.id;
     let (began, line) = (began::began(door, mission).await, Timelines::of(door, mission).await);
     let (hall, now) = (HallInfo::of(door), door.clock.now().wall);
-    shown.update(&snapshot, &View { snapshot: &snapshot, hall, began, who, why: None, now, line: Some(&line), then: None })
+    let line = Some(&*line);
+    shown.update(&snapshot, &View { snapshot: &snapshot, hall, began, who, language, why: None, now, line, then: None })
 }
 
 /// Nothing has changed but, it may be, what is on record by now: the line of time follows the record.
-async fn quiet(door: &HttpDoor, shown: &mut Shown, who: Option<Who>) -> Event {
+async fn quiet(door: &HttpDoor, shown: &mut Shown, who: Option<Who>, language: Language) -> Event {
     let older = shown.older.clone();
     let message_of = async {
         let snapshot = older?;
-        let message = changed(door, shown, snapshot, who).await;
+        let message = changed(door, shown, snapshot, who, language).await;
         (!message.parts.is_empty()).then(|| self::message(&message))
     };
     message_of.await.unwrap_or_else(|| Event::default().event("tick").data("alive"))
@@ -182,6 +185,7 @@ fn tiles(older: Option<&Snapshot>, snapshot: &Snapshot) -> BTreeMap<String, Stri
 mod tests {
     use super::*;
     use crate::api::fixture::{TEN, idle, searching, touch};
+    use crate::phrases::Language;
     use hallsweep_core::units::{Cell, Revision};
     use hallsweep_core::world::hall_map::Mark;
     use hallsweep_core::world::resource::Resource;
@@ -189,7 +193,17 @@ mod tests {
     fn update(shown: &mut Shown, snapshot: Snapshot) -> Message {
         let snapshot = Arc::new(snapshot);
         let hall = HallInfo { name: "airport".into(), cell_m: None, evacuation_m: 100.0, robot: None };
-        let view = View { snapshot: &snapshot, hall, began: None, who: None, why: None, now: TEN, line: None, then: None };
+        let view = View {
+            snapshot: &snapshot,
+            hall,
+            began: None,
+            who: None,
+            language: Language::English,
+            why: None,
+            now: TEN,
+            line: None,
+            then: None,
+        };
         shown.update(&snapshot, &view)
     }
 

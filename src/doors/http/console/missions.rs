@@ -6,6 +6,7 @@ use axum::extract::State;
 use axum::response::Html;
 
 use super::super::HttpDoor;
+use super::super::language::Spoken;
 use super::super::missions::{MISSIONS, RecordedMission, after, before, happened, newest, recorded, wanted};
 use super::super::problem::Problem;
 use super::super::query::Query;
@@ -15,6 +16,7 @@ use super::{hall, html};
 use crate::api::journal_words::{asked, outcome, words};
 use crate::api::luggage::photo_url;
 use crate::api::time::{Zone, rfc3339};
+use crate::phrases::Language;
 use crate::runtime::archive::{Happened, MissionRecord, Unreadable};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::mission::PhaseName;
@@ -26,16 +28,21 @@ use hallsweep_core::world::luggage::Luggage;
 const EVENTS: u64 = 200;
 
 /// `GET missions`
-pub(in crate::doors::http) async fn list(State(door): State<HttpDoor>, query: Query) -> Result<Html<String>, Problem> {
+pub(in crate::doors::http) async fn list(
+    State(door): State<HttpDoor>,
+    Spoken(language): Spoken,
+    query: Query,
+) -> Result<Html<String>, Problem> {
     query.only(&["before"])?;
     let before = before(&query)?;
     let (missions, next) = newest(&door, before, MISSIONS).await?;
-    Ok(html(&List { missions, before, next, zone: Zone::of(door.clock.now().wall) }))
+    Ok(html(&List { language, missions, before, next, zone: Zone::of(door.clock.now().wall) }))
 }
 
 /// `GET missions/{id}`
 pub(in crate::doors::http) async fn one(
     State(door): State<HttpDoor>,
+    Spoken(language): Spoken,
     Number(id): Number,
     query: Query,
 ) -> Result<Html<String>, Problem> {
@@ -48,7 +55,7 @@ pub(in crate::doors::http) async fn one(
         Show::All => happened(&door, id, after, EVENTS).await?,
     };
     let zone = Zone::of(door.clock.now().wall);
-    Ok(html(&One { record, state, damage, show, after, events, next, zone }))
+    Ok(html(&One { language, record, state, damage, show, after, events, next, zone }))
 }
 
 /// How much is shown of what happened.
@@ -92,6 +99,7 @@ fn is_main(fact: &Fact) -> bool {
 #[derive(Template)]
 #[template(path = "missions/list.html")]
 struct List {
+    language: Language,
     missions: Vec<MissionRecord>,
     before: Option<MissionId>,
     next: Option<MissionId>,
@@ -101,6 +109,7 @@ struct List {
 #[derive(Template)]
 #[template(path = "missions/one.html")]
 struct One {
+    language: Language,
     record: MissionRecord,
     state: Option<PersistentState>,
     /// What of it cannot be understood, a sentence each.

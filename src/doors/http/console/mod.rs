@@ -30,7 +30,7 @@ use axum::response::{Html, IntoResponse, Redirect, Response};
 use super::HttpDoor;
 use super::accept::preferred;
 use super::command_sender::CommandSender;
-use super::gate::LetIn;
+use super::language::{Reader, Spoken};
 use super::problem::Problem;
 use super::reading::{Form, Number};
 use crate::access::{Access, Caller};
@@ -49,16 +49,16 @@ pub(super) use retrieval::{Row, rows, sign};
 pub(super) use timeline::Timelines;
 
 /// The page again, with the reason in words beside the button that was pressed.
-pub(super) async fn refused_page(door: &HttpDoor, caller: &Caller, button: &str, problem: &Problem) -> Response {
+pub(super) async fn refused_page(door: &HttpDoor, to: &Reader, button: &str, problem: &Problem) -> Response {
     let why = Why::new(button, problem.detail());
-    let mut response = (problem.status(), whole(door, caller, Some(why)).await).into_response();
+    let mut response = (problem.status(), whole(door, to, Some(why)).await).into_response();
     problem.tell_gate(&mut response);
     response
 }
 
 /// `GET /`
-pub(super) async fn page(State(door): State<HttpDoor>, LetIn(caller): LetIn) -> Html<String> {
-    whole(&door, &caller, None).await
+pub(super) async fn page(State(door): State<HttpDoor>, to: Reader) -> Html<String> {
+    whole(&door, &to, None).await
 }
 
 /// `POST console/start` and every other form but STOP's. A move that was heard to be a STOP is one, whatever else is in it.
@@ -85,7 +85,10 @@ async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields
         Ok(Done { accepted, snapshot }) if by_script => axum::Json(AnswerJson::new(accepted, &snapshot)).into_response(),
         Ok(_) => Redirect::to("/").into_response(),
         Err(problem) if by_script => problem.into_response(),
-        Err(problem) => refused_page(&sender.door, &sender.caller, &fields.button(act), &problem).await,
+        Err(problem) => {
+            let to = Reader::new(sender.caller.clone(), headers);
+            refused_page(&sender.door, &to, &fields.button(act), &problem).await
+        }
     };
     response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
     response
@@ -94,30 +97,31 @@ async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields
 /// `GET console/confirm/danger/{id}?note=…`: the note that was typed beside the button goes on with the question.
 pub(super) async fn confirm_danger(
     State(door): State<HttpDoor>,
-    LetIn(caller): LetIn,
+    to: Reader,
     Number(id): Number,
     typed: Result<Query<TypedNote>, QueryRejection>,
 ) -> Response {
     let snapshot = door.handle.snapshot();
     let (button, problem) = match (snapshot.luggage(LuggageId(id)), typed.map_or(Ok(None), |Query(typed)| typed.note())) {
-        (Some(luggage), Ok(note)) => return html(&parts::Confirm::danger(luggage, note)).into_response(),
+        (Some(luggage), Ok(note)) => return html(&parts::Confirm::danger(to.language, luggage, note)).into_response(),
         (Some(_), Err(problem)) => ("verdict", problem),
         (None, _) => ("page", Problem::no_luggage(id)),
     };
-    refused_page(&door, &caller, button, &problem).await
+    refused_page(&door, &to, button, &problem).await
 }
 
 /// `GET console/confirm/reset`
-pub(super) async fn confirm_reset() -> Html<String> {
-    html(&parts::Confirm::reset())
+pub(super) async fn confirm_reset(Spoken(language): Spoken) -> Html<String> {
+    html(&parts::Confirm::reset(language))
 }
 
-async fn whole(door: &HttpDoor, caller: &Caller, why: Option<Why>) -> Html<String> {
+async fn whole(door: &HttpDoor, to: &Reader, why: Option<Why>) -> Html<String> {
     let snapshot = door.handle.snapshot();
     let began = began::began(door, snapshot.mission.id).await;
     let line = Timelines::of(door, snapshot.mission.id).await;
-    let (hall, who, now) = (HallInfo::of(door), who(door, caller), door.clock.now().wall);
-    html(&Page::new(&View { snapshot: &snapshot, hall, began, who, why, now, line: Some(&line), then: None }))
+    let (hall, who, now) = (HallInfo::of(door), who(door, &to.caller), door.clock.now().wall);
+    let view = View { snapshot: &snapshot, hall, began, who, language: to.language, why, now, line: Some(&line), then: None };
+    html(&Page::new(&view))
 }
 
 /// Who is signed in; nobody where nobody is asked.

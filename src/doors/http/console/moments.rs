@@ -8,7 +8,7 @@ use axum::extract::State;
 use axum::response::Html;
 
 use super::super::HttpDoor;
-use super::super::gate::LetIn;
+use super::super::language::Reader;
 use super::super::missions::{at, stood};
 use super::super::problem::Problem;
 use super::super::query::{MOST, Query};
@@ -18,7 +18,7 @@ use super::page::Page;
 use super::timeline::{Timeline, Timelines};
 use super::view::{HallInfo, Then, View, Who};
 use super::{html, who};
-use crate::access::Caller;
+use crate::phrases::Language;
 use crate::runtime::archive::{At, Moment, Sound};
 use hallsweep_core::units::{MissionId, Seq, WallTime};
 use hallsweep_core::world::snapshot::Snapshot;
@@ -26,14 +26,14 @@ use hallsweep_core::world::snapshot::Snapshot;
 /// `GET missions/{id}/moment`: the page, at the last entry up to `at`; without it at the first.
 pub(in crate::doors::http) async fn page(
     State(door): State<HttpDoor>,
-    LetIn(caller): LetIn,
+    to: Reader,
     Number(id): Number,
     query: Query,
 ) -> Result<Html<String>, Problem> {
     query.only(&["at"])?;
     let at = at(&query)?.map_or(At::Time(i64::MIN), At::Entry);
     let [moment] = stood(&door, id, [at]).await?;
-    let about = About::of(&door, caller, id).await?;
+    let about = About::of(&door, to, id).await?;
     let page = move || html(&Page::new(&about.view(&about.looked_at(moment, at))));
     Ok(door.archive.look_up(move |_| Ok(page())).await?)
 }
@@ -42,7 +42,7 @@ pub(in crate::doors::http) async fn page(
 /// `from` as it was at the time `shown`.
 pub(in crate::doors::http) async fn message(
     State(door): State<HttpDoor>,
-    LetIn(caller): LetIn,
+    to: Reader,
     Number(id): Number,
     query: Query,
 ) -> Result<Json<Message>, Problem> {
@@ -61,7 +61,7 @@ pub(in crate::doors::http) async fn message(
             (moment, None)
         }
     };
-    let about = About::of(&door, caller, id).await?;
+    let about = About::of(&door, to, id).await?;
     let message = move || {
         let mut shown = from.map_or_else(Shown::default, |from| {
             let from = about.looked_at(from, shown_at);
@@ -81,13 +81,14 @@ struct About {
     line: Arc<Timeline>,
     began: Option<WallTime>,
     who: Option<Who>,
+    language: Language,
 }
 
 impl About {
-    async fn of(door: &HttpDoor, caller: Caller, id: u64) -> Result<About, Problem> {
+    async fn of(door: &HttpDoor, Reader { caller, language }: Reader, id: u64) -> Result<About, Problem> {
         let record = door.archive.look_up(move |archive| archive.mission(MissionId(id))).await?;
         let (line, who) = (Timelines::of(door, MissionId(id)).await, who(door, &caller));
-        Ok(About { door: door.clone(), mission: id, line, began: record.map(|record| record.began), who })
+        Ok(About { door: door.clone(), mission: id, line, began: record.map(|record| record.began), who, language })
     }
 
     /// Between two entries time goes on: asked for by its time, a moment is later than its entry.
@@ -107,7 +108,7 @@ impl About {
 
     fn view<'a>(&'a self, Looked { snapshot, then, wall }: &'a Looked) -> View<'a> {
         let (hall, who, line) = (HallInfo::of(&self.door), self.who.clone(), Some(&*self.line));
-        View { snapshot, hall, began: self.began, who, why: None, now: *wall, line, then: Some(*then) }
+        View { snapshot, hall, began: self.began, who, language: self.language, why: None, now: *wall, line, then: Some(*then) }
     }
 }
 

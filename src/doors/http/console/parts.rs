@@ -14,6 +14,7 @@ use crate::api::luggage::photo_url;
 use crate::api::retrieval::ArmJson;
 use crate::api::robot_parts;
 use crate::api::time::rfc3339;
+use crate::phrases::Language;
 use hallsweep_core::behaviour::Status;
 use hallsweep_core::command::Note;
 use hallsweep_core::mission::PhaseName;
@@ -105,6 +106,7 @@ pub(super) const PARTS: [Part; 23] = [
 #[derive(Template)]
 #[template(path = "console/confirm.html")]
 pub(super) struct Confirm {
+    language: Language,
     question: String,
     consequence: &'static str,
     button: String,
@@ -115,8 +117,9 @@ pub(super) struct Confirm {
 }
 
 impl Confirm {
-    pub(super) fn danger(luggage: &Luggage, note: Option<Note>) -> Confirm {
+    pub(super) fn danger(language: Language, luggage: &Luggage, note: Option<Note>) -> Confirm {
         Confirm {
+            language,
             question: format!("Is luggage #{} dangerous?", luggage.id),
             consequence: DANGER,
             button: format!("Yes: DANGER #{}", luggage.id),
@@ -127,8 +130,9 @@ impl Confirm {
         }
     }
 
-    pub(super) fn reset() -> Confirm {
+    pub(super) fn reset(language: Language) -> Confirm {
         Confirm {
+            language,
             question: "Put this mission away?".to_owned(),
             consequence: RESET,
             button: "Yes: RESET".to_owned(),

@@ -6,6 +6,7 @@ use axum::extract::State;
 use axum::response::Html;
 
 use super::super::HttpDoor;
+use super::super::language::Spoken;
 use super::super::problem::Problem;
 use super::super::query::Query;
 use super::super::reading::Number;
@@ -14,6 +15,7 @@ use super::html;
 use super::view::{failure, place};
 use crate::api::luggage::take_url;
 use crate::api::time::Zone;
+use crate::phrases::Language;
 use hallsweep_core::units::WallTime;
 use hallsweep_core::world::luggage::Luggage;
 
@@ -23,13 +25,14 @@ const SHOWN: u32 = 12;
 /// `GET luggage/{id}` and `GET luggage/{id}?take=1`
 pub(in crate::doors::http) async fn page(
     State(door): State<HttpDoor>,
+    Spoken(language): Spoken,
     Number(id): Number,
     query: Query,
 ) -> Result<Html<String>, Problem> {
     let asked = asked_take(&query)?;
     let luggage = record(&door, &door.handle.snapshot(), id).await?;
     let take = if luggage.has_photo() || asked.is_some() { Some(taken(&luggage, asked)?) } else { None };
-    Ok(html(&PhotoPage { luggage: &luggage, take, zone: Zone::of(door.clock.now().wall) }))
+    Ok(html(&PhotoPage { language, luggage: &luggage, take, zone: Zone::of(door.clock.now().wall) }))
 }
 
 /// One photo of a piece.
@@ -48,6 +51,7 @@ pub(super) fn takes(luggage: &Luggage) -> Vec<Take> {
 #[derive(Template)]
 #[template(path = "photo.html")]
 struct PhotoPage<'a> {
+    language: Language,
     luggage: &'a Luggage,
     /// Which of its photos is shown; `None` where there is none.
     take: Option<u32>,

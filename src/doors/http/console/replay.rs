@@ -6,6 +6,7 @@ use axum::extract::State;
 use axum::response::Html;
 
 use super::super::HttpDoor;
+use super::super::language::Spoken;
 use super::super::missions::retrieved;
 use super::super::problem::Problem;
 use super::super::query::Query;
@@ -13,12 +14,14 @@ use super::super::reading::Number;
 use super::html;
 use super::retrieval::{Row, rows, sign};
 use crate::api::retrieval_record::RetrievalRecordJson;
+use crate::phrases::Language;
 use hallsweep_core::behaviour::Status;
 use hallsweep_core::world::retrieval::{TreeView, TreesView};
 
 /// `GET missions/{id}/retrieval`
 pub(in crate::doors::http) async fn page(
     State(door): State<HttpDoor>,
+    Spoken(language): Spoken,
     Number(id): Number,
     query: Query,
 ) -> Result<Html<String>, Problem> {
@@ -29,12 +32,13 @@ pub(in crate::doors::http) async fn page(
     let moment = query.count("moment", 1..=u64::try_from(last).unwrap_or(1))?;
     let moment = moment.and_then(|moment| usize::try_from(moment).ok()).unwrap_or(last);
     let t = moments.get(moment - 1).copied().unwrap_or(record.seconds);
-    Ok(html(&Page { mission: id, shown: record.replay.shown(t), record, moment, last, t }))
+    Ok(html(&Page { language, mission: id, shown: record.replay.shown(t), record, moment, last, t }))
 }
 
 #[derive(Template)]
 #[template(path = "missions/retrieval.html")]
 struct Page {
+    language: Language,
     mission: u64,
     record: RetrievalRecordJson,
     /// How the trees stood at the moment that is shown.

@@ -13,6 +13,7 @@ use crate::access::{Need, Role};
 use crate::api::robot_parts::RobotBySettings;
 use crate::api::time::Zone;
 use crate::doors::http::HttpDoor;
+use crate::phrases::{Language, Phrase};
 use hallsweep_core::event::RobotId;
 use hallsweep_core::mission::{Hold, PhaseName};
 use hallsweep_core::units::{Cell, Celsius, WallTime};
@@ -29,6 +30,8 @@ pub(super) struct View<'a> {
     pub(super) began: Option<WallTime>,
     /// Who looks; `None` where nobody is asked who he is.
     pub(super) who: Option<Who>,
+    /// The language of whoever looks.
+    pub(super) language: Language,
     pub(super) why: Option<Why>,
     pub(super) now: WallTime,
     /// The line of time of the mission that is shown.
@@ -117,6 +120,11 @@ impl Mood {
 }
 
 impl View<'_> {
+    /// The phrase with this id, in the language of whoever looks.
+    pub(super) const fn say<'p>(&self, id: &'p str) -> Phrase<'p> {
+        self.language.say(id)
+    }
+
     /// Whether the robot that searches is simulated.
     pub(super) fn is_simulated(&self) -> bool {
         self.hall.robot.is_some_and(|robot| robot.kind == "sim")

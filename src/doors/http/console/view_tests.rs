@@ -14,7 +14,7 @@ use hallsweep_core::world::snapshot::{Progress, TimeLeft};
 fn view(snapshot: &Snapshot) -> View<'_> {
     let hall = HallInfo { name: "airport".into(), cell_m: Some(0.5), evacuation_m: 100.0, robot: None };
     let now = WallTime { unix_ms: TEN.unix_ms + 74_900, ..TEN };
-    View { snapshot, hall, began: Some(TEN), who: None, why: None, now, line: None, then: None }
+    View { snapshot, hall, began: Some(TEN), who: None, language: Language::English, why: None, now, line: None, then: None }
 }
 
 #[test]

@@ -15,11 +15,13 @@ use super::{Asker, offered_hall, read_hall};
 use crate::api::door;
 use crate::api::fields::in_short;
 use crate::api::hall_files::Finding;
+use crate::phrases::Language;
 use crate::runtime::simulator::{HallSource, OtherHall};
 
 #[derive(Template)]
 #[template(path = "simulator/editor.html")]
 struct Page {
+    language: Language,
     toml: String,
     halls: Vec<String>,
     bound: Option<String>,
@@ -33,7 +35,7 @@ struct Page {
 impl Page {
     fn of(asker: &Asker, toml: String) -> Page {
         let (halls, bound, may_act) = (asker.simulator.halls(), asker.bound(), asker.may_act());
-        Page { toml, halls, bound, may_act, why: None, findings: None }
+        Page { language: asker.language, toml, halls, bound, may_act, why: None, findings: None }
     }
 }
 

@@ -13,6 +13,7 @@ use axum::response::{IntoResponse, Response};
 
 use super::HttpDoor;
 use super::gate::{LetIn, Peer, issuer};
+use super::language::spoken;
 use super::problem::Problem;
 use super::query::Query;
 use super::reading::{HallFile, HallPayload, JsonPayload};
@@ -23,6 +24,7 @@ use crate::api::fields::in_short;
 use crate::api::hall_files::ReadHall;
 use crate::api::problem::ProblemKind;
 use crate::api::simulator::{ChangeBody, HallBody, SimulatorJson};
+use crate::phrases::Language;
 use crate::runtime::simulator::{NotSimulated, Simulator, SimulatorState};
 use hallsweep_core::command::{Door, Issuer, Refused};
 
@@ -37,6 +39,7 @@ pub(super) struct Asker {
     simulator: Arc<dyn Simulator>,
     caller: crate::access::Caller,
     peer: Peer,
+    language: Language,
 }
 
 impl FromRequestParts<HttpDoor> for Asker {
@@ -46,7 +49,7 @@ impl FromRequestParts<HttpDoor> for Asker {
         let LetIn(caller) = LetIn::from_request_parts(parts, door).await?;
         let peer = Peer::from_request_parts(parts, door).await?;
         let simulator = door.simulator.clone().ok_or_else(Problem::no_simulator)?;
-        Ok(Asker { door: door.clone(), simulator, caller, peer })
+        Ok(Asker { door: door.clone(), simulator, caller, peer, language: spoken(&parts.headers) })
     }
 }
 

@@ -14,6 +14,7 @@ use super::Asker;
 use crate::api::door;
 use crate::api::fields::in_short;
 use crate::api::simulator::pace;
+use crate::phrases::Language;
 use crate::runtime::simulator::{Change, HallSource, OtherHall, Pace, SimulatorState};
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::robot::{RobotState, RobotView};
@@ -35,6 +36,7 @@ struct Fault {
 #[derive(Template)]
 #[template(path = "simulator/page.html")]
 struct Page {
+    language: Language,
     state: Arc<SimulatorState>,
     halls: Vec<String>,
     bound: Option<String>,
@@ -45,7 +47,14 @@ struct Page {
 
 impl Page {
     fn of(asker: &Asker, why: Option<(&'static str, String)>) -> Page {
-        Page { state: asker.state(), halls: asker.simulator.halls(), bound: asker.bound(), may_act: asker.may_act(), why }
+        Page {
+            language: asker.language,
+            state: asker.state(),
+            halls: asker.simulator.halls(),
+            bound: asker.bound(),
+            may_act: asker.may_act(),
+            why,
+        }
     }
 
     fn why(&self, place: &str) -> &str {

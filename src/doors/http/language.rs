@@ -1,0 +1,126 @@
+//! In which language a page speaks: in the one that was chosen by the switch, which a cookie remembers, else in the one the browser
+//! asks for, else in English.
+
+use std::convert::Infallible;
+
+use axum::extract::FromRequestParts;
+use axum::http::request::Parts;
+use axum::http::{HeaderMap, HeaderValue, header};
+use axum::response::{IntoResponse, Redirect, Response};
+use serde::Deserialize;
+
+use super::accept::range;
+use super::gate::{LetIn, cookies};
+use super::problem::Problem;
+use super::reading::Form;
+use super::sign_in::local;
+use crate::access::Caller;
+use crate::phrases::Language;
+
+const COOKIE: &str = "hallsweep-language";
+
+/// A choice is remembered for a year, in seconds.
+const REMEMBERED_S: u32 = 365 * 24 * 3600;
+
+/// The language of the page that is asked for.
+pub(super) struct Spoken(pub(super) Language);
+
+/// What the switch sends.
+#[derive(Debug, Deserialize)]
+pub(super) struct Choice {
+    language: String,
+    /// Where to go on.
+    next: Option<String>,
+}
+
+/// Whoever reads a page, once the gate has let him through.
+pub(super) struct Reader {
+    pub(super) caller: Caller,
+    pub(super) language: Language,
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for Reader {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Reader, Problem> {
+        let LetIn(caller) = LetIn::from_request_parts(parts, state).await?;
+        Ok(Reader::new(caller, &parts.headers))
+    }
+}
+
+impl Reader {
+    /// Somebody who sent a request with these headers.
+    pub(super) fn new(caller: Caller, headers: &HeaderMap) -> Reader {
+        Reader { caller, language: spoken(headers) }
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for Spoken {
+    type Rejection = Infallible;
+
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Spoken, Infallible> {
+        Ok(Spoken(spoken(&parts.headers)))
+    }
+}
+
+/// The language for whoever sent these headers.
+pub(super) fn spoken(headers: &HeaderMap) -> Language {
+    cookies(headers, COOKIE).find_map(Language::tagged).unwrap_or_else(|| asked_for(headers))
+}
+
+/// The language that is asked for most, of several alike the first (RFC 9110, section 12.5.4).
+fn asked_for(headers: &HeaderMap) -> Language {
+    let values = headers.get_all(header::ACCEPT_LANGUAGE).iter().filter_map(|value| value.to_str().ok());
+    let wishes = values.flat_map(|value| value.split(',')).filter_map(range);
+    let known = wishes.filter_map(|(tag, quality)| Some((Language::tagged(tag)?, quality))).filter(|(_, quality)| *quality > 0.0);
+    let most = known.reduce(|best, next| if next.1 > best.1 { next } else { best });
+    most.map_or(Language::English, |(language, _)| language)
+}
+
+/// `POST language`
+pub(super) async fn choose(Form(choice): Form<Choice>) -> Result<Response, Problem> {
+    let Some(language) = Language::ALL.into_iter().find(|language| language.tag() == choice.language) else {
+        return Err(Problem::unusable("language is en or it".to_owned()));
+    };
+    let cookie = format!("{COOKIE}={}; Path=/; Max-Age={REMEMBERED_S}; HttpOnly; SameSite=Lax", language.tag());
+    let cookie = HeaderValue::from_str(&cookie).expect("a tag is two letters");
+    Ok(([(header::SET_COOKIE, cookie)], Redirect::to(local(choice.next.as_deref()))).into_response())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::app;
+    use super::*;
+    use crate::api::fixture::searching;
+
+    #[track_caller]
+    fn check(headers: &[(&'static str, &str)], expect: Language) {
+        let headers = headers.iter().map(|(name, value)| (name.parse().unwrap(), value.parse().unwrap()));
+        assert_eq!(spoken(&HeaderMap::from_iter(headers)), expect);
+    }
+
+    #[test]
+    fn the_browser_is_heard_and_the_switch_more() {
+        check(&[], Language::English);
+        check(&[("accept-language", "it")], Language::Italian);
+        check(&[("accept-language", "it-CH, it;q=0.9, en;q=0.8")], Language::Italian);
+        check(&[("accept-language", "de, en;q=0.5, it;q=0.6")], Language::Italian);
+        check(&[("accept-language", "de;q=1, *;q=0.5")], Language::English);
+        check(&[("accept-language", "it;q=0, fr")], Language::English);
+        check(&[("accept-language", "it;q=nonsense")], Language::English);
+        check(&[("accept-language", "it"), ("cookie", "a=b; hallsweep-language=en")], Language::English);
+        check(&[("accept-language", "it"), ("cookie", "hallsweep-language=xx")], Language::Italian);
+    }
+
+    #[tokio::test]
+    async fn the_switch_remembers_and_leads_back_and_nowhere_else() {
+        let app = app(searching());
+        for (next, leads_to) in [("/missions/1/moment?at=4", "/missions/1/moment?at=4"), ("//elsewhere.example/", "/")] {
+            let body = format!("language=it&next={}", next.replace('/', "%2F").replace('?', "%3F").replace('=', "%3D"));
+            let answer = app.form("/language", &body).await;
+            assert_eq!((answer.status().as_u16(), answer.headers()["location"].to_str().unwrap()), (303, leads_to));
+            assert!(answer.headers()["set-cookie"].to_str().unwrap().starts_with("hallsweep-language=it; Path=/;"));
+        }
+        assert_eq!(app.form("/language", "language=tlh").await.status(), 422);
+    }
+}

@@ -1,0 +1,16 @@
+# What every page has.
+
+list = { $first } and { $last }
+to-console = To the console
+language = Language
+
+## STOP. Where a value belongs, its script puts it in place of {}.
+
+stop-note = halts all robots at once
+stop-soon = STOP is on its way…
+stop-confirmed = STOP is confirmed.
+stop-unconfirmed = STOP is not confirmed: { "{}" }. Use the robot's own switch. This page goes on trying.
+stop-left = the page was left before
+stop-says = hallsweep says: { "{}" }
+stop-silent = no answer came
+stop-cut = there is no connection

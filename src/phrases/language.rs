@@ -1,0 +1,123 @@
+//! The languages, and the phrases of each, read once when the first is said.
+
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+use fluent_bundle::FluentResource;
+use fluent_bundle::concurrent::FluentBundle;
+use unic_langid::LanguageIdentifier;
+
+use super::phrase::Phrase;
+
+/// A language that the pages speak.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Language {
+    #[default]
+    English,
+    Italian,
+}
+
+type Bundle = FluentBundle<FluentResource>;
+
+/// The files of a language.
+macro_rules! files {
+    ($language:literal) => {
+        [
+            include_str!(concat!($language, "/common.ftl")),
+            include_str!(concat!($language, "/console.ftl")),
+            include_str!(concat!($language, "/scripts.ftl")),
+        ]
+    };
+}
+
+static ENGLISH: LazyLock<Bundle> = LazyLock::new(|| bundle(Language::English, &files!("en")));
+static ITALIAN: LazyLock<Bundle> = LazyLock::new(|| bundle(Language::Italian, &files!("it")));
+
+fn bundle(language: Language, files: &[&str]) -> Bundle {
+    let tag: LanguageIdentifier = language.tag().parse().expect("the tags of our languages are tags");
+    let mut bundle = FluentBundle::new_concurrent(vec![tag]);
+    // Both languages are written from left to right, and so are the names in them.
+    bundle.set_use_isolating(false);
+    for file in files {
+        let file = FluentResource::try_new((*file).to_owned()).expect("a test reads every file of phrases");
+        bundle.add_resource(file).expect("no phrase is there twice: a test looks");
+    }
+    bundle
+}
+
+impl Language {
+    pub const ALL: [Language; 2] = [Language::English, Language::Italian];
+
+    /// Its tag (BCP 47), as a page and a header name it.
+    pub const fn tag(self) -> &'static str {
+        match self {
+            Language::English => "en",
+            Language::Italian => "it",
+        }
+    }
+
+    /// What it calls itself.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Language::English => "English",
+            Language::Italian => "Italiano",
+        }
+    }
+
+    /// The language with this tag, of whatever region: `it`, `it-CH`.
+    pub fn tagged(tag: &str) -> Option<Language> {
+        let main = tag.split('-').next().unwrap_or_default();
+        Language::ALL.into_iter().find(|language| main.eq_ignore_ascii_case(language.tag()))
+    }
+
+    /// The languages that are not this one.
+    pub fn others(self) -> impl Iterator<Item = Language> {
+        Language::ALL.into_iter().filter(move |other| *other != self)
+    }
+
+    /// The phrase with this id.
+    pub const fn say(self, id: &str) -> Phrase<'_> {
+        Phrase::new(self, "", id)
+    }
+
+    /// The phrase of one of a family, as `phase-` and `exploring`: for what has a name already.
+    pub const fn say_of<'a>(self, family: &'a str, member: &'a str) -> Phrase<'a> {
+        Phrase::new(self, family, member)
+    }
+
+    /// The phrases of the scripts with these names, by id, as JSON. A script puts values where `{ $name }` stands.
+    pub fn for_scripts(self, scripts: &[&str]) -> String {
+        let file = match self {
+            Language::English => include_str!("en/scripts.ftl"),
+            Language::Italian => include_str!("it/scripts.ftl"),
+        };
+        let is_of = |id: &str, script: &str| id.strip_prefix(script).is_some_and(|rest| rest.starts_with('-'));
+        let phrases = file.lines().filter_map(|line| line.split_once(" = "));
+        let wanted: BTreeMap<&str, &str> = phrases.filter(|(id, _)| scripts.iter().any(|script| is_of(id, script))).collect();
+        serde_json::to_string(&wanted).expect("texts are what JSON can hold")
+    }
+
+    /// A number that has been written with a point, as this language writes it.
+    pub fn number(self, written: &str) -> String {
+        match self {
+            Language::English => written.to_owned(),
+            Language::Italian => written.replace('.', ","),
+        }
+    }
+
+    /// `one`, `one and two`, or `one, two and three`.
+    pub fn list(self, words: &[String]) -> String {
+        match words {
+            [] => String::new(),
+            [only] => only.clone(),
+            [first @ .., last] => self.say("list").with("first", first.join(", ")).with("last", last).to_string(),
+        }
+    }
+
+    pub(super) fn bundle(self) -> &'static Bundle {
+        match self {
+            Language::English => &ENGLISH,
+            Language::Italian => &ITALIAN,
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! The rules of phrases: every language has each of them, with the same values in it; each is said somewhere; and none is said that is
+//! not there. It knows just enough of Fluent for that.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::reading::{files, name, root};
+
+/// The languages, by the folders of their files.
+const LANGUAGES: [&str; 2] = ["en", "it"];
+
+/// Where phrases are said.
+const PLACES: [&str; 4] = ["src/doors/http", "src/phrases", "templates", "static"];
+
+/// A phrase: the names of the values in it, and where it stands.
+#[derive(Debug, Default, PartialEq, Eq)]
+struct Phrase {
+    values: BTreeSet<String>,
+    is_for_scripts: bool,
+}
+
+type Phrases = BTreeMap<String, Phrase>;
+
+/// What is missing, or there for nobody.
+pub(crate) fn findings() -> Vec<String> {
+    let spoken: Vec<Phrases> = LANGUAGES.iter().map(|language| of_files(language)).collect();
+    assert!(spoken[0].len() > 5, "only {} phrases were found: the test looks in the wrong place", spoken[0].len());
+    let texts: Vec<(String, String)> = PLACES
+        .iter()
+        .flat_map(|place| files(&root().join(place)))
+        .filter(|path| ["rs", "html", "js"].iter().any(|kind| path.extension().is_some_and(|found| found == *kind)))
+        .map(|path| (name(&path), std::fs::read_to_string(&path).expect("a source is UTF-8")))
+        .collect();
+    [differing(&spoken[0], &spoken[1]), unsaid(&spoken[0], &texts), unknown(&spoken[0], &texts)].concat()
+}
+
+fn of_files(language: &str) -> Phrases {
+    let folder = root().join("src/phrases").join(language);
+    let files = files(&folder).into_iter();
+    files
+        .flat_map(|path| {
+            of(&std::fs::read_to_string(&path).expect("a file of phrases is UTF-8"), name(&path).contains("scripts"))
+        })
+        .collect()
+}
+
+/// The phrases of a file. One that goes on over several lines is indented there.
+fn of(text: &str, is_for_scripts: bool) -> Phrases {
+    let mut phrases = Phrases::new();
+    let mut last = None;
+    for line in text.lines() {
+        if let Some((id, _)) = line.split_once(" =").filter(|(id, _)| is_id(id)) {
+            last = Some(id.to_owned());
+        } else if !line.starts_with([' ', '}']) {
+            last = None;
+        }
+        if let Some(id) = &last {
+            let phrase = phrases.entry(id.clone()).or_default();
+            phrase.is_for_scripts = is_for_scripts;
+            phrase.values.extend(
+                line.split('$').skip(1).map(|rest| rest.chars().take_while(|c| c.is_ascii_alphanumeric() || *c == '_').collect()),
+            );
+        }
+    }
+    phrases
+}
+
+fn is_id(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_ascii_lowercase()) && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '-')
+}
+
+fn differing(one: &Phrases, other: &Phrases) -> Vec<String> {
+    let ids: BTreeSet<&String> = one.keys().chain(other.keys()).collect();
+    let differ = ids.into_iter().filter(|id| one.get(*id) != other.get(*id));
+    differ.map(|id| format!("{id}: {:?} in {}, {:?} in {}", one.get(id), LANGUAGES[0], other.get(id), LANGUAGES[1])).collect()
+}
+
+/// Phrases that no literal names, and that belong to no family of which one is said.
+fn unsaid(phrases: &Phrases, texts: &[(String, String)]) -> Vec<String> {
+    let families: BTreeSet<&str> = texts.iter().flat_map(|(_, text)| literals_after(text, "say_of(")).collect();
+    let is_said = |id: &str| {
+        let literal = format!("\"{id}\"");
+        let of_family = families.iter().any(|family| id.strip_prefix(family).is_some_and(|rest| rest.starts_with('-')));
+        of_family || texts.iter().any(|(_, text)| text.contains(&literal))
+    };
+    phrases.keys().filter(|id| !is_said(id)).map(|id| format!("{id}: nobody says it")).collect()
+}
+
+/// Phrases that are said and are not there, by sources and by scripts.
+fn unknown(phrases: &Phrases, texts: &[(String, String)]) -> Vec<String> {
+    let said = texts.iter().flat_map(|(file, text)| literals_after(text, "say(").map(move |id| (file, id)));
+    let is_there = |file: &str, id: &str| phrases.get(id).is_some_and(|phrase| phrase.is_for_scripts == file.ends_with(".js"));
+    said.filter(|(file, id)| is_id(id) && !is_there(file, id))
+        .map(|(file, id)| format!("{file} says {id}, which is not there"))
+        .collect()
+}
+
+/// The literals that stand as the first argument of this call.
+fn literals_after<'t>(text: &'t str, call: &str) -> impl Iterator<Item = &'t str> {
+    text.split(call).skip(1).filter_map(|rest| rest.strip_prefix('"')?.split('"').next())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn texts(text: &str) -> Vec<(String, String)> {
+        vec![("src/a.rs".to_owned(), text.to_owned())]
+    }
+
+    #[test]
+    fn what_one_language_lacks_or_says_with_other_values_is_found() {
+        let english = of("a = A { $x }\nb = { $n ->\n    [one] one\n   *[other] { $n } of { $y }\n}\n", false);
+        assert_eq!(differing(&english, &of("a = { $x } A\nb = { $n } di { $y }\n", false)), Vec::<String>::new());
+        assert_eq!(differing(&english, &of("a = { $z }\n# b = { $n }\n", false)).len(), 2);
+    }
+
+    #[test]
+    fn what_nobody_says_and_what_is_not_there_is_found() {
+        let phrases = of("a = A\nphase-idle = idle\n", false);
+        assert_eq!(unsaid(&phrases, &texts("say(\"a\"); say_of(\"phase\", name)")), Vec::<String>::new());
+        assert_eq!(unsaid(&phrases, &texts("say(\"b\")")).len(), 2);
+        assert_eq!(unknown(&phrases, &texts("say(\"b\").with(\"x\", say(\"a\"))")), ["src/a.rs says b, which is not there"]);
+    }
+}
