@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use hallsweep_core::command::Verdict;
+use hallsweep_core::command::{Refused, Verdict};
 use hallsweep_core::event::{Parts, RobotId};
 use hallsweep_core::mission::PhaseName;
 use hallsweep_core::search::Strategy;
@@ -69,7 +69,7 @@ pub(crate) fn searching() -> Snapshot {
     snapshot.mission.trail = Arc::from([Cell::new(0, 0), Cell::new(1, 0), Cell::new(2, 0), Cell::new(2, 1), Cell::new(2, 2)]);
     snapshot.mission.inspected = Some(LuggageId(3));
     snapshot.mission.progress = Progress { visited: 15, unknown: 4, left: None };
-    snapshot.mission.refusals.start = Some("luggage #3 waits for its verdict: answer safe or danger first".to_owned());
+    snapshot.mission.refusals.start = Some(Refused::VerdictPending(LuggageId(3)));
     snapshot.temperature.celsius = Some(degrees(21.4));
     snapshot.luggage = [
         piece(1, Cell::new(3, 0), Some(Verdict::Safe)),
@@ -165,6 +165,6 @@ fn idle_mission() -> MissionView {
         strategy: Strategy::Snail,
         epoch: Epoch(1),
         progress: Progress::default(),
-        refusals: Refusals { back_home: Some("not possible while idle".to_owned()), ..Refusals::default() },
+        refusals: Refusals { back_home: Some(Refused::NotInPhase(PhaseName::Idle)), ..Refusals::default() },
     }
 }

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::robot::PositionJson;
+use hallsweep_core::command::Refused;
 use hallsweep_core::search::Strategy;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::snapshot::{MissionView, Progress, Refusals, TimeLeft};
@@ -127,7 +128,15 @@ impl From<Progress> for ProgressJson {
 
 impl From<&Refusals> for RefusalsJson {
     fn from(refusals: &Refusals) -> RefusalsJson {
-        let Refusals { start, back_home, retrieve, reset, drive, strategy, retake } = refusals.clone();
-        RefusalsJson { start, back_home, retrieve, reset, drive, strategy, retake }
+        let words = |refused: &Option<Refused>| refused.as_ref().map(Refused::to_string);
+        RefusalsJson {
+            start: words(&refusals.start),
+            back_home: words(&refusals.back_home),
+            retrieve: words(&refusals.retrieve),
+            reset: words(&refusals.reset),
+            drive: words(&refusals.drive),
+            strategy: words(&refusals.strategy),
+            retake: words(&refusals.retake),
+        }
     }
 }

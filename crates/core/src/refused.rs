@@ -111,6 +111,9 @@ pub enum Refused {
     /// It was carried out, but the store failed before it was on record.
     #[error("it could not be put on record, because the store has failed: look at the state before you repeat it")]
     NotKept,
+    /// Said of a button, and never as an answer: that something has changed which would forbid it may be told when it is on record.
+    #[error("what was done last is not on record yet: wait a moment")]
+    NotOnRecord,
     /// The sender used one name for two commands.
     #[error("the id {} was used before, for another command: give each command an id of its own", .0.text())]
     OtherContent(CommandId),
@@ -145,7 +148,8 @@ impl From<&Refused> for Refusal {
     }
 }
 
-/// Every code with its kind, for refusals read back; a test of a door holds it against the variants.
+/// Every code with its kind, for refusals read back; a test of a door holds it against the variants. That of `NotOnRecord` is none of
+/// them: no command is answered with it.
 pub const CODES: [(&str, RefusalKind); 28] = {
     use RefusalKind::{Conflict, Forbidden, Mismatch, Unavailable, Unknown};
     [
@@ -186,7 +190,7 @@ impl Refused {
     pub const fn kind(&self) -> RefusalKind {
         match self {
             Refused::UnknownLuggage(_) | Refused::UnknownAlarm(_) | Refused::UnknownSensor(_) => RefusalKind::Unknown,
-            Refused::StoreDown | Refused::NotKept => RefusalKind::Unavailable,
+            Refused::StoreDown | Refused::NotKept | Refused::NotOnRecord => RefusalKind::Unavailable,
             Refused::OtherContent(_) => RefusalKind::Mismatch,
             Refused::NotAllowed(_) => RefusalKind::Forbidden,
             Refused::Before(refusal) => refusal.kind,
@@ -243,6 +247,7 @@ impl Refused {
             Refused::FaultStands(_) => "faultStands",
             Refused::StoreDown => "storeDown",
             Refused::NotKept => "notKept",
+            Refused::NotOnRecord => "notOnRecord",
             Refused::OtherContent(_) => OTHER_CONTENT,
             Refused::UnknownSensor(_) => "unknownSensor",
             Refused::NotAllowed(_) => "notAllowed",

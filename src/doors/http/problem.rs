@@ -161,7 +161,8 @@ mod tests {
             Some(Refused::NotKept) => Refused::OtherContent(CommandId::new("a-name").unwrap()),
             Some(Refused::OtherContent(_)) => Refused::UnknownSensor("roof".into()),
             Some(Refused::UnknownSensor(_)) => Refused::NotAllowed("a viewer sees, and stops".to_owned()),
-            Some(Refused::NotAllowed(_) | Refused::Before(_)) => return None,
+            // The one is said of buttons alone, and the other is any of those above.
+            Some(Refused::NotAllowed(_) | Refused::NotOnRecord | Refused::Before(_)) => return None,
         })
     }
 

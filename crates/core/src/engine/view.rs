@@ -23,9 +23,6 @@ pub(super) struct Shown {
     pub(super) temperature: TemperatureView,
 }
 
-/// Why a button would be refused that what is on record does not refuse.
-const NOT_ON_RECORD: &str = "what was done last is not on record yet: wait a moment";
-
 impl Engine {
     pub(super) fn shown(&self) -> Shown {
         let led_blinking = self.state.led_blinking && self.on_record.shown.led_blinking;
@@ -171,7 +168,7 @@ impl Engine {
 
     /// What each button would be refused with, as far as it is on record.
     pub(super) fn refusals(&self) -> Refusals {
-        self.each_button(|input, context, _| self.decide(input, context).err().map(|(refused, _)| refused.to_string()))
+        self.each_button(|input, context, _| self.decide(input, context).err().map(|(refused, _)| refused))
     }
 
     /// The same as it is shown: what holds the robot is said at once, and so is that something else has changed of which there is
@@ -181,15 +178,15 @@ impl Engine {
             return self.on_record.shown.refusals.clone();
         }
         self.each_button(|input, context, shown| match (self.decide(input, context), shown) {
-            (Err((refused @ Refused::Held(..), _)), _) => Some(refused.to_string()),
-            (_, Some(words)) => Some(words.clone()),
-            (Err(_), None) => Some(NOT_ON_RECORD.to_owned()),
+            (Err((refused @ Refused::Held(..), _)), _) => Some(refused),
+            (_, Some(refused)) => Some(refused.clone()),
+            (Err(_), None) => Some(Refused::NotOnRecord),
             (Ok(_), None) => None,
         })
     }
 
     /// `why` is told of each button what is shown of it, too.
-    fn each_button(&self, why: impl Fn(Input, &InputContext, &Option<String>) -> Option<String>) -> Refusals {
+    fn each_button(&self, why: impl Fn(Input, &InputContext, &Option<Refused>) -> Option<Refused>) -> Refusals {
         let plain = InputContext::default();
         let turn = InputContext { step: Some(Move::TurnLeft), ..InputContext::default() };
         let piece = InputContext { luggage: self.inspected(), ..InputContext::default() };

@@ -146,17 +146,17 @@ impl Progress {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Refusals {
     /// START.
-    pub start: Option<String>,
+    pub start: Option<Refused>,
     /// BACK HOME.
-    pub back_home: Option<String>,
+    pub back_home: Option<Refused>,
     /// RETRIEVE.
-    pub retrieve: Option<String>,
+    pub retrieve: Option<Refused>,
     /// RESET.
-    pub reset: Option<String>,
+    pub reset: Option<Refused>,
     /// Moves by hand, whatever the way is.
-    pub drive: Option<String>,
+    pub drive: Option<Refused>,
     /// Choosing a strategy.
-    pub strategy: Option<String>,
+    pub strategy: Option<Refused>,
     /// Taking the photo again.
-    pub retake: Option<String>,
+    pub retake: Option<Refused>,
 }

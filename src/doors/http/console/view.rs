@@ -14,6 +14,7 @@ use crate::api::robot_parts::RobotBySettings;
 use crate::api::time::Zone;
 use crate::doors::http::HttpDoor;
 use crate::phrases::{Language, Phrase};
+use hallsweep_core::command::Refused;
 use hallsweep_core::event::RobotId;
 use hallsweep_core::mission::{Hold, PhaseName};
 use hallsweep_core::units::{Cell, Celsius, WallTime};
@@ -136,8 +137,8 @@ impl View<'_> {
     }
 
     /// Why a button is dead: its own reason, or that whoever looks may only look.
-    pub(super) fn bar<'b>(&'b self, refusal: &'b Option<String>) -> Option<&'b str> {
-        self.looks_only().or(refusal.as_deref())
+    pub(super) fn bar(&self, refusal: &Option<Refused>) -> Option<String> {
+        self.looks_only().map(str::to_owned).or_else(|| refusal.as_ref().map(Refused::to_string))
     }
 
     /// Why every button but STOP is dead: in the past, and for whoever may only look.

@@ -135,7 +135,7 @@ fn start_is_loud_only_while_it_is_the_next_thing_to_press() {
     assert!(!view(&snapshot).start_is_next(), "it is on its way");
     snapshot.mission.holds = vec![Hold::Operator];
     assert!(view(&snapshot).start_is_next());
-    snapshot.mission.refusals.start = Some("no".to_owned());
+    snapshot.mission.refusals.start = Some(Refused::Moving);
     assert!(!view(&snapshot).start_is_next());
 }
 
