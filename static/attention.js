@@ -21,7 +21,7 @@
   /** What is new since the last look. */
   function look() {
     const piece = waiting();
-    if (piece && piece !== lastWaiting) call(`waits-${piece}`, panel.dataset.waits.replace("{}", piece), 2);
+    if (piece && piece !== lastWaiting) call(`waits-${piece}`, say("attention-waits", { id: piece }), 2);
     lastWaiting = piece;
     for (const alarm of alarms()) {
       if (known.has(nameOf(alarm))) continue;
@@ -65,9 +65,9 @@
 
   /** What the browser makes of it: the reason why not, or nothing. */
   async function unable() {
-    if (!("Notification" in globalThis)) return panel.dataset.unknown;
+    if (!("Notification" in globalThis)) return say("attention-unknown");
     if (Notification.permission === "default") await Notification.requestPermission();
-    return Notification.permission === "granted" ? "" : panel.dataset.denied;
+    return Notification.permission === "granted" ? "" : say("attention-denied");
   }
 
   switches.notify.addEventListener("change", async () => {

@@ -224,10 +224,10 @@ document.addEventListener("submit", (event) => {
   if (form.id === "stop" || !form.action.includes("/console/")) return;
   event.preventDefault();
   if (form.closest("#inspect") && performance.now() < settledAt) {
-    return tell(form.dataset.why, "The piece has just changed: this was not sent. Look, then press again.");
+    return tell(form.dataset.why, say("console-changed"));
   }
   if (settling && event.submitter === settling.button && performance.now() < settling.until && !isAimed) {
-    return tell(form.dataset.why, "This came with the press before it: it was not sent. Press again.");
+    return tell(form.dataset.why, say("console-twice"));
   }
   const asks = event.submitter?.dataset.confirm ? event.submitter : form;
   if (asks.dataset.confirm) return ask(asks);
@@ -253,12 +253,10 @@ async function send(form, fields, button) {
     const answer = await fetch(action, { method: "POST", body: fields, headers: { accept: "application/json" }, signal });
     const said = await answer.json();
     if (answer.status === 401) signIn("command");
-    else if (!answer.ok) tell(why, said.detail ?? `It was refused (${answer.status}).`);
+    else if (!answer.ok) tell(why, said.detail ?? say("console-refused", { status: answer.status }));
     else accepted(form, button, said.revision);
   } catch (error) {
-    tell(why, error.name === "TimeoutError"
-      ? "No answer came. It may still be carried out: look at the robot before you try again."
-      : "No connection: it did not get through.");
+    tell(why, say(error.name === "TimeoutError" ? "console-silent" : "console-cut"));
   } finally {
     sending.delete(what);
     button?.removeAttribute("aria-busy");

@@ -67,7 +67,7 @@ const hall = (() => {
     const power = 10 ** Math.floor(Math.log10(most));
     const length = [5, 2, 1].map((n) => n * power).find((n) => n <= most) ?? power;
     at("ruler").style.width = `${length * unit}px`;
-    at("ruler").textContent = side ? `${Number(length.toPrecision(2))} m` : `${Number(length.toPrecision(2))} cells`;
+    at("ruler").textContent = say(side ? "hall-ruler-metres" : "hall-ruler-cells", { length: Number(length.toPrecision(2)).toLocaleString(root.lang) });
   }
 
   /** The point of the picture under a point of the window. */
@@ -126,7 +126,7 @@ const hall = (() => {
     const cell = cellOf(under(event));
     offer.elements.x.value = cell.x;
     offer.elements.y.value = cell.y;
-    offer.querySelector("button").textContent = `Go to column ${cell.x}, row ${cell.y}`;
+    offer.querySelector("button").textContent = say("hall-go", cell);
     offer.hidden = false;
     const box = stage.getBoundingClientRect();
     offer.style.left = `${Math.min(event.clientX - box.left, box.width - offer.offsetWidth - 8)}px`;
@@ -171,7 +171,7 @@ const hall = (() => {
     const point = under(event);
     if (point) {
       const { x, y } = cellOf(point);
-      at("pointer").textContent = `column ${x}, row ${y}`;
+      at("pointer").textContent = say("hall-cell", { x, y });
     }
   });
 

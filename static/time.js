@@ -58,15 +58,15 @@ const time = (() => {
     const here = then ? unitOf(then.time) : wide;
     paint("time-line", "viewBox", `0 0 ${wide} 64`);
     paint("cursor", "d", `M${here} 0v64`);
-    const words = then ? `${clockTime(then.time - ahead)}, entry ${then.seq} of mission ${then.mission}` : "now";
+    const words = then ? say("time-moment", { ...then, time: clockTime(then.time - ahead) }) : say("time-now");
     if (at("moment").textContent !== words) at("moment").textContent = words;
     track.setAttribute("aria-valuemax", Math.round(wide / 10));
     track.setAttribute("aria-valuenow", Math.round(here / 10));
-    track.setAttribute("aria-valuetext", then ? `${words}: ${document.querySelector("#bar .phase").textContent}` : "now");
+    track.setAttribute("aria-valuetext", then ? `${words}: ${document.querySelector("#bar .phase").textContent}` : words);
     at("to-now").hidden = !then;
     at("play").setAttribute("aria-pressed", direction > 0);
     at("play").textContent = direction > 0 ? "❚❚" : "▶";
-    at("play").setAttribute("aria-label", direction > 0 ? "Pause" : "Play");
+    at("play").setAttribute("aria-label", say(direction > 0 ? "time-pause" : "time-play"));
     at("backwards").setAttribute("aria-pressed", direction < 0);
     at("step-back").disabled = then ? !then.earlier : false;
     at("step-on").disabled = !then;
@@ -90,7 +90,7 @@ const time = (() => {
     if (line?.mission === message.line?.mission) line = message.line;
     const words = message.title.replace(/ · hallsweep$/, "");
     at("now-words").textContent = `: ${words}`;
-    at("to-now").title = `now: ${words}`;
+    at("to-now").title = `${say("time-now")}: ${words}`;
     draw();
   }
 
@@ -114,7 +114,7 @@ const time = (() => {
       if (!answer?.ok) {
         pause();
         const said = await answer?.json().catch(() => null);
-        at("moment").textContent = said?.detail ?? "No connection: the past cannot be shown just now.";
+        at("moment").textContent = said?.detail ?? say("time-cut");
         break;
       }
       const message = await answer.json();

@@ -4,6 +4,7 @@
 
 mod language;
 mod phrase;
+mod said;
 
 pub use language::Language;
 pub use phrase::{Markup, Phrase};

@@ -82,3 +82,10 @@ impl Display for Markup {
 }
 
 impl askama::filters::HtmlSafe for Markup {}
+
+#[cfg(test)]
+impl PartialEq<&str> for Phrase<'_> {
+    fn eq(&self, said: &&str) -> bool {
+        self.said() == *said
+    }
+}

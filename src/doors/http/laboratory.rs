@@ -116,6 +116,10 @@ struct Carried {
 }
 
 impl Page {
+    const fn language(&self) -> Language {
+        self.language
+    }
+
     fn of(language: Language, asked: AskedPage, roomba: &Roomba, pallet: &Pallet) -> Page {
         Page {
             language,

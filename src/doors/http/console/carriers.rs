@@ -3,6 +3,7 @@
 
 use super::hall::{CELL, draw_luggage, larger, middle, turn, write};
 use super::porch::{Column, Porch};
+use crate::phrases::Language;
 use hallsweep_core::retrieval::Place;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::Luggage;
@@ -15,15 +16,15 @@ pub(super) fn has_porch(snapshot: &Snapshot) -> bool {
 }
 
 /// The ground before the entrance, the robots that fetch, and the piece in their grip.
-pub(super) fn carriers(snapshot: &Snapshot) -> String {
+pub(super) fn carriers(language: Language, snapshot: &Snapshot) -> String {
     let mut group = String::from("<g id=\"hall-carriers\">");
     if has_porch(snapshot) {
         let scene = Scene::of(snapshot);
         let secured: Vec<LuggageId> = snapshot.luggage.secured().map(|piece| piece.id).collect();
-        scene.porch.draw(&mut group, &secured);
+        scene.porch.draw(language, &mut group, &secured);
         let others = || (1..).zip(snapshot.robots.iter().skip(1));
         others().for_each(|(waits, robot)| scene.robot(&mut group, waits, robot));
-        scene.parcel(&mut group, snapshot);
+        scene.parcel(language, &mut group, snapshot);
     }
     group.push_str("</g>");
     group
@@ -126,7 +127,7 @@ impl Scene {
         );
     }
 
-    fn parcel(&self, group: &mut String, snapshot: &Snapshot) {
+    fn parcel(&self, language: Language, group: &mut String, snapshot: &Snapshot) {
         if let (Some(place), Some(piece)) = (held_at(snapshot), fetched(snapshot)) {
             // It moves as the robots do, and leaves room for their names.
             let (x, y) = self.place(place);
@@ -136,7 +137,7 @@ impl Scene {
                     "<g id=\"hall-load\" class=\"robot load\" transform=\"translate({x} {y})\"><g transform=\"scale(.75)\">"
                 ),
             );
-            draw_luggage(group, piece, (0, 0), self.size);
+            draw_luggage(language, group, piece, (0, 0), self.size);
             group.push_str("</g></g>");
         }
     }

@@ -1,28 +1,23 @@
 //! What the console says of the robots' doings, and of the one that searches: whether it is there, and what it is made of.
 
-use super::view::{View, place};
+use super::view::View;
+use crate::phrases::Phrase;
 use hallsweep_core::mission::Hold;
 use hallsweep_core::robots::{Part, Parts};
-use hallsweep_core::world::robot::{RobotShown, RobotState};
+use hallsweep_core::world::robot::{RobotShown, RobotState, RobotView};
 
 /// So many pieces are named to somebody who listens: as many as one remembers.
 const NAMED: usize = 8;
 
-/// What it does nobody knows.
-const UNREACHED: &str = "no link";
-
-/// What is said of whoever was told to halt and has not said yet that it stands.
-const HALTING: &str = "halting …";
-
 impl View<'_> {
     /// What the robots do, in the bar: there a STOP is seen on a screen that has no room for what else holds them.
-    pub(super) fn doing(&self) -> &'static str {
+    pub(super) fn doing(&self) -> Phrase<'static> {
         let is_halting = self.snapshot.robot.halting || self.snapshot.robots.iter().any(|robot| robot.view.halting);
         let searching_stands = self.snapshot.robot.state == RobotState::Stopped;
         match self.is_still() {
-            true if self.snapshot.mission.holds.contains(&Hold::Operator) => "held by STOP",
-            false if is_halting => HALTING,
-            false if searching_stands => "the pair moves",
+            true if self.snapshot.mission.holds.contains(&Hold::Operator) => self.say("doing-held"),
+            false if is_halting => self.say("doing-halting"),
+            false if searching_stands => self.say("doing-pair"),
             true | false => self.robot_state(),
         }
     }
@@ -37,6 +32,11 @@ impl View<'_> {
         self.snapshot.robots.first().and_then(|robot| robot.parts)
     }
 
+    /// The same in words.
+    pub(super) fn led_words(&self) -> Phrase<'static> {
+        self.say_of("led", self.led())
+    }
+
     /// What its LED does.
     pub(super) fn led(&self) -> &'static str {
         match self.parts() {
@@ -47,14 +47,11 @@ impl View<'_> {
     }
 
     /// The robot's state in words.
-    pub(super) fn robot_state(&self) -> &'static str {
+    pub(super) fn robot_state(&self) -> Phrase<'static> {
         if self.unreached().is_some() {
-            return UNREACHED;
+            return self.say("doing-no-link");
         }
-        if self.snapshot.robot.halting {
-            return HALTING;
-        }
-        in_words(self.snapshot.robot.state)
+        self.does_itself(&self.snapshot.robot)
     }
 
     /// The robots beside the one that searches.
@@ -63,43 +60,38 @@ impl View<'_> {
     }
 
     /// What one of them does.
-    pub(super) fn does(&self, robot: &RobotShown) -> &'static str {
-        match robot.view.halting {
-            _ if robot.unreached.is_some() || robot.holds.contains(&Hold::RobotLink) => UNREACHED,
-            true => HALTING,
-            false => in_words(robot.view.state),
+    pub(super) fn does(&self, robot: &RobotShown) -> Phrase<'static> {
+        if robot.unreached.is_some() || robot.holds.contains(&Hold::RobotLink) {
+            return self.say("doing-no-link");
         }
+        self.does_itself(&robot.view)
+    }
+
+    /// Whoever was told to halt and has not said yet that it stands is halting.
+    const fn does_itself(&self, robot: &RobotView) -> Phrase<'static> {
+        if robot.halting { self.say("doing-halting") } else { self.say_of("doing", robot.state.name()) }
     }
 
     /// The hall as somebody hears it who does not see it: how far the search is, where the robot stands, and what was found where.
     pub(super) fn hall_in_words(&self) -> String {
         let robot = &self.snapshot.robot;
         let stands = match robot.outside {
-            0 => format!("the robot at {}, facing {}", place(robot.pose.cell), robot.pose.heading.name()),
-            _ => "the robot before the entrance".to_owned(),
+            0 => self
+                .say("hall-robot-at")
+                .with("place", self.place(robot.pose.cell))
+                .with("heading", self.language.heading(robot.pose.heading)),
+            _ => self.say("hall-robot-outside"),
         };
-        let mut words = vec![format!("{} searched, {}; {stands}.", self.searched(), self.open())];
+        let search = self.say("hall-in-words").with("searched", self.searched()).with("open", self.open());
+        let mut words = vec![search.with("robot", stands).to_string()];
         let pieces = &self.snapshot.luggage;
         let left = pieces.pending().chain(pieces.bombs_left()).take(NAMED);
         words.extend(left.map(|piece| {
-            let verdict = if piece.is_pending() { "waits for its verdict" } else { "is dangerous" };
-            format!("Luggage #{} at {} {verdict}.", piece.id, place(piece.cell))
+            let say = self.say(if piece.is_pending() { "hall-piece-waits" } else { "hall-piece-dangerous" });
+            say.with("id", piece.id).with("place", self.place(piece.cell)).to_string()
         }));
-        words.push(format!("Pieces of luggage found: {}.", pieces.len()));
+        words.push(self.say("hall-pieces").with("count", pieces.len()).to_string());
         words.join(" ")
-    }
-}
-
-const fn in_words(state: RobotState) -> &'static str {
-    match state {
-        RobotState::Stopped => "stands still",
-        RobotState::MovingForward => "moves forward",
-        RobotState::MovingBackward => "moves backward",
-        RobotState::RotateLeft => "turns left",
-        RobotState::RotateRight => "turns right",
-        RobotState::TakingPhoto => "takes a photo",
-        RobotState::SendingPhoto => "sends the photo",
-        RobotState::MovingArm => "moves its arm",
     }
 }
 
@@ -140,8 +132,8 @@ mod tests {
             unreached: unreached.map(Into::into),
         };
         let robots = [robot(None, false), robot(None, true), robot(Some("nobody answers"), false)];
-        let said = robots.each_ref().map(|robot| view(&snapshot).does(robot));
-        assert_eq!(said, ["moves its arm", HALTING, UNREACHED]);
+        let said = robots.each_ref().map(|robot| view(&snapshot).does(robot).to_string());
+        assert_eq!(said, ["moves its arm", "halting …", "no link"]);
         snapshot.robots = robots.into();
         assert_eq!(view(&snapshot).others().len(), 2, "the first is the one that searches");
     }

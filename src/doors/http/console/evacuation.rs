@@ -6,6 +6,7 @@ use std::fmt::Write;
 use super::carriers::is_at;
 use super::hall::CELL;
 use super::view::View;
+use crate::phrases::Language;
 use hallsweep_core::units::Cell;
 
 /// The circles round all bombs in the hall; that of one which is fetched moves with it.
@@ -37,27 +38,30 @@ pub(super) fn takes_in_all(v: &View<'_>, bomb: Cell) -> bool {
 }
 
 /// Where a cell lies as seen from home.
-pub(super) fn from_home(cell: Cell, cell_m: Option<f64>) -> String {
+pub(super) fn from_home(language: Language, cell: Cell, cell_m: Option<f64>) -> String {
     let (east, south) = (cell.x - Cell::HOME.x, cell.y - Cell::HOME.y);
     let sides = [(east, "east", "west"), (south, "south", "north")];
     let sides = sides.into_iter().filter(|(cells, ..)| *cells != 0);
     let towards = |cells: i32, there: &'static str, back: &'static str| if cells > 0 { there } else { back };
+    let metres = |metres: f64| language.number(&format!("{metres:.1}"));
     let words = |(cells, there, back): (i32, &'static str, &'static str)| {
-        let (number, towards) = (f64::from(cells.abs()), towards(cells, there, back));
-        match cell_m {
-            Some(cell_m) => format!("{:.1}\u{a0}m {towards}", number * cell_m),
-            None => format!("{number} {} {towards}", if cells.abs() == 1 { "cell" } else { "cells" }),
-        }
+        let side = language.say_of("heading", towards(cells, there, back));
+        let said = match cell_m {
+            Some(cell_m) => language.say("from-home-metres").with("metres", metres(f64::from(cells.abs()) * cell_m)),
+            None => language.say("from-home-cells").with("count", cells.abs()),
+        };
+        said.with("side", side).to_string()
     };
     let sides: Vec<String> = sides.map(words).collect();
     match (sides.len(), cell_m) {
-        (0, _) => "at home".to_owned(),
-        (1, _) => format!("{} of home", sides.concat()),
-        (_, Some(cell_m)) => {
-            format!("{} of home, {:.1}\u{a0}m as the crow flies", sides.join(" and "), distance(cell, Cell::HOME) * cell_m)
-        }
-        (_, None) => format!("{} of home", sides.join(" and ")),
+        (0, _) => language.say("from-home-none"),
+        (2, Some(cell_m)) => language
+            .say("from-home-straight")
+            .with("sides", language.list(&sides))
+            .with("metres", metres(distance(cell, Cell::HOME) * cell_m)),
+        _ => language.say("from-home").with("sides", language.list(&sides)),
     }
+    .to_string()
 }
 
 /// From middle to middle, in cells.
@@ -70,7 +74,6 @@ mod tests {
     use super::super::view::HallInfo;
     use super::*;
     use crate::api::fixture::{TEN, idle, piece, searching};
-    use crate::phrases::Language;
     use hallsweep_core::command::Verdict;
     use hallsweep_core::world::snapshot::Snapshot;
 
@@ -122,7 +125,7 @@ mod tests {
             (Cell::new(6, 2), None, "6 cells east and 2 cells south of home"),
             (Cell::HOME, half, "at home"),
         ] {
-            assert_eq!(from_home(cell, cell_m).replace('\u{a0}', " "), words);
+            assert_eq!(from_home(Language::English, cell, cell_m).replace('\u{a0}', " "), words);
         }
     }
 }

@@ -7,6 +7,7 @@ use std::fmt::Write;
 use super::carriers::{fetched, fetched_lies_at, has_porch, searcher_at};
 use super::pieces;
 use super::porch::Porch;
+use crate::phrases::Language;
 use hallsweep_core::units::{Cell, Heading};
 use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark, TILE};
 use hallsweep_core::world::luggage::Luggage;
@@ -129,18 +130,18 @@ pub(super) fn frontier(map: &HallMap) -> String {
 }
 
 /// Everything that moves: trail, route, goal, the piece that is fetched; and home.
-pub(super) fn layer(snapshot: &Snapshot) -> String {
+pub(super) fn layer(language: Language, snapshot: &Snapshot) -> String {
     let size = larger(&snapshot.map);
     let far = if size > 1 { " class=\"far\"" } else { "" };
     let mut group = format!("<g id=\"hall-layer\" data-larger=\"{size}\"{far}>");
     trail(&mut group, snapshot);
-    home(&mut group, size);
+    home(language, &mut group, size);
     if let Some(piece) = fetched(snapshot)
         && let Some(at) = fetched_lies_at(snapshot, piece)
     {
-        draw_luggage(&mut group, piece, at, size);
+        draw_luggage(language, &mut group, piece, at, size);
     }
-    route(&mut group, snapshot, size);
+    route(language, &mut group, snapshot, size);
     if snapshot.robot.outside == 0 {
         ray(&mut group, snapshot);
     }
@@ -149,17 +150,22 @@ pub(super) fn layer(snapshot: &Snapshot) -> String {
 }
 
 /// Home and what was found, without a robot: the layer of a mission's record. What was secured is in the container.
-pub(super) fn found<'a>(map: &HallMap, porch: Option<Porch>, pieces: impl Iterator<Item = &'a Luggage>) -> String {
+pub(super) fn found<'a>(
+    language: Language,
+    map: &HallMap,
+    porch: Option<Porch>,
+    pieces: impl Iterator<Item = &'a Luggage>,
+) -> String {
     let size = larger(map);
     let (secured, left): (Vec<&Luggage>, Vec<&Luggage>) = pieces.partition(|piece| piece.secured.is_some());
     let mut group = String::from("<g>");
-    home(&mut group, size);
+    home(language, &mut group, size);
     if let Some(porch) = porch {
-        porch.draw(&mut group, &secured.iter().map(|piece| piece.id).collect::<Vec<_>>());
+        porch.draw(language, &mut group, &secured.iter().map(|piece| piece.id).collect::<Vec<_>>());
     }
     group.push_str("</g>");
     let left = left.into_iter();
-    group.push_str(&if size > 1 { pieces::pinned(left, size) } else { pieces::in_their_cells(left) });
+    group.push_str(&if size > 1 { pieces::pinned(language, left, size) } else { pieces::in_their_cells(language, left) });
     group
 }
 
@@ -232,40 +238,45 @@ fn trail(group: &mut String, snapshot: &Snapshot) {
     }
 }
 
-fn home(group: &mut String, size: i32) {
-    let (x, y) = middle(Cell::HOME);
+fn home(language: Language, group: &mut String, size: i32) {
+    let ((x, y), home) = (middle(Cell::HOME), language.say("legend-home"));
     write(
         group,
         format_args!(
             "<g transform=\"translate({x} {y})\"><path class=\"home sized\" transform=\"scale({size})\" d=\"M-4 0l4 -3.4l4 3.4v4.4h-8z\">\
-             <title>home</title></path></g>"
+             <title>{home}</title></path></g>"
         ),
     );
 }
 
 /// A piece that is not in its cell, or not alone there.
-pub(super) fn draw_luggage(group: &mut String, piece: &Luggage, (x, y): (i32, i32), size: i32) {
-    let (verdict, id) = (piece.verdict_name(), piece.id);
-    let (shape, letter) = sign(verdict);
+pub(super) fn draw_luggage(language: Language, group: &mut String, piece: &Luggage, (x, y): (i32, i32), size: i32) {
+    let verdict = piece.verdict_name();
+    let (shape, letter, said) = (shape(verdict), language.say_of("letter", verdict), said(language, piece));
     write(
         group,
         format_args!(
             "<g class=\"piece {verdict}\" transform=\"translate({x} {y}) scale({size})\">{shape}<text y=\"2\">{letter}</text>\
-             <title>luggage #{id}: {verdict}</title></g>"
+             <title>{said}</title></g>"
         ),
     );
 }
 
-/// The shape of a verdict and its letter: nobody need know colours apart.
-pub(super) fn sign(verdict: &str) -> (&'static str, &'static str) {
+/// What is said of a piece in the picture.
+pub(super) fn said(language: Language, piece: &Luggage) -> String {
+    language.say("piece-is").with("id", piece.id).with("verdict", language.verdict(piece.verdict_name())).to_string()
+}
+
+/// The shape of a verdict, which has a letter, too: nobody need know colours apart.
+pub(super) fn shape(verdict: &str) -> &'static str {
     match verdict {
-        "safe" => ("<circle r=\"4.2\"/>", "S"),
-        "danger" => ("<path d=\"M0 -5L5 4H-5Z\"/>", "D"),
-        _ => ("<rect x=\"-4.2\" y=\"-4.2\" width=\"8.4\" height=\"8.4\"/>", "?"),
+        "safe" => "<circle r=\"4.2\"/>",
+        "danger" => "<path d=\"M0 -5L5 4H-5Z\"/>",
+        _ => "<rect x=\"-4.2\" y=\"-4.2\" width=\"8.4\" height=\"8.4\"/>",
     }
 }
 
-fn route(group: &mut String, snapshot: &Snapshot, size: i32) {
+fn route(language: Language, group: &mut String, snapshot: &Snapshot, size: i32) {
     let route = &snapshot.mission.route;
     if !route.is_empty() {
         let points = points(std::iter::once(snapshot.robot.pose.cell).chain(route.iter().copied()));
@@ -274,12 +285,12 @@ fn route(group: &mut String, snapshot: &Snapshot, size: i32) {
     // A piece in the goal's cell says more than the goal's cross over it would.
     let goal = snapshot.mission.goal.filter(|goal| snapshot.map.at(*goal) != Mark::Luggage);
     if let Some(goal) = goal {
-        let (x, y) = middle(goal);
+        let ((x, y), said) = (middle(goal), language.say("goal-at").with("cell", goal));
         write(
             group,
             format_args!(
                 "<g transform=\"translate({x} {y})\"><path class=\"goal sized\" transform=\"scale({size})\" d=\"M-3 -3l6 6m0 -6l-6 6\">\
-                 <title>goal {goal}</title></path></g>"
+                 <title>{said}</title></path></g>"
             ),
         );
     }
@@ -353,7 +364,7 @@ mod tests {
 
     #[test]
     fn the_layer_shows_goal_route_and_trail() {
-        let layer = layer(&searching());
+        let layer = layer(Language::English, &searching());
         for part in ["class=\"goal sized\"", "class=\"route\"", "trail fade-0", "class=\"home sized\""] {
             assert!(layer.contains(part), "{part} in {layer}");
         }
@@ -382,7 +393,7 @@ mod tests {
         let mut snapshot = idle();
         for length in 0..60 {
             snapshot.mission.trail = (0..length).map(|x| Cell::new(x, 0)).collect();
-            let drawn = layer(&snapshot).matches("<polyline class=\"trail").count();
+            let drawn = layer(Language::English, &snapshot).matches("<polyline class=\"trail").count();
             assert!(drawn <= FADES && (drawn > 0) == (length > 1), "{length} cells in {drawn} parts");
         }
     }

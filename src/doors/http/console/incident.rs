@@ -4,8 +4,9 @@
 use askama::Template;
 
 use super::evacuation::{from_home, takes_in_all};
-use super::view::{View, failure, place};
+use super::view::{View, failure};
 use crate::api::luggage::photo_url;
+use crate::phrases::Phrase;
 use hallsweep_core::mission::PhaseName;
 use hallsweep_core::units::{LuggageId, WallTime};
 use hallsweep_core::world::alarm::AlarmView;
@@ -54,33 +55,31 @@ impl Incident<'_> {
     }
 
     fn place(&self, bomb: &Luggage) -> String {
-        place(bomb.cell)
+        self.v.place(bomb.cell)
     }
 
     fn seen_from_home(&self, bomb: &Luggage) -> String {
-        from_home(bomb.cell, self.v.hall.cell_m)
+        from_home(self.v.language, bomb.cell, self.v.hall.cell_m)
     }
 
     /// How far away people must be, and what of it is drawn.
-    fn evacuation(&self) -> String {
-        let metres = self.v.hall.evacuation_m;
+    fn evacuation(&self) -> Phrase<'static> {
+        let metres = self.v.language.number(&self.v.hall.evacuation_m.to_string());
         if self.v.hall.cell_m.is_none() {
-            return format!("Keep {metres} m away. No circle is drawn: the side of a cell is not known.");
+            return self.v.say("evacuate-no-circle").with("metres", metres);
         }
         if self.bombs().iter().any(|bomb| takes_in_all(self.v, bomb.cell)) {
-            return format!("Keep {metres} m away: all of the hall that is known lies within.");
+            return self.v.say("evacuate-all").with("metres", metres);
         }
-        format!("Keep {metres} m away: the red circle in the hall.")
+        self.v.say("evacuate-circle").with("metres", metres)
     }
 
     /// What happens now, and what an operator does next.
     fn next(&self) -> String {
         let next = match self.v.snapshot.mission.phase {
-            PhaseName::ReturningWithAlarm => {
-                Some("The search has ended, the robot comes home. Then the piece can be fetched, or the hall be made safe.")
-            }
-            PhaseName::Retrieving => Some("The piece is being fetched and brought into the container."),
-            PhaseName::Fault => Some("The robot is in fault, and nothing moves by itself."),
+            PhaseName::ReturningWithAlarm => Some("incident-next-home"),
+            PhaseName::Retrieving => Some("incident-next-fetched"),
+            PhaseName::Fault => Some("incident-next-fault"),
             PhaseName::Idle
             | PhaseName::Exploring
             | PhaseName::Inspecting
@@ -91,7 +90,12 @@ impl Incident<'_> {
             | PhaseName::BagSecured
             | PhaseName::Explored => None,
         };
-        next.map(str::to_owned).or_else(|| self.v.next_step()).unwrap_or_else(|| format!("The robot: {}.", self.v.phase()))
+        let next = next.map(|id| self.v.say(id).to_string()).or_else(|| self.v.next_step());
+        next.unwrap_or_else(|| self.v.say("incident-next-phase").with("phase", self.v.phase()).to_string())
+    }
+
+    fn text(&self, alarm: &AlarmView) -> String {
+        self.v.alarm(alarm)
     }
 
     fn time(&self, wall: &WallTime) -> String {

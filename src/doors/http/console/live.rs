@@ -125,7 +125,7 @@ impl Shown {
     pub(super) fn update(&mut self, snapshot: &Arc<Snapshot>, view: &View<'_>) -> Message {
         let older = self.older.replace(Arc::clone(snapshot));
         let mut parts = tiles(older.as_deref(), snapshot);
-        parts.extend(pieces::changed(older.as_deref(), snapshot));
+        parts.extend(pieces::changed(view.language, older.as_deref(), snapshot));
         if let Some(line) = view.line {
             parts.extend(self.line.update(line));
         }

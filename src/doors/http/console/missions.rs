@@ -168,7 +168,7 @@ impl One {
     fn hall(&self, state: &PersistentState) -> String {
         let map = &state.map;
         let tiles: String = map.tiles().map(|(corner, _)| hall::tile(map, corner)).collect();
-        let found = hall::found(map, porch(state), state.luggage.iter().map(|luggage| &**luggage));
+        let found = hall::found(self.language, map, porch(state), state.luggage.iter().map(|luggage| &**luggage));
         format!("{tiles}{}{found}", hall::labels(map))
     }
 

@@ -7,6 +7,7 @@ use super::parts::PARTS;
 use super::timeline::{THRESHOLD_Y, Timeline};
 use super::view::View;
 use super::{hall, pieces};
+use crate::phrases::Phrase;
 
 #[derive(Template)]
 #[template(path = "console/page.html")]
@@ -39,11 +40,11 @@ impl<'a> Page<'a> {
     }
 
     fn pieces(&self) -> String {
-        pieces::all(self.v.snapshot)
+        pieces::all(self.v.language, self.v.snapshot)
     }
 
     fn pins(&self) -> String {
-        pieces::all_pins(self.v.snapshot)
+        pieces::all_pins(self.v.language, self.v.snapshot)
     }
 
     /// How the line of time is to be read, as JSON for the script.
@@ -73,13 +74,16 @@ impl<'a> Page<'a> {
         self.v.line.map_or(0, |line| self.v.then.map_or(line.width(), |then| line.x(then.time)))
     }
 
-    fn moment(&self) -> String {
+    fn moment(&self) -> Phrase<'static> {
         match self.v.then {
-            Some(then) => {
-                format!("{}, entry {} of mission {}", self.v.zone().date_and_time(self.v.now), then.seq, then.mission)
-            }
-            None if self.v.snapshot.mission.id.0 == 0 => "No mission has begun yet.".to_owned(),
-            None => "now".to_owned(),
+            Some(then) => self
+                .v
+                .say("moment")
+                .with("time", self.v.zone().date_and_time(self.v.now))
+                .with("entry", then.seq)
+                .with("mission", then.mission),
+            None if self.v.snapshot.mission.id.0 == 0 => self.v.say("moment-none"),
+            None => self.v.say("moment-now"),
         }
     }
 }

@@ -8,15 +8,15 @@ use super::evacuation::{self, from_home};
 use super::hall;
 use super::incident::{Incident, is_of_incident};
 use super::photo::{Take, takes};
-use super::retrieval::{Row, armed, rows, sign, stages};
-use super::view::{View, failure, place};
+use super::retrieval::{Row, armed, rows, sign, stage, stages};
+use super::view::{View, failure};
 use crate::api::luggage::photo_url;
 use crate::api::retrieval::ArmJson;
 use crate::api::robot_parts;
 use crate::api::time::rfc3339;
-use crate::phrases::Language;
+use crate::phrases::{Language, Phrase};
 use hallsweep_core::behaviour::Status;
-use hallsweep_core::command::Note;
+use hallsweep_core::command::{Note, Refused};
 use hallsweep_core::mission::PhaseName;
 use hallsweep_core::retrieval::ArmState;
 use hallsweep_core::robots::{self, Parts};
@@ -66,12 +66,12 @@ pub(super) const PARTS: [Part; 23] = [
     Part {
         id: "hall-layer",
         shows: &[Resource::Mission, Resource::Robot, Resource::Luggage, Resource::Map, Resource::Retrieval],
-        render: |v| hall::layer(v.snapshot),
+        render: |v| hall::layer(v.language, v.snapshot),
     },
     Part {
         id: "hall-carriers",
         shows: &[Resource::Robot, Resource::Luggage, Resource::Map, Resource::Retrieval],
-        render: |v| carriers(v.snapshot),
+        render: |v| carriers(v.language, v.snapshot),
     },
     Part { id: "hall-robot", shows: &[Resource::Robot, Resource::Map], render: |v| hall::robot(v.snapshot) },
     Part {
@@ -108,7 +108,7 @@ pub(super) const PARTS: [Part; 23] = [
 pub(super) struct Confirm {
     language: Language,
     question: String,
-    consequence: &'static str,
+    consequence: Phrase<'static>,
     button: String,
     action: &'static str,
     id: Option<LuggageId>,
@@ -120,9 +120,9 @@ impl Confirm {
     pub(super) fn danger(language: Language, luggage: &Luggage, note: Option<Note>) -> Confirm {
         Confirm {
             language,
-            question: format!("Is luggage #{} dangerous?", luggage.id),
-            consequence: DANGER,
-            button: format!("Yes: DANGER #{}", luggage.id),
+            question: language.say("danger-question").with("id", luggage.id).to_string(),
+            consequence: language.say("danger-consequence"),
+            button: language.say("danger-yes").with("id", luggage.id).to_string(),
             action: "/console/danger",
             id: Some(luggage.id),
             photo: photo_url(luggage),
@@ -133,9 +133,9 @@ impl Confirm {
     pub(super) fn reset(language: Language) -> Confirm {
         Confirm {
             language,
-            question: "Put this mission away?".to_owned(),
-            consequence: RESET,
-            button: "Yes: RESET".to_owned(),
+            question: language.say("reset-question").to_string(),
+            consequence: language.say("reset-consequence"),
+            button: language.say("reset-yes").to_string(),
             action: "/console/reset",
             id: None,
             photo: None,
@@ -143,9 +143,6 @@ impl Confirm {
         }
     }
 }
-
-const DANGER: &str = "The search ends, the alarm is raised and the robot comes home. A verdict is final.";
-const RESET: &str = "The mission is archived; at home the map is emptied too. Nothing moves.";
 
 macro_rules! parts {
     ($($name:ident $path:literal)*) => {$(
@@ -193,17 +190,19 @@ impl Inspect<'_> {
     }
 
     fn where_and_when(&self, luggage: &Luggage) -> String {
-        let (cell, from) = (place(luggage.cell), place(luggage.pose.cell));
-        format!(
-            "The bag is at {cell}: {}; seen from {from}, facing {}; {}",
-            from_home(luggage.cell, self.v.hall.cell_m),
-            luggage.pose.heading.name(),
-            self.v.zone().date_and_time(luggage.taken)
-        )
+        self.v
+            .say("where-and-when")
+            .with("place", self.v.place(luggage.cell))
+            .with("from_home", from_home(self.v.language, luggage.cell, self.v.hall.cell_m))
+            .with("from", self.v.place(luggage.pose.cell))
+            .with("heading", self.v.language.heading(luggage.pose.heading))
+            .with("time", self.v.zone().date_and_time(luggage.taken))
+            .to_string()
     }
 
-    const fn danger(&self) -> &'static str {
-        DANGER
+    /// Why it cannot be said to be safe.
+    fn no_photo(&self, luggage: &Luggage) -> String {
+        self.v.language.refused(&Refused::NoPhoto(luggage.id))
     }
 
     const fn longest_note(&self) -> usize {
@@ -218,32 +217,44 @@ impl Inspect<'_> {
 impl Robot<'_> {
     fn sonar(&self) -> String {
         match self.v.parts() {
-            None => return "not known".to_owned(),
-            Some(parts) if !parts.has(robots::Part::Sonar) => return "none".to_owned(),
+            None => return self.v.say("sonar-unknown").to_string(),
+            Some(parts) if !parts.has(robots::Part::Sonar) => return self.v.say("sonar-none").to_string(),
             Some(_) => {}
         }
-        self.v.snapshot.robot.sonar_cm.map_or_else(|| "nothing near".to_owned(), |cm| format!("{cm} cm"))
+        let cm = self.v.snapshot.robot.sonar_cm;
+        cm.map_or_else(|| self.v.say("sonar-nothing").to_string(), |cm| format!("{cm} cm"))
+    }
+
+    fn position(&self) -> String {
+        let robot = &self.v.snapshot.robot;
+        let outside = self.v.say("before-entrance").to_string();
+        let place = if robot.outside > 0 { outside } else { robot.pose.cell.to_string() };
+        if robot.off_centre { self.v.say("off-centre").with("place", place).to_string() } else { place }
     }
 
     fn parts_in_words(&self) -> String {
-        let words = |parts: Parts| parts.iter().map(robot_parts::in_words).collect::<Vec<_>>().join(", ");
-        self.v.parts().map_or_else(|| "not known while there is no link".to_owned(), words)
+        let words = |parts: Parts| parts.iter().map(|part| self.part(part).to_string()).collect::<Vec<_>>().join(", ");
+        self.v.parts().map_or_else(|| self.v.say("parts-unknown").to_string(), words)
+    }
+
+    const fn part(&self, part: robots::Part) -> Phrase<'static> {
+        self.v.say_of("part", part.name())
     }
 
     /// What is missing, and what is done instead.
-    fn missing(&self) -> Vec<(&'static str, &'static str)> {
+    fn missing(&self) -> Vec<(Phrase<'static>, Phrase<'static>)> {
         let missing = self.v.parts().into_iter().flat_map(robot_parts::missing);
-        missing.map(|(part, by)| (robot_parts::in_words(part), by)).collect()
+        missing.map(|(part, _)| (self.part(part), self.v.say_of("instead", part.name()))).collect()
     }
 }
 
 impl More<'_> {
-    const fn reset(&self) -> &'static str {
-        RESET
-    }
-
     const fn strategies(&self) -> [Strategy; Strategy::ALL.len()] {
         Strategy::ALL
+    }
+
+    const fn strategy(&self, strategy: &Strategy) -> Phrase<'static> {
+        self.v.say_of("strategy", strategy.name())
     }
 }
 
@@ -265,14 +276,18 @@ impl Alarms<'_> {
         self.v.snapshot.alarms.iter().rev().filter(unseen).collect()
     }
 
+    fn text(&self, alarm: &AlarmView) -> String {
+        self.v.alarm(alarm)
+    }
+
     fn time(&self, wall: &WallTime) -> String {
         self.v.zone().clock_time(*wall)
     }
 }
 
 impl Retrieval<'_> {
-    fn stages(&self, fetcher: &Fetcher) -> &'static [(&'static str, &'static str)] {
-        stages(*fetcher)
+    fn stages(&self, fetcher: &Fetcher) -> Vec<(&'static str, Phrase<'static>)> {
+        stages(*fetcher).iter().map(|name| (*name, stage(self.v.language, *fetcher, name))).collect()
     }
 
     fn is_secured(&self) -> bool {
@@ -288,25 +303,26 @@ impl Retrieval<'_> {
         robot.parts.is_some_and(|parts| parts.has(robots::Part::Arm))
     }
 
-    fn fetcher(&self, fetcher: &Fetcher) -> &'static str {
-        match fetcher {
-            Fetcher::Pair => "the pair",
-            Fetcher::Discovery => "the robot that searched",
-            Fetcher::None => "nobody",
-        }
+    const fn fetcher(&self, fetcher: &Fetcher) -> Phrase<'static> {
+        self.v.say_of("fetcher", fetcher.name())
     }
 
     /// With two places behind the point, always: what changes must not jump.
     fn figure(&self, value: &f64) -> String {
-        format!("{value:.2}")
+        self.v.language.number(&format!("{value:.2}"))
     }
 
     fn place(&self, robot: &RobotShown) -> String {
-        if robot.view.outside > 0 { "before the entrance".to_owned() } else { place(robot.view.pose.cell) }
+        let outside = self.v.say("before-entrance").to_string();
+        if robot.view.outside > 0 { outside } else { self.v.place(robot.view.pose.cell) }
     }
 }
 
 impl Trees<'_> {
+    const fn language(&self) -> Language {
+        self.v.language
+    }
+
     fn trees(&self) -> &[TreeView] {
         self.v.snapshot.retrieval.as_deref().map_or(&[], |retrieval| &retrieval.trees.trees)
     }
@@ -321,6 +337,10 @@ impl Trees<'_> {
 }
 
 impl Blackboard<'_> {
+    const fn language(&self) -> Language {
+        self.v.language
+    }
+
     /// The trees, once they have been ticked.
     fn ticked(&self) -> Option<&TreesView> {
         self.v.snapshot.retrieval.as_deref().map(|retrieval| &*retrieval.trees).filter(|trees| trees.ticks > 0)
@@ -328,6 +348,10 @@ impl Blackboard<'_> {
 }
 
 impl Log<'_> {
+    fn said(&self, line: &LogLine) -> String {
+        line.text.clone()
+    }
+
     fn lines(&self) -> Vec<(&LogLine, String, String)> {
         let latest = self.v.snapshot.log.iter().rev().take(LINES);
         latest.map(|line| (&**line, rfc3339(line.wall), self.v.zone().clock_time(line.wall))).collect()

@@ -12,7 +12,7 @@ use super::super::query::Query;
 use super::super::reading::Number;
 use super::super::reads::{asked_take, record, taken};
 use super::html;
-use super::view::{failure, place};
+use super::view::failure;
 use crate::api::luggage::take_url;
 use crate::api::time::Zone;
 use crate::phrases::Language;
@@ -86,7 +86,7 @@ impl PhotoPage<'_> {
     }
 
     fn at(&self) -> String {
-        place(self.luggage.cell)
+        self.language.place(self.luggage.cell)
     }
 
     fn failure(&self) -> &str {

@@ -7,24 +7,25 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::carriers::fetched;
-use super::hall::{CELL, larger, middle, sign, write};
+use super::hall::{CELL, larger, middle, said, shape, write};
+use crate::phrases::Language;
 use hallsweep_core::units::{Cell, LuggageId};
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// Every group of pieces.
-pub(super) fn all(snapshot: &Snapshot) -> String {
-    groups(snapshot).map(|(_, markup)| markup).collect()
+pub(super) fn all(language: Language, snapshot: &Snapshot) -> String {
+    groups(language, snapshot).map(|(_, markup)| markup).collect()
 }
 
 /// Every row of pins.
-pub(super) fn all_pins(snapshot: &Snapshot) -> String {
-    pins(snapshot).into_values().collect()
+pub(super) fn all_pins(language: Language, snapshot: &Snapshot) -> String {
+    pins(language, snapshot).into_values().collect()
 }
 
 /// The groups and rows that look other than in an older snapshot, by their ids; one that is gone is empty.
-pub(super) fn changed(older: Option<&Snapshot>, snapshot: &Snapshot) -> BTreeMap<String, String> {
-    let Some(older) = older else { return groups(snapshot).chain(pins(snapshot)).collect() };
+pub(super) fn changed(language: Language, older: Option<&Snapshot>, snapshot: &Snapshot) -> BTreeMap<String, String> {
+    let Some(older) = older else { return groups(language, snapshot).chain(pins(language, snapshot)).collect() };
     let looks = |snapshot: &Snapshot| (larger(&snapshot.map), fetched(snapshot).map(|piece| piece.id));
     let is_same = looks(older) == looks(snapshot);
     let newer: Vec<_> = snapshot.luggage.parts_changed_since(&older.luggage).collect();
@@ -34,68 +35,68 @@ pub(super) fn changed(older: Option<&Snapshot>, snapshot: &Snapshot) -> BTreeMap
     }
     let mut changed: BTreeMap<String, String> = (now..before).map(|place| (id(place), String::new())).collect();
     if looks(older).1 == looks(snapshot).1 {
-        changed.extend(newer.into_iter().map(|(place, pieces)| (id(place), group(snapshot, place, pieces))));
+        changed.extend(newer.into_iter().map(|(place, pieces)| (id(place), group(language, snapshot, place, pieces))));
     } else {
-        changed.extend(groups(snapshot));
+        changed.extend(groups(language, snapshot));
     }
-    let (before, now) = (pins(older), pins(snapshot));
+    let (before, now) = (pins(language, older), pins(language, snapshot));
     changed.extend(before.keys().filter(|row| !now.contains_key(*row)).map(|row| (row.clone(), String::new())));
     changed.extend(now.into_iter().filter(|(row, markup)| before.get(row) != Some(markup)));
     changed
 }
 
 /// Each in its cell: the pieces of a mission's record.
-pub(super) fn in_their_cells<'a>(pieces: impl Iterator<Item = &'a Luggage>) -> String {
+pub(super) fn in_their_cells<'a>(language: Language, pieces: impl Iterator<Item = &'a Luggage>) -> String {
     let mut group = String::new();
-    pieces.for_each(|piece| draw(&mut group, piece));
+    pieces.for_each(|piece| draw(language, &mut group, piece));
     group
 }
 
 /// By pins of this many cells a side: the same where the picture is too large for that.
-pub(super) fn pinned<'a>(pieces: impl Iterator<Item = &'a Luggage>, size: i32) -> String {
-    rows(pieces, size).into_values().collect()
+pub(super) fn pinned<'a>(language: Language, pieces: impl Iterator<Item = &'a Luggage>, size: i32) -> String {
+    rows(language, pieces, size).into_values().collect()
 }
 
-fn groups(snapshot: &Snapshot) -> impl Iterator<Item = (String, String)> {
-    snapshot.luggage.parts().enumerate().map(|(place, pieces)| (id(place), group(snapshot, place, pieces)))
+fn groups(language: Language, snapshot: &Snapshot) -> impl Iterator<Item = (String, String)> {
+    snapshot.luggage.parts().enumerate().map(move |(place, pieces)| (id(place), group(language, snapshot, place, pieces)))
 }
 
 fn id(place: usize) -> String {
     format!("pieces_{place}")
 }
 
-fn group(snapshot: &Snapshot, place: usize, pieces: &[Arc<Luggage>]) -> String {
+fn group(language: Language, snapshot: &Snapshot, place: usize, pieces: &[Arc<Luggage>]) -> String {
     let fetched = fetched(snapshot).map(|piece| piece.id);
     let left = pieces.iter().map(|piece| &**piece).filter(|piece| is_left(piece, fetched));
-    format!("<g id=\"{}\">{}</g>", id(place), in_their_cells(left))
+    format!("<g id=\"{}\">{}</g>", id(place), in_their_cells(language, left))
 }
 
 fn is_left(piece: &Luggage, fetched: Option<LuggageId>) -> bool {
     piece.secured.is_none() && Some(piece.id) != fetched
 }
 
-fn draw(group: &mut String, piece: &Luggage) {
+fn draw(language: Language, group: &mut String, piece: &Luggage) {
     let (verdict, id, (x, y)) = (piece.verdict_name(), piece.id, middle(piece.cell));
-    let (shape, letter) = sign(verdict);
+    let (shape, letter, said) = (shape(verdict), language.say_of("letter", verdict), said(language, piece));
     write(
         group,
         format_args!(
             "<g class=\"piece own {verdict}\" data-piece=\"{id}\" transform=\"translate({x} {y}) scale(.9)\">{shape}<text y=\".6\">{letter}</text>\
-             <text class=\"number\" y=\"3.7\">{id}</text><title>luggage #{id}: {verdict}</title></g>"
+             <text class=\"number\" y=\"3.7\">{id}</text><title>{said}</title></g>"
         ),
     );
 }
 
 /// The pins of the picture, by the ids of their rows; none where every piece can be seen in its cell.
-fn pins(snapshot: &Snapshot) -> BTreeMap<String, String> {
+fn pins(language: Language, snapshot: &Snapshot) -> BTreeMap<String, String> {
     let (size, fetched) = (larger(&snapshot.map), fetched(snapshot).map(|piece| piece.id));
     if size == 1 {
         return BTreeMap::new();
     }
-    rows(snapshot.luggage.iter().map(|piece| &**piece).filter(|piece| is_left(piece, fetched)), size)
+    rows(language, snapshot.luggage.iter().map(|piece| &**piece).filter(|piece| is_left(piece, fetched)), size)
 }
 
-fn rows<'a>(pieces: impl Iterator<Item = &'a Luggage>, size: i32) -> BTreeMap<String, String> {
+fn rows<'a>(language: Language, pieces: impl Iterator<Item = &'a Luggage>, size: i32) -> BTreeMap<String, String> {
     let mut squares: BTreeMap<(i32, i32), Square<'a>> = BTreeMap::new();
     for piece in pieces {
         let Cell { x, y } = piece.cell;
@@ -103,7 +104,7 @@ fn rows<'a>(pieces: impl Iterator<Item = &'a Luggage>, size: i32) -> BTreeMap<St
     }
     let mut rows: BTreeMap<i32, String> = BTreeMap::new();
     for ((row, column), square) in squares {
-        square.draw(rows.entry(row).or_default(), (column, row), size);
+        square.draw(language, rows.entry(row).or_default(), (column, row), size);
     }
     rows.into_iter().map(|(row, pins)| (format!("pins_{row}"), format!("<g id=\"pins_{row}\">{pins}</g>"))).collect()
 }
@@ -129,22 +130,24 @@ impl<'a> Square<'a> {
     }
 
     /// A pin in the middle of the square, which looks like the worst of what is in it.
-    fn draw(&self, row: &mut String, (x, y): (i32, i32), size: i32) {
+    fn draw(&self, language: Language, row: &mut String, (x, y): (i32, i32), size: i32) {
         let verdict = match (self.danger, self.pending) {
             (0, 0) => "safe",
             (0, _) => "pending",
             _ => "danger",
         };
-        let ((shape, letter), count) = (sign(verdict), self.danger + self.pending + self.safe);
+        let (shape, count) = (shape(verdict), self.danger + self.pending + self.safe);
         let (sign, piece, said) = match self.last.filter(|_| count == 1) {
             Some(piece) => {
-                let id = piece.id;
-                (letter.to_owned(), format!(" data-piece=\"{id}\""), format!("luggage #{id}: {verdict}"))
+                (language.say_of("letter", verdict).to_string(), format!(" data-piece=\"{}\"", piece.id), said(language, piece))
             }
             None => {
                 let all = [(self.danger, "danger"), (self.pending, "pending"), (self.safe, "safe")];
-                let all = all.into_iter().filter(|(count, _)| *count > 0).map(|(count, verdict)| format!("{count} {verdict}"));
-                (count.to_string(), String::new(), format!("{count} pieces: {}", all.collect::<Vec<_>>().join(", ")))
+                let all = all.into_iter().filter(|(count, _)| *count > 0);
+                let all = all.map(|(count, verdict)| language.say_of("counted", verdict).with("count", count).to_string());
+                let what = all.collect::<Vec<_>>().join(", ");
+                let said = language.say("pieces-are").with("count", count).with("what", what).to_string();
+                (count.to_string(), String::new(), said)
             }
         };
         let (x, y) = (x * size * CELL + size * CELL / 2, y * size * CELL + size * CELL / 2);
@@ -177,11 +180,11 @@ mod tests {
 
     #[test]
     fn every_piece_is_drawn() {
-        let drawn = all(&searching());
+        let drawn = all(Language::English, &searching());
         for part in ["piece own safe", "piece own danger", "piece own pending", "#3"] {
             assert!(drawn.contains(part), "{part} in {drawn}");
         }
-        assert_eq!(all_pins(&searching()), "", "where every cell can be seen there are no pins");
+        assert_eq!(all_pins(Language::English, &searching()), "", "where every cell can be seen there are no pins");
     }
 
     #[test]
@@ -199,7 +202,7 @@ mod tests {
         for (id, (x, y, verdict)) in (1..).zip(pieces) {
             snapshot.luggage.insert(piece(id, Cell::new(x, y), verdict));
         }
-        let rows = pins(&snapshot);
+        let rows = pins(Language::English, &snapshot);
         assert_eq!(rows.keys().map(String::as_str).collect::<Vec<_>>(), ["pins_0", "pins_10"]);
         for part in [
             "piece pin danger\" transform=\"translate(35 35)\"",
@@ -217,10 +220,10 @@ mod tests {
         let older = with(20 * PART as u64 + 5);
         let mut newer = older.clone();
         newer.luggage.insert(piece(20 * PART as u64 + 6, Cell::new(4, 4), None));
-        let sent = changed(Some(&older), &newer);
+        let sent = changed(Language::English, Some(&older), &newer);
         assert_eq!(sent.keys().map(String::as_str).collect::<Vec<_>>(), ["pieces_20"]);
         assert_eq!(sent["pieces_20"].matches("class=\"piece own").count(), 6);
-        assert!(changed(Some(&newer), &newer.clone()).is_empty());
+        assert!(changed(Language::English, Some(&newer), &newer.clone()).is_empty());
     }
 
     /// The boxes of what is drawn, as their middles and half their sides, strokes included.
@@ -262,9 +265,12 @@ mod tests {
             }
             let cells: std::collections::BTreeSet<Cell> = snapshot.luggage.iter().map(|piece| piece.cell).collect();
             if cells.len() == snapshot.luggage.len() {
-                assert_eq!(check_apart(&all(&snapshot)), 770);
+                assert_eq!(check_apart(&all(Language::English, &snapshot)), 770);
             }
-            assert!(check_apart(&all_pins(&snapshot)) > 0 || larger(&snapshot.map) == 1, "{side} cells a side");
+            assert!(
+                check_apart(&all_pins(Language::English, &snapshot)) > 0 || larger(&snapshot.map) == 1,
+                "{side} cells a side"
+            );
         }
     }
 
@@ -273,9 +279,9 @@ mod tests {
         let older = with(PART as u64 + 1);
         let mut newer = older.clone();
         newer.map.mark(Cell::new(199, 90), Mark::Visited, Revision(21));
-        assert_eq!(changed(Some(&older), &newer).keys().map(String::as_str).collect::<Vec<_>>(), ["pins_0"]);
-        assert_eq!(changed(Some(&newer), &older)["pins_0"], "", "in a small one they are gone");
-        let gone = changed(Some(&older), &idle());
+        assert_eq!(changed(Language::English, Some(&older), &newer).keys().map(String::as_str).collect::<Vec<_>>(), ["pins_0"]);
+        assert_eq!(changed(Language::English, Some(&newer), &older)["pins_0"], "", "in a small one they are gone");
+        let gone = changed(Language::English, Some(&older), &idle());
         assert_eq!(gone.values().map(String::as_str).collect::<Vec<_>>(), ["", ""]);
     }
 }

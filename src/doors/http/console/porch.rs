@@ -1,9 +1,8 @@
 //! The place before the entrance, beyond the northern edge of the picture: who waits there, and the container with what was secured.
 //! The cells of the hall are `hall`'s, the robots `carriers`'.
 
-use std::fmt;
-
 use super::hall::{CELL, larger, middle, shown, write};
+use crate::phrases::{Language, Phrase};
 use hallsweep_core::units::{Cell, LuggageId};
 use hallsweep_core::world::hall_map::HallMap;
 
@@ -73,23 +72,24 @@ impl Porch {
     }
 
     /// The ground, the way out from home, and the container with what is in it.
-    pub(super) fn draw(self, group: &mut String, secured: &[LuggageId]) {
+    pub(super) fn draw(self, language: Language, group: &mut String, secured: &[LuggageId]) {
         let Porch { tenth, south, home } = self;
         let (west, width, height) = (home - 8 * tenth, (END + 8) * tenth, ROWS * ROW * tenth);
         write(
             group,
             format_args!(
-                "<rect class=\"porch\" x=\"{west}\" y=\"{}\" width=\"{width}\" height=\"{height}\" rx=\"{}\"><title>before the entrance</title></rect>\
+                "<rect class=\"porch\" x=\"{west}\" y=\"{}\" width=\"{width}\" height=\"{height}\" rx=\"{}\"><title>{}</title></rect>\
                  <path class=\"way-out\" d=\"M{home} 0V{}\"/>",
                 south - height,
                 2 * tenth,
+                language.say("before-entrance"),
                 south - height + ROW / 2 * tenth
             ),
         );
-        self.container(group, secured);
+        self.container(language, group, secured);
     }
 
-    fn container(self, group: &mut String, secured: &[LuggageId]) {
+    fn container(self, language: Language, group: &mut String, secured: &[LuggageId]) {
         let (x, y) = (self.home + CONTAINER * self.tenth, self.south - ROWS * ROW / 2 * self.tenth);
         // It is drawn in a cell's units, ten to a cell.
         write(
@@ -97,42 +97,37 @@ impl Porch {
             format_args!(
                 "<g class=\"container\" transform=\"translate({x} {y}) scale({})\"><title>{}</title><path class=\"box\" d=\"M-9 -9H9V9H-9Z\"/><path class=\"lid\" d=\"M-10.5 -9H10.5M-9 -3H9M-9 3H9\"/>",
                 self.tenth,
-                Held(secured)
+                held(language, secured)
             ),
         );
+        let danger = language.say("letter-danger");
         for (place, id) in (0..).zip(secured.iter().take(SEEN)) {
             let among = (if place % 2 == 0 { -4 } else { 4 }, if place < 2 { -4 } else { 5 });
             let (x, y) = if secured.len() == 1 { (0, 2) } else { among };
             write(
                 group,
                 format_args!(
-                    "<g class=\"piece danger\" transform=\"translate({x} {y}) scale(.75)\"><path d=\"M0 -5L5 4H-5Z\"/><text y=\"2.6\">D</text></g>\
+                    "<g class=\"piece danger\" transform=\"translate({x} {y}) scale(.75)\"><path d=\"M0 -5L5 4H-5Z\"/><text y=\"2.6\">{danger}</text></g>\
                      <text class=\"inside\" x=\"{x}\" y=\"{}\">#{id}</text>",
                     y - 4
                 ),
             );
         }
         if secured.len() > SEEN {
-            write(group, format_args!("<text class=\"inside\" y=\"13.5\">and {} more</text>", secured.len() - SEEN));
+            let more = language.say("container-more").with("count", secured.len() - SEEN);
+            write(group, format_args!("<text class=\"inside\" y=\"13.5\">{more}</text>"));
         }
         group.push_str("</g>");
     }
 }
 
 /// What is in the container, in words.
-struct Held<'a>(&'a [LuggageId]);
-
-impl fmt::Display for Held<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("container: ")?;
-        if self.0.is_empty() {
-            return f.write_str("empty");
-        }
-        for (place, id) in self.0.iter().enumerate() {
-            let comma = if place > 0 { ", " } else { "" };
-            write!(f, "{comma}luggage #{id}")?;
-        }
-        Ok(())
+fn held(language: Language, secured: &[LuggageId]) -> Phrase<'static> {
+    let pieces: Vec<String> = secured.iter().map(|id| language.say("luggage-number").with("id", id).to_string()).collect();
+    if pieces.is_empty() {
+        language.say("container-empty")
+    } else {
+        language.say("container-holds").with("pieces", pieces.join(", "))
     }
 }
 
@@ -163,7 +158,7 @@ mod tests {
     fn the_container_shows_what_is_in_it_and_counts_what_has_no_room() {
         let draw = |most: u64| {
             let mut group = String::new();
-            Porch::of(&drawn(&["1"], 1)).draw(&mut group, &(1..=most).map(LuggageId).collect::<Vec<_>>());
+            Porch::of(&drawn(&["1"], 1)).draw(Language::English, &mut group, &(1..=most).map(LuggageId).collect::<Vec<_>>());
             group
         };
         assert!(draw(0).contains("container: empty") && !draw(0).contains("piece danger"));

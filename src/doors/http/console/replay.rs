@@ -50,6 +50,10 @@ struct Page {
 }
 
 impl Page {
+    const fn language(&self) -> Language {
+        self.language
+    }
+
     fn trees(&self) -> &[TreeView] {
         &self.shown.trees
     }

@@ -5,32 +5,25 @@ use hallsweep_core::behaviour::Status;
 use hallsweep_core::mission::Hold;
 use hallsweep_core::retrieval::ArmState;
 use hallsweep_core::settings::Fetcher;
-use hallsweep_core::units::LuggageId;
-use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::retrieval::NodeShown;
 use hallsweep_core::world::robot::RobotShown;
 
 use crate::api::retrieval::ArmJson;
+use crate::phrases::{Language, Phrase};
 
-/// The stages in their order, by the word of the doors and in words for an operator.
-const BY_THE_PAIR: [(&str, &str); 4] = [
-    ("makingRoom", "the robot that searched makes room"),
-    ("fetching", "the pair fetches the piece"),
-    ("goingOut", "the pair goes out"),
-    ("comingHome", "the robot that searched comes home"),
-];
-
-/// The one that searches needs no room, and is home when the piece is in the container.
-const ALONE: [(&str, &str); 2] =
-    [("fetching", "the robot that searched fetches the piece"), ("lettingGo", "it puts the piece into the container")];
-
-/// The stages by who fetches.
-pub(super) const fn stages(fetcher: Fetcher) -> &'static [(&'static str, &'static str)] {
+/// The stages in their order by who fetches, by the word of the doors. The one that searches needs no room, and is home when the piece is in
+/// the container.
+pub(super) const fn stages(fetcher: Fetcher) -> &'static [&'static str] {
     match fetcher {
-        Fetcher::Pair => &BY_THE_PAIR,
-        Fetcher::Discovery => &ALONE,
+        Fetcher::Pair => &["makingRoom", "fetching", "goingOut", "comingHome"],
+        Fetcher::Discovery => &["fetching", "lettingGo"],
         Fetcher::None => &[],
     }
+}
+
+/// A stage in words, by who fetches.
+pub(super) fn stage(language: Language, fetcher: Fetcher, stage: &str) -> Phrase<'_> {
+    language.say_of(if fetcher == Fetcher::Pair { "stage-pair" } else { "stage-discovery" }, stage)
 }
 
 /// A node in its place among the rows of its tree.
@@ -69,24 +62,13 @@ pub(super) fn armed(robots: &[RobotShown]) -> Vec<(&RobotShown, ArmState, ArmJso
     robots.iter().filter_map(|robot| robot.arm.map(|arm| (robot, arm, ArmJson::from(arm)))).collect()
 }
 
-/// What is to be done about a retrieval that stands still, in few words: the bar has little room.
+/// What is to be done about a retrieval that stands still, by the name of its phrase. It has few words: the bar has little room.
 pub(super) fn wanted_of_the_operator(holds: &[Hold]) -> Option<&'static str> {
     if holds.contains(&Hold::Alarm) {
-        return Some("acknowledge, then START");
+        return Some("acknowledge");
     }
     let ends_by_itself = [Hold::Operator, Hold::Restart, Hold::AwaitingStart];
-    (!holds.is_empty() && holds.iter().all(|hold| ends_by_itself.contains(hold))).then_some("START goes on")
-}
-
-/// The pieces that are in the container, as `luggage #1 is in the container`.
-pub(super) fn secured_in_words<'a>(luggage: impl Iterator<Item = &'a Luggage>) -> Option<String> {
-    let ids: Vec<LuggageId> = luggage.filter(|piece| piece.secured.is_some()).map(|piece| piece.id).collect();
-    let (last, others) = ids.split_last()?;
-    if others.is_empty() {
-        return Some(format!("luggage #{last} is in the container"));
-    }
-    let others: Vec<String> = others.iter().map(|id| format!("#{id}")).collect();
-    Some(format!("luggage {} and #{last} are in the container", others.join(", ")))
+    (!holds.is_empty() && holds.iter().all(|hold| ends_by_itself.contains(hold))).then_some("start")
 }
 
 #[cfg(test)]
@@ -114,10 +96,19 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn every_stage_and_who_fetches_is_said_in_every_language() {
+        for (language, fetcher) in Language::ALL.into_iter().flat_map(|language| Fetcher::ALL.map(|fetcher| (language, fetcher)))
+        {
+            assert!(!language.say_of("fetcher", fetcher.name()).to_string().is_empty());
+            assert!(stages(fetcher).iter().all(|name| !stage(language, fetcher, name).to_string().is_empty()));
+        }
+    }
+
+    #[test]
     fn start_is_asked_for_where_it_helps_and_after_the_alarm_is_acknowledged() {
         assert_eq!(wanted_of_the_operator(&[]), None);
-        assert_eq!(wanted_of_the_operator(&[Hold::Operator]), Some("START goes on"));
-        assert_eq!(wanted_of_the_operator(&[Hold::Alarm, Hold::AwaitingStart]), Some("acknowledge, then START"));
+        assert_eq!(wanted_of_the_operator(&[Hold::Operator]), Some("start"));
+        assert_eq!(wanted_of_the_operator(&[Hold::Alarm, Hold::AwaitingStart]), Some("acknowledge"));
         assert_eq!(wanted_of_the_operator(&[Hold::Operator, Hold::Temperature]), None, "it is too hot: START would be refused");
     }
 }

@@ -2,12 +2,13 @@
 
 mod progress;
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use askama::Template;
 use serde::Serialize;
 
-use super::retrieval::{secured_in_words, wanted_of_the_operator};
+use super::retrieval::wanted_of_the_operator;
 use super::timeline::Timeline;
 use crate::access::{Need, Role};
 use crate::api::robot_parts::RobotBySettings;
@@ -18,6 +19,7 @@ use hallsweep_core::command::Refused;
 use hallsweep_core::event::RobotId;
 use hallsweep_core::mission::{Hold, PhaseName};
 use hallsweep_core::units::{Cell, Celsius, WallTime};
+use hallsweep_core::world::alarm::AlarmView;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 use hallsweep_core::world::robot::{RobotState, RobotView};
 use hallsweep_core::world::snapshot::Snapshot;
@@ -77,12 +79,6 @@ pub(super) struct Who {
     pub(super) role: Role,
 }
 
-/// Why a viewer's buttons are dead.
-const VIEWER: &str = "you are signed in as a viewer";
-
-/// Why everybody's are.
-const PAST: &str = "this is the past: go back to now first";
-
 /// The reason of a refusal, and the button it belongs to; without text it is the place where the script puts one.
 #[derive(Clone, Template)]
 #[template(source = r#"<p class="why" id="why-{{ button }}" role="alert">{{ text }}</p>"#, ext = "html")]
@@ -126,6 +122,54 @@ impl View<'_> {
         self.language.say(id)
     }
 
+    /// That of one of a family.
+    pub(super) const fn say_of<'p>(&self, family: &'p str, member: &'p str) -> Phrase<'p> {
+        self.language.say_of(family, member)
+    }
+
+    /// `21.5 °C`
+    pub(super) fn degrees(&self, celsius: &Celsius) -> String {
+        self.language.celsius(*celsius)
+    }
+
+    /// The threshold, without its unit.
+    pub(super) fn threshold(&self) -> String {
+        self.language.number(&self.snapshot.temperature.threshold.degrees().to_string())
+    }
+
+    pub(super) fn place(&self, cell: Cell) -> String {
+        self.language.place(cell)
+    }
+
+    pub(super) fn fault(&self, fault: &String) -> String {
+        fault.clone()
+    }
+
+    /// What an alarm says.
+    pub(super) fn alarm(&self, alarm: &AlarmView) -> String {
+        alarm.text.clone()
+    }
+
+    /// Why a piece cannot be fetched.
+    pub(super) fn reason(&self, reason: &str) -> String {
+        reason.to_owned()
+    }
+
+    /// Where a reading comes from.
+    fn source<'s>(&self, source: &'s str) -> Cow<'s, str> {
+        if source == OPERATOR { self.say("role-operator").to_string().into() } else { source.into() }
+    }
+
+    /// The pieces that are in the container, as `luggage #1 is in the container`.
+    fn secured(&self) -> Option<String> {
+        let ids: Vec<String> = self.snapshot.luggage.secured().map(|piece| format!("#{}", piece.id)).collect();
+        match ids.as_slice() {
+            [] => None,
+            [only] => Some(self.say("secured-one").with("id", &only[1..]).to_string()),
+            ids => Some(self.say("secured-many").with("ids", self.language.list(ids)).to_string()),
+        }
+    }
+
     /// Whether the robot that searches is simulated.
     pub(super) fn is_simulated(&self) -> bool {
         self.hall.robot.is_some_and(|robot| robot.kind == "sim")
@@ -138,31 +182,31 @@ impl View<'_> {
 
     /// Why a button is dead: its own reason, or that whoever looks may only look.
     pub(super) fn bar(&self, refusal: &Option<Refused>) -> Option<String> {
-        self.looks_only().map(str::to_owned).or_else(|| refusal.as_ref().map(Refused::to_string))
+        self.looks_only().or_else(|| refusal.as_ref().map(|refused| self.language.refused(refused)))
     }
 
     /// Why every button but STOP is dead: in the past, and for whoever may only look.
-    pub(super) fn looks_only(&self) -> Option<&'static str> {
+    pub(super) fn looks_only(&self) -> Option<String> {
         if self.then.is_some() {
-            return Some(PAST);
+            return Some(self.say("dead-past").to_string());
         }
-        self.who.as_ref().filter(|who| !who.role.may(Need::Act)).map(|_| VIEWER)
+        self.who.as_ref().filter(|who| !who.role.may(Need::Act)).map(|_| self.say("dead-viewer").to_string())
     }
 
     pub(super) fn phase(&self) -> String {
         let mission = &self.snapshot.mission;
         let waits = self.snapshot.pending().filter(|_| mission.phase == PhaseName::Inspecting);
         match (waits, mission.interrupted) {
-            (Some(luggage), _) => format!("luggage #{} waits for your verdict", luggage.id),
-            (None, Some(interrupted)) => format!("{} (was {})", mission.phase.in_words(), interrupted.in_words()),
-            (None, None) => mission.phase.in_words().to_owned(),
+            (Some(luggage), _) => self.say("piece-waits").with("id", luggage.id).to_string(),
+            (None, interrupted) => self.language.phase_and_before(mission.phase, interrupted),
         }
     }
 
     /// What lets a retrieval go on that stands still.
-    pub(super) fn wanted(&self) -> Option<&'static str> {
+    pub(super) fn wanted(&self) -> Option<Phrase<'static>> {
         let mission = &self.snapshot.mission;
-        if mission.phase == PhaseName::Retrieving { wanted_of_the_operator(&mission.holds) } else { None }
+        let id = if mission.phase == PhaseName::Retrieving { wanted_of_the_operator(&mission.holds) } else { None };
+        id.map(|id| self.say_of("wanted", id))
     }
 
     /// Whether there are robots that fetch.
@@ -195,15 +239,21 @@ impl View<'_> {
     pub(super) fn holds(&self) -> Vec<String> {
         let heat = self.hot();
         let words = |hold: &Hold| match (hold, self.snapshot.mission.phase) {
-            (Hold::Alarm, PhaseName::Retrieving) => "the robots that fetch have called: acknowledge their alarm first".to_owned(),
+            (Hold::Alarm, PhaseName::Retrieving) => self.say("hold-fetchers-called").to_string(),
             // There it is RETRIEVE, or RESET, and not START.
-            (Hold::RobotLink, _) if let Some(why) = self.unreached() => format!("{}: {why}", hold.in_words()),
-            (Hold::AwaitingStart, PhaseName::BombLocated) => "waiting for the operator".to_owned(),
-            (Hold::Temperature, _) if !heat.is_empty() => {
-                let hot: Vec<String> = heat.iter().map(|(source, reading)| format!("{source} {reading}")).collect();
-                format!("too hot: {}; {} or less is wanted", hot.join(", "), self.snapshot.temperature.cool)
+            (Hold::RobotLink, _) if let Some(why) = self.unreached() => {
+                self.say("hold-with-why").with("hold", self.language.hold(*hold)).with("why", why).to_string()
             }
-            (hold, _) => hold.in_words().to_owned(),
+            (Hold::AwaitingStart, PhaseName::BombLocated) => self.say("hold-waits-for-operator").to_string(),
+            (Hold::Temperature, _) if !heat.is_empty() => {
+                let read = |(source, reading): &(Arc<str>, Celsius)| {
+                    self.say("reading-of").with("source", self.source(source)).with("reading", self.degrees(reading)).to_string()
+                };
+                let readings = heat.iter().map(read).collect::<Vec<_>>().join(", ");
+                let cool = self.degrees(&self.snapshot.temperature.cool);
+                self.say("hold-too-hot").with("readings", readings).with("cool", cool).to_string()
+            }
+            (hold, _) => self.language.hold(*hold).to_string(),
         };
         self.snapshot.mission.holds.iter().map(words).collect()
     }
@@ -218,19 +268,17 @@ impl View<'_> {
         match self.snapshot.mission.phase {
             PhaseName::BombLocated => {
                 let bomb = self.snapshot.luggage.bombs_left().next();
-                let at =
-                    bomb.map_or_else(String::new, |bomb| format!("Luggage #{} at {} is dangerous. ", bomb.id, place(bomb.cell)));
-                let next = if self.unseen_alarms() > 0 { "acknowledge the alarm, then press RESET" } else { "press RESET" };
-                let fetch = if self.may_retrieve() { "RETRIEVE has it brought into the container. " } else { "" };
-                Some(format!("{at}{fetch}When the hall is safe again, {next} to put this mission away."))
+                let at = bomb.map(|bomb| self.say("next-bomb-at").with("id", bomb.id).with("place", self.place(bomb.cell)));
+                let fetch = self.may_retrieve().then(|| self.say("next-retrieve"));
+                let end = self.say(if self.unseen_alarms() > 0 { "next-after-alarm" } else { "next-reset" });
+                let said = at.into_iter().chain(fetch).chain([end]).map(|phrase| phrase.to_string());
+                Some(said.collect::<Vec<_>>().join(" "))
             }
             PhaseName::BagSecured => {
-                let secured = secured_in_words(self.snapshot.luggage.secured().map(|luggage| &**luggage))?;
-                Some(format!("{}. START begins a new search, RESET puts this mission away.", capital(&secured)))
+                let secured = self.secured()?;
+                Some(self.say("next-secured").with("what", capital(&secured)).to_string())
             }
-            PhaseName::Explored => {
-                Some("The whole hall has been searched. START searches it anew, RESET puts this mission away.".into())
-            }
+            PhaseName::Explored => Some(self.say("next-explored").to_string()),
             PhaseName::Idle
             | PhaseName::Exploring
             | PhaseName::Inspecting
@@ -262,13 +310,15 @@ impl View<'_> {
     pub(super) fn announcement(&self) -> String {
         let mut words = vec![sentence(&self.phase())];
         let mission = &self.snapshot.mission;
-        words.extend(mission.fault.iter().map(|fault| sentence(fault)));
+        words.extend(mission.fault.iter().map(|fault| sentence(&self.fault(fault))));
         if mission.phase != PhaseName::Inspecting {
-            words.extend(self.waiting().map(|luggage| format!("Luggage #{} waits for your verdict.", luggage.id)));
+            words.extend(self.waiting().map(|luggage| self.say("announced-waits").with("id", luggage.id).to_string()));
         }
         words.extend(self.holds().first().map(|hold| sentence(hold)));
         words.extend(self.next_step());
-        words.extend(self.snapshot.alarms.iter().filter(|alarm| alarm.acknowledged.is_none()).map(|alarm| sentence(&alarm.text)));
+        words.extend(
+            self.snapshot.alarms.iter().filter(|alarm| alarm.acknowledged.is_none()).map(|alarm| sentence(&self.alarm(alarm))),
+        );
         words.join(" ")
     }
 
@@ -319,27 +369,29 @@ impl View<'_> {
     /// The reading that matters: the hottest of those that are too hot, else the last; or that there is none.
     pub(super) fn celsius(&self) -> String {
         let hottest = self.hot().iter().map(|(_, reading)| *reading).max_by(|a, b| a.degrees().total_cmp(&b.degrees()));
-        hottest.or(self.snapshot.temperature.celsius).map_or_else(|| "no reading".to_owned(), |celsius| celsius.to_string())
+        let shown = hottest.or(self.snapshot.temperature.celsius);
+        shown.map_or_else(|| self.say("temperature-no-reading").to_string(), |celsius| self.degrees(&celsius))
     }
 
-    pub(super) fn temperature_words(&self) -> &'static str {
-        match self.snapshot.temperature.status {
-            TemperatureStatus::Ok if self.snapshot.temperature.celsius.is_none() => {
-                "no thermometer was read: nobody says how warm it is"
-            }
-            TemperatureStatus::Ok => "ok",
-            TemperatureStatus::TooHigh if self.declared_too_high() => "too high by an operator's word: press OK to take it back",
-            TemperatureStatus::TooHigh => "too high: nothing moves",
-            TemperatureStatus::Stale => "sensor silent: nothing moves",
-        }
+    pub(super) fn temperature_words(&self) -> Phrase<'static> {
+        self.say(match self.snapshot.temperature.status {
+            TemperatureStatus::Ok if self.snapshot.temperature.celsius.is_none() => "temperature-unread",
+            TemperatureStatus::Ok => "temperature-ok",
+            TemperatureStatus::TooHigh if self.declared_too_high() => "temperature-declared",
+            TemperatureStatus::TooHigh => "temperature-high",
+            TemperatureStatus::Stale => "temperature-stale",
+        })
     }
 
     /// Every reading that keeps the hall too hot, and what ends it.
     pub(super) fn heat(&self) -> Vec<String> {
         let cool = self.snapshot.temperature.cool;
-        let words = |source: &str, reading: Celsius| match source {
-            OPERATOR => format!("An operator reported {reading}. It counts until a reading of {cool} or less is reported."),
-            sensor => format!("{} reads {reading}. It must fall to {cool} or less.", capital(sensor)),
+        let words = |source: &str, reading: Celsius| {
+            let said = match source {
+                OPERATOR => self.say("temperature-reported"),
+                sensor => self.say("temperature-sensor").with("source", capital(sensor)),
+            };
+            said.with("reading", self.degrees(&reading)).with("cool", self.degrees(&cool)).to_string()
         };
         self.hot().iter().map(|(source, reading)| words(source, *reading)).collect()
     }
@@ -366,11 +418,6 @@ impl View<'_> {
     pub(super) fn unseen_alarms(&self) -> usize {
         self.snapshot.alarms.iter().filter(|alarm| alarm.acknowledged.is_none()).count()
     }
-}
-
-/// A cell in words: `column 3, row 4`.
-pub(super) fn place(cell: Cell) -> String {
-    format!("column {}, row {}", cell.x, cell.y)
 }
 
 /// Why there is no photo, where there is none.

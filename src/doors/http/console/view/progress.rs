@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use super::View;
+use crate::phrases::Phrase;
 use hallsweep_core::mission::PhaseName;
 use hallsweep_core::units::WallTime;
 use hallsweep_core::world::snapshot::TimeLeft;
@@ -15,28 +16,25 @@ impl View<'_> {
     /// What was searched, as `41 cells, 25.6 m²`.
     pub(in super::super) fn searched(&self) -> String {
         let visited = self.snapshot.mission.progress.visited;
-        let cells = format!("{visited} {}", if visited == 1 { "cell" } else { "cells" });
-        let Some(side) = self.hall.cell_m else { return cells };
+        let cells = self.say("cells").with("count", visited);
+        let Some(side) = self.hall.cell_m else { return cells.to_string() };
         let visited = u32::try_from(visited).unwrap_or(u32::MAX);
-        format!("{cells}, {:.1} m²", f64::from(visited) * side * side)
+        let area = self.language.number(&format!("{:.1}", f64::from(visited) * side * side));
+        self.say("cells-and-area").with("cells", cells).with("area", area).to_string()
     }
 
     /// What is still open, in words: how much there will be behind it nobody knows.
-    pub(in super::super) fn open(&self) -> String {
-        match self.snapshot.mission.progress.unknown {
-            0 => "nothing is open: the hall is searched".to_owned(),
-            1 => "1 place still open".to_owned(),
-            open => format!("{open} places still open"),
-        }
+    pub(in super::super) fn open(&self) -> Phrase<'static> {
+        self.say("open-places").with("count", self.snapshot.mission.progress.unknown)
     }
 
     /// How long the search will go on driving, as `4 min to 11 min of driving left`.
-    pub(in super::super) fn left(&self) -> Option<String> {
+    pub(in super::super) fn left(&self) -> Option<Phrase<'static>> {
         let TimeLeft { least, most } = self.snapshot.mission.progress.left?;
         let least = roughly(least, |seconds, unit| seconds / unit);
         Some(match most {
-            None => format!("at least {least} of driving left"),
-            Some(most) => format!("{least} to {} of driving left", roughly(most, u64::div_ceil)),
+            None => self.say("left-least").with("least", least),
+            Some(most) => self.say("left-range").with("least", least).with("most", roughly(most, u64::div_ceil)),
         })
     }
 

@@ -1,0 +1,64 @@
+//! Why a command was refused, and why a mission is in fault.
+
+use crate::phrases::Language;
+use hallsweep_core::command::Refused;
+use hallsweep_core::mission::{FaultCause, Hold};
+
+impl Language {
+    /// Why a command was refused; without a full stop.
+    pub fn refused(self, refused: &Refused) -> String {
+        let say = self.say_of("refused", refused.code());
+        let said = match refused {
+            Refused::Held(holds, store_failure) => say.with("holds", self.holds(holds, store_failure.as_deref())),
+            Refused::Outdated { sent, now } => say.with("sent", sent).with("now", now),
+            Refused::NotInPhase(phase) => say.with("phase", self.phase(*phase)),
+            Refused::IntoObstacle(cell) => say.with("cell", cell),
+            Refused::VerdictPending(id)
+            | Refused::BombUnfetched(id)
+            | Refused::UnknownLuggage(id)
+            | Refused::NoPhoto(id)
+            | Refused::NotInspected(id) => say.with("id", id),
+            Refused::Decided { luggage, verdict } => say.with("id", luggage).with("verdict", self.verdict(verdict.name())),
+            Refused::UnknownAlarm(id) => say.with("id", id),
+            Refused::FetcherUnreached(robot) | Refused::FetcherAbroad(robot) => say.with("robot", robot),
+            Refused::FaultStands(fault) => say.with("fault", fault),
+            Refused::OtherContent(id) => say.with("id", id.text()),
+            Refused::UnknownSensor(sensor) => say.with("sensor", format!("{sensor:?}")),
+            Refused::NotAllowed(words) => say.with("words", words),
+            // What was refused before was refused in these words.
+            Refused::Before(refusal) => return refusal.words.clone(),
+            Refused::SentBefore
+            | Refused::Driving
+            | Refused::NotStopped
+            | Refused::NotCapable
+            | Refused::Moving
+            | Refused::Unrecorded
+            | Refused::NothingPending
+            | Refused::PhotoUnderWay
+            | Refused::NoRetrievalRobot
+            | Refused::StoreDown
+            | Refused::NotKept
+            | Refused::NotOnRecord => say,
+        };
+        said.to_string()
+    }
+
+    /// Why a mission is in fault; without a full stop.
+    pub fn fault(self, fault: &FaultCause) -> String {
+        match fault {
+            FaultCause::NoWayHome => self.say("fault-noWayHome").to_string(),
+            FaultCause::Unanswered => self.say("fault-unanswered").to_string(),
+            FaultCause::Undecided => self.say("fault-undecided").to_string(),
+            FaultCause::Robot(words) => self.say("fault-robot").with("words", words).to_string(),
+            FaultCause::NotFetched(why) => self.say("fault-notFetched").with("why", why).to_string(),
+        }
+    }
+
+    /// What is to be mended is said first, and by its name: other holds may follow from it.
+    fn holds(self, holds: &[Hold], store_failure: Option<&str>) -> String {
+        let store = store_failure.map(|why| self.say("refused-held-store").with("why", why).to_string());
+        let others =
+            holds.iter().filter(|hold| store.is_none() || **hold != Hold::Store).map(|hold| self.hold(*hold).to_string());
+        store.iter().cloned().chain(others).collect::<Vec<_>>().join("; ")
+    }
+}
