@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::robot::PositionJson;
 use hallsweep_core::command::Refused;
+use hallsweep_core::mission::FaultCause;
 use hallsweep_core::search::Strategy;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::snapshot::{MissionView, Progress, Refusals, TimeLeft};
@@ -97,7 +98,7 @@ impl MissionJson {
             id: mission.id.0,
             phase: mission.phase.name(),
             interrupted: mission.interrupted.map(|phase| phase.name()),
-            fault: mission.fault.clone(),
+            fault: mission.fault.as_ref().map(FaultCause::to_string),
             holds: mission.holds.iter().map(|hold| hold.name()).collect(),
             store_failure: mission.store_failure.clone(),
             goal: mission.goal.map(PositionJson::from),

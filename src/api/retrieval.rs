@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use hallsweep_core::retrieval::ArmState;
+use hallsweep_core::retrieval::{ArmState, NotFetched};
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::retrieval::{NodeShown, RetrievalView, TreeView};
 use hallsweep_core::world::snapshot::Snapshot;
@@ -74,7 +74,7 @@ impl RetrievalJson {
             stage: retrieval.map_or("none", |retrieval| retrieval.stage),
             luggage: retrieval.map(|retrieval| retrieval.luggage.0),
             fetcher: retrieval.map(|retrieval| retrieval.fetcher.name()),
-            reason: retrieval.and_then(|retrieval| retrieval.reason.clone()),
+            reason: retrieval.and_then(|retrieval| retrieval.reason.as_ref().map(NotFetched::to_string)),
             ticks: trees.map_or(0, |trees| trees.ticks),
             trees: trees.map(|trees| trees.trees.iter().map(TreeJson::from).collect()).unwrap_or_default(),
             blackboard: trees

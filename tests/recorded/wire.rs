@@ -114,7 +114,12 @@ pub(crate) fn refusals() -> Vec<Refused> {
         Refused::NoRetrievalRobot,
         Refused::FetcherUnreached(RobotId::new("srm1").expect("a sound name")),
         Refused::FetcherAbroad(RobotId::new("srm2").expect("a sound name")),
-        Refused::FaultStands("the robot's wheels slip".to_owned()),
+        // In the words of an earlier version.
+        Refused::Before(Refusal {
+            code: "faultStands",
+            kind: RefusalKind::Conflict,
+            words: "the fault still stands: the robot's wheels slip".to_owned(),
+        }),
         Refused::StoreDown,
         Refused::NotKept,
         Refused::OtherContent(CommandId::new("c-1").expect("a sound name")),

@@ -380,7 +380,7 @@ impl Mission {
         }
         assert_eq!(state.robot.pose.cell, Cell::HOME, "seed {seed}");
         if !secured {
-            let words = state.mission.fault.clone().unwrap_or_default();
+            let words = state.mission.fault.as_ref().map(ToString::to_string).unwrap_or_default();
             let fault = RetrievalFault::ALL.into_iter().find(|fault| words.contains(fault.in_words()));
             let fault = fault.unwrap_or_else(|| panic!("seed {seed}: {words}"));
             *tally.faults.entry(fault.name()).or_default() += 1;

@@ -103,7 +103,11 @@ fn check_nobody_is_left_inside(trio: &mut Trio, why: &str) {
 fn check_fault(trio: &mut Trio, words: &str) {
     let state = ended(trio);
     assert_eq!(state.mission.phase, PhaseName::Fault, "{:?}", state.retrieval);
-    assert!(state.mission.fault.as_ref().is_some_and(|fault| fault.contains(words)), "{words}: {:?}", state.mission.fault);
+    assert!(
+        state.mission.fault.as_ref().is_some_and(|fault| fault.to_string().contains(words)),
+        "{words}: {:?}",
+        state.mission.fault
+    );
 }
 
 fn check_secured(trio: &mut Trio) {

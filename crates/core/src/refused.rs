@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::command::{CommandId, Verdict};
 use super::event::RobotId;
-use super::mission::{Hold, PhaseName};
+use super::mission::{FaultCause, Hold, PhaseName};
 use super::units::{AlarmId, Cell, Epoch, LuggageId};
 
 /// What kind of refusal it is, as far as it makes a difference to whoever is told.
@@ -104,7 +104,7 @@ pub enum Refused {
     FetcherAbroad(RobotId),
     /// What put the mission in fault is still so.
     #[error("the fault still stands: {0}")]
-    FaultStands(String),
+    FaultStands(FaultCause),
     /// Nothing can be put on record.
     #[error("the record cannot be written, so nothing was decided: try again when the store is back")]
     StoreDown,

@@ -23,6 +23,12 @@ impl Cell {
         Cell { x, y }
     }
 
+    /// The cell that is written so: `(1, 2)`.
+    pub(crate) fn from_words(words: &str) -> Option<Cell> {
+        let (x, y) = words.strip_prefix('(')?.strip_suffix(')')?.split_once(", ")?;
+        Some(Cell::new(x.parse().ok()?, y.parse().ok()?))
+    }
+
     /// The next cell in the direction `heading`.
     #[must_use]
     pub const fn ahead(self, heading: Heading) -> Cell {

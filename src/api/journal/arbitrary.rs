@@ -14,7 +14,7 @@ use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::event::{Piece, RobotId};
 use hallsweep_core::mission::{FaultCause, Goal, Hold, Inspection, Phase, Stage};
 use hallsweep_core::refused::CODES;
-use hallsweep_core::retrieval::{Parcel, Place, RetrievalFault, Team, TeamStage, TeamState};
+use hallsweep_core::retrieval::{AloneFault, NotFetched, Parcel, Place, RetrievalFault, StuckFault, Team, TeamStage, TeamState};
 use hallsweep_core::search::{Search, Strategy as Order};
 use hallsweep_core::settings::Fetcher;
 use hallsweep_core::state::{PersistentState, Retrieval, RetrievalStage};
@@ -176,8 +176,21 @@ fn cause() -> impl Strategy<Value = FaultCause> {
         Just(FaultCause::Unanswered),
         Just(FaultCause::Undecided),
         text().prop_map(FaultCause::Robot),
-        text().prop_map(FaultCause::NotFetched),
+        not_fetched().prop_map(FaultCause::NotFetched),
     ]
+}
+
+/// A reason that this version knows, and words that it may not know.
+fn not_fetched() -> impl Strategy<Value = NotFetched> {
+    let once = || {
+        prop_oneof![
+            (one_of(&RetrievalFault::ALL), option::of(text())).prop_map(|(fault, words)| NotFetched::Pair(fault, words)),
+            one_of(&AloneFault::ALL).prop_map(NotFetched::Alone),
+            text().prop_map(|words| NotFetched::from_words(&words)),
+        ]
+    };
+    let stuck = |(fault, before): (_, Option<NotFetched>)| NotFetched::Stuck(fault, before.map(Box::new));
+    prop_oneof![once(), (one_of(&StuckFault::ALL), option::of(once())).prop_map(stuck)]
 }
 
 fn retrieval() -> impl Strategy<Value = Retrieval> {
@@ -185,8 +198,8 @@ fn retrieval() -> impl Strategy<Value = Retrieval> {
         Just(RetrievalStage::MakingRoom),
         Just(RetrievalStage::Fetching),
         Just(RetrievalStage::LettingGo),
-        option::of(text()).prop_map(RetrievalStage::GoingOut),
-        option::of(text()).prop_map(RetrievalStage::ComingHome),
+        option::of(not_fetched()).prop_map(RetrievalStage::GoingOut),
+        option::of(not_fetched()).prop_map(RetrievalStage::ComingHome),
     ];
     let call = option::of(any::<u64>().prop_map(AlarmId));
     (any::<u64>(), one_of(&Fetcher::ALL), stage, btree_set(cell(), 0..3), call, option::of(team())).prop_map(

@@ -7,6 +7,7 @@ use super::names::Step;
 use super::places::{Point, PoseShape};
 use hallsweep_core::event::Piece;
 use hallsweep_core::mission::{FaultCause, Inspection, Phase, Stage};
+use hallsweep_core::retrieval::NotFetched;
 use hallsweep_core::units::LuggageId;
 
 /// A phase, by the name of the doors.
@@ -145,7 +146,7 @@ impl From<&FaultCause> for CauseShape {
             FaultCause::Unanswered => CauseShape::Unanswered,
             FaultCause::Undecided => CauseShape::Undecided,
             FaultCause::Robot(words) => CauseShape::Robot(words.clone()),
-            FaultCause::NotFetched(words) => CauseShape::NotFetched(words.clone()),
+            FaultCause::NotFetched(words) => CauseShape::NotFetched(words.to_string()),
         }
     }
 }
@@ -157,7 +158,7 @@ impl From<CauseShape> for FaultCause {
             CauseShape::Unanswered => FaultCause::Unanswered,
             CauseShape::Undecided => FaultCause::Undecided,
             CauseShape::Robot(words) => FaultCause::Robot(words),
-            CauseShape::NotFetched(words) => FaultCause::NotFetched(words),
+            CauseShape::NotFetched(words) => FaultCause::NotFetched(NotFetched::from_words(&words)),
         }
     }
 }

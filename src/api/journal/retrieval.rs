@@ -8,7 +8,7 @@ use super::places::Point;
 use super::team::TeamShape;
 use super::{Unparsed, names};
 use hallsweep_core::event::RobotId;
-use hallsweep_core::retrieval::Place;
+use hallsweep_core::retrieval::{NotFetched, Place};
 use hallsweep_core::settings::Fetcher;
 use hallsweep_core::state::{Retrieval, RetrievalStage};
 use hallsweep_core::units::{AlarmId, LuggageId};
@@ -39,6 +39,7 @@ enum StageShape {
 
 impl From<&Retrieval> for RetrievalShape {
     fn from(retrieval: &Retrieval) -> RetrievalShape {
+        let words = |reason: &Option<NotFetched>| reason.as_ref().map(NotFetched::to_string);
         RetrievalShape {
             luggage: retrieval.luggage.0,
             fetcher: retrieval.fetcher.name().to_owned(),
@@ -46,8 +47,8 @@ impl From<&Retrieval> for RetrievalShape {
                 RetrievalStage::MakingRoom => StageShape::MakingRoom,
                 RetrievalStage::Fetching => StageShape::Fetching,
                 RetrievalStage::LettingGo => StageShape::LettingGo,
-                RetrievalStage::GoingOut(reason) => StageShape::GoingOut(reason.clone()),
-                RetrievalStage::ComingHome(reason) => StageShape::ComingHome(reason.clone()),
+                RetrievalStage::GoingOut(reason) => StageShape::GoingOut(words(reason)),
+                RetrievalStage::ComingHome(reason) => StageShape::ComingHome(words(reason)),
             },
             piece: retrieval.piece.iter().copied().map(Point::from).collect(),
             call: retrieval.call.map(|alarm| alarm.0),
@@ -58,6 +59,7 @@ impl From<&Retrieval> for RetrievalShape {
 
 impl RetrievalShape {
     pub(super) fn retrieval(self) -> Result<Retrieval, Unparsed> {
+        let read = |words: Option<String>| words.map(|words| NotFetched::from_words(&words));
         let fetcher = Fetcher::ALL.into_iter().find(|fetcher| fetcher.name() == self.fetcher);
         Ok(Retrieval {
             luggage: LuggageId(self.luggage),
@@ -66,8 +68,8 @@ impl RetrievalShape {
                 StageShape::MakingRoom => RetrievalStage::MakingRoom,
                 StageShape::Fetching => RetrievalStage::Fetching,
                 StageShape::LettingGo => RetrievalStage::LettingGo,
-                StageShape::GoingOut(reason) => RetrievalStage::GoingOut(reason),
-                StageShape::ComingHome(reason) => RetrievalStage::ComingHome(reason),
+                StageShape::GoingOut(reason) => RetrievalStage::GoingOut(read(reason)),
+                StageShape::ComingHome(reason) => RetrievalStage::ComingHome(read(reason)),
             },
             piece: self.piece.into_iter().map(Into::into).collect(),
             call: self.call.map(AlarmId),

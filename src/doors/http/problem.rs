@@ -126,7 +126,7 @@ mod tests {
     use crate::api::problem::refusal as named;
     use hallsweep_core::command::{CODES, CommandId, Refused, Verdict};
     use hallsweep_core::event::RobotId;
-    use hallsweep_core::mission::{Hold, PhaseName};
+    use hallsweep_core::mission::{FaultCause, Hold, PhaseName};
     use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId};
 
     /// One of each variant, in their order, and how the walk goes on; a new variant does not compile until it is added here.
@@ -155,7 +155,7 @@ mod tests {
             Some(Refused::UnknownAlarm(_)) => Refused::NoRetrievalRobot,
             Some(Refused::NoRetrievalRobot) => Refused::FetcherUnreached(RobotId::discovery()),
             Some(Refused::FetcherUnreached(_)) => Refused::FetcherAbroad(RobotId::discovery()),
-            Some(Refused::FetcherAbroad(_)) => Refused::FaultStands("stuck".to_owned()),
+            Some(Refused::FetcherAbroad(_)) => Refused::FaultStands(FaultCause::Unanswered),
             Some(Refused::FaultStands(_)) => Refused::StoreDown,
             Some(Refused::StoreDown) => Refused::NotKept,
             Some(Refused::NotKept) => Refused::OtherContent(CommandId::new("a-name").unwrap()),

@@ -105,7 +105,7 @@ impl Engine {
                 let sensor = context.reading.as_ref().map(|(sensor, _)| sensor);
                 sensor.filter(|sensor| !self.watchdog.watches(sensor)).map(|sensor| Refused::UnknownSensor(Arc::clone(sensor)))
             }
-            Guard::FaultStands => self.fault_stands(phase).map(|cause| Refused::FaultStands(cause.to_string())),
+            Guard::FaultStands => self.fault_stands(phase).map(|cause| Refused::FaultStands(cause.clone())),
         }
     }
 

@@ -5,7 +5,7 @@ use super::Engine;
 use super::motion::Turn;
 use crate::command::Move;
 use crate::effect::Action;
-use crate::retrieval::{ArmAction, MOST_FAILURES, Place};
+use crate::retrieval::{AloneFault, ArmAction, MOST_FAILURES, NotFetched, Place};
 use crate::search::plan::Through;
 use crate::state::RetrievalStage;
 use crate::units::{Cell, Heading, Pose};
@@ -24,14 +24,14 @@ impl Engine {
         let is_lifted = self.state.retrieval.as_ref().is_some_and(|retrieval| retrieval.piece.is_empty());
         match (self.robots.searching().arm.holds, is_lifted) {
             (Some(parcel), _) if self.wanted_piece().is_some_and(|wanted| wanted != parcel.piece) => {
-                self.give_up("the robot has taken another piece than the one it was sent for")
+                self.give_up(AloneFault::OtherPiece)
             }
             (Some(_), _) if self.is_home() => {
                 self.set_retrieval_stage(RetrievalStage::LettingGo);
                 Turn::Again
             }
             (Some(_), _) => self.carry_home(),
-            (None, true) => self.give_up("the robot does not hold the piece any more, and it is not in the container"),
+            (None, true) => self.give_up(AloneFault::PieceLost),
             (None, false) => self.go_and_take(),
         }
     }
@@ -56,7 +56,7 @@ impl Engine {
             let way = self.way_home(Through::Known);
             self.set_route(way);
         }
-        if self.follow_route() { Turn::Rest } else { self.give_up("no known way leads home with the piece") }
+        if self.follow_route() { Turn::Rest } else { self.give_up(AloneFault::NoWayHome) }
     }
 
     fn go_and_take(&mut self) -> Turn {
@@ -70,19 +70,19 @@ impl Engine {
             let way = self.way_to_piece();
             self.set_route(way);
         }
-        if self.follow_route() { Turn::Rest } else { self.give_up("no way leads to the piece") }
+        if self.follow_route() { Turn::Rest } else { self.give_up(AloneFault::NoWayToPiece) }
     }
 
     /// Only what it was sent for.
     fn take(&mut self, place: Place) -> Turn {
         if self.robots.searching().failures >= MOST_FAILURES {
             self.robots.searching_mut().failures = 0;
-            return self.give_up("the robot cannot take hold of the piece");
+            return self.give_up(AloneFault::CannotTake);
         }
         match self.seen.take() {
             None => self.order(Action::Arm(ArmAction::FindParcel(place))),
             Some(Some(_)) => self.order(Action::Arm(ArmAction::CloseGripper)),
-            Some(None) => self.give_up("the robot does not recognise the piece where it should stand"),
+            Some(None) => self.give_up(AloneFault::NotRecognised),
         }
     }
 
@@ -114,8 +114,8 @@ impl Engine {
         Some(way)
     }
 
-    fn give_up(&mut self, words: &str) -> Turn {
-        self.not_fetched(words.to_owned());
+    fn give_up(&mut self, fault: AloneFault) -> Turn {
+        self.not_fetched(NotFetched::Alone(fault));
         Turn::Again
     }
 }

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use super::Engine;
 use crate::effect::Effect;
-use crate::mission::{Goal, Hold, Phase, PhaseName};
+use crate::mission::{FaultCause, Goal, Hold, Phase, PhaseName};
 use crate::search::Strategy;
 use crate::units::{AlarmId, Cell, LuggageId, MissionId, Revision, Seq};
 use crate::world::alarm::Alarm;
@@ -34,7 +34,7 @@ pub(super) struct StateView {
     under_way: bool,
     pub(super) phase: PhaseName,
     pub(super) interrupted: Option<PhaseName>,
-    pub(super) fault: Option<String>,
+    pub(super) fault: Option<FaultCause>,
     pub(super) inspected: Option<LuggageId>,
     pub(super) strategy: Strategy,
     pub(super) goal: Option<Cell>,
@@ -202,7 +202,7 @@ impl Engine {
             under_way: state.under_way,
             phase: state.phase.name(),
             interrupted: state.phase.interrupted().map(Phase::name),
-            fault: state.phase.fault().map(ToString::to_string),
+            fault: state.phase.fault().cloned(),
             inspected: self.inspected().filter(|id| state.luggage.get(*id).is_some()),
             strategy: state.strategy,
             goal: self.goal(),

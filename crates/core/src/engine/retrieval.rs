@@ -10,7 +10,9 @@ use crate::command::Move;
 use crate::effect::{Action, Fact};
 use crate::event::RobotId;
 use crate::mission::{FaultCause, Input, InputContext, Phase};
-use crate::retrieval::{ArmAction, BasePose, BaseView, Floor, Gear, Gripper, MOST_FAILURES, Place, Which, steer};
+use crate::retrieval::{
+    ArmAction, BasePose, BaseView, Floor, Gear, Gripper, MOST_FAILURES, NotFetched, Place, StuckFault, Which, steer,
+};
 use crate::robots::Part;
 use crate::settings::Fetcher;
 use crate::state::{Retrieval, RetrievalStage};
@@ -118,7 +120,7 @@ impl Engine {
             luggage: *luggage,
             fetcher: *fetcher,
             stage: stage.name(),
-            reason: stage.reason().map(str::to_owned),
+            reason: stage.reason().cloned(),
             piece: piece.iter().copied().collect(),
             trees: Arc::clone(&self.trees),
         }))
@@ -153,9 +155,7 @@ impl Engine {
         let (began, set) = (retrieval.fetcher, self.settings.fetcher);
         if began != set {
             // Who began it may stand anywhere, with the piece in the grip.
-            let words =
-                format!("it was begun with mission.retrieval = {:?}, which is {:?} now: set it back", began.name(), set.name());
-            self.not_fetched(words);
+            self.not_fetched(NotFetched::OtherFetcher { began, set });
             return Turn::Again;
         }
         match (&retrieval.stage, retrieval.fetcher) {
@@ -193,13 +193,13 @@ impl Engine {
     }
 
     /// The robots that fetched set down what they hold and go back outside, one after the other.
-    fn go_out(&mut self, reason: Option<String>) -> Turn {
+    fn go_out(&mut self, reason: Option<NotFetched>) -> Turn {
         let bases = Which::ALL.map(|which| self.base_view(which));
         if bases.iter().any(|base| base.open.is_some()) {
             return Turn::Rest;
         }
         if bases.iter().any(|base| base.failures >= MOST_FAILURES) {
-            return self.stuck(reason, "a robot that fetches cannot do what it is told");
+            return self.stuck(reason, StuckFault::RobotFails);
         }
         let astray = Which::ALL.into_iter().filter(|which| bases[which.index()].off_centre).collect::<Vec<_>>();
         if !astray.is_empty() {
@@ -220,13 +220,13 @@ impl Engine {
                 return self.all(&[which], action);
             }
         }
-        self.stuck(reason, "no way leads the robots that fetch back outside")
+        self.stuck(reason, StuckFault::NoWayOut)
     }
 
     /// They cannot go out; START tries once more.
-    fn stuck(&mut self, reason: Option<String>, words: &str) -> Turn {
+    fn stuck(&mut self, reason: Option<NotFetched>, fault: StuckFault) -> Turn {
         self.forget_failures();
-        self.not_fetched(reason.map_or_else(|| words.to_owned(), |reason| format!("{reason}; and {words}")));
+        self.not_fetched(NotFetched::Stuck(fault, reason.map(Box::new)));
         Turn::Again
     }
 
@@ -253,7 +253,7 @@ impl Engine {
     }
 
     /// The robot that searches stands where a mission begins: at home.
-    fn come_home(&mut self, reason: Option<String>) -> Turn {
+    fn come_home(&mut self, reason: Option<NotFetched>) -> Turn {
         if self.steps_outside(self.robots.searching_id()) > 0 {
             return self.order(Action::Enter);
         }
@@ -266,8 +266,8 @@ impl Engine {
         Turn::Again
     }
 
-    pub(super) fn not_fetched(&mut self, reason: String) {
-        self.feed(Input::NotFetched, &InputContext { fault: Some(FaultCause::NotFetched(reason)), ..InputContext::default() });
+    pub(super) fn not_fetched(&mut self, why: NotFetched) {
+        self.feed(Input::NotFetched, &InputContext { fault: Some(FaultCause::NotFetched(why)), ..InputContext::default() });
     }
 
     /// What a robot is wanted to do, if the gate lets it through; else it is wanted again at the next look.

@@ -9,7 +9,7 @@ use super::motion::Turn;
 use crate::effect::Fact;
 use crate::mission::{Hold, Phase};
 use crate::retrieval::team::TICK;
-use crate::retrieval::{Place, Proposal, Saying, Team, TeamStage, View, Which};
+use crate::retrieval::{NotFetched, Place, Proposal, Saying, Team, TeamStage, View, Which};
 use crate::settings::Fetcher;
 use crate::state::{Retrieval, RetrievalStage};
 use crate::world::log::Tone;
@@ -84,8 +84,7 @@ impl Engine {
             TeamStage::Done => self.secured(),
             TeamStage::Faulted(fault) => {
                 self.forget_failures();
-                let more = words.map(|words| format!(" ({words})")).unwrap_or_default();
-                self.set_retrieval_stage(RetrievalStage::GoingOut(Some(format!("{}{more}", fault.in_words()))));
+                self.set_retrieval_stage(RetrievalStage::GoingOut(Some(NotFetched::Pair(fault, words))));
                 Turn::Again
             }
         }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use super::Engine;
 use super::on_record::StateView;
 use crate::command::{Move, Refused};
-use crate::mission::{Hold, Input, InputContext, Phase, PhaseName, Stage};
+use crate::mission::{FaultCause, Hold, Input, InputContext, Phase, PhaseName, Stage};
 use crate::robots::{Part, Robot, RobotId};
 use crate::search::forecast::forecast;
 use crate::search::plan::cells_along;
@@ -112,9 +112,9 @@ impl Engine {
     }
 
     /// A fault warns, so it is shown at once; what it interrupts is what was shown before.
-    fn phase_shown(&self, shown: &StateView) -> (PhaseName, Option<PhaseName>, Option<String>) {
+    fn phase_shown(&self, shown: &StateView) -> (PhaseName, Option<PhaseName>, Option<FaultCause>) {
         let Some(cause) = self.state.phase.fault() else { return (shown.phase, shown.interrupted, shown.fault.clone()) };
-        (PhaseName::Fault, shown.interrupted.or(Some(shown.phase)), Some(cause.to_string()))
+        (PhaseName::Fault, shown.interrupted.or(Some(shown.phase)), Some(cause.clone()))
     }
 
     /// A hold is shown as soon as it stands. One that a command has cleared is shown until that is on record.

@@ -34,7 +34,7 @@ pub(crate) fn from_words(words: &str) -> Option<Command> {
         Input::Retrieve => Command::Retrieve,
         Input::Reset => Command::Reset,
         Input::Move => Command::Move(Move::ALL.into_iter().find(|step| step.in_words() == about)?),
-        Input::Goto => Command::Goto(cell(about)?),
+        Input::Goto => Command::Goto(Cell::from_words(about)?),
         Input::Safe => verdict(Verdict::Safe)?,
         Input::Danger => verdict(Verdict::Danger)?,
         Input::RetakePhoto => Command::RetakePhoto(number(about)?),
@@ -96,32 +96,18 @@ fn number(words: &str) -> Option<LuggageId> {
     words.strip_prefix('#')?.parse().ok().map(LuggageId)
 }
 
-/// `(1, 2)`
-fn cell(words: &str) -> Option<Cell> {
-    let (x, y) = words.strip_prefix('(')?.strip_suffix(')')?.split_once(", ")?;
-    Some(Cell::new(x.parse().ok()?, y.parse().ok()?))
-}
-
 fn degrees(words: &str) -> Option<Celsius> {
     words.parse().ok().and_then(Celsius::new)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{Input, from_words, in_words};
+    use crate::command::{Command, LuggageRef, Move, Note, TemperatureReport, Verdict};
     use crate::rng::RandomStream;
-
-    /// Any number, and the small ones most people use.
-    fn number(dice: &mut RandomStream) -> u64 {
-        let shift = dice.below(64);
-        dice.number() >> shift
-    }
-
-    #[expect(clippy::cast_possible_truncation, reason = "any number of this size will do")]
-    fn coordinate(dice: &mut RandomStream) -> i32 {
-        let shift = dice.below(32);
-        (dice.number() as i32) >> shift
-    }
+    use crate::search::Strategy;
+    use crate::units::{AlarmId, Cell, Celsius, LuggageId};
+    use crate::words::{coordinate, number};
 
     fn reading(dice: &mut RandomStream) -> Celsius {
         loop {

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::retrieval::TeamState;
+use crate::retrieval::{NotFetched, TeamState};
 use crate::settings::Fetcher;
 use crate::units::{AlarmId, Cell, LuggageId};
 
@@ -34,9 +34,9 @@ pub enum RetrievalStage {
     /// The robot that fetches by itself has it at home and is about to let go of it.
     LettingGo,
     /// It is in the container, or cannot be fetched, for this reason: the robots that fetched go back outside.
-    GoingOut(Option<String>),
+    GoingOut(Option<NotFetched>),
     /// Everybody is outside: the robot that searches comes home, and then the piece is secured, or for this reason it is not.
-    ComingHome(Option<String>),
+    ComingHome(Option<NotFetched>),
 }
 
 impl RetrievalStage {
@@ -54,9 +54,9 @@ impl RetrievalStage {
 
     /// Why the piece cannot be fetched, once that is known.
     #[must_use]
-    pub fn reason(&self) -> Option<&str> {
+    pub const fn reason(&self) -> Option<&NotFetched> {
         match self {
-            RetrievalStage::GoingOut(reason) | RetrievalStage::ComingHome(reason) => reason.as_deref(),
+            RetrievalStage::GoingOut(reason) | RetrievalStage::ComingHome(reason) => reason.as_ref(),
             RetrievalStage::MakingRoom | RetrievalStage::Fetching | RetrievalStage::LettingGo => None,
         }
     }

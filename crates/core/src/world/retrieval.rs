@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::behaviour::{Blackboard, Status, Tree};
+use crate::retrieval::NotFetched;
 use crate::settings::Fetcher;
 use crate::units::{Cell, LuggageId};
 
@@ -16,7 +17,7 @@ pub struct RetrievalView {
     /// The word for how far it has come.
     pub stage: &'static str,
     /// Why it cannot be fetched, once that is known.
-    pub reason: Option<String>,
+    pub reason: Option<NotFetched>,
     /// The cells in which it lies now, as far as they are known; none while it is off the floor.
     pub piece: Vec<Cell>,
     /// The trees that lead it; none when it is fetched without.

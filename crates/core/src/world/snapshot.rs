@@ -12,7 +12,7 @@ use super::resource::Resource;
 use super::retrieval::RetrievalView;
 use super::robot::{RobotShown, RobotState, RobotView};
 use super::temperature::TemperatureView;
-use crate::mission::{Hold, PhaseName};
+use crate::mission::{FaultCause, Hold, PhaseName};
 use crate::refused::Refused;
 use crate::search::Strategy;
 use crate::units::{Cell, Epoch, LuggageId, MissionId, Revision};
@@ -91,7 +91,7 @@ pub struct MissionView {
     /// The phase that is interrupted, while driving by hand or in fault.
     pub interrupted: Option<PhaseName>,
     /// Why it is in fault.
-    pub fault: Option<String>,
+    pub fault: Option<FaultCause>,
     /// What holds the robot.
     pub holds: Vec<Hold>,
     /// Why nothing can be put on record, while that is so.

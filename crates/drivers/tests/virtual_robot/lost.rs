@@ -69,7 +69,7 @@ fn a_robot_that_is_lost_is_put_at_its_start_and_the_mission_goes_on() {
             rig.give(Command::Start).expect("the link stands again");
             assert!(rig.until(5, |state| state.mission.phase == PhaseName::Fault), "{}", rig.trouble());
             let fault = rig.state().mission.fault.clone();
-            assert!(fault.as_ref().is_some_and(|words| words.contains("press START")), "{fault:?}");
+            assert!(fault.as_ref().is_some_and(|words| words.to_string().contains("press START")), "{fault:?}");
             if is_killed {
                 rig.kill_driver();
                 assert!(rig.until(5, |state| !state.mission.holds.contains(&Hold::RobotLink)));

@@ -112,7 +112,7 @@ pub fn explore_and_tell(
                 Some(format!("the photo of luggage #{id} fails again and again"))
             }
             Some(command) => run.give(command).err().map(|refused| refused.to_string()),
-            None if state.mission.phase == PhaseName::Fault => state.mission.fault.clone(),
+            None if state.mission.phase == PhaseName::Fault => state.mission.fault.as_ref().map(ToString::to_string),
             None => (!run.advance()).then(|| why_not(&state)),
         };
     }

@@ -1,0 +1,153 @@
+//! Why a piece was not fetched, in words and back: the journal keeps the words alone. What ends a run of the pair stands in `fault`.
+
+use std::fmt;
+
+use super::fault::RetrievalFault;
+use crate::settings::Fetcher;
+
+/// Between why the robots go out without the piece and why they cannot.
+const AND: &str = "; and ";
+
+/// Why a piece was not fetched. `Display` is what an operator reads, and what the journal keeps.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NotFetched {
+    /// The pair could not go on; and what was wrong with a tree, in the words of whatever read it.
+    Pair(RetrievalFault, Option<String>),
+    /// The robot that fetches by itself could not go on.
+    Alone(AloneFault),
+    /// The settings name another fetcher than the one who began, and who may stand anywhere with the piece in the grip.
+    OtherFetcher {
+        /// Who began.
+        began: Fetcher,
+        /// Who is set now.
+        set: Fetcher,
+    },
+    /// The robots that fetched cannot go back outside; and why they were to go without the piece, where they were.
+    Stuck(StuckFault, Option<Box<NotFetched>>),
+    /// In words of another version.
+    Other(String),
+}
+
+named! {
+    ALL by in_words;
+    /// What ended a retrieval by the robot that searches.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum AloneFault {
+        /// It holds another piece.
+        OtherPiece = "the robot has taken another piece than the one it was sent for",
+        /// It had the piece, and has it no more.
+        PieceLost = "the robot does not hold the piece any more, and it is not in the container",
+        /// It has the piece and cannot come home with it.
+        NoWayHome = "no known way leads home with the piece",
+        /// It cannot come to stand before the piece.
+        NoWayToPiece = "no way leads to the piece",
+        /// It has tried several times.
+        CannotTake = "the robot cannot take hold of the piece",
+        /// It sees something else, or nothing.
+        NotRecognised = "the robot does not recognise the piece where it should stand",
+    }
+}
+
+named! {
+    ALL by in_words;
+    /// What keeps the robots that fetched in the hall.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum StuckFault {
+        /// One of them failed several times.
+        RobotFails = "a robot that fetches cannot do what it is told",
+        /// They find no way.
+        NoWayOut = "no way leads the robots that fetch back outside",
+    }
+}
+
+impl fmt::Display for NotFetched {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            NotFetched::Pair(fault, None) => f.write_str(fault.in_words()),
+            NotFetched::Pair(fault, Some(words)) => write!(f, "{} ({words})", fault.in_words()),
+            NotFetched::Alone(fault) => f.write_str(fault.in_words()),
+            NotFetched::OtherFetcher { began, set } => {
+                write!(f, "it was begun with mission.retrieval = {:?}, which is {:?} now: set it back", began.name(), set.name())
+            }
+            NotFetched::Stuck(fault, None) => f.write_str(fault.in_words()),
+            NotFetched::Stuck(fault, Some(before)) => write!(f, "{before}{AND}{}", fault.in_words()),
+            NotFetched::Other(words) => f.write_str(words),
+        }
+    }
+}
+
+impl NotFetched {
+    /// What has these words: `Other` when nothing else has.
+    #[must_use]
+    pub fn from_words(words: &str) -> NotFetched {
+        let stuck = StuckFault::ALL.into_iter().find_map(|fault| {
+            let before = words.strip_suffix(fault.in_words())?;
+            let before = if before.is_empty() { None } else { Some(Box::new(once(before.strip_suffix(AND)?))) };
+            Some(NotFetched::Stuck(fault, before))
+        });
+        stuck.unwrap_or_else(|| once(words))
+    }
+}
+
+/// What has these words, and is no more than one reason: words that say many, as a damaged journal may, are taken apart no further.
+fn once(words: &str) -> NotFetched {
+    let pair = RetrievalFault::ALL.into_iter().find_map(|fault| {
+        let more = words.strip_prefix(fault.in_words())?;
+        let own = if more.is_empty() { None } else { Some(more.strip_prefix(" (")?.strip_suffix(')')?.to_owned()) };
+        Some(NotFetched::Pair(fault, own))
+    });
+    let alone = AloneFault::ALL.into_iter().map(NotFetched::Alone);
+    let fetchers = Fetcher::ALL.into_iter().flat_map(|began| Fetcher::ALL.map(|set| NotFetched::OtherFetcher { began, set }));
+    let read = pair.into_iter().chain(alone).chain(fetchers).find(|read| read.to_string() == words);
+    read.unwrap_or_else(|| NotFetched::Other(words.to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::RandomStream;
+    use crate::words::hostile;
+
+    fn one(dice: &mut RandomStream) -> NotFetched {
+        let fetcher = |dice: &mut RandomStream| Fetcher::ALL[dice.below(3) as usize];
+        match dice.below(4) {
+            0 => NotFetched::Pair(RetrievalFault::ALL[dice.below(10) as usize], None),
+            1 => NotFetched::Pair(RetrievalFault::ALL[dice.below(10) as usize], Some(hostile(dice))),
+            2 => NotFetched::Alone(AloneFault::ALL[dice.below(6) as usize]),
+            _ => NotFetched::OtherFetcher { began: fetcher(dice), set: fetcher(dice) },
+        }
+    }
+
+    #[test]
+    fn every_reason_comes_back_from_its_words() {
+        let mut dice = RandomStream::new(1, "not fetched");
+        for _ in 0..5000 {
+            let one = one(&mut dice);
+            assert_eq!(NotFetched::from_words(&one.to_string()), one);
+            let before = if dice.happens(0.2) { None } else { Some(Box::new(one)) };
+            let stuck = NotFetched::Stuck(StuckFault::ALL[dice.below(2) as usize], before);
+            assert_eq!(NotFetched::from_words(&stuck.to_string()), stuck);
+        }
+    }
+
+    #[test]
+    fn words_of_another_version_stay_as_they_are() {
+        let mut dice = RandomStream::new(2, "not fetched");
+        for _ in 0..5000 {
+            let words = hostile(&mut dice);
+            assert_eq!(NotFetched::from_words(&words).to_string(), words);
+        }
+        for words in ["", "no way leads to the piece.", "the pair has lost the parcel too often (", "a tree fell"] {
+            assert_eq!(NotFetched::from_words(words), NotFetched::Other(words.to_owned()));
+        }
+    }
+
+    #[test]
+    fn words_without_end_are_taken_apart_once() {
+        let words = format!("{AND}{}", StuckFault::NoWayOut.in_words()).repeat(100_000);
+        assert!(matches!(
+            NotFetched::from_words(&words),
+            NotFetched::Stuck(_, Some(before)) if matches!(*before, NotFetched::Other(_))
+        ));
+    }
+}
