@@ -37,7 +37,7 @@ impl From<&AlarmView> for AlarmJson {
             id: alarm.id.map(|id| id.0),
             recorded: alarm.is_recorded(),
             raised: rfc3339(alarm.raised),
-            text: alarm.text.clone(),
+            text: alarm.cause.to_string(),
             luggage: alarm.luggage.map(|id| id.0),
             acknowledged: acknowledged.map(|(who, wall)| Acknowledgement { by: who.to_string(), at: rfc3339(*wall) }),
         }

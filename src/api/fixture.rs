@@ -8,7 +8,7 @@ use hallsweep_core::event::{Parts, RobotId};
 use hallsweep_core::mission::PhaseName;
 use hallsweep_core::search::Strategy;
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, WallTime};
-use hallsweep_core::world::alarm::AlarmView;
+use hallsweep_core::world::alarm::{AlarmCause, AlarmView};
 use hallsweep_core::world::hall_map::{HallMap, Mark};
 use hallsweep_core::world::log::{LogLine, Tone};
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
@@ -77,8 +77,8 @@ pub(crate) fn searching() -> Snapshot {
         piece(3, Cell::new(3, 2), None),
     ]
     .into();
-    let text = "luggage #2 is dangerous".to_owned();
-    let alarm = AlarmView { id: Some(AlarmId(1)), raised: TEN, text, luggage: Some(LuggageId(2)), acknowledged: None };
+    let cause = AlarmCause::Other("luggage #2 is dangerous".to_owned());
+    let alarm = AlarmView { id: Some(AlarmId(1)), raised: TEN, cause, luggage: Some(LuggageId(2)), acknowledged: None };
     snapshot.alarms = Arc::from([alarm]);
     write(&mut snapshot, Tone::Info, "exploration began");
     write(&mut snapshot, Tone::Alarm, "luggage #2 is dangerous");

@@ -61,7 +61,7 @@ fn said(fact: &Fact) -> String {
             format!("verdict on luggage #{luggage}: {}, by {who}{note}", verdict.name())
         }
         Fact::Temperature(source, celsius) => format!("temperature {celsius}, by {source}"),
-        Fact::AlarmRaised(alarm, _, text) => format!("alarm {alarm} raised: {text}"),
+        Fact::AlarmRaised(alarm, _, cause) => format!("alarm {alarm} raised: {cause}"),
         Fact::AlarmAcknowledged(alarm, who) => format!("alarm {alarm} acknowledged by {who}"),
         Fact::Strategy(strategy) => format!("search order: {}", strategy.name()),
         Fact::MapEmptied(heading) => format!("map emptied, facing {}", heading.name()),
@@ -137,6 +137,7 @@ mod tests {
     use hallsweep_core::command::{Issuer, Refused};
     use hallsweep_core::mission::{FaultCause, Inspection};
     use hallsweep_core::units::{Cell, Pose, WallTime};
+    use hallsweep_core::world::alarm::AlarmCause;
 
     fn check(fact: Fact, expect: &str) {
         assert_eq!(line(&Entry { wall: WallTime::default(), fact }), format!("1970-01-01T00:00:00.000+00:00 {expect}"));
@@ -154,7 +155,10 @@ mod tests {
         check(Fact::Holds(Vec::new()), "nothing holds the robot");
         check(Fact::Pose(Pose::START), "robot at (0, 0), facing south");
         check(Fact::Mark(Cell::new(1, 2), Mark::Wall), "cell (1, 2): wall");
-        check(Fact::AlarmRaised(Default::default(), None, "two\nlines".to_owned()), "alarm 0 raised: two lines");
+        check(
+            Fact::AlarmRaised(Default::default(), None, AlarmCause::Other("two\nlines".to_owned())),
+            "alarm 0 raised: two lines",
+        );
     }
 
     #[test]

@@ -13,6 +13,7 @@ use hallsweep_core::mission::{Hold, PhaseName};
 use hallsweep_core::retrieval::{Gripper, Parcel, Place, RetrievalFault, Saying, Which};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::{Cell, LuggageId};
+use hallsweep_core::world::alarm::AlarmCause;
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::snapshot::Snapshot;
 use hallsweep_sim::pair::{AstrayMemory, Mishaps, PairSettings, RobotMemory, Slip};
@@ -386,8 +387,14 @@ impl Mission {
             *tally.faults.entry(fault.name()).or_default() += 1;
         }
         tally.secured += usize::from(secured);
-        let said =
-            |saying: Saying| state.alarms.iter().skip(alarms).filter(|alarm| alarm.text.contains(saying.in_words())).count();
+        let said = |saying: Saying| {
+            state
+                .alarms
+                .iter()
+                .skip(alarms)
+                .filter(|alarm| matches!(alarm.cause, AlarmCause::Call(_, said) if said == saying))
+                .count()
+        };
         let memory = trio.pair.memory();
         let lost = self.trouble.mishaps.slips.len() - memory.slips.map_or(0, |left| left.len());
         let missed = self.trouble.mishaps.unrecognised.len() - memory.unrecognised.map_or(0, |left| left.len());

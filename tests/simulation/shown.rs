@@ -8,6 +8,7 @@ use hallsweep_core::mission::PhaseName;
 use hallsweep_core::search::Strategy;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{AlarmId, Cell, LuggageId, MissionId};
+use hallsweep_core::world::alarm::AlarmCause;
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// The journal as far as it is kept, and what was shown of numbers so far.
@@ -18,7 +19,7 @@ pub(crate) struct Record {
     began: BTreeMap<MissionId, usize>,
     missions: BTreeMap<MissionId, usize>,
     luggage: BTreeMap<LuggageId, Cell>,
-    alarms: BTreeMap<AlarmId, String>,
+    alarms: BTreeMap<AlarmId, AlarmCause>,
     /// What stood at some time.
     stood: Vec<(MissionId, PhaseName)>,
     /// Whether everything is on record that stood when the store last failed.
@@ -87,9 +88,9 @@ impl Record {
         for alarm in state.alarms.iter() {
             let Some(id) = alarm.id else { continue };
             let kept = stands.alarms.iter().find(|kept| kept.id == id);
-            assert_eq!(kept.map(|kept| &kept.text), Some(&alarm.text), "seed {seed}: {id:?} is not on record");
-            let meant = self.alarms.entry(id).or_insert_with(|| alarm.text.clone());
-            assert_eq!(*meant, alarm.text, "seed {seed}: {id:?} is another alarm now");
+            assert_eq!(kept.map(|kept| &kept.cause), Some(&alarm.cause), "seed {seed}: {id:?} is not on record");
+            let meant = self.alarms.entry(id).or_insert_with(|| alarm.cause.clone());
+            assert_eq!(*meant, alarm.cause, "seed {seed}: {id:?} is another alarm now");
         }
         if let Some(place) = self.began.get(&mission.id) {
             let meant = *self.missions.entry(mission.id).or_insert(*place);

@@ -12,6 +12,7 @@ use super::robots::Part;
 use super::search::{Search, Strategy};
 use super::state::{PersistentState, Retrieval};
 use super::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, OrderId, Pose, Seq, Ticket, WallTime};
+use super::world::alarm::AlarmCause;
 use super::world::hall_map::Mark;
 use super::world::luggage::Luggage;
 
@@ -215,7 +216,7 @@ pub enum Fact {
     /// A temperature was read: the source and the reading.
     Temperature(Arc<str>, Celsius),
     /// An alarm was raised: the piece it is about, and what it says.
-    AlarmRaised(AlarmId, Option<LuggageId>, String),
+    AlarmRaised(AlarmId, Option<LuggageId>, AlarmCause),
     /// An alarm was seen by somebody.
     AlarmAcknowledged(AlarmId, Arc<str>),
     /// A strategy was chosen.

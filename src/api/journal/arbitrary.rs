@@ -14,12 +14,14 @@ use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::event::{Piece, RobotId};
 use hallsweep_core::mission::{FaultCause, Goal, Hold, Inspection, Phase, Stage};
 use hallsweep_core::refused::CODES;
-use hallsweep_core::retrieval::{AloneFault, NotFetched, Parcel, Place, RetrievalFault, StuckFault, Team, TeamStage, TeamState};
+use hallsweep_core::retrieval::{
+    AloneFault, NotFetched, Parcel, Place, RetrievalFault, Saying, StuckFault, Team, TeamStage, TeamState,
+};
 use hallsweep_core::search::{Search, Strategy as Order};
 use hallsweep_core::settings::Fetcher;
 use hallsweep_core::state::{PersistentState, Retrieval, RetrievalStage};
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, WallTime};
-use hallsweep_core::world::alarm::Alarm;
+use hallsweep_core::world::alarm::{Alarm, AlarmCause};
 use hallsweep_core::world::hall_map::{HallMap, Mark, REACH};
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
 
@@ -61,8 +63,8 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
             note
         }),
         (text(), celsius()).prop_map(|(source, celsius)| Fact::Temperature(source.into(), celsius)),
-        (any::<u64>(), option::of(any::<u64>()), text())
-            .prop_map(|(id, luggage, text)| { Fact::AlarmRaised(AlarmId(id), luggage.map(LuggageId), text) }),
+        (any::<u64>(), option::of(any::<u64>()), alarm_cause())
+            .prop_map(|(id, luggage, cause)| { Fact::AlarmRaised(AlarmId(id), luggage.map(LuggageId), cause) }),
         (any::<u64>(), text()).prop_map(|(id, who)| Fact::AlarmAcknowledged(AlarmId(id), who.into())),
         Just(Fact::Strategy(Order::Snail)),
         heading().prop_map(Fact::MapEmptied),
@@ -262,15 +264,27 @@ fn luggage() -> impl Strategy<Value = Luggage> {
     )
 }
 
+fn alarm_cause() -> impl Strategy<Value = AlarmCause> {
+    let id = || any::<u64>().prop_map(LuggageId);
+    prop_oneof![
+        (id(), cell()).prop_map(|(id, cell)| AlarmCause::Dangerous(id, cell)),
+        (id(), cell()).prop_map(|(id, cell)| AlarmCause::Unrecorded(id, cell)),
+        (id(), one_of(&[Saying::CallOperator, Saying::PackageLost])).prop_map(|(id, saying)| AlarmCause::Call(id, saying)),
+        text().prop_map(|words| AlarmCause::from_words(&words)),
+    ]
+}
+
 fn alarm() -> impl Strategy<Value = Alarm> {
     let seen = option::of((text().prop_map(Arc::from), wall()));
-    (any::<u64>(), wall(), text(), option::of(any::<u64>()), seen).prop_map(|(id, raised, text, luggage, acknowledged)| Alarm {
-        id: AlarmId(id),
-        raised,
-        text,
-        luggage: luggage.map(LuggageId),
-        acknowledged,
-    })
+    (any::<u64>(), wall(), alarm_cause(), option::of(any::<u64>()), seen).prop_map(
+        |(id, raised, cause, luggage, acknowledged)| Alarm {
+            id: AlarmId(id),
+            raised,
+            cause,
+            luggage: luggage.map(LuggageId),
+            acknowledged,
+        },
+    )
 }
 
 /// Cells near home and cells at the end of the world.

@@ -16,6 +16,7 @@ use hallsweep_core::command::{CommandId, Issuer, Refusal};
 use hallsweep_core::effect::Fact;
 use hallsweep_core::event::Piece;
 use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId};
+use hallsweep_core::world::alarm::AlarmCause;
 
 /// A fact, by its kind.
 #[derive(Serialize, Deserialize)]
@@ -216,8 +217,8 @@ impl Shape {
                 note: note.as_ref().map(|note| note.text().to_owned()),
             },
             Fact::Temperature(source, celsius) => Shape::Temperature { source: source.to_string(), celsius: celsius.degrees() },
-            Fact::AlarmRaised(alarm, luggage, text) => {
-                Shape::AlarmRaised { alarm: alarm.0, luggage: luggage.map(|id| id.0), text: text.clone() }
+            Fact::AlarmRaised(alarm, luggage, cause) => {
+                Shape::AlarmRaised { alarm: alarm.0, luggage: luggage.map(|id| id.0), text: cause.to_string() }
             }
             Fact::AlarmAcknowledged(alarm, who) => Shape::AlarmAcknowledged { alarm: alarm.0, who: who.to_string() },
             Fact::Strategy(strategy) => Shape::Strategy { strategy: strategy.name().to_owned() },
@@ -264,7 +265,9 @@ impl Shape {
                 note: names::note(note)?,
             },
             Shape::Temperature { source, celsius } => Fact::Temperature(source.into(), names::celsius(celsius)?),
-            Shape::AlarmRaised { alarm, luggage, text } => Fact::AlarmRaised(AlarmId(alarm), luggage.map(LuggageId), text),
+            Shape::AlarmRaised { alarm, luggage, text } => {
+                Fact::AlarmRaised(AlarmId(alarm), luggage.map(LuggageId), AlarmCause::from_words(&text))
+            }
             Shape::AlarmAcknowledged { alarm, who } => Fact::AlarmAcknowledged(AlarmId(alarm), who.into()),
             Shape::Strategy { strategy } => Fact::Strategy(names::strategy(&strategy)?),
             Shape::MapEmptied { heading } => Fact::MapEmptied(names::heading(&heading)?),

@@ -8,7 +8,7 @@ use super::places::{Moment, Point, PoseShape};
 use super::{Unparsed, names};
 use hallsweep_core::event::Piece;
 use hallsweep_core::units::{AlarmId, LuggageId};
-use hallsweep_core::world::alarm::Alarm;
+use hallsweep_core::world::alarm::{Alarm, AlarmCause};
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
 
 /// The record of one piece.
@@ -116,7 +116,7 @@ impl From<&Alarm> for AlarmShape {
         AlarmShape {
             id: alarm.id.0,
             raised: alarm.raised.into(),
-            text: alarm.text.clone(),
+            text: alarm.cause.to_string(),
             luggage: alarm.luggage.map(|id| id.0),
             acknowledged: seen.map(|(who, wall)| SeenShape { who: who.to_string(), when: (*wall).into() }),
         }
@@ -128,7 +128,7 @@ impl From<AlarmShape> for Alarm {
         Alarm {
             id: AlarmId(alarm.id),
             raised: alarm.raised.into(),
-            text: alarm.text,
+            cause: AlarmCause::from_words(&alarm.text),
             luggage: alarm.luggage.map(LuggageId),
             acknowledged: alarm.acknowledged.map(|seen| (Arc::from(seen.who), seen.when.into())),
         }

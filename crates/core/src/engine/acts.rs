@@ -7,8 +7,8 @@ use super::Engine;
 use crate::effect::{Effect, Fact};
 use crate::event::RobotId;
 use crate::mission::{Act, Hold, Holds, Input, InputContext, Stage};
-use crate::units::{Celsius, LuggageId};
-use crate::world::alarm::Alarm;
+use crate::units::{Cell, Celsius, LuggageId};
+use crate::world::alarm::{Alarm, AlarmCause};
 use crate::world::hall_map::Mark;
 use crate::world::log::Tone;
 use crate::world::resource::Resource;
@@ -30,7 +30,7 @@ impl Engine {
             Act::Clear(hold) => self.clear(hold),
             Act::LedOff => self.led(false),
             Act::AlarmDanger => {
-                self.alarm_about(context.luggage, "dangerous");
+                self.alarm_about(context.luggage, AlarmCause::Dangerous);
                 self.end_alarm_hold();
             }
             Act::AlarmUnrecorded => context.luggage.map_or((), |id| self.alarm_unrecorded(id)),
@@ -169,21 +169,21 @@ impl Engine {
         }
     }
 
-    fn alarm_about(&mut self, luggage: Option<LuggageId>, what: &str) {
+    fn alarm_about(&mut self, luggage: Option<LuggageId>, cause: fn(LuggageId, Cell) -> AlarmCause) {
         let Some(record) = luggage.and_then(|id| self.state.luggage.get(id)) else { return };
-        let text = format!("luggage #{} at {} is {what}", record.id, record.cell);
-        let is_same = |alarm: &Alarm| alarm.acknowledged.is_none() && alarm.luggage == luggage && alarm.text == text;
+        let cause = cause(record.id, record.cell);
+        let is_same = |alarm: &Alarm| alarm.acknowledged.is_none() && alarm.luggage == luggage && alarm.cause == cause;
         if !self.state.alarms.iter().any(|alarm| is_same(alarm)) {
             self.world.touch(Resource::Alarms);
-            self.world.write(self.now.wall, Tone::Alarm, text.clone());
-            self.record(Fact::AlarmRaised(self.state.last_alarm.next(), luggage, text));
+            self.world.write(self.now.wall, Tone::Alarm, cause.to_string());
+            self.record(Fact::AlarmRaised(self.state.last_alarm.next(), luggage, cause));
         }
     }
 
     /// A danger was said that could not be recorded: it alarms all the same, and nobody's SAFE or START lets the robot go on before
     /// somebody has seen that, or danger is on record.
     pub(super) fn alarm_unrecorded(&mut self, luggage: LuggageId) {
-        self.alarm_about(Some(luggage), "said to be dangerous, but that could not be recorded");
+        self.alarm_about(Some(luggage), AlarmCause::Unrecorded);
         self.raise(Hold::Alarm, None);
     }
 

@@ -12,6 +12,7 @@ use crate::retrieval::team::TICK;
 use crate::retrieval::{NotFetched, Place, Proposal, Saying, Team, TeamStage, View, Which};
 use crate::settings::Fetcher;
 use crate::state::{Retrieval, RetrievalStage};
+use crate::world::alarm::AlarmCause;
 use crate::world::log::Tone;
 use crate::world::resource::Resource;
 use crate::world::retrieval::TreesView;
@@ -145,11 +146,11 @@ impl Engine {
     /// Nothing goes on before the alarm is acknowledged and START given.
     fn call_operator(&mut self, saying: Saying) {
         let Some(retrieval) = self.state.retrieval.clone() else { return };
-        let words = format!("luggage #{}: {}", retrieval.luggage, saying.in_words());
+        let cause = AlarmCause::Call(retrieval.luggage, saying);
         self.world.touch(Resource::Alarms);
-        self.world.write(self.now.wall, Tone::Alarm, words.clone());
+        self.world.write(self.now.wall, Tone::Alarm, cause.to_string());
         let alarm = self.state.last_alarm.next();
-        self.record(Fact::AlarmRaised(alarm, None, words));
+        self.record(Fact::AlarmRaised(alarm, None, cause));
         self.note_retrieval(Some(Retrieval { call: Some(alarm), ..retrieval }));
         self.raise(Hold::Alarm, None);
     }

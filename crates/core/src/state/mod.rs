@@ -14,7 +14,7 @@ use super::mission::{Goal, Hold, Holds, Phase};
 use super::robots::RobotId;
 use super::search::{Search, Strategy};
 use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId, MissionId, Pose, Revision, WallTime};
-use super::world::alarm::Alarm;
+use super::world::alarm::{Alarm, AlarmCause};
 use super::world::hall_map::{HallMap, Mark};
 use super::world::luggage::{Decision, Luggage};
 use super::world::records::LuggageRecords;
@@ -142,7 +142,7 @@ impl PersistentState {
             }
             Fact::Temperature(source, celsius) if **source == *OPERATOR => self.reading = Some(*celsius),
             Fact::Temperature(..) => {}
-            Fact::AlarmRaised(id, luggage, text) => self.alarm(*id, *luggage, text, wall),
+            Fact::AlarmRaised(id, luggage, cause) => self.alarm(*id, *luggage, cause, wall),
             Fact::AlarmAcknowledged(id, who) => self.acknowledge(*id, who, wall),
             Fact::Strategy(strategy) => {
                 self.strategy = *strategy;
@@ -212,8 +212,8 @@ impl PersistentState {
         self.luggage.change(luggage, |record| record.verdict = Some(decision));
     }
 
-    fn alarm(&mut self, id: AlarmId, luggage: Option<LuggageId>, text: &str, raised: WallTime) {
-        self.alarms.push(Arc::new(Alarm { id, raised, text: text.to_owned(), luggage, acknowledged: None }));
+    fn alarm(&mut self, id: AlarmId, luggage: Option<LuggageId>, cause: &AlarmCause, raised: WallTime) {
+        self.alarms.push(Arc::new(Alarm { id, raised, cause: cause.clone(), luggage, acknowledged: None }));
         self.last_alarm = self.last_alarm.max(id);
     }
 

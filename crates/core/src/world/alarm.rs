@@ -1,9 +1,11 @@
 //! Alarms: what an operator must be told loudly, until somebody says that it was seen. One is shown at once; its number is shown
 //! when it is on record, because a number that was shown must never mean another (safety R4).
 
+use std::fmt;
 use std::sync::Arc;
 
-use crate::units::{AlarmId, LuggageId, WallTime};
+use crate::retrieval::Saying;
+use crate::units::{AlarmId, Cell, LuggageId, WallTime};
 
 /// One alarm.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -13,7 +15,7 @@ pub struct Alarm {
     /// When it was raised.
     pub raised: WallTime,
     /// What it says to an operator.
-    pub text: String,
+    pub cause: AlarmCause,
     /// The piece it is about, where it is about one.
     pub luggage: Option<LuggageId>,
     /// Who has seen it, and when.
@@ -28,11 +30,56 @@ pub struct AlarmView {
     /// When it was raised.
     pub raised: WallTime,
     /// What it says to an operator.
-    pub text: String,
+    pub cause: AlarmCause,
     /// The piece it is about, where it is about one.
     pub luggage: Option<LuggageId>,
     /// Who has seen it, and when.
     pub acknowledged: Option<(Arc<str>, WallTime)>,
+}
+
+/// Why there is an alarm. `Display` is what an operator reads, and what the journal keeps.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum AlarmCause {
+    /// The piece in this cell was found dangerous.
+    Dangerous(LuggageId, Cell),
+    /// The same was said of it, but is not on record.
+    Unrecorded(LuggageId, Cell),
+    /// The pair that fetches this piece has something to say.
+    Call(LuggageId, Saying),
+    /// In words of another version.
+    Other(String),
+}
+
+impl fmt::Display for AlarmCause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            AlarmCause::Dangerous(luggage, cell) => write!(f, "luggage #{luggage} at {cell} is dangerous"),
+            AlarmCause::Unrecorded(luggage, cell) => {
+                write!(f, "luggage #{luggage} at {cell} is said to be dangerous, but that could not be recorded")
+            }
+            AlarmCause::Call(luggage, saying) => write!(f, "luggage #{luggage}: {}", saying.in_words()),
+            AlarmCause::Other(words) => f.write_str(words),
+        }
+    }
+}
+
+impl AlarmCause {
+    /// What has these words: `Other` when nothing else has.
+    #[must_use]
+    pub fn from_words(words: &str) -> AlarmCause {
+        read(words).unwrap_or_else(|| AlarmCause::Other(words.to_owned()))
+    }
+}
+
+/// The cause that is written so.
+fn read(words: &str) -> Option<AlarmCause> {
+    let about = words.strip_prefix("luggage #")?;
+    let (number, rest) = about.split_at(about.find([' ', ':'])?);
+    let luggage = LuggageId(number.parse().ok()?);
+    let calls = Saying::ALL.into_iter().map(|saying| AlarmCause::Call(luggage, saying));
+    let at = || Cell::from_words(rest.strip_prefix(" at ")?.split_inclusive(')').next()?);
+    let dangers = at().map(|cell| [AlarmCause::Dangerous(luggage, cell), AlarmCause::Unrecorded(luggage, cell)]);
+    dangers.into_iter().flatten().chain(calls).find(|cause| cause.to_string() == words)
 }
 
 impl AlarmView {
@@ -41,13 +88,57 @@ impl AlarmView {
     }
 
     pub(crate) fn unrecorded(alarm: &Alarm) -> AlarmView {
-        let Alarm { raised, text, luggage, acknowledged, .. } = alarm.clone();
-        AlarmView { id: None, raised, text, luggage, acknowledged }
+        let Alarm { raised, cause, luggage, acknowledged, .. } = alarm.clone();
+        AlarmView { id: None, raised, cause, luggage, acknowledged }
     }
 
     /// Whether it is on record.
     #[must_use]
     pub const fn is_recorded(&self) -> bool {
         self.id.is_some()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::RandomStream;
+    use crate::words::{coordinate, hostile, number};
+
+    #[test]
+    fn every_cause_comes_back_from_its_words() {
+        let mut dice = RandomStream::new(1, "alarms");
+        for _ in 0..5000 {
+            let luggage = LuggageId(number(&mut dice));
+            let cell = Cell::new(coordinate(&mut dice), coordinate(&mut dice));
+            for cause in [
+                AlarmCause::Dangerous(luggage, cell),
+                AlarmCause::Unrecorded(luggage, cell),
+                AlarmCause::Call(luggage, Saying::CallOperator),
+                AlarmCause::Call(luggage, Saying::PackageLost),
+            ] {
+                assert_eq!(AlarmCause::from_words(&cause.to_string()), cause);
+            }
+        }
+    }
+
+    #[test]
+    fn words_of_another_version_stay_as_they_are() {
+        let mut dice = RandomStream::new(2, "alarms");
+        for _ in 0..5000 {
+            let words = hostile(&mut dice);
+            assert_eq!(AlarmCause::from_words(&words).to_string(), words);
+        }
+        for words in [
+            "",
+            "luggage #2 is dangerous",
+            "luggage #02 at (1, 2) is dangerous",
+            "luggage #2 at (1,2) is dangerous",
+            "luggage #2 at (1, 2) is dangerous ",
+            "luggage #2: ",
+            "luggage #2 at (1",
+        ] {
+            assert_eq!(AlarmCause::from_words(words), AlarmCause::Other(words.to_owned()));
+        }
     }
 }

@@ -13,7 +13,7 @@ use crate::doors::mqtt::topics::{TopicKind, Topics};
 use hallsweep_core::command::Verdict;
 use hallsweep_core::event::Photo;
 use hallsweep_core::units::WallTime;
-use hallsweep_core::world::alarm::AlarmView;
+use hallsweep_core::world::alarm::{AlarmCause, AlarmView};
 
 fn topics() -> Topics {
     Topics::new("hallsweep", "discovery", "unibo/qak")
@@ -158,8 +158,8 @@ fn an_alarm_stands_until_it_is_seen_and_a_danger_until_it_is_secured() {
     let mut snapshot = idle();
     assert!(!state(&snapshot).alarm);
     let seen = |who: Option<(Arc<str>, WallTime)>| {
-        let text = "a parcel was lost".to_owned();
-        Arc::from([AlarmView { id: None, raised: TEN, text, luggage: None, acknowledged: who }])
+        let cause = AlarmCause::Other("a parcel was lost".to_owned());
+        Arc::from([AlarmView { id: None, raised: TEN, cause, luggage: None, acknowledged: who }])
     };
     snapshot.alarms = seen(None);
     assert!(state(&snapshot).alarm);
