@@ -14,6 +14,7 @@ use hallsweep_core::world::log::{LogLine, Tone};
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
 use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::robot::{RobotShown, RobotState, RobotView};
+use hallsweep_core::world::said::Said;
 use hallsweep_core::world::snapshot::{MissionView, Progress, Refusals, Snapshot};
 use hallsweep_core::world::temperature::{TemperatureStatus, TemperatureView};
 
@@ -129,7 +130,7 @@ pub(crate) fn touch(snapshot: &mut Snapshot, revision: u64, resources: &[Resourc
 /// Writes the next line of the log.
 pub(crate) fn write(snapshot: &mut Snapshot, tone: Tone, text: &str) {
     let number = snapshot.log.last().map_or(1, |line| line.number + 1);
-    let line = Arc::new(LogLine { number, wall: TEN, tone, text: text.to_owned() });
+    let line = Arc::new(LogLine { number, wall: TEN, tone, said: Said::Words(text.to_owned()) });
     snapshot.log = snapshot.log.iter().cloned().chain([line]).collect();
 }
 

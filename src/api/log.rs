@@ -19,6 +19,6 @@ pub struct LogLineJson {
 
 impl From<&LogLine> for LogLineJson {
     fn from(line: &LogLine) -> LogLineJson {
-        LogLineJson { number: line.number, at: rfc3339(line.wall), tone: line.tone.name(), text: line.text.clone() }
+        LogLineJson { number: line.number, at: rfc3339(line.wall), tone: line.tone.name(), text: line.said.to_string() }
     }
 }

@@ -62,7 +62,7 @@ async fn seen(handle: &Handle, what: &str, is_so: impl FnMut(&Arc<Snapshot>) -> 
 
 /// Whether the console's log says this.
 fn says(words: &str) -> impl Fn(&Arc<Snapshot>) -> bool {
-    move |state| state.log.iter().any(|line| line.text.contains(words))
+    move |state| state.log.iter().any(|line| line.said.to_string().contains(words))
 }
 
 fn task() -> (Handle, Task, RobotSide) {
@@ -399,7 +399,7 @@ async fn what_a_door_refuses_is_answered_when_it_is_on_record_unless_it_shares_a
     };
     handle.note_refused_at_once(issuer.clone(), "HELP".to_owned(), refused.clone());
     let waiting: Vec<_> = (1..60).map(|_| note()).collect();
-    let all = |state: &Arc<Snapshot>| state.log.iter().filter(|line| line.text.contains("by lobby")).count() == 60;
+    let all = |state: &Arc<Snapshot>| state.log.iter().filter(|line| line.said.to_string().contains("by lobby")).count() == 60;
     seen(&handle, "sixty notes", all).await;
     within("the answer to one that shares an entry", note()).await.unwrap().unwrap();
     give(&handle, Command::Stop).await.unwrap().unwrap();

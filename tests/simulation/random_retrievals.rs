@@ -368,7 +368,7 @@ impl Mission {
         let seed = self.seed;
         let state = self.state();
         let trio = self.trio.as_ref().expect("it is away only while it is killed");
-        let log = || state.log.iter().map(|line| line.text.clone()).collect::<Vec<_>>();
+        let log = || state.log.iter().map(|line| line.said.to_string()).collect::<Vec<_>>();
         let secured = state.mission.phase == PhaseName::BagSecured;
         assert_eq!(secured, expected, "seed {seed}: {:?} {:?}: {:#?}", state.mission.fault, self.trouble, log());
         let expected: Vec<Piece> = secured.then_some(bomb).into_iter().collect();

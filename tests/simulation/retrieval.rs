@@ -65,7 +65,7 @@ fn go_on(run: &mut Run) -> Arc<Snapshot> {
 
 fn check_secured(run: &mut Run, bomb: Piece) {
     let state = run.state();
-    let why = || (state.mission.fault.clone(), state.log.iter().map(|line| line.text.clone()).collect::<Vec<_>>());
+    let why = || (state.mission.fault.clone(), state.log.iter().map(|line| line.said.to_string()).collect::<Vec<_>>());
     assert_eq!(state.mission.phase, PhaseName::BagSecured, "{bomb:?}: {:#?}", why());
     assert_eq!(run.pair.as_ref().expect("there is a pair").taken_in(), [bomb], "the container holds that very bag");
     assert!(state.luggage.iter().any(|luggage| luggage.piece == Some(bomb) && luggage.secured.is_some()));

@@ -181,7 +181,7 @@ fn accepted_or_refused_every_command_is_on_record_with_who_and_from_where() {
         };
         assert!(bare.effects.iter().any(|effect| records(effect, written)), "{who}: {command}");
     }
-    let log = bare.state().log.iter().map(|line| line.text.clone()).collect::<Vec<_>>().join("\n");
+    let log = bare.state().log.iter().map(|line| line.said.to_string()).collect::<Vec<_>>().join("\n");
     assert!(log.contains("START, by operator (http, 192.0.2.7)"), "{log}");
     assert!(log.contains("RETRIEVE refused, by mallory (http, 192.0.2.7): "), "{log}");
 }

@@ -98,5 +98,5 @@ fn a_goal_nobody_can_reach_ends_the_drive_and_says_so() {
     let mut run = in_drawn(&["S.#.", "..#.", "..#."]);
     run.give(Command::Goto(Cell::new(3, 1))).unwrap();
     run.until_phase(PhaseName::Idle);
-    assert!(run.state().log.iter().any(|line| line.text.contains("no way leads to (3, 1)")));
+    assert!(run.state().log.iter().any(|line| line.said.to_string().contains("no way leads to (3, 1)")));
 }

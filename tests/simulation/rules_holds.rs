@@ -153,7 +153,7 @@ fn a_thermometer_that_is_taken_away_cools_no_hall_and_the_operator_can_say_that_
         run.engine.handle_event(Event::Robot(RobotId::discovery(), report), now);
     }
     assert_eq!(run.holds(), [Hold::Temperature]);
-    assert!(run.state().log.iter().any(|line| line.text.contains("discovery has no thermometer now")));
+    assert!(run.state().log.iter().any(|line| line.said.to_string().contains("discovery has no thermometer now")));
     run.reading(20.0).unwrap();
     run.give(Command::Start).unwrap();
     run.until_explored();
@@ -162,7 +162,7 @@ fn a_thermometer_that_is_taken_away_cools_no_hall_and_the_operator_can_say_that_
 #[test]
 fn why_there_is_no_link_is_logged_for_every_reason() {
     let mut bare = Bare::unlinked();
-    let said = |bare: &mut Bare, words: &str| bare.state().log.iter().any(|line| line.text.contains(words));
+    let said = |bare: &mut Bare, words: &str| bare.state().log.iter().any(|line| line.said.to_string().contains(words));
     for words in ["nobody listens there", "no page is open"] {
         bare.robot(RobotEvent::LinkLost(words.to_owned()));
         assert!(said(&mut bare, words), "{words}");

@@ -31,7 +31,7 @@ fn a_start_shows_nothing_before_it_is_on_record() {
     bare.keep();
     let state = bare.state();
     assert_eq!((state.mission.id, state.mission.phase, state.robot.led_blinking), (MissionId(1), PhaseName::Exploring, true));
-    assert!(state.log.iter().any(|line| line.text == "idle → exploring"));
+    assert!(state.log.iter().any(|line| line.said.to_string() == "idle → exploring"));
     assert!(bare.effects.contains(&Effect::Led(RobotId::discovery(), true)));
     let answered = bare.answer(ticket).expect("it is on record").unwrap();
     assert!(answered.revision <= state.revision && answered.revision >= state.revision_of(Resource::Log));
@@ -101,7 +101,7 @@ fn what_warns_or_halts_is_shown_at_once() {
     let state = bare.state();
     assert!(state.mission.holds.contains(&Hold::Temperature) && state.temperature.celsius.is_some());
     assert!(state.mission.refusals.start.as_ref().is_some_and(|refused| matches!(refused, Refused::Held(..))));
-    assert!(state.log.iter().any(|line| line.text.starts_with("held: a reading is above")));
+    assert!(state.log.iter().any(|line| line.said.to_string().starts_with("held: a reading is above")));
     bare.takes_back();
     bare.wait_in_vain();
     let state = bare.state();

@@ -78,7 +78,7 @@ fn a_stop_that_has_halted_does_not_undo_the_start_that_was_given_after_it() {
     let ticket = bare.ask(stop.clone()).expect("it is on record");
     let state = bare.state();
     assert!(state.mission.holds.is_empty() && bare.order().is_some(), "the START stands");
-    assert!(state.log.iter().any(|entry| entry.text.contains("STOP, by")));
+    assert!(state.log.iter().any(|entry| entry.said.to_string().contains("STOP, by")));
     bare.done();
     assert!(bare.answer(ticket).is_some_and(|answer| answer.is_ok()));
     let again = Request { epoch: Some(raised.next()), ..stop };

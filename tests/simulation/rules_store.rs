@@ -50,7 +50,9 @@ fn a_safe_that_a_danger_overtakes_is_refused_and_the_log_says_so() {
     let decided = Refused::Decided { luggage: LuggageId(1), verdict: Verdict::Danger };
     assert_eq!(bare.answer(safe), Some(Err(decided)));
     assert!(matches!(bare.answer(danger), Some(Ok(_))));
-    assert!(bare.state().log.iter().any(|line| line.text.starts_with("a safe was overtaken, and so refused: luggage #1")));
+    assert!(
+        bare.state().log.iter().any(|line| line.said.to_string().starts_with("a safe was overtaken, and so refused: luggage #1"))
+    );
 }
 
 #[test]

@@ -9,7 +9,6 @@ use super::connect;
 use super::fault::Fault;
 use super::folder::Folder;
 use super::rows::{self, EntryFilter, Kinds};
-use crate::api::journal_words;
 use crate::runtime::archive::Sound;
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::{IDS, Recalled, Remembered};
@@ -17,6 +16,7 @@ use hallsweep_core::search::Strategy;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{MissionId, Seq};
 use hallsweep_core::world::log::Tone;
+use hallsweep_core::world::said::Said;
 
 /// So many entries are recalled for people to read: as many as a console shows without being scrolled for long,
 const LATEST: usize = 60;
@@ -56,7 +56,7 @@ fn remembered(entry: &Entry) -> Remembered {
     let is_refused = matches!(entry.fact, Fact::Command { refused: Some(_), .. });
     let quiet = if is_refused { Tone::Warning } else { Tone::Info };
     let tone = if matches!(entry.fact, Fact::AlarmRaised(..)) { Tone::Alarm } else { quiet };
-    Remembered { wall: entry.wall, tone, text: journal_words::words(&entry.fact) }
+    Remembered { wall: entry.wall, tone, said: Said::fact(&entry.fact) }
 }
 
 /// What stands after all entries up to `written`.

@@ -12,6 +12,7 @@ use crate::world::alarm::{Alarm, AlarmCause};
 use crate::world::hall_map::Mark;
 use crate::world::log::Tone;
 use crate::world::resource::Resource;
+use crate::world::said::{HoldReason, Said};
 
 impl Engine {
     pub(super) fn perform_all(&mut self, acts: &[Act], context: &InputContext) {
@@ -26,7 +27,7 @@ impl Engine {
             Act::Begin => self.begin_mission(),
             Act::EmptyMap => self.empty_map(),
             Act::Stop => self.stop(context),
-            Act::Raise(hold) => self.raise(hold, context.words.as_deref()),
+            Act::Raise(hold) => self.raise(hold, context.why.clone()),
             Act::Clear(hold) => self.clear(hold),
             Act::LedOff => self.led(false),
             Act::AlarmDanger => {
@@ -90,7 +91,7 @@ impl Engine {
         self.raise(Hold::Operator, None);
     }
 
-    pub(super) fn raise(&mut self, hold: Hold, words: Option<&str>) {
+    pub(super) fn raise(&mut self, hold: Hold, why: Option<HoldReason>) {
         // The link that is lost is that of the robot that searches, or of one that fetches with others; the rest have holds of their own.
         if hold == Hold::RobotLink && self.state.retrieval.is_none() {
             self.halt_searching()
@@ -105,8 +106,7 @@ impl Engine {
             self.world.touch(Resource::Robot);
         }
         if fresh {
-            let why = words.map(|words| format!(" ({words})")).unwrap_or_default();
-            self.world.write(self.now.wall, Tone::Warning, format!("held: {}{why}", hold.in_words()));
+            self.world.write(self.now.wall, Tone::Warning, Said::Held(hold, why));
         }
         if fresh || waits {
             self.note_holds(&holds);
@@ -116,7 +116,7 @@ impl Engine {
     fn clear(&mut self, hold: Hold) {
         let mut holds = self.state.holds.clone();
         if holds.clear(hold) {
-            self.world.write(self.now.wall, Tone::Info, hold.over_in_words().to_owned());
+            self.world.write(self.now.wall, Tone::Info, Said::Over(hold));
             self.note_holds(&holds);
         }
     }
@@ -175,7 +175,7 @@ impl Engine {
         let is_same = |alarm: &Alarm| alarm.acknowledged.is_none() && alarm.luggage == luggage && alarm.cause == cause;
         if !self.state.alarms.iter().any(|alarm| is_same(alarm)) {
             self.world.touch(Resource::Alarms);
-            self.world.write(self.now.wall, Tone::Alarm, cause.to_string());
+            self.world.write(self.now.wall, Tone::Alarm, Said::Alarm(cause.clone()));
             self.record(Fact::AlarmRaised(self.state.last_alarm.next(), luggage, cause));
         }
     }
@@ -228,7 +228,7 @@ impl Engine {
             self.record(Fact::Temperature(Arc::clone(source), celsius));
         }
         let held = self.state.holds.contains(Hold::Temperature);
-        let context = InputContext { words: Some(celsius.to_string()), ..InputContext::default() };
+        let context = InputContext { why: Some(HoldReason::Reading(celsius)), ..InputContext::default() };
         match (self.world.thermometer.is_hot(), held) {
             (true, false) => self.feed(Input::Heat, &context),
             (false, true) => self.feed(Input::Cool, &context),

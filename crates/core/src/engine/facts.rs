@@ -4,9 +4,10 @@
 use super::Engine;
 use crate::command::{Command, LuggageRef, Refusal, Refused, Request, TemperatureReport};
 use crate::effect::Fact;
-use crate::mission::{InputContext, in_words};
+use crate::mission::{Asked, InputContext};
 use crate::units::Seq;
 use crate::world::log::Tone;
+use crate::world::said::Said;
 
 impl Engine {
     /// This has happened: what outlives the program follows from it at once, and it goes on record. Its place in the journal.
@@ -34,14 +35,12 @@ impl Engine {
         if is_left_out && refused.is_none() {
             return;
         }
-        let (issuer, command) = (request.issuer.clone(), in_words(&request.command));
         let meant = context.luggage.filter(|_| request.command.luggage() == Some(LuggageRef::Pending));
-        let meant = meant.map_or_else(String::new, |id| format!(" #{id}"));
-        let (tone, text) = match refused {
-            None => (Tone::Info, format!("{command}{meant}, by {issuer}")),
-            Some(refused) => (Tone::Warning, format!("{command}{meant} refused, by {issuer}: {refused}")),
-        };
-        self.world.write(self.now.wall, tone, text);
+        let tone = if refused.is_none() { Tone::Info } else { Tone::Warning };
+        let (asked, issuer) = (Asked::Command(request.command.clone()), request.issuer.clone());
+        let command = asked.to_string();
+        let said = Said::Asked { asked, meant, issuer: issuer.clone(), refused: refused.cloned() };
+        self.world.write(self.now.wall, tone, said);
         let if_lost = refused.is_none().then_some(if context.verdict.is_some() { Refused::StoreDown } else { Refused::NotKept });
         let (luggage, refused) = (context.luggage, refused.map(Refusal::from));
         let fact = Fact::Command { issuer, id: request.id.clone(), command, epoch: request.epoch, luggage, refused };

@@ -68,6 +68,7 @@ use super::world::log::Tone;
 use super::world::model::World;
 use super::world::resource::Resource;
 use super::world::retrieval::TreesView;
+use super::world::said::{HoldReason, Said};
 use super::world::snapshot::Snapshot;
 
 /// The whole core.
@@ -177,17 +178,14 @@ impl Engine {
     /// Notes what an operator must know of the files in which this is kept (safety R5).
     pub fn note_damage(&mut self, words: &str, now: Now) {
         self.begin(now);
-        self.world.write(now.wall, Tone::Warning, words.to_owned());
+        self.world.write(now.wall, Tone::Warning, Said::Words(words.to_owned()));
     }
 
     /// From now on this sensor must be heard at least every `patience`; until it is for the first time it counts as silent.
     pub fn watch_sensor(&mut self, sensor: Arc<str>, patience: Duration, now: Now) {
         self.begin(now);
         self.watchdog.begin(Arc::clone(&sensor), patience);
-        self.feed(
-            Input::SensorSilent,
-            &InputContext { words: Some(format!("{sensor} has not been heard yet")), ..InputContext::default() },
-        );
+        self.feed(Input::SensorSilent, &InputContext { why: Some(HoldReason::Unheard(sensor)), ..InputContext::default() });
     }
 
     /// There is one more robot beside the one that searches; it stands at home as long as it does not say otherwise.
@@ -217,7 +215,7 @@ impl Engine {
             Event::StoreFailed(words) => {
                 self.world.store_failure = Some(words.clone());
                 self.show_nothing_lost();
-                self.feed(Input::StoreFailed, &InputContext { words: Some(words), ..InputContext::default() });
+                self.feed(Input::StoreFailed, &InputContext { why: Some(HoldReason::Words(words)), ..InputContext::default() });
                 self.withdraw_unkept();
             }
             Event::StoreReason(words) => {
@@ -241,7 +239,7 @@ impl Engine {
         self.write_stops(stops);
         self.outbox.record_overdue(now);
         while let Some(sensor) = self.watchdog.falls_silent(now.since_start) {
-            self.feed(Input::SensorSilent, &InputContext { words: Some(sensor.to_string()), ..InputContext::default() });
+            self.feed(Input::SensorSilent, &InputContext { why: Some(HoldReason::Silent(sensor)), ..InputContext::default() });
         }
         while let Some(robot) = self.robots.overdue(now.since_start) {
             self.order_unanswered(&robot);

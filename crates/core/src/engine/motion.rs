@@ -13,6 +13,7 @@ use crate::units::{Cell, Now, OrderId};
 use crate::world::hall_map::Mark;
 use crate::world::log::Tone;
 use crate::world::resource::Resource;
+use crate::world::said::Said;
 
 /// After so many looks without an order something is wrong with the search: goals that are given up one after the other are
 /// bounded by the unknown cells of a large hall.
@@ -321,7 +322,7 @@ impl Engine {
             if self.follow_route() {
                 return Turn::Rest;
             }
-            self.world.write(self.now.wall, Tone::Warning, format!("no way leads to {goal}"));
+            self.world.write(self.now.wall, Tone::Warning, Said::NoWay(goal));
         }
         self.feed(Input::DriveEnded, &InputContext::default());
         Turn::Again

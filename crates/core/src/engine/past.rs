@@ -76,8 +76,8 @@ impl Past {
         for (source, celsius) in readings {
             engine.world.thermometer.read(&source, celsius);
         }
-        for Remembered { wall, tone, text } in latest {
-            engine.world.log.put(wall, tone, text);
+        for Remembered { wall, tone, said } in latest {
+            engine.world.log.put(wall, tone, said);
         }
         engine.on_record = OnRecord::of(engine.mission_as_it_is());
         let shown = engine.shown();

@@ -8,6 +8,7 @@ use crate::units::{Cell, LuggageId};
 use crate::world::hall_map::Mark;
 use crate::world::log::Tone;
 use crate::world::resource::Resource;
+use crate::world::said::Said;
 
 impl Engine {
     /// Decides and carries out an input that cannot be refused.
@@ -89,7 +90,7 @@ impl Engine {
     fn fault(&mut self, old: Phase, context: &InputContext) -> Phase {
         let cause = context.fault.clone().unwrap_or_else(|| FaultCause::Robot("it did not say why".to_owned()));
         self.halt_searching();
-        self.world.write(self.now.wall, Tone::Alarm, format!("fault: {cause}"));
+        self.world.write(self.now.wall, Tone::Alarm, Said::Fault(cause.clone()));
         let interrupted = if matches!(old, Phase::Driving { .. }) { self.resumed(old) } else { old };
         Phase::Fault { cause, interrupted: Box::new(interrupted) }
     }
@@ -100,7 +101,7 @@ impl Engine {
         self.world.touch(Resource::Robot);
         self.record(Fact::Phase(phase));
         if after != before {
-            self.world.write(self.now.wall, Tone::Info, format!("{} → {}", before.in_words(), after.in_words()));
+            self.world.write(self.now.wall, Tone::Info, Said::Phase(before, after));
         }
     }
 

@@ -14,6 +14,7 @@ use crate::units::{LuggageId, Now, Pose, Seq, WallTime};
 use crate::world::hall_map::Mark;
 use crate::world::log::Tone;
 use crate::world::luggage::Luggage;
+use crate::world::said::Said;
 use crate::world::temperature::OPERATOR;
 
 /// What was read back from the store.
@@ -36,8 +37,8 @@ pub struct Remembered {
     pub wall: WallTime,
     /// How loud.
     pub tone: Tone,
-    /// What happened, as a sentence.
-    pub text: String,
+    /// What happened.
+    pub said: Said,
 }
 
 impl Engine {
@@ -49,13 +50,13 @@ impl Engine {
         engine.outbox = Outbox::after(written);
         engine.repeats.recall(&commands);
         engine.begin(now);
-        for Remembered { wall, tone, text } in latest {
-            engine.world.log.put(wall, tone, text);
+        for Remembered { wall, tone, said } in latest {
+            engine.world.log.put(wall, tone, said);
         }
         engine.take_up(state);
         engine.on_record = OnRecord::of(engine.mission_as_it_is());
         engine.note_start();
-        engine.world.write(now.wall, Tone::Info, "the program was started again; everything is as it was".to_owned());
+        engine.world.write(now.wall, Tone::Info, Said::StartedAgain);
         engine.feed(Input::Restarted, &InputContext::default());
         engine.finish();
         engine.outbox.sum_up();
@@ -69,7 +70,7 @@ impl Engine {
         self.begin(now);
         self.is_ending = true;
         self.send_halt();
-        self.world.write(now.wall, Tone::Warning, format!("the program was ended by {by}: the robot halts"));
+        self.world.write(now.wall, Tone::Warning, Said::Ended(by.to_owned()));
         self.record(Fact::ProgramEnded(by.to_owned()));
     }
 
@@ -98,7 +99,7 @@ impl Engine {
         self.record(Fact::Pose(Pose::START));
         self.empty_map();
         self.note_phase(Phase::Idle);
-        self.world.write(self.now.wall, Tone::Info, "the robot was put down in another hall".to_owned());
+        self.world.write(self.now.wall, Tone::Info, Said::PutDown);
     }
 
     /// Everything that outlives the program, as it would be read back.

@@ -13,6 +13,7 @@ use crate::world::hall_map::Mark;
 use crate::world::log::Tone;
 use crate::world::luggage::{Luggage, PhotoState};
 use crate::world::resource::Resource;
+use crate::world::said::Said;
 
 impl Engine {
     pub(super) fn retake(&mut self, context: &InputContext) {
@@ -37,8 +38,7 @@ impl Engine {
         self.set_stage(Stage::AwaitingVerdict(id));
         let Some(known) = self.state.luggage.get(id) else { return };
         if context.photo.is_none() && known.has_photo() {
-            let text = format!("photo of luggage #{id} could not be taken again; the first one stays");
-            self.world.write(self.now.wall, Tone::Warning, text);
+            self.world.write(self.now.wall, Tone::Warning, Said::PhotoStays(id));
             return;
         }
         let photo = photo_of(context);
@@ -93,13 +93,12 @@ impl Engine {
     fn keep_record(&mut self, Recording { fact, wall, .. }: &Recording) {
         let Fact::Luggage { record, .. } = fact else { return };
         let (id, cell) = (record.id, record.cell);
-        let what = if record.has_photo() { "" } else { ", but its photo failed: take it again, or answer danger" };
+        let has_photo = record.has_photo();
         let is_known = self.state.luggage.get(id).is_some();
         self.world.touch(Resource::Mission);
         self.state.follow(fact, *wall, self.world.revision());
-        let text =
-            if is_known { format!("luggage #{id} photographed again") } else { format!("luggage #{id} found at {cell}{what}") };
-        self.world.write(self.now.wall, Tone::Info, text);
+        let said = if is_known { Said::PhotographedAgain(id) } else { Said::Found { luggage: id, cell, has_photo } };
+        self.world.write(self.now.wall, Tone::Info, said);
         if !is_known {
             self.feed(Input::LuggageRecorded, &InputContext { luggage: Some(id), ..InputContext::default() });
         }
@@ -136,7 +135,7 @@ impl Engine {
             _ => Ok(Accepted { revision: self.world.revision(), epoch: self.state.epoch, luggage: waiting.luggage }),
         };
         if let Err(refused) = &answer {
-            self.world.write(self.now.wall, Tone::Warning, format!("a safe was overtaken, and so refused: {refused}"));
+            self.world.write(self.now.wall, Tone::Warning, Said::Overtaken(refused.clone()));
         }
         self.send_answer(waiting.ticket, answer);
     }

@@ -9,18 +9,20 @@ use super::Engine;
 use super::sharing::{Limits, Sender, Shared};
 use crate::command::{Issuer, Refusal, Refused};
 use crate::effect::Fact;
+use crate::mission::Asked;
 use crate::units::{Now, Seq};
 use crate::world::log::Tone;
+use crate::world::said::Said;
 
 /// More than a person presses in a minute; then one entry in so long. There are fewer keys, at each of the doors, than senders.
 pub(super) const LIMITS: Limits =
     Limits { burst: 60, earned: Duration::from_secs(10), every: Duration::from_secs(10), senders: 512 };
 
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Note {
     pub(super) issuer: Issuer,
     /// What was asked for, and how much more was since the last note.
-    pub(super) asked: String,
+    pub(super) asked: Asked,
     pub(super) refused: Refused,
 }
 
@@ -29,7 +31,7 @@ impl Engine {
     /// it, the last of `count`. Its place in the journal; of who is refused without end some share an entry, which has none yet.
     pub fn note_refused(&mut self, issuer: Issuer, asked: String, refused: &Refused, count: u64, now: Now) -> Option<Seq> {
         self.begin(now);
-        let note = Note { issuer, asked, refused: refused.clone() };
+        let note = Note { issuer, asked: Asked::from_words(&asked), refused: refused.clone() };
         let due = self.refusals.come(note.sender(), (note, count), now.since_start);
         let is_written = due.is_some();
         self.write_refusals(due);
@@ -38,9 +40,10 @@ impl Engine {
 
     pub(super) fn write_refusals(&mut self, due: impl IntoIterator<Item = Shared<Note>>) {
         for Note { issuer, asked, refused } in due.into_iter().map(Note::of) {
-            self.world.write(self.now.wall, Tone::Warning, format!("{asked} refused, by {issuer}: {refused}"));
-            let refused = Some(Refusal::from(&refused));
-            let fact = Fact::Command { issuer, id: None, command: asked, epoch: None, luggage: None, refused };
+            let (kept, command) = (Some(Refusal::from(&refused)), asked.to_string());
+            let said = Said::Asked { asked, meant: None, issuer: issuer.clone(), refused: Some(refused) };
+            self.world.write(self.now.wall, Tone::Warning, said);
+            let fact = Fact::Command { issuer, id: None, command, epoch: None, luggage: None, refused: kept };
             self.outbox.record_command(self.now.wall, fact, None);
         }
     }
@@ -52,8 +55,10 @@ impl Note {
     }
 
     fn of(Shared { last, count, .. }: Shared<Note>) -> Note {
-        let more = if count > 1 { format!(", and {} more that were refused", count - 1) } else { String::new() };
-        Note { asked: format!("{}{more}", last.asked), ..last }
+        if count <= 1 {
+            return last;
+        }
+        Note { asked: Asked::Many { last: Box::new(last.asked), more: count - 1 }, ..last }
     }
 }
 
@@ -65,7 +70,7 @@ mod tests {
 
     fn note(who: &str, asked: &str) -> Note {
         let issuer = Issuer { door: Door("mqtt"), who: who.into(), from: "192.0.2.7".into() };
-        Note { issuer, asked: asked.to_owned(), refused: Refused::NotAllowed("lobby may only look".to_owned()) }
+        Note { issuer, asked: Asked::from_words(asked), refused: Refused::NotAllowed("lobby may only look".to_owned()) }
     }
 
     fn come(refusals: &mut Sharing<Note>, note: Note, count: u64, now: Duration) -> Option<Shared<Note>> {
@@ -73,7 +78,7 @@ mod tests {
     }
 
     fn asked(due: impl IntoIterator<Item = Shared<Note>>) -> Vec<String> {
-        due.into_iter().map(|shared| Note::of(shared).asked).collect()
+        due.into_iter().map(|shared| Note::of(shared).asked.to_string()).collect()
     }
 
     const SECOND: Duration = Duration::from_secs(1);

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crate::command::{Accepted, Command, CommandId, Issuer, RefusalKind, Refused, Request};
 use crate::effect::{Entry, Fact};
-use crate::mission::from_words;
+use crate::mission::Asked;
 use crate::refused::OTHER_CONTENT;
 use crate::units::{Epoch, LuggageId, Ticket};
 
@@ -46,13 +46,6 @@ struct Repeat {
 pub(super) struct Content {
     asked: Asked,
     epoch: Option<Epoch>,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-enum Asked {
-    Command(Command),
-    /// In words of the journal that are no command's here, as those of a newer version.
-    InWords(String),
 }
 
 #[derive(Clone, Debug)]
@@ -161,8 +154,7 @@ impl Content {
     }
 
     fn read_back(words: &str, epoch: Option<Epoch>) -> Content {
-        let asked = from_words(words).map_or_else(|| Asked::InWords(words.to_owned()), Asked::Command);
-        Content { asked, epoch }
+        Content { asked: Asked::from_words(words), epoch }
     }
 }
 

@@ -15,6 +15,7 @@ use crate::units::{Cell, Heading, OrderId, Pose};
 use crate::world::hall_map::{Mark, REACH};
 use crate::world::log::Tone;
 use crate::world::resource::Resource;
+use crate::world::said::{HoldReason, Said, Trouble};
 use crate::world::temperature::ROBOT;
 
 impl Engine {
@@ -84,11 +85,11 @@ impl Engine {
     /// The robot's own reckoning counts: it may have ended a move of which the record says nothing (safety R2).
     fn stands(&mut self, robot: &RobotId, Whereabouts { pose, off_centre }: Whereabouts) {
         if pose.cell.x.abs() > REACH || pose.cell.y.abs() > REACH {
-            let words = format!("{robot} says that it stands at {}, further from home than any hall reaches", pose.cell);
+            let said = Said::Robot(robot.clone(), Trouble::TooFar(pose.cell));
             return if self.searches(robot) {
-                self.robot_failed(words)
+                self.robot_failed(said.to_string())
             } else {
-                self.world.write(self.now.wall, Tone::Alarm, words)
+                self.world.write(self.now.wall, Tone::Alarm, said)
             };
         }
         self.note_outside(robot, 0);
@@ -101,9 +102,8 @@ impl Engine {
         if !is_elsewhere {
             return;
         }
-        let who = if self.searches(robot) { "the robot".to_owned() } else { robot.to_string() };
-        let text = format!("{who} says that it stands at {}, facing {}", pose.cell, pose.heading.name());
-        self.world.write(self.now.wall, Tone::Info, text);
+        let who = (!self.searches(robot)).then(|| robot.clone());
+        self.world.write(self.now.wall, Tone::Info, Said::Stands(who, pose));
         if self.searches(robot) {
             self.mission.route.clear();
             self.mark(pose.cell, Mark::Visited);
@@ -156,8 +156,7 @@ impl Engine {
     fn link_up(&mut self, robot: &RobotId, can: Capabilities) {
         if !can.parts.has(Part::Thermometer) && self.world.thermometer.retire(&self.thermometer_of(robot)) {
             self.world.touch(Resource::Temperature);
-            let words = format!("{robot} has no thermometer now, and the last reading was too hot: report what the hall's is");
-            self.world.write(self.now.wall, Tone::Warning, words);
+            self.write_trouble(Tone::Warning, robot, Trouble::NoThermometer);
         }
         let now = self.now.since_start;
         let Some(known) = self.robots.get_mut(robot) else { return };
@@ -191,18 +190,17 @@ impl Engine {
             known.holds.raise(Hold::RobotLink);
         }
         if searches || fetches {
-            let whose = format!("{robot}: {words}");
-            let words = if searches { words } else { whose.clone() };
+            let why = if searches { words.clone() } else { format!("{robot}: {words}") };
             if self.state.holds.contains(Hold::RobotLink) {
                 // What it is held by already says no more than that; why may be news.
-                self.world.write(self.now.wall, Tone::Warning, whose);
+                self.write_trouble(Tone::Warning, robot, Trouble::StillUnreached(words));
             }
-            self.feed(Input::LinkLost, &InputContext { words: Some(words), ..InputContext::default() });
+            self.feed(Input::LinkLost, &InputContext { why: Some(HoldReason::Words(why)), ..InputContext::default() });
         } else if known.holds.raise(Hold::RobotLink) {
             if self.state.phase.is_mission() {
                 known.holds.raise(Hold::AwaitingStart);
             }
-            self.world.write(self.now.wall, Tone::Warning, format!("{robot} cannot be reached ({words}): mend the link"));
+            self.write_trouble(Tone::Warning, robot, Trouble::Unreached(words));
         }
     }
 
@@ -283,8 +281,7 @@ impl Engine {
         };
         let obstacle = if self.settings.inspect_everything { Obstacle::Unknown } else { obstacle };
         if !self.searches(robot) {
-            let text = format!("{robot} met an obstacle at {}", pose.cell);
-            self.world.write(self.now.wall, Tone::Warning, text);
+            self.write_trouble(Tone::Warning, robot, Trouble::MetObstacle(pose.cell));
             if let Some(cell) = cell.filter(|_| self.is_fetching(robot)) {
                 self.meet(cell, pose.heading, obstacle);
             }
@@ -330,7 +327,7 @@ impl Engine {
         if self.searches(robot) {
             self.robot_failed(words);
         } else {
-            self.world.write(self.now.wall, Tone::Alarm, format!("{robot} could not carry out its order ({words})"));
+            self.write_trouble(Tone::Alarm, robot, Trouble::Failed(words));
         }
     }
 
@@ -344,7 +341,7 @@ impl Engine {
         if self.searches(robot) {
             self.feed(Input::PhotoFailed, &InputContext { words: Some(words), ..InputContext::default() });
         } else {
-            self.world.write(self.now.wall, Tone::Warning, format!("{robot} took no photo ({words})"));
+            self.write_trouble(Tone::Warning, robot, Trouble::NoPhoto(words));
         }
     }
 
@@ -367,8 +364,12 @@ impl Engine {
         if self.searches(robot) {
             self.feed(Input::Unanswered, &InputContext { fault: Some(FaultCause::Unanswered), ..InputContext::default() });
         } else {
-            self.world.write(self.now.wall, Tone::Alarm, format!("{robot} did not finish its order in time: look after it"));
+            self.write_trouble(Tone::Alarm, robot, Trouble::Unanswered);
         }
+    }
+
+    fn write_trouble(&mut self, tone: Tone, robot: &RobotId, trouble: Trouble) {
+        self.world.write(self.now.wall, tone, Said::Robot(robot.clone(), trouble));
     }
 
     fn sonar(&mut self, robot: &RobotId, cm: Option<u16>) {

@@ -6,9 +6,10 @@ use super::outbox::WaitingAnswer;
 use crate::command::{Issuer, Refused};
 use crate::effect::Fact;
 use crate::event::RobotId;
-use crate::mission::Hold;
+use crate::mission::{Asked, Hold};
 use crate::units::{Now, Ticket};
 use crate::world::log::Tone;
+use crate::world::said::Said;
 
 impl Engine {
     /// Somebody did something to what is simulated, in these words, as `the simulator was paused`: it goes into log and journal.
@@ -49,7 +50,8 @@ impl Engine {
     }
 
     fn write_simulated(&mut self, issuer: &Issuer, words: &str) {
-        self.world.write(self.now.wall, Tone::Info, format!("{words}, by {issuer}"));
+        let asked = Asked::Words(words.to_owned());
+        self.world.write(self.now.wall, Tone::Info, Said::Asked { asked, meant: None, issuer: issuer.clone(), refused: None });
         let (issuer, command) = (issuer.clone(), words.to_owned());
         let fact = Fact::Command { issuer, id: None, command, epoch: None, luggage: None, refused: None };
         self.outbox.record_command(self.now.wall, fact, None);

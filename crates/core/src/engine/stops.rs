@@ -9,11 +9,12 @@ use std::time::Duration;
 
 use super::Engine;
 use super::sharing::{Limits, Sender, Shared, Sharing};
-use crate::command::{CommandId, Issuer, Request};
+use crate::command::{Command, CommandId, Issuer, Request};
 use crate::effect::Fact;
-use crate::mission::Input;
+use crate::mission::Asked;
 use crate::units::{Epoch, Ticket, WallTime};
 use crate::world::log::Tone;
+use crate::world::said::Said;
 use crate::world::temperature::OPERATOR;
 
 /// More than a person presses, and less than a disk keeps. The senders are those who pressed in the last seconds.
@@ -128,13 +129,11 @@ impl Engine {
 
     pub(super) fn write_stops(&mut self, stops: impl IntoIterator<Item = Shared<Press>>) {
         for Shared { last: Press { issuer, id, wall }, count, lasted } in stops {
-            let word = Input::Stop.in_words();
-            let (id, command) = match count {
-                1 => (id, word.to_owned()),
-                _ if lasted.is_zero() => (None, format!("{word}, {count} times at once")),
-                _ => (None, format!("{word}, {count} times within {:.1} s", lasted.as_secs_f64())),
-            };
-            self.world.write(wall, Tone::Info, format!("{command}, by {issuer}"));
+            let within = Some(lasted).filter(|lasted| !lasted.is_zero());
+            let (id, asked) =
+                if count == 1 { (id, Asked::Command(Command::Stop)) } else { (None, Asked::Stops { count, within }) };
+            let command = asked.to_string();
+            self.world.write(wall, Tone::Info, Said::Asked { asked, meant: None, issuer: issuer.clone(), refused: None });
             let fact = Fact::Command { issuer, id, command, epoch: None, luggage: None, refused: None };
             self.outbox.record_command(wall, fact, None);
         }

@@ -16,6 +16,7 @@ use crate::world::alarm::AlarmCause;
 use crate::world::log::Tone;
 use crate::world::resource::Resource;
 use crate::world::retrieval::TreesView;
+use crate::world::said::Said;
 
 /// The trees, and when they were last ticked.
 #[derive(Clone, Debug)]
@@ -96,7 +97,7 @@ impl Engine {
         let team = kept.map(Team::resume).and_then(|team| match team {
             Ok(team) => Some(team),
             Err(why) => {
-                self.world.write(self.now.wall, Tone::Warning, format!("the pair's trees begin anew: {why}"));
+                self.world.write(self.now.wall, Tone::Warning, Said::TreesBeginAnew(why));
                 None
             }
         });
@@ -148,7 +149,7 @@ impl Engine {
         let Some(retrieval) = self.state.retrieval.clone() else { return };
         let cause = AlarmCause::Call(retrieval.luggage, saying);
         self.world.touch(Resource::Alarms);
-        self.world.write(self.now.wall, Tone::Alarm, cause.to_string());
+        self.world.write(self.now.wall, Tone::Alarm, Said::Alarm(cause.clone()));
         let alarm = self.state.last_alarm.next();
         self.record(Fact::AlarmRaised(alarm, None, cause));
         self.note_retrieval(Some(Retrieval { call: Some(alarm), ..retrieval }));
@@ -159,7 +160,7 @@ impl Engine {
     pub(super) fn secured(&mut self) -> Turn {
         let Some(Retrieval { luggage, fetcher, .. }) = self.state.retrieval.clone() else { return Turn::Rest };
         self.world.touch(Resource::Luggage);
-        self.world.write(self.now.wall, Tone::Info, format!("luggage #{luggage} is in the container"));
+        self.world.write(self.now.wall, Tone::Info, Said::Secured(luggage));
         self.record(Fact::Secured(luggage));
         let is_outside = fetcher == Fetcher::Pair;
         self.set_retrieval_stage(if is_outside { RetrievalStage::GoingOut(None) } else { RetrievalStage::ComingHome(None) });

@@ -8,6 +8,7 @@ use crate::command::{Command, Issuer, LuggageRef, Move, Note, TemperatureReport,
 use crate::event::{Obstacle, Photo};
 use crate::search::Strategy;
 use crate::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
+use crate::world::said::HoldReason;
 use crate::world::temperature::OPERATOR;
 
 named! {
@@ -86,7 +87,9 @@ pub(crate) struct InputContext {
     /// The source of a reading, and the reading.
     pub(crate) reading: Option<(Arc<str>, Celsius)>,
     pub(crate) fault: Option<FaultCause>,
-    /// What somebody else said about it, in words.
+    /// What more there is to say of a hold that it raises.
+    pub(crate) why: Option<HoldReason>,
+    /// Why there is no photo, in words.
     pub(crate) words: Option<String>,
 }
 

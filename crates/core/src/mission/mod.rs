@@ -1,6 +1,8 @@
 //! The mission: its phases, what holds it, and the one total table that says what every input does in every phase.
 //! The table and its words are here; `crate::engine` carries its acts out.
 
+mod asked;
+pub mod fact_words;
 mod hold;
 mod input;
 mod pace;
@@ -10,6 +12,7 @@ mod rule;
 mod state;
 mod table;
 mod words;
+pub use asked::Asked;
 pub use hold::{Hold, Holds};
 pub(crate) use input::{Input, InputContext};
 pub use phase::{FaultCause, Inspection, Phase, PhaseName, Stage};
@@ -18,5 +21,4 @@ pub(crate) use rule::{Act, Case, Guard, Rule, To};
 pub use state::Goal;
 pub(crate) use state::{Deciding, Mission, Recording, TRAIL};
 pub(crate) use table::rules;
-pub(crate) use words::from_words;
-pub use words::in_words;
+pub use words::{from_words, in_words};

@@ -3,13 +3,14 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use super::said::Said;
 use crate::units::{Seq, WallTime};
 
 /// How many lines are at hand: as many as a person scrolls through; older ones are the journal's.
 pub const LOG_LINES: usize = 256;
 
 /// One line.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LogLine {
     /// Its number, from 1 without gaps.
     pub number: u64,
@@ -17,8 +18,8 @@ pub struct LogLine {
     pub wall: WallTime,
     /// How loud.
     pub tone: Tone,
-    /// What happened, as a sentence.
-    pub text: String,
+    /// What happened.
+    pub said: Said,
 }
 
 named! {
@@ -48,21 +49,21 @@ pub(crate) struct Log {
 struct WaitingLine {
     seq: Option<Seq>,
     wall: WallTime,
-    text: String,
+    said: Said,
 }
 
 impl Log {
     /// Writes a line: a warning is there at once, and then it says so; any other waits for its record. Of too many that wait the
     /// oldest is left to the journal.
-    pub(crate) fn write(&mut self, wall: WallTime, tone: Tone, text: String) -> bool {
+    pub(crate) fn write(&mut self, wall: WallTime, tone: Tone, said: Said) -> bool {
         if tone != Tone::Info {
-            self.put(wall, tone, text);
+            self.put(wall, tone, said);
             return true;
         }
         if self.waiting.len() == LOG_LINES {
             self.waiting.pop_front();
         }
-        self.waiting.push_back(WaitingLine { seq: None, wall, text });
+        self.waiting.push_back(WaitingLine { seq: None, wall, said });
         false
     }
 
@@ -72,8 +73,8 @@ impl Log {
             line.seq = Some(written);
         }
         let due = self.waiting.iter().take_while(|line| line.seq.is_some_and(|seq| seq <= kept)).count();
-        for WaitingLine { wall, text, .. } in self.waiting.drain(..due).collect::<Vec<_>>() {
-            self.put(wall, Tone::Info, text);
+        for WaitingLine { wall, said, .. } in self.waiting.drain(..due).collect::<Vec<_>>() {
+            self.put(wall, Tone::Info, said);
         }
         due > 0
     }
@@ -84,12 +85,12 @@ impl Log {
     }
 
     /// Puts a line where it is seen; the oldest gives way when there are too many.
-    pub(crate) fn put(&mut self, wall: WallTime, tone: Tone, text: String) {
+    pub(crate) fn put(&mut self, wall: WallTime, tone: Tone, said: Said) {
         self.written += 1;
         if self.lines.len() == LOG_LINES {
             self.lines.pop_front();
         }
-        self.lines.push_back(Arc::new(LogLine { number: self.written, wall, tone, text }));
+        self.lines.push_back(Arc::new(LogLine { number: self.written, wall, tone, said }));
     }
 
     pub(crate) fn lines(&self) -> Arc<[Arc<LogLine>]> {

@@ -9,6 +9,7 @@ pub mod records;
 pub mod resource;
 pub mod retrieval;
 pub mod robot;
+pub mod said;
 pub mod snapshot;
 pub mod temperature;
 mod tiles;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::log::{Log, Tone};
 use super::resource::Resource;
+use super::said::Said;
 use super::temperature::Thermometer;
 use crate::settings::Settings;
 use crate::units::{Revision, WallTime};
@@ -60,8 +61,8 @@ impl World {
     }
 
     /// Writes a log line: a warning at once, what follows from a command or a find when that is on record (safety R4).
-    pub(crate) fn write(&mut self, wall: WallTime, tone: Tone, text: String) {
-        if self.log.write(wall, tone, text) {
+    pub(crate) fn write(&mut self, wall: WallTime, tone: Tone, said: Said) {
+        if self.log.write(wall, tone, said) {
             self.touch(Resource::Log);
         }
     }

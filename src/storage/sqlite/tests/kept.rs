@@ -26,7 +26,7 @@ fn the_latest_of_what_people_did_and_what_was_found_is_recalled() {
     }
     drop(scribe);
     let latest = scratch.open().recalled.expect("something was kept").latest;
-    let said: Vec<String> = latest.into_iter().map(|line| line.text).collect();
+    let said: Vec<String> = latest.into_iter().map(|line| line.said.to_string()).collect();
     let expected = (11..=40).flat_map(|id| [found(id, None), verdict(id, Verdict::Danger)]);
     assert_eq!(said, expected.map(|fact| journal_words::words(&fact)).collect::<Vec<_>>());
 }

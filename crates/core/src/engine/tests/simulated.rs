@@ -77,6 +77,6 @@ fn what_was_done_to_the_simulator_is_in_log_and_journal() {
     let mut engine = sweep_in(PhaseName::Exploring, &[]);
     engine.note_simulated(&issuer(), "simulator paused", now(1));
     assert!(recorded(&mut engine).iter().any(|fact| fact.contains("simulator paused")));
-    let log: Vec<String> = engine.snapshot().log.iter().map(|line| line.text.clone()).collect();
+    let log: Vec<String> = engine.snapshot().log.iter().map(|line| line.said.to_string()).collect();
     assert!(log.contains(&"simulator paused, by operator (local)".to_owned()), "{log:?}");
 }

@@ -1,0 +1,197 @@
+//! A fact in words: what the journal says, for a person who reads it as a line. How facts are written for programs, so that they can be
+//! read back, is not here.
+
+use std::fmt::Display;
+
+use super::{Hold, Phase, Stage};
+use crate::command::Refusal;
+use crate::effect::Fact;
+use crate::state::{Retrieval, RetrievalStage};
+use crate::units::LuggageId;
+use crate::world::hall_map::Mark;
+use crate::world::luggage::{Luggage, PhotoState};
+
+/// What happened, in a few words; no line break.
+#[must_use]
+pub fn words(fact: &Fact) -> String {
+    said(fact).replace(['\n', '\r'], " ")
+}
+
+fn said(fact: &Fact) -> String {
+    match fact {
+        Fact::ProgramStarted(version) => format!("program started, version {version}"),
+        Fact::ProgramEnded(by) => format!("program ended by {by}"),
+        Fact::State(standing) => {
+            let mission = if standing.under_way { format!("mission {}", standing.mission) } else { "no mission".to_owned() };
+            format!("all that stands: {mission}, {} cells visited", standing.map.visited())
+        }
+        Fact::Command { issuer, command, luggage, refused, .. } => {
+            format!("command {} by {issuer}: {}", asked(command, *luggage), outcome(refused.as_ref()))
+        }
+        Fact::MissionBegan(mission, strategy) => format!("mission {mission} began ({})", strategy.name()),
+        Fact::MissionArchived(mission, left) => {
+            format!("mission {mission} put away, bombs left: {}", list(left.iter().map(|id| format!("#{id}"))))
+        }
+        Fact::Phase(phase) => format!("phase: {}", in_words(phase)),
+        Fact::Holds(holds) if holds.is_empty() => "nothing holds the robot".to_owned(),
+        Fact::Holds(holds) => format!("held: {}", list(holds.iter().map(cause))),
+        Fact::Epoch(epoch) => format!("stopped: epoch {epoch}"),
+        Fact::Goal(goal, _) => goal.map_or_else(|| "no goal".to_owned(), |goal| format!("goal {}", goal.cell())),
+        Fact::Pose(pose) => format!("robot at {}, facing {}", pose.cell, pose.heading.name()),
+        Fact::RobotPose(robot, pose) => format!("{robot} at {}, facing {}", pose.cell, pose.heading.name()),
+        Fact::Outside(robot, 0) => format!("{robot} is in the hall"),
+        Fact::Outside(robot, steps) => format!("{robot} is outside, {steps} from home"),
+        Fact::Retrieval(None) => "the retrieval has ended".to_owned(),
+        Fact::Retrieval(Some(retrieval)) => fetching(retrieval),
+        Fact::MetAgain(cell, piece) => format!("piece {} stands at {cell}, too", piece.0),
+        Fact::Secured(luggage) => format!("luggage #{luggage} is in the container"),
+        Fact::Led(blinking) => format!("LED {}", if *blinking { "blinking" } else { "off" }),
+        Fact::Obstacle(cell, kind) => format!("obstacle at {cell}, taken for {kind}"),
+        Fact::Mark(cell, mark) => {
+            format!("cell {cell}: {}", if *mark == Mark::NotInspected { "not inspected" } else { mark.name() })
+        }
+        Fact::Luggage { record, .. } => luggage(record),
+        Fact::Verdict { luggage, verdict, who, note } => {
+            let note = note.as_ref().map(|note| format!(" (note: {note})")).unwrap_or_default();
+            format!("verdict on luggage #{luggage}: {}, by {who}{note}", verdict.name())
+        }
+        Fact::Temperature(source, celsius) => format!("temperature {celsius}, by {source}"),
+        Fact::AlarmRaised(alarm, _, cause) => format!("alarm {alarm} raised: {cause}"),
+        Fact::AlarmAcknowledged(alarm, who) => format!("alarm {alarm} acknowledged by {who}"),
+        Fact::Strategy(strategy) => format!("search order: {}", strategy.name()),
+        Fact::MapEmptied(heading) => format!("map emptied, facing {}", heading.name()),
+    }
+}
+
+/// A command with the piece that it turned out to be about, where its sender did not name it.
+#[must_use]
+pub fn asked(command: &str, luggage: Option<LuggageId>) -> String {
+    let (asked, note) = command.split_once(" (note: ").map_or((command, None), |(asked, note)| (asked, Some(note)));
+    let named = luggage.map(|id| format!(" #{id}")).filter(|id| !asked.ends_with(id.as_str())).unwrap_or_default();
+    note.map_or_else(|| format!("{asked}{named}"), |note| format!("{asked}{named} (note: {note}"))
+}
+
+/// What became of a command: `accepted`, or `refused` and why.
+#[must_use]
+pub fn outcome(refused: Option<&Refusal>) -> String {
+    refused.map_or_else(|| "accepted".to_owned(), |refusal| format!("refused: {}", refusal.words))
+}
+
+/// A phase with what it interrupts, or how far its inspection has come: each step of it is on record.
+fn in_words(phase: &Phase) -> String {
+    let name = phase.name().in_words();
+    if let Some(interrupted) = phase.interrupted() {
+        return format!("{name} (was {})", interrupted.name().in_words());
+    }
+    let Some(inspection) = phase.inspection() else { return name.to_owned() };
+    match inspection.stage {
+        Stage::BackingUp => format!("{name}: backing up"),
+        Stage::TakingPhoto => format!("{name}: taking the photo"),
+        Stage::Recording(id) => format!("{name}: recording #{id}"),
+        Stage::AwaitingVerdict(id) => format!("{name}: #{id} waits for its verdict"),
+        Stage::RetakingPhoto(id) => format!("{name}: taking the photo of #{id} again"),
+    }
+}
+
+/// Why the robot was held, without what was to be done about it then.
+fn cause(hold: &Hold) -> &'static str {
+    let words = hold.in_words();
+    words.find([':', ';']).map_or(words, |end| &words[..end])
+}
+
+fn fetching(retrieval: &Retrieval) -> String {
+    let Retrieval { luggage, fetcher, stage, .. } = retrieval;
+    let how = match stage {
+        RetrievalStage::MakingRoom => "room is made".to_owned(),
+        RetrievalStage::Fetching => "it is fetched".to_owned(),
+        RetrievalStage::LettingGo => "it is put into the container".to_owned(),
+        RetrievalStage::GoingOut(Some(reason)) => format!("given up: {reason}"),
+        RetrievalStage::GoingOut(None) | RetrievalStage::ComingHome(None) => "it is in the container".to_owned(),
+        RetrievalStage::ComingHome(Some(reason)) => format!("not fetched: {reason}"),
+    };
+    format!("retrieval of luggage #{luggage} by {}: {how}", fetcher.name())
+}
+
+fn luggage(record: &Luggage) -> String {
+    let photo = match &record.photo {
+        PhotoState::Taken { take: 1, .. } => "photographed".to_owned(),
+        PhotoState::Taken { take, .. } => format!("photographed, take {take}"),
+        PhotoState::Failed(reason) => format!("no photo: {reason}"),
+    };
+    let Luggage { id, cell, pose, .. } = record;
+    format!("luggage #{id} at {cell}, seen from {} facing {}; {photo}", pose.cell, pose.heading.name())
+}
+
+fn list<T: Display>(things: impl IntoIterator<Item = T>) -> String {
+    let words: Vec<String> = things.into_iter().map(|thing| thing.to_string()).collect();
+    if words.is_empty() { "none".to_owned() } else { words.join(", ") }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::command::{Door, Issuer, Refused};
+    use crate::mission::{FaultCause, Inspection};
+    use crate::units::{Cell, Heading, Pose, WallTime};
+    use crate::world::alarm::AlarmCause;
+
+    fn check(fact: Fact, expect: &str) {
+        assert_eq!(words(&fact), expect);
+    }
+
+    fn command(refused: Option<Refused>) -> Fact {
+        let issuer = Issuer { door: Door("http"), who: "anna".into(), from: "192.0.2.7".into() };
+        let refused = refused.as_ref().map(Refusal::from);
+        Fact::Command { issuer, id: None, command: "START".to_owned(), epoch: None, luggage: None, refused }
+    }
+
+    #[test]
+    fn an_entry_is_one_line() {
+        check(Fact::Holds(vec![Hold::Operator, Hold::AwaitingStart]), "held: stopped by the operator, waiting for START");
+        check(Fact::Holds(Vec::new()), "nothing holds the robot");
+        check(Fact::Pose(Pose::START), "robot at (0, 0), facing south");
+        check(Fact::Mark(Cell::new(1, 2), Mark::Wall), "cell (1, 2): wall");
+        check(
+            Fact::AlarmRaised(Default::default(), None, AlarmCause::Other("two\nlines".to_owned())),
+            "alarm 0 raised: two lines",
+        );
+    }
+
+    #[test]
+    fn a_phase_says_how_far_it_has_come_and_what_it_interrupts() {
+        let inspecting = |stage| Phase::Inspecting(Inspection { cell: Cell::new(0, 1), piece: None, pose: Pose::START, stage });
+        check(Fact::Phase(inspecting(Stage::TakingPhoto)), "phase: inspecting luggage: taking the photo");
+        let waiting = inspecting(Stage::AwaitingVerdict(LuggageId(3)));
+        check(Fact::Phase(waiting.clone()), "phase: inspecting luggage: #3 waits for its verdict");
+        let fault = Phase::Fault { cause: FaultCause::Unanswered, interrupted: Box::new(waiting) };
+        check(Fact::Phase(fault), "phase: in fault (was inspecting luggage)");
+    }
+
+    #[test]
+    fn luggage_is_told_without_the_words_of_a_programming_language() {
+        let (cell, pose) = (Cell::new(6, 2), Pose { cell: Cell::new(5, 2), heading: Heading::East });
+        let photo = PhotoState::Taken { bytes: 4, take: 1 };
+        let (id, taken) = (LuggageId(3), WallTime::default());
+        let record = Arc::new(Luggage { id, cell, pose, taken, photo, verdict: None, piece: None, secured: None });
+        let expect = "luggage #3 at (6, 2), seen from (5, 2) facing east; photographed";
+        check(Fact::Luggage { record, photo: None }, expect);
+    }
+
+    /// Safety A6.
+    #[test]
+    fn a_command_says_who_gave_it_from_where_and_what_became_of_it() {
+        check(command(None), "command START by anna (http, 192.0.2.7): accepted");
+        let refused = "command START by anna (http, 192.0.2.7): refused: the robot is moving: press STOP first";
+        check(command(Some(Refused::Moving)), refused);
+        for (words, expect) in [
+            ("safe", "safe #13"),
+            ("safe #13", "safe #13"),
+            ("safe (note: as #13)", "safe #13 (note: as #13)"),
+            ("safe #13 (note: red)", "safe #13 (note: red)"),
+        ] {
+            assert_eq!(asked(words, Some(LuggageId(13))), expect, "the piece that was meant is named once");
+        }
+    }
+}

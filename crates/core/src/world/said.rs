@@ -1,0 +1,289 @@
+//! What the log says, as values: whoever shows it in another language makes the sentence of these. `Display` is the English one, as
+//! programs read it. When a line is shown, and how many there are, is the business of `log`.
+
+use std::fmt;
+use std::sync::Arc;
+
+use super::alarm::AlarmCause;
+use crate::behaviour::state::StateError;
+use crate::command::{Issuer, Refused};
+use crate::effect::Fact;
+use crate::mission::{Asked, FaultCause, Hold, PhaseName, fact_words};
+use crate::robots::RobotId;
+use crate::units::{Cell, Celsius, LuggageId, Pose};
+
+/// What a line of the log says. `Display` is the sentence.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Said {
+    /// Somebody asked for something, or did something to the simulator.
+    Asked {
+        /// What it was.
+        asked: Asked,
+        /// The piece that was meant, where the words do not name it.
+        meant: Option<LuggageId>,
+        /// By whom.
+        issuer: Issuer,
+        /// Why it was refused; `None` when it was accepted.
+        refused: Option<Refused>,
+    },
+    /// A safe that had been accepted was overtaken by a danger before it was on record, and so refused with this.
+    Overtaken(Refused),
+    /// This holds the robot now, for this reason where there is more to say of it.
+    Held(Hold, Option<HoldReason>),
+    /// This holds it no longer.
+    Over(Hold),
+    /// From the first phase on to the second.
+    Phase(PhaseName, PhaseName),
+    /// The mission is in fault.
+    Fault(FaultCause),
+    /// An alarm was raised.
+    Alarm(AlarmCause),
+    /// A piece was found, and is on record.
+    Found {
+        /// Its number.
+        luggage: LuggageId,
+        /// Where it stands.
+        cell: Cell,
+        /// Whether its photo is usable.
+        has_photo: bool,
+    },
+    /// A new photo of a piece is on record.
+    PhotographedAgain(LuggageId),
+    /// There is no new photo of a piece, and the first one stays.
+    PhotoStays(LuggageId),
+    /// A piece is in the container.
+    Secured(LuggageId),
+    /// No way leads to the cell to which somebody sent the robot.
+    NoWay(Cell),
+    /// A robot says that it stands elsewhere than the record has it; `None`: the robot that searches.
+    Stands(Option<RobotId>, Pose),
+    /// Something is the matter with a robot.
+    Robot(RobotId, Trouble),
+    /// The pair's trees cannot go on from where they stood.
+    TreesBeginAnew(StateError),
+    /// The program was started again.
+    StartedAgain,
+    /// The program was asked to end, by this.
+    Ended(String),
+    /// The robot was put down in another hall.
+    PutDown,
+    /// What the journal says, recalled from before a restart or of another moment. `Said::fact` makes it.
+    Fact(Arc<Fact>),
+    /// In the words of others, as those of whoever found a file damaged.
+    Words(String),
+}
+
+/// What more there is to say of a hold.
+#[derive(Clone, Debug, PartialEq)]
+pub enum HoldReason {
+    /// This was read.
+    Reading(Celsius),
+    /// The sensor of this name is silent.
+    Silent(Arc<str>),
+    /// The sensor of this name was never heard since the program was started.
+    Unheard(Arc<str>),
+    /// In the words of the store, or of the link to a robot.
+    Words(String),
+}
+
+/// What is the matter with a robot. Words are those of the robot, or of the link to it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Trouble {
+    /// It says that it stands in this cell, where no hall reaches.
+    TooFar(Cell),
+    /// It was the last to read that it is too hot, and has no thermometer any more.
+    NoThermometer,
+    /// It cannot be reached, which holds the robots already; why.
+    StillUnreached(String),
+    /// It cannot be reached; why.
+    Unreached(String),
+    /// It met something as it left this cell.
+    MetObstacle(Cell),
+    /// It could not carry out its order; why.
+    Failed(String),
+    /// It took no photo; why.
+    NoPhoto(String),
+    /// It did not finish its order in time.
+    Unanswered,
+}
+
+impl fmt::Display for Said {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Said::Asked { asked, meant, issuer, refused } => {
+                write!(f, "{asked}")?;
+                meant.map_or(Ok(()), |id| write!(f, " #{id}"))?;
+                match refused {
+                    None => write!(f, ", by {issuer}"),
+                    Some(refused) => write!(f, " refused, by {issuer}: {refused}"),
+                }
+            }
+            Said::Overtaken(refused) => write!(f, "a safe was overtaken, and so refused: {refused}"),
+            Said::Held(hold, None) => write!(f, "held: {}", hold.in_words()),
+            Said::Held(hold, Some(why)) => write!(f, "held: {} ({why})", hold.in_words()),
+            Said::Over(hold) => f.write_str(hold.over_in_words()),
+            Said::Phase(before, after) => write!(f, "{} → {}", before.in_words(), after.in_words()),
+            Said::Fault(cause) => write!(f, "fault: {cause}"),
+            Said::Alarm(cause) => write!(f, "{cause}"),
+            Said::Found { luggage, cell, has_photo } => {
+                let but = if *has_photo { "" } else { ", but its photo failed: take it again, or answer danger" };
+                write!(f, "luggage #{luggage} found at {cell}{but}")
+            }
+            Said::PhotographedAgain(luggage) => write!(f, "luggage #{luggage} photographed again"),
+            Said::PhotoStays(luggage) => {
+                write!(f, "photo of luggage #{luggage} could not be taken again; the first one stays")
+            }
+            Said::Secured(luggage) => write!(f, "luggage #{luggage} is in the container"),
+            Said::NoWay(cell) => write!(f, "no way leads to {cell}"),
+            Said::Stands(robot, Pose { cell, heading }) => {
+                let robot = robot.as_ref().map_or("the robot", RobotId::name);
+                write!(f, "{robot} says that it stands at {cell}, facing {}", heading.name())
+            }
+            Said::Robot(robot, trouble) => trouble.tell(robot, f),
+            Said::TreesBeginAnew(why) => write!(f, "the pair's trees begin anew: {why}"),
+            Said::StartedAgain => f.write_str("the program was started again; everything is as it was"),
+            Said::Ended(by) => write!(f, "the program was ended by {by}: the robot halts"),
+            Said::PutDown => f.write_str("the robot was put down in another hall"),
+            Said::Fact(fact) => f.write_str(&fact_words::words(fact)),
+            Said::Words(words) => f.write_str(words),
+        }
+    }
+}
+
+impl Said {
+    /// What the journal says. Lines are kept for long: what is large and is not said, as a photo or all that stands, is not kept with them.
+    #[must_use]
+    pub fn fact(fact: &Fact) -> Said {
+        if let Fact::Luggage { record, .. } = fact {
+            return Said::Fact(Arc::new(Fact::Luggage { record: Arc::clone(record), photo: None }));
+        }
+        let is_large = matches!(fact, Fact::State(_) | Fact::Retrieval(_) | Fact::Goal(..));
+        if is_large { Said::Words(fact_words::words(fact)) } else { Said::Fact(Arc::new(fact.clone())) }
+    }
+}
+
+impl fmt::Display for HoldReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            HoldReason::Reading(celsius) => write!(f, "{celsius}"),
+            HoldReason::Silent(sensor) => f.write_str(sensor),
+            HoldReason::Unheard(sensor) => write!(f, "{sensor} has not been heard yet"),
+            HoldReason::Words(words) => f.write_str(words),
+        }
+    }
+}
+
+impl Trouble {
+    fn tell(&self, robot: &RobotId, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Trouble::TooFar(cell) => {
+                write!(f, "{robot} says that it stands at {cell}, further from home than any hall reaches")
+            }
+            Trouble::NoThermometer => {
+                write!(f, "{robot} has no thermometer now, and the last reading was too hot: report what the hall's is")
+            }
+            Trouble::StillUnreached(why) => write!(f, "{robot}: {why}"),
+            Trouble::Unreached(why) => write!(f, "{robot} cannot be reached ({why}): mend the link"),
+            Trouble::MetObstacle(cell) => write!(f, "{robot} met an obstacle at {cell}"),
+            Trouble::Failed(why) => write!(f, "{robot} could not carry out its order ({why})"),
+            Trouble::NoPhoto(why) => write!(f, "{robot} took no photo ({why})"),
+            Trouble::Unanswered => write!(f, "{robot} did not finish its order in time: look after it"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::command::{Command, Door, LuggageRef, Note, Verdict};
+    use crate::event::Photo;
+    use crate::search::Strategy;
+    use crate::state::PersistentState;
+    use crate::units::WallTime;
+    use crate::world::luggage::{Luggage, PhotoState};
+
+    fn check(said: Said, expect: &str) {
+        assert_eq!(said.to_string(), expect);
+    }
+
+    fn srm1() -> RobotId {
+        RobotId::new("srm1").unwrap()
+    }
+
+    #[test]
+    fn who_asked_for_something_is_told_and_which_piece_was_meant() {
+        let issuer = Issuer { door: Door("http"), who: "anna".into(), from: "192.0.2.7".into() };
+        let asked =
+            |command, meant, refused| Said::Asked { asked: Asked::Command(command), meant, issuer: issuer.clone(), refused };
+        check(asked(Command::Start, None, None), "START, by anna (http, 192.0.2.7)");
+        let refused = "START refused, by anna (http, 192.0.2.7): the robot is moving: press STOP first";
+        check(asked(Command::Start, None, Some(Refused::Moving)), refused);
+        let safe = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: Note::new("red") };
+        check(asked(safe, Some(LuggageId(3)), None), "safe (note: red) #3, by anna (http, 192.0.2.7)");
+    }
+
+    #[test]
+    fn a_hold_says_why_where_there_is_more_to_say() {
+        check(Said::Held(Hold::Operator, None), "held: stopped by the operator");
+        let held = |why| Said::Held(Hold::TemperatureStale, Some(why)).to_string();
+        let words = "held: the temperature sensor is silent: mend it first";
+        assert_eq!(held(HoldReason::Silent("roof".into())), format!("{words} (roof)"));
+        assert_eq!(held(HoldReason::Unheard("roof".into())), format!("{words} (roof has not been heard yet)"));
+        assert_eq!(held(HoldReason::Reading(Celsius::new(31.0).unwrap())), format!("{words} (31.0 °C)"));
+        assert_eq!(held(HoldReason::Words("why".to_owned())), format!("{words} (why)"));
+    }
+
+    #[test]
+    fn what_happens_is_a_sentence() {
+        let id = LuggageId(3);
+        let cell = Cell::new(1, 2);
+        let found = |has_photo| Said::Found { luggage: id, cell, has_photo };
+        check(found(true), "luggage #3 found at (1, 2)");
+        check(found(false), "luggage #3 found at (1, 2), but its photo failed: take it again, or answer danger");
+        check(Said::PhotographedAgain(id), "luggage #3 photographed again");
+        check(Said::PhotoStays(id), "photo of luggage #3 could not be taken again; the first one stays");
+        check(Said::Phase(PhaseName::Idle, PhaseName::Exploring), "idle → exploring");
+        check(Said::Fault(FaultCause::NoWayHome), "fault: no known way leads home: clear the way, or fetch the robot");
+        check(Said::Stands(None, Pose::START), "the robot says that it stands at (0, 0), facing south");
+        check(Said::Stands(Some(srm1()), Pose::START), "srm1 says that it stands at (0, 0), facing south");
+        check(Said::NoWay(cell), "no way leads to (1, 2)");
+        check(Said::Ended("SIGTERM".to_owned()), "the program was ended by SIGTERM: the robot halts");
+        let begin = "the pair's trees begin anew: this is the state of another tree, or of this one before it was changed";
+        check(Said::TreesBeginAnew(StateError::OtherTree), begin);
+        let overtaken = Refused::Decided { luggage: id, verdict: Verdict::Danger };
+        let words = "a safe was overtaken, and so refused: luggage #3 was already found danger: a verdict is final";
+        check(Said::Overtaken(overtaken), words);
+    }
+
+    #[test]
+    fn what_is_the_matter_with_a_robot_is_said_by_its_name() {
+        let check = |trouble, expect| check(Said::Robot(srm1(), trouble), expect);
+        let why = || "it is off".to_owned();
+        let far = "srm1 says that it stands at (999, 0), further from home than any hall reaches";
+        check(Trouble::TooFar(Cell::new(999, 0)), far);
+        let heat = "srm1 has no thermometer now, and the last reading was too hot: report what the hall's is";
+        check(Trouble::NoThermometer, heat);
+        check(Trouble::StillUnreached(why()), "srm1: it is off");
+        check(Trouble::Unreached(why()), "srm1 cannot be reached (it is off): mend the link");
+        check(Trouble::MetObstacle(Cell::new(1, 2)), "srm1 met an obstacle at (1, 2)");
+        check(Trouble::Failed(why()), "srm1 could not carry out its order (it is off)");
+        check(Trouble::NoPhoto(why()), "srm1 took no photo (it is off)");
+        check(Trouble::Unanswered, "srm1 did not finish its order in time: look after it");
+    }
+
+    /// Lines are many, and stay in memory.
+    #[test]
+    fn a_line_of_the_journal_keeps_no_map_and_no_photo() {
+        let state = Fact::State(Box::new(PersistentState::first(Strategy::Snail)));
+        assert_eq!(Said::fact(&state), Said::Words(fact_words::words(&state)));
+        let photo = PhotoState::Taken { bytes: 4, take: 1 };
+        let (cell, pose, taken) = (Cell::HOME, Pose::START, WallTime::default());
+        let record = Luggage { id: LuggageId(3), cell, pose, taken, photo, verdict: None, piece: None, secured: None };
+        let fact = Fact::Luggage { record: Arc::new(record), photo: Some(Photo { bytes: [1].into(), media_type: "image/png" }) };
+        let said = Said::fact(&fact);
+        assert_eq!(said.to_string(), fact_words::words(&fact));
+        assert!(matches!(said, Said::Fact(fact) if matches!(&*fact, Fact::Luggage { photo: None, .. })));
+        let told = Fact::Holds(vec![Hold::Operator]);
+        assert_eq!(Said::fact(&told), Said::Fact(Arc::new(told)));
+    }
+}
