@@ -1,6 +1,8 @@
 //! Every reason for which a command can be refused, in words for an operator and as a fixed code for programs.
 //! How it is told to whom is decided outside.
 
+mod words;
+
 use std::sync::Arc;
 
 use super::command::{CommandId, Verdict};
@@ -131,7 +133,7 @@ pub enum Refused {
 /// The code of `Refused::OtherContent`.
 pub const OTHER_CONTENT: &str = "otherContent";
 
-/// A refusal as it is kept on record.
+/// A refusal as it is kept on record; `refused` gives back what was refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refusal {
     /// The fixed word for programs.
