@@ -18,21 +18,24 @@
 
   const isTyping = (target) => target.closest?.("input, textarea, select, [contenteditable]");
 
+  /** The button of the verdict with this key, which is a letter of the page's language. */
+  const ofVerdict = (key) => inspect().querySelector(`.verdict-form [aria-keyshortcuts="${CSS.escape(key)}"]`);
+
   /** Presses a button of the verdict as a key does, not as a pointer; why a dead one is dead is said. */
-  function press(name) {
-    const button = inspect().querySelector(`button.${name}`);
-    if (!button) return;
+  function press(button) {
     if (button.disabled) tell("verdict", button.title && `${button.title}.`);
     else button.click();
   }
 
-  const keys = { s: () => press("safe"), d: () => press("danger"), f: enlarge, "?": list };
+  const keys = { f: enlarge, "?": list };
 
   document.addEventListener("keydown", (event) => {
     const { key, repeat, ctrlKey, altKey, metaKey, shiftKey, target } = event;
     if (event.defaultPrevented || repeat || ctrlKey || altKey || metaKey || isTyping(target)) return;
     if ((shiftKey && key !== "?") || dialog.open) return;
-    const act = keys[key.toLowerCase()];
+    const letter = key.toLowerCase();
+    const button = ofVerdict(letter);
+    const act = keys[letter] ?? (button && (() => press(button)));
     if (!act || (shortcuts.open && key !== "?")) return;
     event.preventDefault();
     act();

@@ -55,6 +55,11 @@ fn a_person_searches_the_airport_on_a_phone() {
 }
 
 #[test]
+fn a_person_searches_the_airport_in_italian_and_reads_no_english() {
+    play("italian", &["--hall", "airport", "--speed", "max"]);
+}
+
+#[test]
 fn a_person_searches_the_airport_without_scripts() {
     play("plain", &["--hall", "airport", "--speed", "max"]);
 }

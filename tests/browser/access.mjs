@@ -1,4 +1,5 @@
-// Everybody can use the pages: axe-core finds nothing against WCAG 2.2 AA, on every page and in every state, in both schemes of colours.
+// Everybody can use the pages: axe-core finds nothing against WCAG 2.2 AA, on every page and in every state, in both schemes of colours and
+// in both languages.
 
 import { readFileSync } from 'node:fs';
 import { appears, danger, look, must, numberOf, phase, safe, start, stop } from './person.mjs';
@@ -7,8 +8,24 @@ const AXE = readFileSync(new URL('node_modules/axe-core/axe.min.js', import.meta
 const RULES = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa'];
 const SCREENS = [[320, 640], [768, 1024], [1280, 800], [2560, 1440]];
 
-/** What axe finds, on every screen and in both schemes. */
+/** What axe finds in both languages. The page is looked at by somebody else in Italian, who sees the same state. */
 async function check(page, where, found) {
+  await checkOne(page, where, found);
+  const context = await page.context().browser().newContext({ locale: 'it-IT' });
+  const italian = await context.newPage();
+  await italian.goto(page.url());
+  await italian.waitForTimeout(300);
+  if (await page.locator('#confirm[open]').count()) {
+    await look(italian);
+    await italian.locator('#inspect button.danger').click();
+    await italian.getByRole('dialog').waitFor();
+  }
+  await checkOne(italian, `${where}, in Italian`, found);
+  await context.close();
+}
+
+/** What axe finds, on every screen and in both schemes. */
+async function checkOne(page, where, found) {
   for (const colorScheme of ['light', 'dark']) {
     await page.emulateMedia({ colorScheme });
     for (const [width, height] of SCREENS) {

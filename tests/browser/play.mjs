@@ -1,5 +1,5 @@
 // Plays one scenario: `node play.mjs SCENARIO URL CHROMIUM SHOTS`. Exit code 0 when a person would have been content.
-// The scenarios are in scenarios.mjs, those about STOP and the keyboard in always.mjs, those of the laboratory, of the retrieval, of
+// The scenarios are in scenarios.mjs, that in Italian in italian.mjs, those about STOP and the keyboard in always.mjs, those of the laboratory, of the retrieval, of
 // the line of time, of the moment of the verdict and of the simulator in laboratory.mjs, retrieval.mjs, time.mjs, verdicts.mjs and
 // simulator.mjs; here a browser is opened, watched for what no page may do, and closed.
 
@@ -8,6 +8,7 @@ import { createInterface } from 'node:readline';
 import { chromium } from 'playwright-core';
 import * as access from './access.mjs';
 import * as always from './always.mjs';
+import * as italian from './italian.mjs';
 import * as laboratory from './laboratory.mjs';
 import { relay } from './relay.mjs';
 import * as retrieval from './retrieval.mjs';
@@ -17,7 +18,7 @@ import * as simulator from './simulator.mjs';
 import * as verdicts from './verdicts.mjs';
 
 const [name, url, executablePath, shots] = process.argv.slice(2);
-const scenario = { ...missions, ...access, ...always, ...laboratory, ...retrieval, ...time, ...verdicts, ...simulator }[name];
+const scenario = { ...missions, ...access, ...always, ...italian, ...laboratory, ...retrieval, ...time, ...verdicts, ...simulator }[name];
 const patience = 60_000;
 
 const lines = createInterface({ input: process.stdin })[Symbol.asyncIterator]();

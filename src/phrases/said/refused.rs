@@ -1,8 +1,8 @@
-//! Why a command was refused, and why a mission is in fault.
+//! Why a command was refused.
 
 use crate::phrases::Language;
 use hallsweep_core::command::Refused;
-use hallsweep_core::mission::{FaultCause, Hold};
+use hallsweep_core::mission::Hold;
 
 impl Language {
     /// Why a command was refused; without a full stop.
@@ -21,7 +21,7 @@ impl Language {
             Refused::Decided { luggage, verdict } => say.with("id", luggage).with("verdict", self.verdict(verdict.name())),
             Refused::UnknownAlarm(id) => say.with("id", id),
             Refused::FetcherUnreached(robot) | Refused::FetcherAbroad(robot) => say.with("robot", robot),
-            Refused::FaultStands(fault) => say.with("fault", fault),
+            Refused::FaultStands(fault) => say.with("fault", self.fault(fault)),
             Refused::OtherContent(id) => say.with("id", id.text()),
             Refused::UnknownSensor(sensor) => say.with("sensor", format!("{sensor:?}")),
             Refused::NotAllowed(words) => say.with("words", words),
@@ -41,17 +41,6 @@ impl Language {
             | Refused::NotOnRecord => say,
         };
         said.to_string()
-    }
-
-    /// Why a mission is in fault; without a full stop.
-    pub fn fault(self, fault: &FaultCause) -> String {
-        match fault {
-            FaultCause::NoWayHome => self.say("fault-noWayHome").to_string(),
-            FaultCause::Unanswered => self.say("fault-unanswered").to_string(),
-            FaultCause::Undecided => self.say("fault-undecided").to_string(),
-            FaultCause::Robot(words) => self.say("fault-robot").with("words", words).to_string(),
-            FaultCause::NotFetched(why) => self.say("fault-notFetched").with("why", why).to_string(),
-        }
     }
 
     /// What is to be mended is said first, and by its name: other holds may follow from it.

@@ -91,7 +91,7 @@ pub(in crate::doors::http) async fn live(State(door): State<HttpDoor>, to: Reade
 
 async fn changed(door: &HttpDoor, shown: &mut Shown, snapshot: Arc<Snapshot>, who: Option<Who>, language: Language) -> Message {
     let mission = snapshot.mission.id;
-    let (began, line) = (began::began(door, mission).await, Timelines::of(door, mission).await);
+    let (began, line) = (began::began(door, mission).await, Timelines::of(door, mission, language).await);
     let (hall, now) = (HallInfo::of(door), door.clock.now().wall);
     let line = Some(&*line);
     shown.update(&snapshot, &View { snapshot: &snapshot, hall, began, who, language, why: None, now, line, then: None })

@@ -118,7 +118,7 @@ pub(super) async fn confirm_reset(Spoken(language): Spoken) -> Html<String> {
 async fn whole(door: &HttpDoor, to: &Reader, why: Option<Why>) -> Html<String> {
     let snapshot = door.handle.snapshot();
     let began = began::began(door, snapshot.mission.id).await;
-    let line = Timelines::of(door, snapshot.mission.id).await;
+    let line = Timelines::of(door, snapshot.mission.id, to.language).await;
     let (hall, who, now) = (HallInfo::of(door), who(door, &to.caller), door.clock.now().wall);
     let view = View { snapshot: &snapshot, hall, began, who, language: to.language, why, now, line: Some(&line), then: None };
     html(&Page::new(&view))

@@ -87,7 +87,7 @@ struct About {
 impl About {
     async fn of(door: &HttpDoor, Reader { caller, language }: Reader, id: u64) -> Result<About, Problem> {
         let record = door.archive.look_up(move |archive| archive.mission(MissionId(id))).await?;
-        let (line, who) = (Timelines::of(door, MissionId(id)).await, who(door, &caller));
+        let (line, who) = (Timelines::of(door, MissionId(id), language).await, who(door, &caller));
         Ok(About { door: door.clone(), mission: id, line, began: record.map(|record| record.began), who, language })
     }
 

@@ -349,7 +349,7 @@ impl Blackboard<'_> {
 
 impl Log<'_> {
     fn said(&self, line: &LogLine) -> String {
-        line.text.clone()
+        self.v.language.said(&line.said)
     }
 
     fn lines(&self) -> Vec<(&LogLine, String, String)> {

@@ -17,7 +17,8 @@ use crate::doors::http::HttpDoor;
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::command::Refused;
 use hallsweep_core::event::RobotId;
-use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::mission::{FaultCause, Hold, PhaseName};
+use hallsweep_core::retrieval::NotFetched;
 use hallsweep_core::units::{Cell, Celsius, WallTime};
 use hallsweep_core::world::alarm::AlarmView;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
@@ -141,18 +142,18 @@ impl View<'_> {
         self.language.place(cell)
     }
 
-    pub(super) fn fault(&self, fault: &String) -> String {
-        fault.clone()
+    pub(super) fn fault(&self, fault: &FaultCause) -> String {
+        self.language.fault(fault)
     }
 
     /// What an alarm says.
     pub(super) fn alarm(&self, alarm: &AlarmView) -> String {
-        alarm.text.clone()
+        self.language.alarm(&alarm.cause)
     }
 
     /// Why a piece cannot be fetched.
-    pub(super) fn reason(&self, reason: &str) -> String {
-        reason.to_owned()
+    pub(super) fn reason(&self, reason: &NotFetched) -> String {
+        self.language.not_fetched(reason)
     }
 
     /// Where a reading comes from.

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::section::{Reading, Section, id};
-use crate::api::journal_words::words;
 use crate::api::time::Zone;
+use crate::phrases::Language;
 use crate::runtime::archive::Happened;
 use hallsweep_core::command::Verdict;
 use hallsweep_core::effect::Fact;
@@ -50,6 +50,7 @@ pub(in super::super) struct Scale {
 #[derive(Clone, Debug)]
 pub(in super::super) struct Timeline {
     mission: MissionId,
+    language: Language,
     zone: Zone,
     threshold: Celsius,
     /// Sections that are full.
@@ -75,9 +76,10 @@ struct Carried {
 }
 
 impl Timeline {
-    pub(super) fn new(mission: MissionId, zone: Zone, threshold: Celsius) -> Timeline {
+    pub(super) fn new(mission: MissionId, language: Language, zone: Zone, threshold: Celsius) -> Timeline {
         Timeline {
             mission,
+            language,
             zone,
             threshold,
             full: Vec::new(),
@@ -98,6 +100,10 @@ impl Timeline {
 
     pub(super) const fn last(&self) -> Seq {
         self.last
+    }
+
+    pub(super) const fn language(&self) -> Language {
+        self.language
     }
 
     /// Whether nothing more will be on it.
@@ -195,18 +201,17 @@ impl Timeline {
         }
         self.carried.phase = Some(phase);
         let (name, interrupted) = phase;
-        let was = interrupted.map(|phase| format!(" (was {})", phase.in_words())).unwrap_or_default();
-        let said = format!("{} {}{was}", self.zone.clock_time(wall), name.in_words());
+        let said = format!("{} {}", self.zone.clock_time(wall), self.language.phase_and_before(name, interrupted));
         self.growing.band(x, (0, 12), &format!("phase {}", name.name()), &said);
     }
 
     fn holds(&mut self, x: i64, wall: WallTime, fact: &Fact, is_held: bool) {
-        let said = format!("{} {}", self.zone.clock_time(wall), words(fact));
+        let said = format!("{} {}", self.zone.clock_time(wall), self.language.fact(fact));
         self.growing.band(x, (12, 16), if is_held { "hold" } else { "no-hold" }, &said);
     }
 
     fn mark(&mut self, x: i64, wall: WallTime, class: &str, fact: &Fact) {
-        let said = format!("{} {}", self.zone.clock_time(wall), words(fact));
+        let said = format!("{} {}", self.zone.clock_time(wall), self.language.fact(fact));
         self.growing.mark(x, class, &said);
     }
 }
@@ -263,7 +268,7 @@ mod tests {
     }
 
     fn line(facts: impl IntoIterator<Item = (i64, Fact)>) -> Timeline {
-        let mut line = Timeline::new(MissionId(1), Zone::of(TEN), degrees(25.0));
+        let mut line = Timeline::new(MissionId(1), Language::English, Zone::of(TEN), degrees(25.0));
         line.extend(&happened(facts));
         line
     }

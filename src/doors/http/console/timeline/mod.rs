@@ -11,6 +11,7 @@ use hashlink::LruCache;
 
 use super::super::HttpDoor;
 use crate::api::time::Zone;
+use crate::phrases::Language;
 use hallsweep_core::units::MissionId;
 pub(super) use line::{Scale, Timeline};
 pub(super) use section::{THRESHOLD_Y, id};
@@ -21,7 +22,7 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// and it is not asked again before this.
 const AGAIN: Duration = Duration::from_millis(400);
 
-/// So many lines are at hand, the present one included.
+/// So many lines are at hand, the present one included, each language by itself.
 const LINES: usize = 8;
 
 /// So many entries are read at a time.
@@ -29,7 +30,7 @@ const PAGE: usize = 2000;
 
 /// What is known of them; all pages of a door share it.
 #[derive(Debug)]
-pub(in crate::doors::http) struct Timelines(Mutex<LruCache<MissionId, Known>>);
+pub(in crate::doors::http) struct Timelines(Mutex<LruCache<(MissionId, Language), Known>>);
 
 #[derive(Debug)]
 struct Known {
@@ -45,11 +46,11 @@ impl Default for Timelines {
 
 impl Timelines {
     /// The line of this mission as far as it can be read now.
-    pub(super) async fn of(door: &HttpDoor, mission: MissionId) -> Arc<Timeline> {
+    pub(super) async fn of(door: &HttpDoor, mission: MissionId, language: Language) -> Arc<Timeline> {
         let now = door.clock.now();
         let (mut line, is_due) = door.timelines.with(|lines| {
-            let new = || Arc::new(Timeline::new(mission, Zone::of(now.wall), door.settings.threshold));
-            let known = lines.entry(mission).or_insert_with(|| Known { line: new(), asked: None });
+            let new = || Arc::new(Timeline::new(mission, language, Zone::of(now.wall), door.settings.threshold));
+            let known = lines.entry((mission, language)).or_insert_with(|| Known { line: new(), asked: None });
             let is_due = known.asked.is_none_or(|asked| now.since_start.saturating_sub(asked) >= AGAIN);
             let is_due = is_due && mission != MissionId(0) && !known.line.is_complete();
             if is_due {
@@ -73,7 +74,7 @@ impl Timelines {
 
     /// The longest line of a mission that is known, this one being known from now on.
     fn keep(&self, line: Arc<Timeline>) -> Arc<Timeline> {
-        self.with(|lines| match lines.get_mut(&line.mission()) {
+        self.with(|lines| match lines.get_mut(&(line.mission(), line.language())) {
             Some(known) if known.line.last() > line.last() => Arc::clone(&known.line),
             Some(known) => {
                 known.line = Arc::clone(&line);
@@ -83,7 +84,7 @@ impl Timelines {
         })
     }
 
-    fn with<T>(&self, use_them: impl FnOnce(&mut LruCache<MissionId, Known>) -> T) -> T {
+    fn with<T>(&self, use_them: impl FnOnce(&mut LruCache<(MissionId, Language), Known>) -> T) -> T {
         use_them(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }

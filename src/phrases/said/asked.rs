@@ -1,0 +1,86 @@
+//! What somebody asked for, and who it was.
+
+use crate::phrases::{Language, Phrase};
+use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, Note, TemperatureReport, Verdict};
+use hallsweep_core::mission::Asked;
+use hallsweep_core::units::LuggageId;
+
+impl Language {
+    /// What was asked, with the piece that was meant where it was not named.
+    pub fn asked(self, asked: &Asked, meant: Option<LuggageId>) -> String {
+        match asked {
+            Asked::Command(command) => self.command(command, meant),
+            Asked::Stops { count, within: None } => self.say("asked-stops-at-once").with("count", count).to_string(),
+            Asked::Stops { count, within: Some(within) } => {
+                let seconds = self.number(&format!("{:.1}", within.as_secs_f64()));
+                self.say("asked-stops-within").with("count", count).with("seconds", seconds).to_string()
+            }
+            Asked::Many { last, more } => {
+                self.say("asked-many").with("last", self.asked(last, meant)).with("more", more).to_string()
+            }
+            Asked::Words(words) => words.clone(),
+        }
+    }
+
+    /// Whoever asked, as `operator (console, 192.0.2.7)`.
+    pub fn issuer(self, Issuer { door, who, from }: &Issuer) -> String {
+        let said = self.say(if *door == Door::LOCAL { "issuer-local" } else { "issuer" }).with("who", who).with("door", door.0);
+        if *door == Door::LOCAL { said.to_string() } else { said.with("from", from).to_string() }
+    }
+
+    fn command(self, command: &Command, meant: Option<LuggageId>) -> String {
+        let said = match command {
+            Command::Start => self.say("asked-start"),
+            Command::Stop => self.say("asked-stop"),
+            Command::BackHome => self.say("asked-backHome"),
+            Command::Retrieve => self.say("asked-retrieve"),
+            Command::Reset => self.say("asked-reset"),
+            Command::Move(step) => self.say("asked-move").with("move", self.say_of("move", letter(*step))),
+            Command::Goto(cell) => self.say("asked-goto").with("cell", cell),
+            Command::Verdict { luggage, verdict, note } => return self.verdict_given((*luggage, meant), *verdict, note.as_ref()),
+            Command::RetakePhoto(id) => self.say("asked-retake").with("id", id),
+            Command::Acknowledge(id) => self.say("asked-acknowledge").with("id", id),
+            Command::ChooseStrategy(strategy) => {
+                self.say("asked-strategy").with("strategy", self.say_of("strategy", strategy.name()))
+            }
+            Command::Temperature(TemperatureReport::Ok) => self.say("asked-ok"),
+            Command::Temperature(TemperatureReport::TooHigh) => self.say("asked-too-high"),
+            Command::Temperature(TemperatureReport::Reading(celsius)) => {
+                self.say("asked-reading").with("celsius", self.celsius(*celsius))
+            }
+            Command::Temperature(TemperatureReport::Sensor(sensor, celsius)) => {
+                self.say("asked-sensor").with("sensor", sensor).with("celsius", self.celsius(*celsius))
+            }
+        };
+        said.to_string()
+    }
+
+    fn verdict_given(self, (luggage, meant): (LuggageRef, Option<LuggageId>), verdict: Verdict, note: Option<&Note>) -> String {
+        let named = match luggage {
+            LuggageRef::Id(id) => Some(id),
+            LuggageRef::Pending => meant,
+        };
+        let said = self.say(match verdict {
+            Verdict::Safe => "asked-safe",
+            Verdict::Danger => "asked-danger",
+        });
+        let of = |said: Phrase<'_>, id: LuggageId| self.say("asked-of").with("asked", said).with("id", id).to_string();
+        let said = named.map_or_else(|| said.to_string(), |id| of(said.clone(), id));
+        match note {
+            Some(note) => self.say("asked-noted").with("asked", said).with("note", note).to_string(),
+            None => said,
+        }
+    }
+}
+
+/// The letter of a move, as old clients have it.
+const fn letter(step: Move) -> &'static str {
+    match step {
+        Move::Forward => "w",
+        Move::Backward => "s",
+        Move::TurnLeft => "a",
+        Move::TurnRight => "d",
+        Move::NudgeLeft => "z",
+        Move::NudgeRight => "x",
+    }
+}

@@ -1,0 +1,133 @@
+//! What the journal says.
+
+use crate::phrases::{Language, Phrase};
+use hallsweep_core::command::Refusal;
+use hallsweep_core::effect::Fact;
+use hallsweep_core::mission::{Asked, Hold, Phase, Stage};
+use hallsweep_core::state::{Retrieval, RetrievalStage};
+use hallsweep_core::units::LuggageId;
+use hallsweep_core::world::luggage::{Luggage, PhotoState};
+
+impl Language {
+    /// What happened, in a few words; no line break.
+    pub fn fact(self, fact: &Fact) -> String {
+        self.happened(fact).replace(['\n', '\r'], " ")
+    }
+
+    /// A command as it is on record, with the piece that it turned out to be about.
+    pub fn asked_on_record(self, command: &str, luggage: Option<LuggageId>) -> String {
+        self.asked(&Asked::from_words(command), luggage)
+    }
+
+    /// What became of a command: accepted, or refused and why.
+    pub fn outcome(self, refused: Option<&Refusal>) -> String {
+        let Some(refusal) = refused else { return self.say("fact-accepted").to_string() };
+        let why = refusal.refused().map_or_else(|| refusal.words.clone(), |refused| self.refused(&refused));
+        self.say("fact-refused").with("why", why).to_string()
+    }
+
+    fn happened(self, fact: &Fact) -> String {
+        let said = match fact {
+            Fact::ProgramStarted(version) => self.say("fact-started").with("version", version),
+            Fact::ProgramEnded(by) => self.say("fact-ended").with("by", by),
+            Fact::State(standing) if standing.under_way => {
+                self.say("fact-state").with("mission", standing.mission).with("cells", standing.map.visited())
+            }
+            Fact::State(standing) => self.say("fact-state-none").with("cells", standing.map.visited()),
+            Fact::Command { issuer, command, luggage, refused, .. } => self
+                .say("fact-command")
+                .with("asked", self.asked_on_record(command, *luggage))
+                .with("issuer", self.issuer(issuer))
+                .with("outcome", self.outcome(refused.as_ref())),
+            Fact::MissionBegan(mission, strategy) => {
+                self.say("fact-mission-began").with("mission", mission).with("strategy", self.say_of("strategy", strategy.name()))
+            }
+            Fact::MissionArchived(mission, left) => {
+                let ids = left.iter().map(|id| format!("#{id}")).collect::<Vec<_>>().join(", ");
+                let left = if ids.is_empty() { self.say("fact-none-left").to_string() } else { ids };
+                self.say("fact-mission-archived").with("mission", mission).with("left", left)
+            }
+            Fact::Phase(phase) => self.say("fact-phase").with("phase", self.phase_on_record(phase)),
+            Fact::Holds(holds) if holds.is_empty() => self.say("fact-nothing-holds"),
+            Fact::Holds(holds) => {
+                let brief = |hold: &Hold| self.say_of("hold-brief", hold.name()).to_string();
+                self.say("fact-held").with("holds", holds.iter().map(brief).collect::<Vec<_>>().join(", "))
+            }
+            Fact::Epoch(epoch) => self.say("fact-epoch").with("epoch", epoch),
+            Fact::Goal(None, _) => self.say("fact-no-goal"),
+            Fact::Goal(Some(goal), _) => self.say("goal-at").with("cell", goal.cell()),
+            Fact::Pose(pose) => self.say("fact-robot-at").with("cell", pose.cell).with("heading", self.heading(pose.heading)),
+            Fact::RobotPose(robot, pose) => {
+                let say = self.say("fact-other-at").with("robot", robot).with("cell", pose.cell);
+                say.with("heading", self.heading(pose.heading))
+            }
+            Fact::Outside(robot, 0) => self.say("fact-in-hall").with("robot", robot),
+            Fact::Outside(robot, steps) => self.say("fact-outside").with("robot", robot).with("steps", steps),
+            Fact::Retrieval(None) => self.say("fact-retrieval-ended"),
+            Fact::Retrieval(Some(retrieval)) => return self.fetching(retrieval),
+            Fact::MetAgain(cell, piece) => self.say("fact-met-again").with("piece", piece.0).with("cell", cell),
+            Fact::Secured(luggage) => self.say("secured-one").with("id", luggage),
+            Fact::Led(blinking) => self.say(if *blinking { "fact-led-on" } else { "fact-led-off" }),
+            Fact::Obstacle(cell, kind) => {
+                self.say("fact-obstacle").with("cell", cell).with("kind", self.say_of("obstacle", kind))
+            }
+            Fact::Mark(cell, mark) => self.say("fact-cell").with("cell", cell).with("mark", self.say_of("cell", mark.name())),
+            Fact::Luggage { record, .. } => return self.luggage(record),
+            Fact::Verdict { luggage, verdict, who, note } => {
+                let say = self.say(if note.is_some() { "fact-verdict-noted" } else { "fact-verdict" });
+                let say = say.with("id", luggage).with("verdict", self.verdict(verdict.name())).with("who", who);
+                note.as_ref().map_or_else(|| say.clone(), |note| say.clone().with("note", note))
+            }
+            Fact::Temperature(source, celsius) => {
+                self.say("fact-temperature").with("celsius", self.celsius(*celsius)).with("source", source)
+            }
+            Fact::AlarmRaised(alarm, _, cause) => self.say("fact-alarm").with("alarm", alarm).with("cause", self.alarm(cause)),
+            Fact::AlarmAcknowledged(alarm, who) => self.say("fact-alarm-seen").with("alarm", alarm).with("who", who),
+            Fact::Strategy(strategy) => self.say("fact-strategy").with("strategy", self.say_of("strategy", strategy.name())),
+            Fact::MapEmptied(heading) => self.say("fact-map-emptied").with("heading", self.heading(*heading)),
+        };
+        said.to_string()
+    }
+
+    /// A phase with what it interrupts, or how far its inspection has come.
+    fn phase_on_record(self, phase: &Phase) -> String {
+        let name = phase.name();
+        let Some(inspection) = phase.inspection().filter(|_| phase.interrupted().is_none()) else {
+            return self.phase_and_before(name, phase.interrupted().map(Phase::name));
+        };
+        let stage = match inspection.stage {
+            Stage::BackingUp => self.say("stage-backing-up"),
+            Stage::TakingPhoto => self.say("stage-taking-photo"),
+            Stage::Recording(id) => self.say("stage-recording").with("id", id),
+            Stage::AwaitingVerdict(id) => self.say("stage-waits").with("id", id),
+            Stage::RetakingPhoto(id) => self.say("stage-retaking").with("id", id),
+        };
+        self.say("fact-stage").with("phase", self.phase(name)).with("stage", stage).to_string()
+    }
+
+    fn fetching(self, Retrieval { luggage, fetcher, stage, .. }: &Retrieval) -> String {
+        let how: Phrase<'_> = match stage {
+            RetrievalStage::MakingRoom => self.say("fetching-room"),
+            RetrievalStage::Fetching => self.say("fetching-fetched"),
+            RetrievalStage::LettingGo => self.say("fetching-let-go"),
+            RetrievalStage::GoingOut(Some(why)) => self.say("fetching-given-up").with("why", self.not_fetched(why)),
+            RetrievalStage::GoingOut(None) | RetrievalStage::ComingHome(None) => self.say("fetching-in-container"),
+            RetrievalStage::ComingHome(Some(why)) => self.say("fetching-not").with("why", self.not_fetched(why)),
+        };
+        self.say("fact-retrieval")
+            .with("id", luggage)
+            .with("fetcher", self.say_of("by", fetcher.name()))
+            .with("how", how)
+            .to_string()
+    }
+
+    fn luggage(self, Luggage { id, cell, pose, photo, .. }: &Luggage) -> String {
+        let photo = match photo {
+            PhotoState::Taken { take: 1, .. } => self.say("photographed"),
+            PhotoState::Taken { take, .. } => self.say("photographed-take").with("take", take),
+            PhotoState::Failed(why) => self.say("photographed-not").with("why", why),
+        };
+        let say = self.say("fact-luggage").with("id", id).with("cell", cell).with("from", pose.cell);
+        say.with("heading", self.heading(pose.heading)).with("photo", photo).to_string()
+    }
+}

@@ -1,0 +1,237 @@
+//! In English the pages say what the core says, and in Italian all of it otherwise.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use crate::api::fixture::{degrees, piece};
+use crate::phrases::Language;
+use hallsweep_core::behaviour::state::StateError;
+use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, Note, Refusal, Refused, TemperatureReport, Verdict};
+use hallsweep_core::effect::Fact;
+use hallsweep_core::event::RobotId;
+use hallsweep_core::mission::{Asked, FaultCause, Hold, Inspection, Phase, PhaseName, Stage};
+use hallsweep_core::retrieval::{AloneFault, NotFetched, RetrievalFault, Saying, StuckFault};
+use hallsweep_core::search::Strategy;
+use hallsweep_core::settings::Fetcher;
+use hallsweep_core::state::{Retrieval, RetrievalStage};
+use hallsweep_core::units::{AlarmId, Cell, Epoch, Heading, LuggageId, MissionId, Pose};
+use hallsweep_core::world::alarm::AlarmCause;
+use hallsweep_core::world::hall_map::Mark;
+use hallsweep_core::world::luggage::PhotoState;
+use hallsweep_core::world::said::{HoldReason, Said, Trouble};
+
+const ID: LuggageId = LuggageId(3);
+const CELL: Cell = Cell::new(1, 2);
+
+fn issuer() -> Issuer {
+    Issuer { door: Door("http"), who: "anna".into(), from: "192.0.2.7".into() }
+}
+
+/// Says it in both languages. What is not said otherwise in Italian has no words of ours, but in `alike`.
+#[track_caller]
+fn check(core: &str, say: impl Fn(Language) -> String, alike: &[&str]) {
+    assert_eq!(say(Language::English), core);
+    let italian = say(Language::Italian);
+    assert!(italian != core || alike.contains(&core), "{core} is the same in Italian");
+}
+
+#[test]
+fn phases_holds_and_headings() {
+    PhaseName::ALL.iter().for_each(|phase| check(phase.in_words(), |language| language.phase(*phase).to_string(), &[]));
+    Heading::ALL.iter().for_each(|heading| check(heading.name(), |language| language.heading(*heading).to_string(), &[]));
+    for hold in Hold::ALL {
+        check(hold.in_words(), |language| language.hold(hold).to_string(), &[]);
+        check(hold.over_in_words(), |language| language.said(&Said::Over(hold)), &[]);
+    }
+}
+
+#[test]
+fn commands() {
+    let mut commands = vec![
+        Command::Start,
+        Command::Stop,
+        Command::BackHome,
+        Command::Retrieve,
+        Command::Reset,
+        Command::Goto(CELL),
+        Command::RetakePhoto(ID),
+        Command::Acknowledge(AlarmId(4)),
+        Command::Temperature(TemperatureReport::Ok),
+        Command::Temperature(TemperatureReport::TooHigh),
+        Command::Temperature(TemperatureReport::Reading(degrees(21.5))),
+        Command::Temperature(TemperatureReport::Sensor("roof".into(), degrees(21.5))),
+    ];
+    commands.extend(Move::ALL.map(Command::Move));
+    commands.extend(Strategy::ALL.map(Command::ChooseStrategy));
+    for (luggage, note) in [(LuggageRef::Id(ID), Note::new("red")), (LuggageRef::Pending, None)] {
+        commands.extend([Verdict::Safe, Verdict::Danger].map(|verdict| Command::Verdict {
+            luggage,
+            verdict,
+            note: note.clone(),
+        }));
+    }
+    let many = Asked::Many { last: Box::new(Asked::Command(Command::Start)), more: 4 };
+    let stops = [None, Some(Duration::from_millis(1200))].map(|within| Asked::Stops { count: 3, within });
+    for asked in commands.into_iter().map(Asked::Command).chain(stops).chain([many]) {
+        check(&asked.to_string(), |language| language.asked(&asked, None), &["STOP"]);
+    }
+    let meant = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: Note::new("red") };
+    assert_eq!(Language::English.asked(&Asked::Command(meant), Some(ID)), "safe #3 (note: red)");
+}
+
+#[test]
+fn what_went_wrong() {
+    let pair = RetrievalFault::ALL.map(|fault| NotFetched::Pair(fault, None));
+    let own = NotFetched::Pair(RetrievalFault::Tree, Some("its words".to_owned()));
+    let alone = AloneFault::ALL.map(NotFetched::Alone);
+    let stuck = StuckFault::ALL.map(|fault| NotFetched::Stuck(fault, None));
+    let both = NotFetched::Stuck(StuckFault::NoWayOut, Some(Box::new(own.clone())));
+    let other = NotFetched::OtherFetcher { began: Fetcher::Pair, set: Fetcher::Discovery };
+    let reasons: Vec<NotFetched> = pair.into_iter().chain([own, both, other]).chain(alone).chain(stuck).collect();
+    for why in &reasons {
+        check(&why.to_string(), |language| language.not_fetched(why), &[]);
+    }
+    let faults = [FaultCause::NoWayHome, FaultCause::Unanswered, FaultCause::Undecided, FaultCause::Robot("it slips".to_owned())];
+    for fault in faults.into_iter().chain(reasons.into_iter().map(FaultCause::NotFetched)) {
+        check(&fault.to_string(), |language| language.fault(&fault), &[]);
+    }
+    let calls = Saying::ALL.map(|saying| AlarmCause::Call(ID, saying));
+    for cause in [AlarmCause::Dangerous(ID, CELL), AlarmCause::Unrecorded(ID, CELL)].into_iter().chain(calls) {
+        check(&cause.to_string(), |language| language.alarm(&cause), &[]);
+    }
+}
+
+#[test]
+fn the_log() {
+    let srm1 = || RobotId::new("srm1").unwrap();
+    let why = || "it is off".to_owned();
+    let asked = |refused| Said::Asked { asked: Asked::Command(Command::Start), meant: None, issuer: issuer(), refused };
+    let reasons = [HoldReason::Reading(degrees(31.0)), HoldReason::Silent("roof".into()), HoldReason::Unheard("roof".into())];
+    let troubles = [
+        Trouble::TooFar(CELL),
+        Trouble::NoThermometer,
+        Trouble::Unreached(why()),
+        Trouble::MetObstacle(CELL),
+        Trouble::Failed(why()),
+        Trouble::NoPhoto(why()),
+        Trouble::Unanswered,
+        Trouble::StillUnreached(why()),
+    ];
+    let lines = [
+        asked(None),
+        asked(Some(Refused::Moving)),
+        Said::Overtaken(Refused::Decided { luggage: ID, verdict: Verdict::Danger }),
+        Said::Held(Hold::Operator, None),
+        Said::Phase(PhaseName::Idle, PhaseName::Exploring),
+        Said::Fault(FaultCause::NoWayHome),
+        Said::Alarm(AlarmCause::Dangerous(ID, CELL)),
+        Said::Found { luggage: ID, cell: CELL, has_photo: true },
+        Said::Found { luggage: ID, cell: CELL, has_photo: false },
+        Said::PhotographedAgain(ID),
+        Said::PhotoStays(ID),
+        Said::Secured(ID),
+        Said::NoWay(CELL),
+        Said::Stands(None, Pose::START),
+        Said::Stands(Some(srm1()), Pose::START),
+        Said::TreesBeginAnew(StateError::OtherTree),
+        Said::StartedAgain,
+        Said::Ended("SIGTERM".to_owned()),
+        Said::PutDown,
+    ];
+    let held = reasons.map(|reason| Said::Held(Hold::TemperatureStale, Some(reason)));
+    for said in lines.into_iter().chain(held).chain(troubles.map(|trouble| Said::Robot(srm1(), trouble))) {
+        check(&said.to_string(), |language| language.said(&said), &["srm1: it is off"]);
+    }
+}
+
+#[test]
+fn the_journal() {
+    let inspecting = |stage| Phase::Inspecting(Inspection { cell: CELL, piece: None, pose: Pose::START, stage });
+    let stages =
+        [Stage::BackingUp, Stage::TakingPhoto, Stage::Recording(ID), Stage::AwaitingVerdict(ID), Stage::RetakingPhoto(ID)];
+    let fault = Phase::Fault { cause: FaultCause::Unanswered, interrupted: Box::new(inspecting(Stage::TakingPhoto)) };
+    let command = |refused: Option<Refused>| {
+        let refused = refused.as_ref().map(Refusal::from);
+        Fact::Command {
+            issuer: issuer(),
+            id: None,
+            command: "safe #3 (note: red)".to_owned(),
+            epoch: None,
+            luggage: Some(ID),
+            refused,
+        }
+    };
+    let verdict = |note| Fact::Verdict { luggage: ID, verdict: Verdict::Danger, who: "anna".into(), note };
+    let photographed = |photo| {
+        let record = Arc::new(hallsweep_core::world::luggage::Luggage { photo, ..(*piece(3, CELL, None)).clone() });
+        Fact::Luggage { record, photo: None }
+    };
+    let not = || Some(NotFetched::Alone(AloneFault::PieceLost));
+    let fetching = [
+        RetrievalStage::MakingRoom,
+        RetrievalStage::Fetching,
+        RetrievalStage::LettingGo,
+        RetrievalStage::GoingOut(not()),
+        RetrievalStage::GoingOut(None),
+        RetrievalStage::ComingHome(not()),
+    ];
+    let mut facts = vec![
+        Fact::ProgramStarted("1".to_owned()),
+        Fact::ProgramEnded("SIGTERM".to_owned()),
+        command(None),
+        command(Some(Refused::Moving)),
+        Fact::MissionBegan(MissionId(2), Strategy::Columns),
+        Fact::MissionArchived(MissionId(2), vec![ID]),
+        Fact::MissionArchived(MissionId(2), Vec::new()),
+        Fact::Phase(fault),
+        Fact::Phase(Phase::Idle),
+        Fact::Holds(Vec::new()),
+        Fact::Holds(Hold::ALL.to_vec()),
+        Fact::Epoch(Epoch(4)),
+        Fact::Pose(Pose::START),
+        Fact::RobotPose(RobotId::discovery(), Pose::START),
+        Fact::Outside(RobotId::discovery(), 0),
+        Fact::Outside(RobotId::discovery(), 2),
+        Fact::Retrieval(None),
+        Fact::Secured(ID),
+        Fact::Led(true),
+        Fact::Led(false),
+        photographed(PhotoState::Taken { bytes: 4, take: 1 }),
+        photographed(PhotoState::Taken { bytes: 4, take: 2 }),
+        photographed(PhotoState::Failed("it is dark".to_owned())),
+        verdict(None),
+        verdict(Note::new("red")),
+        Fact::Temperature("roof".into(), degrees(21.5)),
+        Fact::AlarmRaised(AlarmId(4), None, AlarmCause::Dangerous(ID, CELL)),
+        Fact::AlarmAcknowledged(AlarmId(4), "anna".into()),
+        Fact::MapEmptied(Heading::South),
+    ];
+    facts.extend(stages.map(|stage| Fact::Phase(inspecting(stage))));
+    facts.extend(["wall", "luggage", "unknown"].map(|kind| Fact::Obstacle(CELL, kind)));
+    let marks = [Mark::Unknown, Mark::Seen, Mark::Visited, Mark::Wall, Mark::Luggage, Mark::NotInspected];
+    facts.extend(marks.map(|mark| Fact::Mark(CELL, mark)));
+    facts.extend(Strategy::ALL.map(Fact::Strategy));
+    let retrieval = |stage| Retrieval {
+        luggage: ID,
+        fetcher: Fetcher::Pair,
+        stage,
+        piece: std::collections::BTreeSet::new(),
+        call: None,
+        team: None,
+    };
+    facts.extend(fetching.map(|stage| Fact::Retrieval(Some(Box::new(retrieval(stage))))));
+    for fact in facts {
+        check(&hallsweep_core::mission::fact_words::words(&fact), |language| language.fact(&fact), &[]);
+    }
+}
+
+#[test]
+fn words_of_others_stay_as_they_are() {
+    for language in Language::ALL {
+        for words in ["safe #03", "<b>", "{ $id }", "a\u{2028}b"] {
+            assert_eq!(language.said(&Said::Words(words.to_owned())), words);
+            assert_eq!(language.asked_on_record(words, None), words);
+            assert!(language.fault(&FaultCause::Robot(words.to_owned())).contains(words));
+        }
+    }
+}
