@@ -53,14 +53,14 @@ function written({ rows, bags, head, tail }) {
 
 /** What the program reads in a file: the hall as a hall file, and findings; or the words of its refusal. */
 async function read(name, body) {
-  if (body.size > mostBytes) return { why: `The file has ${body.size} bytes, and ${mostBytes} are the most here: start hallsweep with --hall FILE.` };
+  if (body.size > mostBytes) return { why: say("editor-large", { bytes: body.size, most: mostBytes }) };
   try {
     const place = `/api/v1/simulator/hall/check?name=${encodeURIComponent(name.replaceAll(/[^\w.-]/g, "_"))}`;
     const response = await fetch(place, { method: "POST", body });
     const answer = await response.json();
-    return response.ok ? answer : { why: answer.detail };
+    return response.ok ? answer : { why: say("editor-refused", answer) };
   } catch {
-    return { why: "hallsweep cannot be reached: try again" };
+    return { why: say("editor-cut") };
   }
 }
 
@@ -80,7 +80,7 @@ function put(x, y, mark) {
 function newLetter() {
   const there = new Set(hall.rows.join(""));
   const letter = [...LETTERS].find((letter) => !there.has(letter));
-  if (!letter) return say("26 pieces have a letter already, and there are no more: make one of them plain floor first.");
+  if (!letter) return tell(say("editor-letters"));
   hall.bags[letter] = { lines: ['kind = "backpack"', 'colour = "red"'], dangerous: true };
   return letter;
 }
@@ -174,17 +174,17 @@ async function check() {
   if (number !== checks) return; // a later one is on its way
   findings = answer.findings ?? [];
   $("why").textContent = answer.why ?? "";
-  const rows = findings.map(({ column, row, text }) => {
+  const rows = findings.map((found) => {
     const item = document.createElement("li"), to = document.createElement("button");
     to.type = "button";
     to.className = "small";
-    to.textContent = `column ${column + 1}, row ${row + 1}: ${text}`;
-    to.addEventListener("click", () => { cursor = { x: column, y: row }; canvas.focus(); moved(); });
+    to.textContent = placed(found.column, found.row, said(found));
+    to.addEventListener("click", () => { cursor = { x: found.column, y: found.row }; canvas.focus(); moved(); });
     item.append(to);
     return item;
   });
   const words = document.createElement("p");
-  words.textContent = rows.length ? "It can be used. A search of it does not come to everything:" : "It is sound: everything in it can be reached.";
+  words.textContent = say(rows.length ? "editor-unsound" : "editor-sound");
   const list = document.createElement("ul");
   list.append(...rows);
   $("findings").replaceChildren(...(answer.why ? [] : [words, list]));
@@ -194,7 +194,7 @@ async function check() {
 // ---- what is shown ----
 
 const chosen = (name) => document.querySelector(`input[name=${name}]:checked`).value;
-const say = (words) => { $("draw-why").textContent = words; };
+const tell = (words) => { $("draw-why").textContent = words; };
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 let side = 20;
 let painting = false;
@@ -241,15 +241,22 @@ function paintNow() {
   to.strokeRect(cursor.x * side + 1, cursor.y * side + 1, side - 3, side - 3);
 }
 
-const NAMES = { [FLOOR]: "floor", [WALL]: "wall", [HOME]: "home", [PLAIN]: "luggage" };
+const NAMES = { [FLOOR]: say("editor-floor"), [WALL]: say("editor-wall"), [HOME]: say("editor-home"), [PLAIN]: say("editor-luggage") };
+const BEGUN = { brush: "editor-begun-brush", line: "editor-begun-line", rectangle: "editor-begun-rectangle" };
+
+/** Something that a search would not come to, in words. */
+const said = (found) => say(`editor-found-${found.code}`, found);
+
+const placed = (column, row, text) => say("editor-at", { column: column + 1, row: row + 1, text });
 
 /** What is under the cursor, for whoever does not see it. */
 function under() {
   const mark = at(cursor.x, cursor.y);
   const bag = hall.bags[mark];
-  const what = bag ? `${bag.dangerous ? "dangerous " : ""}luggage ${mark}` : NAMES[mark] ?? mark;
+  const what = bag ? say(bag.dangerous ? "editor-dangerous" : "editor-marked", { mark }) : NAMES[mark] ?? mark;
   const found = findings.find(({ column, row }) => column === cursor.x && row === cursor.y);
-  return `column ${cursor.x + 1}, row ${cursor.y + 1}: ${what}${found ? `, ${found.text}` : ""}${anchor ? `, ${chosen("shape")} begun` : ""}`;
+  const words = [what, ...(found ? [said(found)] : []), ...(anchor ? [say(BEGUN[chosen("shape")])] : [])];
+  return placed(cursor.x, cursor.y, words.join(", "));
 }
 
 function moved() {
@@ -271,8 +278,8 @@ function showFields() {
 /** Takes a hall that the program has read. */
 function take(toml, words) {
   const next = parse(toml);
-  if (!next) return say("This hall cannot be drawn here: change it as a text below.");
-  say("");
+  if (!next) return tell(say("editor-undrawable"));
+  tell("");
   change(() => { hall = next; });
   $("cursor").textContent = words ?? under();
 }
@@ -291,7 +298,7 @@ canvas.addEventListener("pointerdown", (event) => {
   canvas.focus();
   canvas.setPointerCapture(event.pointerId);
   cursor = cellAt(event);
-  say("");
+  tell("");
   if (chosen("shape") === "brush") {
     stroke = { before: copy(), last: cursor };
     draw(cursor.x, cursor.y);
@@ -351,7 +358,7 @@ canvas.addEventListener("keydown", (event) => {
   } else if (key === "c") {
     anchor = null;
   } else if ((key === " " || key === "Enter") && mayAct) {
-    say("");
+    tell("");
     if (chosen("shape") === "brush") change(() => draw(cursor.x, cursor.y));
     else if (anchor) drawShape(cursor);
     else anchor = cursor;
@@ -370,10 +377,10 @@ $("redo").addEventListener("click", () => step(undone, done));
 $("size").addEventListener("submit", (event) => {
   event.preventDefault();
   const columns = Number($("columns").value), rows = Number($("rows").value), name = $("name").value.trim();
-  if (!(columns >= 1 && rows >= 1 && columns <= most && rows <= most)) return say(`A hall here has 1 to ${most} columns and rows.`);
+  if (!(columns >= 1 && rows >= 1 && columns <= most && rows <= most)) return tell(say("editor-sides", { most }));
   const home = hall.rows.findIndex((row) => row.includes(HOME));
-  if (home >= rows || hall.rows[home].indexOf(HOME) >= columns) return say("Home would be outside: move it first.");
-  say("");
+  if (home >= rows || hall.rows[home].indexOf(HOME) >= columns) return tell(say("editor-home-outside"));
+  tell("");
   change(() => {
     const line = (row = "") => row.slice(0, columns).padEnd(columns, FLOOR);
     hall.rows = Array.from({ length: rows }, (_, y) => line(hall.rows[y]));
@@ -399,8 +406,8 @@ $("file").addEventListener("change", async () => {
   }
   const answer = await read(name, body);
   $("file").value = "";
-  if (answer.why) return say(answer.why);
-  take(answer.toml, `${file.name} is open: ${answer.width} × ${answer.height} cells, ${answer.pieces} pieces of luggage`);
+  if (answer.why) return tell(answer.why);
+  take(answer.toml, say("editor-open", { ...answer, file: file.name }));
 });
 
 text.addEventListener("change", async () => {

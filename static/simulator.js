@@ -32,7 +32,7 @@ controls.addEventListener("submit", async (event) => {
     if (response.ok) form.reset();
     show(await response.text());
   } catch {
-    form.closest("section").querySelector(".why").textContent = "It was not sent: hallsweep cannot be reached. Try again.";
+    form.closest("section").querySelector(".why").textContent = say("simulator-unsent");
   }
   sending = false;
 });

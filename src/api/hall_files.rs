@@ -29,7 +29,41 @@ pub struct Finding {
     /// Where, counted from 0 in the north-west corner of the drawing.
     pub column: i32,
     pub row: i32,
+    #[serde(flatten)]
+    pub found: Found,
     pub text: String,
+}
+
+/// What a search would not come to. `Display` is the sentence; the code and its values are for whoever says it otherwise.
+#[derive(Clone, Debug, PartialEq, Serialize, thiserror::Error)]
+#[serde(tag = "code", rename_all = "camelCase")]
+pub enum Found {
+    #[error("the {name} at ({x}, {y}) cannot be reached: no free cell beside it leads home")]
+    PieceUnreached { name: String, x: i32, y: i32 },
+    #[error("the free cell ({x}, {y}) cannot be reached from home")]
+    CellUnreached { x: i32, y: i32 },
+    #[error("and {count} more that cannot be reached")]
+    More { count: usize },
+    #[error("there is no luggage in it: a search has nothing to inspect")]
+    NoLuggage,
+}
+
+impl Found {
+    /// The short word for programs.
+    pub const fn code(&self) -> &'static str {
+        match self {
+            Found::PieceUnreached { .. } => "pieceUnreached",
+            Found::CellUnreached { .. } => "cellUnreached",
+            Found::More { .. } => "more",
+            Found::NoLuggage => "noLuggage",
+        }
+    }
+}
+
+impl Finding {
+    fn new(column: i32, row: i32, found: Found) -> Finding {
+        Finding { column, row, text: found.to_string(), found }
+    }
 }
 
 impl ReadHall {
@@ -80,21 +114,21 @@ fn parted(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
 /// Pieces first: what nobody finds may be a bomb.
 fn findings(hall: &Hall) -> Vec<Finding> {
     let least = hall.bounds().least;
-    let at = |cell: Cell, text: String| Finding { column: cell.x - least.x, row: cell.y - least.y, text };
+    let at = |cell: Cell, found| Finding::new(cell.x - least.x, cell.y - least.y, found);
     let pieces = hall.unreachable_pieces();
     let of_pieces = pieces.iter().filter_map(|bag| {
         let cell = *bag.cells.first()?;
-        Some(at(cell, format!("the {} at {cell} cannot be reached: no free cell beside it leads home", bag.name)))
+        Some(at(cell, Found::PieceUnreached { name: bag.name.to_string(), x: cell.x, y: cell.y }))
     });
     let cells = hall.unreachable_cells();
-    let of_cells = cells.iter().map(|cell| at(*cell, format!("the free cell {cell} cannot be reached from home")));
+    let of_cells = cells.iter().map(|cell| at(*cell, Found::CellUnreached { x: cell.x, y: cell.y }));
     let mut said: Vec<Finding> = of_pieces.take(SAID).chain(of_cells.take(SAID)).collect();
     let more = pieces.len().saturating_sub(SAID) + cells.len().saturating_sub(SAID);
     if more > 0 {
-        said.push(at(least, format!("and {more} more that cannot be reached")));
+        said.push(at(least, Found::More { count: more }));
     }
     if hall.pieces().is_empty() {
-        said.push(at(Cell::HOME, "there is no luggage in it: a search has nothing to inspect".to_owned()));
+        said.push(at(Cell::HOME, Found::NoLuggage));
     }
     said
 }

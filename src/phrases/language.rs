@@ -27,7 +27,11 @@ macro_rules! files {
             include_str!(concat!($language, "/console.ftl")),
             include_str!(concat!($language, "/log.ftl")),
             include_str!(concat!($language, "/said.ftl")),
+            include_str!(concat!($language, "/editor.ftl")),
+            include_str!(concat!($language, "/problems.ftl")),
             include_str!(concat!($language, "/scripts.ftl")),
+            include_str!(concat!($language, "/sign_in.ftl")),
+            include_str!(concat!($language, "/simulator.ftl")),
         ]
     };
 }

@@ -20,7 +20,8 @@ use super::HttpDoor;
 use super::accept::preferred;
 use super::gate::Peer;
 use super::language::spoken;
-use super::problem::{Problem, Said};
+use super::problem::{Problem, Said, in_words};
+use super::sign_in::local;
 use crate::api::fields::in_short;
 use crate::phrases::Language;
 
@@ -117,8 +118,11 @@ pub(super) fn is_for_people(path: &str, headers: &HeaderMap) -> bool {
 async fn for_people(request: Request, next: Next) -> Response {
     let is_program = !is_for_people(request.uri().path(), request.headers());
     let language = spoken(request.headers());
+    // A page that answers a button cannot be asked for again.
+    let can_be_shown_again = !is_program && *request.method() == Method::GET;
+    let asked = request.uri().path_and_query().filter(|_| can_be_shown_again).map(|path| path.as_str().to_owned());
     let mut response = next.run(request).await;
-    let Some(Said(detail)) = response.extensions_mut().remove::<Said>() else { return response };
+    let Some(Said { code, detail }) = response.extensions_mut().remove::<Said>() else { return response };
     response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
     if is_program {
         return response;
@@ -128,33 +132,29 @@ async fn for_people(request: Request, next: Next) -> Response {
     parts.headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8"));
     // Under a name that is not ours STOP would be refused as well: nobody is to count on it there.
     let may_stop = parts.status != StatusCode::MISDIRECTED_REQUEST;
-    let page = Astray { language, title: for_a_person(parts.status), detail, may_stop };
+    let (title, detail) = (title(parts.status), in_words(language, code, &detail));
+    let page = Astray { language, title, detail, may_stop, here: local(asked.as_deref()) };
     let page = page.render().expect("the template only writes strings, which does not fail");
     Response::from_parts(parts, page.into())
 }
 
-/// What a status means to somebody who knows nothing of HTTP.
-fn for_a_person(status: StatusCode) -> &'static str {
-    match status.as_u16() {
-        401 => "Nobody is signed in",
-        403 => "You may not do that",
-        404 => "There is nothing here",
-        408 => "It came too slowly",
-        409 => "That is not possible now",
-        421 => "hallsweep is not called so",
-        500 => "Something went wrong in hallsweep",
-        503 => "That cannot be done just now",
-        _ => "That was not understood",
-    }
+/// The statuses that have a title of their own, for somebody who knows nothing of HTTP; to all others it was not understood.
+const TITLES: [&str; 9] = ["400", "401", "403", "404", "408", "409", "421", "500", "503"];
+
+fn title(status: StatusCode) -> &'static str {
+    TITLES.into_iter().find(|title| *title == status.as_str()).unwrap_or(TITLES[0])
 }
 
 #[derive(Template)]
 #[template(path = "astray.html")]
-struct Astray {
+struct Astray<'a> {
     language: Language,
+    /// As the family of titles calls it.
     title: &'static str,
     detail: String,
     may_stop: bool,
+    /// Where the page is shown again in another language.
+    here: &'a str,
 }
 
 /// A page of another origin may not press buttons here. Programs send neither header and pass.
@@ -320,6 +320,33 @@ mod tests {
         }
         let response = app.send("GET", "/api/v1/nothing", &browser, "").await;
         assert_eq!(response.headers()["content-type"], "application/problem+json");
+    }
+
+    #[test]
+    fn every_title_is_there_in_every_language() {
+        for language in Language::ALL {
+            let titles: std::collections::BTreeSet<String> =
+                TITLES.iter().map(|title| language.say_of("astray", title).to_string()).collect();
+            assert_eq!(titles.len(), TITLES.len(), "{titles:?}");
+        }
+        assert_eq!((title(StatusCode::CONFLICT), title(StatusCode::URI_TOO_LONG)), ("409", "400"));
+    }
+
+    #[tokio::test]
+    async fn a_problem_is_said_in_the_language_of_the_reader_who_can_have_the_page_in_another() {
+        let app = app(searching());
+        let page = app.italian(("GET", "/nowhere?a=b", ""), &[], &[]).await;
+        for wanted in ["<h1>Qui non c", "non si trova: «there is nothing at /nowhere", "Alla console", "value=\"/nowhere?a=b\""]
+        {
+            assert!(page.contains(wanted), "{wanted}: {page}");
+        }
+        assert!(page.contains("lang=\"en\">English</button>"), "{page}");
+        let page = app.italian(("POST", "/nowhere", ""), &[], &[]).await;
+        assert!(page.contains("name=\"next\" value=\"/\""), "{page}");
+        let page = app.italian(("POST", "/language", "language=it"), &[("sec-fetch-site", "cross-site")], &[]).await;
+        assert!(page.contains("Questo non è permesso") && page.contains("una pagina di un&#39;altra origine"), "{page}");
+        let program = app.send("GET", "/nowhere", &[("accept-language", "it")], "").await;
+        assert!(text(program).await.contains("there is nothing at /nowhere: the routes"));
     }
 
     #[test]

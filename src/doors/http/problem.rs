@@ -8,11 +8,20 @@ use super::hearing::Pressed;
 use crate::api::fields::in_short;
 use crate::api::problem::{ProblemKind, TOO_SLOW};
 pub(super) use crate::doors::problem::Problem;
+use crate::phrases::Language;
 use hallsweep_core::command::Refusal;
 
 /// Goes with a problem's answer, so that a person's browser can be shown a page instead of JSON.
 #[derive(Clone, Debug)]
-pub(super) struct Said(pub(super) String);
+pub(super) struct Said {
+    pub(super) code: &'static str,
+    pub(super) detail: String,
+}
+
+/// What a page says of a problem with this code: in English the detail, else a sentence of the language's own.
+pub(super) fn in_words(language: Language, code: &str, detail: &str) -> String {
+    language.say_of("problem", code).with("detail", detail).to_string()
+}
 
 /// Goes with the answer to what this door did not take, so that the gate can put it on record.
 #[derive(Clone, Debug)]
@@ -75,6 +84,11 @@ impl Problem {
         Problem::new(("internal", ProblemKind::Internal), detail)
     }
 
+    /// What a page says of it.
+    pub(super) fn in_words(&self, language: Language) -> String {
+        in_words(language, self.code(), self.detail())
+    }
+
     pub(super) fn json(&self) -> String {
         serde_json::to_string(&self.shape()).expect("a problem is strings and numbers, which JSON can hold")
     }
@@ -95,7 +109,7 @@ impl IntoResponse for Problem {
     fn into_response(self) -> Response {
         let body = self.json();
         let media_type = HeaderValue::from_static("application/problem+json");
-        let said = Said(self.detail().to_owned());
+        let said = Said { code: self.code(), detail: self.detail().to_owned() };
         let mut response = (self.status(), Extension(said), [(header::CONTENT_TYPE, media_type)], body).into_response();
         self.tell_gate(&mut response);
         response
@@ -128,6 +142,51 @@ mod tests {
     use hallsweep_core::event::RobotId;
     use hallsweep_core::mission::{FaultCause, Hold, PhaseName};
     use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId};
+
+    /// The codes that stand in the sources of this door, and those that every door has.
+    fn codes() -> std::collections::BTreeSet<String> {
+        let mut folders = vec![std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/doors/http")];
+        let mut sources = vec![include_str!("../problem.rs").to_owned()];
+        while let Some(folder) = folders.pop() {
+            for entry in std::fs::read_dir(folder).unwrap() {
+                let path = entry.unwrap().path();
+                if path.is_dir() {
+                    folders.push(path);
+                } else {
+                    sources.push(std::fs::read_to_string(path).unwrap());
+                }
+            }
+        }
+        let begin = concat!("Problem::new", "((\"");
+        let code = |rest: &str| rest.split('"').next().unwrap().to_owned();
+        let own = sources.iter().flat_map(|source| source.split(begin).skip(1)).map(code);
+        let words = String::new;
+        let common = [
+            Problem::malformed(words()),
+            Problem::unusable(words()),
+            Problem::not_found(words()),
+            Problem::no_method(words()),
+            Problem::not_acceptable(words()),
+            Problem::too_large(words()),
+            Problem::too_slow(words()),
+            Problem::wrong_format(words()),
+        ];
+        let common = common.iter().map(|problem| problem.code().to_owned());
+        let of_simulator = "boundToHall".to_owned();
+        own.chain(common).chain(CODES.map(|(code, _)| code.to_owned())).chain([of_simulator]).collect()
+    }
+
+    #[test]
+    fn every_code_has_a_sentence_in_every_language_and_every_sentence_its_code() {
+        let file = include_str!("../../phrases/it/problems.ftl");
+        let said = file.lines().filter_map(|line| line.strip_prefix("problem-")?.split_once(" = "));
+        assert_eq!(said.map(|(code, _)| code.to_owned()).collect::<std::collections::BTreeSet<_>>(), codes());
+        for code in codes() {
+            assert_eq!(in_words(Language::English, &code, "the detail, 3"), "the detail, 3", "{code}");
+            let italian = in_words(Language::Italian, &code, "");
+            assert!(italian.len() > 15 && !italian.ends_with('.'), "{code}: it stands within other sentences: {italian}");
+        }
+    }
 
     /// One of each variant, in their order, and how the walk goes on; a new variant does not compile until it is added here.
     fn next(refused: Option<&Refused>) -> Option<Refused> {

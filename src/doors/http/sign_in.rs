@@ -11,23 +11,15 @@ use serde::Deserialize;
 
 use super::HttpDoor;
 use super::gate::{LetIn, Peer};
-
 use super::language::Spoken;
 use super::reading::Form;
 use super::scanning::names;
 use crate::access::{Access, Network, SESSION_S};
-use crate::phrases::Language;
+use crate::phrases::{Language, Phrase};
 
 pub(super) fn cookie_name(port: u16) -> Arc<str> {
     format!("hallsweep-{port}").into()
 }
-
-/// What is said of a token that nobody has.
-const UNKNOWN: &str = "This token is not known here: look whether it is whole, and whether it was replaced.";
-
-/// The same when nobody has any. Where the file is, strangers need not know.
-const UNUSABLE: &str = "The file of keys, access.toml, cannot be used, so nobody can sign in, and the robot is held: whoever runs \
-                        hallsweep finds in its log what is wrong and what to do.";
 
 /// A longer way back is not remembered.
 const LONGEST_PATH: usize = 512;
@@ -37,6 +29,17 @@ pub(super) struct SignInQuery {
     token: Option<String>,
     next: Option<String>,
     undone: Option<Undone>,
+}
+
+impl SignInQuery {
+    /// The address of the page that was asked for so, as far as it can stand in one.
+    fn address(&self) -> String {
+        let undone = self.undone.map(Undone::name);
+        let parts = [("token", self.token.as_deref()), ("next", self.next.as_deref()), ("undone", undone)];
+        let plain = parts.into_iter().filter_map(|(name, value)| Some((name, value.filter(|value| is_plain(value))?)));
+        let parts: Vec<String> = plain.map(|(name, value)| format!("{name}={value}")).collect();
+        if parts.is_empty() { "/sign-in".to_owned() } else { format!("/sign-in?{}", parts.join("&")) }
+    }
 }
 
 /// What somebody pressed who was not signed in any more, and which was therefore not done.
@@ -63,8 +66,10 @@ struct SignIn<'a> {
     language: Language,
     token: &'a str,
     next: &'a str,
-    undone: &'static str,
-    why: &'static str,
+    /// Where the page is shown again in another language.
+    here: String,
+    undone: Option<Undone>,
+    why: String,
     is_overheard: bool,
     /// Somebody is signed in already, and may press STOP.
     is_in: bool,
@@ -78,24 +83,20 @@ impl Undone {
 
     /// The address of the page that says so.
     pub(super) fn page(self) -> String {
-        let what = match self {
+        format!("/sign-in?undone={}", self.name())
+    }
+
+    /// As an address and its phrase name it.
+    const fn name(self) -> &'static str {
+        match self {
             Undone::Stop => "stop",
             Undone::Command => "command",
             Undone::Watching => "watching",
-        };
-        format!("/sign-in?undone={what}")
+        }
     }
 
-    const fn in_words(self) -> &'static str {
-        match self {
-            Undone::Stop => {
-                "STOP was not given: you are not signed in any more. Use the robot's own switch, or sign in and press STOP again."
-            }
-            Undone::Command => {
-                "What you pressed was not carried out: you are not signed in any more. Sign in, look at the robot, and press it again."
-            }
-            Undone::Watching => "You are not signed in any more: you signed out, the session is over, or the key was replaced.",
-        }
+    fn said(self, language: Language) -> Phrase<'static> {
+        language.say_of("sign-in-undone", self.name())
     }
 }
 
@@ -113,10 +114,12 @@ pub(super) async fn page(
     if matches!(door.access, Access::Open) || (is_in && asked.token.is_none()) {
         return Redirect::to(next).into_response();
     }
-    let undone = asked.undone.map_or("", Undone::in_words);
-    let why = if matches!(&door.access, Access::Keys(keyring) if keyring.is_unusable()) { UNUSABLE } else { "" };
-    let token = asked.token.as_deref().unwrap_or_default();
-    shown(StatusCode::OK, peer, SignIn { language, token, next, undone, why, is_in, ..SignIn::default() })
+    let why = match &door.access {
+        Access::Keys(keyring) if keyring.is_unusable() => unusable(language),
+        Access::Keys(_) | Access::Open => String::new(),
+    };
+    let (token, undone, here) = (asked.token.as_deref().unwrap_or_default(), asked.undone, asked.address());
+    shown(StatusCode::OK, peer, SignIn { language, token, next, here, undone, why, is_in, ..SignIn::default() })
 }
 
 /// `POST sign-in`
@@ -131,8 +134,10 @@ pub(super) async fn sign_in(
     let Access::Keys(keyring) = &door.access else { return Redirect::to(next).into_response() };
     let Some(session) = keyring.sign_in(sent.token.trim(), door.now_s()) else {
         door.hold_back(peer).await;
-        let why = if keyring.is_unusable() { UNUSABLE } else { UNKNOWN };
-        return shown(StatusCode::FORBIDDEN, peer, SignIn { language, next, why, is_in: caller.is_ok(), ..SignIn::default() });
+        let why = if keyring.is_unusable() { unusable(language) } else { language.say("sign-in-unknown").to_string() };
+        let here = sign_in_page(next);
+        let page = SignIn { language, next, here, why, is_in: caller.is_ok(), ..SignIn::default() };
+        return shown(StatusCode::FORBIDDEN, peer, page);
     };
     (cookie(&door, &session, SESSION_S, peer), Redirect::to(next)).into_response()
 }
@@ -145,9 +150,18 @@ pub(super) async fn sign_out(State(door): State<HttpDoor>, peer: Peer) -> Respon
 /// The address of the page, for somebody who wants to go to `next`.
 pub(super) fn sign_in_page(next: &str) -> String {
     let next = local(Some(next));
-    // Paths of this door need no escapes; whatever is no such path leads to the console.
-    let is_plain = next.bytes().all(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'/' | b'.' | b'-' | b'_'));
-    if next == "/" || !is_plain { "/sign-in".to_owned() } else { format!("/sign-in?next={next}") }
+    // Whatever is no path of this door leads to the console.
+    if next == "/" || !is_plain(next) { "/sign-in".to_owned() } else { format!("/sign-in?next={next}") }
+}
+
+/// Whether it needs no escapes in an address, as the paths of this door and tokens.
+fn is_plain(text: &str) -> bool {
+    text.bytes().all(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'/' | b'.' | b'-' | b'_'))
+}
+
+/// Nobody has a token. Where the file is, strangers need not know.
+fn unusable(language: Language) -> String {
+    language.say("sign-in-unusable").to_string()
 }
 
 fn shown(status: StatusCode, peer: Peer, page: SignIn) -> Response {

@@ -217,3 +217,39 @@ async fn instances_at_several_ports_of_one_host_leave_each_others_sessions_alone
         assert_eq!(app.send("GET", "/api/v1/state", &[("cookie", &jar)], "").await.status(), status, "{port}");
     }
 }
+
+#[tokio::test]
+async fn every_state_of_the_page_is_there_in_italian_and_in_the_other_language_stays_what_it_is() {
+    let (app, operator, viewer) = guarded();
+    let names = ["Token"];
+    let page = app.italian(("GET", &format!("/sign-in?token={operator}&next=/missions&undone=stop"), ""), &[], &names).await;
+    for wanted in [
+        "<h1>Accedere a hallsweep</h1>".to_owned(),
+        "STOP non è stato dato".to_owned(),
+        "lang=\"en\">English</button>".to_owned(),
+        format!("name=\"next\" value=\"/sign-in?token={operator}&#38;next=/missions&#38;undone=stop\""),
+    ] {
+        assert!(page.contains(&wanted), "{wanted}: {page}");
+    }
+    for (undone, words) in [("command", "Il comando premuto non è stato eseguito"), ("watching", "L&#39;accesso non vale più: ")]
+    {
+        let page = app.italian(("GET", &format!("/sign-in?undone={undone}"), ""), &[], &names).await;
+        assert!(page.contains(words), "{page}");
+    }
+    let known = [("authorization", &*format!("Bearer {viewer}"))];
+    let page = app.italian(("POST", "/sign-in", "token=wrong&next=%2Fmissions"), &known, &names).await;
+    assert!(page.contains("Questo token qui non è conosciuto") && page.contains("ferma subito tutti i robot"), "{page}");
+    assert!(page.contains("name=\"next\" value=\"/sign-in?next=/missions\""), "{page}");
+    let page = app.italian(("GET", "/sign-in?next=%22%3E%26token%3D1", ""), &[], &names).await;
+    assert!(page.contains("name=\"next\" value=\"/sign-in\""), "{page}");
+}
+
+#[tokio::test]
+async fn what_is_seldom_said_is_there_in_both_languages_too() {
+    for language in Language::ALL {
+        assert!(unusable(language).contains("access.toml"));
+        let peer = Peer { address: std::net::Ipv4Addr::new(192, 168, 0, 7).into(), is_encrypted: false };
+        let page = text(shown(StatusCode::OK, peer, SignIn { language, ..SignIn::default() })).await;
+        assert!(page.contains(&language.say("sign-in-overheard").to_string()), "{page}");
+    }
+}

@@ -1,6 +1,7 @@
 //! For the tests of this door: a loop that answers commands from a script and publishes the snapshots it is handed, and a
 //! client that speaks to the router without a socket. It knows no mission.
 
+mod bilingual;
 mod past;
 
 use std::net::Ipv4Addr;

@@ -16,6 +16,31 @@ console-cut = No connection: it did not get through.
 
 ## editor
 
+editor-at = column { $column }, row { $row }: { $text }
+editor-floor = floor
+editor-wall = wall
+editor-home = home
+editor-luggage = luggage
+editor-marked = luggage { $mark }
+editor-dangerous = dangerous luggage { $mark }
+editor-begun-brush = brush begun
+editor-begun-line = line begun
+editor-begun-rectangle = rectangle begun
+editor-sound = It is sound: everything in it can be reached.
+editor-unsound = It can be used. A search of it does not come to everything:
+editor-found-pieceUnreached = the { $name } at ({ $x }, { $y }) cannot be reached: no free cell beside it leads home
+editor-found-cellUnreached = the free cell ({ $x }, { $y }) cannot be reached from home
+editor-found-more = and { $count } more that cannot be reached
+editor-found-noLuggage = there is no luggage in it: a search has nothing to inspect
+editor-large = The file has { $bytes } bytes, and { $most } are the most here: start hallsweep with --hall FILE.
+editor-cut = hallsweep cannot be reached: try again
+editor-refused = { $detail }
+editor-letters = 26 pieces have a letter already, and there are no more: make one of them plain floor first.
+editor-undrawable = This hall cannot be drawn here: change it as a text below.
+editor-sides = A hall here has 1 to { $most } columns and rows.
+editor-home-outside = Home would be outside: move it first.
+editor-open = { $file } is open: { $width } × { $height } cells, { $pieces } pieces of luggage
+
 ## hall
 
 hall-ruler-metres = { $length } m
@@ -34,6 +59,8 @@ hall-cell = column { $x }, row { $y }
 ## roomba
 
 ## simulator
+
+simulator-unsent = It was not sent: hallsweep cannot be reached. Try again.
 
 ## time
 

@@ -16,6 +16,31 @@ console-cut = Nessun collegamento: non è arrivato.
 
 ## editor
 
+editor-at = colonna { $column }, riga { $row }: { $text }
+editor-floor = pavimento
+editor-wall = parete
+editor-home = base
+editor-luggage = bagaglio
+editor-marked = bagaglio { $mark }
+editor-dangerous = bagaglio pericoloso { $mark }
+editor-begun-brush = pennello cominciato
+editor-begun-line = linea cominciata
+editor-begun-rectangle = rettangolo cominciato
+editor-sound = È a posto: tutto si può raggiungere.
+editor-unsound = Si può usare. Ma una ricerca non arriva dappertutto:
+editor-found-pieceUnreached = il bagaglio «{ $name }» in ({ $x }, { $y }) non si può raggiungere: nessuna cella libera accanto porta alla base
+editor-found-cellUnreached = la cella libera ({ $x }, { $y }) non si può raggiungere dalla base
+editor-found-more = e altri posti che non si possono raggiungere: { $count }
+editor-found-noLuggage = non contiene bagagli: una ricerca non ha niente da esaminare
+editor-large = Il file ha { $bytes } byte, e qui sono al massimo { $most }: avviare hallsweep con --hall FILE.
+editor-cut = hallsweep non si raggiunge: riprovare
+editor-refused = hallsweep risponde: «{ $detail }»
+editor-letters = 26 bagagli hanno già una lettera, e altre non ce ne sono: trasformarne prima uno in pavimento.
+editor-undrawable = Questa sala qui non si può disegnare: modificarla più sotto, come testo.
+editor-sides = Qui una sala ha da 1 a { $most } colonne e righe.
+editor-home-outside = La base resterebbe fuori: spostarla prima.
+editor-open = { $file } è aperto: { $width } × { $height } celle, bagagli: { $pieces }
+
 ## hall
 
 hall-ruler-metres = { $length } m
@@ -34,6 +59,8 @@ hall-cell = colonna { $x }, riga { $y }
 ## roomba
 
 ## simulator
+
+simulator-unsent = Non è stato inviato: hallsweep non si raggiunge. Riprovare.
 
 ## time
 

@@ -50,7 +50,7 @@ pub(super) use timeline::Timelines;
 
 /// The page again, with the reason in words beside the button that was pressed.
 pub(super) async fn refused_page(door: &HttpDoor, to: &Reader, button: &str, problem: &Problem) -> Response {
-    let why = Why::new(button, problem.detail());
+    let why = Why::new(button, &problem.in_words(to.language));
     let mut response = (problem.status(), whole(door, to, Some(why)).await).into_response();
     problem.tell_gate(&mut response);
     response

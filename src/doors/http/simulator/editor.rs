@@ -14,8 +14,8 @@ use super::super::reading::HallForm;
 use super::{Asker, offered_hall, read_hall};
 use crate::api::door;
 use crate::api::fields::in_short;
-use crate::api::hall_files::Finding;
-use crate::phrases::Language;
+use crate::api::hall_files::{Finding, Found};
+use crate::phrases::{Language, Phrase};
 use crate::runtime::simulator::{HallSource, OtherHall};
 
 #[derive(Template)]
@@ -34,8 +34,25 @@ struct Page {
 
 impl Page {
     fn of(asker: &Asker, toml: String) -> Page {
-        let (halls, bound, may_act) = (asker.simulator.halls(), asker.bound(), asker.may_act());
+        let (halls, bound, may_act) = (asker.simulator.halls(), asker.bound_in_words(), asker.may_act());
         Page { language: asker.language, toml, halls, bound, may_act, why: None, findings: None }
+    }
+
+    fn said(&self, finding: &Finding) -> String {
+        let text = in_words(self.language, &finding.found);
+        let at = self.language.say("editor-at").with("column", finding.column + 1).with("row", finding.row + 1);
+        at.with("text", text).to_string()
+    }
+}
+
+/// As the script says it too.
+pub(super) fn in_words(language: Language, found: &Found) -> Phrase<'_> {
+    let phrase = language.say_of("editor-found", found.code());
+    match found {
+        Found::PieceUnreached { name, x, y } => phrase.with("name", name).with("x", x).with("y", y),
+        Found::CellUnreached { x, y } => phrase.with("x", x).with("y", y),
+        Found::More { count } => phrase.with("count", count),
+        Found::NoLuggage => phrase,
     }
 }
 
@@ -63,7 +80,7 @@ pub(in crate::doors::http) async fn use_edited(asker: Asker, HallForm(fields): H
         Ok(Some(findings)) => html(&Page { findings: Some(findings), ..Page::of(&asker, toml) }).into_response(),
         Ok(None) => Redirect::to("/simulator").into_response(),
         Err(problem) => {
-            let page = Page { why: Some(problem.detail().to_owned()), ..Page::of(&asker, toml) };
+            let page = Page { why: Some(asker.in_words(&problem)), ..Page::of(&asker, toml) };
             let mut response = (problem.status(), html(&page)).into_response();
             problem.tell_gate(&mut response);
             response

@@ -14,7 +14,7 @@ use axum::response::{IntoResponse, Response};
 use super::HttpDoor;
 use super::gate::{LetIn, Peer, issuer};
 use super::language::spoken;
-use super::problem::Problem;
+use super::problem::{Problem, in_words};
 use super::query::Query;
 use super::reading::{HallFile, HallPayload, JsonPayload};
 use crate::access::Need;
@@ -32,6 +32,9 @@ pub(super) use editor::{editor, use_edited};
 pub(super) use page::{change_by_form, choose_by_form, page};
 
 type Answer = Result<Response, Problem>;
+
+/// The code with which the core keeps the robots in their hall while a mission is under way.
+const NOT_IN_PHASE: &str = "notInPhase";
 
 /// Whoever asks for something of the simulator.
 pub(super) struct Asker {
@@ -67,8 +70,19 @@ impl Asker {
     }
 
     /// Why the robots cannot be put down in another hall just now.
-    fn bound(&self) -> Option<String> {
+    fn bound(&self) -> Option<Problem> {
         self.door.handle.snapshot().bound_to_hall().map(|refused| bound(&refused))
+    }
+
+    /// The same as the pages say it.
+    fn bound_in_words(&self) -> Option<String> {
+        self.bound().map(|problem| self.in_words(&problem))
+    }
+
+    /// What the pages say of a problem: that a mission is under way, with what is to be done here.
+    fn in_words(&self, problem: &Problem) -> String {
+        let code = if problem.code() == NOT_IN_PHASE { "boundToHall" } else { problem.code() };
+        in_words(self.language, code, problem.detail())
     }
 
     /// In a task of its own what was begun is brought to its end although whoever asked goes.
@@ -77,16 +91,18 @@ impl Asker {
     }
 
     fn json(&self, state: &SimulatorState) -> Response {
-        axum::Json(SimulatorJson::new(state, self.simulator.halls(), self.bound())).into_response()
+        let bound = self.bound().map(|problem| problem.detail().to_owned());
+        axum::Json(SimulatorJson::new(state, self.simulator.halls(), bound)).into_response()
     }
 }
 
 /// Why the robots stay in their hall, and what to do.
-fn bound(refused: &Refused) -> String {
-    if matches!(refused, Refused::NotInPhase(_)) {
-        format!("{refused}: let the mission end, or press RESET, which keeps what was found")
+fn bound(refused: &Refused) -> Problem {
+    let problem = Problem::refused(refused);
+    if problem.code() == NOT_IN_PHASE {
+        problem.saying(format!("{refused}: let the mission end, or press RESET, which keeps what was found"))
     } else {
-        refused.to_string()
+        problem
     }
 }
 
@@ -101,7 +117,7 @@ impl From<NotSimulated> for Problem {
     fn from(not: NotSimulated) -> Problem {
         let words = not.to_string();
         match not {
-            NotSimulated::Refused(refused) => Problem::refused(&refused).saying(bound(&refused)),
+            NotSimulated::Refused(refused) => bound(&refused),
             NotSimulated::NotPaused => Problem::new(("notPaused", ProblemKind::Conflict), words),
             NotSimulated::NothingUnderWay => Problem::new(("nothingUnderWay", ProblemKind::Conflict), words),
             NotSimulated::Hall(_) => Problem::new(("unusableHall", ProblemKind::Unusable), words),

@@ -14,7 +14,7 @@ use super::Asker;
 use crate::api::door;
 use crate::api::fields::in_short;
 use crate::api::simulator::pace;
-use crate::phrases::Language;
+use crate::phrases::{Language, Markup, Phrase};
 use crate::runtime::simulator::{Change, HallSource, OtherHall, Pace, SimulatorState};
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::robot::{RobotState, RobotView};
@@ -22,15 +22,10 @@ use hallsweep_core::world::robot::{RobotState, RobotView};
 /// The speeds that are offered; the interface takes any between.
 const SPEEDS: [&str; 8] = ["0.1", "0.5", "1", "2", "5", "10", "50", "max"];
 
-/// One fault of the robot, its words and the buttons that bring it about and take it back.
+/// One fault of the robot, and whether somebody has brought it about.
 struct Fault {
     name: &'static str,
-    title: &'static str,
-    /// What the core makes of it.
-    means: &'static str,
     is_there: bool,
-    bring: &'static str,
-    take_back: &'static str,
 }
 
 #[derive(Template)]
@@ -51,7 +46,7 @@ impl Page {
             language: asker.language,
             state: asker.state(),
             halls: asker.simulator.halls(),
-            bound: asker.bound(),
+            bound: asker.bound_in_words(),
             may_act: asker.may_act(),
             why,
         }
@@ -67,41 +62,29 @@ impl Page {
         other.into_iter().chain(SPEEDS.map(str::to_owned)).map(|speed| (speed.clone(), speed == now)).collect()
     }
 
-    fn runs(&self) -> String {
+    fn runs(&self) -> Phrase<'_> {
         match (self.state.is_paused, self.state.speed) {
-            (true, _) => "Paused: simulated time stands still.".to_owned(),
-            (false, Pace::Max) => "Running as fast as it can.".to_owned(),
-            (false, Pace::Times(factor)) => format!("Running at {factor} times real time."),
+            (true, _) => self.language.say("simulator-paused"),
+            (false, Pace::Max) => self.language.say("simulator-runs-max"),
+            (false, Pace::Times(factor)) => {
+                self.language.say("simulator-runs").with("factor", self.language.number(&factor.to_string()))
+            }
         }
+    }
+
+    fn hall_now(&self) -> Markup {
+        let (hall, (columns, rows)) = (&self.state.hall, self.state.hall.size);
+        let said = self.language.say("simulator-hall-now").with("hall", &hall.name).with("columns", columns).with("rows", rows);
+        let said = said.with("side", self.language.number(&hall.cell_m.to_string())).with("pieces", hall.pieces);
+        said.with("seed", self.state.seed).markup()
     }
 
     fn faults(&self) -> [Fault; 3] {
         let faults = &self.state.faults;
         [
-            Fault {
-                name: "linkLost",
-                title: "Link",
-                means: "without it the robot halts by itself and the mission is held",
-                is_there: faults.link_lost,
-                bring: "Lose the link",
-                take_back: "Restore the link",
-            },
-            Fault {
-                name: "noThermometer",
-                title: "Thermometer",
-                means: "without it no reading of the robot comes",
-                is_there: faults.no_thermometer,
-                bring: "Take the thermometer away",
-                take_back: "Give the thermometer back",
-            },
-            Fault {
-                name: "cameraFails",
-                title: "Camera",
-                means: "when it fails, no photo succeeds",
-                is_there: faults.camera_fails,
-                bring: "Let the camera fail",
-                take_back: "Mend the camera",
-            },
+            Fault { name: "linkLost", is_there: faults.link_lost },
+            Fault { name: "noThermometer", is_there: faults.no_thermometer },
+            Fault { name: "cameraFails", is_there: faults.camera_fails },
         ]
     }
 }
@@ -159,7 +142,7 @@ pub(in crate::doors::http) async fn choose_by_form(asker: Asker, Form(fields): F
 
 fn answer(asker: &Asker, place: &'static str, problem: Option<Problem>) -> Response {
     let Some(problem) = problem else { return Redirect::to("/simulator").into_response() };
-    let page = Page::of(asker, Some((place, problem.detail().to_owned())));
+    let page = Page::of(asker, Some((place, asker.in_words(&problem))));
     let mut response = (problem.status(), html(&page)).into_response();
     problem.tell_gate(&mut response);
     response

@@ -1,8 +1,16 @@
-//! The door's own refusals, before anything is asked of a simulator.
+//! The door's own refusals, before anything is asked of a simulator; and its pages in both languages.
 
-use super::super::testing::{app, guarded_app, keys, text};
+use std::collections::BTreeSet;
+
+use tokio::sync::watch;
+
+use super::super::testing::{TestApp, app, guarded_app, keys, text};
+use super::*;
 use crate::access::Access;
-use crate::api::fixture::searching;
+use crate::api::fixture::{idle, searching};
+use crate::runtime::simulator::{Change, Changing, Faults, HallFacts, OtherHall, Pace};
+use hallsweep_core::units::Cell;
+use hallsweep_core::world::snapshot::Snapshot;
 
 const ROUTES: [(&str, &str); 9] = [
     ("GET", "/simulator"),
@@ -39,5 +47,144 @@ async fn a_viewer_changes_nothing_and_a_stranger_sees_nothing() {
         let expect = if method == "GET" { 404 } else { 403 };
         let response = app.send(method, path, &[("authorization", &bearer)], "").await;
         assert_eq!(response.status(), expect, "{method} {path}");
+    }
+}
+
+/// A simulator that does nothing it is asked for.
+struct Still(watch::Sender<Arc<SimulatorState>>);
+
+fn refused(why: NotSimulated) -> Changing {
+    Box::pin(async { Err(why) })
+}
+
+impl Simulator for Still {
+    fn watch(&self) -> watch::Receiver<Arc<SimulatorState>> {
+        self.0.subscribe()
+    }
+
+    fn halls(&self) -> Vec<String> {
+        vec!["depot".to_owned()]
+    }
+
+    fn hall(&self, _: &str) -> Result<String, NotSimulated> {
+        Ok(self.0.borrow().hall.toml.to_string())
+    }
+
+    fn change(self: Arc<Self>, change: Change, _: Issuer) -> Changing {
+        let cell = change.blocked.and_then(|blocked| blocked.first().copied());
+        refused(cell.map_or(NotSimulated::NotPaused, NotSimulated::NoFreeCell))
+    }
+
+    fn step(self: Arc<Self>, _: Issuer) -> Changing {
+        refused(NotSimulated::NothingUnderWay)
+    }
+
+    fn put_down(self: Arc<Self>, _: OtherHall, _: Issuer) -> Changing {
+        refused(NotSimulated::Refused(Refused::NotInPhase(hallsweep_core::mission::PhaseName::Exploring)))
+    }
+}
+
+fn simulated(snapshot: Snapshot, access: Access, is_paused: bool) -> TestApp {
+    let blocked: BTreeSet<Cell> = is_paused.then_some(Cell::new(1, 0)).into_iter().collect();
+    let state = SimulatorState {
+        hall: HallFacts {
+            name: "depot".into(),
+            size: (8, 9),
+            cell_m: 0.5,
+            pieces: 1,
+            toml: "drawing = \"\"\"\nS\n\"\"\"\n".into(),
+        },
+        seed: 7,
+        speed: if is_paused { Pace::Max } else { Pace::Times(0.5) },
+        is_paused,
+        faults: Faults { link_lost: is_paused, no_thermometer: is_paused, camera_fails: is_paused, blocked },
+    };
+    let app = guarded_app(snapshot, access);
+    let simulator: Arc<dyn Simulator> = Arc::new(Still(watch::Sender::new(Arc::new(state))));
+    TestApp { door: app.door.clone().with_simulator(Some(simulator)), ..app }
+}
+
+#[track_caller]
+fn check(page: &str, wanted: &[&str]) {
+    for wanted in wanted {
+        assert!(page.contains(wanted), "{wanted}: {page}");
+    }
+}
+
+#[tokio::test]
+async fn the_page_of_the_controls_speaks_italian_in_every_state() {
+    let names = ["depot", "file"];
+    let app = simulated(searching(), Access::Open, false);
+    let page = app.italian(("GET", "/simulator", ""), &[], &names).await;
+    check(&page, &["In corso a 0,5 × il tempo reale.", "<option value=\"0.5\" selected>0,5 ×</option>"]);
+    check(&page, &["I robot sono in <b>depot</b>: 8 × 9 celle di 0,5 m, 1 bagaglio; seme 7.", "Termometro: a posto"]);
+    check(&page, &["Al momento: non è possibile durante una missione: attendere che finisca, o premere ARCHIVIA"]);
+    check(&page, &["quando è in pausa</small>", "Nessun passaggio è ostruito.", "Non è stato inviato", "value=\"/simulator\""]);
+    let app = simulated(idle(), Access::Open, true);
+    let page = app.italian(("GET", "/simulator", ""), &[], &names).await;
+    check(&page, &["In pausa: il tempo simulato è fermo.", "Collegamento: interrotto", "Fotocamera: guasta", "Liberare (1, 0)"]);
+    let (keyring, tokens) = keys();
+    let app = simulated(idle(), Access::Keys(keyring), true);
+    let page = app.italian(("GET", "/simulator", ""), &[("authorization", &format!("Bearer {}", tokens.viewer))], &names).await;
+    check(&page, &["Accesso come osservatore: si vede il simulatore"]);
+}
+
+#[tokio::test]
+async fn what_was_refused_stands_in_italian_beside_its_button() {
+    let app = simulated(idle(), Access::Open, true);
+    for (path, body, words) in [
+        ("/simulator/change", "act=step", "nessun robot ha un ordine in corso"),
+        ("/simulator/change", "act=goOn", "il simulatore non è in pausa"),
+        ("/simulator/change", "act=block&x=9&y=9", "qui non si può mettere un ostacolo"),
+        ("/simulator/change", "act=block&x=9", "un valore inviato non va bene: «y is missing: fill it in»"),
+        ("/simulator/hall", "name=depot", "non è possibile durante una missione: attendere che finisca"),
+        ("/simulator/editor", "act=use&toml=x", "non è possibile durante una missione: attendere che finisca"),
+        ("/simulator/editor", "act=check&toml=x", "questa sala non si può usare: «hall.toml:1: "),
+    ] {
+        let page = app.italian(("POST", path, body), &[], &["depot"]).await;
+        check(&page, &[&format!("role=\"alert\">{words}")]);
+    }
+    let (_, state) = app.json("PUT", "/api/v1/simulator/hall", "{\"name\":\"depot\"}").await;
+    let detail = state["detail"].as_str().unwrap();
+    assert!(detail.ends_with(": let the mission end, or press RESET, which keeps what was found"), "{detail}");
+}
+
+#[tokio::test]
+async fn the_editor_and_its_script_speak_italian() {
+    let names = ["depot"];
+    let app = simulated(searching(), Access::Open, false);
+    let page = app.italian(("GET", "/simulator/editor", ""), &[], &names).await;
+    check(
+        &page,
+        &["<h1>Editor delle sale</h1>", "Parete <kbd>", "Annulla", "aria-label=\"Pianta della sala\"", "value=\"0,05\""],
+    );
+    check(&page, &["colonna { $column }, riga { $row }", "Al momento: non è possibile durante una missione"]);
+    let checked = |toml: &str| format!("act=check&toml={}", toml.replace('\n', "%0A").replace('#', "%23").replace(' ', "+"));
+    let walled = checked("drawing = \"\"\"\n.#T#\nS###\n.#..\n\"\"\"\n");
+    let page = app.italian(("POST", "/simulator/editor", &walled), &[], &names).await;
+    check(&page, &["Si può usare. Ma una ricerca non arriva dappertutto:", "<li>colonna 3, riga 1: il bagaglio «"]);
+    check(&page, &["<li>colonna 3, riga 3: la cella libera (2, 1) non si può raggiungere dalla base</li>"]);
+    let sound = app.italian(("POST", "/simulator/editor", &checked("drawing = \"\"\"\nS.T\n\"\"\"\n")), &[], &names).await;
+    check(&sound, &["È a posto: tutto si può raggiungere."]);
+    let (keyring, tokens) = keys();
+    let app = simulated(idle(), Access::Keys(keyring), true);
+    let viewer = format!("Bearer {}", tokens.viewer);
+    let page = app.italian(("GET", "/simulator/editor", ""), &[("authorization", &viewer)], &names).await;
+    check(&page, &["Accesso come osservatore: si vede la sala"]);
+}
+
+#[test]
+fn what_a_search_does_not_come_to_is_said_in_every_language() {
+    use crate::api::hall_files::Found;
+    for found in [
+        Found::PieceUnreached { name: "red backpack".to_owned(), x: 2, y: -1 },
+        Found::CellUnreached { x: 2, y: -1 },
+        Found::More { count: 2 },
+        Found::NoLuggage,
+    ] {
+        let sent = serde_json::to_value(&found).unwrap();
+        assert_eq!(sent["code"], found.code(), "the script asks for the phrase by it");
+        assert_eq!(editor::in_words(Language::English, &found).to_string(), found.to_string(), "as programs are told");
+        assert_ne!(editor::in_words(Language::Italian, &found).to_string(), found.to_string());
     }
 }

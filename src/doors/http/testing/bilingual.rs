@@ -1,0 +1,43 @@
+//! What of a page is the same in both languages: words that nobody has put into a phrase, and names.
+
+use std::collections::BTreeSet;
+
+use super::{TestApp, text};
+
+const BROWSER: (&str, &str) = ("accept", "text/html,application/xhtml+xml,*/*;q=0.8");
+
+/// What every page has and every language calls so.
+const NAMES: [&str; 3] = ["hallsweep", "STOP", "· Esc"];
+
+impl TestApp {
+    /// The page that this request leads to, in Italian. What it has in common with the English one must be among `names`.
+    pub(in crate::doors::http) async fn italian(
+        &self,
+        (method, path, body): (&str, &str, &str),
+        headers: &[(&str, &str)],
+        names: &[&str],
+    ) -> String {
+        let form = ("content-type", "application/x-www-form-urlencoded");
+        let asked = |language| [&[BROWSER, form, ("accept-language", language)], headers].concat();
+        let english = text(self.send(method, path, &asked("en"), body).await).await;
+        let italian = text(self.send(method, path, &asked("it"), body).await).await;
+        assert!(english.contains("<html lang=\"en\">") && italian.contains("<html lang=\"it\">"), "{method} {path}: {italian}");
+        let (one, other) = (words(&english), words(&italian));
+        let names: BTreeSet<&str> = names.iter().chain(&NAMES).copied().collect();
+        let same: Vec<&&str> = one.intersection(&other).filter(|words| !names.contains(**words)).collect();
+        assert!(same.is_empty(), "{method} {path}: the same in both languages: {same:?}");
+        italian
+    }
+}
+
+/// The texts of a page but those for programs, and those of its attributes that people read or hear.
+fn words(page: &str) -> BTreeSet<&str> {
+    let is_for_people = |tag: &str| !["textarea", "code"].iter().any(|name| tag.starts_with(name));
+    let texts = page.split('<').filter_map(|piece| piece.split_once('>')).filter(|(tag, _)| is_for_people(tag));
+    let texts = texts.map(|(_, text)| text);
+    let attributes = ["title", "alt", "aria-label", "placeholder", "data-label"].map(|name| format!(" {name}=\""));
+    let attributes: Vec<&str> =
+        attributes.iter().flat_map(|name| page.split(name.as_str()).skip(1)).filter_map(|rest| rest.split('"').next()).collect();
+    let is_word = |text: &&str| text.split(|c: char| !c.is_alphabetic()).any(|word| word.chars().count() > 1);
+    texts.chain(attributes).map(str::trim).filter(is_word).collect()
+}

@@ -1,0 +1,38 @@
+# The editor of halls. What its script says too stands with the scripts.
+
+halls-title = Editor of halls
+halls-to-simulator = To the simulator
+halls-viewer = You are signed in as a viewer: you see the hall and may press STOP. Everything else asks for an operator's key.
+
+## Drawing.
+
+halls-drawing = Drawing
+halls-tool = Tool
+halls-wall = Wall
+halls-floor = Floor
+halls-luggage = Luggage
+halls-dangerous = Dangerous
+halls-home = Home
+halls-shape = How it is drawn
+halls-brush = Brush
+halls-line = Line
+halls-rectangle = Rectangle
+halls-undo = Undo
+halls-redo = Redo
+halls-drawing-about = Draw with pointer or finger. By keyboard: arrows move the cursor, space draws (twice for a line or a rectangle), <kbd>c</kbd> gives a begun one up; the letters choose.
+halls-plan = Plan of the hall
+halls-name = Name
+halls-columns = Columns
+halls-rows = Rows
+halls-size = Set name and size
+halls-open = Open a file
+halls-resolution = Metres a pixel, of a bare image
+halls-download = Download
+
+## The file.
+
+halls-file = The hall as a file
+halls-file-about = In the drawing <code>.</code> is floor, <code>#</code> wall, <code>S</code> home, a letter luggage; <code>dangerous = true</code> marks danger.
+halls-check = Check
+halls-use = Put the robots down in it
+halls-another = Begin with another

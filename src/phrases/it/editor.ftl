@@ -1,0 +1,38 @@
+# L'editor delle sale. Quello che dice anche il suo script sta con gli script.
+
+halls-title = Editor delle sale
+halls-to-simulator = Al simulatore
+halls-viewer = Accesso come osservatore: si vede la sala e si può premere STOP. Per tutto il resto serve la chiave di un operatore.
+
+## Il disegno.
+
+halls-drawing = Disegno
+halls-tool = Strumento
+halls-wall = Parete
+halls-floor = Pavimento
+halls-luggage = Bagaglio
+halls-dangerous = Pericoloso
+halls-home = Base
+halls-shape = Come si disegna
+halls-brush = Pennello
+halls-line = Linea
+halls-rectangle = Rettangolo
+halls-undo = Annulla
+halls-redo = Ripristina
+halls-drawing-about = Disegnare con il puntatore o con il dito. Con la tastiera: le frecce muovono il cursore, lo spazio disegna (due volte per una linea o un rettangolo), <kbd>c</kbd> rinuncia a quello cominciato; le lettere scelgono.
+halls-plan = Pianta della sala
+halls-name = Nome
+halls-columns = Colonne
+halls-rows = Righe
+halls-size = Impostare nome e dimensioni
+halls-open = Aprire un file
+halls-resolution = Metri per pixel, per un'immagine da sola
+halls-download = Scaricare
+
+## Il file.
+
+halls-file = La sala come file
+halls-file-about = Nel disegno <code>.</code> è pavimento, <code>#</code> parete, <code>S</code> la base, una lettera un bagaglio; <code>dangerous = true</code> segna il pericolo.
+halls-check = Controllare
+halls-use = Metterci i robot
+halls-another = Cominciare da un'altra

@@ -1,0 +1,75 @@
+# Che cosa non è stato fatto, e perché. Il dettaglio è in inglese: sta tra virgolette dove solo lui dice di che cosa si tratta.
+
+## I titoli della pagina che dice un problema, per stato.
+
+astray-400 = La richiesta non è stata capita
+astray-401 = Nessuno ha fatto l'accesso
+astray-403 = Questo non è permesso
+astray-404 = Qui non c'è niente
+astray-408 = È arrivata troppo lentamente
+astray-409 = Ora non è possibile
+astray-421 = hallsweep non si chiama così
+astray-500 = In hallsweep qualcosa è andato storto
+astray-503 = Per il momento non si può fare
+
+## Per codice: che cosa rifiuta il nucleo.
+
+problem-held = non è possibile finché la missione è bloccata: la console dice che cosa la blocca
+problem-outdated = comando superato: nel frattempo è stato premuto STOP; guardare di nuovo, poi ripeterlo
+problem-sentBefore = comando superato: era già stato inviato, e nel frattempo può esserci stato uno STOP o un riavvio; guardare di nuovo, poi darlo da capo
+problem-notInPhase = non è possibile nella fase attuale della missione
+problem-verdictPending = un bagaglio attende il verdetto: rispondere prima SICURO o PERICOLO
+problem-driving = il robot è guidato a mano: attendere la fine del movimento, o premere STOP
+problem-notStopped = il robot è in missione: premere STOP prima di guidarlo a mano
+problem-intoObstacle = in quella cella c'è un ostacolo
+problem-notCapable = questo robot non sa fare piccole rotazioni di correzione
+problem-moving = il robot si muove: premere prima STOP
+problem-unrecorded = si sta registrando un bagaglio: attendere la sua foto
+problem-bombUnfetched = un bagaglio pericoloso è ancora nella sala: confermare prima il suo allarme
+problem-unknownLuggage = questo bagaglio non c'è
+problem-nothingPending = nessun bagaglio attende un verdetto
+problem-decided = questo bagaglio ha già un verdetto, e il verdetto è definitivo
+problem-noPhoto = di questo bagaglio non c'è una foto utilizzabile: rifarla, o rispondere PERICOLO
+problem-notInspected = non è questo il bagaglio sotto esame
+problem-photoUnderWay = la foto è in corso
+problem-unknownAlarm = questo allarme non c'è
+problem-noRetrievalRobot = non c'è alcun robot per il recupero
+problem-fetcherUnreached = un robot che serve al recupero non è raggiungibile: ripristinare prima il suo collegamento
+problem-fetcherAbroad = un robot del recupero non è ancora rientrato: premere AVVIA, così il recupero riprende
+problem-faultStands = il guasto c'è ancora: eliminarne prima la causa
+problem-storeDown = il registro non si può scrivere, quindi nulla è stato deciso: riprovare quando l'archivio è di nuovo disponibile
+problem-notKept = non è stato possibile metterlo a registro, perché l'archivio si è guastato: guardare lo stato prima di ripetere
+problem-otherContent = questo identificativo è già servito per un altro comando: dare a ogni comando il suo
+problem-unknownSensor = questo sensore non c'è: indicarlo nell'impostazione temperature.sensor
+problem-notAllowed = serve la chiave di un operatore: un osservatore vede tutto e può premere STOP
+
+## Che cosa non gli arriva.
+
+problem-malformed = la richiesta non si può leggere: «{ $detail }»
+problem-unusable = un valore inviato non va bene: «{ $detail }»
+problem-tooLarge = la richiesta è troppo grande: «{ $detail }»
+problem-tooSlow = la richiesta è arrivata troppo lentamente: riprovare
+problem-unsupportedMediaType = questo formato qui non si legge: «{ $detail }»
+problem-methodNotAllowed = questo indirizzo non risponde a una richiesta di questo tipo: «{ $detail }»
+problem-notAcceptable = non c'è in nessuno dei formati richiesti: «{ $detail }»
+problem-notFound = non si trova: «{ $detail }»
+problem-notSignedIn = nessuno ha fatto l'accesso: accedere a /sign-in; i token si vedono con hallsweep token sulla sua macchina
+problem-foreignOrigin = l'ha inviata una pagina di un'altra origine: i comandi si accettano dalla pagina di hallsweep e dai programmi
+problem-foreignHost = questo non è un nome di hallsweep: chiamarlo con il suo indirizzo (sulla sua macchina: localhost), o elencare in http.hosts i nomi con cui lo si raggiunge
+problem-tooManyStreams = sono aperti troppi flussi di eventi: chiuderne uno
+problem-tooManyRuns = troppe prove del laboratorio sono in attesa: riprovare tra poco
+problem-noPlace = tutti i posti per un collegamento sono occupati: «{ $detail }»
+problem-noDate = l'orologio della macchina non è regolato: «{ $detail }»
+problem-internal = un errore in hallsweep ha interrotto questa richiesta; il suo log dice di più
+problem-shuttingDown = hallsweep si sta spegnendo
+problem-unreadable = il registro non si può leggere: «{ $detail }»
+
+## Del simulatore.
+
+problem-boundToHall = non è possibile durante una missione: attendere che finisca, o premere ARCHIVIA, che conserva ciò che è stato trovato
+problem-notSimulated = il robot che cerca non è simulato: non c'è un simulatore da comandare
+problem-notPaused = il simulatore non è in pausa: metterlo prima in pausa, poi andare avanti passo per passo
+problem-nothingUnderWay = nessun robot ha un ordine in corso: un passo porta alla fine di un ordine; premere prima AVVIA
+problem-unusableHall = questa sala non si può usare: «{ $detail }»
+problem-notBlocked = qui non si può mettere un ostacolo: serve una cella libera di questa sala, e gli ostacoli non devono essere troppi
+problem-hallNotKept = i robot sono nella nuova sala, ma dopo un riavvio ci sarà di nuovo quella di prima: «{ $detail }»
