@@ -9,7 +9,7 @@ let sending = false;
 /** Shows the controls of this page; what somebody types, chooses or is about to press stays. */
 function show(html) {
   const fresh = new DOMParser().parseFromString(html, "text/html").getElementById("controls");
-  if (fresh) Idiomorph.morph(controls, fresh, { ignoreActiveValue: true, callbacks: { beforeNodeMorphed: keeps } });
+  if (fresh) Idiomorph.morph(controls, fresh, { callbacks: { beforeNodeMorphed: keeps } });
 }
 
 /** A field with something in it, or a choice that was not sent yet, is nobody else's. */

@@ -143,6 +143,10 @@ export const simulatorControls = {
     await fits(page);
     await button(page, /^Pause/).click();
     await page.getByText('simulated time stands still').waitFor();
+    await button(page, /^Go on/).click();
+    await page.getByText(/Running/).waitFor();
+    await button(page, /^Pause/).click();
+    await page.getByText('simulated time stands still').waitFor();
     await button(page, /^One step/).click();
     await page.locator('#time').getByText('press START first').waitFor();
     await button(page, 'Let the camera fail').click();
