@@ -6,7 +6,7 @@ use axum::response::{IntoResponse, Response};
 
 use super::hearing::Pressed;
 use crate::api::fields::in_short;
-use crate::api::problem::{ProblemKind, TOO_SLOW};
+use crate::api::problem::{ProblemKind, TOO_SLOW, refusal};
 pub(super) use crate::doors::problem::Problem;
 use crate::phrases::Language;
 use hallsweep_core::command::Refusal;
@@ -20,6 +20,10 @@ pub(super) struct Said {
 
 /// What a page says of a problem with this code: in English the detail, else a sentence of the language's own.
 pub(super) fn in_words(language: Language, code: &str, detail: &str) -> String {
+    let refused = refusal(code, detail.to_owned()).refused();
+    if let Some(refused) = refused.filter(|refused| refused.code() == code) {
+        return language.refused(&refused);
+    }
     language.say_of("problem", code).with("detail", detail).to_string()
 }
 
@@ -87,6 +91,14 @@ impl Problem {
     /// What a page says of it.
     pub(super) fn in_words(&self, language: Language) -> String {
         in_words(language, self.code(), self.detail())
+    }
+
+    /// Its answer to whoever reads this language. What goes on record stays as it is.
+    pub(super) fn told(self, language: Language) -> Response {
+        let said = self.in_words(language);
+        let mut response = self.clone().saying(said).into_response();
+        self.tell_gate(&mut response);
+        response
     }
 
     pub(super) fn json(&self) -> String {

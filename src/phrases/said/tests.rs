@@ -147,8 +147,6 @@ fn the_log() {
 #[test]
 fn the_journal() {
     let inspecting = |stage| Phase::Inspecting(Inspection { cell: CELL, piece: None, pose: Pose::START, stage });
-    let stages =
-        [Stage::BackingUp, Stage::TakingPhoto, Stage::Recording(ID), Stage::AwaitingVerdict(ID), Stage::RetakingPhoto(ID)];
     let fault = Phase::Fault { cause: FaultCause::Unanswered, interrupted: Box::new(inspecting(Stage::TakingPhoto)) };
     let command = |refused: Option<Refused>| {
         let refused = refused.as_ref().map(Refusal::from);
@@ -166,15 +164,6 @@ fn the_journal() {
         let record = Arc::new(hallsweep_core::world::luggage::Luggage { photo, ..(*piece(3, CELL, None)).clone() });
         Fact::Luggage { record, photo: None }
     };
-    let not = || Some(NotFetched::Alone(AloneFault::PieceLost));
-    let fetching = [
-        RetrievalStage::MakingRoom,
-        RetrievalStage::Fetching,
-        RetrievalStage::LettingGo,
-        RetrievalStage::GoingOut(not()),
-        RetrievalStage::GoingOut(None),
-        RetrievalStage::ComingHome(not()),
-    ];
     let mut facts = vec![
         Fact::ProgramStarted("1".to_owned()),
         Fact::ProgramEnded("SIGTERM".to_owned()),
@@ -206,20 +195,10 @@ fn the_journal() {
         Fact::AlarmAcknowledged(AlarmId(4), "anna".into()),
         Fact::MapEmptied(Heading::South),
     ];
-    facts.extend(stages.map(|stage| Fact::Phase(inspecting(stage))));
-    facts.extend(["wall", "luggage", "unknown"].map(|kind| Fact::Obstacle(CELL, kind)));
-    let marks = [Mark::Unknown, Mark::Seen, Mark::Visited, Mark::Wall, Mark::Luggage, Mark::NotInspected];
-    facts.extend(marks.map(|mark| Fact::Mark(CELL, mark)));
-    facts.extend(Strategy::ALL.map(Fact::Strategy));
-    let retrieval = |stage| Retrieval {
-        luggage: ID,
-        fetcher: Fetcher::Pair,
-        stage,
-        piece: std::collections::BTreeSet::new(),
-        call: None,
-        team: None,
-    };
-    facts.extend(fetching.map(|stage| Fact::Retrieval(Some(Box::new(retrieval(stage))))));
+    check_facts(facts);
+}
+
+fn check_facts(facts: impl IntoIterator<Item = Fact>) {
     for fact in facts {
         check(&hallsweep_core::mission::fact_words::words(&fact), |language| language.fact(&fact), &[]);
     }
@@ -234,4 +213,38 @@ fn words_of_others_stay_as_they_are() {
             assert!(language.fault(&FaultCause::Robot(words.to_owned())).contains(words));
         }
     }
+}
+
+#[test]
+fn a_retrieval_in_the_journal() {
+    let not = || Some(NotFetched::Alone(AloneFault::PieceLost));
+    let fetching = [
+        RetrievalStage::MakingRoom,
+        RetrievalStage::Fetching,
+        RetrievalStage::LettingGo,
+        RetrievalStage::GoingOut(not()),
+        RetrievalStage::GoingOut(None),
+        RetrievalStage::ComingHome(not()),
+    ];
+    let retrieval = |stage| Retrieval {
+        luggage: ID,
+        fetcher: Fetcher::Pair,
+        stage,
+        piece: std::collections::BTreeSet::new(),
+        call: None,
+        team: None,
+    };
+    check_facts(fetching.map(|stage| Fact::Retrieval(Some(Box::new(retrieval(stage))))));
+}
+
+#[test]
+fn every_step_in_the_journal() {
+    let inspecting = |stage| Phase::Inspecting(Inspection { cell: CELL, piece: None, pose: Pose::START, stage });
+    let stages =
+        [Stage::BackingUp, Stage::TakingPhoto, Stage::Recording(ID), Stage::AwaitingVerdict(ID), Stage::RetakingPhoto(ID)];
+    check_facts(stages.map(|stage| Fact::Phase(inspecting(stage))));
+    check_facts(["wall", "luggage", "unknown"].map(|kind| Fact::Obstacle(CELL, kind)));
+    let marks = [Mark::Unknown, Mark::Seen, Mark::Visited, Mark::Wall, Mark::Luggage, Mark::NotInspected];
+    check_facts(marks.map(|mark| Fact::Mark(CELL, mark)));
+    check_facts(Strategy::ALL.map(Fact::Strategy));
 }

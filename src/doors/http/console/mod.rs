@@ -30,7 +30,7 @@ use axum::response::{Html, IntoResponse, Redirect, Response};
 use super::HttpDoor;
 use super::accept::preferred;
 use super::command_sender::CommandSender;
-use super::language::{Reader, Spoken};
+use super::language::{Reader, Spoken, spoken};
 use super::problem::Problem;
 use super::reading::{Form, Number};
 use crate::access::{Access, Caller};
@@ -84,7 +84,7 @@ async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields
     let mut response = match done {
         Ok(Done { accepted, snapshot }) if by_script => axum::Json(AnswerJson::new(accepted, &snapshot)).into_response(),
         Ok(_) => Redirect::to("/").into_response(),
-        Err(problem) if by_script => problem.into_response(),
+        Err(problem) if by_script => problem.told(spoken(headers)),
         Err(problem) => {
             let to = Reader::new(sender.caller.clone(), headers);
             refused_page(&sender.door, &to, &fields.button(act), &problem).await

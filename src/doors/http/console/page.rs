@@ -26,6 +26,11 @@ impl<'a> Page<'a> {
         (part.render)(self.v)
     }
 
+    /// Where it is found again.
+    fn here(&self) -> String {
+        self.v.then.map_or_else(|| "/".to_owned(), |then| format!("/missions/{}/moment?at={}", then.mission, then.seq))
+    }
+
     fn view_box(&self) -> String {
         hall::view_box_now(self.v.snapshot)
     }
