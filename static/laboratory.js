@@ -15,8 +15,20 @@ export function element(name, properties = {}, ...children) {
   return made;
 }
 
+/** A number as the language of the page writes it, with so many places behind the point where that is said. */
+export function written(number, places) {
+  return number.toLocaleString(document.documentElement.lang, { minimumFractionDigits: places, maximumFractionDigits: places ?? 4, useGrouping: false });
+}
+
+/** What the program has computed. */
+export async function fetched(address) {
+  const answer = await fetch(address, { headers: { accept: "application/json" } });
+  if (!answer.ok) throw new Error(say("laboratory-answered", { status: answer.status }));
+  return answer.json();
+}
+
 /** Fills `place` with the controls over `seconds`; `show` is called with every time that is to be seen, at first with `from`. */
-export function player(place, { name, seconds, show, from = 0 }) {
+export function player(place, { name, labels, seconds, show, from = 0 }) {
   let time = from;
   let speed = SPEEDS[0];
   let playing = false;
@@ -25,29 +37,30 @@ export function player(place, { name, seconds, show, from = 0 }) {
 
   const button = element("button", { type: "button", className: "start loud" });
   const slider = element("input", { type: "range", min: 0, max: Math.ceil(seconds / STEP_S) * STEP_S, step: STEP_S });
-  slider.setAttribute("aria-label", `Time of the ${name}, in seconds`);
+  slider.setAttribute("aria-label", labels.slider);
   const clock = element("output", { className: "num" });
   const choice = (times) => {
     const radio = element("input", { type: "radio", name: `speed-${name}`, value: times, checked: times === speed });
     radio.addEventListener("change", () => { speed = times; });
     return element("label", {}, radio, `${times}×`);
   };
-  const speeds = element("fieldset", { className: "speeds" }, element("legend", { textContent: "Speed" }), ...SPEEDS.map(choice));
+  const speeds = element("fieldset", { className: "speeds" }, element("legend", { textContent: say("laboratory-speed") }), ...SPEEDS.map(choice));
   place.replaceChildren(button, speeds, slider, clock);
   place.setAttribute("role", "group");
-  place.setAttribute("aria-label", `Player of the ${name}`);
+  place.setAttribute("aria-label", labels.player);
   place.hidden = false;
 
   function go(to) {
     time = Math.min(Math.max(to, 0), seconds);
     slider.value = time;
-    slider.setAttribute("aria-valuetext", `${time.toFixed(1)} of ${seconds} seconds`);
-    clock.textContent = `${time.toFixed(1)} of ${seconds} s`;
+    const values = { time: written(time, 1), seconds: written(seconds) };
+    slider.setAttribute("aria-valuetext", say("laboratory-clock-said", values));
+    clock.textContent = say("laboratory-clock", values);
     show(time);
   }
 
   function label() {
-    button.textContent = playing ? "Pause" : "Start";
+    button.textContent = say(playing ? "laboratory-pause" : "laboratory-start");
   }
 
   function pause() {

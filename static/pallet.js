@@ -1,7 +1,7 @@
 // The pallet scenario on the laboratory's page: the yard from above, what happens in words, and the three trees, moved by one player.
 // Without this script the page shows a drawing, and the trees at the end; what happened is computed by the program and fetched as it is.
 
-import { element, player } from "./laboratory.js";
+import { element, player, fetched, written } from "./laboratory.js";
 import { trees, upTo } from "./trees.js";
 
 const section = document.getElementById("pallet");
@@ -200,9 +200,11 @@ class Words {
   constructor(told, go) {
     Object.assign(this, { told, list: find(".events"), stage: find(".stage"), calls: find(".calls") });
     this.lines = [...this.list.children];
+    // The page has them in its language; what was fetched is in English.
+    this.words = new Map(told.events.map((event, index) => [event, this.lines[index].dataset.words]));
     this.lines.forEach((line, index) => {
       const jump = element("button", { type: "button", className: "jump", textContent: line.querySelector(".seq").textContent });
-      jump.setAttribute("aria-label", `Show ${jump.textContent}`);
+      jump.setAttribute("aria-label", say("pallet-show", { time: jump.textContent }));
       jump.addEventListener("click", () => go(told.events[index].t));
       line.querySelector(".seq").replaceWith(jump);
     });
@@ -221,27 +223,27 @@ class Words {
     this.follow(last);
     const past = events.slice(0, last + 1);
     const phase = past.findLast(({ kind }) => kind === "phase");
-    const parcel = !now.load ? "no parcel in the grippers" : now.load[2] > 0 ? "the parcel is lifted" : "the parcel is on the floor";
-    const stage = phase ? `Phase ${phase.phase} of 8, parcel ${phase.parcel} of ${parcels}` : "Before the first phase";
-    const what = phase ? phase.words.replace(/^phase \d: /, "") : "both robots stand where they start";
-    const where = `${now.delivered} of ${parcels} in the target area; ${parcel}`;
+    const parcel = say(!now.load ? "pallet-nothing-held" : now.load[2] > 0 ? "pallet-lifted" : "pallet-on-floor");
+    const stage = phase ? say("pallet-phase", { phase: phase.phase, parcel: phase.parcel, parcels }) : say("pallet-before");
+    const what = phase ? this.words.get(phase) : say("pallet-at-the-start");
+    const where = say("pallet-where", { delivered: now.delivered, parcels, parcel });
     if (this.staged !== stage + where) {
       this.staged = stage + where;
       this.stage.replaceChildren(element("strong", { textContent: stage }), ` ${what}`, element("span", { className: "quiet", textContent: where }));
     }
     const waits = past.findLast(({ kind }) => ["alarm", "acknowledged", "start"].includes(kind));
     const end = t >= seconds;
-    const calls = end && fault ? `The run ends: ${fault.words}`
-      : end ? "All parcels are in the target area"
-      : waits?.kind === "alarm" ? waits.words
-      : waits?.kind === "acknowledged" ? "The alarm is acknowledged; both wait for START" : "Nothing waits for the operator";
+    const calls = end && fault ? this.calls.dataset.ended
+      : end ? say("pallet-all-there")
+      : waits?.kind === "alarm" ? this.words.get(waits)
+      : say(waits?.kind === "acknowledged" ? "pallet-acknowledged" : "pallet-nothing-waits");
     if (this.calls.textContent !== calls) this.calls.textContent = calls;
     this.calls.className = `calls ${!end && (!waits || waits.kind === "start") ? "" : end && !fault ? "well" : waits?.kind === "acknowledged" && !end ? "waits" : "alarm"}`;
     this.figures.forEach((figure, index) => this.figure(figure, now.held?.[index]));
   }
 
   figure({ unit, times, places, least, most, value, needle }, held) {
-    const write = (number) => (number * times).toFixed(places).replace("-", "−");
+    const write = (number) => written(number * times, places).replace("-", "−");
     value.textContent = held === undefined ? `– ${unit}` : `${write(held)} ${unit}`;
     needle.toggleAttribute("hidden", held === undefined);
     const share = held === undefined ? 0.5 : Math.min(Math.max((held - least) / (most - least), -0.06), 1.06);
@@ -264,9 +266,7 @@ class Words {
 }
 
 async function begin() {
-  const answer = await fetch(section.dataset.run, { headers: { accept: "application/json" } });
-  if (!answer.ok) throw new Error(`hallsweep says ${answer.status}`);
-  const told = await answer.json();
+  const told = await fetched(section.dataset.run);
   const frames = told.frames.map(([t, one, two, load, held, delivered]) => ({ t, bodies: [one, two], load, held, delivered }));
   const yard = new Yard(told, frames);
   let played;
@@ -276,7 +276,7 @@ async function begin() {
   });
   const moveTrees = trees(section.querySelector("#trees"), section.querySelector("#blackboard"), told);
   played = player(find(".player"), {
-    name: "pallet", seconds: told.seconds, show: (t) => {
+    name: "pallet", labels: { slider: say("pallet-slider"), player: say("pallet-player") }, seconds: told.seconds, show: (t) => {
       const at = Math.max(upTo(frames, t) - 1, 0);
       const now = between(frames[at], frames[Math.min(at + 1, frames.length - 1)], t);
       yard.show(t, now);
@@ -294,6 +294,6 @@ async function begin() {
 
 begin().catch((error) => {
   const place = find(".player");
-  place.replaceChildren(element("p", { className: "why", textContent: `The picture cannot move: ${error.message}.` }));
+  place.replaceChildren(element("p", { className: "why", textContent: say("laboratory-cannot-move", { why: error.message }) }));
   place.hidden = false;
 });

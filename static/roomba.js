@@ -1,7 +1,7 @@
 // The Roomba on the laboratory's page: machine and tree side by side, moved by one player. Without this script the page shows both
 // as drawings; what happened in a run is computed by the program and fetched as it is.
 
-import { element, player } from "./laboratory.js";
+import { element, player, fetched, written } from "./laboratory.js";
 
 const section = document.getElementById("roomba");
 const [T, X, Y, THETA, PHASE, PASSED] = [0, 1, 2, 3, 4, 5]; // of a frame
@@ -105,7 +105,7 @@ class Room {
     this.diagram.dataset.at = phase;
     this.diagram.dataset.from = walls.at(-1)?.from ?? "";
     const share = (100 * frames[at][PASSED]) / this.run.figures.reachableSquares;
-    this.now.textContent = `${phase} · floor ${share.toFixed(1)} % · walls met ${walls.length}`;
+    this.now.textContent = say("roomba-now", { phase, share: written(share, 1), walls: walls.length });
   }
 
   /** The wall that was met at a transition: a dot where the body touched it. */
@@ -134,13 +134,11 @@ class Room {
 }
 
 async function begin() {
-  const answer = await fetch(section.dataset.runs, { headers: { accept: "application/json" } });
-  if (!answer.ok) throw new Error(`hallsweep says ${answer.status}`);
-  const told = await answer.json();
+  const told = await fetched(section.dataset.runs);
   const figure = (run) => section.querySelector(`figure[data-controller="${run.controller}"]`);
   const rooms = told.runs.map((run) => new Room(figure(run), told, run));
   const played = player(section.querySelector(".player"), {
-    name: "Roomba", seconds: told.seconds, show: (t) => rooms.forEach((room) => room.show(t)),
+    name: "Roomba", labels: { slider: say("roomba-slider"), player: say("roomba-player") }, seconds: told.seconds, show: (t) => rooms.forEach((room) => room.show(t)),
   });
   const anew = () => {
     rooms.forEach((room) => room.fit());
@@ -152,6 +150,6 @@ async function begin() {
 
 begin().catch((error) => {
   const place = section.querySelector(".player");
-  place.replaceChildren(element("p", { className: "why", textContent: `The picture cannot move: ${error.message}.` }));
+  place.replaceChildren(element("p", { className: "why", textContent: say("laboratory-cannot-move", { why: error.message }) }));
   place.hidden = false;
 });

@@ -4,6 +4,7 @@
 import { element } from "./laboratory.js";
 
 const SIGNS = { IDLE: "○", RUNNING: "▶", SUCCESS: "✓", FAILURE: "✗", SKIPPED: "⤼" };
+const WORDS = { IDLE: "trees-idle", RUNNING: "trees-running", SUCCESS: "trees-success", FAILURE: "trees-failure", SKIPPED: "trees-skipped" };
 
 /** How many of these, sorted by their `t`, were at this time or before. */
 export function upTo(list, t) {
@@ -20,7 +21,7 @@ export function upTo(list, t) {
 function draw(row, [status, isTicked]) {
   row.className = `node ${status.toLowerCase()}${isTicked ? " ticked" : ""}`;
   row.querySelector("i").textContent = SIGNS[status];
-  row.querySelector("span").textContent = status.toLowerCase();
+  row.querySelector("span").textContent = say(WORDS[status]);
 }
 
 /** Moves the trees in `place` and the blackboard `board` to the time that the returned function is called with, as `told` by the program. */
@@ -46,11 +47,11 @@ export function trees(place, board, told) {
 
   function write() {
     const line = ([name, value]) => {
-      const held = value === "" ? element("span", { className: "quiet", textContent: "empty" }) : value;
+      const held = value === "" ? element("span", { className: "quiet", textContent: say("trees-empty") }) : value;
       return element("div", {}, element("dt", { textContent: name }), element("dd", {}, held));
     };
     board.querySelector("dl").replaceChildren(...[...entries].sort(([one], [other]) => (one < other ? -1 : 1)).map(line));
-    board.querySelector("h3 span").textContent = `tick ${Math.max(0, ...ticks.slice(0, done).slice(-told.trees.length).map(({ tick }) => tick))}`;
+    board.querySelector("h3 span").textContent = say("trees-tick", { tick: Math.max(0, ...ticks.slice(0, done).slice(-told.trees.length).map(({ tick }) => tick)) });
   }
 
   let shown = [];

@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::Failure;
 use crate::api::laboratory::mishap::{AskedFault, BeyondError, asked, parcel_number};
-use crate::api::laboratory::pallet::{drawing, rows, words};
+use crate::api::laboratory::pallet::{TITLE, drawing, rows, words};
 use crate::api::laboratory::pallet_report::ReportJson;
 use hallsweep_sim::pallet::{Asked, Figures, PalletRun};
 
@@ -38,9 +38,9 @@ pub fn run(flags: &Pallet) -> Result<(), Failure> {
     let mut run = PalletRun::new(flags.parcels, flags.seed, asked).map_err(|error| Failure::Run(error.to_string()))?;
     let figures = run.finish();
     match &flags.svg {
-        Some(file) if file.as_os_str() == "-" => super::print(drawing(&run).trim_end())?,
+        Some(file) if file.as_os_str() == "-" => super::print(drawing(&run, TITLE).trim_end())?,
         Some(file) => {
-            std::fs::write(file, drawing(&run))
+            std::fs::write(file, drawing(&run, TITLE))
                 .map_err(|error| Failure::Run(format!("the picture {} cannot be written: {error}", file.display())))?;
             super::print(&for_people(&run, &figures))?;
         }

@@ -44,18 +44,6 @@ impl Mishap {
         }
     }
 
-    /// What it is, in few words.
-    pub const fn in_words(self) -> &'static str {
-        match self {
-            Mishap::Lost => "lost on the way",
-            Mishap::LostLifting => "lost while lifted",
-            Mishap::Unrecognised => "not recognised",
-            Mishap::Blocked => "target closed",
-            Mishap::Jammed => "gripper jams",
-            Mishap::Absent => "no operator",
-        }
-    }
-
     /// The same at a parcel.
     pub const fn at(self, parcel: u32) -> AskedFault {
         AskedFault { mishap: self, parcel }

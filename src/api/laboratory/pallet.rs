@@ -4,12 +4,13 @@
 use std::time::Duration;
 
 use super::mishap::AskedFault;
-pub use super::pallet_drawing::drawing;
+pub use super::pallet_drawing::{TITLE, drawing};
 use super::pallet_json::PalletJson;
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::retrieval::TreesView;
-use hallsweep_sim::pair::Spread;
-use hallsweep_sim::pallet::{Asked, Entry, Figures, Frame, News, PalletFault, PalletRun, ParcelsError};
+pub use hallsweep_sim::pair::Spread;
+use hallsweep_sim::pallet::{Asked, Frame, PalletRun, ParcelsError};
+pub use hallsweep_sim::pallet::{Entry, Figures, News, PalletFault, Phase};
 
 /// How often a frame is taken: so often that a straight line between two of them shows no corner that was not driven.
 const FRAME_EVERY: Duration = Duration::from_millis(200);
@@ -54,20 +55,19 @@ impl Pallet {
         serde_json::to_string(&PalletJson::from(self)).expect("runs are finite numbers and words, which JSON can hold")
     }
 
-    /// The yard and the ways that were driven.
-    pub fn drawing(&self) -> String {
-        drawing(&self.run)
+    /// The yard and the ways that were driven, under this title.
+    pub fn drawing(&self, title: &str) -> String {
+        drawing(&self.run, title)
     }
 
-    /// What was worth telling: when, at which parcel, of what kind, and in words.
-    pub fn events(&self) -> Vec<(String, u32, &'static str, String)> {
-        let entries = self.run.entries().iter();
-        entries.map(|entry| (format!("{:.1}", entry.at.as_secs_f64()), entry.parcel, kind(entry.news), words(entry))).collect()
+    /// What was worth telling.
+    pub fn entries(&self) -> &[Entry] {
+        self.run.entries()
     }
 
     /// What it came to.
-    pub fn figures(&self) -> Vec<(&'static str, String)> {
-        rows(&self.figures).into()
+    pub const fn figures(&self) -> &Figures {
+        &self.figures
     }
 
     /// Why not all parcels arrived.
@@ -103,7 +103,7 @@ fn keep(frames: &mut Vec<Frame>, frame: Frame) {
 }
 
 /// What kind of thing an event is, by a fixed name.
-pub(super) const fn kind(news: News) -> &'static str {
+pub const fn kind(news: News) -> &'static str {
     match news {
         News::Began(_) => "phase",
         News::Said(_) => "alarm",
@@ -216,7 +216,7 @@ mod tests {
 
     #[test]
     fn the_picture_shows_the_yard_and_three_ways() {
-        let drawing = ran(1, &[]).drawing();
+        let drawing = ran(1, &[]).drawing(TITLE);
         assert!(drawing.starts_with("<svg xmlns=") && drawing.trim_end().ends_with("</svg>"));
         assert_eq!(drawing.matches("<polyline").count(), 3, "SRM1, SRM2 and the parcel");
     }

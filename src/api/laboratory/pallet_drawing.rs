@@ -35,8 +35,11 @@ impl Scale {
     }
 }
 
-/// The whole picture.
-pub fn drawing(run: &PalletRun) -> String {
+/// What the picture shows, for those who listen and for the command line.
+pub const TITLE: &str = "The yard from above, with the ways of both robots and of the parcels";
+
+/// The whole picture. The title is put into it as it is.
+pub fn drawing(run: &PalletRun, title: &str) -> String {
     let hall = &run.yard().hall;
     let bounds = hall.bounds();
     let scale = Scale { corner: Cell::new(bounds.least.x - BORDER, bounds.least.y - BORDER), cell_m: hall.cell_m() };
@@ -46,7 +49,7 @@ pub fn drawing(run: &PalletRun) -> String {
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" role=\"img\" class=\"yard\" \
          font-family=\"sans-serif\">\n"
     );
-    push(&mut svg, format_args!("<title>The yard from above, with the ways of both robots and of the parcels</title>\n"));
+    push(&mut svg, format_args!("<title>{title}</title>\n"));
     square(&mut svg, (0.0, 0.0), (width, height), ("yard-wall", "#5b5f66"));
     floor(&mut svg, run, &scale);
     let way = |frames: &[Frame], of: &dyn Fn(&Frame) -> Option<(f64, f64)>| {

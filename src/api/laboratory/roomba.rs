@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
+pub use hallsweep_sim::roomba::{Controller, Figures, Parting, Phase, Run, Transition, Words};
 use hallsweep_sim::roomba::{
-    Controller, Figures, Frame, Parting, Phase, RADIUS_M, ROOM_LENGTH_M, ROOM_WIDTH_M, Run, RunLength, RunLengthError, SQUARE_M,
-    TICKS_PER_SECOND, Transition, parting, svg,
+    English, Frame, RADIUS_M, ROOM_LENGTH_M, ROOM_WIDTH_M, RunLength, RunLengthError, SQUARE_M, TICKS_PER_SECOND, parting, svg,
 };
 
 /// Every which tick is a frame, with those that end a phase: fifteen a second make a picture that moves evenly.
@@ -111,6 +111,11 @@ impl Roomba {
         self.runs.iter().map(|run| run.controller.name()).collect()
     }
 
+    /// The runs, in the same order.
+    pub fn runs(&self) -> &[Run] {
+        &self.runs
+    }
+
     /// How many transitions the first run made.
     pub fn transitions(&self) -> usize {
         self.runs.first().map_or(0, |run| run.transitions.len())
@@ -131,12 +136,12 @@ impl Roomba {
 
     /// One drawing of all, side by side.
     pub fn drawing(&self) -> String {
-        svg(&self.runs.iter().collect::<Vec<_>>())
+        svg(&self.runs.iter().collect::<Vec<_>>(), &English)
     }
 
-    /// A drawing of each, in order.
-    pub fn drawings(&self) -> Vec<String> {
-        self.runs.iter().map(|run| svg(&[run])).collect()
+    /// A drawing of each, in order, with these words.
+    pub fn drawings(&self, said: &dyn Words) -> Vec<String> {
+        self.runs.iter().map(|run| svg(&[run], said)).collect()
     }
 
     /// What the runs came to, a row a figure.

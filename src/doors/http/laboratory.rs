@@ -2,6 +2,7 @@
 //! arithmetic on what stands in the address; nothing here reads or moves anything of the hall.
 
 mod asked;
+mod said;
 
 use std::sync::Arc;
 
@@ -12,6 +13,7 @@ use axum::response::{Html, IntoResponse, Response};
 use tokio::sync::Semaphore;
 
 use self::asked::{AskedPage, AskedPallet, AskedRoomba};
+use self::said::{Event, Row};
 use super::HttpDoor;
 use super::console::{Row as TreeRow, html, rows, sign};
 use super::gate::LetIn;
@@ -21,7 +23,7 @@ use super::query::Query;
 use crate::access::Caller;
 use crate::api::laboratory::mishap::Mishap;
 use crate::api::laboratory::pallet::Pallet;
-use crate::api::laboratory::roomba::{Roomba, Row};
+use crate::api::laboratory::roomba::Roomba;
 use crate::doors::shares::{Limits, Shares};
 use crate::phrases::Language;
 use hallsweep_core::behaviour::Status;
@@ -106,11 +108,10 @@ struct Carried {
     drawing: String,
     /// Columns and rows of the yard.
     size: (i32, i32),
-    /// When, at which parcel, of what kind, in words.
-    events: Vec<(String, u32, &'static str, String)>,
-    figures: Vec<(&'static str, String)>,
+    events: Vec<Event>,
+    figures: Vec<(String, String)>,
     /// Why not all parcels arrived.
-    fault: Option<&'static str>,
+    fault: Option<String>,
     /// At the end.
     trees: TreesView,
 }
@@ -125,16 +126,16 @@ impl Page {
             language,
             asked,
             transitions: roomba.transitions(),
-            parting: roomba.parting().map(|parting| parting.to_string()),
+            parting: roomba.parting().map(|parting| said::parting(language, &parting)),
             names: roomba.names(),
-            drawings: roomba.drawings(),
-            figures: roomba.figures(),
+            drawings: roomba.drawings(&language),
+            figures: said::figures(language, roomba),
             carried: Carried {
-                drawing: pallet.drawing(),
+                drawing: pallet.drawing(&language.say("laboratory-yard-drawn").to_string()),
                 size: pallet.size(),
-                events: pallet.events(),
-                figures: pallet.figures(),
-                fault: pallet.fault().map(|fault| fault.in_words()),
+                events: said::events(language, pallet),
+                figures: said::carried(language, pallet.figures()),
+                fault: pallet.fault().map(|fault| said::fault(language, fault)),
                 trees: pallet.trees(),
             },
         }
@@ -229,6 +230,38 @@ mod tests {
         drop(turn);
         let statuses: Vec<u16> = asked.join_all().await.into_iter().map(|(status, _)| status.as_u16()).collect();
         assert_eq!(statuses, [200; 4], "the viewer's three, and the operator's");
+    }
+
+    #[tokio::test]
+    async fn who_reads_italian_reads_it_in_italian() {
+        const ENGLISH: &str = include_str!("../../phrases/en/laboratory.ftl");
+        // What stands on the blackboard has names of its own.
+        const ENTRIES: [&str; 2] = ["laboratory-key-parcel", "laboratory-key-pallet"];
+        let app = app(searching());
+        let page = app
+            .italian("/laboratory?seed=3&seconds=60&palletSeed=2&parcels=2&fault=lost&fault=absent&at=2", ENGLISH, &ENTRIES)
+            .await;
+        for wanted in [
+            ">Macchina a stati, seme 3, 60 s<",
+            ">Albero di comportamento, seme 3, 60 s<",
+            "Macchina e albero hanno fatto le stesse",
+            "data-label=\"albero\"",
+            ">0,5 s</text>",
+            "data-words=\"il pacco è sollevato e portato nell'area di arrivo\"",
+            "fase 5: il pacco è sollevato e portato nell'area di arrivo",
+            "ALLARME: ",
+            "La prova finisce qui: l'operatore è stato chiamato e non è venuto.",
+            "data-ended=\"La prova finisce: l'operatore",
+            "1 di 2 nell'area di arrivo",
+            "pacco</li>",
+            "bancale</li>",
+            " checked>perso per strada</label>",
+            "L'immagine non può muoversi",
+        ] {
+            assert!(page.contains(wanted), "{wanted} in {page}");
+        }
+        let decimals = page.split(" mrad").next().and_then(|before| before.split_whitespace().last());
+        assert!(decimals.is_some_and(|figure| figure.contains(',')), "{decimals:?}");
     }
 
     #[tokio::test]

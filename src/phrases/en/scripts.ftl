@@ -50,13 +50,43 @@ hall-cell = column { $x }, row { $y }
 
 ## laboratory
 
+laboratory-start = Start
+laboratory-pause = Pause
+laboratory-speed = Speed
+laboratory-clock = { $time } of { $seconds } s
+laboratory-clock-said = { $time } of { $seconds } seconds
+laboratory-answered = hallsweep says { $status }
+laboratory-cannot-move = The picture cannot move: { $why }.
+
 ## pallet
+
+pallet-slider = Time of the pallet, in seconds
+pallet-player = Player of the pallet
+pallet-show = Show { $time }
+pallet-nothing-held = no parcel in the grippers
+pallet-lifted = the parcel is lifted
+pallet-on-floor = the parcel is on the floor
+pallet-phase = Phase { $phase } of 8, parcel { $parcel } of { $parcels }
+pallet-before = Before the first phase
+pallet-at-the-start = both robots stand where they start
+pallet-where = { $delivered } of { $parcels } in the target area; { $parcel }
+pallet-all-there = All parcels are in the target area
+pallet-acknowledged = The alarm is acknowledged; both wait for START
+pallet-nothing-waits = Nothing waits for the operator
 
 ## photo
 
 ## replay
 
+replay-slider = Time of the retrieval, in seconds
+replay-player = Player of the retrieval
+replay-cannot-move = The trees cannot move: { $why }.
+
 ## roomba
+
+roomba-slider = Time of the Roomba, in seconds
+roomba-player = Player of the Roomba
+roomba-now = { $phase } · floor { $share } % · walls met { $walls }
 
 ## simulator
 
@@ -71,5 +101,13 @@ time-play = Play
 time-cut = No connection: the past cannot be shown just now.
 
 ## trees
+
+trees-idle = idle
+trees-running = running
+trees-success = success
+trees-failure = failure
+trees-skipped = skipped
+trees-empty = empty
+trees-tick = tick { $tick }
 
 ## verdict

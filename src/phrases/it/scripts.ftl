@@ -50,13 +50,43 @@ hall-cell = colonna { $x }, riga { $y }
 
 ## laboratory
 
+laboratory-start = Avvia
+laboratory-pause = Pausa
+laboratory-speed = Velocità
+laboratory-clock = { $time } di { $seconds } s
+laboratory-clock-said = { $time } di { $seconds } secondi
+laboratory-answered = hallsweep dice { $status }
+laboratory-cannot-move = L'immagine non può muoversi: { $why }.
+
 ## pallet
+
+pallet-slider = Tempo del bancale, in secondi
+pallet-player = Riproduzione del bancale
+pallet-show = Mostra { $time }
+pallet-nothing-held = nessun pacco nelle pinze
+pallet-lifted = il pacco è sollevato
+pallet-on-floor = il pacco è a terra
+pallet-phase = Fase { $phase } di 8, pacco { $parcel } di { $parcels }
+pallet-before = Prima della prima fase
+pallet-at-the-start = entrambi i robot sono alla partenza
+pallet-where = { $delivered } di { $parcels } nell'area di arrivo; { $parcel }
+pallet-all-there = Tutti i pacchi sono nell'area di arrivo
+pallet-acknowledged = L'allarme è confermato; entrambi aspettano AVVIA
+pallet-nothing-waits = Nulla aspetta l'operatore
 
 ## photo
 
 ## replay
 
+replay-slider = Tempo del recupero, in secondi
+replay-player = Riproduzione del recupero
+replay-cannot-move = Gli alberi non possono muoversi: { $why }.
+
 ## roomba
+
+roomba-slider = Tempo del Roomba, in secondi
+roomba-player = Riproduzione del Roomba
+roomba-now = { $phase } · pavimento { $share } % · pareti incontrate { $walls }
 
 ## simulator
 
@@ -71,5 +101,13 @@ time-play = Riproduci
 time-cut = Nessun collegamento: il passato non si può mostrare adesso.
 
 ## trees
+
+trees-idle = fermo
+trees-running = in corso
+trees-success = riuscito
+trees-failure = fallito
+trees-skipped = saltato
+trees-empty = vuoto
+trees-tick = ciclo { $tick }
 
 ## verdict

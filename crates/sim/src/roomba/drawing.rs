@@ -29,9 +29,59 @@ struct Look {
     width: f64,
 }
 
+/// What a drawing says beside its lines, in the language of whoever looks. It is put into the document as it is.
+pub trait Words {
+    /// Whose run it is, of which seed, and how long.
+    fn title(&self, run: &Run) -> String;
+
+    /// What it came to.
+    fn summary(&self, run: &Run) -> String;
+
+    /// The mark of a wall that was met.
+    fn wall_met(&self) -> String;
+
+    /// The colour of the floor that was passed over.
+    fn floor_passed(&self) -> String;
+
+    /// The cross at the start, and the circle at the end.
+    fn start_and_end(&self) -> String;
+}
+
+/// The words for the command line.
+#[derive(Clone, Copy, Debug)]
+pub struct English;
+
+impl Words for English {
+    fn title(&self, run: &Run) -> String {
+        let who = match run.controller {
+            Controller::Machine => "State machine",
+            Controller::Tree => "Behaviour tree",
+        };
+        format!("{who}, seed {}, {} s", run.seed, run.figures.seconds)
+    }
+
+    fn summary(&self, run: &Run) -> String {
+        let figures = &run.figures;
+        let walls = if figures.bumps == 1 { "wall met once".to_owned() } else { format!("walls met {} times", figures.bumps) };
+        format!("{:.1} % of the floor passed over, {:.2} m driven, {walls}", figures.share() * 100.0, figures.path_m)
+    }
+
+    fn wall_met(&self) -> String {
+        "wall met".to_owned()
+    }
+
+    fn floor_passed(&self) -> String {
+        "floor passed over".to_owned()
+    }
+
+    fn start_and_end(&self) -> String {
+        "start; the circle is its end".to_owned()
+    }
+}
+
 /// Runs side by side as one SVG document, in the order in which they are given.
 #[must_use]
-pub fn svg(runs: &[&Run]) -> String {
+pub fn svg(runs: &[&Run], said: &dyn Words) -> String {
     let (width, height) = (ROOM_LENGTH_M * SCALE + 2.0 * MARGIN, HEAD + ROOM_WIDTH_M * SCALE + FOOT);
     let rooms = runs.iter().fold(0.0, |count, _| count + 1.0);
     let whole = width * rooms;
@@ -39,13 +89,13 @@ pub fn svg(runs: &[&Run]) -> String {
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {whole} {height}\" width=\"{whole}\" height=\"{height}\" role=\"img\" \
          class=\"roomba\" font-family=\"system-ui, sans-serif\" font-size=\"15\">\n"
     );
-    let titles: Vec<String> = runs.iter().map(|run| format!("{}: {}", title(run), summary(run))).collect();
+    let titles: Vec<String> = runs.iter().map(|run| format!("{}: {}", said.title(run), said.summary(run))).collect();
     push(&mut out, format_args!("<title>{}</title>\n", titles.join("; ")));
     push(&mut out, format_args!("<rect class=\"roomba-paper\" width=\"{whole}\" height=\"{height}\" fill=\"#ffffff\"/>\n"));
     let mut left = 0.0;
     for run in runs {
         push(&mut out, format_args!("<g transform=\"translate({} {HEAD})\">\n", left + MARGIN));
-        panel(&mut out, run);
+        panel(&mut out, run, said);
         out.push_str("</g>\n");
         left += width;
     }
@@ -53,10 +103,13 @@ pub fn svg(runs: &[&Run]) -> String {
     out
 }
 
-fn panel(out: &mut String, run: &Run) {
+fn panel(out: &mut String, run: &Run, said: &dyn Words) {
     let (length, width) = (ROOM_LENGTH_M * SCALE, ROOM_WIDTH_M * SCALE);
-    push(out, format_args!("<text class=\"roomba-text\" y=\"-34\" font-size=\"18\" font-weight=\"600\">{}</text>\n", title(run)));
-    push(out, format_args!("<text class=\"roomba-text\" y=\"-12\">{}</text>\n", summary(run)));
+    push(
+        out,
+        format_args!("<text class=\"roomba-text\" y=\"-34\" font-size=\"18\" font-weight=\"600\">{}</text>\n", said.title(run)),
+    );
+    push(out, format_args!("<text class=\"roomba-text\" y=\"-12\">{}</text>\n", said.summary(run)));
     push(out, format_args!("<rect class=\"roomba-floor\" width=\"{length}\" height=\"{width}\" fill=\"#f1f3f5\"/>\n"));
     floor(out, run);
     push(
@@ -92,21 +145,7 @@ fn panel(out: &mut String, run: &Run) {
         );
         body(out, last);
     }
-    legend(out, width + 30.0);
-}
-
-fn title(run: &Run) -> String {
-    let who = match run.controller {
-        Controller::Machine => "State machine",
-        Controller::Tree => "Behaviour tree",
-    };
-    format!("{who}, seed {}, {} s", run.seed, run.figures.seconds)
-}
-
-fn summary(run: &Run) -> String {
-    let figures = &run.figures;
-    let walls = if figures.bumps == 1 { "wall met once".to_owned() } else { format!("walls met {} times", figures.bumps) };
-    format!("{:.1} % of the floor passed over, {:.2} m driven, {walls}", figures.share() * 100.0, figures.path_m)
+    legend(out, width + 30.0, said);
 }
 
 /// Everything that was passed over: the whole way, as wide as the body.
@@ -202,7 +241,7 @@ fn body(out: &mut String, frame: &Frame) {
     );
 }
 
-fn legend(out: &mut String, y: f64) {
+fn legend(out: &mut String, y: f64, said: &dyn Words) {
     let mut x = 0.0;
     for phase in Phase::ALL {
         let Look { class, colour, .. } = look(phase);
@@ -218,12 +257,12 @@ fn legend(out: &mut String, y: f64) {
         x += 160.0;
     }
     mark(out, 13.0, y + 17.0, "roomba-bump", "#c92a2a");
-    words(out, 33.0, y + 22.0, "wall met");
+    words(out, 33.0, y + 22.0, &said.wall_met());
     push(
         out,
         format_args!("<rect class=\"roomba-key\" x=\"160\" y=\"{}\" width=\"26\" height=\"12\" fill=\"#cfe3f7\"/>\n", y + 11.0),
     );
-    words(out, 193.0, y + 22.0, "floor passed over");
+    words(out, 193.0, y + 22.0, &said.floor_passed());
     push(
         out,
         format_args!(
@@ -232,7 +271,7 @@ fn legend(out: &mut String, y: f64) {
             y + 10.0
         ),
     );
-    words(out, 403.0, y + 22.0, "start; the circle is its end");
+    words(out, 403.0, y + 22.0, &said.start_and_end());
 }
 
 fn words(out: &mut String, x: f64, y: f64, text: &str) {
@@ -269,7 +308,7 @@ mod tests {
     #[test]
     fn every_wall_met_and_every_turn_is_marked() {
         let run = run(3, 120.0);
-        let drawing = svg(&[&run]);
+        let drawing = svg(&[&run], &English);
         assert!(run.figures.bumps > 3);
         assert_eq!(count(&drawing, "class=\"roomba-bump\""), run.figures.bumps as usize + 1);
         let turns = run.transitions.iter().filter(|change| change.to == Phase::Rotate).count();
@@ -278,7 +317,7 @@ mod tests {
 
     #[test]
     fn the_way_begins_in_the_middle_and_a_straight_phase_is_one_line() {
-        let drawing = svg(&[&run(1, 3.0)]);
+        let drawing = svg(&[&run(1, 3.0)], &English);
         for class in ["roomba-forward", "roomba-passed"] {
             assert!(drawing.contains(&format!("class=\"{class}\" d=\"M320.0 240.0L470.0 240.0\"")), "{drawing}");
         }
@@ -287,13 +326,13 @@ mod tests {
 
     #[test]
     fn a_run_of_an_hour_is_drawn_within_a_megabyte() {
-        assert!(svg(&[&run(1, 3600.0)]).len() < 1_000_000);
+        assert!(svg(&[&run(1, 3600.0)], &English).len() < 1_000_000);
     }
 
     #[test]
     fn two_runs_are_drawn_side_by_side_with_their_figures() {
         let run = run(1, 60.0);
-        let drawing = svg(&[&run, &Run { controller: Controller::Tree, ..run.clone() }]);
+        let drawing = svg(&[&run, &Run { controller: Controller::Tree, ..run.clone() }], &English);
         assert_eq!(count(&drawing, "class=\"roomba-wall\""), 2);
         assert!(drawing.contains("viewBox=\"0 0 1360 600\""), "{}", &drawing[..200]);
         assert!(drawing.contains(">State machine, seed 1, 60 s<") && drawing.contains(">Behaviour tree, seed 1, 60 s<"));

@@ -22,7 +22,7 @@ mod tests;
 mod tree;
 
 pub use compare::{Parting, parting};
-pub use drawing::svg;
+pub use drawing::{English, Words, svg};
 pub use floor::SQUARE_M;
 pub use length::{RunLength, RunLengthError};
 pub use phase::Phase;

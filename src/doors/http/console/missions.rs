@@ -16,7 +16,7 @@ use super::{hall, html};
 use crate::api::journal_words::{asked, outcome, words};
 use crate::api::luggage::photo_url;
 use crate::api::time::{Zone, rfc3339};
-use crate::phrases::Language;
+use crate::phrases::{Language, Phrase};
 use crate::runtime::archive::{Happened, MissionRecord, Unreadable};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::mission::PhaseName;
@@ -138,7 +138,7 @@ impl List {
     }
 
     fn came_to(&self, record: &MissionRecord) -> String {
-        came_to(record)
+        came_to(self.language, record)
     }
 }
 
@@ -148,7 +148,7 @@ impl One {
     }
 
     fn came_to(&self) -> String {
-        came_to(&self.record)
+        came_to(self.language, &self.record)
     }
 
     fn has_retrieval(&self) -> bool {
@@ -189,10 +189,10 @@ impl One {
     }
 
     /// The views of what happened: their names, where they are, and whether this is the one.
-    fn views(&self) -> [(&'static str, String, bool); 3] {
+    fn views(&self) -> [(Phrase<'static>, String, bool); 3] {
         let at = |show: Show| format!("/missions/{}{}#events", self.record.id, show.address("?"));
-        [("What was done and found", Show::Main), ("Commands only", Show::Commands), ("Every step", Show::All)]
-            .map(|(name, show)| (name, at(show), show == self.show))
+        [("main", Show::Main), ("commands", Show::Commands), ("all", Show::All)]
+            .map(|(name, show)| (self.language.say_of("missions-show", name), at(show), show == self.show))
     }
 
     fn beginning(&self) -> String {
@@ -237,18 +237,19 @@ fn porch(state: &PersistentState) -> Option<Porch> {
 }
 
 /// What a mission came to, in words for an operator.
-fn came_to(record: &MissionRecord) -> String {
+fn came_to(language: Language, record: &MissionRecord) -> String {
     let phase = PhaseName::ALL.into_iter().find(|phase| phase.name() == &*record.phase);
     let words = phase.map_or(&*record.phase, |phase| phase.in_words());
     let came_to = match (record.archived, phase) {
-        (_, Some(PhaseName::Explored)) => "The whole hall was searched".to_owned(),
-        (_, Some(PhaseName::BombLocated)) => "A bomb was located".to_owned(),
-        (_, Some(PhaseName::BagSecured)) => "The bomb was fetched and secured".to_owned(),
-        (None, _) => format!("Under way: {words}"),
-        (Some(_), _) => format!("Put away while {words}"),
+        (_, Some(PhaseName::Explored)) => language.say("missions-searched"),
+        (_, Some(PhaseName::BombLocated)) => language.say("missions-bomb-located"),
+        (_, Some(PhaseName::BagSecured)) => language.say("missions-bomb-secured"),
+        (None, _) => language.say("missions-under-way").with("phase", words),
+        (Some(_), _) => language.say("missions-archived-while").with("phase", words),
     };
     let left: Vec<String> = record.left.iter().map(|luggage| format!("#{luggage}")).collect();
-    if left.is_empty() { came_to } else { format!("{came_to}; luggage {} was left in place", left.join(", ")) }
+    let left_behind = || language.say("missions-left").with("outcome", &came_to).with("which", left.join(", "));
+    if left.is_empty() { came_to.to_string() } else { left_behind().to_string() }
 }
 
 #[cfg(test)]
@@ -256,6 +257,7 @@ mod tests {
     use super::super::super::testing::{app, text};
     use crate::api::fixture::{TEN, searching};
     use crate::api::time::Zone;
+    use crate::phrases::Language;
     use crate::runtime::archive::MissionRecord;
     use crate::runtime::clock::Clock;
     use hallsweep_core::units::WallTime;
@@ -357,13 +359,51 @@ mod tests {
         }
     }
 
+    #[tokio::test]
+    async fn who_reads_italian_reads_them_in_italian() {
+        const ENGLISH: &str = include_str!("../../../phrases/en/missions.ftl");
+        // The picture of the hall names it.
+        const HALL: [&str; 1] = ["missions-key-home"];
+        let app = app(searching());
+        let list = app.italian("/missions", ENGLISH, &HALL).await;
+        check(&list, &["Una bomba è stata localizzata; bagaglio #2 lasciato sul posto", "In corso: ", ">Missione 1</a>"]);
+        let older = app.italian("/missions?before=1", ENGLISH, &HALL).await;
+        check(&older, &["Non ci sono missioni più vecchie.", "Le più recenti"]);
+        let one = app.italian("/missions/1", ENGLISH, &HALL).await;
+        check(&one, &["3, di cui pericolosi: 1", "Una parte di ciò che è registrato", "da anna (console, 192.0.2.7):"]);
+        check(
+            &one,
+            &[
+                "<span class=\"verdict\">in attesa</span>",
+                "<b>Che cosa è stato fatto e trovato</b>",
+                "non deciso</li>",
+                "base</li>",
+            ],
+        );
+        let steps = app.italian("/missions/1?show=all&after=2", ENGLISH, &HALL).await;
+        check(&steps, &["<b>Ogni passo</b>", "Dal principio"]);
+        let unkept = app.italian("/missions/2", ENGLISH, &HALL).await;
+        check(&unkept, &["La mappa e i bagagli di questa missione non sono conservati.", "non ancora"]);
+    }
+
+    #[test]
+    fn every_verdict_has_its_word_in_both_languages() {
+        for language in Language::ALL {
+            let words = ["pending", "safe", "danger"].map(|verdict| language.say_of("piece-verdict", verdict).to_string());
+            assert!(language != Language::English || words == ["pending", "safe", "danger"], "{words:?}");
+        }
+    }
+
     #[test]
     fn a_search_that_has_come_to_its_end_is_not_listed_as_under_way() {
         let record = super::super::super::testing::present_mission();
-        let came_to = |phase: &str| super::came_to(&MissionRecord { phase: phase.into(), ..record.clone() });
+        let came_to = |phase: &str| super::came_to(Language::English, &MissionRecord { phase: phase.into(), ..record.clone() });
         assert_eq!(came_to("explored"), "The whole hall was searched");
         assert_eq!(came_to("bombLocated"), "A bomb was located");
         assert_eq!(came_to("bagSecured"), "The bomb was fetched and secured");
         assert_eq!(came_to("returningHome"), "Under way: returning home");
+        let archived = MissionRecord { phase: "atHome".into(), archived: Some(TEN), left: Vec::new(), ..record.clone() };
+        assert_eq!(super::came_to(Language::English, &archived), "Put away while waiting at home");
+        assert!(super::came_to(Language::Italian, &archived).starts_with("Archiviata nella fase: "));
     }
 }

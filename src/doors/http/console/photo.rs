@@ -15,7 +15,7 @@ use super::html;
 use super::view::failure;
 use crate::api::luggage::take_url;
 use crate::api::time::Zone;
-use crate::phrases::Language;
+use crate::phrases::{Language, Phrase};
 use hallsweep_core::units::WallTime;
 use hallsweep_core::world::luggage::Luggage;
 
@@ -64,13 +64,14 @@ impl PhotoPage<'_> {
     }
 
     /// What is to be seen, for those who listen.
-    fn alt(&self, take: &u32) -> String {
-        let (id, newest) = (self.luggage.id, self.luggage.take().unwrap_or(*take));
-        match (newest, *take) {
-            (1, _) => format!("Photo of luggage #{id}"),
-            (newest, take) if take == newest => format!("Photo {take} of {newest} of luggage #{id}, the newest"),
-            (newest, take) => format!("Photo {take} of {newest} of luggage #{id}, an earlier one"),
-        }
+    fn alt(&self, take: &u32) -> Phrase<'static> {
+        let newest = self.luggage.take().unwrap_or(*take);
+        let said = match (newest, *take) {
+            (1, _) => self.language.say("photo-of"),
+            (newest, take) if take == newest => self.language.say("photo-of-newest"),
+            _ => self.language.say("photo-of-earlier"),
+        };
+        said.with("id", self.luggage.id).with("take", take).with("newest", newest)
     }
 
     fn takes(&self) -> Vec<Take> {
@@ -81,15 +82,72 @@ impl PhotoPage<'_> {
         self.take == Some(take.take)
     }
 
-    fn time(&self, wall: &WallTime) -> String {
-        self.zone.date_and_time(*wall)
+    /// Where it stands, when it was found, and who decided when.
+    fn found(&self) -> Phrase<'static> {
+        let Luggage { cell, taken, verdict, .. } = self.luggage;
+        let said = match verdict {
+            None => self.language.say("photo-found"),
+            Some(decision) => {
+                let decided = self.language.say("photo-decided").with("decided", self.time(decision.wall));
+                decided.with("who", &decision.who)
+            }
+        };
+        said.with("column", cell.x).with("row", cell.y).with("found", self.time(*taken))
     }
 
-    fn at(&self) -> String {
-        self.language.place(self.luggage.cell)
+    fn time(&self, wall: WallTime) -> String {
+        self.zone.date_and_time(wall)
     }
 
     fn failure(&self) -> &str {
         failure(self.luggage)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::super::super::testing::app;
+    use super::*;
+    use crate::api::fixture::searching;
+    use hallsweep_core::world::luggage::PhotoState;
+
+    #[tokio::test]
+    async fn who_reads_italian_reads_of_a_photo_in_italian() {
+        const ENGLISH: &str = include_str!("../../../phrases/en/photo.ftl");
+        let mut snapshot = searching();
+        let photographed = |index: usize, photo| Arc::new(Luggage { photo, ..(*snapshot.luggage[index]).clone() });
+        let pieces =
+            [photographed(0, PhotoState::Failed("no light".into())), photographed(2, PhotoState::Taken { bytes: 1, take: 3 })];
+        for piece in pieces {
+            snapshot.luggage.insert(piece);
+        }
+        let app = app(snapshot);
+        for (path, wanted) in [
+            ("/luggage/1", ["Bagaglio #1", "Non c'è nessuna foto: no light.", "deciso: ", ", da operator."]),
+            (
+                "/luggage/2",
+                ["<span class=\"verdict\">pericoloso</span>", "alla colonna 1, riga 2", "Foto del bagaglio #2", ">Alla console<"],
+            ),
+            ("/luggage/3", ["Foto 3 di 3 del bagaglio #3, la più recente", "Tutte le sue foto", ">foto 2</a>", "la foto intera"]),
+            (
+                "/luggage/3?take=1",
+                ["Foto 1 di 3 del bagaglio #3, precedente", "in attesa", "Gli orari sono in UTC", "Più piccola"],
+            ),
+        ] {
+            let page = app.italian(path, ENGLISH, &[]).await;
+            for wanted in wanted {
+                assert!(page.contains(wanted), "{wanted} in {page}");
+            }
+        }
+    }
+
+    #[tokio::test]
+    async fn where_a_piece_is_and_what_was_decided_of_it_is_one_sentence() {
+        let app = app(searching());
+        let page = app.page("/luggage/2").await;
+        assert!(page.contains("</span> The bag is at column 1, row 2; found ") && page.contains(" by operator. <span"), "{page}");
+        assert!(!app.page("/luggage/3").await.contains("decided"));
     }
 }

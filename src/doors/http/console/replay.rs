@@ -14,7 +14,7 @@ use super::super::reading::Number;
 use super::html;
 use super::retrieval::{Row, rows, sign};
 use crate::api::retrieval_record::RetrievalRecordJson;
-use crate::phrases::Language;
+use crate::phrases::{Language, Phrase};
 use hallsweep_core::behaviour::Status;
 use hallsweep_core::world::retrieval::{TreeView, TreesView};
 
@@ -71,17 +71,23 @@ impl Page {
     }
 
     /// Ways to other moments, by their names; none to the one that is shown.
-    fn ways(&self) -> [(&'static str, Option<usize>); 4] {
+    fn ways(&self) -> [(Phrase<'static>, Option<usize>); 4] {
         let other = |moment: usize| Some(moment).filter(|moment| (1..=self.last).contains(moment) && *moment != self.moment);
-        [("First", other(1)), ("Previous", other(self.moment - 1)), ("Next", other(self.moment + 1)), ("Last", other(self.last))]
+        [
+            (self.language.say("missions-moment-first"), other(1)),
+            (self.language.say("missions-moment-previous"), other(self.moment - 1)),
+            (self.language.say("missions-moment-next"), other(self.moment + 1)),
+            (self.language.say("missions-moment-last"), other(self.last)),
+        ]
     }
 
     fn seconds(&self, t: &f64) -> String {
-        format!("{t:.1}")
+        self.language.number(&format!("{t:.1}"))
     }
 
-    fn fetcher(&self) -> &'static str {
-        if self.record.fetcher == "pair" { "the pair" } else { "the robot that searched" }
+    fn title(&self) -> Phrase<'static> {
+        let id = if self.record.fetcher == "pair" { "missions-fetched-by-pair" } else { "missions-fetched-alone" };
+        self.language.say(id).with("luggage", self.record.luggage)
     }
 }
 
@@ -108,6 +114,23 @@ mod tests {
         assert!(first.contains("<dt>pallet</dt>"), "the blackboard stands beside the trees");
         assert_eq!(app.get("/missions/1/retrieval?moment=0").await.status(), 422);
         assert_eq!(app.get("/missions/1/retrieval?moment=100000").await.status(), 422);
+    }
+
+    #[tokio::test]
+    async fn who_reads_italian_reads_it_in_italian() {
+        const ENGLISH: &str = include_str!("../../../phrases/en/missions.ftl");
+        let app = app(searching());
+        let page = app.italian("/missions/1/retrieval?moment=2", ENGLISH, &[]).await;
+        for wanted in [
+            "Recupero nella missione 1 ·",
+            "Recupero del bagaglio #1 da parte della coppia",
+            "0,2 s dopo l'inizio, all'istante 2 di",
+            "<li data-t=\"0.1\"><span class=\"seq\">0,1 s</span>",
+            ">Precedente</a>",
+            "Gli alberi non possono muoversi",
+        ] {
+            assert!(page.contains(wanted), "{wanted} in {page}");
+        }
     }
 
     #[tokio::test]

@@ -1,0 +1,86 @@
+# The pages of missions: their list, one of them, and the retrieval in it.
+
+missions-title = Missions
+missions-mission = Mission
+missions-of = Mission { $id }
+missions-all = All missions
+missions-times = Times are in { $zone }.
+missions-pages = Pages
+
+## The list
+
+missions-newest-first = Missions, the newest first
+missions-none = No mission has begun yet. Press START on the console.
+missions-none-older = There are no older missions.
+missions-began = Began
+missions-archived = Put away
+missions-came-to = What it came to
+missions-pieces = Pieces
+missions-dangerous = Dangerous
+missions-not-yet = not yet
+missions-newest = The newest
+missions-older = Older missions
+
+## What a mission came to
+
+missions-searched = The whole hall was searched
+missions-bomb-located = A bomb was located
+missions-bomb-secured = The bomb was fetched and secured
+missions-under-way = Under way: { $phase }
+missions-archived-while = Put away while { $phase }
+missions-left = { $outcome }; luggage { $which } was left in place
+
+## One of them
+
+missions-search-order = Search order
+missions-luggage = Luggage
+missions-luggage-count = { $count }, of them dangerous: { $dangerous }
+missions-zone = Times
+missions-in-zone = in { $zone }
+missions-retrieval = Retrieval
+missions-its-trees = its trees, moment by moment
+missions-cells-visited = Cells visited
+missions-missing = What is missing here
+missions-damaged = Part of this mission's record is damaged. The rest is shown, without what follows from that part:
+missions-hall = Hall
+missions-replay = Replay this mission
+missions-hall-known = The hall as far as it was known
+missions-no-luggage = None was met.
+missions-not-kept = The map and the luggage of this mission are not kept.
+missions-happened = What happened, oldest first
+missions-show-main = What was done and found
+missions-show-commands = Commands only
+missions-show-all = Every step
+missions-nothing = Nothing of that kind is here.
+missions-as-it-stood = the hall as it stood then
+missions-by = by { $who }:
+missions-from-beginning = From the beginning
+missions-further = Further events
+
+## The legend of its hall
+
+missions-legend = Legend
+missions-key-visited = visited
+missions-key-unknown = unknown
+missions-key-wall = wall
+missions-key-todo = not inspected
+missions-key-safe = safe
+missions-key-pending = not decided
+missions-key-danger = danger
+missions-key-home = home
+
+## The retrieval
+
+missions-retrieval-in = Retrieval in mission { $id }
+missions-fetched-by-pair = Retrieval of luggage #{ $luggage } by the pair
+missions-fetched-alone = Retrieval of luggage #{ $luggage } by the robot that searched
+missions-trees-stood = Its trees, as they stood
+missions-moment = { $seconds } s after it began, at moment { $moment } of { $last }
+missions-incomplete = Not all of its record can be shown: it is too long, or damaged.
+missions-no-trees = No trees led it.
+missions-moment-first = First
+missions-moment-previous = Previous
+missions-moment-next = Next
+missions-moment-last = Last
+missions-what-happened = What happened
+missions-seconds-since = Seconds since it began, by the clock. The same for programs:

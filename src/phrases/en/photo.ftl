@@ -1,0 +1,30 @@
+# A piece of luggage with its photo: the page of a photo, and the pieces in lists.
+
+photo-luggage = Luggage #{ $id }
+photo-photo = Photo
+photo-can-be-enlarged = Photo, can be enlarged
+photo-none = There is no photo: { $why }.
+photo-of = Photo of luggage #{ $id }
+photo-of-newest = Photo { $take } of { $newest } of luggage #{ $id }, the newest
+photo-of-earlier = Photo { $take } of { $newest } of luggage #{ $id }, an earlier one
+photo-found = The bag is at column { $column }, row { $row }; found { $found }.
+photo-decided = The bag is at column { $column }, row { $row }; found { $found }, decided { $decided } by { $who }.
+photo-every = Every photo of it
+photo-take = photo { $take }
+photo-take-newest = photo { $take }, the newest
+photo-smaller = Smaller
+photo-whole = 1×: the whole photo
+photo-larger = Larger
+
+## In a list
+
+piece-no-photo = no photo
+piece-found = found { $time } at { $cell }
+piece-decided = decided { $time } by { $who }
+piece-secured = secured { $time }
+
+## What was decided of it
+
+piece-verdict-pending = pending
+piece-verdict-safe = safe
+piece-verdict-danger = danger

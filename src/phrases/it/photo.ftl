@@ -1,0 +1,30 @@
+# Un bagaglio con la sua foto: la pagina di una foto, e i bagagli negli elenchi.
+
+photo-luggage = Bagaglio #{ $id }
+photo-photo = Foto
+photo-can-be-enlarged = Foto, si può ingrandire
+photo-none = Non c'è nessuna foto: { $why }.
+photo-of = Foto del bagaglio #{ $id }
+photo-of-newest = Foto { $take } di { $newest } del bagaglio #{ $id }, la più recente
+photo-of-earlier = Foto { $take } di { $newest } del bagaglio #{ $id }, precedente
+photo-found = Il bagaglio è alla colonna { $column }, riga { $row }; trovato: { $found }.
+photo-decided = Il bagaglio è alla colonna { $column }, riga { $row }; trovato: { $found }; deciso: { $decided }, da { $who }.
+photo-every = Tutte le sue foto
+photo-take = foto { $take }
+photo-take-newest = foto { $take }, la più recente
+photo-smaller = Più piccola
+photo-whole = 1×: la foto intera
+photo-larger = Più grande
+
+## In un elenco
+
+piece-no-photo = nessuna foto
+piece-found = trovato: { $time }, in { $cell }
+piece-decided = deciso: { $time }, da { $who }
+piece-secured = messo al sicuro: { $time }
+
+## Che cosa ne è stato deciso
+
+piece-verdict-pending = in attesa
+piece-verdict-safe = sicuro
+piece-verdict-danger = pericoloso
