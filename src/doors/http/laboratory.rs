@@ -239,7 +239,11 @@ mod tests {
         const ENTRIES: [&str; 2] = ["laboratory-key-parcel", "laboratory-key-pallet"];
         let app = app(searching());
         let page = app
-            .italian("/laboratory?seed=3&seconds=60&palletSeed=2&parcels=2&fault=lost&fault=absent&at=2", ENGLISH, &ENTRIES)
+            .read_in_italian(
+                "/laboratory?seed=3&seconds=60&palletSeed=2&parcels=2&fault=lost&fault=absent&at=2",
+                ENGLISH,
+                &ENTRIES,
+            )
             .await;
         for wanted in [
             ">Macchina a stati, seme 3, 60 s<",

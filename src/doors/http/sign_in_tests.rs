@@ -132,13 +132,14 @@ async fn whoever_pressed_something_and_is_not_signed_in_any_more_reads_that_it_w
 }
 
 #[tokio::test]
-async fn a_viewers_page_has_one_living_button_beside_signing_out() {
+async fn a_viewers_page_has_one_living_button_beside_signing_out_and_the_language() {
     let (app, _, viewer) = guarded();
     let (cookie, _) = cookie(&app.send("POST", "/sign-in", &[FORM], &format!("token={viewer}")).await);
     let page = text(app.send("GET", "/", &[BROWSER, ("cookie", &cookie)], "").await).await;
     let forms = page.split("<form ").skip(1).filter(|form| !form.starts_with("method=\"post\">"));
     for form in forms {
-        let lives = form.starts_with("id=\"stop\"") || form.starts_with("id=\"who\"");
+        let lives =
+            ["id=\"stop\"", "id=\"who\"", "method=\"post\" action=\"/language\""].iter().any(|begin| form.starts_with(begin));
         let (form, _) = form.split_once("</form>").unwrap();
         let buttons = form.matches("<button").count();
         let dead = form.matches("<button").count().min(form.matches("disabled title=\"you are signed in as a viewer\"").count());

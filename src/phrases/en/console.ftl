@@ -40,7 +40,6 @@ led = LED { $state }
 led-none = none
 led-blinking = blinking
 led-off = off
-window-title = { $what } · hallsweep
 
 ## Why buttons are dead
 
@@ -139,12 +138,8 @@ from-home-straight = { $sides } of home, { $metres } m as the crow flies
 inspect-title = Luggage #{ $id }
 inspect-waits = waits <b>{ $time }</b>
 inspect-waits-now = waits <b data-since="{ $since }">{ $time }</b>
-photo-of = Photo of luggage #{ $id }
 photo-large = Large
 photo-usual = Back
-photo-smaller = Smaller
-photo-whole = 1×: the whole photo
-photo-larger = Larger
 no-photo = There is no photo: { $why }.
 no-photo-ask-again = There is no photo: { $why }. It can be taken again; DANGER needs none.
 safe-button = ✓ SAFE #{ $id }
@@ -258,7 +253,6 @@ attention-sound = make a sound
 ## Log
 
 log-title = What happened
-log-zone = in { $zone }
 log-missions = All missions
 log-lines = Log, the latest first
 

@@ -40,7 +40,6 @@ led = LED { $state }
 led-none = assente
 led-blinking = lampeggia
 led-off = spento
-window-title = { $what } · hallsweep
 
 ## Why buttons are dead
 
@@ -139,12 +138,8 @@ from-home-straight = { $sides } della base, { $metres } m in linea d'aria
 inspect-title = Bagaglio #{ $id }
 inspect-waits = attende da <b>{ $time }</b>
 inspect-waits-now = attende da <b data-since="{ $since }">{ $time }</b>
-photo-of = Foto del bagaglio #{ $id }
 photo-large = Grande
 photo-usual = Indietro
-photo-smaller = Più piccola
-photo-whole = 1×: tutta la foto
-photo-larger = Più grande
 no-photo = Non c'è nessuna foto: { $why }.
 no-photo-ask-again = Non c'è nessuna foto: { $why }. Può essere rifatta; PERICOLO non ne ha bisogno.
 safe-button = ✓ SICURO #{ $id }
@@ -258,7 +253,6 @@ attention-sound = fai un suono
 ## Log
 
 log-title = Che cosa è successo
-log-zone = in { $zone }
 log-missions = Tutte le missioni
 log-lines = Cronaca, dalla più recente
 
@@ -289,12 +283,12 @@ wanted-acknowledge = confermare, poi AVVIA
 wanted-start = AVVIA continua
 tree = Albero { $tree }
 blackboard = Lavagna
-blackboard-tick = battito { $tick }
+blackboard-tick = ciclo { $tick }
 blackboard-nothing = Non c'è ancora scritto niente.
 blackboard-empty = vuoto
 node-ticked = <b>bordo spesso</b>
-node-ticked-last = attivato nell'ultimo battito
-node-idle = in attesa
+node-ticked-last = attivato nell'ultimo ciclo
+node-idle = fermo
 node-running = in corso
 node-success = riuscito
 node-failure = fallito

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::api::fixture::{degrees, piece};
 use crate::phrases::Language;
 use hallsweep_core::behaviour::state::StateError;
 use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, Note, Refusal, Refused, TemperatureReport, Verdict};
@@ -14,14 +13,18 @@ use hallsweep_core::retrieval::{AloneFault, NotFetched, RetrievalFault, Saying, 
 use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Fetcher;
 use hallsweep_core::state::{Retrieval, RetrievalStage};
-use hallsweep_core::units::{AlarmId, Cell, Epoch, Heading, LuggageId, MissionId, Pose};
+use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, WallTime};
 use hallsweep_core::world::alarm::AlarmCause;
 use hallsweep_core::world::hall_map::Mark;
-use hallsweep_core::world::luggage::PhotoState;
+use hallsweep_core::world::luggage::{Luggage, PhotoState};
 use hallsweep_core::world::said::{HoldReason, Said, Trouble};
 
 const ID: LuggageId = LuggageId(3);
 const CELL: Cell = Cell::new(1, 2);
+
+fn degrees(degrees: f64) -> Celsius {
+    Celsius::new(degrees).unwrap()
+}
 
 fn issuer() -> Issuer {
     Issuer { door: Door("http"), who: "anna".into(), from: "192.0.2.7".into() }
@@ -161,10 +164,11 @@ fn the_journal() {
     };
     let verdict = |note| Fact::Verdict { luggage: ID, verdict: Verdict::Danger, who: "anna".into(), note };
     let photographed = |photo| {
-        let record = Arc::new(hallsweep_core::world::luggage::Luggage { photo, ..(*piece(3, CELL, None)).clone() });
+        let (pose, taken) = (Pose::START, WallTime::default());
+        let record = Arc::new(Luggage { id: ID, cell: CELL, pose, taken, photo, verdict: None, piece: None, secured: None });
         Fact::Luggage { record, photo: None }
     };
-    let mut facts = vec![
+    let facts = vec![
         Fact::ProgramStarted("1".to_owned()),
         Fact::ProgramEnded("SIGTERM".to_owned()),
         command(None),

@@ -13,7 +13,6 @@ use super::super::query::Query;
 use super::super::reading::Number;
 use super::porch::Porch;
 use super::{hall, html};
-use crate::api::journal_words::{asked, outcome, words};
 use crate::api::luggage::photo_url;
 use crate::api::time::{Zone, rfc3339};
 use crate::phrases::{Language, Phrase};
@@ -178,7 +177,7 @@ impl One {
 
     fn events(&self) -> Vec<Event> {
         let event = |(seq, entry): &Happened| match entry {
-            Ok(entry) => Event::of(*seq, entry, self.zone),
+            Ok(entry) => Event::of(self.language, *seq, entry, self.zone),
             Err(Unreadable(why)) => Event::unreadable(*seq, why),
         };
         self.events.iter().map(event).collect()
@@ -210,7 +209,7 @@ impl Event {
         Event { seq, moment: nothing(), time: nothing(), what: why.to_owned(), by: None, outcome: nothing(), refused: true }
     }
 
-    fn of(seq: Seq, entry: &Entry, zone: Zone) -> Event {
+    fn of(language: Language, seq: Seq, entry: &Entry, zone: Zone) -> Event {
         let mut event = Event {
             seq,
             moment: rfc3339(entry.wall),
@@ -221,11 +220,11 @@ impl Event {
             refused: false,
         };
         if let Fact::Command { issuer, command, luggage, refused, .. } = &entry.fact {
-            event.what = asked(command, *luggage);
-            (event.by, event.outcome) = (Some(issuer.to_string()), outcome(refused.as_ref()));
+            event.what = language.asked_on_record(command, *luggage);
+            (event.by, event.outcome) = (Some(language.issuer(issuer)), language.outcome(refused.as_ref()));
             event.refused = refused.is_some();
         } else {
-            event.what = words(&entry.fact);
+            event.what = language.fact(&entry.fact);
         }
         event
     }
@@ -239,7 +238,7 @@ fn porch(state: &PersistentState) -> Option<Porch> {
 /// What a mission came to, in words for an operator.
 fn came_to(language: Language, record: &MissionRecord) -> String {
     let phase = PhaseName::ALL.into_iter().find(|phase| phase.name() == &*record.phase);
-    let words = phase.map_or(&*record.phase, |phase| phase.in_words());
+    let words = phase.map_or_else(|| record.phase.to_string(), |phase| language.phase(phase).to_string());
     let came_to = match (record.archived, phase) {
         (_, Some(PhaseName::Explored)) => language.say("missions-searched"),
         (_, Some(PhaseName::BombLocated)) => language.say("missions-bomb-located"),
@@ -365,11 +364,11 @@ mod tests {
         // The picture of the hall names it.
         const HALL: [&str; 1] = ["missions-key-home"];
         let app = app(searching());
-        let list = app.italian("/missions", ENGLISH, &HALL).await;
+        let list = app.read_in_italian("/missions", ENGLISH, &HALL).await;
         check(&list, &["Una bomba è stata localizzata; bagaglio #2 lasciato sul posto", "In corso: ", ">Missione 1</a>"]);
-        let older = app.italian("/missions?before=1", ENGLISH, &HALL).await;
+        let older = app.read_in_italian("/missions?before=1", ENGLISH, &HALL).await;
         check(&older, &["Non ci sono missioni più vecchie.", "Le più recenti"]);
-        let one = app.italian("/missions/1", ENGLISH, &HALL).await;
+        let one = app.read_in_italian("/missions/1", ENGLISH, &HALL).await;
         check(&one, &["3, di cui pericolosi: 1", "Una parte di ciò che è registrato", "da anna (console, 192.0.2.7):"]);
         check(
             &one,
@@ -380,9 +379,9 @@ mod tests {
                 "base</li>",
             ],
         );
-        let steps = app.italian("/missions/1?show=all&after=2", ENGLISH, &HALL).await;
+        let steps = app.read_in_italian("/missions/1?show=all&after=2", ENGLISH, &HALL).await;
         check(&steps, &["<b>Ogni passo</b>", "Dal principio"]);
-        let unkept = app.italian("/missions/2", ENGLISH, &HALL).await;
+        let unkept = app.read_in_italian("/missions/2", ENGLISH, &HALL).await;
         check(&unkept, &["La mappa e i bagagli di questa missione non sono conservati.", "non ancora"]);
     }
 

@@ -161,6 +161,7 @@ mod tests {
                 "id=\"confirm-",
                 "type=\"hidden\"",
                 "name=\"id\"",
+                "class=\"small\" lang=",
             ]
             .iter();
             let within = ["name=\"move\"", "name=\"x\"", "name=\"y\"", "class=\"small\">Go there"].iter();

@@ -136,7 +136,7 @@ mod tests {
                 ["Foto 1 di 3 del bagaglio #3, precedente", "in attesa", "Gli orari sono in UTC", "Più piccola"],
             ),
         ] {
-            let page = app.italian(path, ENGLISH, &[]).await;
+            let page = app.read_in_italian(path, ENGLISH, &[]).await;
             for wanted in wanted {
                 assert!(page.contains(wanted), "{wanted} in {page}");
             }

@@ -120,7 +120,7 @@ mod tests {
     async fn who_reads_italian_reads_it_in_italian() {
         const ENGLISH: &str = include_str!("../../../phrases/en/missions.ftl");
         let app = app(searching());
-        let page = app.italian("/missions/1/retrieval?moment=2", ENGLISH, &[]).await;
+        let page = app.read_in_italian("/missions/1/retrieval?moment=2", ENGLISH, &[]).await;
         for wanted in [
             "Recupero nella missione 1 ·",
             "Recupero del bagaglio #1 da parte della coppia",

@@ -23,7 +23,7 @@ pub(super) const fn stages(fetcher: Fetcher) -> &'static [&'static str] {
 
 /// A stage in words, by who fetches.
 pub(super) fn stage(language: Language, fetcher: Fetcher, stage: &str) -> Phrase<'_> {
-    language.say_of(if fetcher == Fetcher::Pair { "stage-pair" } else { "stage-discovery" }, stage)
+    if fetcher == Fetcher::Pair { language.say_of("stage-pair", stage) } else { language.say_of("stage-discovery", stage) }
 }
 
 /// A node in its place among the rows of its tree.

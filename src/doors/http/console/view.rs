@@ -1,8 +1,8 @@
 //! What the console's parts look at: the snapshot in an operator's words. Markup stands in the templates.
 
 mod progress;
+mod temperature;
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
 use askama::Template;
@@ -24,7 +24,6 @@ use hallsweep_core::world::alarm::AlarmView;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 use hallsweep_core::world::robot::{RobotState, RobotView};
 use hallsweep_core::world::snapshot::Snapshot;
-use hallsweep_core::world::temperature::{OPERATOR, TemperatureStatus};
 
 /// A snapshot, and what is to be said to the one who pressed a button.
 pub(super) struct View<'a> {
@@ -128,16 +127,6 @@ impl View<'_> {
         self.language.say_of(family, member)
     }
 
-    /// `21.5 °C`
-    pub(super) fn degrees(&self, celsius: &Celsius) -> String {
-        self.language.celsius(*celsius)
-    }
-
-    /// The threshold, without its unit.
-    pub(super) fn threshold(&self) -> String {
-        self.language.number(&self.snapshot.temperature.threshold.degrees().to_string())
-    }
-
     pub(super) fn place(&self, cell: Cell) -> String {
         self.language.place(cell)
     }
@@ -154,11 +143,6 @@ impl View<'_> {
     /// Why a piece cannot be fetched.
     pub(super) fn reason(&self, reason: &NotFetched) -> String {
         self.language.not_fetched(reason)
-    }
-
-    /// Where a reading comes from.
-    fn source<'s>(&self, source: &'s str) -> Cow<'s, str> {
-        if source == OPERATOR { self.say("role-operator").to_string().into() } else { source.into() }
     }
 
     /// The pieces that are in the container, as `luggage #1 is in the container`.
@@ -365,49 +349,6 @@ impl View<'_> {
 
     fn may_retrieve(&self) -> bool {
         self.shows_retrieve() && self.snapshot.mission.refusals.retrieve.is_none()
-    }
-
-    /// The reading that matters: the hottest of those that are too hot, else the last; or that there is none.
-    pub(super) fn celsius(&self) -> String {
-        let hottest = self.hot().iter().map(|(_, reading)| *reading).max_by(|a, b| a.degrees().total_cmp(&b.degrees()));
-        let shown = hottest.or(self.snapshot.temperature.celsius);
-        shown.map_or_else(|| self.say("temperature-no-reading").to_string(), |celsius| self.degrees(&celsius))
-    }
-
-    pub(super) fn temperature_words(&self) -> Phrase<'static> {
-        self.say(match self.snapshot.temperature.status {
-            TemperatureStatus::Ok if self.snapshot.temperature.celsius.is_none() => "temperature-unread",
-            TemperatureStatus::Ok => "temperature-ok",
-            TemperatureStatus::TooHigh if self.declared_too_high() => "temperature-declared",
-            TemperatureStatus::TooHigh => "temperature-high",
-            TemperatureStatus::Stale => "temperature-stale",
-        })
-    }
-
-    /// Every reading that keeps the hall too hot, and what ends it.
-    pub(super) fn heat(&self) -> Vec<String> {
-        let cool = self.snapshot.temperature.cool;
-        let words = |source: &str, reading: Celsius| {
-            let said = match source {
-                OPERATOR => self.say("temperature-reported"),
-                sensor => self.say("temperature-sensor").with("source", capital(sensor)),
-            };
-            said.with("reading", self.degrees(&reading)).with("cool", self.degrees(&cool)).to_string()
-        };
-        self.hot().iter().map(|(source, reading)| words(source, *reading)).collect()
-    }
-
-    fn hot(&self) -> &[(Arc<str>, Celsius)] {
-        &self.snapshot.temperature.hot
-    }
-
-    pub(super) fn declared_too_high(&self) -> bool {
-        self.snapshot.mission.holds.contains(&Hold::TooHigh)
-    }
-
-    /// Whether a reading, and no button, says that it is not too hot.
-    pub(super) fn reads_ok(&self) -> bool {
-        self.snapshot.temperature.status == TemperatureStatus::Ok && self.snapshot.temperature.celsius.is_some()
     }
 
     /// How long ago a moment was, as `0:14`.

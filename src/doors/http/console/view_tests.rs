@@ -10,6 +10,7 @@ use hallsweep_core::robots::{Part, Parts};
 use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::robot::RobotShown;
 use hallsweep_core::world::snapshot::{Progress, TimeLeft};
+use hallsweep_core::world::temperature::TemperatureStatus;
 
 fn view(snapshot: &Snapshot) -> View<'_> {
     let hall = HallInfo { name: "airport".into(), cell_m: Some(0.5), evacuation_m: 100.0, robot: None };

@@ -98,7 +98,7 @@ fn event(language: Language, entry: &Entry) -> Event {
             (language.say("laboratory-began").with("phase", &number).with("what", &what).to_string(), Some(what))
         }
         News::Said(saying) => {
-            let said = language.say("laboratory-alarm").with("what", saying.in_words()).to_string();
+            let said = language.say("laboratory-alarm").with("what", language.say_of("saying", saying.name())).to_string();
             (said.clone(), Some(said))
         }
         News::Acknowledged | News::Started | News::Lost | News::Stopped | News::Restarted => {
@@ -134,7 +134,7 @@ pub(super) fn carried(language: Language, figures: &Carried) -> Vec<(String, Str
 /// Why not all parcels arrived.
 pub(super) fn fault(language: Language, fault: PalletFault) -> String {
     match fault {
-        PalletFault::Pair(fault) => fault.in_words().to_owned(),
+        PalletFault::Pair(fault) => language.say_of("not-fetched", fault.name()).to_string(),
         PalletFault::OperatorAbsent | PalletFault::NotAllThere | PalletFault::TakesTooLong => {
             language.say_of("laboratory-fault", fault.name()).to_string()
         }
