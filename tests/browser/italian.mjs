@@ -53,7 +53,8 @@ export const italian = {
     await stop(page).click();
     await page.getByText('fermato dall\'operatore').first().waitFor();
     await readsNoEnglish(page, 'a mission that is held');
-    await button(page, /AVVIA/).first().click();
+    const start = button(page, /AVVIA/).first();
+    if (await start.isEnabled()) await start.click();
     await appears(page, danger(page), { patience });
     await look(page);
     // The key of a verdict is a letter of the language.
@@ -62,6 +63,8 @@ export const italian = {
     await page.keyboard.press('p');
     await page.getByRole('dialog').getByText(/è pericoloso\?/).waitFor();
     await page.getByRole('dialog').getByRole('button', { name: /PERICOLO/ }).click();
+    await phase(page, /bomba localizzata|con allarme/i, { patience });
+    if (await start.isEnabled()) await start.click();
     await phase(page, /bomba localizzata/i, { patience });
     await readsNoEnglish(page, 'an incident');
     await picture('incident');
