@@ -160,6 +160,7 @@ function draw(id, markup) {
   const old = at(id);
   if (!markup) return old?.remove();
   const parsed = new DOMParser().parseFromString(`<svg xmlns="http://www.w3.org/2000/svg">${markup}</svg>`, "image/svg+xml");
+  if (parsed.querySelector("parsererror")) return; // what was there is better than a browser's complaint
   const fresh = document.importNode(parsed.documentElement.firstElementChild, true);
   if (!old) at(LAYERS[id.split("_")[0]]).append(fresh);
   else if (id === "hall-robot") {

@@ -38,6 +38,9 @@ pub struct EventJson {
     /// Seconds since it began.
     pub t: f64,
     pub words: String,
+    /// What it was, for whoever says it in another language.
+    #[serde(skip)]
+    pub fact: Fact,
 }
 
 impl RetrievalRecordJson {
@@ -67,7 +70,7 @@ impl RetrievalRecordJson {
             let (told, words) = (retrieval_in(entry), words(&entry.fact));
             // An entry says how the trees stand; how far it has come is told when it is new.
             if told.is_none() || words != stage {
-                record.events.push(EventJson { t: seconds(at), words: words.clone() });
+                record.events.push(EventJson { t: seconds(at), words: words.clone(), fact: entry.fact.clone() });
             }
             stage = if told.is_some() { words } else { stage };
             if let Some(stood) = told.and_then(|retrieval| trees.resumed(retrieval.team.clone()?).ok()) {

@@ -35,21 +35,6 @@ pub fn missing(parts: Parts) -> impl Iterator<Item = (Part, &'static str)> {
     REPLACED.into_iter().filter(move |(part, _)| !parts.has(*part))
 }
 
-/// What a person would call it.
-pub const fn in_words(part: Part) -> &'static str {
-    match part {
-        Part::Base => "wheels",
-        Part::Camera => "camera",
-        Part::Sonar => "sonar",
-        Part::Led => "LED",
-        Part::Thermometer => "thermometer",
-        Part::Bump => "bumper",
-        Part::Arm => "arm",
-        Part::Gripper => "gripper",
-        Part::AcknowledgedMoves => "acknowledged moves",
-    }
-}
-
 /// What the settings say of a robot.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RobotBySettings {

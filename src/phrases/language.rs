@@ -17,6 +17,8 @@ pub enum Language {
     Italian,
 }
 
+const MONTHS: [&str; 12] = ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"];
+
 type Bundle = FluentBundle<FluentResource>;
 
 /// The files of a language.
@@ -114,6 +116,14 @@ impl Language {
         }
     }
 
+    /// A day and time that have been written as `3 Feb 2026, 10:05:12`.
+    pub fn date(self, written: &str) -> String {
+        match written.splitn(3, ' ').collect::<Vec<_>>().as_slice() {
+            [day, month, rest] if MONTHS.contains(month) => format!("{day} {} {rest}", self.say_of("month", month)),
+            _ => written.to_owned(),
+        }
+    }
+
     /// `one`, `one and two`, or `one, two and three`.
     pub fn list(self, words: &[String]) -> String {
         match words {
@@ -128,5 +138,39 @@ impl Language {
             Language::English => &ENGLISH,
             Language::Italian => &ITALIAN,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn days_and_numbers_are_written_as_the_language_does() {
+        let written = |month: &str| format!("3 {month} 2026, 10:05:12");
+        MONTHS.iter().for_each(|month| assert_eq!(Language::English.date(&written(month)), written(month)));
+        assert_eq!(Language::Italian.date(&written("Jan")), "3 gen 2026, 10:05:12");
+        assert_eq!(
+            MONTHS.map(|month| Language::Italian.date(&written(month))).iter().filter(|date| date.contains("gen")).count(),
+            1
+        );
+        assert_eq!(Language::Italian.date("long ago, it was"), "long ago, it was");
+        assert_eq!((Language::English.number("2.5"), Language::Italian.number("2.5")), ("2.5".to_owned(), "2,5".to_owned()));
+    }
+
+    #[test]
+    fn a_list_ends_with_and() {
+        let list =
+            |language: Language, words: &[&str]| language.list(&words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>());
+        assert_eq!(list(Language::English, &["a"]), "a");
+        assert_eq!(list(Language::English, &["a", "b", "c"]), "a, b and c");
+        assert_eq!(list(Language::Italian, &["a", "b"]), "a e b");
+        assert_eq!(list(Language::Italian, &[]), "");
+    }
+
+    #[test]
+    fn what_is_put_into_markup_is_none() {
+        let said = Language::Italian.say("held-by").with("what", "<i>\"&'").markup().to_string();
+        assert!(said.starts_with("<b>Bloccato:</b> ") && !said.contains("<i>"), "{said}");
     }
 }

@@ -1,4 +1,5 @@
-// A whole mission in Italian, by keys, and every page looked at: none has an English sentence left. The switch leads to English and back.
+// A whole mission in Italian, by keys. On every page that is come to no phrase of the English files is left, as far as these have no values in them
+// and are no mere words; the other rules of phrases hold elsewhere. The switch leads to English and back.
 
 import { readFileSync, readdirSync } from 'node:fs';
 import { appears, button, look, must, numberOf, phase, stop } from './person.mjs';
@@ -27,6 +28,8 @@ async function readsNoEnglish(page, where) {
   const read = await words(page);
   const left = foreign.filter((said) => read.includes(said));
   must(await page.evaluate(() => document.documentElement.lang) === 'it', `${where} is in Italian`);
+  const month = /\b\d{1,2} (Jan|May|Jun|Jul|Aug|Sep|Oct|Dec) \d{4}/.exec(read);
+  must(!month, `${where} has an English month: ${month?.[0]}`);
   must(left.length === 0, `${where} has English: ${left.join(' | ')}`);
 }
 
@@ -81,7 +84,7 @@ export const italian = {
     must(/non c'è nessun bagaglio #99/.test(refused), refused);
     must(!foreign.some((said) => refused.includes(said)) && !/\b(the|is|of)\b/.test(refused), `refusals have English: ${refused}`);
 
-    for (const path of ['/missions', '/missions/1', '/missions/1?show=all', '/missions/1/moment?at=30', `/luggage/${id}`, '/console/confirm/reset',
+    for (const path of ['/missions', '/missions/1', '/missions/1?show=all', '/missions/1/moment?at=30', `/luggage/${id}`, '/console/confirm/reset', `/console/confirm/danger/${id}`,
       '/simulator', '/simulator/editor', '/laboratory', '/nowhere']) {
       await page.goto(url + path);
       await page.waitForTimeout(300);

@@ -337,8 +337,8 @@ const signedIn = {
     await page.getByText('START: you are signed in as a viewer.').waitFor();
     const notice = await page.getByText('You are signed in as a viewer: you see everything and may press STOP.').boundingBox();
     must(notice && notice.y + notice.height < page.viewportSize().height, 'a viewer is not told at once why the buttons are dead');
-    // To look closer, to look back and the list of keys are everybody's.
-    const living = await page.locator('button:enabled:visible:not(.lens *, .transport *, .keys-open)').allInnerTexts();
+    // To look closer, to look back, the list of keys and the language are everybody's.
+    const living = await page.locator('button:enabled:visible:not(.lens *, .transport *, .keys-open, .languages *)').allInnerTexts();
     must(living.length === 2 && /STOP/.test(living.join()) && /Sign out/.test(living.join()), `alive for a viewer: ${living}`);
     await hits(page, 'the console of a viewer');
     await picture('viewer');

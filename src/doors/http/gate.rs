@@ -201,7 +201,8 @@ fn stranger(door: &HttpDoor, peer: Peer, request: &Request) -> Response {
     }
     if is_for_people(request.uri().path(), request.headers()) {
         let path = request.uri().path();
-        let page = if *request.method() == Method::GET { sign_in_page(path) } else { Undone::of(path).page() };
+        let asked = request.uri().path_and_query().map_or(path, |asked| asked.as_str());
+        let page = if *request.method() == Method::GET { sign_in_page(asked) } else { Undone::of(path).page() };
         return Redirect::to(&page).into_response();
     }
     let mut response = Problem::not_signed_in().into_response();

@@ -10,7 +10,7 @@ use axum::Router;
 use axum::extract::{Request, State};
 use axum::http::uri::Authority;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, header};
-use axum::middleware::{Next, from_fn, from_fn_with_state};
+use axum::middleware::{Next, from_fn, from_fn_with_state, map_response};
 use axum::response::{IntoResponse, Response};
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
@@ -92,6 +92,7 @@ pub(super) fn guarded(routes: Router, hosts: Hosts, door: &HttpDoor) -> Router {
         .layer(from_fn_with_state(door.clone(), same_origin))
         .layer(from_fn_with_state(hosts, own_name))
         .layer(from_fn(for_people))
+        .layer(map_response(in_a_language))
         .layer(CatchPanicLayer::custom(|_: Box<dyn std::any::Any + Send>| Problem::internal().into_response()))
         .layer(CompressionLayer::new())
         .layer(SetResponseHeaderLayer::if_not_present(header::CACHE_CONTROL, HeaderValue::from_static("no-cache")))
@@ -112,6 +113,15 @@ async fn own_name(State(hosts): State<Hosts>, request: Request, next: Next) -> R
 /// Whether a person's browser asks for a page; under `/api` everybody is a program.
 pub(super) fn is_for_people(path: &str, headers: &HeaderMap) -> bool {
     !path.starts_with("/api/") && preferred(headers, &["application/json", "text/html"]) == Some("text/html")
+}
+
+/// A page is in one of several languages: whoever keeps it for others must know by what it was chosen.
+async fn in_a_language(mut response: Response) -> Response {
+    let is_page = response.headers().get(header::CONTENT_TYPE).is_some_and(|kind| kind.as_bytes().starts_with(b"text/html"));
+    if is_page {
+        response.headers_mut().append(header::VARY, HeaderValue::from_static("accept-language, cookie"));
+    }
+    response
 }
 
 /// A browser that went astray is shown a page; programs get the problem itself, and under `/api` everybody does.

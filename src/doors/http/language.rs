@@ -89,7 +89,7 @@ pub(super) async fn choose(Form(choice): Form<Choice>) -> Result<Response, Probl
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::app;
+    use super::super::testing::{app, text};
     use super::*;
     use crate::api::fixture::searching;
 
@@ -110,6 +110,34 @@ mod tests {
         check(&[("accept-language", "it;q=nonsense")], Language::English);
         check(&[("accept-language", "it"), ("cookie", "a=b; hallsweep-language=en")], Language::English);
         check(&[("accept-language", "it"), ("cookie", "hallsweep-language=xx")], Language::Italian);
+    }
+
+    #[tokio::test]
+    async fn what_programs_read_is_english_whatever_is_asked_for() {
+        let app = app(searching());
+        let italian = [("accept-language", "it"), ("cookie", "hallsweep-language=it")];
+        for path in
+            ["/api/v1/state", "/api/v1/log", "/api/v1/missions/1/events", "/api/v1/missions/1/timeline", "/api/v1/luggage/99"]
+        {
+            let answers = [app.get(path).await, app.send("GET", path, &italian, "").await];
+            let [english, asked] = futures_util::future::join_all(answers.map(text)).await.try_into().unwrap();
+            assert_eq!(asked, english, "{path}");
+        }
+        app.refuse(hallsweep_core::command::Refused::Moving);
+        let refused = text(app.send("POST", "/api/v1/commands/start", &italian, "").await).await;
+        assert!(refused.contains("the robot is moving: press STOP first"), "{refused}");
+        app.refuse(hallsweep_core::command::Refused::Moving);
+        let headers = [italian[0], ("accept", "application/json"), ("content-type", "application/x-www-form-urlencoded")];
+        let refused = text(app.send("POST", "/console/start", &headers, "epoch=7").await).await;
+        assert!(refused.contains("il robot si muove: prima premere STOP") && refused.contains("\"moving\""), "{refused}");
+    }
+
+    #[tokio::test]
+    async fn who_keeps_pages_for_others_is_told_that_they_differ() {
+        for path in ["/", "/missions", "/missions/1/moment", "/nowhere"] {
+            let page = app(searching()).send("GET", path, &[("accept", "text/html")], "").await;
+            assert!(page.headers().get_all("vary").iter().any(|vary| vary == "accept-language, cookie"), "{path}");
+        }
     }
 
     #[tokio::test]

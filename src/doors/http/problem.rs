@@ -20,8 +20,9 @@ pub(super) struct Said {
 
 /// What a page says of a problem with this code: in English the detail, else a sentence of the language's own.
 pub(super) fn in_words(language: Language, code: &str, detail: &str) -> String {
-    let refused = refusal(code, detail.to_owned()).refused();
-    if let Some(refused) = refused.filter(|refused| refused.code() == code) {
+    // A piece that is not there is said so in the core's words, by whatever route it was asked for.
+    let refused = [code, "unknownLuggage"].map(|code| refusal(code, detail.to_owned()).refused());
+    if let Some(refused) = refused.into_iter().flatten().next() {
         return language.refused(&refused);
     }
     language.say_of("problem", code).with("detail", detail).to_string()
@@ -235,6 +236,22 @@ mod tests {
             // The one is said of buttons alone, and the other is any of those above.
             Some(Refused::NotAllowed(_) | Refused::NotOnRecord | Refused::Before(_)) => return None,
         })
+    }
+
+    #[test]
+    fn a_refusal_is_told_with_its_values_and_goes_on_record_in_english() {
+        let refused = std::iter::successors(next(None), |refused| next(Some(refused)));
+        for refused in refused {
+            let problem = || Problem::refused(&refused);
+            assert_eq!(problem().in_words(Language::English), refused.to_string());
+            let italian = problem().in_words(Language::Italian);
+            assert!(italian != refused.to_string() && italian == Language::Italian.refused(&refused), "{italian}");
+        }
+        let told = Problem::unusable("x is missing: fill it in".to_owned()).told(Language::Italian);
+        assert_eq!(
+            told.extensions().get::<NotTaken>().map(|NotTaken(refusal)| &*refusal.words),
+            Some("x is missing: fill it in")
+        );
     }
 
     #[test]

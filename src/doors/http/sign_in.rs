@@ -36,8 +36,8 @@ impl SignInQuery {
     fn address(&self) -> String {
         let undone = self.undone.map(Undone::name);
         let parts = [("token", self.token.as_deref()), ("next", self.next.as_deref()), ("undone", undone)];
-        let plain = parts.into_iter().filter_map(|(name, value)| Some((name, value.filter(|value| is_plain(value))?)));
-        let parts: Vec<String> = plain.map(|(name, value)| format!("{name}={value}")).collect();
+        let parts = parts.into_iter().filter_map(|(name, value)| Some(format!("{name}={}", escaped(value?)?)));
+        let parts: Vec<String> = parts.collect();
         if parts.is_empty() { "/sign-in".to_owned() } else { format!("/sign-in?{}", parts.join("&")) }
     }
 }
@@ -150,13 +150,17 @@ pub(super) async fn sign_out(State(door): State<HttpDoor>, peer: Peer) -> Respon
 /// The address of the page, for somebody who wants to go to `next`.
 pub(super) fn sign_in_page(next: &str) -> String {
     let next = local(Some(next));
-    // Whatever is no path of this door leads to the console.
-    if next == "/" || !is_plain(next) { "/sign-in".to_owned() } else { format!("/sign-in?next={next}") }
+    match escaped(next) {
+        Some(next) if next != "/" => format!("/sign-in?next={next}"),
+        _ => "/sign-in".to_owned(),
+    }
 }
 
-/// Whether it needs no escapes in an address, as the paths of this door and tokens.
-fn is_plain(text: &str) -> bool {
-    text.bytes().all(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'/' | b'.' | b'-' | b'_'))
+/// As it stands in an address: a path of this door with what is asked of it, or a token, has few signs; whatever has others has no place.
+fn escaped(text: &str) -> Option<String> {
+    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/.-_?=&".contains(&byte);
+    let escaped = || text.replace('?', "%3F").replace('=', "%3D").replace('&', "%26");
+    text.bytes().all(is_plain).then(escaped)
 }
 
 /// Nobody has a token. Where the file is, strangers need not know.

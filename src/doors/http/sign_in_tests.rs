@@ -183,7 +183,9 @@ fn the_way_back_never_leads_away() {
     ] {
         assert_eq!(local(Some(away)), "/", "{away:?}");
     }
-    assert_eq!(sign_in_page("/a?b&next=//c"), "/sign-in");
+    assert_eq!(sign_in_page("/missions/1/moment?at=4"), "/sign-in?next=/missions/1/moment%3Fat%3D4");
+    assert_eq!(sign_in_page("/a?b&next=//c"), "/sign-in?next=/a%3Fb%26next%3D//c");
+    assert_eq!(sign_in_page("/a%2Fb"), "/sign-in", "what is escaped already stays out");
 }
 
 /// Safety A2.

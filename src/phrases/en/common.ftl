@@ -2,7 +2,6 @@
 
 list = { $first } and { $last }
 to-console = To the console
-language = Language
 
 ## STOP. Where a value belongs, its script puts it in place of {}.
 
@@ -14,3 +13,18 @@ stop-left = the page was left before
 stop-says = hallsweep says: { "{}" }
 stop-silent = no answer came
 stop-cut = there is no connection
+
+## Months, in short.
+
+month-Jan = Jan
+month-Feb = Feb
+month-Mar = Mar
+month-Apr = Apr
+month-May = May
+month-Jun = Jun
+month-Jul = Jul
+month-Aug = Aug
+month-Sep = Sep
+month-Oct = Oct
+month-Nov = Nov
+month-Dec = Dec

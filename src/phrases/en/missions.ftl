@@ -59,15 +59,6 @@ missions-further = Further events
 
 ## The legend of its hall
 
-missions-legend = Legend
-missions-key-visited = visited
-missions-key-unknown = unknown
-missions-key-wall = wall
-missions-key-todo = not inspected
-missions-key-safe = safe
-missions-key-pending = not decided
-missions-key-danger = danger
-missions-key-home = home
 
 ## The retrieval
 

@@ -114,7 +114,7 @@ refused-notKept = it could not be put on record, because the store has failed: l
 refused-notOnRecord = what was done last is not on record yet: wait a moment
 refused-otherContent = the id { $id } was used before, for another command: give each command an id of its own
 refused-unknownSensor = there is no sensor { $sensor }: name it in the setting temperature.sensor
-refused-notAllowed = { $words }
+refused-notAllowed = { $detail }
 
 ## Faults
 

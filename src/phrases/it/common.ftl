@@ -2,7 +2,6 @@
 
 list = { $first } e { $last }
 to-console = Alla console
-language = Lingua
 
 ## STOP. Dove va un valore, il suo script lo mette al posto di {}.
 
@@ -14,3 +13,18 @@ stop-left = la pagina è stata lasciata prima
 stop-says = hallsweep dice: { "{}" }
 stop-silent = nessuna risposta
 stop-cut = non c'è collegamento
+
+## Months, in short.
+
+month-Jan = gen
+month-Feb = feb
+month-Mar = mar
+month-Apr = apr
+month-May = mag
+month-Jun = giu
+month-Jul = lug
+month-Aug = ago
+month-Sep = set
+month-Oct = ott
+month-Nov = nov
+month-Dec = dic

@@ -4,11 +4,11 @@
 
 skip = A ciò che attende e ai comandi
 revision = rev
-sign-out = Esci
+sign-out = Uscire
 lost = <b>Collegamento perso.</b> Quello che si vede è delle <span id="lost-since"></span> e può non essere più vero. STOP viene tentato lo stesso.
 viewer-notice = Accesso come osservatore: si vede tutto e si può premere STOP. Per tutto il resto serve la chiave di un operatore.
-no-scripts = Gli script sono disattivati: questa pagina mostra com'era alle <b>{ $time }</b>.
-look-again = Guarda di nuovo
+no-scripts = Gli script sono disattivati: questa pagina mostra com'era il <b>{ $time }</b>.
+look-again = Guardare di nuovo
 live-loaded = com'era
 live-opening = si collega
 live-on = in diretta
@@ -32,7 +32,7 @@ lens-wider-key = più lontano (−)
 lens-whole = Tutta la sala
 lens-whole-key = tutta la sala (0)
 legend = Legenda
-go-back = No, torna indietro
+go-back = No, tornare indietro
 past-now = <b>Passato:</b> com'era alle { $time }
 goal-short = → meta { $cell }
 halted = fermo
@@ -78,7 +78,7 @@ announced-waits = Il bagaglio #{ $id } attende il verdetto.
 
 ## Progress
 
-progress-searched = <b>{ $searched }</b> esplorate
+progress-searched = esplorate <b>{ $searched }</b>
 progress-none = La ricerca non è cominciata.
 progress-forecast = Solo il tempo di guida, al passo tenuto finora: foto e risposte si aggiungono. Ha retto in 95 momenti su 100 di ricerche in sale a caso, e in 83 in sale di corridoi.
 progress-gone = <b>{ $time }</b> dall'inizio
@@ -102,7 +102,7 @@ left-range = ancora da { $least } a { $most } di guida
 alarms = Allarmi
 alarm-at = <b>⚠ Allarme</b> <time class="num">{ $time }</time><br>{ $text }
 alarm-unrecorded = <b>⚠ Allarme</b> <time class="num">{ $time }</time> (non ancora registrato)<br>{ $text }
-acknowledge = Conferma
+acknowledge = Confermare
 incident = { $count ->
     [one] ⚠ Pericolo: una bomba nella sala
    *[other] ⚠ Pericolo: { $count } bombe nella sala
@@ -112,7 +112,10 @@ incident-alarm = <b>Allarme</b> alle <time class="num">{ $time }</time>: { $text
 incident-unrecorded = <b>Allarme</b> alle <time class="num">{ $time }</time> (non ancora registrato): { $text }.
 incident-bomb = <b>Bagaglio #{ $id }</b> in { $place }:<br>{ $from_home }
 incident-found = giudicato pericoloso da { $who } alle { $time }
-incident-more = E altri { $count }: si vedano i bagagli più sotto.
+incident-more = { $count ->
+    [one] E un altro: si vedano i bagagli più sotto.
+   *[other] E altri { $count }: si vedano i bagagli più sotto.
+}
 evacuate-no-circle = Tenersi a { $metres } m di distanza. Nessun cerchio è disegnato: il lato di una cella non è noto.
 evacuate-all = Tenersi a { $metres } m di distanza: tutta la sala nota è all'interno.
 evacuate-circle = Tenersi a { $metres } m di distanza: il cerchio rosso nella sala.
@@ -156,7 +159,7 @@ photo-in-question = La foto in questione
 where-and-when = Il bagaglio è in { $place }: { $from_home }; visto da { $from }, verso { $heading }; { $time }
 takes-earlier = Foto precedenti del bagaglio #{ $id }
 take-earlier = foto precedente { $take }
-retake = Rifai la foto
+retake = Rifare la foto
 verdict-title = Verdetto
 nothing-waits = Nessun bagaglio attende un verdetto. La sua foto e i pulsanti SICURO e PERICOLO saranno qui.
 
@@ -180,7 +183,7 @@ temperature-sensor = { $source } legge { $reading }. Deve scendere a { $cool } o
 temperature-ok-button = OK
 temperature-high-button = TROPPO ALTA
 temperature-field = Lettura in °C
-temperature-report = Riferisci
+temperature-report = Riferire
 
 ## Robots
 
@@ -218,7 +221,7 @@ doing-rotateRight = gira a destra
 doing-takingPhoto = scatta una foto
 doing-sendingPhoto = invia la foto
 doing-movingArm = muove il braccio
-hall-in-words = { $searched } esplorate, { $open }; { $robot }.
+hall-in-words = Esplorate { $searched }; { $open }; { $robot }.
 hall-robot-at = il robot in { $place }, verso { $heading }
 hall-robot-outside = il robot davanti all'ingresso
 hall-piece-waits = Il bagaglio #{ $id } in { $place } attende il verdetto.
@@ -229,9 +232,9 @@ hall-pieces = Bagagli trovati: { $count }.
 
 more = Ordine di ricerca, archiviazione, guida a mano
 strategy = Ordine di ricerca
-strategy-choose = Scegli
+strategy-choose = Scegliere
 reset-question = Archiviare questa missione?
-reset-what = Archivia questa missione
+reset-what = Archiviare questa missione
 reset-consequence = La missione è archiviata; alla base si svuota anche la mappa. Niente si muove.
 reset-yes = Sì: ARCHIVIA
 reset-button = ARCHIVIA…
@@ -242,13 +245,13 @@ drive-back = indietro
 drive-right = destra
 drive-column = Colonna
 drive-row = riga
-drive-go = Vai là
+drive-go = Andare là
 
 ## When a piece waits
 
 attention-title = Quando un bagaglio attende, o scatta un allarme
-attention-notify = avvisami mentre questa pagina non è in vista
-attention-sound = fai un suono
+attention-notify = avvisare mentre questa pagina non è in vista
+attention-sound = emettere un suono
 
 ## Log
 
@@ -262,7 +265,7 @@ retrieval-of = Recupero del bagaglio #{ $id } <span class="quiet">da parte di: {
 retrieval = Recupero
 retrieval-not = <b>Non può essere recuperato:</b> { $why }
 retrieval-secured = Il bagaglio è nel contenitore.
-retrieval-again = Rivedi il recupero, momento per momento
+retrieval-again = Rivedere il recupero, momento per momento
 retrieval-robot = Robot { $robot }
 retrieval-gripper = Pinza
 gripper-open = aperta
@@ -317,13 +320,22 @@ letter-danger = P
 letter-pending = ?
 piece-is = bagaglio #{ $id }: { $verdict }
 pieces-are = { $count } bagagli: { $what }
-counted-danger = { $count } pericolosi
+counted-danger = { $count ->
+    [one] { $count } pericoloso
+   *[other] { $count } pericolosi
+}
 counted-pending = { $count } da decidere
-counted-safe = { $count } sicuri
+counted-safe = { $count ->
+    [one] { $count } sicuro
+   *[other] { $count } sicuri
+}
 container-empty = contenitore: vuoto
 container-holds = contenitore: { $pieces }
 luggage-number = bagaglio #{ $id }
-container-more = e altri { $count }
+container-more = { $count ->
+    [one] e un altro
+   *[other] e altri { $count }
+}
 
 ## Time
 
@@ -335,17 +347,17 @@ lane-commands = comandi
 replay = Riproduzione
 replay-start = All'inizio
 replay-start-key = all'inizio (Home)
-replay-backwards = Riproduci all'indietro
-replay-backwards-key = riproduci all'indietro
+replay-backwards = Riprodurre all'indietro
+replay-backwards-key = riprodurre all'indietro
 replay-back = Una voce indietro
 replay-back-key = una voce indietro (←)
-replay-play = Riproduci
-replay-play-key = riproduci o ferma (spazio)
+replay-play = Riprodurre
+replay-play-key = riprodurre o fermare (spazio)
 replay-on = Una voce avanti
 replay-on-key = una voce avanti (→)
 replay-speed = Velocità della riproduzione
-replay-from-beginning = Guarda questa missione dall'inizio
-back-to-now = Torna ad adesso
+replay-from-beginning = Guardare questa missione dall'inizio
+back-to-now = Tornare ad adesso
 moment = { $time }, voce { $entry } della missione { $mission }
 moment-none = Nessuna missione è ancora cominciata.
 moment-now = adesso
@@ -358,7 +370,7 @@ keys-safe = SICURO: il bagaglio che attende è sicuro
 keys-danger = PERICOLO: chiede ancora una volta
 keys-photo = la foto grande quanto la finestra, o indietro
 keys-zoom = sulla foto: più grande, più piccola, intera
-keys-move = sulla foto: spostala
+keys-move = sulla foto: spostarla
 keys-list = questo elenco
 keys-typing = Mentre si scrive, e con Ctrl, Alt o ⌘, questi tasti qui non fanno niente.
-close = Chiudi
+close = Chiudere

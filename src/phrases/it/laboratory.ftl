@@ -85,7 +85,7 @@ laboratory-figure-seed = seme
 laboratory-delivered = { $delivered } di { $parcels } nell'area di arrivo
 laboratory-took = { $seconds } s, { $ticks } cicli
 laboratory-error = { $worst } { $unit } (valore quadratico medio { $rms } { $unit })
-laboratory-about-errors = Errori: di quanto la forza di presa, l'angolo delle pale e la distanza delle basi si scostavano dal voluto mentre un pacco era sollevato da terra. Lo stesso in numeri:
+laboratory-about-errors = Errori: di quanto la forza di presa, l'angolo delle palette e la distanza delle basi si scostavano dal voluto mentre un pacco era sollevato da terra. Lo stesso in numeri:
 
 ## Che cosa accade al bancale
 

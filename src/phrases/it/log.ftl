@@ -11,8 +11,8 @@ alone-NoWayHome = nessuna via nota porta alla base con il bagaglio
 alone-NoWayToPiece = nessuna via porta al bagaglio
 alone-CannotTake = il robot non riesce ad afferrare il bagaglio
 alone-NotRecognised = il robot non riconosce il bagaglio dove dovrebbe stare
-stuck-RobotFails = un robot del recupero non riesce a fare ciò che gli è detto
-stuck-NoWayOut = nessuna via riporta fuori i robot del recupero
+stuck-RobotFails = un robot che recupera non riesce a fare ciò che gli è detto
+stuck-NoWayOut = nessuna via riporta fuori i robot che recuperano
 
 ## Commands
 
@@ -22,20 +22,23 @@ asked-backHome = ALLA BASE
 asked-retrieve = RECUPERA
 asked-reset = ARCHIVIA
 asked-move = mossa { $move }
-asked-goto = vai a { $cell }
+asked-goto = andare a { $cell }
 asked-safe = sicuro
 asked-danger = pericolo
 asked-noted = { $asked } (nota: { $note })
-asked-retake = rifai la foto #{ $id }
-asked-acknowledge = conferma l'allarme { $id }
-asked-strategy = scegli l'ordine di ricerca { $strategy }
+asked-retake = rifare la foto #{ $id }
+asked-acknowledge = confermare l'allarme { $id }
+asked-strategy = scegliere l'ordine di ricerca { $strategy }
 asked-ok = temperatura OK
 asked-too-high = temperatura TROPPO ALTA
 asked-reading = lettura di temperatura { $celsius }
 asked-sensor = lettura di un sensore { $sensor } { $celsius }
 asked-stops-at-once = STOP, { $count } volte insieme
 asked-stops-within = STOP, { $count } volte in { $seconds } s
-asked-many = { $last }, e altri { $more } che sono stati rifiutati
+asked-many = { $more ->
+    [one] { $last }, e un altro che è stato rifiutato
+   *[other] { $last }, e altri { $more } che sono stati rifiutati
+}
 asked-of = { $asked } #{ $id }
 issuer = { $who } ({ $door }, { $from })
 issuer-local = { $who } ({ $door })
@@ -44,7 +47,7 @@ issuer-local = { $who } ({ $door })
 
 said-by = { $asked }, da { $issuer }
 said-refused = { $asked } rifiutato, da { $issuer }: { $refused }
-said-overtaken = un sicuro è stato superato, e quindi rifiutato: { $refused }
+said-overtaken = un SICURO è stato scavalcato da un PERICOLO, e quindi rifiutato: { $refused }
 said-held = bloccato: { $hold }
 said-held-why = bloccato: { $hold } ({ $why })
 said-unheard = { $sensor } non si è ancora sentito
@@ -74,8 +77,8 @@ said-put-down = il robot è stato messo in un'altra sala
 
 fact-started = programma avviato, versione { $version }
 fact-ended = programma terminato da { $by }
-fact-state = tutto ciò che vale: missione { $mission }, { $cells } celle visitate
-fact-state-none = tutto ciò che vale: nessuna missione, { $cells } celle visitate
+fact-state = tutto ciò che vale: missione { $mission }, celle visitate: { $cells }
+fact-state-none = tutto ciò che vale: nessuna missione, celle visitate: { $cells }
 fact-command = comando { $asked } da { $issuer }: { $outcome }
 fact-accepted = accettato
 fact-refused = rifiutato: { $why }
@@ -107,10 +110,10 @@ by-none = nessuno
 fetching-room = si fa posto
 fetching-fetched = viene recuperato
 fetching-let-go = viene messo nel contenitore
-fetching-given-up = rinunciato: { $why }
+fetching-given-up = abbandonato: { $why }
 fetching-in-container = è nel contenitore
 fetching-not = non recuperato: { $why }
-fact-met-again = il pezzo { $piece } sta anche in { $cell }
+fact-met-again = il bagaglio { $piece } sta anche in { $cell }
 fact-led-on = il LED lampeggia
 fact-led-off = LED spento
 fact-obstacle = ostacolo in { $cell }, preso per { $kind }

@@ -10,7 +10,7 @@ missions-pages = Pagine
 ## L'elenco
 
 missions-newest-first = Missioni, dalla più recente
-missions-none = Nessuna missione è ancora iniziata. Premere AVVIA sulla console.
+missions-none = Nessuna missione è ancora cominciata. Premere AVVIA sulla console.
 missions-none-older = Non ci sono missioni più vecchie.
 missions-began = Inizio
 missions-archived = Archiviata
@@ -28,7 +28,7 @@ missions-bomb-located = Una bomba è stata localizzata
 missions-bomb-secured = La bomba è stata recuperata e messa al sicuro
 missions-under-way = In corso: { $phase }
 missions-archived-while = Archiviata nella fase: { $phase }
-missions-left = { $outcome }; bagaglio { $which } lasciato sul posto
+missions-left = { $outcome }; rimasto sul posto: bagaglio { $which }
 
 ## Una di esse
 
@@ -38,7 +38,7 @@ missions-luggage-count = { $count }, di cui pericolosi: { $dangerous }
 missions-zone = Orari
 missions-in-zone = in { $zone }
 missions-retrieval = Recupero
-missions-its-trees = i suoi alberi, istante per istante
+missions-its-trees = i suoi alberi, momento per momento
 missions-cells-visited = Celle visitate
 missions-missing = Che cosa manca qui
 missions-damaged = Una parte di ciò che è registrato di questa missione è danneggiata. Il resto è mostrato, senza ciò che ne consegue:
@@ -47,7 +47,7 @@ missions-replay = Rivedere questa missione
 missions-hall-known = La sala, per quanto era nota
 missions-no-luggage = Non ne è stato incontrato nessuno.
 missions-not-kept = La mappa e i bagagli di questa missione non sono conservati.
-missions-happened = Che cosa è accaduto, dal principio
+missions-happened = Che cosa è successo, dal principio
 missions-show-main = Che cosa è stato fatto e trovato
 missions-show-commands = Solo i comandi
 missions-show-all = Ogni passo
@@ -59,28 +59,19 @@ missions-further = Voci successive
 
 ## La legenda della sala
 
-missions-legend = Legenda
-missions-key-visited = visitata
-missions-key-unknown = sconosciuta
-missions-key-wall = parete
-missions-key-todo = non ispezionata
-missions-key-safe = sicuro
-missions-key-pending = non deciso
-missions-key-danger = pericoloso
-missions-key-home = base
 
 ## Il recupero
 
 missions-retrieval-in = Recupero nella missione { $id }
 missions-fetched-by-pair = Recupero del bagaglio #{ $luggage } da parte della coppia
-missions-fetched-alone = Recupero del bagaglio #{ $luggage } da parte del robot che ha cercato
+missions-fetched-alone = Recupero del bagaglio #{ $luggage } da parte del robot della ricerca
 missions-trees-stood = I suoi alberi, com'erano
-missions-moment = { $seconds } s dopo l'inizio, all'istante { $moment } di { $last }
+missions-moment = { $seconds } s dopo l'inizio, al momento { $moment } di { $last }
 missions-incomplete = Non si può mostrare tutto ciò che ne è registrato: è troppo lungo o danneggiato.
 missions-no-trees = Nessun albero lo ha guidato.
 missions-moment-first = Primo
 missions-moment-previous = Precedente
 missions-moment-next = Successivo
 missions-moment-last = Ultimo
-missions-what-happened = Che cosa è accaduto
+missions-what-happened = Che cosa è successo
 missions-seconds-since = Secondi dall'inizio, secondo l'orologio. Lo stesso per i programmi:

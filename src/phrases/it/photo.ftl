@@ -25,6 +25,6 @@ piece-secured = messo al sicuro: { $time }
 
 ## Che cosa ne è stato deciso
 
-piece-verdict-pending = in attesa
+piece-verdict-pending = da decidere
 piece-verdict-safe = sicuro
 piece-verdict-danger = pericoloso

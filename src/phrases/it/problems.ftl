@@ -33,7 +33,7 @@ problem-noPhoto = di questo bagaglio non c'è una foto utilizzabile: rifarla, o 
 problem-notInspected = non è questo il bagaglio sotto esame
 problem-photoUnderWay = la foto è in corso
 problem-unknownAlarm = questo allarme non c'è
-problem-noRetrievalRobot = non c'è alcun robot per il recupero
+problem-noRetrievalRobot = non c'è alcun robot che recupera
 problem-fetcherUnreached = un robot che serve al recupero non è raggiungibile: ripristinare prima il suo collegamento
 problem-fetcherAbroad = un robot del recupero non è ancora rientrato: premere AVVIA, così il recupero riprende
 problem-faultStands = il guasto c'è ancora: eliminarne prima la causa
@@ -67,7 +67,7 @@ problem-unreadable = il registro non si può leggere: «{ $detail }»
 ## Del simulatore.
 
 problem-boundToHall = non è possibile durante una missione: attendere che finisca, o premere ARCHIVIA, che conserva ciò che è stato trovato
-problem-notSimulated = il robot che cerca non è simulato: non c'è un simulatore da comandare
+problem-notSimulated = il robot della ricerca non è simulato: non c'è un simulatore da comandare
 problem-notPaused = il simulatore non è in pausa: metterlo prima in pausa, poi andare avanti passo per passo
 problem-nothingUnderWay = nessun robot ha un ordine in corso: un passo porta alla fine di un ordine; premere prima AVVIA
 problem-unusableHall = questa sala non si può usare: «{ $detail }»

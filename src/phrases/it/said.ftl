@@ -30,7 +30,7 @@ hold-over-operator = non più fermato dall'operatore
 hold-over-tooHigh = temperatura OK (pulsante)
 hold-over-temperature = ogni lettura è di nuovo sotto la soglia
 hold-over-temperatureStale = i sensori di temperatura si sentono di nuovo
-hold-over-robotLink = il robot è raggiunto
+hold-over-robotLink = il robot è di nuovo raggiungibile
 hold-over-store = tutto è di nuovo registrato
 hold-over-restart = si continua dopo il riavvio
 hold-over-alarm = l'allarme che bloccava è confermato, o il pericolo registrato
@@ -105,7 +105,7 @@ refused-noPhoto = il bagaglio #{ $id } non ha una foto utilizzabile: rifarla, o 
 refused-notInspected = il bagaglio #{ $id } non è quello in ispezione
 refused-photoUnderWay = la foto è in corso
 refused-unknownAlarm = non c'è nessun allarme { $id }
-refused-noRetrievalRobot = non c'è nessun robot di recupero
+refused-noRetrievalRobot = non c'è nessun robot che recupera
 refused-fetcherUnreached = { $robot } non è raggiungibile, e il recupero ne ha bisogno: prima ripristinare il suo collegamento
 refused-fetcherAbroad = { $robot } non è ancora tornato: premere AVVIA, perché il recupero continui
 refused-faultStands = il guasto c'è ancora: { $fault }
@@ -114,7 +114,7 @@ refused-notKept = non si è potuto registrare, perché l'archivio ha ceduto: gua
 refused-notOnRecord = l'ultima azione non è ancora registrata: attendere un momento
 refused-otherContent = l'id { $id } è già stato usato per un altro comando: dare a ogni comando un id suo
 refused-unknownSensor = non c'è nessun sensore { $sensor }: nominarlo nell'impostazione temperature.sensor
-refused-notAllowed = non consentito a questa chiave: { $words }
+refused-notAllowed = a chi accede come osservatore non è consentito: vede tutto e può premere STOP
 
 ## Faults
 
@@ -126,7 +126,7 @@ fault-robot = il robot non ha potuto eseguire il suo ordine ({ $words }): contro
 not-fetched-nothingToFetch = la coppia non sa che cosa recuperare
 not-fetched-noWayToParcel = la coppia non trova modo di afferrare il pacco da due lati e portarlo via
 not-fetched-noWayToTarget = la coppia non trova via per portare il pacco dove deve andare
-not-fetched-noWayBack = la coppia non trova via per tornare al pallet
+not-fetched-noWayBack = la coppia non trova via per tornare al bancale
 not-fetched-wrongParcel = la coppia ha afferrato un pacco diverso da quello per cui era stata mandata
 not-fetched-robotFails = un robot della coppia non riesce a fare ciò che gli è detto: controllarlo
 not-fetched-lostTooOften = la coppia ha perso il pacco troppe volte

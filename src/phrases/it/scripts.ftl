@@ -4,7 +4,7 @@
 
 attention-waits = Il bagaglio #{ $id } attende il verdetto.
 attention-denied = Questo browser non consente notifiche di questa pagina: lo dicono le sue impostazioni per questo indirizzo.
-attention-unknown = Questo browser non ha notifiche per questo indirizzo: per questo vuole https.
+attention-unknown = Questo browser non ha notifiche per questo indirizzo: servirebbe https.
 
 ## console
 
@@ -45,7 +45,7 @@ editor-open = { $file } è aperto: { $width } × { $height } celle, bagagli: { $
 
 hall-ruler-metres = { $length } m
 hall-ruler-cells = { $length } celle
-hall-go = Vai a colonna { $x }, riga { $y }
+hall-go = Andare a colonna { $x }, riga { $y }
 hall-cell = colonna { $x }, riga { $y }
 
 ## laboratory
@@ -65,7 +65,7 @@ pallet-player = Riproduzione del bancale
 pallet-show = Mostra { $time }
 pallet-nothing-held = nessun pacco nelle pinze
 pallet-lifted = il pacco è sollevato
-pallet-on-floor = il pacco è a terra
+pallet-on-floor = il pacco è sul pavimento
 pallet-phase = Fase { $phase } di 8, pacco { $parcel } di { $parcels }
 pallet-before = Prima della prima fase
 pallet-at-the-start = entrambi i robot sono alla partenza
@@ -97,7 +97,7 @@ simulator-unsent = Non è stato inviato: hallsweep non si raggiunge. Riprovare.
 time-moment = { $time }, voce { $seq } della missione { $mission }
 time-now = adesso
 time-pause = Pausa
-time-play = Riproduci
+time-play = Riprodurre
 time-cut = Nessun collegamento: il passato non si può mostrare adesso.
 
 ## trees

@@ -46,10 +46,10 @@ impl Language {
             Command::Temperature(TemperatureReport::Ok) => self.say("asked-ok"),
             Command::Temperature(TemperatureReport::TooHigh) => self.say("asked-too-high"),
             Command::Temperature(TemperatureReport::Reading(celsius)) => {
-                self.say("asked-reading").with("celsius", self.celsius(*celsius))
+                self.say("asked-reading").with("celsius", self.number(&format!("{} °C", celsius.degrees())))
             }
             Command::Temperature(TemperatureReport::Sensor(sensor, celsius)) => {
-                self.say("asked-sensor").with("sensor", sensor).with("celsius", self.celsius(*celsius))
+                self.say("asked-sensor").with("sensor", sensor).with("celsius", self.number(&format!("{} °C", celsius.degrees())))
             }
         };
         said.to_string()

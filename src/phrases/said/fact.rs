@@ -22,8 +22,7 @@ impl Language {
     /// What became of a command: accepted, or refused and why.
     pub fn outcome(self, refused: Option<&Refusal>) -> String {
         let Some(refusal) = refused else { return self.say("fact-accepted").to_string() };
-        let why = refusal.refused().map_or_else(|| refusal.words.clone(), |refused| self.refused(&refused));
-        self.say("fact-refused").with("why", why).to_string()
+        self.say("fact-refused").with("why", self.refusal(refusal)).to_string()
     }
 
     fn happened(self, fact: &Fact) -> String {

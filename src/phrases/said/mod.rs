@@ -1,4 +1,5 @@
-//! What the core says, as phrases. The English ones are the core's own sentences, which programs and records have; tests hold that.
+//! What the core says, as phrases. The English ones are the core's own sentences, which programs and records have; tests hold that, but for a
+//! piece that was meant and not named, which stands before the note here. What others say stays in their words: a robot, a disk, the simulator.
 
 mod asked;
 mod fact;

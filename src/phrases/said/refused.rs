@@ -1,7 +1,7 @@
 //! Why a command was refused.
 
 use crate::phrases::Language;
-use hallsweep_core::command::Refused;
+use hallsweep_core::command::{Refusal, Refused};
 use hallsweep_core::mission::Hold;
 
 impl Language {
@@ -24,9 +24,8 @@ impl Language {
             Refused::FaultStands(fault) => say.with("fault", self.fault(fault)),
             Refused::OtherContent(id) => say.with("id", id.text()),
             Refused::UnknownSensor(sensor) => say.with("sensor", format!("{sensor:?}")),
-            Refused::NotAllowed(words) => say.with("words", words),
-            // What was refused before was refused in these words.
-            Refused::Before(refusal) => return refusal.words.clone(),
+            Refused::NotAllowed(words) => say.with("detail", words),
+            Refused::Before(refusal) => return self.refusal(refusal),
             Refused::SentBefore
             | Refused::Driving
             | Refused::NotStopped
@@ -41,6 +40,11 @@ impl Language {
             | Refused::NotOnRecord => say,
         };
         said.to_string()
+    }
+
+    /// The same as it is on record. What this version does not refuse so stays in the words of the record.
+    pub fn refusal(self, refusal: &Refusal) -> String {
+        refusal.refused().map_or_else(|| refusal.words.clone(), |refused| self.refused(&refused))
     }
 
     /// What is to be mended is said first, and by its name: other holds may follow from it.

@@ -61,7 +61,8 @@ fn commands() {
         Command::Acknowledge(AlarmId(4)),
         Command::Temperature(TemperatureReport::Ok),
         Command::Temperature(TemperatureReport::TooHigh),
-        Command::Temperature(TemperatureReport::Reading(degrees(21.5))),
+        Command::Temperature(TemperatureReport::Reading(degrees(25.04))),
+        Command::Temperature(TemperatureReport::Reading(degrees(21.0))),
         Command::Temperature(TemperatureReport::Sensor("roof".into(), degrees(21.5))),
     ];
     commands.extend(Move::ALL.map(Command::Move));

@@ -131,7 +131,7 @@ impl Shown {
         }
         for part in &PARTS {
             let touched = |older: &Arc<Snapshot>| part.shows.iter().any(|r| snapshot.revision_of(*r) != older.revision_of(*r));
-            if older.as_ref().is_none_or(touched) {
+            if older.as_ref().is_none_or(touched) || view.then.is_some() {
                 let html = (part.render)(view);
                 if self.prints.insert(part.id, fingerprint(&html)) != Some(fingerprint(&html)) {
                     parts.insert(part.id.to_owned(), html);
@@ -160,6 +160,10 @@ impl ShownLine {
 
     /// The pieces that are new or differ, and those of another mission's line that are gone.
     fn update(&mut self, line: &Timeline) -> Vec<(String, String)> {
+        // One that is read anew, and not to its end yet, takes away nothing that is shown.
+        if self.mission == line.mission().0 && line.full() < self.full {
+            return Vec::new();
+        }
         let before = std::mem::replace(self, ShownLine::of(line));
         if before == *self {
             return Vec::new();

@@ -19,6 +19,7 @@ use crate::phrases::{Language, Phrase};
 use crate::runtime::archive::{Happened, MissionRecord, Unreadable};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::mission::PhaseName;
+use hallsweep_core::search::Strategy;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{MissionId, Seq, WallTime};
 use hallsweep_core::world::luggage::Luggage;
@@ -133,7 +134,7 @@ struct Event {
 
 impl List {
     fn time(&self, wall: &WallTime) -> String {
-        self.zone.date_and_time(*wall)
+        self.language.date(&self.zone.date_and_time(*wall))
     }
 
     fn came_to(&self, record: &MissionRecord) -> String {
@@ -143,11 +144,17 @@ impl List {
 
 impl One {
     fn time(&self, wall: &WallTime) -> String {
-        self.zone.date_and_time(*wall)
+        self.language.date(&self.zone.date_and_time(*wall))
     }
 
     fn came_to(&self) -> String {
         came_to(self.language, &self.record)
+    }
+
+    /// By its name where this version knows it.
+    fn strategy(&self) -> String {
+        let known = Strategy::named(&self.record.strategy);
+        known.map_or_else(|| self.record.strategy.to_string(), |known| self.language.say_of("strategy", known.name()).to_string())
     }
 
     fn has_retrieval(&self) -> bool {
@@ -213,7 +220,7 @@ impl Event {
         let mut event = Event {
             seq,
             moment: rfc3339(entry.wall),
-            time: zone.date_and_time(entry.wall),
+            time: language.date(&zone.date_and_time(entry.wall)),
             what: String::new(),
             by: None,
             outcome: String::new(),
@@ -297,7 +304,7 @@ mod tests {
         check(&page, &hall);
         check(&page, &["What is missing here", "a mouse was at it"]);
         let decided = format!("decided {} by operator", here(TEN));
-        check(&page, &["/api/v1/luggage/3/photo?take=1", &decided, "not decided"]);
+        check(&page, &["/api/v1/luggage/3/photo?take=1", &decided, "pending"]);
     }
 
     /// Safety A6.
@@ -365,7 +372,7 @@ mod tests {
         const HALL: [&str; 1] = ["missions-key-home"];
         let app = app(searching());
         let list = app.read_in_italian("/missions", ENGLISH, &HALL).await;
-        check(&list, &["Una bomba è stata localizzata; bagaglio #2 lasciato sul posto", "In corso: ", ">Missione 1</a>"]);
+        check(&list, &["Una bomba è stata localizzata; rimasto sul posto: bagaglio #2", "In corso: ", ">Missione 1</a>"]);
         let older = app.read_in_italian("/missions?before=1", ENGLISH, &HALL).await;
         check(&older, &["Non ci sono missioni più vecchie.", "Le più recenti"]);
         let one = app.read_in_italian("/missions/1", ENGLISH, &HALL).await;
@@ -373,7 +380,7 @@ mod tests {
         check(
             &one,
             &[
-                "<span class=\"verdict\">in attesa</span>",
+                "<span class=\"verdict\">da decidere</span>",
                 "<b>Che cosa è stato fatto e trovato</b>",
                 "non deciso</li>",
                 "base</li>",

@@ -66,8 +66,13 @@ pub(super) async fn act(sender: CommandSender, uri: Uri, headers: HeaderMap, for
     match form {
         _ if sender.has_pressed_stop() => stop(sender, headers).await,
         Ok(Form(fields)) => answered(&sender, &headers, uri.path().trim_start_matches("/console/"), &fields).await,
+        Err(problem) if is_by_script(&headers) => problem.told(spoken(&headers)),
         Err(problem) => problem.into_response(),
     }
+}
+
+fn is_by_script(headers: &HeaderMap) -> bool {
+    preferred(headers, &["text/html", "application/json"]) == Some("application/json")
 }
 
 /// `POST console/stop`. STOP reads nothing of what was sent: nothing that is wrong with it may keep it from halting the robot.
@@ -80,7 +85,7 @@ async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields
         Ok((command, epoch)) => sender.give(door::CONSOLE, command, epoch).await,
         Err(problem) => Err(problem),
     };
-    let by_script = preferred(headers, &["text/html", "application/json"]) == Some("application/json");
+    let by_script = is_by_script(headers);
     let mut response = match done {
         Ok(Done { accepted, snapshot }) if by_script => axum::Json(AnswerJson::new(accepted, &snapshot)).into_response(),
         Ok(_) => Redirect::to("/").into_response(),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use axum::Json;
 use axum::extract::State;
-use axum::response::Html;
+use axum::response::{Html, IntoResponse, Response};
 
 use super::super::HttpDoor;
 use super::super::language::Reader;
@@ -45,23 +45,31 @@ pub(in crate::doors::http) async fn message(
     to: Reader,
     Number(id): Number,
     query: Query,
-) -> Result<Json<Message>, Problem> {
+) -> Response {
+    let language = to.language;
+    match differs(&door, to, id, &query).await {
+        Ok(message) => Json(message).into_response(),
+        Err(problem) => problem.told(language),
+    }
+}
+
+async fn differs(door: &HttpDoor, to: Reader, id: u64, query: &Query) -> Result<Message, Problem> {
     query.only(&["at", "time", "from", "shown"])?;
     let time = |name| query.count(name, 0..=MOST).map(|time| time.map(|time| At::Time(i64::try_from(time).unwrap_or(i64::MAX))));
-    let wanted = time("time")?.or(at(&query)?.map(At::Entry)).unwrap_or(At::Time(i64::MIN));
+    let wanted = time("time")?.or(at(query)?.map(At::Entry)).unwrap_or(At::Time(i64::MIN));
     let shown_at = time("shown")?.unwrap_or(wanted);
     let from = query.count("from", 1..=MOST)?.map(|seq| At::Entry(Seq(seq)));
     let (moment, from) = match from {
         Some(from) => {
-            let [from, moment] = stood(&door, id, [from, wanted]).await?;
+            let [from, moment] = stood(door, id, [from, wanted]).await?;
             (moment, Some(from))
         }
         None => {
-            let [moment] = stood(&door, id, [wanted]).await?;
+            let [moment] = stood(door, id, [wanted]).await?;
             (moment, None)
         }
     };
-    let about = About::of(&door, to, id).await?;
+    let about = About::of(door, to, id).await?;
     let message = move || {
         let mut shown = from.map_or_else(Shown::default, |from| {
             let from = about.looked_at(from, shown_at);
@@ -71,7 +79,7 @@ pub(in crate::doors::http) async fn message(
         shown.update(&looked.snapshot, &about.view(&looked))
     };
     // A large hall takes its time to be drawn: that is done where nothing waits for it (safety S7), a few at once.
-    Ok(Json(door.archive.look_up(move |_| Ok(message())).await?))
+    Ok(door.archive.look_up(move |_| Ok(message())).await?)
 }
 
 /// What is shown of a mission at whatever moment, and to whom.

@@ -36,7 +36,7 @@ impl<'a> Page<'a> {
     }
 
     fn made(&self) -> String {
-        self.v.zone().date_and_time(self.v.now)
+        self.v.date(self.v.now)
     }
 
     fn tiles(&self) -> String {
@@ -81,12 +81,9 @@ impl<'a> Page<'a> {
 
     fn moment(&self) -> Phrase<'static> {
         match self.v.then {
-            Some(then) => self
-                .v
-                .say("moment")
-                .with("time", self.v.zone().date_and_time(self.v.now))
-                .with("entry", then.seq)
-                .with("mission", then.mission),
+            Some(then) => {
+                self.v.say("moment").with("time", self.v.date(self.v.now)).with("entry", then.seq).with("mission", then.mission)
+            }
             None if self.v.snapshot.mission.id.0 == 0 => self.v.say("moment-none"),
             None => self.v.say("moment-now"),
         }

@@ -96,7 +96,7 @@ impl PhotoPage<'_> {
     }
 
     fn time(&self, wall: WallTime) -> String {
-        self.zone.date_and_time(wall)
+        self.language.date(&self.zone.date_and_time(wall))
     }
 
     fn failure(&self) -> &str {
@@ -133,7 +133,7 @@ mod tests {
             ("/luggage/3", ["Foto 3 di 3 del bagaglio #3, la più recente", "Tutte le sue foto", ">foto 2</a>", "la foto intera"]),
             (
                 "/luggage/3?take=1",
-                ["Foto 1 di 3 del bagaglio #3, precedente", "in attesa", "Gli orari sono in UTC", "Più piccola"],
+                ["Foto 1 di 3 del bagaglio #3, precedente", "da decidere", "Gli orari sono in UTC", "Più piccola"],
             ),
         ] {
             let page = app.read_in_italian(path, ENGLISH, &[]).await;

@@ -124,7 +124,7 @@ mod tests {
         for wanted in [
             "Recupero nella missione 1 ·",
             "Recupero del bagaglio #1 da parte della coppia",
-            "0,2 s dopo l'inizio, all'istante 2 di",
+            "0,2 s dopo l'inizio, al momento 2 di",
             "<li data-t=\"0.1\"><span class=\"seq\">0,1 s</span>",
             ">Precedente</a>",
             "Gli alberi non possono muoversi",

@@ -175,7 +175,12 @@ impl View<'_> {
         if self.then.is_some() {
             return Some(self.say("dead-past").to_string());
         }
-        self.who.as_ref().filter(|who| !who.role.may(Need::Act)).map(|_| self.say("dead-viewer").to_string())
+        self.is_viewer().then(|| self.say("dead-viewer").to_string())
+    }
+
+    /// Whether whoever looks may do no more.
+    pub(super) fn is_viewer(&self) -> bool {
+        self.who.as_ref().is_some_and(|who| !who.role.may(Need::Act))
     }
 
     pub(super) fn phase(&self) -> String {
@@ -213,6 +218,11 @@ impl View<'_> {
     /// When the moment of the past was that is shown.
     pub(super) fn then_at(&self) -> Option<String> {
         self.then.map(|_| self.zone().clock_time(self.now))
+    }
+
+    /// A day and time, as the language writes them.
+    pub(super) fn date(&self, wall: WallTime) -> String {
+        self.language.date(&self.zone().date_and_time(wall))
     }
 
     /// The zone of every time on the page.

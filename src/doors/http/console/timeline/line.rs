@@ -134,8 +134,13 @@ impl Timeline {
 
     /// Where a moment is in the picture.
     pub(in super::super) fn x(&self, unix_ms: i64) -> i64 {
-        let off: i64 = self.breaks.iter().filter(|[_, to, _]| *to <= unix_ms).map(|[from, to, shown]| to - from - shown).sum();
-        (unix_ms - self.began.unwrap_or(unix_ms) - off).max(0) / UNIT_MS
+        let off: i64 = self
+            .breaks
+            .iter()
+            .filter(|[_, to, _]| *to <= unix_ms)
+            .map(|[from, to, shown]| to.saturating_sub(*from).saturating_sub(*shown))
+            .fold(0, i64::saturating_add);
+        unix_ms.saturating_sub(self.began.unwrap_or(unix_ms)).saturating_sub(off).max(0) / UNIT_MS
     }
 
     /// How many sections do not change any more.
@@ -165,7 +170,7 @@ impl Timeline {
 
     fn add(&mut self, wall: WallTime, fact: &Fact) {
         let began = *self.began.get_or_insert(wall.unix_ms);
-        if matches!(fact, Fact::ProgramStarted(_)) && wall.unix_ms - self.end > OFF_MS && self.end > began {
+        if matches!(fact, Fact::ProgramStarted(_)) && wall.unix_ms.saturating_sub(self.end) > OFF_MS && self.end > began {
             self.breaks.push([self.end, wall.unix_ms, OFF_MS]);
         }
         // A clock that is set back does not make the line go back.
@@ -284,6 +289,21 @@ mod tests {
     fn command(words: &str) -> Fact {
         let issuer = Issuer { who: "<anna>".into(), ..Issuer::operator(crate::api::door::CONSOLE) };
         Fact::Command { issuer, id: None, command: words.to_owned(), epoch: None, luggage: None, refused: None }
+    }
+
+    #[test]
+    fn a_time_that_a_damaged_journal_has_ends_no_page() {
+        for unix_ms in [i64::MIN, -9_223_372_036_854_775_000, i64::MAX] {
+            let mut line = Timeline::new(MissionId(1), Language::English, Zone::of(TEN), degrees(25.0));
+            let entry = |unix_ms, fact| Ok(Entry { wall: WallTime { unix_ms, ..TEN }, fact });
+            let started = || Fact::ProgramStarted("1".to_owned());
+            line.extend(&[
+                (Seq(1), entry(unix_ms, started())),
+                (Seq(2), entry(TEN.unix_ms, started())),
+                (Seq(3), entry(unix_ms, started())),
+            ]);
+            assert!(line.width() > 0 && line.x(i64::MIN) >= 0 && line.x(i64::MAX) >= 0);
+        }
     }
 
     #[test]

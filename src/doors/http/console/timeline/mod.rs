@@ -48,7 +48,12 @@ impl Timelines {
     /// The line of this mission as far as it can be read now.
     pub(super) async fn of(door: &HttpDoor, mission: MissionId, language: Language) -> Arc<Timeline> {
         let now = door.clock.now();
+        let present = door.handle.snapshot().mission.id;
         let (mut line, is_due) = door.timelines.with(|lines| {
+            // Those of the present mission, which every page follows, do not give way to old ones that somebody looks at.
+            for language in Language::ALL {
+                lines.get(&(present, language));
+            }
             let new = || Arc::new(Timeline::new(mission, language, Zone::of(now.wall), door.settings.threshold));
             let known = lines.entry((mission, language)).or_insert_with(|| Known { line: new(), asked: None });
             let is_due = known.asked.is_none_or(|asked| now.since_start.saturating_sub(asked) >= AGAIN);

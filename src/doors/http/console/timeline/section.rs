@@ -123,6 +123,25 @@ fn heights(class: &str) -> (i64, i64) {
     }
 }
 
+/// As a picture can hold it: what is no character of XML is left out, else all of the picture would be none.
 fn escaped(words: &str) -> String {
-    escape(words, Html).map(|safe| safe.to_string()).unwrap_or_default()
+    let is_of_xml = |c: &char| !matches!(c, '\0'..='\u{8}' | '\u{b}' | '\u{c}' | '\u{e}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}');
+    let words: String = words.chars().filter(is_of_xml).collect();
+    escape(words.as_str(), Html).map(|safe| safe.to_string()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A picture that is no XML is not drawn by a browser.
+    #[test]
+    fn whatever_is_said_of_a_mark_the_picture_stays_one() {
+        let said: String = ('\0'..='\u{ff}').chain(['\u{fffd}', '\u{fffe}', '\u{ffff}', '鞄']).collect();
+        let mut section = Section::default();
+        section.mark(3, "refused", &said);
+        let drawn = section.drawn(0, None, true);
+        assert!(roxmltree::Document::parse(&drawn).is_ok(), "{drawn}");
+        assert!(drawn.contains("é") && drawn.contains('鞄') && !drawn.contains('\u{ffff}'));
+    }
 }
