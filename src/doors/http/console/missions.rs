@@ -382,7 +382,7 @@ mod tests {
             &[
                 "<span class=\"verdict\">da decidere</span>",
                 "<b>Che cosa è stato fatto e trovato</b>",
-                "non deciso</li>",
+                "da decidere</li>",
                 "base</li>",
             ],
         );
