@@ -10,7 +10,7 @@ use axum::response::{IntoResponse, Redirect, Response};
 use serde::Deserialize;
 
 use super::accept::range;
-use super::gate::{LetIn, cookies};
+use super::gate::{LetIn, Peer, cookies};
 use super::problem::Problem;
 use super::reading::Form;
 use super::sign_in::local;
@@ -78,11 +78,12 @@ fn asked_for(headers: &HeaderMap) -> Language {
 }
 
 /// `POST language`
-pub(super) async fn choose(Form(choice): Form<Choice>) -> Result<Response, Problem> {
+pub(super) async fn choose(peer: Peer, Form(choice): Form<Choice>) -> Result<Response, Problem> {
     let Some(language) = Language::ALL.into_iter().find(|language| language.tag() == choice.language) else {
         return Err(Problem::unusable("language is en or it".to_owned()));
     };
-    let cookie = format!("{COOKIE}={}; Path=/; Max-Age={REMEMBERED_S}; HttpOnly; SameSite=Lax", language.tag());
+    let secure = if peer.is_encrypted { "; Secure" } else { "" };
+    let cookie = format!("{COOKIE}={}; Path=/; Max-Age={REMEMBERED_S}; HttpOnly; SameSite=Lax{secure}", language.tag());
     let cookie = HeaderValue::from_str(&cookie).expect("a tag is two letters");
     Ok(([(header::SET_COOKIE, cookie)], Redirect::to(local(choice.next.as_deref()))).into_response())
 }
