@@ -95,11 +95,33 @@ fn unsaid(phrases: &Phrases, texts: &[(String, String)]) -> Vec<String> {
 
 /// Phrases that are said and are not there, by sources and by scripts. What a script says, its page may say as well.
 fn unknown(phrases: &Phrases, texts: &[(String, String)]) -> Vec<String> {
-    let said = texts.iter().flat_map(|(file, text)| literals_after(text, "say(").map(move |id| (file, id)));
+    let said = texts.iter().flat_map(|(file, text)| said_in(text).into_iter().map(move |id| (file, id)));
     let is_there = |file: &str, id: &str| phrases.get(id).is_some_and(|phrase| phrase.is_for_scripts || !file.ends_with(".js"));
     said.filter(|(file, id)| is_id(id) && !is_there(file, id))
         .map(|(file, id)| format!("{file} says {id}, which is not there"))
         .collect()
+}
+
+/// The ids in what is to be said: in the first argument of the call, whichever of them it comes to. A literal that is not all of it may
+/// belong to a condition: it is an id if it looks like nothing else.
+fn said_in(text: &str) -> Vec<&str> {
+    let literals = |rest| first_argument(rest).split('"').skip(1).step_by(2);
+    let in_call = |rest: &'_ str| rest.starts_with('"');
+    text.split("say(").skip(1).flat_map(|rest| literals(rest).filter(move |id| in_call(rest) || id.contains('-'))).collect()
+}
+
+fn first_argument(rest: &str) -> &str {
+    let (mut depth, mut is_quoted) = (0, false);
+    let end = rest.find(|c: char| {
+        match c {
+            '"' => is_quoted = !is_quoted,
+            '(' | '{' | '[' if !is_quoted => depth += 1,
+            ')' | '}' | ']' if !is_quoted => depth -= 1,
+            _ => {}
+        }
+        depth < 0 || (c == ',' && depth == 0 && !is_quoted)
+    });
+    &rest[..end.unwrap_or(0)]
 }
 
 /// The literals that stand as the first argument of this call.
@@ -128,6 +150,11 @@ mod tests {
         let phrases = of("a = A\nphase-idle = idle\n", false);
         assert_eq!(unsaid(&phrases, &texts("say(\"a\"); say_of(\"phase\", name)")), Vec::<String>::new());
         assert_eq!(unsaid(&phrases, &texts("say(\"b\")")).len(), 2);
+        let chosen = texts("say(if f(1, \"x y\") { \"a\" } else { \"a-c\" }, \"d\"); say(match x { A => \"a\", B => \"a-e\" })");
+        assert_eq!(
+            unknown(&phrases, &chosen),
+            ["src/a.rs says a-c, which is not there", "src/a.rs says a-e, which is not there"]
+        );
         assert_eq!(unknown(&phrases, &texts("say(\"b\").with(\"x\", say(\"a\"))")), ["src/a.rs says b, which is not there"]);
         let by_script = [("static/a.js".to_owned(), "say(\"a\")".to_owned())];
         assert_eq!(unknown(&phrases, &by_script), ["static/a.js says a, which is not there"]);

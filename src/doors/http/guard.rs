@@ -20,7 +20,7 @@ use super::HttpDoor;
 use super::accept::preferred;
 use super::gate::Peer;
 use super::language::spoken;
-use super::problem::{Problem, Said, in_words};
+use super::problem::{Detail, Problem, in_words};
 use super::sign_in::local;
 use crate::api::fields::in_short;
 use crate::phrases::Language;
@@ -132,7 +132,7 @@ async fn for_people(request: Request, next: Next) -> Response {
     let can_be_shown_again = !is_program && *request.method() == Method::GET;
     let asked = request.uri().path_and_query().filter(|_| can_be_shown_again).map(|path| path.as_str().to_owned());
     let mut response = next.run(request).await;
-    let Some(Said { code, detail }) = response.extensions_mut().remove::<Said>() else { return response };
+    let Some(Detail { code, detail }) = response.extensions_mut().remove::<Detail>() else { return response };
     response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
     if is_program {
         return response;

@@ -9,11 +9,11 @@ use crate::api::fields::in_short;
 use crate::api::problem::{ProblemKind, TOO_SLOW, refusal};
 pub(super) use crate::doors::problem::Problem;
 use crate::phrases::Language;
-use hallsweep_core::command::Refusal;
+use hallsweep_core::command::{CODES, Refusal};
 
 /// Goes with a problem's answer, so that a person's browser can be shown a page instead of JSON.
 #[derive(Clone, Debug)]
-pub(super) struct Said {
+pub(super) struct Detail {
     pub(super) code: &'static str,
     pub(super) detail: String,
 }
@@ -25,6 +25,7 @@ pub(super) fn in_words(language: Language, code: &str, detail: &str) -> String {
     if let Some(refused) = refused.into_iter().flatten().next() {
         return language.refused(&refused);
     }
+    let code = if CODES.iter().any(|(known, _)| *known == code) { "refused" } else { code };
     language.say_of("problem", code).with("detail", detail).to_string()
 }
 
@@ -122,7 +123,7 @@ impl IntoResponse for Problem {
     fn into_response(self) -> Response {
         let body = self.json();
         let media_type = HeaderValue::from_static("application/problem+json");
-        let said = Said { code: self.code(), detail: self.detail().to_owned() };
+        let said = Detail { code: self.code(), detail: self.detail().to_owned() };
         let mut response = (self.status(), Extension(said), [(header::CONTENT_TYPE, media_type)], body).into_response();
         self.tell_gate(&mut response);
         response
@@ -151,7 +152,7 @@ fn halted(pressed: Option<Extension<Pressed>>) -> &'static str {
 mod tests {
     use super::*;
     use crate::api::problem::refusal as named;
-    use hallsweep_core::command::{CODES, CommandId, Refused, Verdict};
+    use hallsweep_core::command::{CommandId, Refused, Verdict};
     use hallsweep_core::event::RobotId;
     use hallsweep_core::mission::{FaultCause, Hold, PhaseName};
     use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId};
@@ -186,7 +187,7 @@ mod tests {
         ];
         let common = common.iter().map(|problem| problem.code().to_owned());
         let of_simulator = "boundToHall".to_owned();
-        own.chain(common).chain(CODES.map(|(code, _)| code.to_owned())).chain([of_simulator]).collect()
+        own.chain(common).chain(["refused".to_owned(), of_simulator]).collect()
     }
 
     #[test]

@@ -2,7 +2,6 @@
 //! client that speaks to the router without a socket. It knows no mission.
 
 mod bilingual;
-mod italian;
 mod past;
 
 use std::net::Ipv4Addr;

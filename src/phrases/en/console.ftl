@@ -66,7 +66,6 @@ hold-waits-for-operator = waiting for the operator
 hold-too-hot = too hot: { $readings }; { $cool } or less is wanted
 reading-of = { $source } { $reading }
 next = <b>Next:</b> { $what }
-next-bomb-at = Luggage #{ $id } at { $place } is dangerous.
 next-retrieve = RETRIEVE has it brought into the container.
 next-after-alarm = When the hall is safe again, acknowledge the alarm, then press RESET to put this mission away.
 next-reset = When the hall is safe again, press RESET to put this mission away.

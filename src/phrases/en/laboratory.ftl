@@ -6,7 +6,6 @@ laboratory-roomba = Roomba
 laboratory-pallet = Pallet
 laboratory-seed = Seed
 laboratory-run = Run
-laboratory-legend = Legend
 laboratory-at-the-end = At the end
 
 ## The Roomba

@@ -66,7 +66,6 @@ said-failed = { $robot } could not carry out its order ({ $why })
 said-no-photo = { $robot } took no photo ({ $why })
 said-unanswered = { $robot } did not finish its order in time: look after it
 said-trees-anew = the pair's trees begin anew: { $why }
-said-started-again = the program was started again; everything is as it was
 said-ended = the program was ended by { $by }: the robot halts
 said-put-down = the robot was put down in another hall
 

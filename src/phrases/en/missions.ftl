@@ -1,9 +1,7 @@
 # The pages of missions: their list, one of them, and the retrieval in it.
 
 missions-title = Missions
-missions-mission = Mission
 missions-of = Mission { $id }
-missions-all = All missions
 missions-times = Times are in { $zone }.
 missions-pages = Pages
 
@@ -32,17 +30,14 @@ missions-left = { $outcome }; luggage { $which } was left in place
 
 ## One of them
 
-missions-search-order = Search order
 missions-luggage = Luggage
 missions-luggage-count = { $count }, of them dangerous: { $dangerous }
 missions-zone = Times
 missions-in-zone = in { $zone }
-missions-retrieval = Retrieval
 missions-its-trees = its trees, moment by moment
 missions-cells-visited = Cells visited
 missions-missing = What is missing here
 missions-damaged = Part of this mission's record is damaged. The rest is shown, without what follows from that part:
-missions-hall = Hall
 missions-replay = Replay this mission
 missions-hall-known = The hall as far as it was known
 missions-no-luggage = None was met.
@@ -73,5 +68,4 @@ missions-moment-first = First
 missions-moment-previous = Previous
 missions-moment-next = Next
 missions-moment-last = Last
-missions-what-happened = What happened
 missions-seconds-since = Seconds since it began, by the clock. The same for programs:

@@ -1,9 +1,7 @@
 # A piece of luggage with its photo: the page of a photo, and the pieces in lists.
 
-photo-luggage = Luggage #{ $id }
 photo-photo = Photo
 photo-can-be-enlarged = Photo, can be enlarged
-photo-none = There is no photo: { $why }.
 photo-of = Photo of luggage #{ $id }
 photo-of-newest = Photo { $take } of { $newest } of luggage #{ $id }, the newest
 photo-of-earlier = Photo { $take } of { $newest } of luggage #{ $id }, an earlier one
@@ -25,6 +23,3 @@ piece-secured = secured { $time }
 
 ## What was decided of it
 
-piece-verdict-pending = pending
-piece-verdict-safe = safe
-piece-verdict-danger = danger

@@ -12,36 +12,9 @@ astray-421 = hallsweep is not called so
 astray-500 = Something went wrong in hallsweep
 astray-503 = That cannot be done just now
 
-## By code: what the core refuses.
+## By code: what the core refuses in words of another version.
 
-problem-held = { $detail }
-problem-outdated = { $detail }
-problem-sentBefore = { $detail }
-problem-notInPhase = { $detail }
-problem-verdictPending = { $detail }
-problem-driving = { $detail }
-problem-notStopped = { $detail }
-problem-intoObstacle = { $detail }
-problem-notCapable = { $detail }
-problem-moving = { $detail }
-problem-unrecorded = { $detail }
-problem-bombUnfetched = { $detail }
-problem-unknownLuggage = { $detail }
-problem-nothingPending = { $detail }
-problem-decided = { $detail }
-problem-noPhoto = { $detail }
-problem-notInspected = { $detail }
-problem-photoUnderWay = { $detail }
-problem-unknownAlarm = { $detail }
-problem-noRetrievalRobot = { $detail }
-problem-fetcherUnreached = { $detail }
-problem-fetcherAbroad = { $detail }
-problem-faultStands = { $detail }
-problem-storeDown = { $detail }
-problem-notKept = { $detail }
-problem-otherContent = { $detail }
-problem-unknownSensor = { $detail }
-problem-notAllowed = { $detail }
+problem-refused = { $detail }
 
 ## What never reaches it.
 

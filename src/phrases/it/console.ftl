@@ -66,7 +66,6 @@ hold-waits-for-operator = in attesa dell'operatore
 hold-too-hot = troppo caldo: { $readings }; servono { $cool } o meno
 reading-of = { $source } { $reading }
 next = <b>Poi:</b> { $what }
-next-bomb-at = Il bagaglio #{ $id } in { $place } è pericoloso.
 next-retrieve = RECUPERA lo fa portare nel contenitore.
 next-after-alarm = Quando la sala è di nuovo sicura, confermare l'allarme, poi premere ARCHIVIA per archiviare questa missione.
 next-reset = Quando la sala è di nuovo sicura, premere ARCHIVIA per archiviare questa missione.

@@ -6,7 +6,6 @@ laboratory-roomba = Roomba
 laboratory-pallet = Bancale
 laboratory-seed = Seme
 laboratory-run = Esegui
-laboratory-legend = Legenda
 laboratory-at-the-end = Alla fine
 
 ## Il Roomba

@@ -69,7 +69,6 @@ said-failed = { $robot } non ha potuto eseguire il suo ordine ({ $why })
 said-no-photo = { $robot } non ha fatto la foto ({ $why })
 said-unanswered = { $robot } non ha finito il suo ordine in tempo: controllarlo
 said-trees-anew = gli alberi della coppia ricominciano: { $why }
-said-started-again = il programma è stato riavviato; tutto è com'era
 said-ended = il programma è stato terminato da { $by }: il robot si ferma
 said-put-down = il robot è stato messo in un'altra sala
 

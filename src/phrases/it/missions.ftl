@@ -1,9 +1,7 @@
 # Le pagine delle missioni: l'elenco, una di esse, e il suo recupero.
 
 missions-title = Missioni
-missions-mission = Missione
 missions-of = Missione { $id }
-missions-all = Tutte le missioni
 missions-times = Gli orari sono in { $zone }.
 missions-pages = Pagine
 
@@ -32,17 +30,14 @@ missions-left = { $outcome }; rimasto sul posto: bagaglio { $which }
 
 ## Una di esse
 
-missions-search-order = Ordine di ricerca
 missions-luggage = Bagagli
 missions-luggage-count = { $count }, di cui pericolosi: { $dangerous }
 missions-zone = Orari
 missions-in-zone = in { $zone }
-missions-retrieval = Recupero
 missions-its-trees = i suoi alberi, momento per momento
 missions-cells-visited = Celle visitate
 missions-missing = Che cosa manca qui
 missions-damaged = Una parte di ciò che è registrato di questa missione è danneggiata. Il resto è mostrato, senza ciò che ne consegue:
-missions-hall = Sala
 missions-replay = Rivedere questa missione
 missions-hall-known = La sala, per quanto era nota
 missions-no-luggage = Non ne è stato incontrato nessuno.
@@ -73,5 +68,4 @@ missions-moment-first = Primo
 missions-moment-previous = Precedente
 missions-moment-next = Successivo
 missions-moment-last = Ultimo
-missions-what-happened = Che cosa è successo
 missions-seconds-since = Secondi dall'inizio, secondo l'orologio. Lo stesso per i programmi:

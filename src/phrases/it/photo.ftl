@@ -1,9 +1,7 @@
 # Un bagaglio con la sua foto: la pagina di una foto, e i bagagli negli elenchi.
 
-photo-luggage = Bagaglio #{ $id }
 photo-photo = Foto
 photo-can-be-enlarged = Foto, si può ingrandire
-photo-none = Non c'è nessuna foto: { $why }.
 photo-of = Foto del bagaglio #{ $id }
 photo-of-newest = Foto { $take } di { $newest } del bagaglio #{ $id }, la più recente
 photo-of-earlier = Foto { $take } di { $newest } del bagaglio #{ $id }, precedente
@@ -25,6 +23,3 @@ piece-secured = messo al sicuro: { $time }
 
 ## Che cosa ne è stato deciso
 
-piece-verdict-pending = da decidere
-piece-verdict-safe = sicuro
-piece-verdict-danger = pericoloso

@@ -12,36 +12,9 @@ astray-421 = hallsweep non si chiama così
 astray-500 = In hallsweep qualcosa è andato storto
 astray-503 = Per il momento non si può fare
 
-## Per codice: che cosa rifiuta il nucleo.
+## Per codice: che cosa rifiuta il nucleo, nelle parole di un'altra versione.
 
-problem-held = non è possibile finché la missione è bloccata: la console dice che cosa la blocca
-problem-outdated = comando superato: nel frattempo è stato premuto STOP; guardare di nuovo, poi ripeterlo
-problem-sentBefore = comando superato: era già stato inviato, e nel frattempo può esserci stato uno STOP o un riavvio; guardare di nuovo, poi darlo da capo
-problem-notInPhase = non è possibile nella fase attuale della missione
-problem-verdictPending = un bagaglio attende il verdetto: rispondere prima SICURO o PERICOLO
-problem-driving = il robot è guidato a mano: attendere la fine del movimento, o premere STOP
-problem-notStopped = il robot è in missione: premere STOP prima di guidarlo a mano
-problem-intoObstacle = in quella cella c'è un ostacolo
-problem-notCapable = questo robot non sa fare piccole rotazioni di correzione
-problem-moving = il robot si muove: premere prima STOP
-problem-unrecorded = si sta registrando un bagaglio: attendere la sua foto
-problem-bombUnfetched = un bagaglio pericoloso è ancora nella sala: confermare prima il suo allarme
-problem-unknownLuggage = questo bagaglio non c'è
-problem-nothingPending = nessun bagaglio attende un verdetto
-problem-decided = questo bagaglio ha già un verdetto, e il verdetto è definitivo
-problem-noPhoto = di questo bagaglio non c'è una foto utilizzabile: rifarla, o rispondere PERICOLO
-problem-notInspected = non è questo il bagaglio sotto esame
-problem-photoUnderWay = la foto è in corso
-problem-unknownAlarm = questo allarme non c'è
-problem-noRetrievalRobot = non c'è alcun robot che recupera
-problem-fetcherUnreached = un robot che serve al recupero non è raggiungibile: ripristinare prima il suo collegamento
-problem-fetcherAbroad = un robot del recupero non è ancora rientrato: premere AVVIA, così il recupero riprende
-problem-faultStands = il guasto c'è ancora: eliminarne prima la causa
-problem-storeDown = il registro non si può scrivere, quindi nulla è stato deciso: riprovare quando l'archivio è di nuovo disponibile
-problem-notKept = non è stato possibile metterlo a registro, perché l'archivio si è guastato: guardare lo stato prima di ripetere
-problem-otherContent = questo identificativo è già servito per un altro comando: dare a ogni comando il suo
-problem-unknownSensor = questo sensore non c'è: indicarlo nell'impostazione temperature.sensor
-problem-notAllowed = serve la chiave di un operatore: un osservatore vede tutto e può premere STOP
+problem-refused = è stato rifiutato: «{ $detail }»
 
 ## Che cosa non gli arriva.
 

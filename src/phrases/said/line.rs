@@ -2,6 +2,7 @@
 
 use crate::phrases::Language;
 use hallsweep_core::event::RobotId;
+use hallsweep_core::mission::Hold;
 use hallsweep_core::world::said::{HoldReason, Said, Trouble};
 
 impl Language {
@@ -39,7 +40,7 @@ impl Language {
             }
             Said::Robot(robot, trouble) => return self.trouble(robot, trouble),
             Said::TreesBeginAnew(why) => self.say("said-trees-anew").with("why", why),
-            Said::StartedAgain => self.say("said-started-again"),
+            Said::StartedAgain => self.hold(Hold::Restart),
             Said::Ended(by) => self.say("said-ended").with("by", by),
             Said::PutDown => self.say("said-put-down"),
             Said::Fact(fact) => return self.fact(fact),

@@ -64,16 +64,14 @@ fn said(fact: &Fact) -> String {
 }
 
 /// A command with the piece that it turned out to be about, where its sender did not name it.
-#[must_use]
-pub fn asked(command: &str, luggage: Option<LuggageId>) -> String {
+fn asked(command: &str, luggage: Option<LuggageId>) -> String {
     let (asked, note) = command.split_once(" (note: ").map_or((command, None), |(asked, note)| (asked, Some(note)));
     let named = luggage.map(|id| format!(" #{id}")).filter(|id| !asked.ends_with(id.as_str())).unwrap_or_default();
     note.map_or_else(|| format!("{asked}{named}"), |note| format!("{asked}{named} (note: {note}"))
 }
 
 /// What became of a command: `accepted`, or `refused` and why.
-#[must_use]
-pub fn outcome(refused: Option<&Refusal>) -> String {
+fn outcome(refused: Option<&Refusal>) -> String {
     refused.map_or_else(|| "accepted".to_owned(), |refusal| format!("refused: {}", refusal.words))
 }
 

@@ -21,4 +21,4 @@ pub(crate) use rule::{Act, Case, Guard, Rule, To};
 pub use state::Goal;
 pub(crate) use state::{Deciding, Mission, Recording, TRAIL};
 pub(crate) use table::rules;
-pub use words::{from_words, in_words};
+pub use words::in_words;

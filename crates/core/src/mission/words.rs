@@ -20,7 +20,7 @@ pub fn in_words(command: &Command) -> String {
 /// The command that has these words; `None` when none has them, as those of a newer journal.
 #[must_use]
 #[expect(clippy::wildcard_enum_match_arm, reason = "no event is a command; a test holds that every command comes back")]
-pub fn from_words(words: &str) -> Option<Command> {
+pub(super) fn from_words(words: &str) -> Option<Command> {
     let (input, about) = Input::from_words(words)?;
     let about = about.trim_start();
     let verdict = |verdict| {

@@ -94,10 +94,6 @@ impl Incident<'_> {
         next.unwrap_or_else(|| self.v.say("incident-next-phase").with("phase", self.v.phase()).to_string())
     }
 
-    fn text(&self, alarm: &AlarmView) -> String {
-        self.v.alarm(alarm)
-    }
-
     fn time(&self, wall: &WallTime) -> String {
         self.v.zone().clock_time(*wall)
     }

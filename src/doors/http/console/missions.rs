@@ -367,15 +367,13 @@ mod tests {
 
     #[tokio::test]
     async fn who_reads_italian_reads_them_in_italian() {
-        const ENGLISH: &str = include_str!("../../../phrases/en/missions.ftl");
-        // The picture of the hall names it.
-        const HALL: [&str; 1] = ["missions-key-home"];
+        const NAMES: [&str; 1] = ["entry 6 of the journal cannot be understood (a mouse was at it)"];
         let app = app(searching());
-        let list = app.read_in_italian("/missions", ENGLISH, &HALL).await;
+        let list = app.italian(("GET", "/missions", ""), &[], &NAMES).await;
         check(&list, &["Una bomba è stata localizzata; rimasto sul posto: bagaglio #2", "In corso: ", ">Missione 1</a>"]);
-        let older = app.read_in_italian("/missions?before=1", ENGLISH, &HALL).await;
+        let older = app.italian(("GET", "/missions?before=1", ""), &[], &NAMES).await;
         check(&older, &["Non ci sono missioni più vecchie.", "Le più recenti"]);
-        let one = app.read_in_italian("/missions/1", ENGLISH, &HALL).await;
+        let one = app.italian(("GET", "/missions/1", ""), &[], &NAMES).await;
         check(&one, &["3, di cui pericolosi: 1", "Una parte di ciò che è registrato", "da anna (console, 192.0.2.7):"]);
         check(
             &one,
@@ -386,16 +384,16 @@ mod tests {
                 "base</li>",
             ],
         );
-        let steps = app.read_in_italian("/missions/1?show=all&after=2", ENGLISH, &HALL).await;
+        let steps = app.italian(("GET", "/missions/1?show=all&after=2", ""), &[], &NAMES).await;
         check(&steps, &["<b>Ogni passo</b>", "Dal principio"]);
-        let unkept = app.read_in_italian("/missions/2", ENGLISH, &HALL).await;
+        let unkept = app.italian(("GET", "/missions/2", ""), &[], &NAMES).await;
         check(&unkept, &["La mappa e i bagagli di questa missione non sono conservati.", "non ancora"]);
     }
 
     #[test]
     fn every_verdict_has_its_word_in_both_languages() {
         for language in Language::ALL {
-            let words = ["pending", "safe", "danger"].map(|verdict| language.say_of("piece-verdict", verdict).to_string());
+            let words = ["pending", "safe", "danger"].map(|verdict| language.say_of("verdict", verdict).to_string());
             assert!(language != Language::English || words == ["pending", "safe", "danger"], "{words:?}");
         }
     }

@@ -172,6 +172,32 @@ mod tests {
         }
     }
 
+    #[tokio::test]
+    async fn who_reads_italian_reads_now_and_the_past_in_italian() {
+        // The lines of the log and the alarm are made up, in words of nobody.
+        const NAMES: [&str; 14] = [
+            "42 cm",
+            ": luggage #2 is dangerous.",
+            "exploration began",
+            "luggage #2 is dangerous",
+            "luggage #3 found at (3, 2)",
+            "LED",
+            "OK",
+            "Robot",
+            "Sonar",
+            "airport",
+            "hallsweep ·",
+            "rev",
+            "robot",
+            "sonar",
+        ];
+        for (snapshot, path) in [(idle(), "/"), (searching(), "/"), (searching(), "/missions/1/moment?at=4")] {
+            app(snapshot).italian(("GET", path, ""), &[], &NAMES).await;
+        }
+        app(searching()).italian(("GET", "/console/confirm/danger/3?note=red", ""), &[], &NAMES).await;
+        app(searching()).italian(("GET", "/console/confirm/reset", ""), &[], &NAMES).await;
+    }
+
     /// Safety S10.
     #[tokio::test]
     async fn every_page_has_a_stop_that_works_without_a_script_and_the_script_that_does_not_let_it_go() {

@@ -276,10 +276,6 @@ impl Alarms<'_> {
         self.v.snapshot.alarms.iter().rev().filter(unseen).collect()
     }
 
-    fn text(&self, alarm: &AlarmView) -> String {
-        self.v.alarm(alarm)
-    }
-
     fn time(&self, wall: &WallTime) -> String {
         self.v.zone().clock_time(*wall)
     }
@@ -348,10 +344,6 @@ impl Blackboard<'_> {
 }
 
 impl Log<'_> {
-    fn said(&self, line: &LogLine) -> String {
-        self.v.language.said(&line.said)
-    }
-
     fn lines(&self) -> Vec<(&LogLine, String, String)> {
         let latest = self.v.snapshot.log.iter().rev().take(LINES);
         latest.map(|line| (&**line, rfc3339(line.wall), self.v.zone().clock_time(line.wall))).collect()

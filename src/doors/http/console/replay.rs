@@ -118,9 +118,9 @@ mod tests {
 
     #[tokio::test]
     async fn who_reads_italian_reads_it_in_italian() {
-        const ENGLISH: &str = include_str!("../../../phrases/en/missions.ftl");
+        const NAMES: [&str; 1] = ["JSON"];
         let app = app(searching());
-        let page = app.read_in_italian("/missions/1/retrieval?moment=2", ENGLISH, &[]).await;
+        let page = app.italian(("GET", "/missions/1/retrieval?moment=2", ""), &[], &NAMES).await.replace("&#39;", "'");
         for wanted in [
             "Recupero nella missione 1 ·",
             "Recupero del bagaglio #1 da parte della coppia",

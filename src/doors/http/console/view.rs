@@ -17,10 +17,8 @@ use crate::doors::http::HttpDoor;
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::command::Refused;
 use hallsweep_core::event::RobotId;
-use hallsweep_core::mission::{FaultCause, Hold, PhaseName};
-use hallsweep_core::retrieval::NotFetched;
-use hallsweep_core::units::{Cell, Celsius, WallTime};
-use hallsweep_core::world::alarm::AlarmView;
+use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::units::{Cell, Celsius, LuggageId, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 use hallsweep_core::world::robot::{RobotState, RobotView};
 use hallsweep_core::world::snapshot::Snapshot;
@@ -131,27 +129,16 @@ impl View<'_> {
         self.language.place(cell)
     }
 
-    pub(super) fn fault(&self, fault: &FaultCause) -> String {
-        self.language.fault(fault)
-    }
-
-    /// What an alarm says.
-    pub(super) fn alarm(&self, alarm: &AlarmView) -> String {
-        self.language.alarm(&alarm.cause)
-    }
-
-    /// Why a piece cannot be fetched.
-    pub(super) fn reason(&self, reason: &NotFetched) -> String {
-        self.language.not_fetched(reason)
-    }
-
     /// The pieces that are in the container, as `luggage #1 is in the container`.
     fn secured(&self) -> Option<String> {
-        let ids: Vec<String> = self.snapshot.luggage.secured().map(|piece| format!("#{}", piece.id)).collect();
+        let ids: Vec<LuggageId> = self.snapshot.luggage.secured().map(|piece| piece.id).collect();
         match ids.as_slice() {
             [] => None,
-            [only] => Some(self.say("secured-one").with("id", &only[1..]).to_string()),
-            ids => Some(self.say("secured-many").with("ids", self.language.list(ids)).to_string()),
+            [only] => Some(self.say("secured-one").with("id", only).to_string()),
+            ids => {
+                let named: Vec<String> = ids.iter().map(|id| format!("#{id}")).collect();
+                Some(self.say("secured-many").with("ids", self.language.list(&named)).to_string())
+            }
         }
     }
 
@@ -263,7 +250,8 @@ impl View<'_> {
         match self.snapshot.mission.phase {
             PhaseName::BombLocated => {
                 let bomb = self.snapshot.luggage.bombs_left().next();
-                let at = bomb.map(|bomb| self.say("next-bomb-at").with("id", bomb.id).with("place", self.place(bomb.cell)));
+                let at =
+                    bomb.map(|bomb| self.say("hall-piece-dangerous").with("id", bomb.id).with("place", self.place(bomb.cell)));
                 let fetch = self.may_retrieve().then(|| self.say("next-retrieve"));
                 let end = self.say(if self.unseen_alarms() > 0 { "next-after-alarm" } else { "next-reset" });
                 let said = at.into_iter().chain(fetch).chain([end]).map(|phrase| phrase.to_string());
@@ -305,14 +293,18 @@ impl View<'_> {
     pub(super) fn announcement(&self) -> String {
         let mut words = vec![sentence(&self.phase())];
         let mission = &self.snapshot.mission;
-        words.extend(mission.fault.iter().map(|fault| sentence(&self.fault(fault))));
+        words.extend(mission.fault.iter().map(|fault| sentence(&self.language.fault(fault))));
         if mission.phase != PhaseName::Inspecting {
             words.extend(self.waiting().map(|luggage| self.say("announced-waits").with("id", luggage.id).to_string()));
         }
         words.extend(self.holds().first().map(|hold| sentence(hold)));
         words.extend(self.next_step());
         words.extend(
-            self.snapshot.alarms.iter().filter(|alarm| alarm.acknowledged.is_none()).map(|alarm| sentence(&self.alarm(alarm))),
+            self.snapshot
+                .alarms
+                .iter()
+                .filter(|alarm| alarm.acknowledged.is_none())
+                .map(|alarm| sentence(&self.language.alarm(&alarm.cause))),
         );
         words.join(" ")
     }
