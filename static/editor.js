@@ -161,6 +161,7 @@ function step(from, to) {
 /** The text, the fields and the check follow what is drawn. */
 function changed() {
   text.value = written(hall);
+  $("why").textContent = ""; // it was of what stood there before
   cursor = { x: Math.min(cursor.x, width() - 1), y: Math.min(cursor.y, height() - 1) };
   showFields();
   paint();
@@ -173,7 +174,6 @@ async function check() {
   const answer = await read("hall.toml", new Blob([text.value]));
   if (number !== checks) return; // a later one is on its way
   findings = answer.findings ?? [];
-  $("why").textContent = answer.why ?? "";
   const rows = findings.map((found) => {
     const item = document.createElement("li"), to = document.createElement("button");
     to.type = "button";
@@ -184,10 +184,11 @@ async function check() {
     return item;
   });
   const words = document.createElement("p");
-  words.textContent = say(rows.length ? "editor-unsound" : "editor-sound");
+  words.className = answer.why ? "why" : "";
+  words.textContent = answer.why ?? say(rows.length ? "editor-unsound" : "editor-sound");
   const list = document.createElement("ul");
   list.append(...rows);
-  $("findings").replaceChildren(...(answer.why ? [] : [words, list]));
+  $("findings").replaceChildren(words, list);
   paint();
 }
 
@@ -272,6 +273,7 @@ function showFields() {
   $("redo").disabled = !mayAct || !undone.length;
   $("download").href = `data:application/toml;charset=utf-8,${encodeURIComponent(text.value)}`;
   $("download").download = `${($("name").value || "hall").replaceAll(/[^\w-]/g, "-")}.toml`;
+  $("keep-as").value ||= $("name").value.toLowerCase().replaceAll(/[^a-z0-9]+/g, "-").replaceAll(/^-|-$/g, "").slice(0, 40);
   $("cursor").textContent = under();
 }
 

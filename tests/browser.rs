@@ -86,6 +86,14 @@ fn a_person_draws_a_hall_by_pointer_or_by_keys_and_has_it_searched() {
 }
 
 #[test]
+fn a_person_keeps_halls_under_names_and_loses_none_by_one_press() {
+    for scenario in ["hallsKept", "hallsKeptPlain"] {
+        let data = Data::new(scenario);
+        play(scenario, &["--hall", "empty-8x8", "--data", &data.0]);
+    }
+}
+
+#[test]
 fn a_person_who_looks_elsewhere_is_called_only_when_it_was_switched_on() {
     play("called", &["--hall", "airport", "--speed", "max"]);
 }
@@ -232,9 +240,8 @@ fn people_sign_in_on_a_phone_and_a_viewer_can_only_stop() {
 
 /// Plays a scenario against a program that asks for keys; the script is told an operator's and a viewer's.
 fn play_with_keys(scenario: &str) {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("browser-{scenario}-{}", std::process::id()));
-    let data = folder.display().to_string();
-    let added = hallsweep(&["token", "--data", &data, "add", "lobby", "--role", "viewer"]).output().expect("the program starts");
+    let Data(data) = &Data::new(scenario);
+    let added = hallsweep(&["token", "--data", data, "add", "lobby", "--role", "viewer"]).output().expect("the program starts");
     let shown = String::from_utf8(added.stdout).expect("text");
     let key = |name: &str| {
         let (_, its) = shown.split_once(name).expect("a key of this name");
@@ -245,11 +252,26 @@ fn play_with_keys(scenario: &str) {
         ("HALLSWEEP__HTTP__REQUIRE_TOKEN", "true"),
         ("OPERATOR", operator.as_str()),
         ("VIEWER", &viewer),
-        ("DATA", &data),
+        ("DATA", data),
         ("PROGRAM", env!("CARGO_BIN_EXE_hallsweep")),
     ];
-    play_with(scenario, &["--hall", "airport", "--speed", "max", "--data", &data], &environment);
-    std::fs::remove_dir_all(folder).expect("it is ours");
+    play_with(scenario, &["--hall", "airport", "--speed", "max", "--data", data], &environment);
+}
+
+/// A data folder for one scenario.
+struct Data(String);
+
+impl Data {
+    fn new(scenario: &str) -> Data {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("browser-{scenario}-{}", std::process::id()));
+        Data(folder.display().to_string())
+    }
+}
+
+impl Drop for Data {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
 }
 
 /// Plays a scenario of `browser/` against a program with these arguments.

@@ -14,8 +14,8 @@ const SAID: usize = 20;
 #[serde(rename_all = "camelCase")]
 pub struct ReadHall {
     name: String,
-    width: i32,
-    height: i32,
+    width: u32,
+    height: u32,
     cell_m: f64,
     pieces: usize,
     /// The whole hall, as a hall file.
@@ -82,12 +82,18 @@ impl ReadHall {
         Ok(ReadHall::new(&Hall::parse(file, &String::from_utf8_lossy(bytes))?))
     }
 
+    /// Columns and rows.
+    pub const fn size(&self) -> (u32, u32) {
+        (self.width, self.height)
+    }
+
     fn new(hall: &Hall) -> ReadHall {
+        let side = |cells: i32| u32::try_from(cells).unwrap_or_default();
         let bounds = hall.bounds();
         ReadHall {
             name: hall.name().to_owned(),
-            width: bounds.width(),
-            height: bounds.height(),
+            width: side(bounds.width()),
+            height: side(bounds.height()),
             cell_m: hall.cell_m(),
             pieces: hall.pieces().len(),
             toml: text(&Export::from(hall.clone())),

@@ -7,7 +7,7 @@ use serde::{Serialize, Serializer};
 use serde_json::Value;
 
 use super::fields::{Body, Fields, Unusable, in_short};
-use crate::runtime::simulator::{Change, HallSource, OtherHall, Pace, SimulatorState};
+use crate::runtime::simulator::{Change, HallSource, OtherHall, Pace, Simulator, SimulatorState};
 use hallsweep_core::units::Cell;
 
 /// `GET simulator`
@@ -25,8 +25,9 @@ pub struct SimulatorJson<'a> {
     no_thermometer: bool,
     camera_fails: bool,
     blocked: Vec<CellJson>,
-    /// The names of the halls that are offered.
+    /// The names of the halls that are offered, and which of them somebody has kept.
     halls: Vec<String>,
+    kept_halls: Vec<String>,
     /// Why the robots cannot be put down in another hall just now.
     bound: Option<String>,
 }
@@ -49,7 +50,7 @@ struct CellJson {
 }
 
 impl<'a> SimulatorJson<'a> {
-    pub fn new(state: &'a SimulatorState, halls: Vec<String>, bound: Option<String>) -> SimulatorJson<'a> {
+    pub fn new(simulator: &dyn Simulator, state: &'a SimulatorState, bound: Option<String>) -> SimulatorJson<'a> {
         let SimulatorState { hall, seed, speed, is_paused, faults } = state;
         let (width, height) = hall.size;
         SimulatorJson {
@@ -61,7 +62,8 @@ impl<'a> SimulatorJson<'a> {
             no_thermometer: faults.no_thermometer,
             camera_fails: faults.camera_fails,
             blocked: faults.blocked.iter().map(|cell| CellJson { x: cell.x, y: cell.y }).collect(),
-            halls,
+            halls: simulator.halls(),
+            kept_halls: simulator.kept_halls(),
             bound,
         }
     }

@@ -14,6 +14,15 @@ use hallsweep_core::units::Cell;
 /// As many cells as can be blocked at once: more than anybody places by hand.
 pub const MOST_BLOCKED: usize = 64;
 
+/// The largest side of a hall that is taken while the program runs, in cells: a page must be able to draw it.
+pub const MOST_SIDE: u32 = 250;
+
+/// Whether a hall may be kept under this name: it stands in addresses and in files.
+pub fn is_hall_name(name: &str) -> bool {
+    let is_plain = |letter: char| letter.is_ascii_lowercase() || letter.is_ascii_digit();
+    name.starts_with(is_plain) && name.len() <= 40 && name.chars().all(|letter| is_plain(letter) || letter == '-')
+}
+
 /// How fast simulated time runs beside the real one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
@@ -119,8 +128,31 @@ pub enum NotSimulated {
     /// It is done, and would be gone after a restart.
     #[error("the robots are put down there, but the hall cannot be kept ({0}): after a restart it is the one before again")]
     NotKept(String),
+    #[error("a hall is kept under a name of small letters, digits and `-`, 40 at most, and not under {0:?}")]
+    NotAName(String),
+    #[error("{0} is a hall of hallsweep's own or of its settings: keep yours under another name")]
+    NameTaken(String),
+    #[error("{0} halls are kept, and more cannot be: discard one first")]
+    TooManyKept(usize),
+    #[error("no hall is kept without a data folder: download it, or start hallsweep with --data")]
+    NoDataFolder,
+    #[error("no hall is kept as {0:?}")]
+    NotThere(String),
+    /// What the disk says.
+    #[error("what halls are kept cannot be changed: {0}")]
+    CannotKeep(String),
     #[error(transparent)]
     Gone(#[from] Gone),
+}
+
+impl NotSimulated {
+    /// Too large a hall; `None` when it is not.
+    pub fn too_large(width: u32, height: u32) -> Option<NotSimulated> {
+        let words = || {
+            format!("a hall of {width} × {height} cells is too large for the simulator's page: {MOST_SIDE} a side are the most")
+        };
+        (width.max(height) > MOST_SIDE).then(|| NotSimulated::Hall(words()))
+    }
 }
 
 /// What becomes of a change.
@@ -131,8 +163,11 @@ pub trait Simulator: Send + Sync {
     /// Always the newest state.
     fn watch(&self) -> watch::Receiver<Arc<SimulatorState>>;
 
-    /// The names of the halls that are offered, and the hall file of one; `None` where there is no such.
+    /// The names of the halls that are offered, those that are kept last.
     fn halls(&self) -> Vec<String>;
+
+    /// The names of those that somebody has kept, and may discard.
+    fn kept_halls(&self) -> Vec<String>;
 
     /// The hall that is offered by this name, as a hall file.
     ///
@@ -148,6 +183,12 @@ pub trait Simulator: Send + Sync {
 
     /// Puts the robots down at home in another hall.
     fn put_down(self: Arc<Self>, hall: OtherHall, issuer: Issuer) -> Changing;
+
+    /// Keeps the hall of a hall file under a name, in the place of one that is kept under it.
+    fn keep(self: Arc<Self>, name: String, toml: String, issuer: Issuer) -> Changing;
+
+    /// Discards a hall that is kept.
+    fn discard(self: Arc<Self>, name: String, issuer: Issuer) -> Changing;
 }
 
 impl Change {

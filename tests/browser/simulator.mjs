@@ -134,6 +134,56 @@ export const hallsOpened = {
   },
 };
 
+/** A hall is kept, opened again, replaced only when that is meant, and comes back from being discarded. */
+const keeping = (tools) => ({
+  tolerated: ['409'],
+  async play({ page, url, picture }) {
+    const open = async (hall) => {
+      await page.goto(`${url}/simulator/editor?hall=${hall}`);
+      await page.locator(tools).waitFor();
+    };
+    const keep = async (name) => {
+      await page.getByLabel('Keep as').fill(name);
+      await button(page, /^Keep$/).click();
+    };
+    const kept = async (rows) => {
+      await page.getByText('This is the hall that is kept as mine.').waitFor();
+      await page.locator(tools).waitFor();
+      must((await drawing(page)).join() === rows, `it is not what was kept: ${await drawing(page)}`);
+    };
+    await open('seed-9x8');
+    await page.locator('#toml').fill('drawing = """\nS.T\n"""\n');
+    await keep('mine');
+    await kept('S.T');
+    await page.locator('#toml').fill('drawing = """\nS..T\n"""\n');
+    await keep('mine');
+    await kept('S..T');
+    await open('airport');
+    await keep('mine');
+    await page.getByText('Another hall is kept as mine').waitFor();
+    await picture('another');
+    await open('mine');
+    await kept('S..T');
+    await button(page, 'Discard mine').click();
+    await page.getByText('mine is kept no more').waitFor();
+    await page.locator(tools).waitFor();
+    must((await drawing(page)).join() === 'S..T' && !(await button(page, 'Discard mine').count()), 'it is gone, or kept still');
+    await keep('mine');
+    await kept('S..T');
+    await open('empty-8x8');
+    await keep('mine');
+    await page.getByText('Another hall is kept as mine').waitFor();
+    await page.locator(tools).waitFor();
+    await button(page, 'Replace mine').click();
+    await kept(Array(8).fill('........').join().replace('.', 'S'));
+    await page.goto(`${url}/simulator`);
+    must(await page.locator('option', { hasText: /^mine$/ }).count() === 1, 'the simulator does not offer it');
+  },
+});
+
+export const hallsKept = keeping('#plan');
+export const hallsKeptPlain = { ...keeping('#toml'), browser: { javaScriptEnabled: false } };
+
 export const simulatorControls = {
   tolerated: ['409', '422'],
   async play({ page, url, picture, patience }) {

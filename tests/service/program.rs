@@ -179,6 +179,10 @@ impl Program {
         Answer::of(request.header("content-type", content_type).send(body))
     }
 
+    pub(crate) fn delete(&self, path: &str) -> Answer {
+        Answer::of(self.agent.delete(self.url(path)).call())
+    }
+
     /// Says of a piece what it is.
     pub(crate) fn verdict(&self, luggage: u64, verdict: &str) -> Answer {
         self.post(&format!("/api/v1/luggage/{luggage}/verdict"), &format!("{{\"verdict\":\"{verdict}\"}}"))

@@ -183,6 +183,62 @@ fn another_hall_is_searched_while_no_mission_is_under_way_and_a_restart_goes_on_
 }
 
 #[test]
+fn a_hall_is_kept_under_a_name_over_a_restart_until_it_is_discarded() {
+    const HALLS: &str = "/api/v1/simulator/halls";
+    let folder = Folder::new("kept-halls");
+    let serve = || {
+        let arguments = ["serve", "--http", "127.0.0.1:0", "--hall", "airport", "--speed", "max", "--data", folder.text()];
+        Program::started(&mut hallsweep(&arguments))
+    };
+    let program = serve();
+    let keep =
+        |program: &Program, name: &str, file: &str| program.send("PUT", &format!("{HALLS}/{name}"), "application/toml", file);
+    for (name, file, status, words) in [
+        ("Mine", LONG, 422, "small letters, digits"),
+        ("..%2F..%2Fmine", LONG, 422, "small letters, digits"),
+        ("airport", LONG, 409, "another name"),
+        ("mine", "width = 0\n", 422, "hall.toml:1"),
+        ("mine", "width = 251\nheight = 2\n", 422, "too large"),
+        ("mine", &"#".repeat(70_000), 413, "larger than 65536 bytes"),
+    ] {
+        assert!(keep(&program, name, file).problem(status).contains(words), "{name}");
+    }
+    assert_eq!(program.json("simulator")["keptHalls"], json!([]));
+    let kept = keep(&program, "corridor-2", LONG);
+    assert_eq!((kept.status, &kept.json()["keptHalls"]), (200, &json!(["corridor-2"])), "{}", kept.text());
+    program.until("it is on record", |state| says(state, "simulator keeps the hall corridor-2, by operator"));
+    program.killer()();
+    drop(program);
+
+    let program = serve();
+    let text = program.read(&format!("{HALLS}/corridor-2"), &[]).text();
+    assert!(text.contains("S.........") && text.contains("name = \"corridor\""), "{text}");
+    assert_eq!(program.put("/api/v1/simulator/hall", r#"{"name":"corridor-2"}"#).status, 200);
+    program.command("start").accepted();
+    assert_eq!(program.until_phase("explored")["mission"]["progress"]["visited"], 20);
+    let discard = |name: &str| program.delete(&format!("{HALLS}/{name}"));
+    assert_eq!((discard("corridor-2").status, discard("corridor-2").status, discard("airport").status), (200, 404, 404));
+    assert_eq!(program.json("simulator")["keptHalls"], json!([]));
+    assert_eq!(program.read(&format!("{HALLS}/corridor-2"), &[]).status, 404);
+}
+
+/// The data folder is the user's: what cannot be written there is said, and the hall that was kept before is whole.
+#[test]
+fn a_hall_that_cannot_be_kept_is_said_so() {
+    let folder = Folder::new("unkept-halls");
+    std::fs::create_dir_all(folder.text()).expect("a folder");
+    std::fs::write(std::path::Path::new(folder.text()).join("halls"), "no folder").expect("a file");
+    let arguments = ["serve", "--http", "127.0.0.1:0", "--hall", "airport", "--speed", "max", "--data", folder.text()];
+    let program = Program::started(&mut hallsweep(&arguments));
+    let refused = program.send("PUT", "/api/v1/simulator/halls/mine", "application/toml", LONG);
+    assert_eq!(refused.json()["code"], "cannotKeep");
+    assert!(refused.problem(503).contains("what halls are kept cannot be changed"));
+    let without = Program::serve("airport", "max");
+    let refused = without.send("PUT", "/api/v1/simulator/halls/mine", "application/toml", LONG);
+    assert!(refused.problem(409).contains("without a data folder"));
+}
+
+#[test]
 fn halls_of_every_format_are_read_over_the_wire_and_nonsense_is_refused_in_words() {
     let program = Program::serve("empty-8x8", "max");
     let check = |name: &str, file: &str| {
@@ -226,6 +282,9 @@ fn halls_of_every_format_are_read_over_the_wire_and_nonsense_is_refused_in_words
     let wide = json!({ "toml": "width = 251\nheight = 2\n" });
     let refused = program.put("/api/v1/simulator/hall", &wide.to_string());
     assert!(refused.problem(422).contains("251 × 2 cells is too large"));
+    assert!(check("m.map", "type octile\nheight 1\nwidth 300\nmap\n").status == 422);
+    let wide = format!("type octile\nheight 1\nwidth 300\nmap\n{}\n", ".".repeat(300));
+    assert!(check("m.map", &wide).problem(422).contains("300 × 1 cells is too large"));
     // As large as may be, it comes through whole.
     let wide = format!("drawing = \"\"\"\nS{}\n{}\"\"\"\n", "#".repeat(249), format!("{}\n", ".".repeat(250)).repeat(249));
     put_down(&program, &wide);

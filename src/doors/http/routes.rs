@@ -139,13 +139,15 @@ fn simulator() -> Vec<Row> {
         post("/simulator/change", Act, simulator::change_by_form),
         post("/simulator/hall", Act, simulator::choose_by_form),
         get("/simulator/editor", See, simulator::editor),
-        post("/simulator/editor", Act, simulator::use_edited),
+        post("/simulator/editor", Act, simulator::act),
         get("/api/v1/simulator", See, simulator::simulator),
         put("/api/v1/simulator", Act, simulator::change),
         post("/api/v1/simulator/step", Act, simulator::step),
         get("/api/v1/simulator/hall", See, simulator::hall),
         put("/api/v1/simulator/hall", Act, simulator::put_down),
         get("/api/v1/simulator/halls/{name}", See, simulator::offered),
+        put("/api/v1/simulator/halls/{name}", Act, simulator::keep),
+        delete("/api/v1/simulator/halls/{name}", Act, simulator::discard),
         post("/api/v1/simulator/hall/check", Act, simulator::check),
     ]
 }
@@ -228,6 +230,10 @@ fn post<H: Handler<T, HttpDoor>, T: 'static>(path: impl Into<Cow<'static, str>>,
 
 fn put<H: Handler<T, HttpDoor>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> Row {
     Row { method: Method::PUT, path: path.into(), need, answers: on(MethodFilter::PUT, handler) }
+}
+
+fn delete<H: Handler<T, HttpDoor>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> Row {
+    Row { method: Method::DELETE, path: path.into(), need, answers: on(MethodFilter::DELETE, handler) }
 }
 
 #[cfg(test)]

@@ -36,3 +36,15 @@ halls-file-about = In the drawing <code>.</code> is floor, <code>#</code> wall, 
 halls-check = Check
 halls-use = Put the robots down in it
 halls-another = Begin with another
+
+## Halls that are kept.
+
+halls-keep-as = Keep as
+halls-keep-as-about = small letters, digits and -
+halls-keep = Keep
+halls-replace = Replace { $name }
+halls-kept = Kept in the data folder
+halls-discard = Discard { $name }
+halls-opened = This is the hall that is kept as <b>{ $name }</b>.
+halls-discarded = <b>{ $name }</b> is kept no more. It still stands here: keep it again if you did not mean that.
+halls-another-kept = Another hall is kept as { $name }: replace it, or choose another name.

@@ -36,3 +36,15 @@ halls-file-about = Nel disegno <code>.</code> è pavimento, <code>#</code> paret
 halls-check = Controllare
 halls-use = Metterci i robot
 halls-another = Cominciare da un'altra
+
+## Halls that are kept.
+
+halls-keep-as = Conservare come
+halls-keep-as-about = lettere minuscole, cifre e -
+halls-keep = Conservare
+halls-replace = Sostituire { $name }
+halls-kept = Conservate nella cartella dei dati
+halls-discard = Eliminare { $name }
+halls-opened = Questa è la sala conservata come <b>{ $name }</b>.
+halls-discarded = <b>{ $name }</b> non è più conservata. È ancora qui: conservarla di nuovo se è stato un errore.
+halls-another-kept = Un'altra sala è conservata come { $name }: sostituirla, o scegliere un altro nome.

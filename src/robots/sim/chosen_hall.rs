@@ -40,6 +40,11 @@ impl ChosenHall {
         ChosenHall { folder: folder.to_owned(), usual: usual.to_owned() }
     }
 
+    /// The data folder.
+    pub(super) fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     fn file(&self) -> SmallFile {
         SmallFile::within(&self.folder, FILE)
     }

@@ -2,7 +2,9 @@
 //! and the state file by which it is as it was left.
 
 mod chosen_hall;
+mod kept_halls;
 mod link;
+mod offered_halls;
 mod pair;
 mod pair_link;
 mod pair_state_file;

@@ -5,13 +5,13 @@
 //! between leaves robots and record each in a hall of which the next start makes one (`app::data_folder`).
 
 use std::collections::BTreeSet;
-use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
 use tokio::sync::{Mutex, mpsc, oneshot, watch};
 
 use super::chosen_hall::{ChosenHall, file_of};
+use super::offered_halls::Offered;
 use super::remote::{Controls, Ground, Move};
 use crate::runtime::handle::{Gone, Handle};
 use crate::runtime::simulator::{
@@ -22,9 +22,6 @@ use hallsweep_core::event::RobotId;
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::robot::RobotState;
 use hallsweep_sim::{Hall, Speed, Truth};
-
-/// The largest side of a hall that is taken while the program runs: a page must be able to draw it.
-const MOST_SIDE: i32 = 250;
 
 /// So long a robot may take to be ready for another hall: it writes its state file first.
 const READY_WITHIN: Duration = Duration::from_secs(5);
@@ -56,7 +53,7 @@ impl SimulatorParts {
             faults: Faults::default(),
         };
         let (state, turn) = (watch::Sender::new(Arc::new(state)), Mutex::new(ground));
-        let offered = Offered::with(&usual);
+        let offered = Arc::new(Offered::with(&usual, chosen.as_ref().map(ChosenHall::folder)));
         Arc::new(InHand { handle, state, controls, turn, robots, links, chosen, offered })
     }
 }
@@ -70,38 +67,7 @@ struct InHand {
     robots: Vec<RobotId>,
     links: Vec<mpsc::Sender<Move>>,
     chosen: Option<ChosenHall>,
-    offered: Offered,
-}
-
-/// The halls by whose names somebody may choose: the built-in ones, and the file that the settings name, by its own name.
-#[derive(Clone, Debug)]
-struct Offered(Vec<(String, String)>);
-
-impl Offered {
-    fn with(usual: &str) -> Offered {
-        let mut halls: Vec<(String, String)> = Hall::builtin_names().map(|name| (name.to_owned(), name.to_owned())).collect();
-        let stem = Path::new(usual).file_stem().map(|stem| stem.to_string_lossy().into_owned());
-        // It stands in addresses.
-        let is_plain = |name: &String| name.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_.".contains(letter));
-        let is_known = |name: &str| halls.iter().any(|(known, _)| known == name);
-        if !is_known(usual) {
-            let name = stem.filter(|name| is_plain(name) && !is_known(name)).unwrap_or_else(|| "hall-of-the-settings".to_owned());
-            halls.push((name, usual.to_owned()));
-        }
-        Offered(halls)
-    }
-
-    fn names(&self) -> Vec<String> {
-        self.0.iter().map(|(name, _)| name.clone()).collect()
-    }
-
-    fn named(&self, name: &str) -> Result<Hall, NotSimulated> {
-        let Some((_, file)) = self.0.iter().find(|(known, _)| known == name) else {
-            let known = self.names().join(", ");
-            return Err(NotSimulated::Hall(format!("no hall of the name {name:?} is offered: there are {known}")));
-        };
-        Hall::named_or_file(file).map_err(|error| NotSimulated::Hall(error.to_string()))
-    }
+    offered: Arc<Offered>,
 }
 
 impl Simulator for InHand {
@@ -111,6 +77,10 @@ impl Simulator for InHand {
 
     fn halls(&self) -> Vec<String> {
         self.offered.names()
+    }
+
+    fn kept_halls(&self) -> Vec<String> {
+        self.offered.kept()
     }
 
     fn hall(&self, name: &str) -> Result<String, NotSimulated> {
@@ -148,12 +118,10 @@ impl Simulator for InHand {
         Box::pin(async move {
             let mut ground = self.turn.lock().await;
             let seed = hall.seed.unwrap_or(ground.seed);
-            let offered = self.offered.clone();
-            let read = tokio::task::spawn_blocking(move || read(hall.source, &offered));
-            let hall = read.await.map_err(|_| Gone)??;
+            let hall = self.on_disk(move |offered| read(hall.source, offered)).await?;
             let next = Ground { hall: Arc::new(hall), seed };
             self.move_all(&next, issuer).await?;
-            let unkept = self.keep(&next).await;
+            let unkept = self.keep_for_restart(&next).await;
             // What stood in the way of the hall before is not in this one.
             self.controls.send_modify(|controls| controls.blocked = Arc::default());
             *ground = next;
@@ -165,9 +133,38 @@ impl Simulator for InHand {
             unkept.map_or_else(|| Ok(self.now()), |why| Err(NotSimulated::NotKept(why)))
         })
     }
+
+    fn keep(self: Arc<Self>, name: String, toml: String, issuer: Issuer) -> Changing {
+        Box::pin(async move {
+            let _turn = self.turn.lock().await;
+            let words = format!("simulator keeps the hall {name}");
+            self.on_disk(move |offered| offered.keep(&name, &read(HallSource::Toml(toml), offered)?)).await?;
+            self.handle.note_simulated(issuer, words).await?;
+            Ok(self.now())
+        })
+    }
+
+    fn discard(self: Arc<Self>, name: String, issuer: Issuer) -> Changing {
+        Box::pin(async move {
+            let _turn = self.turn.lock().await;
+            let words = format!("simulator discards the hall {name}");
+            self.on_disk(move |offered| offered.discard(&name)).await?;
+            self.handle.note_simulated(issuer, words).await?;
+            Ok(self.now())
+        })
+    }
 }
 
 impl InHand {
+    /// Does what waits for the disk where nothing else waits for it.
+    async fn on_disk<T: Send + 'static>(
+        &self,
+        act: impl FnOnce(&Offered) -> Result<T, NotSimulated> + Send + 'static,
+    ) -> Result<T, NotSimulated> {
+        let offered = Arc::clone(&self.offered);
+        tokio::task::spawn_blocking(move || act(&offered)).await.map_err(|_| Gone)?
+    }
+
     fn now(&self) -> Arc<SimulatorState> {
         Arc::clone(&self.state.borrow())
     }
@@ -225,8 +222,8 @@ impl InHand {
         Ok(())
     }
 
-    /// Keeps the hall for a restart; why not, when it cannot be.
-    async fn keep(&self, next: &Ground) -> Option<String> {
+    /// Why not, when it cannot be.
+    async fn keep_for_restart(&self, next: &Ground) -> Option<String> {
         let (chosen, next) = (self.chosen.clone()?, next.clone());
         let kept = tokio::task::spawn_blocking(move || chosen.keep(&next).map_err(|error| error.to_string()));
         kept.await.unwrap_or_else(|error| Err(error.to_string())).err()
@@ -238,13 +235,8 @@ fn read(source: HallSource, offered: &Offered) -> Result<Hall, NotSimulated> {
         HallSource::Named(name) => offered.named(&name)?,
         HallSource::Toml(text) => Hall::parse("hall.toml", &text).map_err(|error| NotSimulated::Hall(error.to_string()))?,
     };
-    let (width, height) = (hall.bounds().width(), hall.bounds().height());
-    if width.max(height) > MOST_SIDE {
-        let words =
-            format!("a hall of {width} × {height} cells is too large for the simulator's page: {MOST_SIDE} a side are the most");
-        return Err(NotSimulated::Hall(words));
-    }
-    Ok(hall)
+    let (width, height) = size(&hall);
+    NotSimulated::too_large(width, height).map_or(Ok(hall), Err)
 }
 
 fn check_blocked(hall: &Hall, blocked: Option<&BTreeSet<Cell>>) -> Result<(), NotSimulated> {
@@ -255,11 +247,16 @@ fn check_blocked(hall: &Hall, blocked: Option<&BTreeSet<Cell>>) -> Result<(), No
     blocked.iter().find(|cell| hall.truth(**cell) != Truth::Free).map_or(Ok(()), |cell| Err(NotSimulated::NoFreeCell(*cell)))
 }
 
-fn facts(hall: &Hall) -> HallFacts {
+/// Columns and rows.
+fn size(hall: &Hall) -> (u32, u32) {
     let side = |cells: i32| u32::try_from(cells).unwrap_or_default();
+    (side(hall.bounds().width()), side(hall.bounds().height()))
+}
+
+fn facts(hall: &Hall) -> HallFacts {
     HallFacts {
         name: hall.name().into(),
-        size: (side(hall.bounds().width()), side(hall.bounds().height())),
+        size: size(hall),
         cell_m: hall.cell_m(),
         pieces: hall.pieces().len(),
         toml: file_of(hall).into(),
@@ -294,23 +291,11 @@ mod tests {
 
     #[test]
     fn a_hall_that_is_not_there_too_large_or_wrong_is_refused_in_words() {
-        let why = |source| read(source, &Offered::with("seed")).expect_err("it is refused").to_string();
+        let why = |source| read(source, &Offered::with("seed", None)).expect_err("it is refused").to_string();
         assert!(why(HallSource::Named("/etc/passwd".to_owned())).contains("there are airport, empty-8x8"));
         assert!(why(HallSource::Toml("width = 600\nheight = 2\n".to_owned())).contains("600 × 2 cells is too large"));
         assert!(why(HallSource::Toml("width = 0\nheight = 2\n".to_owned())).starts_with("hall.toml:1: "));
-        assert!(read(HallSource::Toml("width = 250\nheight = 250\n".to_owned()), &Offered::with("seed")).is_ok());
-    }
-
-    #[test]
-    fn the_hall_of_the_settings_is_offered_by_a_name_of_its_own() {
-        let last = |usual: &str| Offered::with(usual).names().pop();
-        assert_eq!(Offered::with("airport").names().len(), Hall::builtin_names().count());
-        assert_eq!(last("halls/depot.yaml").as_deref(), Some("depot"));
-        for other in ["my/airport.toml", "halls/a b.toml", ".."] {
-            assert_eq!(last(other).as_deref(), Some("hall-of-the-settings"), "{other}");
-        }
-        let gone = Offered::with("halls/depot.yaml").named("depot").expect_err("it is not there").to_string();
-        assert!(gone.contains("halls/depot.yaml"), "{gone}");
+        assert!(read(HallSource::Toml("width = 250\nheight = 250\n".to_owned()), &Offered::with("seed", None)).is_ok());
     }
 
     #[test]

@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use askama::Template;
+use axum::http::StatusCode;
 use axum::response::{IntoResponse, Redirect, Response};
 use serde::Deserialize;
 
@@ -15,7 +16,7 @@ use super::{Asker, offered_hall, read_hall};
 use crate::api::door;
 use crate::api::fields::in_short;
 use crate::api::hall_files::{Finding, Found};
-use crate::phrases::{Language, Phrase};
+use crate::phrases::{Language, Markup, Phrase};
 use crate::runtime::simulator::{HallSource, OtherHall};
 
 #[derive(Template)]
@@ -23,9 +24,19 @@ use crate::runtime::simulator::{HallSource, OtherHall};
 struct Page {
     language: Language,
     toml: String,
+    /// The halls that are always offered, and those that are kept.
     halls: Vec<String>,
+    kept: Vec<String>,
+    /// Under which name this one is kept, or is to be.
+    name: String,
+    /// Whether it was kept under this name when it was opened.
+    is_opened: bool,
+    /// Whether another hall is kept under the name, which was asked to give way.
+    gives_way: bool,
     bound: Option<String>,
     may_act: bool,
+    /// What was done, in words.
+    done: Option<Markup>,
     /// What is wrong with it, in words.
     why: Option<String>,
     /// What a search would not come to; `None` when it was not checked.
@@ -34,8 +45,30 @@ struct Page {
 
 impl Page {
     fn of(asker: &Asker, toml: String) -> Page {
-        let (halls, bound, may_act) = (asker.simulator.halls(), asker.bound_in_words(), asker.may_act());
-        Page { language: asker.language, toml, halls, bound, may_act, why: None, findings: None }
+        let kept = asker.simulator.kept_halls();
+        Page {
+            language: asker.language,
+            toml,
+            halls: asker.simulator.halls().into_iter().filter(|name| !kept.contains(name)).collect(),
+            kept,
+            name: String::new(),
+            is_opened: false,
+            gives_way: false,
+            bound: asker.bound_in_words(),
+            may_act: asker.may_act(),
+            done: None,
+            why: None,
+            findings: None,
+        }
+    }
+
+    /// The same of a hall that is kept, if one is under this name.
+    fn opened(self, name: &str) -> Page {
+        if !self.kept.iter().any(|kept| kept == name) {
+            return self;
+        }
+        let done = Some(self.language.say("halls-opened").with("name", name).markup());
+        Page { name: name.to_owned(), is_opened: true, done, ..self }
     }
 
     fn said(&self, finding: &Finding) -> String {
@@ -59,28 +92,56 @@ pub(super) fn in_words(language: Language, found: &Found) -> Phrase<'_> {
 /// `GET simulator/editor`: the hall that is simulated, or one that is offered.
 pub(in crate::doors::http) async fn editor(asker: Asker, query: Query) -> Result<Response, Problem> {
     query.only(&["hall"])?;
-    let toml = match query.every("hall").first() {
-        Some(name) => offered_hall(&asker, name).await??,
-        None => asker.state().hall.toml.to_string(),
+    let page = match query.every("hall").first() {
+        Some(name) => Page::of(&asker, offered_hall(&asker, name).await??).opened(name),
+        None => Page::of(&asker, asker.state().hall.toml.to_string()),
     };
-    Ok(html(&Page::of(&asker, toml)).into_response())
+    Ok(html(&page).into_response())
 }
 
 #[derive(Debug, Deserialize)]
 pub(in crate::doors::http) struct Fields {
     act: String,
     toml: String,
+    /// The name to keep it under, and the one under which it was kept when it was opened.
+    name: Option<String>,
+    opened: Option<String>,
+}
+
+/// What becomes of a press.
+enum Done {
+    Checked(Vec<Finding>),
+    Used,
+    Kept,
+    /// A hall is kept no more, and this was it.
+    Discarded(String),
+    /// Another hall is kept under the name.
+    Another,
 }
 
 /// `POST simulator/editor`
-pub(in crate::doors::http) async fn use_edited(asker: Asker, HallForm(fields): HallForm<Fields>) -> Response {
+pub(in crate::doors::http) async fn act(asker: Asker, HallForm(mut fields): HallForm<Fields>) -> Response {
     // Browsers send text with the line ends of old terminals.
-    let toml = fields.toml.replace("\r\n", "\n");
-    match acted(&asker, &fields.act, &toml).await {
-        Ok(Some(findings)) => html(&Page { findings: Some(findings), ..Page::of(&asker, toml) }).into_response(),
-        Ok(None) => Redirect::to("/simulator").into_response(),
+    fields.toml = fields.toml.replace("\r\n", "\n");
+    let name = fields.name.as_deref().unwrap_or_default().trim().to_owned();
+    let done = acted(&asker, &fields, &name).await;
+    let is_opened = fields.opened.as_deref() == Some(&*name);
+    let page = Page { name: name.clone(), is_opened, ..Page::of(&asker, fields.toml) };
+    let language = asker.language;
+    match done {
+        Ok(Done::Checked(findings)) => html(&Page { findings: Some(findings), ..page }).into_response(),
+        Ok(Done::Used) => Redirect::to("/simulator").into_response(),
+        Ok(Done::Kept) => Redirect::to(&format!("/simulator/editor?hall={name}")).into_response(),
+        Ok(Done::Discarded(toml)) => {
+            let done = Some(language.say("halls-discarded").with("name", &name).markup());
+            html(&Page { toml, done, is_opened: false, ..page }).into_response()
+        }
+        Ok(Done::Another) => {
+            let why = Some(language.say("halls-another-kept").with("name", &name).to_string());
+            (StatusCode::CONFLICT, html(&Page { why, gives_way: true, ..page })).into_response()
+        }
         Err(problem) => {
-            let page = Page { why: Some(asker.in_words(&problem)), ..Page::of(&asker, toml) };
+            let page = Page { why: Some(asker.in_words(&problem)), ..page };
             let mut response = (problem.status(), html(&page)).into_response();
             problem.tell_gate(&mut response);
             response
@@ -88,17 +149,30 @@ pub(in crate::doors::http) async fn use_edited(asker: Asker, HallForm(fields): H
     }
 }
 
-/// What was found, or nothing when the hall is used.
-async fn acted(asker: &Asker, act: &str, toml: &str) -> Result<Option<Vec<Finding>>, Problem> {
-    match act {
+async fn acted(asker: &Asker, Fields { act, toml, opened, .. }: &Fields, name: &str) -> Result<Done, Problem> {
+    let simulator = || Arc::clone(&asker.simulator);
+    let issuer = || asker.issuer(door::CONSOLE);
+    match act.as_str() {
         "check" => {
             let read = read_hall(&asker.door, "hall.toml".to_owned(), toml.as_bytes().to_vec()).await?;
-            Ok(Some(read.findings))
+            Ok(Done::Checked(read.findings))
         }
         "use" => {
-            let hall = OtherHall { source: HallSource::Toml(toml.to_owned()), seed: None };
-            Asker::done(Arc::clone(&asker.simulator).put_down(hall, asker.issuer(door::CONSOLE))).await?;
-            Ok(None)
+            let hall = OtherHall { source: HallSource::Toml(toml.clone()), seed: None };
+            Asker::done(simulator().put_down(hall, issuer())).await?;
+            Ok(Done::Used)
+        }
+        "keep" if opened.as_deref() != Some(name) && simulator().kept_halls().iter().any(|kept| kept == name) => {
+            Ok(Done::Another)
+        }
+        "keep" | "replace" => {
+            Asker::done(simulator().keep(name.to_owned(), toml.clone(), issuer())).await?;
+            Ok(Done::Kept)
+        }
+        "discard" => {
+            let was = offered_hall(asker, name).await?.unwrap_or_default();
+            Asker::done(simulator().discard(name.to_owned(), issuer())).await?;
+            Ok(Done::Discarded(was))
         }
         other => Err(Problem::not_found(format!("the editor has no button {:?}", in_short(other)))),
     }

@@ -28,7 +28,7 @@ use crate::phrases::Language;
 use crate::runtime::simulator::{NotSimulated, Simulator, SimulatorState};
 use hallsweep_core::command::{Door, Issuer, Refused};
 
-pub(super) use editor::{editor, use_edited};
+pub(super) use editor::{act, editor};
 pub(super) use page::{change_by_form, choose_by_form, page};
 
 type Answer = Result<Response, Problem>;
@@ -92,7 +92,7 @@ impl Asker {
 
     fn json(&self, state: &SimulatorState) -> Response {
         let bound = self.bound().map(|problem| problem.detail().to_owned());
-        axum::Json(SimulatorJson::new(state, self.simulator.halls(), bound)).into_response()
+        axum::Json(SimulatorJson::new(&*self.simulator, state, bound)).into_response()
     }
 }
 
@@ -125,6 +125,12 @@ impl From<NotSimulated> for Problem {
                 Problem::new(("notBlocked", ProblemKind::Unusable), words)
             }
             NotSimulated::NotKept(_) => Problem::new(("hallNotKept", ProblemKind::Unavailable), words),
+            NotSimulated::NotAName(_) => Problem::new(("notAName", ProblemKind::Unusable), words),
+            NotSimulated::NameTaken(_) => Problem::new(("nameTaken", ProblemKind::Conflict), words),
+            NotSimulated::TooManyKept(_) => Problem::new(("tooManyKept", ProblemKind::Conflict), words),
+            NotSimulated::NoDataFolder => Problem::new(("noDataFolder", ProblemKind::Conflict), words),
+            NotSimulated::NotThere(_) => Problem::not_found(words),
+            NotSimulated::CannotKeep(_) => Problem::new(("cannotKeep", ProblemKind::Unavailable), words),
             NotSimulated::Gone(_) => Problem::closing(),
         }
     }
@@ -170,6 +176,19 @@ fn toml(text: String) -> Response {
     ([(header::CONTENT_TYPE, "application/toml")], text).into_response()
 }
 
+/// `PUT simulator/halls/{name}`: a hall file, as `GET` gives it.
+pub(super) async fn keep(asker: Asker, Path(name): Path<String>, HallFile(toml): HallFile) -> Answer {
+    let toml = String::from_utf8_lossy(&toml).into_owned();
+    let state = Asker::done(Arc::clone(&asker.simulator).keep(name, toml, asker.issuer(door::HTTP))).await?;
+    Ok(asker.json(&state))
+}
+
+/// `DELETE simulator/halls/{name}`
+pub(super) async fn discard(asker: Asker, Path(name): Path<String>) -> Answer {
+    let state = Asker::done(Arc::clone(&asker.simulator).discard(name, asker.issuer(door::HTTP))).await?;
+    Ok(asker.json(&state))
+}
+
 /// `PUT simulator/hall`
 pub(super) async fn put_down(asker: Asker, HallPayload(body): HallPayload) -> Answer {
     let HallBody(hall) = body.needed()?;
@@ -190,7 +209,9 @@ async fn read_hall(door: &HttpDoor, name: String, bytes: Vec<u8>) -> Result<Read
     let _turn = door.halls.acquire().await.map_err(|_| Problem::closing())?;
     let read = tokio::task::spawn_blocking(move || ReadHall::of(&name, &bytes).map_err(|error| error.to_string()));
     let read = read.await.map_err(|_| Problem::internal())?;
-    read.map_err(|words| Problem::new(("unusableHall", ProblemKind::Unusable), words))
+    let read = read.map_err(|words| Problem::from(NotSimulated::Hall(words)))?;
+    let (width, height) = read.size();
+    NotSimulated::too_large(width, height).map_or(Ok(read), |not| Err(not.into()))
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use crate::runtime::simulator::{Change, Changing, Faults, HallFacts, OtherHall, 
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::snapshot::Snapshot;
 
-const ROUTES: [(&str, &str); 9] = [
+const ROUTES: [(&str, &str); 13] = [
     ("GET", "/simulator"),
     ("POST", "/simulator/change"),
     ("POST", "/simulator/hall"),
@@ -22,6 +22,10 @@ const ROUTES: [(&str, &str); 9] = [
     ("POST", "/api/v1/simulator/step"),
     ("PUT", "/api/v1/simulator/hall"),
     ("POST", "/api/v1/simulator/hall/check"),
+    ("POST", "/simulator/editor"),
+    ("GET", "/api/v1/simulator/halls/mine"),
+    ("PUT", "/api/v1/simulator/halls/mine"),
+    ("DELETE", "/api/v1/simulator/halls/mine"),
 ];
 
 #[tokio::test]
@@ -63,7 +67,11 @@ impl Simulator for Still {
     }
 
     fn halls(&self) -> Vec<String> {
-        vec!["depot".to_owned()]
+        vec!["depot".to_owned(), "mine".to_owned()]
+    }
+
+    fn kept_halls(&self) -> Vec<String> {
+        vec!["mine".to_owned()]
     }
 
     fn hall(&self, _: &str) -> Result<String, NotSimulated> {
@@ -81,6 +89,26 @@ impl Simulator for Still {
 
     fn put_down(self: Arc<Self>, _: OtherHall, _: Issuer) -> Changing {
         refused(NotSimulated::Refused(Refused::NotInPhase(hallsweep_core::mission::PhaseName::Exploring)))
+    }
+
+    fn keep(self: Arc<Self>, name: String, _: String, _: Issuer) -> Changing {
+        refused(match name.as_str() {
+            "depot" => NotSimulated::NameTaken(name),
+            "" => NotSimulated::NotAName(name),
+            "many" => NotSimulated::TooManyKept(100),
+            "full" => NotSimulated::CannotKeep("No space left".to_owned()),
+            _ => NotSimulated::NoDataFolder,
+        })
+    }
+
+    fn discard(self: Arc<Self>, name: String, _: Issuer) -> Changing {
+        match name.as_str() {
+            "mine" => {
+                let state = self.0.borrow().clone();
+                Box::pin(async { Ok(state) })
+            }
+            _ => refused(NotSimulated::NotThere(name)),
+        }
     }
 }
 
@@ -113,7 +141,7 @@ fn check(page: &str, wanted: &[&str]) {
 
 #[tokio::test]
 async fn the_page_of_the_controls_speaks_italian_in_every_state() {
-    let names = ["depot", "file"];
+    let names = ["depot", "mine", "file"];
     let app = simulated(searching(), Access::Open, false);
     let page = app.italian(("GET", "/simulator", ""), &[], &names).await;
     check(&page, &["In corso a 0,5 × il tempo reale.", "<option value=\"0.5\" selected>0,5 ×</option>"]);
@@ -139,9 +167,16 @@ async fn what_was_refused_stands_in_italian_beside_its_button() {
         ("/simulator/change", "act=block&x=9", "un valore inviato non va bene: «y is missing: fill it in»"),
         ("/simulator/hall", "name=depot", "non è possibile durante una missione: attendere che finisca"),
         ("/simulator/editor", "act=use&toml=x", "non è possibile durante una missione: attendere che finisca"),
+        ("/simulator/editor", "act=keep&name=depot&toml=x", "una sala di hallsweep o delle impostazioni si chiama già così"),
+        ("/simulator/editor", "act=keep&name=&toml=x", "il nome di una sala conservata ha lettere minuscole"),
+        ("/simulator/editor", "act=keep&name=many&toml=x", "non si possono conservare altre sale"),
+        ("/simulator/editor", "act=keep&name=full&toml=x", "le sale conservate non si possono cambiare: «what halls"),
+        ("/simulator/editor", "act=keep&name=other&toml=x", "senza cartella dei dati nessuna sala viene conservata"),
+        ("/simulator/editor", "act=replace&name=mine&toml=x", "senza cartella dei dati nessuna sala viene conservata"),
+        ("/simulator/editor", "act=keep&name=mine&toml=x", "Un&#39;altra sala è conservata come mine: sostituirla"),
         ("/simulator/editor", "act=check&toml=x", "questa sala non si può usare: «hall.toml:1: "),
     ] {
-        let page = app.italian(("POST", path, body), &[], &["depot"]).await;
+        let page = app.italian(("POST", path, body), &[], &["depot", "mine"]).await;
         check(&page, &[&format!("role=\"alert\">{words}")]);
     }
     let (_, state) = app.json("PUT", "/api/v1/simulator/hall", "{\"name\":\"depot\"}").await;
@@ -151,7 +186,7 @@ async fn what_was_refused_stands_in_italian_beside_its_button() {
 
 #[tokio::test]
 async fn the_editor_and_its_script_speak_italian() {
-    let names = ["depot"];
+    let names = ["depot", "mine"];
     let app = simulated(searching(), Access::Open, false);
     let page = app.italian(("GET", "/simulator/editor", ""), &[], &names).await;
     check(
@@ -166,6 +201,11 @@ async fn the_editor_and_its_script_speak_italian() {
     check(&page, &["<li>colonna 3, riga 3: la cella libera (2, 1) non si può raggiungere dalla base</li>"]);
     let sound = app.italian(("POST", "/simulator/editor", &checked("drawing = \"\"\"\nS.T\n\"\"\"\n")), &[], &names).await;
     check(&sound, &["È a posto: tutto si può raggiungere."]);
+    let opened = app.italian(("GET", "/simulator/editor?hall=mine", ""), &[], &names).await;
+    check(&opened, &["Questa è la sala conservata come <b>mine</b>.", "name=\"opened\" value=\"mine\"", "Eliminare mine"]);
+    let discarded = app.italian(("POST", "/simulator/editor", "act=discard&name=mine&toml="), &[], &names).await;
+    check(&discarded, &["<b>mine</b> non è più conservata.", "drawing = &#34;&#34;&#34;"]);
+    assert!(!discarded.contains("name=\"opened\""), "it is not opened as one that is kept");
     let (keyring, tokens) = keys();
     let app = simulated(idle(), Access::Keys(keyring), true);
     let viewer = format!("Bearer {}", tokens.viewer);

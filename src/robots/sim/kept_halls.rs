@@ -1,0 +1,164 @@
+//! The halls that somebody keeps under names, to choose and to edit them again: hall files in a folder of the data folder, each called as its
+//! hall is, so that one can be put there by hand as well, before the start.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use super::chosen_hall::file_of;
+use crate::runtime::simulator::{NotSimulated, is_hall_name};
+use crate::storage::files;
+use crate::storage::small_file::SmallFile;
+use hallsweep_sim::Hall;
+
+const FOLDER: &str = "halls";
+
+/// So many are kept at most.
+const MOST: usize = 100;
+
+/// The largest file that is read: what is kept here is far smaller.
+const MOST_BYTES: usize = 1 << 20;
+
+#[derive(Debug)]
+pub(super) struct KeptHalls {
+    /// None without a data folder.
+    folder: Option<PathBuf>,
+    names: Mutex<BTreeSet<String>>,
+}
+
+impl KeptHalls {
+    /// What is there already is found; a folder that cannot be read is said in the log, and nothing of it is touched.
+    pub(super) fn within(data: Option<&Path>) -> KeptHalls {
+        let folder = data.map(|data| data.join(FOLDER));
+        let names = folder.as_deref().map(found).unwrap_or_default();
+        KeptHalls { folder, names: Mutex::new(names) }
+    }
+
+    pub(super) fn names(&self) -> Vec<String> {
+        self.lock().iter().cloned().collect()
+    }
+
+    /// `None` where none is kept under this name.
+    pub(super) fn read(&self, name: &str) -> Option<Result<Hall, NotSimulated>> {
+        let folder = self.folder.as_deref().filter(|_| self.lock().contains(name))?;
+        let unusable = |words: String| NotSimulated::Hall(format!("the hall that is kept as {name} cannot be used: {words}"));
+        let text = match file(folder, name).read(MOST_BYTES) {
+            Ok(Some(bytes)) if bytes.len() > MOST_BYTES => Err(unusable(format!("it is larger than {MOST_BYTES} bytes"))),
+            Ok(Some(bytes)) => Ok(String::from_utf8_lossy(&bytes).into_owned()),
+            Ok(None) => Err(unusable("its file is gone".to_owned())),
+            Err(error) => Err(unusable(error.to_string())),
+        };
+        Some(text.and_then(|text| Hall::parse(&file_name(name), &text).map_err(|error| unusable(error.to_string()))))
+    }
+
+    /// Keeps a hall, whole or not at all, in the place of what was kept under its name. Who keeps and discards takes turns.
+    pub(super) fn keep(&self, name: &str, hall: &Hall) -> Result<(), NotSimulated> {
+        let folder = self.folder.as_deref().ok_or(NotSimulated::NoDataFolder)?;
+        let kept = self.lock().len();
+        if kept >= MOST && !self.lock().contains(name) {
+            return Err(NotSimulated::TooManyKept(kept));
+        }
+        let made = files::make_folder_within(folder).and_then(|()| file(folder, name).make(file_of(hall).as_bytes()));
+        made.and_then(|()| files::sync_folder(folder)).map_err(|error| NotSimulated::CannotKeep(error.to_string()))?;
+        self.lock().insert(name.to_owned());
+        Ok(())
+    }
+
+    pub(super) fn discard(&self, name: &str) -> Result<(), NotSimulated> {
+        let Some(folder) = self.folder.as_deref().filter(|_| self.lock().contains(name)) else {
+            return Err(NotSimulated::NotThere(name.to_owned()));
+        };
+        match fs::remove_file(folder.join(file_name(name))) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(NotSimulated::CannotKeep(error.to_string())),
+            Ok(()) | Err(_) => {}
+        }
+        self.lock().remove(name);
+        Ok(())
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, BTreeSet<String>> {
+        self.names.lock().expect("nothing panics while it holds the names")
+    }
+}
+
+fn found(folder: &Path) -> BTreeSet<String> {
+    let names = fs::read_dir(folder).and_then(|entries| {
+        let names = entries.map(|entry| Ok(entry?.file_name().to_string_lossy().strip_suffix(".toml").map(str::to_owned)));
+        names.collect::<io::Result<Vec<Option<String>>>>()
+    });
+    match names {
+        Ok(names) => names.into_iter().flatten().filter(|name| is_hall_name(name)).take(MOST).collect(),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => BTreeSet::new(),
+        Err(error) => {
+            tracing::warn!(folder = %folder.display(), %error, "the halls that are kept cannot be read");
+            BTreeSet::new()
+        }
+    }
+}
+
+fn file_name(name: &str) -> String {
+    format!("{name}.toml")
+}
+
+fn file(folder: &Path, name: &str) -> SmallFile {
+    SmallFile::within(folder, &file_name(name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::storage::scratch::Scratch;
+
+    fn hall(name: &str) -> Hall {
+        Hall::named_or_file(name).expect("it is built in")
+    }
+
+    #[test]
+    fn what_is_kept_is_there_after_a_restart_until_it_is_discarded() {
+        let folder = Scratch::new();
+        let halls = KeptHalls::within(Some(&folder.0));
+        assert!(halls.names().is_empty() && halls.read("mine").is_none());
+        halls.keep("mine", &hall("airport")).expect("the folder can be written");
+        halls.keep("mine", &hall("seed")).expect("one takes the place of the other");
+        let again = KeptHalls::within(Some(&folder.0));
+        assert_eq!(again.names(), ["mine"]);
+        assert_eq!(again.read("mine"), Some(Ok(hall("seed"))));
+        again.discard("mine").expect("it is there");
+        assert_eq!(again.discard("mine"), Err(NotSimulated::NotThere("mine".to_owned())));
+        assert!(KeptHalls::within(Some(&folder.0)).names().is_empty());
+    }
+
+    #[test]
+    fn without_a_data_folder_nothing_is_kept_and_with_one_not_without_bound() {
+        assert_eq!(KeptHalls::within(None).keep("mine", &hall("seed")), Err(NotSimulated::NoDataFolder));
+        let folder = Scratch::new();
+        let halls = KeptHalls::within(Some(&folder.0));
+        for n in 0..MOST {
+            halls.keep(&format!("h{n}"), &hall("seed")).expect("there is room");
+        }
+        assert_eq!(halls.keep("more", &hall("seed")), Err(NotSimulated::TooManyKept(MOST)));
+        halls.keep("h1", &hall("airport")).expect("the place of another is not one more");
+    }
+
+    #[test]
+    fn what_was_put_there_by_hand_is_offered_and_said_to_be_unusable_when_it_is() {
+        let folder = Scratch::new();
+        fs::create_dir(folder.0.join(FOLDER)).expect("the folder can be written");
+        let put = |name: &str, text: &str| fs::write(folder.0.join(FOLDER).join(name), text).expect("it can be written");
+        put("mine.toml", "drawing = \"\"\"\nS.T\n\"\"\"\n");
+        put("bad.toml", "width = 0\n");
+        put("large.toml", &"#".repeat(MOST_BYTES + 1));
+        put("Not a name.toml", "");
+        put("other.txt", "");
+        let halls = KeptHalls::within(Some(&folder.0));
+        assert_eq!(halls.names(), ["bad", "large", "mine"]);
+        assert!(halls.read("mine").is_some_and(|hall| hall.is_ok()));
+        let why = |name: &str| halls.read(name).expect("it is there").expect_err("it is unusable").to_string();
+        assert!(why("bad").contains("kept as bad cannot be used: bad.toml:1"), "{}", why("bad"));
+        assert!(why("large").contains("larger than"), "{}", why("large"));
+        fs::remove_file(folder.0.join(FOLDER).join("mine.toml")).expect("it is there");
+        assert!(why("mine").contains("its file is gone"));
+    }
+}

@@ -1,0 +1,105 @@
+//! The halls that are offered by names, for the robots to be put down in and for the editor to begin with.
+
+use std::path::Path;
+
+use super::kept_halls::KeptHalls;
+use crate::runtime::simulator::{NotSimulated, is_hall_name};
+use hallsweep_sim::Hall;
+
+/// The halls by whose names somebody may choose: the built-in ones, the file that the settings name, by its own name, and those that are kept.
+#[derive(Debug)]
+pub(super) struct Offered {
+    always: Vec<(String, String)>,
+    kept: KeptHalls,
+}
+
+impl Offered {
+    /// With the hall of the settings, and what is kept in this data folder.
+    pub(super) fn with(usual: &str, data: Option<&Path>) -> Offered {
+        let mut halls: Vec<(String, String)> = Hall::builtin_names().map(|name| (name.to_owned(), name.to_owned())).collect();
+        let stem = Path::new(usual).file_stem().map(|stem| stem.to_string_lossy().into_owned());
+        // It stands in addresses.
+        let is_plain = |name: &String| name.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_.".contains(letter));
+        let is_known = |name: &str| halls.iter().any(|(known, _)| known == name);
+        if !is_known(usual) {
+            let name = stem.filter(|name| is_plain(name) && !is_known(name)).unwrap_or_else(|| "hall-of-the-settings".to_owned());
+            halls.push((name, usual.to_owned()));
+        }
+        Offered { always: halls, kept: KeptHalls::within(data) }
+    }
+
+    pub(super) fn names(&self) -> Vec<String> {
+        self.always.iter().map(|(name, _)| name.clone()).chain(self.kept()).collect()
+    }
+
+    /// Those that are kept; one whose name another has by now is not seen.
+    pub(super) fn kept(&self) -> Vec<String> {
+        self.kept.names().into_iter().filter(|name| self.file(name).is_none()).collect()
+    }
+
+    fn file(&self, name: &str) -> Option<&str> {
+        self.always.iter().find(|(known, _)| known == name).map(|(_, file)| file.as_str())
+    }
+
+    pub(super) fn named(&self, name: &str) -> Result<Hall, NotSimulated> {
+        if let Some(file) = self.file(name) {
+            return Hall::named_or_file(file).map_err(|error| NotSimulated::Hall(error.to_string()));
+        }
+        self.kept.read(name).unwrap_or_else(|| {
+            let known = self.names().join(", ");
+            Err(NotSimulated::Hall(format!("no hall of the name {name:?} is offered: there are {known}")))
+        })
+    }
+
+    /// Keeps a hall under a name that no other than a kept one has.
+    pub(super) fn keep(&self, name: &str, hall: &Hall) -> Result<(), NotSimulated> {
+        if !is_hall_name(name) {
+            Err(NotSimulated::NotAName(name.chars().take(80).collect()))
+        } else if self.file(name).is_some() {
+            Err(NotSimulated::NameTaken(name.to_owned()))
+        } else {
+            self.kept.keep(name, hall)
+        }
+    }
+
+    pub(super) fn discard(&self, name: &str) -> Result<(), NotSimulated> {
+        self.kept.discard(name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::storage::scratch::Scratch;
+
+    #[test]
+    fn the_hall_of_the_settings_is_offered_by_a_name_of_its_own() {
+        let last = |usual: &str| Offered::with(usual, None).names().pop();
+        assert_eq!(Offered::with("airport", None).names().len(), Hall::builtin_names().count());
+        assert_eq!(last("halls/depot.yaml").as_deref(), Some("depot"));
+        for other in ["my/airport.toml", "halls/a b.toml", ".."] {
+            assert_eq!(last(other).as_deref(), Some("hall-of-the-settings"), "{other}");
+        }
+        let gone = Offered::with("halls/depot.yaml", None).named("depot").expect_err("it is not there").to_string();
+        assert!(gone.contains("halls/depot.yaml"), "{gone}");
+    }
+
+    #[test]
+    fn a_hall_is_kept_under_a_name_that_no_other_has() {
+        let folder = Scratch::new();
+        let hall = Hall::named_or_file("seed").expect("it is built in");
+        let halls = Offered::with("halls/depot.yaml", Some(&folder.0));
+        for taken in ["airport", "depot"] {
+            assert_eq!(halls.keep(taken, &hall), Err(NotSimulated::NameTaken(taken.to_owned())));
+        }
+        let long = "a".repeat(41);
+        for name in ["", "-a", "a b", "A", "../a", "a/b", "a.b", "è", &long] {
+            assert_eq!(halls.keep(name, &hall), Err(NotSimulated::NotAName(name.to_owned())), "{name}");
+        }
+        halls.keep("mine-2", &hall).expect("it is a name");
+        assert_eq!((halls.names().pop().as_deref(), halls.kept()), (Some("mine-2"), vec!["mine-2".to_owned()]));
+        assert_eq!(halls.named("mine-2"), Ok(hall));
+        let later = Offered::with("halls/mine-2.toml", Some(&folder.0));
+        assert!(later.kept().is_empty() && later.named("mine-2").is_err(), "the settings' own has the name now");
+    }
+}
