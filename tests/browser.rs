@@ -224,6 +224,43 @@ fn the_hall_is_looked_at_from_near_and_a_free_cell_offers_the_way_there() {
 }
 
 #[test]
+fn of_hundreds_of_pieces_none_is_drawn_over_another_on_any_screen() {
+    let row = |shelves: bool| if shelves { format!(".{}", ("T".repeat(11) + "...").repeat(10)) } else { ".".repeat(141) };
+    play_in("warehouse", &octile((0..51).map(|y| row(y % 7 == 3))));
+}
+
+#[test]
+fn in_a_hall_of_a_thousand_cells_a_side_only_what_changed_is_sent() {
+    // One corridor, to and fro, so that the whole of it is seen in some seconds.
+    let row = |y: usize| match (y % 20, y / 20 % 2) {
+        (0, _) => ".".repeat(1000),
+        (_, 0) => "@".repeat(999) + ".",
+        (_, _) => ".".to_owned() + &"@".repeat(999),
+    };
+    play_in("thousand", &octile((0..1000).map(row)));
+}
+
+#[test]
+fn two_fingers_lead_closer_to_the_hall() {
+    play("pinched", &["--hall", "airport"]);
+}
+
+/// A hall in the format of public grid maps.
+fn octile(rows: impl Iterator<Item = String>) -> String {
+    let rows: Vec<String> = rows.collect();
+    format!("type octile\nheight {}\nwidth {}\nmap\n{}\n", rows.len(), rows[0].len(), rows.join("\n"))
+}
+
+/// Plays a scenario in a hall of its own, as fast as it can.
+fn play_in(scenario: &str, map: &str) {
+    let Data(folder) = &Data::new(scenario);
+    std::fs::create_dir_all(folder).expect("a folder of ours");
+    let hall = format!("{folder}/{scenario}.map");
+    std::fs::write(&hall, map).expect("it can be written");
+    play(scenario, &["--hall", &hall, "--speed", "max"]);
+}
+
+#[test]
 fn every_page_in_every_state_is_for_everybody() {
     play("accessible", &["--hall", "airport", "--speed", "max"]);
 }
