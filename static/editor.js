@@ -176,6 +176,10 @@ async function check() {
   findings = answer.findings ?? [];
   const rows = findings.map((found) => {
     const item = document.createElement("li"), to = document.createElement("button");
+    if (!isPlaced(found)) {
+      item.textContent = said(found);
+      return item;
+    }
     to.type = "button";
     to.className = "small";
     to.textContent = placed(found.column, found.row, said(found));
@@ -234,7 +238,7 @@ function paintNow() {
   to.lineWidth = 2;
   to.strokeStyle = colour("--red-text");
   to.setLineDash([3, 2]);
-  for (const { column, row } of findings) to.strokeRect(column * side + 1, row * side + 1, side - 3, side - 3);
+  for (const { column, row } of findings.filter(isPlaced)) to.strokeRect(column * side + 1, row * side + 1, side - 3, side - 3);
   to.setLineDash([]);
   to.strokeStyle = colour("--focus");
   if (anchor) for (const { x, y } of cellsOf(chosen("shape"), anchor, cursor)) to.strokeRect(x * side + 1, y * side + 1, side - 3, side - 3);
@@ -249,6 +253,9 @@ const BEGUN = { brush: "editor-begun-brush", line: "editor-begun-line", rectangl
 const said = (found) => say(`editor-found-${found.code}`, found);
 
 const placed = (column, row, text) => say("editor-at", { column: column + 1, row: row + 1, text });
+
+/** Where something was found, if it is somewhere. */
+const isPlaced = ({ column }) => column !== undefined;
 
 /** What is under the cursor, for whoever does not see it. */
 function under() {

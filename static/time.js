@@ -48,6 +48,35 @@ const time = (() => {
     if (at(id).getAttribute(attribute) !== value) at(id).setAttribute(attribute, value);
   }
 
+  const HOUR_PX = 84; // no two hours stand nearer to each other
+  const HOURS_S = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400, 21600, 43200, 86400];
+  let hoursOf = ""; // what the hours stand for that are drawn
+
+  /** The hours under the line, in the hall's zone, as many as have room. */
+  function hours(wide) {
+    const room = Math.max(1, Math.floor(track.clientWidth / HOUR_PX));
+    const step = (HOURS_S.find((step) => wide * line.unit / 1000 / step <= room) ?? HOURS_S.at(-1)) * 1000;
+    const what = [line.mission, line.breaks.length, step, wide].join();
+    if (hoursOf === what) return;
+    hoursOf = what;
+    const zone = Number(at("zone").dataset.offset) * 1000;
+    const next = (moment) => Math.ceil((moment + zone) / step) * step - zone;
+    const marks = [];
+    const last = momentAt(wide);
+    for (let moment = next(line.began); moment <= last && marks.length <= room; moment += step) {
+      const off = line.breaks.find(([from, to]) => from < moment && moment < to);
+      if (off) moment = next(off[1]);
+      const part = unitOf(moment) / wide;
+      if (part < .02 || part > .98 || moment > last) continue;
+      const mark = document.createElementNS("http://www.w3.org/2000/svg", "text");
+      mark.setAttribute("x", `${100 * part}%`);
+      mark.setAttribute("y", "80%");
+      mark.textContent = clockTime(moment - ahead).slice(0, step < 60_000 ? 8 : 5);
+      marks.push(mark);
+    }
+    at("hours").replaceChildren(...marks);
+  }
+
   /** Draws where we are. */
   function draw() {
     panel.classList.toggle("empty", !line);
@@ -58,6 +87,8 @@ const time = (() => {
     const here = then ? unitOf(then.time) : wide;
     paint("time-line", "viewBox", `0 0 ${wide} 64`);
     paint("cursor", "d", `M${here} 0v64`);
+    hours(wide);
+    at("time-ends").hidden = !line.cut;
     const words = then ? say("time-moment", { ...then, time: clockTime(then.time - ahead) }) : say("time-now");
     if (at("moment").textContent !== words) at("moment").textContent = words;
     track.setAttribute("aria-valuemax", Math.round(wide / 10));

@@ -26,22 +26,29 @@ pub struct ReadHall {
 /// Something that a search of the hall would not come to.
 #[derive(Debug, PartialEq, Serialize)]
 pub struct Finding {
-    /// Where, counted from 0 in the north-west corner of the drawing.
-    pub column: i32,
-    pub row: i32,
+    /// Where, if it is somewhere.
+    #[serde(flatten)]
+    pub at: Option<Place>,
     #[serde(flatten)]
     pub found: Found,
     pub text: String,
+}
+
+/// Counted from 0 in the north-west corner of the drawing.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Place {
+    pub column: i32,
+    pub row: i32,
 }
 
 /// What a search would not come to. `Display` is the sentence; the code and its values are for whoever says it otherwise.
 #[derive(Clone, Debug, PartialEq, Serialize, thiserror::Error)]
 #[serde(tag = "code", rename_all = "camelCase")]
 pub enum Found {
-    #[error("the {name} at ({x}, {y}) cannot be reached: no free cell beside it leads home")]
-    PieceUnreached { name: String, x: i32, y: i32 },
-    #[error("the free cell ({x}, {y}) cannot be reached from home")]
-    CellUnreached { x: i32, y: i32 },
+    #[error("the {name} cannot be reached: no free cell beside it leads home")]
+    PieceUnreached { name: String },
+    #[error("this free cell cannot be reached from home")]
+    CellUnreached,
     #[error("and {count} more that cannot be reached")]
     More { count: usize },
     #[error("there is no luggage in it: a search has nothing to inspect")]
@@ -53,7 +60,7 @@ impl Found {
     pub const fn code(&self) -> &'static str {
         match self {
             Found::PieceUnreached { .. } => "pieceUnreached",
-            Found::CellUnreached { .. } => "cellUnreached",
+            Found::CellUnreached => "cellUnreached",
             Found::More { .. } => "more",
             Found::NoLuggage => "noLuggage",
         }
@@ -61,8 +68,8 @@ impl Found {
 }
 
 impl Finding {
-    fn new(column: i32, row: i32, found: Found) -> Finding {
-        Finding { column, row, text: found.to_string(), found }
+    fn new(at: Option<Place>, found: Found) -> Finding {
+        Finding { at, text: found.to_string(), found }
     }
 }
 
@@ -120,21 +127,21 @@ fn parted(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
 /// Pieces first: what nobody finds may be a bomb.
 fn findings(hall: &Hall) -> Vec<Finding> {
     let least = hall.bounds().least;
-    let at = |cell: Cell, found| Finding::new(cell.x - least.x, cell.y - least.y, found);
+    let at = |cell: Cell, found| Finding::new(Some(Place { column: cell.x - least.x, row: cell.y - least.y }), found);
     let pieces = hall.unreachable_pieces();
     let of_pieces = pieces.iter().filter_map(|bag| {
         let cell = *bag.cells.first()?;
-        Some(at(cell, Found::PieceUnreached { name: bag.name.to_string(), x: cell.x, y: cell.y }))
+        Some(at(cell, Found::PieceUnreached { name: bag.name.to_string() }))
     });
     let cells = hall.unreachable_cells();
-    let of_cells = cells.iter().map(|cell| at(*cell, Found::CellUnreached { x: cell.x, y: cell.y }));
+    let of_cells = cells.iter().map(|cell| at(*cell, Found::CellUnreached));
     let mut said: Vec<Finding> = of_pieces.take(SAID).chain(of_cells.take(SAID)).collect();
     let more = pieces.len().saturating_sub(SAID) + cells.len().saturating_sub(SAID);
     if more > 0 {
-        said.push(at(least, Found::More { count: more }));
+        said.push(Finding::new(None, Found::More { count: more }));
     }
     if hall.pieces().is_empty() {
-        said.push(at(Cell::HOME, Found::NoLuggage));
+        said.push(Finding::new(None, Found::NoLuggage));
     }
     said
 }
@@ -173,13 +180,16 @@ mod tests {
     #[test]
     fn what_a_search_does_not_come_to_is_said_with_its_cell() {
         let hall = read("m.toml", b"drawing = \"\"\"\n.#T#\nS###\n.#..\n\"\"\"\n");
-        let said: Vec<_> = hall.findings.iter().map(|finding| (finding.column, finding.row, &*finding.text)).collect();
-        let [(2, 0, piece), (2, 2, first), (3, 2, _)] = said[..] else { panic!("{said:?}") };
-        assert!(piece.contains("at (2, -1) cannot be reached"), "{piece}");
-        assert!(first.contains("(2, 1)"), "{first}");
+        let said: Vec<_> = hall.findings.iter().map(|finding| (finding.at, &finding.found)).collect();
+        let at = |column, row| Some(Place { column, row });
+        let [(piece, Found::PieceUnreached { .. }), (first, Found::CellUnreached), (second, Found::CellUnreached)] = said[..]
+        else {
+            panic!("{said:?}")
+        };
+        assert_eq!((piece, first, second), (at(2, 0), at(2, 2), at(3, 2)));
         assert!(read("m.toml", b"drawing = \"\"\"\nS.T\n\"\"\"\n").findings.is_empty());
         let empty = read("m.toml", b"width = 3\nheight = 2\n").findings;
-        assert!(empty.iter().any(|finding| finding.text.contains("no luggage")), "{empty:?}");
+        assert!(empty.iter().any(|finding| finding.text.contains("no luggage") && finding.at.is_none()), "{empty:?}");
     }
 
     #[test]

@@ -26,6 +26,11 @@ fn says(state: &Value, words: &str) -> bool {
         .is_some_and(|lines| lines.iter().any(|line| line["text"].as_str().is_some_and(|text| text.contains(words))))
 }
 
+/// The console as somebody who reads Italian sees it.
+fn in_italian(program: &Program) -> String {
+    program.read("/", &[("accept", "text/html"), ("accept-language", "it")]).text()
+}
+
 /// What is answered to these bytes.
 fn raw(program: &Program, bytes: &str) -> String {
     let mut stream = TcpStream::connect(program.address()).expect("the program listens");
@@ -93,6 +98,8 @@ fn a_lost_link_holds_the_mission_and_it_goes_on_when_the_link_is_back() {
     let state = program.until("it is held", |state| holds(state, "robotLink"));
     assert!(holds(&state, "awaitingStart") && state["robots"][0]["unreached"].is_string(), "{state:#}");
     assert!(program.command("start").problem(409).contains("link"));
+    let page = in_italian(&program);
+    assert!(page.contains("simulatore: collegamento interrotto") && !page.contains("keeps it lost"), "{page}");
     change(&program, r#"{"linkLost":false,"speed":"max"}"#);
     let state = program.until("it is linked", |state| !holds(state, "robotLink"));
     assert!(holds(&state, "awaitingStart"), "the end of the cause alone sets nothing moving");
@@ -112,6 +119,8 @@ fn a_camera_that_fails_leaves_a_piece_without_a_photo_until_it_is_mended() {
     let piece = photo(&program.json("state")).expect("it is there");
     assert_eq!(piece["photo"]["state"], "failed", "{piece}");
     assert!(program.verdict(id, "safe").problem(409).contains("no usable photo"));
+    let page = in_italian(&program);
+    assert!(page.contains("otturatore") && !page.contains("shutter"), "{page}");
     change(&program, r#"{"cameraFails":false,"noThermometer":false}"#);
     program.post(&format!("/api/v1/luggage/{id}/photo"), "").accepted();
     program.until("it has a photo", |state| photo(state).is_some_and(|piece| piece["photo"]["state"] == "taken"));

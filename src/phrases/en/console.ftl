@@ -328,6 +328,7 @@ container-more = and { $count } more
 
 time = Time
 time-of-mission = Moment of the mission
+time-ends = The line ends here, after 20,000 entries. What came then stands in the mission's record, each line of which leads to its moment.
 lane-phase = phase
 lane-luggage = luggage
 lane-commands = commands

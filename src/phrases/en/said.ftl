@@ -136,3 +136,26 @@ not-fetched-tree = a behaviour tree cannot be performed as it is written
 not-fetched-and = { $why } ({ $words })
 saying-callOperator = the pair recognises no parcel: look what stands there, then acknowledge and press START
 saying-packageLost = the pair has lost the parcel: look where it lies, then acknowledge and press START
+
+## What the simulator says, and what was done to what is simulated.
+
+simulated = simulator { $changes }
+simulated-paused = paused
+simulated-going-on = going on
+simulated-speed = speed { $speed }
+simulated-speed-max = speed max
+simulated-linkLost = link lost: yes
+simulated-linked = link lost: no
+simulated-noThermometer = no thermometer: yes
+simulated-thermometer = no thermometer: no
+simulated-cameraFails = camera fails: yes
+simulated-camera = camera fails: no
+simulated-blocked = blocked { $cells }
+simulated-nothing-blocked = no way blocked
+simulated-step = simulator one step
+simulated-put-down = put down in the hall { $hall }
+simulated-is-put-down = it is put down in the hall { $hall }
+simulated-keeps = simulator keeps the hall { $hall }
+simulated-discards = simulator discards the hall { $hall }
+simulated-lost = the simulator keeps it lost
+simulated-no-photo = the shutter did not open: take the photo again

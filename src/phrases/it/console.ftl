@@ -340,6 +340,7 @@ container-more = { $count ->
 
 time = Tempo
 time-of-mission = Momento della missione
+time-ends = La linea finisce qui, dopo 20.000 voci. Il seguito è nel registro della missione: ogni riga porta al suo momento.
 lane-phase = fase
 lane-luggage = bagagli
 lane-commands = comandi

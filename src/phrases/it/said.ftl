@@ -136,3 +136,26 @@ not-fetched-tree = un albero di comportamento non si può eseguire com'è scritt
 not-fetched-and = { $why } ({ $words })
 saying-callOperator = la coppia non riconosce nessun pacco: guardare che cosa c'è, poi confermare e premere AVVIA
 saying-packageLost = la coppia ha perso il pacco: guardare dov'è, poi confermare e premere AVVIA
+
+## What the simulator says, and what was done to what is simulated.
+
+simulated = simulatore: { $changes }
+simulated-paused = in pausa
+simulated-going-on = riprende
+simulated-speed = velocità { $speed }
+simulated-speed-max = velocità massima
+simulated-linkLost = collegamento interrotto
+simulated-linked = collegamento ripristinato
+simulated-noThermometer = termometro tolto
+simulated-thermometer = termometro rimesso
+simulated-cameraFails = fotocamera guasta
+simulated-camera = fotocamera riparata
+simulated-blocked = ostacoli in { $cells }
+simulated-nothing-blocked = nessun ostacolo
+simulated-step = simulatore: un passo
+simulated-put-down = robot messi nella sala { $hall }
+simulated-is-put-down = viene messo nella sala { $hall }
+simulated-keeps = simulatore: conservata la sala { $hall }
+simulated-discards = simulatore: eliminata la sala { $hall }
+simulated-lost = il simulatore tiene interrotto il collegamento
+simulated-no-photo = l'otturatore non si è aperto: scattare di nuovo la foto

@@ -18,7 +18,7 @@ impl Language {
             Asked::Many { last, more } => {
                 self.say("asked-many").with("last", self.asked(last, meant)).with("more", more).to_string()
             }
-            Asked::Words(words) => words.clone(),
+            Asked::Words(words) => self.robot_said(words).into_owned(),
         }
     }
 

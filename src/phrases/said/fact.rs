@@ -124,7 +124,7 @@ impl Language {
         let photo = match photo {
             PhotoState::Taken { take: 1, .. } => self.say("photographed"),
             PhotoState::Taken { take, .. } => self.say("photographed-take").with("take", take),
-            PhotoState::Failed(why) => self.say("photographed-not").with("why", why),
+            PhotoState::Failed(why) => self.say("photographed-not").with("why", self.robot_said(why)),
         };
         let say = self.say("fact-luggage").with("id", id).with("cell", cell).with("from", pose.cell);
         say.with("heading", self.heading(pose.heading)).with("photo", photo).to_string()

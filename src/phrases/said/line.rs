@@ -54,7 +54,7 @@ impl Language {
             HoldReason::Reading(celsius) => self.celsius(*celsius),
             HoldReason::Silent(sensor) => sensor.to_string(),
             HoldReason::Unheard(sensor) => self.say("said-unheard").with("sensor", sensor).to_string(),
-            HoldReason::Words(words) => words.clone(),
+            HoldReason::Words(words) => self.robot_said(words).into_owned(),
         }
     }
 
@@ -62,11 +62,11 @@ impl Language {
         let said = match trouble {
             Trouble::TooFar(cell) => self.say("said-too-far").with("cell", cell),
             Trouble::NoThermometer => self.say("said-no-thermometer"),
-            Trouble::StillUnreached(why) => self.say("said-still-unreached").with("why", why),
-            Trouble::Unreached(why) => self.say("said-unreached").with("why", why),
+            Trouble::StillUnreached(why) => self.say("said-still-unreached").with("why", self.robot_said(why)),
+            Trouble::Unreached(why) => self.say("said-unreached").with("why", self.robot_said(why)),
             Trouble::MetObstacle(cell) => self.say("said-met-obstacle").with("cell", cell),
-            Trouble::Failed(why) => self.say("said-failed").with("why", why),
-            Trouble::NoPhoto(why) => self.say("said-no-photo").with("why", why),
+            Trouble::Failed(why) => self.say("said-failed").with("why", self.robot_said(why)),
+            Trouble::NoPhoto(why) => self.say("said-no-photo").with("why", self.robot_said(why)),
             Trouble::Unanswered => self.say("said-unanswered"),
         };
         said.with("robot", robot).to_string()

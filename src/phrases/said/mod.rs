@@ -1,11 +1,12 @@
 //! What the core says, as phrases. The English ones are the core's own sentences, which programs and records have; tests hold that, but for a
-//! piece that was meant and not named, which stands before the note here. What others say stays in their words: a robot, a disk, the simulator.
+//! piece that was meant and not named, which stands before the note here. What others say stays in their words: a robot, a disk.
 
 mod asked;
 mod fact;
 mod fault;
 mod line;
 mod refused;
+mod simulator;
 
 use super::{Language, Phrase};
 use hallsweep_core::mission::{Hold, PhaseName};

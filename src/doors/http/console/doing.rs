@@ -1,5 +1,7 @@
 //! What the console says of the robots' doings, and of the one that searches: whether it is there, and what it is made of.
 
+use std::borrow::Cow;
+
 use super::view::View;
 use crate::phrases::Phrase;
 use hallsweep_core::mission::Hold;
@@ -23,8 +25,9 @@ impl View<'_> {
     }
 
     /// Why the robot that searches cannot be reached, while that is so.
-    pub(super) fn unreached(&self) -> Option<&str> {
-        self.snapshot.robots.first()?.unreached.as_deref()
+    pub(super) fn unreached(&self) -> Option<Cow<'_, str>> {
+        let why = self.snapshot.robots.first()?.unreached.as_deref()?;
+        Some(self.language.robot_said(why))
     }
 
     /// What it is made of; `None` while there is no link.

@@ -97,9 +97,10 @@ pub(super) fn tile(map: &HallMap, corner: Cell) -> String {
 pub(super) fn labels(map: &HallMap) -> String {
     let shown = shown(map);
     let mut group = String::from("<g id=\"hall-labels\">");
-    let step = |count: i32| [1, 5, 10, 50, 100, 500].into_iter().find(|step| count / step <= LABELS).unwrap_or(1000);
-    let (every_x, every_y) = (step(shown.width()), step(shown.height()));
     let size = larger(map);
+    let fits = |count: i32, step: i32| count / step <= LABELS && step >= size;
+    let step = |count: i32| [1, 5, 10, 50, 100, 500].into_iter().find(|step| fits(count, *step)).unwrap_or(1000);
+    let (every_x, every_y) = (step(shown.width()), step(shown.height()));
     let (left, top) = (shown.least.x * CELL - CELL * size / 2, shown.least.y * CELL - CELL * size / 2);
     for x in (shown.least.x..=shown.most.x).filter(|x| x % every_x == 0) {
         label(&mut group, (x * CELL + CELL / 2, top), size, x);
@@ -173,10 +174,11 @@ pub(super) fn found<'a>(
 pub(super) fn robot(snapshot: &Snapshot) -> String {
     let (x, y) = searcher_at(snapshot);
     let turn = turn(snapshot.robot.pose.heading);
-    // A robot alone in the hall needs no name.
+    // A robot alone in the hall needs no name. What it looks at is ahead of it, and the name never there.
+    let name_y = if snapshot.robot.pose.heading == Heading::South { "-5.4" } else { "8.2" };
     let name = match snapshot.robots.first().filter(|_| snapshot.robots.len() > 1) {
         Some(robot) => {
-            format!("<text class=\"name\" transform=\"scale({})\" y=\"8.2\">{}</text>", larger(&snapshot.map), robot.id)
+            format!("<text class=\"name\" transform=\"scale({})\" y=\"{name_y}\">{}</text>", larger(&snapshot.map), robot.id)
         }
         None => String::new(),
     };

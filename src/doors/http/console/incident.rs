@@ -1,5 +1,7 @@
-//! The incident, once a piece in the hall was found dangerous: its alarm first, then the bombs with photo and place, how far away people
-//! must be, and what happens next.
+//! The incident, once a piece in the hall was found dangerous: its alarm first, then what happens next, how far away people must be, and
+//! the bombs with photo and place.
+
+use std::borrow::Cow;
 
 use askama::Template;
 
@@ -50,8 +52,8 @@ impl Incident<'_> {
         photo_url(bomb)
     }
 
-    fn failure<'l>(&self, bomb: &'l Luggage) -> &'l str {
-        failure(bomb)
+    fn failure<'l>(&self, bomb: &'l Luggage) -> Cow<'l, str> {
+        failure(self.v.language, bomb)
     }
 
     fn place(&self, bomb: &Luggage) -> String {

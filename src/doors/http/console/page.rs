@@ -70,6 +70,10 @@ impl<'a> Page<'a> {
         self.v.line.map_or(1, Timeline::width)
     }
 
+    fn is_cut(&self) -> bool {
+        self.v.line.is_some_and(Timeline::is_cut)
+    }
+
     fn threshold(&self) -> f64 {
         THRESHOLD_Y
     }

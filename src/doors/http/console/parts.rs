@@ -1,6 +1,8 @@
 //! The parts of the page. Each is rendered by the same template whether it is in a whole page or in the stream, and each knows
 //! which resources it shows, so that a change renders only what it touches.
 
+use std::borrow::Cow;
+
 use askama::Template;
 
 use super::carriers::carriers;
@@ -185,8 +187,8 @@ impl Inspect<'_> {
         (!takes.is_empty()).then_some(takes)
     }
 
-    fn failure<'l>(&self, luggage: &'l Luggage) -> &'l str {
-        failure(luggage)
+    fn failure<'l>(&self, luggage: &'l Luggage) -> Cow<'l, str> {
+        failure(self.v.language, luggage)
     }
 
     fn where_and_when(&self, luggage: &Luggage) -> String {

@@ -1,6 +1,8 @@
 //! The page of one photo: as large as the window lets it, with STOP beside it, and the other photos of the same piece. Whoever opens a
 //! photo by itself comes here.
 
+use std::borrow::Cow;
+
 use askama::Template;
 use axum::extract::State;
 use axum::response::Html;
@@ -99,8 +101,8 @@ impl PhotoPage<'_> {
         self.language.date(&self.zone.date_and_time(wall))
     }
 
-    fn failure(&self) -> &str {
-        failure(self.luggage)
+    fn failure(&self) -> Cow<'_, str> {
+        failure(self.language, self.luggage)
     }
 }
 

@@ -3,6 +3,7 @@
 mod progress;
 mod temperature;
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use askama::Template;
@@ -365,10 +366,10 @@ impl View<'_> {
 }
 
 /// Why there is no photo, where there is none.
-pub(super) fn failure(luggage: &Luggage) -> &str {
+pub(super) fn failure(language: Language, luggage: &Luggage) -> Cow<'_, str> {
     match &luggage.photo {
-        PhotoState::Taken { .. } => "",
-        PhotoState::Failed(reason) => reason,
+        PhotoState::Taken { .. } => Cow::Borrowed(""),
+        PhotoState::Failed(reason) => language.robot_said(reason),
     }
 }
 

@@ -15,7 +15,7 @@ use super::super::reading::HallForm;
 use super::{Asker, offered_hall, read_hall};
 use crate::api::door;
 use crate::api::fields::in_short;
-use crate::api::hall_files::{Finding, Found};
+use crate::api::hall_files::{Finding, Found, Place};
 use crate::phrases::{Language, Markup, Phrase};
 use crate::runtime::simulator::{HallSource, OtherHall};
 
@@ -73,8 +73,8 @@ impl Page {
 
     fn said(&self, finding: &Finding) -> String {
         let text = in_words(self.language, &finding.found);
-        let at = self.language.say("editor-at").with("column", finding.column + 1).with("row", finding.row + 1);
-        at.with("text", text).to_string()
+        let Some(Place { column, row }) = finding.at else { return text.to_string() };
+        self.language.say("editor-at").with("column", column + 1).with("row", row + 1).with("text", text).to_string()
     }
 }
 
@@ -82,10 +82,9 @@ impl Page {
 pub(super) fn in_words(language: Language, found: &Found) -> Phrase<'_> {
     let phrase = language.say_of("editor-found", found.code());
     match found {
-        Found::PieceUnreached { name, x, y } => phrase.with("name", name).with("x", x).with("y", y),
-        Found::CellUnreached { x, y } => phrase.with("x", x).with("y", y),
+        Found::PieceUnreached { name } => phrase.with("name", name),
         Found::More { count } => phrase.with("count", count),
-        Found::NoLuggage => phrase,
+        Found::CellUnreached | Found::NoLuggage => phrase,
     }
 }
 

@@ -198,7 +198,7 @@ async fn the_editor_and_its_script_speak_italian() {
     let walled = checked("drawing = \"\"\"\n.#T#\nS###\n.#..\n\"\"\"\n");
     let page = app.italian(("POST", "/simulator/editor", &walled), &[], &names).await;
     check(&page, &["Si può usare. Ma una ricerca non arriva dappertutto:", "<li>colonna 3, riga 1: il bagaglio «"]);
-    check(&page, &["<li>colonna 3, riga 3: la cella libera (2, 1) non si può raggiungere dalla base</li>"]);
+    check(&page, &["<li>colonna 3, riga 3: questa cella libera non si può raggiungere dalla base</li>"]);
     let sound = app.italian(("POST", "/simulator/editor", &checked("drawing = \"\"\"\nS.T\n\"\"\"\n")), &[], &names).await;
     check(&sound, &["È a posto: tutto si può raggiungere."]);
     let opened = app.italian(("GET", "/simulator/editor?hall=mine", ""), &[], &names).await;
@@ -213,12 +213,58 @@ async fn the_editor_and_its_script_speak_italian() {
     check(&page, &["Accesso come osservatore: si vede la sala"]);
 }
 
+/// The words of a change are the simulator's, and its phrases read them.
+#[test]
+fn what_was_done_to_the_simulator_is_said_in_every_language() {
+    let whether = [None, Some(true), Some(false)];
+    let cells = |cells: &[Cell]| Some(cells.iter().copied().collect::<BTreeSet<_>>());
+    let blocked = [None, cells(&[]), cells(&[Cell::new(-1, 2)]), cells(&[Cell::new(1, 2), Cell::new(3, 4)])];
+    for (is_so, blocked) in whether.into_iter().flat_map(|is_so| blocked.clone().map(|blocked| (is_so, blocked))) {
+        for speed in [None, Some(Pace::Max), Some(Pace::Times(2.5))] {
+            let change = Change {
+                speed,
+                is_paused: is_so,
+                link_lost: is_so.filter(|_| speed.is_some()),
+                no_thermometer: is_so,
+                camera_fails: is_so,
+                blocked: blocked.clone(),
+            };
+            let Some(words) = change.in_words() else { continue };
+            assert_eq!(Language::English.robot_said(&words), words);
+            let italian = Language::Italian.robot_said(&words);
+            let is_english = |word: &str| italian.contains(word);
+            assert!(
+                italian.starts_with("simulatore: ")
+                    && !["yes", "no ", "paused", "speed", "block"].iter().any(|word| is_english(word)),
+                "{italian}"
+            );
+        }
+    }
+    for words in ["simulator one step", "simulator keeps the hall a", "simulator discards the hall a", "put down in the hall a b"]
+    {
+        assert_eq!(Language::English.robot_said(words), words);
+        assert_ne!(Language::Italian.robot_said(words), words);
+    }
+    for words in [
+        "",
+        "simulator",
+        "simulator ",
+        "simulator blocked",
+        "simulator paused, dancing",
+        "simulator blocked (",
+        "the lens is covered",
+    ] {
+        let said = Language::Italian.robot_said(words);
+        assert!(said == words || said.starts_with("simulatore: ostacoli in ("), "{said}");
+    }
+}
+
 #[test]
 fn what_a_search_does_not_come_to_is_said_in_every_language() {
     use crate::api::hall_files::Found;
     for found in [
-        Found::PieceUnreached { name: "red backpack".to_owned(), x: 2, y: -1 },
-        Found::CellUnreached { x: 2, y: -1 },
+        Found::PieceUnreached { name: "red backpack".to_owned() },
+        Found::CellUnreached,
         Found::More { count: 2 },
         Found::NoLuggage,
     ] {

@@ -45,6 +45,8 @@ pub(in super::super) struct Scale {
     unit: i64,
     /// Whether it goes on.
     open: bool,
+    /// Whether the mission has more entries than stand on it.
+    cut: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -108,7 +110,12 @@ impl Timeline {
 
     /// Whether nothing more will be on it.
     pub(super) const fn is_complete(&self) -> bool {
-        self.is_over || self.entries >= MOST
+        self.is_over || self.is_cut()
+    }
+
+    /// Whether the mission has more entries than are drawn.
+    pub(in super::super) const fn is_cut(&self) -> bool {
+        self.entries >= MOST && !self.is_over
     }
 
     pub(in super::super) fn is_empty(&self) -> bool {
@@ -123,7 +130,8 @@ impl Timeline {
             last: self.last.0,
             breaks: self.breaks.clone(),
             unit: UNIT_MS,
-            open: !self.is_over,
+            open: !self.is_complete(),
+            cut: self.is_cut(),
         }
     }
 
@@ -382,10 +390,10 @@ mod tests {
     #[test]
     fn it_ends_with_the_mission_and_before_it_is_too_much() {
         let over = line([(0, command("START")), (1, Fact::MissionArchived(MissionId(1), Vec::new())), (2, command("START"))]);
-        assert!(over.is_complete() && !over.scale().open);
+        assert!(over.is_complete() && !over.scale().open && !over.scale().cut);
         assert_eq!(over.scale().end, TEN.unix_ms + 1000);
         let endless = line((0..MOST as i64 + 10).map(|second| (second, command("START"))));
-        assert!(endless.is_complete());
+        assert!(endless.is_complete() && endless.scale().cut && !endless.scale().open);
         assert_eq!(endless.entries, MOST);
     }
 }

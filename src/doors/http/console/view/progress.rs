@@ -31,6 +31,9 @@ impl View<'_> {
     /// How long the search will go on driving, as `4 min to 11 min of driving left`.
     pub(in super::super) fn left(&self) -> Option<Phrase<'static>> {
         let TimeLeft { least, most } = self.snapshot.mission.progress.left?;
+        if most.is_none() && least < ROUGHLY {
+            return None; // that says nothing
+        }
         let least = roughly(least, |seconds, unit| seconds / unit);
         Some(match most {
             None => self.say("left-least").with("least", least),
@@ -47,6 +50,9 @@ impl View<'_> {
         self.began.filter(|_| !is_over)
     }
 }
+
+/// Below two minutes a time is told to ten seconds.
+const ROUGHLY: Duration = Duration::from_secs(10);
 
 /// A time in tens of seconds, or from two minutes on in minutes, rounded as is wanted.
 fn roughly(time: Duration, round: fn(u64, u64) -> u64) -> String {
