@@ -207,6 +207,7 @@ async fn start(
         // So that robots and map are in the same hall at the next start as well.
         robots.keep_other_hall();
     }
+    engine.note_hall(robots.hall_name().into(), robots.cell_m(), clock.now());
     let Adapters { all: mut adapters, mut simulator } = robots.adapters(clock);
     if let Some(other) = other {
         adapters[0] = other;

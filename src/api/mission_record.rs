@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 
-use super::journal;
+use super::journal::{self, ConditionsShape};
 use super::luggage::LuggageJson;
 use super::map::{MapJson, Plan};
 use super::robot::PositionJson;
@@ -60,6 +60,8 @@ pub struct MissionListJson {
 pub struct MissionWholeJson {
     #[serde(flatten)]
     pub record: MissionRecordJson,
+    /// In which hall it was, and what counted as too hot; null where no record says so.
+    pub conditions: Option<ConditionsShape>,
     /// Its luggage, by number.
     pub luggage: Vec<LuggageJson>,
     /// Its hall as far as it was known, or null when that is not kept.
@@ -80,8 +82,13 @@ impl MissionWholeJson {
     pub fn new(record: MissionRecordJson, state: Option<&PersistentState>, damage: Vec<String>) -> MissionWholeJson {
         let luggage = state.into_iter().flat_map(|state| state.luggage.iter());
         let luggage = luggage.map(|luggage| LuggageJson::from(&**luggage)).collect();
-        MissionWholeJson { record, luggage, map: state.map(|state| MapJson::from(Plan::from(state))), damage }
+        let map = state.map(|state| MapJson::from(Plan::from(state)));
+        MissionWholeJson { record, conditions: state.and_then(conditions), luggage, map, damage }
     }
+}
+
+fn conditions(state: &PersistentState) -> Option<ConditionsShape> {
+    state.conditions.as_ref().map(ConditionsShape::from)
 }
 
 /// How a mission stood after one of its entries.
@@ -102,6 +109,8 @@ pub struct MomentJson {
     pub robot: StandsJson,
     /// The last reading in °C, or null where there was none not long before.
     pub celsius: Option<f64>,
+    /// In which hall it was, and what counted as too hot; null where no record says so.
+    pub conditions: Option<ConditionsShape>,
     /// The luggage that had been found, by number.
     pub luggage: Vec<LuggageJson>,
     /// The hall as far as it was known.
@@ -145,6 +154,7 @@ impl MomentJson {
             goal: state.goal.map(|goal| goal.cell().into()),
             robot: StandsJson { position: state.pose.cell.into(), heading: state.pose.heading.name() },
             celsius: celsius.map(Celsius::degrees),
+            conditions: conditions(state),
             luggage: state.luggage.iter().map(|luggage| LuggageJson::from(&**luggage)).collect(),
             map: MapJson::from(Plan::from(state)),
             damage,

@@ -300,6 +300,47 @@ fn halls_of_every_format_are_read_over_the_wire_and_nonsense_is_refused_in_words
     assert_eq!(program.json("simulator")["hall"]["height"], 250);
 }
 
+/// Figures of an old mission are those of its own hall and limit, whatever holds now.
+#[test]
+fn an_old_mission_is_shown_in_the_hall_and_under_the_limit_of_then() {
+    let folder = Folder::new("conditions");
+    let serve = |hall: &str, threshold: &str| {
+        let arguments = ["serve", "--http", "127.0.0.1:0", "--hall", hall, "--speed", "max", "--data", folder.text()];
+        Program::started(hallsweep(&arguments).env("HALLSWEEP__TEMPERATURE__THRESHOLD_CELSIUS", threshold))
+    };
+    let moment = |program: &Program, mission: u64, is_hot: bool| {
+        let conditions = program.json(&format!("missions/{mission}"))["conditions"].clone();
+        assert_eq!(program.json(&format!("missions/{mission}/moment"))["conditions"], conditions);
+        let last = program.json(&format!("missions/{mission}/moment"))["seq"].as_u64().expect("an entry");
+        let page = program.read(&format!("/missions/{mission}/moment?at={last}"), &[("accept", "text/html")]).text();
+        assert_eq!(page.contains("too high: nothing moves"), is_hot, "{page}");
+        (conditions, page)
+    };
+    let program = serve("empty-8x8", "40");
+    program.command("start").accepted();
+    program.until_phase("explored");
+    program.put("/api/v1/temperature", r#"{"celsius":30}"#).accepted();
+    let before = json!({"hall":"empty-8x8","cellM":0.5,"threshold":40.0});
+    assert_eq!(moment(&program, 1, false).0, before);
+    program.put("/api/v1/temperature", r#"{"celsius":20}"#).accepted();
+    put_down(&program, "name = \"wide\"\ncell_m = 2.0\nwidth = 2\nheight = 2\n");
+    program.until("it is there", |state| !holds(state, "robotLink"));
+    program.command("start").accepted();
+    program.until_phase("explored");
+    program.killer()();
+    drop(program);
+
+    let program = serve("empty-8x8", "19");
+    let (conditions, page) = moment(&program, 1, false);
+    assert!(
+        conditions == before && page.contains("64 cells, 16.0 m²") && page.contains("<b>empty-8x8</b>"),
+        "{conditions}: {page}"
+    );
+    let (conditions, page) = moment(&program, 2, true);
+    assert_eq!(conditions, json!({"hall":"wide","cellM":2.0,"threshold":19.0}), "since the restart");
+    assert!(page.contains("4 cells, 16.0 m²") && page.contains("<b>wide</b>"), "{page}");
+}
+
 #[test]
 fn where_the_robot_is_not_simulated_there_is_no_simulator() {
     let mut command = hallsweep(&["serve", "--http", "127.0.0.1:0", "--robot", "virtual-tcp=127.0.0.1:9"]);

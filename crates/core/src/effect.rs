@@ -10,7 +10,7 @@ use super::mission::{Goal, Hold, Input, Phase};
 use super::retrieval::ArmAction;
 use super::robots::Part;
 use super::search::{Search, Strategy};
-use super::state::{PersistentState, Retrieval};
+use super::state::{Conditions, PersistentState, Retrieval};
 use super::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, OrderId, Pose, Seq, Ticket, WallTime};
 use super::world::alarm::AlarmCause;
 use super::world::hall_map::Mark;
@@ -148,6 +148,8 @@ pub enum Fact {
     ProgramStarted(String),
     /// The program was asked to end, by this.
     ProgramEnded(String),
+    /// In which hall, and under which limit, what follows happens.
+    Conditions(Conditions),
     /// Everything that stands, so that nothing before needs to be read to go on.
     State(Box<PersistentState>),
     /// A command came, and what became of it.

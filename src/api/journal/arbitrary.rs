@@ -19,7 +19,7 @@ use hallsweep_core::retrieval::{
 };
 use hallsweep_core::search::{Search, Strategy as Order};
 use hallsweep_core::settings::Fetcher;
-use hallsweep_core::state::{PersistentState, Retrieval, RetrievalStage};
+use hallsweep_core::state::{Conditions, PersistentState, Retrieval, RetrievalStage};
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, WallTime};
 use hallsweep_core::world::alarm::{Alarm, AlarmCause};
 use hallsweep_core::world::hall_map::{HallMap, Mark, REACH};
@@ -37,6 +37,7 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
     prop_oneof![
         text().prop_map(Fact::ProgramStarted),
         text().prop_map(Fact::ProgramEnded),
+        conditions().prop_map(Fact::Conditions),
         state().prop_map(|state| Fact::State(Box::new(state))),
         command(),
         any::<u64>().prop_map(|id| Fact::MissionBegan(MissionId(id), Order::Snail)),
@@ -71,6 +72,14 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
     ]
 }
 
+fn conditions() -> impl Strategy<Value = Conditions> {
+    (text(), option::of(0.01..100.0), celsius()).prop_map(|(hall, cell_m, threshold)| Conditions {
+        hall: hall.into(),
+        cell_m,
+        threshold,
+    })
+}
+
 fn command() -> impl Strategy<Value = Fact> {
     let issuer = (one_of(&DOORS), text(), text());
     let issuer = issuer.prop_map(|(door, who, from)| Issuer { door, who: who.into(), from: from.into() });
@@ -101,7 +110,8 @@ fn state() -> impl Strategy<Value = PersistentState> {
     let met_again = btree_map(cell(), any::<u32>().prop_map(Piece), 0..3);
     let pieces = (btree_set(any::<u32>().prop_map(Piece), 0..4), met_again);
     let world = (hall_map(), pieces, vec(luggage(), 0..4), vec(alarm(), 0..4));
-    (numbers, mission, world, option::of(celsius())).prop_map(|(numbers, mission, world, reading)| {
+    let rest = (option::of(celsius()), option::of(conditions()));
+    (numbers, mission, world, rest).prop_map(|(numbers, mission, world, (reading, conditions))| {
         let (id, under_way, epoch, last_luggage, last_alarm, led_blinking) = numbers;
         let (phase, holds, search, goal, blocked, (pose, others, (outside, retrieval))) = mission;
         let (map, (pieces, met_again), luggage, alarms) = world;
@@ -128,6 +138,7 @@ fn state() -> impl Strategy<Value = PersistentState> {
             alarms: alarms.into_iter().map(Arc::new).collect(),
             last_alarm: AlarmId(last_alarm),
             reading,
+            conditions,
         }
     })
 }

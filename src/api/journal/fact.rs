@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::conditions::ConditionsShape;
 use super::luggage::LuggageShape;
 use super::names::SearchShape;
 use super::phase::PhaseShape;
@@ -28,6 +29,7 @@ pub(super) enum Shape {
     ProgramEnded {
         by: String,
     },
+    Conditions(ConditionsShape),
     Standing {
         standing: Box<StandingShape>,
     },
@@ -152,6 +154,7 @@ pub const fn kind(fact: &Fact) -> &'static str {
     match fact {
         Fact::ProgramStarted(_) => "programStarted",
         Fact::ProgramEnded(_) => "programEnded",
+        Fact::Conditions(_) => "conditions",
         Fact::State(_) => "standing",
         Fact::Command { .. } => "command",
         Fact::MissionBegan(..) => "missionBegan",
@@ -185,6 +188,7 @@ impl Shape {
         match fact {
             Fact::ProgramStarted(version) => Shape::ProgramStarted { version: version.clone() },
             Fact::ProgramEnded(by) => Shape::ProgramEnded { by: by.clone() },
+            Fact::Conditions(conditions) => Shape::Conditions(conditions.into()),
             Fact::State(state) => Shape::Standing { standing: Box::new((&**state).into()) },
             Fact::Command { issuer, id, command, epoch, luggage, refused } => {
                 let shape = CommandShape::of(issuer, id.as_ref(), command, *luggage, refused.as_ref());
@@ -237,6 +241,7 @@ impl Shape {
             }
             Shape::ProgramStarted { version } => Fact::ProgramStarted(version),
             Shape::ProgramEnded { by } => Fact::ProgramEnded(by),
+            Shape::Conditions(shape) => Fact::Conditions(shape.conditions()?),
             Shape::Standing { standing } => Fact::State(Box::new(standing.state()?)),
             Shape::Command(command) => command.fact()?,
             Shape::MissionBegan { number, strategy } => Fact::MissionBegan(MissionId(number), names::strategy(&strategy)?),

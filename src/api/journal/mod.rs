@@ -7,6 +7,7 @@
 //! ```
 //! Reading skips fields that it does not know, so that a later version may add some, and refuses meanings that it does not know.
 
+mod conditions;
 mod fact;
 mod luggage;
 mod map;
@@ -22,6 +23,7 @@ pub(crate) mod arbitrary;
 #[cfg(test)]
 mod tests;
 
+pub use conditions::ConditionsShape;
 pub use fact::kind;
 
 use serde::{Deserialize, Serialize};

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::conditions::ConditionsShape;
 use super::luggage::{AlarmShape, LuggageShape};
 use super::map::{self, Row};
 use super::names::SearchShape;
@@ -51,6 +52,8 @@ pub(super) struct StandingShape {
     alarms: Vec<AlarmShape>,
     last_alarm: u64,
     reading: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    conditions: Option<ConditionsShape>,
 }
 
 impl From<&PersistentState> for StandingShape {
@@ -78,6 +81,7 @@ impl From<&PersistentState> for StandingShape {
             alarms: state.alarms.iter().map(|alarm| AlarmShape::from(&**alarm)).collect(),
             last_alarm: state.last_alarm.0,
             reading: state.reading.map(hallsweep_core::units::Celsius::degrees),
+            conditions: state.conditions.as_ref().map(ConditionsShape::from),
         }
     }
 }
@@ -107,6 +111,7 @@ impl StandingShape {
             alarms: self.alarms.into_iter().map(|alarm| Arc::new(alarm.into())).collect(),
             last_alarm: AlarmId(self.last_alarm),
             reading: self.reading.map(names::celsius).transpose()?,
+            conditions: self.conditions.map(ConditionsShape::conditions).transpose()?,
         })
     }
 }

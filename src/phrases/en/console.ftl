@@ -73,6 +73,7 @@ next-secured = { $what }. START begins a new search, RESET puts this mission awa
 next-explored = The whole hall has been searched. START searches it anew, RESET puts this mission away.
 secured-one = luggage #{ $id } is in the container
 secured-many = luggage { $ids } are in the container
+announced-searched = At least { $count } cells are searched.
 announced-waits = Luggage #{ $id } waits for your verdict.
 
 ## Progress

@@ -73,6 +73,7 @@ next-secured = { $what }. AVVIA comincia una nuova ricerca, ARCHIVIA archivia qu
 next-explored = Tutta la sala è stata esplorata. AVVIA la esplora di nuovo, ARCHIVIA archivia questa missione.
 secured-one = il bagaglio #{ $id } è nel contenitore
 secured-many = i bagagli { $ids } sono nel contenitore
+announced-searched = Celle esplorate: almeno { $count }.
 announced-waits = Il bagaglio #{ $id } attende il verdetto.
 
 ## Progress

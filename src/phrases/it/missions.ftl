@@ -35,6 +35,7 @@ missions-luggage-count = { $count }, di cui pericolosi: { $dangerous }
 missions-zone = Orari
 missions-in-zone = in { $zone }
 missions-its-trees = i suoi alberi, momento per momento
+missions-conditions = Condizioni
 missions-cells-visited = Celle visitate
 missions-missing = Che cosa manca qui
 missions-damaged = Una parte di ciò che è registrato di questa missione è danneggiata. Il resto è mostrato, senza ciò che ne consegue:

@@ -213,7 +213,7 @@ impl InHand {
             }
             moves.push((decide, is_put_down));
         }
-        self.handle.put_down(issuer, next.hall.name().to_owned(), self.robots.clone()).await??;
+        self.handle.put_down(issuer, (next.hall.name().into(), Some(next.hall.cell_m())), self.robots.clone()).await??;
         for (decide, is_put_down) in moves {
             if decide.send(next.clone()).is_err() || is_put_down.await.is_err() {
                 tracing::error!("a simulated robot has ended while it was put down in another hall");

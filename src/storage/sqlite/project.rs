@@ -27,6 +27,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
         Fact::Secured(luggage) => secured(connection, *luggage, wall),
         Fact::State(state) => stands(connection, state, wall, seq),
         Fact::ProgramStarted(_)
+        | Fact::Conditions(_)
         | Fact::ProgramEnded(_)
         | Fact::Command { .. }
         | Fact::Holds(_)

@@ -60,7 +60,7 @@ impl Kinds {
             Kinds::Retrieval => Some("kind IN ('retrieval', 'holds', 'alarmRaised', 'alarmAcknowledged', 'secured', 'phase')"),
             Kinds::Timeline => Some(
                 "kind IN ('missionBegan', 'missionArchived', 'phase', 'holds', 'temperature', 'luggage', 'verdict', 'secured',
-                 'alarmRaised', 'alarmAcknowledged', 'command', 'strategy', 'retrieval', 'programStarted', 'programEnded')",
+                 'alarmRaised', 'alarmAcknowledged', 'command', 'strategy', 'retrieval', 'programStarted', 'programEnded', 'conditions')",
             ),
             Kinds::Told => Some(
                 "kind IN ('command', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'verdict', 'alarmRaised',

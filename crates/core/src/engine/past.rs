@@ -59,10 +59,13 @@ const fn begins_a_way(fact: &Fact) -> bool {
 }
 
 impl Past {
-    /// The state as the doors show it, with these robots beside the one that searches. What is too hot is so by the settings of now.
+    /// The state as the doors show it, with these robots beside the one that searches. What is too hot is so by the threshold of
+    /// then, and where that is not on record by that of now.
     #[must_use]
     pub fn snapshot(self, settings: Settings, others: impl IntoIterator<Item = RobotId>) -> Snapshot {
         let Past { seq, state, trail, readings, latest } = self;
+        let threshold = state.conditions.as_ref().map_or(settings.threshold, |conditions| conditions.threshold);
+        let settings = Settings { threshold, ..settings };
         let mut engine = Engine::new(settings, state.strategy, Arc::from("past"));
         let known: Vec<RobotId> = others.into_iter().chain(state.others.keys().chain(state.outside.keys()).cloned()).collect();
         for robot in known {

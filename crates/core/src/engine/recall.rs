@@ -9,7 +9,7 @@ use super::outbox::Outbox;
 use crate::effect::{Effect, Entry, Fact};
 use crate::mission::{Input, InputContext, Phase, PhaseName};
 use crate::settings::Settings;
-use crate::state::PersistentState;
+use crate::state::{Conditions, PersistentState};
 use crate::units::{LuggageId, Now, Pose, Seq, WallTime};
 use crate::world::hall_map::Mark;
 use crate::world::log::Tone;
@@ -84,6 +84,20 @@ impl Engine {
 
     pub(super) fn note_start(&mut self) {
         self.record(Fact::ProgramStarted(env!("CARGO_PKG_VERSION").to_owned()));
+    }
+
+    /// In which hall the robots are, and how large its cells are where that is known. It goes on record when it is other than before, beside
+    /// what counts as too hot.
+    pub fn note_hall(&mut self, hall: Arc<str>, cell_m: Option<f64>, now: Now) {
+        self.begin(now);
+        self.record_conditions(hall, cell_m);
+    }
+
+    pub(super) fn record_conditions(&mut self, hall: Arc<str>, cell_m: Option<f64>) {
+        let conditions = Conditions { hall, cell_m, threshold: self.settings.threshold };
+        if self.state.conditions.as_ref() != Some(&conditions) {
+            self.record(Fact::Conditions(conditions));
+        }
     }
 
     /// The robot was put down at home in another hall: what was recalled of the old one is put away. Only while no mission is

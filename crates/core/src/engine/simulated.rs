@@ -1,6 +1,8 @@
 //! What is done to the hall and the robots where both are simulated, and what stays true of the mission then: it is on record with whoever
 //! did it, and a robot is put down in another hall only when nothing is lost by it. How anything is simulated is not known here.
 
+use std::sync::Arc;
+
 use super::Engine;
 use super::outbox::WaitingAnswer;
 use crate::command::{Issuer, Refused};
@@ -23,11 +25,18 @@ impl Engine {
     ///
     /// # Errors
     /// Why not now: something would be lost. Nothing has changed.
-    pub fn put_down_in(&mut self, hall: &str, robots: &[RobotId], issuer: &Issuer, now: Now) -> Result<Ticket, Refused> {
+    pub fn put_down_in(
+        &mut self,
+        (hall, cell_m): (Arc<str>, Option<f64>),
+        robots: &[RobotId],
+        issuer: &Issuer,
+        now: Now,
+    ) -> Result<Ticket, Refused> {
         self.may_be_put_down()?;
         self.begin(now);
         self.write_simulated(issuer, &format!("put down in the hall {hall}"));
         self.put_down();
+        self.record_conditions(Arc::clone(&hall), cell_m);
         for robot in robots {
             self.link_lost(robot, format!("it is put down in the hall {hall}"));
         }

@@ -2,11 +2,13 @@
 //! by the same code. Nothing else changes it, but for what must be said anew after a restart (`after_restart`).
 //! How facts are written and read back is the store's business.
 
+mod conditions;
 mod retrieval;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+pub use self::conditions::Conditions;
 pub use self::retrieval::{Retrieval, RetrievalStage};
 use super::effect::{Entry, Fact};
 use super::event::Piece;
@@ -70,6 +72,8 @@ pub struct PersistentState {
     pub last_alarm: AlarmId,
     /// The operator's last reading: nobody else would tell it again.
     pub reading: Option<Celsius>,
+    /// In which hall this is; `None` where no journal said so yet.
+    pub conditions: Option<Conditions>,
 }
 
 impl PersistentState {
@@ -99,6 +103,7 @@ impl PersistentState {
             alarms: Vec::new(),
             last_alarm: AlarmId(0),
             reading: None,
+            conditions: None,
         }
     }
 
@@ -118,6 +123,7 @@ impl PersistentState {
         match fact {
             Fact::ProgramStarted(_) | Fact::ProgramEnded(_) | Fact::Command { .. } | Fact::Obstacle(..) => {}
             Fact::State(state) => *self = PersistentState::clone(state),
+            Fact::Conditions(conditions) => self.conditions = Some(conditions.clone()),
             Fact::MissionBegan(mission, strategy) => {
                 (self.mission, self.under_way, self.strategy) = (*mission, true, *strategy);
                 self.search_anew();

@@ -157,6 +157,12 @@ impl One {
         known.map_or_else(|| self.record.strategy.to_string(), |known| self.language.say_of("strategy", known.name()).to_string())
     }
 
+    /// In which hall it was, and under which limit, where that is on record.
+    fn conditions(&self) -> Option<String> {
+        let conditions = self.state.as_ref()?.conditions.clone()?;
+        Some(self.language.fact(&Fact::Conditions(conditions)))
+    }
+
     fn has_retrieval(&self) -> bool {
         let fetched = [PhaseName::Retrieving, PhaseName::BagSecured].iter().any(|phase| phase.name() == &*self.record.phase);
         fetched || self.state.as_ref().is_some_and(|state| state.retrieval.is_some())

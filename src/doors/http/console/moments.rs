@@ -20,6 +20,7 @@ use super::view::{HallInfo, Then, View, Who};
 use super::{html, who};
 use crate::phrases::Language;
 use crate::runtime::archive::{At, Moment, Sound};
+use hallsweep_core::state::Conditions;
 use hallsweep_core::units::{MissionId, Seq, WallTime};
 use hallsweep_core::world::snapshot::Snapshot;
 
@@ -111,11 +112,12 @@ impl About {
         let then = Then { mission: self.mission, seq: past.seq.0, time: unix_ms, earlier, later };
         let present = self.door.handle.snapshot();
         let others = present.robots.iter().skip(1).map(|robot| robot.id.clone());
-        Looked { snapshot: Arc::new(past.snapshot(self.door.settings, others)), then, wall }
+        let conditions = past.state.conditions.clone();
+        Looked { snapshot: Arc::new(past.snapshot(self.door.settings, others)), then, wall, conditions }
     }
 
-    fn view<'a>(&'a self, Looked { snapshot, then, wall }: &'a Looked) -> View<'a> {
-        let (hall, who, line) = (HallInfo::of(&self.door), self.who.clone(), Some(&*self.line));
+    fn view<'a>(&'a self, Looked { snapshot, then, wall, conditions }: &'a Looked) -> View<'a> {
+        let (hall, who, line) = (HallInfo::under(&self.door, conditions.as_ref()), self.who.clone(), Some(&*self.line));
         View { snapshot, hall, began: self.began, who, language: self.language, why: None, now: *wall, line, then: Some(*then) }
     }
 }
@@ -125,6 +127,8 @@ struct Looked {
     snapshot: Arc<Snapshot>,
     then: Then,
     wall: WallTime,
+    /// Where they are on record.
+    conditions: Option<Conditions>,
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! What the console's parts look at: the snapshot in an operator's words. Markup stands in the templates.
 
+mod announced;
 mod progress;
 mod temperature;
 
@@ -19,6 +20,7 @@ use crate::phrases::{Language, Phrase};
 use hallsweep_core::command::Refused;
 use hallsweep_core::event::RobotId;
 use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::state::Conditions;
 use hallsweep_core::units::{Cell, Celsius, LuggageId, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 use hallsweep_core::world::robot::{RobotState, RobotView};
@@ -69,6 +71,15 @@ impl<'a> HallInfo<'a> {
     pub(super) fn of(door: &'a HttpDoor) -> HallInfo<'a> {
         let (name, cell_m) = door.hall();
         HallInfo { name, cell_m, evacuation_m: door.evacuation_m, robot: door.robots.of(RobotId::discovery().name()) }
+    }
+
+    /// The hall as it was under these conditions; where they are not on record it is that of now.
+    pub(super) fn under(door: &'a HttpDoor, conditions: Option<&Conditions>) -> HallInfo<'a> {
+        let now = HallInfo::of(door);
+        match conditions {
+            Some(Conditions { hall, cell_m, .. }) => HallInfo { name: Arc::clone(hall), cell_m: *cell_m, ..now },
+            None => now,
+        }
     }
 }
 
@@ -288,26 +299,6 @@ impl View<'_> {
         };
         let is_held = !mission.holds.is_empty() || self.waiting().is_some();
         if is_held && mood != Mood::Alarm { Mood::Held } else { mood }
-    }
-
-    /// The sentence for those who listen instead of looking.
-    pub(super) fn announcement(&self) -> String {
-        let mut words = vec![sentence(&self.phase())];
-        let mission = &self.snapshot.mission;
-        words.extend(mission.fault.iter().map(|fault| sentence(&self.language.fault(fault))));
-        if mission.phase != PhaseName::Inspecting {
-            words.extend(self.waiting().map(|luggage| self.say("announced-waits").with("id", luggage.id).to_string()));
-        }
-        words.extend(self.holds().first().map(|hold| sentence(hold)));
-        words.extend(self.next_step());
-        words.extend(
-            self.snapshot
-                .alarms
-                .iter()
-                .filter(|alarm| alarm.acknowledged.is_none())
-                .map(|alarm| sentence(&self.language.alarm(&alarm.cause))),
-        );
-        words.join(" ")
     }
 
     /// The title of the window, so that another window does not hide what matters.

@@ -19,6 +19,20 @@ fn view(snapshot: &Snapshot) -> View<'_> {
 }
 
 #[test]
+fn how_far_the_search_has_come_is_announced_now_and_then() {
+    let said = |cells| {
+        let mut snapshot = searching();
+        snapshot.mission.progress.visited = cells;
+        snapshot.mission.phase = PhaseName::Exploring;
+        view(&snapshot).announcement()
+    };
+    let announced: std::collections::BTreeSet<String> = (1..=1000).map(said).collect();
+    assert_eq!(announced.len(), 8, "10, 20, 50, 100, 200, 500, 1000 and before: {announced:?}");
+    assert!(said(70).contains("At least 50 cells are searched."), "{}", said(70));
+    assert!(!said(9).contains("searched"), "{}", said(9));
+}
+
+#[test]
 fn a_waiting_piece_is_what_is_said_first() {
     let snapshot = searching();
     let view = view(&snapshot);

@@ -13,6 +13,7 @@ use crate::runtime::archive::Happened;
 use hallsweep_core::command::Verdict;
 use hallsweep_core::effect::Fact;
 use hallsweep_core::mission::{Phase, PhaseName};
+use hallsweep_core::state::Conditions;
 use hallsweep_core::units::{Celsius, MissionId, Seq, WallTime};
 
 /// Entries in a section of the picture.
@@ -163,6 +164,11 @@ impl Timeline {
         (from..).zip(sections).map(|(place, markup)| (id(place), markup))
     }
 
+    /// What happens from here on is so under these conditions.
+    pub(super) const fn under(&mut self, conditions: &Conditions) {
+        self.threshold = conditions.threshold;
+    }
+
     /// What happened next.
     pub(super) fn extend(&mut self, happened: &[Happened]) {
         for (seq, entry) in happened {
@@ -190,6 +196,8 @@ impl Timeline {
             self.phase(x, wall, (phase.name(), phase.interrupted().map(Phase::name)));
         } else if let Fact::Holds(holds) = fact {
             self.holds(x, wall, fact, !holds.is_empty());
+        } else if let Fact::Conditions(conditions) = fact {
+            self.under(conditions);
         } else if let Fact::Temperature(_, celsius) = fact {
             self.growing.reading(x, *celsius, self.threshold, &mut self.carried.reading);
         } else if let Fact::Retrieval(retrieval) = fact {
@@ -249,6 +257,7 @@ fn class(fact: &Fact) -> Option<&'static str> {
         Fact::MissionBegan(..)
         | Fact::MissionArchived(..)
         | Fact::Strategy(_)
+        | Fact::Conditions(_)
         | Fact::Phase(_)
         | Fact::Holds(_)
         | Fact::Retrieval(_) => {

@@ -12,7 +12,8 @@ use hashlink::LruCache;
 use super::super::HttpDoor;
 use crate::api::time::Zone;
 use crate::phrases::Language;
-use hallsweep_core::units::MissionId;
+use crate::runtime::archive::{Archive, At};
+use hallsweep_core::units::{MissionId, Seq};
 pub(super) use line::{Scale, Timeline};
 pub(super) use section::{THRESHOLD_Y, id};
 
@@ -100,10 +101,20 @@ async fn read_on(door: &HttpDoor, mission: MissionId, mut line: Arc<Timeline>) -
         return None;
     }
     let after = line.last();
-    let further = door.archive.look_up(move |archive| archive.timeline(mission, after, PAGE)).await.ok()?;
+    let look = move |archive: &dyn Archive| {
+        // What counted as too hot when it began may have been said before.
+        let begin = if after == Seq(0) { archive.moments(mission, &[At::Time(i64::MIN)])?.pop() } else { None };
+        let conditions = begin.and_then(|moment| moment.past.of.state.conditions);
+        Ok((conditions, archive.timeline(mission, after, PAGE)?))
+    };
+    let (conditions, further) = door.archive.look_up(look).await.ok()?;
     if further.is_empty() {
         return None;
     }
-    Arc::make_mut(&mut line).extend(&further);
+    let longer = Arc::make_mut(&mut line);
+    if let Some(conditions) = conditions {
+        longer.under(&conditions);
+    }
+    longer.extend(&further);
     Some(line)
 }

@@ -1,0 +1,36 @@
+//! What is announced to whoever listens and does not look: what changes, and not every step.
+
+use super::{View, sentence};
+use hallsweep_core::mission::PhaseName;
+
+impl View<'_> {
+    /// The sentence for those who listen instead of looking.
+    pub(in super::super) fn announcement(&self) -> String {
+        let mut words = vec![sentence(&self.phase())];
+        let mission = &self.snapshot.mission;
+        words.extend(mission.fault.iter().map(|fault| sentence(&self.language.fault(fault))));
+        if mission.phase != PhaseName::Inspecting {
+            words.extend(self.waiting().map(|luggage| self.say("announced-waits").with("id", luggage.id).to_string()));
+        }
+        words.extend(self.holds().first().map(|hold| sentence(hold)));
+        if mission.phase == PhaseName::Exploring {
+            let searched = round(mission.progress.visited);
+            words.extend(searched.map(|count| self.say("announced-searched").with("count", count).to_string()));
+        }
+        words.extend(self.next_step());
+        words.extend(
+            self.snapshot
+                .alarms
+                .iter()
+                .filter(|alarm| alarm.acknowledged.is_none())
+                .map(|alarm| sentence(&self.language.alarm(&alarm.cause))),
+        );
+        words.join(" ")
+    }
+}
+
+/// The last of 10, 20, 50, 100 and so on that a number has come to: how far a search has come is announced then, and not at every step.
+fn round(number: usize) -> Option<usize> {
+    let power = 10_usize.checked_pow(number.checked_ilog10().filter(|digits| *digits > 0)?)?;
+    [5, 2, 1].into_iter().map(|times| times * power).find(|round| *round <= number)
+}
