@@ -33,6 +33,7 @@ use crate::storage::stops;
 use hallsweep_core::engine::{Engine, Recalled};
 use hallsweep_core::event::RobotId;
 use hallsweep_core::mission::Hold;
+use hallsweep_core::state::Venue;
 use hallsweep_core::units::Epoch;
 
 mod coap;
@@ -207,7 +208,7 @@ async fn start(
         // So that robots and map are in the same hall at the next start as well.
         robots.keep_other_hall();
     }
-    engine.note_hall(robots.hall_name().into(), robots.cell_m(), clock.now());
+    engine.note_venue(Venue { name: robots.hall_name().into(), cell_m: robots.cell_m() }, clock.now());
     let Adapters { all: mut adapters, mut simulator } = robots.adapters(clock);
     if let Some(other) = other {
         adapters[0] = other;

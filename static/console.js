@@ -224,7 +224,7 @@ document.addEventListener("submit", (event) => {
   if (form.id === "who") leaving = true;
   if (form.id === "stop" || !form.action.includes("/console/")) return;
   event.preventDefault();
-  if (form.closest("#inspect") && performance.now() < settledAt) {
+  if (form.closest('#inspect, [data-why="retrieve"]') && performance.now() < settledAt) {
     return tell(form.dataset.why, say("console-changed"));
   }
   if (settling && event.submitter === settling.button && performance.now() < settling.until && !isAimed) {

@@ -23,6 +23,7 @@ let stroke = null; // what is drawn while the pointer is down: its letter, and t
 let findings = [];
 let undone = [], done = [];
 let checking, checks = 0;
+let isNamed = $("keep-as").value !== ""; // whether somebody has named it; else it is kept under the hall's own name
 
 // ---- the file ----
 
@@ -53,10 +54,12 @@ function written({ rows, bags, head, tail }) {
 
 /** What the program reads in a file: the hall as a hall file, and findings; or the words of its refusal. */
 async function read(name, body) {
+  const headers = body.size > mostBytes ? { "Content-Encoding": "gzip" } : {};
+  if (body.size > mostBytes) body = await new Response(body.stream().pipeThrough(new CompressionStream("gzip"))).blob();
   if (body.size > mostBytes) return { why: say("editor-large", { bytes: body.size, most: mostBytes }) };
   try {
     const place = `/api/v1/simulator/hall/check?name=${encodeURIComponent(name.replaceAll(/[^\w.-]/g, "_"))}`;
-    const response = await fetch(place, { method: "POST", body });
+    const response = await fetch(place, { method: "POST", headers, body });
     const answer = await response.json();
     return response.ok ? answer : { why: say("editor-refused", answer) };
   } catch {
@@ -161,7 +164,8 @@ function step(from, to) {
 /** The text, the fields and the check follow what is drawn. */
 function changed() {
   text.value = written(hall);
-  $("why").textContent = ""; // it was of what stood there before
+  $("why").textContent = ""; // that was of what stood there before
+  $("done").textContent = "";
   cursor = { x: Math.min(cursor.x, width() - 1), y: Math.min(cursor.y, height() - 1) };
   showFields();
   paint();
@@ -189,6 +193,7 @@ async function check() {
   });
   const words = document.createElement("p");
   words.className = answer.why ? "why" : "";
+  if ($("why").textContent.trim() === answer.why) $("why").textContent = "";
   words.textContent = answer.why ?? say(rows.length ? "editor-unsound" : "editor-sound");
   const list = document.createElement("ul");
   list.append(...rows);
@@ -252,7 +257,11 @@ const BEGUN = { brush: "editor-begun-brush", line: "editor-begun-line", rectangl
 /** Something that a search would not come to, in words. */
 const said = (found) => say(`editor-found-${found.code}`, found);
 
-const placed = (column, row, text) => say("editor-at", { column: column + 1, row: row + 1, text });
+/** A cell of the drawing in words, counted from home as in the map. */
+function placed(column, row, text) {
+  const home = Math.max(0, hall.rows.findIndex((line) => line.includes(HOME)));
+  return say("editor-at", { x: column - Math.max(0, hall.rows[home].indexOf(HOME)), y: row - home, text });
+}
 
 /** Where something was found, if it is somewhere. */
 const isPlaced = ({ column }) => column !== undefined;
@@ -280,7 +289,7 @@ function showFields() {
   $("redo").disabled = !mayAct || !undone.length;
   $("download").href = `data:application/toml;charset=utf-8,${encodeURIComponent(text.value)}`;
   $("download").download = `${($("name").value || "hall").replaceAll(/[^\w-]/g, "-")}.toml`;
-  $("keep-as").value ||= $("name").value.toLowerCase().replaceAll(/[^a-z0-9]+/g, "-").replaceAll(/^-|-$/g, "").slice(0, 40);
+  if (!isNamed) $("keep-as").value = $("name").value.toLowerCase().replaceAll(/[^a-z0-9]+/g, "-").replaceAll(/^-|-$/g, "").slice(0, 40);
   $("cursor").textContent = under();
 }
 
@@ -380,6 +389,7 @@ canvas.addEventListener("keydown", (event) => {
 
 // ---- buttons and files ----
 
+$("keep-as").addEventListener("input", () => { isNamed = true; });
 $("undo").addEventListener("click", () => step(done, undone));
 $("redo").addEventListener("click", () => step(undone, done));
 
@@ -416,6 +426,8 @@ $("file").addEventListener("change", async () => {
   const answer = await read(name, body);
   $("file").value = "";
   if (answer.why) return tell(answer.why);
+  $("opened")?.remove(); // it is another hall now
+  isNamed = false;
   take(answer.toml, say("editor-open", { ...answer, file: file.name }));
 });
 

@@ -48,30 +48,35 @@ const time = (() => {
     if (at(id).getAttribute(attribute) !== value) at(id).setAttribute(attribute, value);
   }
 
-  const HOUR_PX = 84; // no two hours stand nearer to each other
+  const HOUR_PX = 84; // so much room an hour has
   const HOURS_S = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400, 21600, 43200, 86400];
   let hoursOf = ""; // what the hours stand for that are drawn
 
   /** The hours under the line, in the hall's zone, as many as have room. */
   function hours(wide) {
     const room = Math.max(1, Math.floor(track.clientWidth / HOUR_PX));
-    const step = (HOURS_S.find((step) => wide * line.unit / 1000 / step <= room) ?? HOURS_S.at(-1)) * 1000;
-    const what = [line.mission, line.breaks.length, step, wide].join();
+    const lasts = wide * line.unit / 1000;
+    const days = HOURS_S.at(-1);
+    const step = (HOURS_S.find((step) => lasts / step <= room) ?? Math.ceil(lasts / days / room) * days) * 1000;
+    const what = [line.mission, line.breaks.length, step, wide, Math.floor(end() / step)].join();
     if (hoursOf === what) return;
     hoursOf = what;
     const zone = Number(at("zone").dataset.offset) * 1000;
     const next = (moment) => Math.ceil((moment + zone) / step) * step - zone;
     const marks = [];
-    const last = momentAt(wide);
+    const last = Math.min(momentAt(wide), end());
+    let before = -1; // where the last of them stands
     for (let moment = next(line.began); moment <= last && marks.length <= room; moment += step) {
       const off = line.breaks.find(([from, to]) => from < moment && moment < to);
       if (off) moment = next(off[1]);
       const part = unitOf(moment) / wide;
-      if (part < .02 || part > .98 || moment > last) continue;
+      const fromEdge = Math.min(part, 1 - part) * track.clientWidth;
+      if (fromEdge < HOUR_PX / 3 || moment > last || (part - before) * track.clientWidth < HOUR_PX * .7) continue;
+      before = part;
       const mark = document.createElementNS("http://www.w3.org/2000/svg", "text");
       mark.setAttribute("x", `${100 * part}%`);
       mark.setAttribute("y", "80%");
-      mark.textContent = clockTime(moment - ahead).slice(0, step < 60_000 ? 8 : 5);
+      mark.textContent = step < days * 1000 ? clockTime(moment - ahead).slice(0, step < 60_000 ? 8 : 5) : new Date(moment + zone).toLocaleDateString(root.lang, { timeZone: "UTC", day: "numeric", month: "short" });
       marks.push(mark);
     }
     at("hours").replaceChildren(...marks);
@@ -84,7 +89,9 @@ const time = (() => {
     // What would move it by less than a point of the screen is not painted anew.
     if (width() < drawn || width() > drawn * (1 + 1 / track.clientWidth)) drawn = width();
     const wide = drawn;
-    const here = then ? unitOf(then.time) : wide;
+    const present = Math.min(unitOf(end()), wide);
+    const here = then ? unitOf(then.time) : present;
+    paint("future", "d", `M${present} 0H${wide}V64H${present}z`);
     paint("time-line", "viewBox", `0 0 ${wide} 64`);
     paint("cursor", "d", `M${here} 0v64`);
     hours(wide);
@@ -233,7 +240,7 @@ const time = (() => {
   function drag(event) {
     const box = at("time-line").getBoundingClientRect();
     const part = Math.min(Math.max(0, (event.clientX - box.left) / box.width), 1);
-    if (part >= NOW_PART && isPresent()) {
+    if ((part >= NOW_PART || part * width() > unitOf(end())) && isPresent()) {
       if (then) now();
     } else {
       toUnit(part * width());

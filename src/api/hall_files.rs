@@ -14,8 +14,8 @@ const SAID: usize = 20;
 #[serde(rename_all = "camelCase")]
 pub struct ReadHall {
     name: String,
-    width: u32,
-    height: u32,
+    width: i32,
+    height: i32,
     cell_m: f64,
     pieces: usize,
     /// The whole hall, as a hall file.
@@ -34,9 +34,13 @@ pub struct Finding {
     pub text: String,
 }
 
-/// Counted from 0 in the north-west corner of the drawing.
+/// A cell of a drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Place {
+    /// As in the map, from home.
+    pub x: i32,
+    pub y: i32,
+    /// From 0 in the north-west corner of the drawing.
     pub column: i32,
     pub row: i32,
 }
@@ -73,34 +77,28 @@ impl Finding {
     }
 }
 
-impl ReadHall {
-    /// Reads a file that is called so.
-    pub fn of(file: &str, bytes: &[u8]) -> Result<ReadHall, HallError> {
-        let ends = |extension: &str| file.to_ascii_lowercase().ends_with(extension);
-        if ends(".js") {
-            let hall = Scene::parse(file, bytes)?.hall(&stem(file)).map_err(|fault| fault.of(file))?;
-            let toml = text(&Export::from(hall));
-            return Ok(ReadHall::new(&Hall::parse(file.trim_end_matches(".js"), &toml)?));
-        }
-        if let Some((yaml, image)) = (ends(".yaml") || ends(".yml")).then(|| parted(bytes)).flatten() {
-            let yaml = String::from_utf8_lossy(yaml);
-            return Ok(ReadHall::new(&Hall::parse_occupancy(file, &yaml, "the image", image, None)?));
-        }
-        Ok(ReadHall::new(&Hall::parse(file, &String::from_utf8_lossy(bytes))?))
+/// Reads a file that is called so.
+pub fn read(file: &str, bytes: &[u8]) -> Result<Hall, HallError> {
+    let ends = |extension: &str| file.to_ascii_lowercase().ends_with(extension);
+    if ends(".js") {
+        let hall = Scene::parse(file, bytes)?.hall(&stem(file)).map_err(|fault| fault.of(file))?;
+        let toml = text(&Export::from(hall));
+        return Hall::parse(file.trim_end_matches(".js"), &toml);
     }
-
-    /// Columns and rows.
-    pub const fn size(&self) -> (u32, u32) {
-        (self.width, self.height)
+    if let Some((yaml, image)) = (ends(".yaml") || ends(".yml")).then(|| parted(bytes)).flatten() {
+        let yaml = String::from_utf8_lossy(yaml);
+        return Hall::parse_occupancy(file, &yaml, "the image", image, None);
     }
+    Hall::parse(file, &String::from_utf8_lossy(bytes))
+}
 
-    fn new(hall: &Hall) -> ReadHall {
-        let side = |cells: i32| u32::try_from(cells).unwrap_or_default();
+impl From<&Hall> for ReadHall {
+    fn from(hall: &Hall) -> ReadHall {
         let bounds = hall.bounds();
         ReadHall {
             name: hall.name().to_owned(),
-            width: side(bounds.width()),
-            height: side(bounds.height()),
+            width: bounds.width(),
+            height: bounds.height(),
             cell_m: hall.cell_m(),
             pieces: hall.pieces().len(),
             toml: text(&Export::from(hall.clone())),
@@ -127,7 +125,9 @@ fn parted(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
 /// Pieces first: what nobody finds may be a bomb.
 fn findings(hall: &Hall) -> Vec<Finding> {
     let least = hall.bounds().least;
-    let at = |cell: Cell, found| Finding::new(Some(Place { column: cell.x - least.x, row: cell.y - least.y }), found);
+    let at = |cell: Cell, found| {
+        Finding::new(Some(Place { x: cell.x, y: cell.y, column: cell.x - least.x, row: cell.y - least.y }), found)
+    };
     let pieces = hall.unreachable_pieces();
     let of_pieces = pieces.iter().filter_map(|bag| {
         let cell = *bag.cells.first()?;
@@ -151,7 +151,7 @@ mod tests {
     use super::*;
 
     fn read(file: &str, bytes: &[u8]) -> ReadHall {
-        ReadHall::of(file, bytes).unwrap_or_else(|error| panic!("{file}: {error}"))
+        super::read(file, bytes).map_or_else(|error| panic!("{file}: {error}"), |hall| ReadHall::from(&hall))
     }
 
     #[test]
@@ -181,7 +181,7 @@ mod tests {
     fn what_a_search_does_not_come_to_is_said_with_its_cell() {
         let hall = read("m.toml", b"drawing = \"\"\"\n.#T#\nS###\n.#..\n\"\"\"\n");
         let said: Vec<_> = hall.findings.iter().map(|finding| (finding.at, &finding.found)).collect();
-        let at = |column, row| Some(Place { column, row });
+        let at = |column, row| Some(Place { x: column, y: row - 1, column, row });
         let [(piece, Found::PieceUnreached { .. }), (first, Found::CellUnreached), (second, Found::CellUnreached)] = said[..]
         else {
             panic!("{said:?}")
@@ -208,7 +208,7 @@ mod tests {
             ("m.yaml", b"image: m.pgm\n...\nP5 9 9 255\n", "m.yaml: "),
             ("m.map", b"\xff\xfe", "m.map:1: "),
         ] {
-            let why = ReadHall::of(file, bytes).expect_err(file).to_string();
+            let why = super::read(file, bytes).expect_err(file).to_string();
             assert!(why.starts_with(words), "{why}");
         }
     }

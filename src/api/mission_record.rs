@@ -60,7 +60,7 @@ pub struct MissionListJson {
 pub struct MissionWholeJson {
     #[serde(flatten)]
     pub record: MissionRecordJson,
-    /// In which hall it was, and what counted as too hot; null where no record says so.
+    /// In which hall it was at its end, and what counted as too hot then; null where no record says so.
     pub conditions: Option<ConditionsShape>,
     /// Its luggage, by number.
     pub luggage: Vec<LuggageJson>,

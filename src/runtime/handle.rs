@@ -9,6 +9,7 @@ use super::halt::Halter;
 use super::overflow::{OverflowIn, OverflowOut, overflow};
 use hallsweep_core::command::{Accepted, Command, Issuer, Refused, Request};
 use hallsweep_core::event::RobotId;
+use hallsweep_core::state::Venue;
 use hallsweep_core::units::Epoch;
 use hallsweep_core::world::snapshot::Snapshot;
 
@@ -28,7 +29,7 @@ pub enum Envelope {
     /// What somebody did to what is simulated, in words, for the record.
     Simulated(Issuer, String),
     /// These simulated robots are to be put down in the hall of this name, and who asks for it.
-    PutDown(Issuer, (Arc<str>, Option<f64>), Vec<RobotId>, oneshot::Sender<Answer>),
+    PutDown(Issuer, Venue, Vec<RobotId>, oneshot::Sender<Answer>),
 }
 
 pub(super) type Answer = Result<Accepted, Refused>;
@@ -127,11 +128,11 @@ impl Handle {
         self.commands.send(Envelope::Simulated(issuer, words)).await.map_err(|_| Gone)
     }
 
-    /// Asks that these simulated robots be put down in the hall of this name with cells of this side, in metres; the answer comes when that is on record. Then they count as
+    /// Asks that these simulated robots be put down there; the answer comes when that is on record. Then they count as
     /// unreached until they say that they stand there.
-    pub async fn put_down(&self, issuer: Issuer, hall: (Arc<str>, Option<f64>), robots: Vec<RobotId>) -> Given {
+    pub async fn put_down(&self, issuer: Issuer, venue: Venue, robots: Vec<RobotId>) -> Given {
         let (answer, answered) = oneshot::channel();
-        self.commands.send(Envelope::PutDown(issuer, hall, robots, answer)).await.map_err(|_| Gone)?;
+        self.commands.send(Envelope::PutDown(issuer, venue, robots, answer)).await.map_err(|_| Gone)?;
         answered.await.map_err(|_| Gone)
     }
 

@@ -132,6 +132,8 @@ pub enum NotSimulated {
     NotAName(String),
     #[error("{0} is a hall of hallsweep's own or of its settings: keep yours under another name")]
     NameTaken(String),
+    #[error("another hall is kept as {0}: replace it, or choose another name")]
+    AnotherKept(String),
     #[error("{0} halls are kept, and more cannot be: discard one first")]
     TooManyKept(usize),
     #[error("no hall is kept without a data folder: download it, or start hallsweep with --data")]
@@ -139,8 +141,8 @@ pub enum NotSimulated {
     #[error("no hall is kept as {0:?}")]
     NotThere(String),
     /// What the disk says.
-    #[error("what halls are kept cannot be changed: {0}")]
-    CannotKeep(String),
+    #[error("{0}")]
+    CannotChangeKept(String),
     #[error(transparent)]
     Gone(#[from] Gone),
 }
@@ -184,8 +186,8 @@ pub trait Simulator: Send + Sync {
     /// Puts the robots down at home in another hall.
     fn put_down(self: Arc<Self>, hall: OtherHall, issuer: Issuer) -> Changing;
 
-    /// Keeps the hall of a hall file under a name, in the place of one that is kept under it.
-    fn keep(self: Arc<Self>, name: String, toml: String, issuer: Issuer) -> Changing;
+    /// Keeps the hall of a hall file under a name; in the place of one that is kept under it only if it may replace that.
+    fn keep(self: Arc<Self>, name: String, toml: String, may_replace: bool, issuer: Issuer) -> Changing;
 
     /// Discards a hall that is kept.
     fn discard(self: Arc<Self>, name: String, issuer: Issuer) -> Changing;

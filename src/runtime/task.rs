@@ -166,8 +166,8 @@ impl Task {
             }
             Envelope::Refused(issuer, asked, refused, answer) => self.note_refused(issuer, asked, refused, answer),
             Envelope::Simulated(issuer, words) => self.engine.note_simulated(&issuer, &words, self.clock.now()),
-            Envelope::PutDown(issuer, hall, robots, answer) => {
-                let given = self.engine.put_down_in(hall, &robots, &issuer, self.clock.now());
+            Envelope::PutDown(issuer, venue, robots, answer) => {
+                let given = self.engine.put_down_in(venue, &robots, &issuer, self.clock.now());
                 self.await_answer(given, vec![answer]);
             }
         }

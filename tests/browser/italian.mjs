@@ -72,7 +72,7 @@ export const italian = {
     await readsNoEnglish(page, 'an incident');
     await picture('incident');
     await button(page, /Conferma/).first().click();
-    await page.getByText('confermato da').waitFor();
+    await page.getByText('confermato da').first().waitFor();
 
     // What is refused is refused in Italian, at the button.
     const refused = await page.evaluate(async () => {

@@ -87,6 +87,8 @@ fn a_paused_robot_does_not_get_on_is_stopped_and_takes_steps() {
     program.until_phase("explored");
     change(&program, r#"{"paused":true}"#);
     assert_eq!(program.post("/api/v1/simulator/step", "").json()["code"], "nothingUnderWay");
+    let page = in_italian(&program);
+    assert!(page.contains("il tempo del simulatore è fermo") && page.contains("nessun robot ha un ordine in corso"), "{page}");
 }
 
 #[test]
@@ -206,7 +208,7 @@ fn a_hall_is_kept_under_a_name_over_a_restart_until_it_is_discarded() {
         ("Mine", LONG, 422, "small letters, digits"),
         ("..%2F..%2Fmine", LONG, 422, "small letters, digits"),
         ("airport", LONG, 409, "another name"),
-        ("mine", "width = 0\n", 422, "hall.toml:1"),
+        ("mine", "width = 0\n", 422, "mine.toml:1"),
         ("mine", "width = 251\nheight = 2\n", 422, "too large"),
         ("mine", &"#".repeat(70_000), 413, "larger than 65536 bytes"),
     ] {
@@ -216,12 +218,13 @@ fn a_hall_is_kept_under_a_name_over_a_restart_until_it_is_discarded() {
     let kept = keep(&program, "corridor-2", LONG);
     assert_eq!((kept.status, &kept.json()["keptHalls"]), (200, &json!(["corridor-2"])), "{}", kept.text());
     program.until("it is on record", |state| says(state, "simulator keeps the hall corridor-2, by operator"));
+    assert!(in_italian(&program).contains("simulatore: conservata la sala corridor-2"));
     program.killer()();
     drop(program);
 
     let program = serve();
     let text = program.read(&format!("{HALLS}/corridor-2"), &[]).text();
-    assert!(text.contains("S.........") && text.contains("name = \"corridor\""), "{text}");
+    assert!(text.contains("S.........") && text.contains("name = \"corridor-2\""), "{text}");
     assert_eq!(program.put("/api/v1/simulator/hall", r#"{"name":"corridor-2"}"#).status, 200);
     program.command("start").accepted();
     assert_eq!(program.until_phase("explored")["mission"]["progress"]["visited"], 20);
@@ -229,9 +232,13 @@ fn a_hall_is_kept_under_a_name_over_a_restart_until_it_is_discarded() {
     assert_eq!((discard("corridor-2").status, discard("corridor-2").status, discard("airport").status), (200, 404, 404));
     assert_eq!(program.json("simulator")["keptHalls"], json!([]));
     assert_eq!(program.read(&format!("{HALLS}/corridor-2"), &[]).status, 404);
+    let page = in_italian(&program);
+    assert!(
+        page.contains("simulatore: eliminata la sala corridor-2") && page.contains("robot messi nella sala corridor-2"),
+        "{page}"
+    );
 }
 
-/// The data folder is the user's: what cannot be written there is said, and the hall that was kept before is whole.
 #[test]
 fn a_hall_that_cannot_be_kept_is_said_so() {
     let folder = Folder::new("unkept-halls");
@@ -240,8 +247,7 @@ fn a_hall_that_cannot_be_kept_is_said_so() {
     let arguments = ["serve", "--http", "127.0.0.1:0", "--hall", "airport", "--speed", "max", "--data", folder.text()];
     let program = Program::started(&mut hallsweep(&arguments));
     let refused = program.send("PUT", "/api/v1/simulator/halls/mine", "application/toml", LONG);
-    assert_eq!(refused.json()["code"], "cannotKeep");
-    assert!(refused.problem(503).contains("what halls are kept cannot be changed"));
+    assert_eq!((refused.status, &refused.json()["code"]), (503, &json!("cannotChangeKept")));
     let without = Program::serve("airport", "max");
     let refused = without.send("PUT", "/api/v1/simulator/halls/mine", "application/toml", LONG);
     assert!(refused.problem(409).contains("without a data folder"));
@@ -286,6 +292,7 @@ fn halls_of_every_format_are_read_over_the_wire_and_nonsense_is_refused_in_words
         let huge = format!("{method} {path} HTTP/1.1\r\nHost: localhost\r\nContent-Length: {}\r\n\r\n", 10 << 20);
         assert!(raw(&program, &huge).starts_with("HTTP/1.1 413"), "{path}: before any of it has come");
     }
+    assert_eq!(program.read("/api/v1/simulator/halls/%FF", &[]).json()["code"], "notFound");
     assert!(program.put("/api/v1/simulator/hall", r#"{"name":"../../etc/passwd"}"#).problem(422).contains("there are airport"));
     assert_eq!(program.read("/api/v1/simulator/halls/nowhere", &[]).status, 404);
     let wide = json!({ "toml": "width = 251\nheight = 2\n" });
@@ -294,10 +301,62 @@ fn halls_of_every_format_are_read_over_the_wire_and_nonsense_is_refused_in_words
     assert!(check("m.map", "type octile\nheight 1\nwidth 300\nmap\n").status == 422);
     let wide = format!("type octile\nheight 1\nwidth 300\nmap\n{}\n", ".".repeat(300));
     assert!(check("m.map", &wide).problem(422).contains("300 × 1 cells is too large"));
-    // As large as may be, it comes through whole.
+    // As large as may be, it comes through whole, by the editor's form as well.
+    let walls = format!("drawing = \"\"\"\nS{}\n{}\"\"\"\n", "#".repeat(249), format!("{}\n", "#".repeat(250)).repeat(249));
+    let part = |name: &str, text: &str| format!("--parted\r\nContent-Disposition: form-data; name=\"{name}\"\r\n\r\n{text}\r\n");
+    let form = |parts: &[(&str, &str)]| {
+        let parts: String = parts.iter().map(|(name, text)| part(name, text)).collect();
+        program.send("POST", "/simulator/editor", "multipart/form-data; boundary=parted", &format!("{parts}--parted--\r\n"))
+    };
+    let used = form(&[("toml", &walls.replace('\n', "\r\n")), ("act", "check")]);
+    assert!(used.status == 200 && used.text().contains("no luggage"), "{}", used.status);
+    for bad in [&[("act", "check"), ("act", "use")][..], &[("toml", &"#".repeat(66_000)), ("act", "check")]] {
+        assert!([413, 422].contains(&form(bad).status));
+    }
+    assert_eq!(
+        program.send("POST", "/simulator/editor", "multipart/form-data; boundary=parted", "--parted\r\nrubbish").status,
+        422
+    );
     let wide = format!("drawing = \"\"\"\nS{}\n{}\"\"\"\n", "#".repeat(249), format!("{}\n", ".".repeat(250)).repeat(249));
     put_down(&program, &wide);
     assert_eq!(program.json("simulator")["hall"]["height"], 250);
+}
+
+/// What is answered to a check of this file, packed.
+fn packed(program: &Program, name: &str, file: &[u8]) -> String {
+    let mut packer = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    packer.write_all(file).expect("memory takes it");
+    let body = packer.finish().expect("memory takes it");
+    let length = body.len();
+    let head = format!(
+        "POST /api/v1/simulator/hall/check?name={name} HTTP/1.1\r\nHost: localhost\r\nContent-Encoding: gzip\r\n\
+         Content-Length: {length}\r\nConnection: close\r\n\r\n"
+    );
+    let mut stream = TcpStream::connect(program.address()).expect("the program listens");
+    stream.write_all(&[head.as_bytes(), &body].concat()).expect("it takes the request");
+    let mut answer = Vec::new();
+    stream.read_to_end(&mut answer).expect("it answers");
+    String::from_utf8_lossy(&answer).into_owned()
+}
+
+/// Maps of ROS are images of hundreds of kilobytes; and a small file may be a very large one when it is unpacked.
+#[test]
+fn a_large_image_comes_packed_and_what_unpacks_without_end_is_refused() {
+    let program = Program::serve("empty-8x8", "max");
+    let yaml = |resolution: f64| {
+        format!(
+            "image: m.pgm\nresolution: {resolution}\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n...\n"
+        )
+    };
+    let image = |side: usize| [format!("P5 {side} {side} 255\n").into_bytes(), vec![254; side * side]].concat();
+    let fine = packed(&program, "depot.yaml", &[yaml(0.05).as_bytes(), &image(421)].concat());
+    assert!(fine.starts_with("HTTP/1.1 200") && fine.contains("\"pieces\":0"), "{fine}");
+    let many = packed(&program, "depot.yaml", &[yaml(0.5).as_bytes(), &image(1900)].concat());
+    assert!(many.starts_with("HTTP/1.1 422") && many.contains("1900 × 1900 cells is too large"), "{many}");
+    let endless = packed(&program, "m.toml", &vec![b'#'; 60 << 20]);
+    assert!(endless.starts_with("HTTP/1.1 413") && endless.contains("unpacked"), "{endless}");
+    let broken = program.read("/api/v1/simulator", &[]);
+    assert_eq!(broken.status, 200, "it is there still");
 }
 
 /// Figures of an old mission are those of its own hall and limit, whatever holds now.
@@ -336,6 +395,8 @@ fn an_old_mission_is_shown_in_the_hall_and_under_the_limit_of_then() {
         conditions == before && page.contains("64 cells, 16.0 m²") && page.contains("<b>empty-8x8</b>"),
         "{conditions}: {page}"
     );
+    let first = program.read("/missions/2/moment", &[("accept", "text/html")]).text();
+    assert!(first.contains("<b>wide</b>") && first.contains("limit 40.0 °C"), "when it began: {first}");
     let (conditions, page) = moment(&program, 2, true);
     assert_eq!(conditions, json!({"hall":"wide","cellM":2.0,"threshold":19.0}), "since the restart");
     assert!(page.contains("4 cells, 16.0 m²") && page.contains("<b>wide</b>"), "{page}");

@@ -45,6 +45,7 @@ const RULES: [Rule; 12] = [
             "axum",
             "bytes",
             "coap_endpoint",
+            "flate2",
             "hallsweep_core",
             "hashlink",
             "subtle",

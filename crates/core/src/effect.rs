@@ -148,7 +148,7 @@ pub enum Fact {
     ProgramStarted(String),
     /// The program was asked to end, by this.
     ProgramEnded(String),
-    /// In which hall, and under which limit, what follows happens.
+    /// Where, and under which threshold, what follows happens.
     Conditions(Conditions),
     /// Everything that stands, so that nothing before needs to be read to go on.
     State(Box<PersistentState>),

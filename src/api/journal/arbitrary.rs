@@ -19,7 +19,7 @@ use hallsweep_core::retrieval::{
 };
 use hallsweep_core::search::{Search, Strategy as Order};
 use hallsweep_core::settings::Fetcher;
-use hallsweep_core::state::{Conditions, PersistentState, Retrieval, RetrievalStage};
+use hallsweep_core::state::{Conditions, PersistentState, Retrieval, RetrievalStage, Venue};
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, WallTime};
 use hallsweep_core::world::alarm::{Alarm, AlarmCause};
 use hallsweep_core::world::hall_map::{HallMap, Mark, REACH};
@@ -73,11 +73,8 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
 }
 
 fn conditions() -> impl Strategy<Value = Conditions> {
-    (text(), option::of(0.01..100.0), celsius()).prop_map(|(hall, cell_m, threshold)| Conditions {
-        hall: hall.into(),
-        cell_m,
-        threshold,
-    })
+    (text(), option::of(0.01..100.0), celsius())
+        .prop_map(|(hall, cell_m, threshold)| Conditions { venue: Venue { name: hall.into(), cell_m }, threshold })
 }
 
 fn command() -> impl Strategy<Value = Fact> {

@@ -1,9 +1,15 @@
-//! In which hall and under which limit something happened, in the journal and over the interface.
+//! Where, and under which threshold, something happened, in the journal and over the interface.
+
+use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
 
 use super::{Unparsed, names};
-use hallsweep_core::state::Conditions;
+use hallsweep_core::state::{Conditions, Venue};
+
+/// No hall has smaller cells, or larger ones, and none a longer name.
+const SIDES_M: RangeInclusive<f64> = 0.01..=100.0;
+const NAME_BYTES: usize = 4096;
 
 /// `{"hall":"airport","cellM":0.5,"threshold":25.0}`; metres and °C. `cellM` is null where the side of a cell is not known.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -15,17 +21,20 @@ pub struct ConditionsShape {
 }
 
 impl From<&Conditions> for ConditionsShape {
-    fn from(Conditions { hall, cell_m, threshold }: &Conditions) -> ConditionsShape {
-        ConditionsShape { hall: hall.to_string(), cell_m: *cell_m, threshold: threshold.degrees() }
+    fn from(Conditions { venue, threshold }: &Conditions) -> ConditionsShape {
+        ConditionsShape { hall: venue.name.to_string(), cell_m: venue.cell_m, threshold: threshold.degrees() }
     }
 }
 
 impl ConditionsShape {
     pub(super) fn conditions(self) -> Result<Conditions, Unparsed> {
         let ConditionsShape { hall, cell_m, threshold } = self;
-        if cell_m.is_some_and(|side| !side.is_finite() || side <= 0.0) {
+        if cell_m.is_some_and(|side| !SIDES_M.contains(&side)) {
             return Err(Unparsed("the side of a cell is none".to_owned()));
         }
-        Ok(Conditions { hall: hall.into(), cell_m, threshold: names::celsius(threshold)? })
+        if hall.len() > NAME_BYTES {
+            return Err(Unparsed("the name of the hall is too long".to_owned()));
+        }
+        Ok(Conditions { venue: Venue { name: hall.into(), cell_m }, threshold: names::celsius(threshold)? })
     }
 }

@@ -144,12 +144,22 @@ mod tests {
     #[tokio::test]
     async fn the_switch_is_on_every_page_and_leads_back_to_it() {
         let app = app(searching());
-        for page in ["/", "/missions", "/missions/1", "/missions/1/moment", "/luggage/1", "/laboratory", "/nowhere"] {
+        for (page, leads) in [
+            ("/", "/"),
+            ("/missions", "/missions"),
+            ("/missions?before=2", "/missions?before=2"),
+            ("/missions/1", "/missions/1"),
+            ("/missions/1?show=all", "/missions/1?show=all"),
+            ("/missions/1/moment?at=4", "/missions/1/moment?at=4"),
+            ("/missions/1/retrieval", "/missions/1/retrieval"),
+            ("/luggage/1", "/luggage/1"),
+            ("/laboratory", "/laboratory"),
+            ("/nowhere", "/nowhere"),
+        ] {
             let shown = text(app.send("GET", page, &[("accept", "text/html")], "").await).await;
             let (_, switch) = shown.split_once("action=\"/language\"").unwrap_or_else(|| panic!("{page} has none: {shown}"));
             let next = switch.split_once("name=\"next\" value=\"").and_then(|(_, next)| next.split('"').next());
-            let leads = if page == "/nowhere" { "/" } else { page };
-            assert!(next.is_some_and(|next| next.starts_with(leads)), "{page} leads to {next:?}");
+            assert_eq!(next, Some(leads), "{page}");
         }
     }
 

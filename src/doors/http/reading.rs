@@ -1,13 +1,16 @@
 //! Reading what a request carries: JSON bodies, form bodies and numbers in paths, bounded in size and time, every failure a
 //! `Problem` in words. What the fields mean stands in `crate::api::command`.
 
+use std::borrow::Cow;
+use std::io::Read;
 use std::time::Duration;
 
 use axum::body::{Body, Bytes};
-use axum::extract::{FromRequest, FromRequestParts, Path, Request};
+use axum::extract::{FromRequest, FromRequestParts, Multipart, Path, Request};
 use axum::http::request::Parts;
 use axum::http::{HeaderMap, HeaderValue, header};
 use bytes::BytesMut;
+use flate2::read::GzDecoder;
 use futures_util::StreamExt;
 use serde::de::DeserializeOwned;
 
@@ -20,6 +23,12 @@ pub(super) const BODY_BYTES: usize = 16 * 1024;
 
 /// The largest that is read of a hall: a hall file of 250 × 250 cells. With its head it has room in what is heard ahead of the answers.
 pub(super) const HALL_BYTES: usize = 64 * 1024;
+
+/// The largest file of a hall that comes packed, as a large image does.
+const UNPACKED_BYTES: u64 = 4 * 1024 * 1024;
+
+/// So much more may come with it in a form.
+const BESIDE_HALL: usize = 4 * 1024;
 
 /// So long a body may take before it is looked at how fast it comes,
 const BODY_BEGIN: Duration = Duration::from_secs(2);
@@ -36,14 +45,20 @@ pub(super) struct JsonPayload {
 /// The same where it may be as large as a hall.
 pub(super) struct HallPayload(pub(super) JsonPayload);
 
-/// A file as it is, as large as a hall.
-pub(super) struct HallFile(pub(super) Bytes);
+/// A file as it is, as large as a hall, or larger and packed.
+pub(super) struct HallFile {
+    bytes: Bytes,
+    is_packed: bool,
+}
 
 /// The fields of a form.
 pub(super) struct Form<T>(pub(super) T);
 
 /// The same where one of them may be as large as a hall.
 pub(super) struct HallForm<T>(pub(super) T);
+
+/// The name of a thing, from the path.
+pub(super) struct Named(pub(super) String);
 
 /// The number of a thing, from the path.
 pub(super) struct Number(pub(super) u64);
@@ -70,7 +85,13 @@ impl<S: Send + Sync> FromRequest<S> for HallFile {
     type Rejection = Problem;
 
     async fn from_request(request: Request, _: &S) -> Result<HallFile, Problem> {
-        body_of(request, HALL_BYTES).await.map(|(_, body)| HallFile(body))
+        let (headers, bytes) = body_of(request, HALL_BYTES).await?;
+        let coding = headers.get(header::CONTENT_ENCODING).map(|coding| String::from_utf8_lossy(coding.as_bytes()));
+        match coding.as_deref() {
+            None | Some("identity") => Ok(HallFile { bytes, is_packed: false }),
+            Some("gzip") => Ok(HallFile { bytes, is_packed: true }),
+            Some(other) => Err(Problem::wrong_format(format!("the content encoding is {}: send gzip, or none", in_short(other)))),
+        }
     }
 }
 
@@ -78,7 +99,34 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for HallForm<T> {
     type Rejection = Problem;
 
     async fn from_request(request: Request, state: &S) -> Result<HallForm<T>, Problem> {
-        form(request, HALL_BYTES, state).await.map(HallForm)
+        let (headers, body) = body_of(request, HALL_BYTES + BESIDE_HALL).await?;
+        let is_parts = media_type(&headers)?.is_some_and(|media| media == "multipart/form-data");
+        let fields = if is_parts { parts(&headers, body, state).await } else { pairs(&headers, body, state).await };
+        fields.map(HallForm)
+    }
+}
+
+impl HallFile {
+    /// The file itself. It takes its time: not where others wait.
+    pub(super) fn unpacked(&self) -> Result<Cow<'_, [u8]>, Problem> {
+        if !self.is_packed {
+            return Ok(Cow::Borrowed(&self.bytes));
+        }
+        let mut file = Vec::new();
+        let read = GzDecoder::new(&*self.bytes).take(UNPACKED_BYTES + 1).read_to_end(&mut file);
+        match read {
+            Ok(_) if file.len() as u64 > UNPACKED_BYTES => Err(Problem::too_large(format!(
+                "the hall is larger than {UNPACKED_BYTES} bytes unpacked: start hallsweep with --hall FILE"
+            ))),
+            Ok(_) => Ok(Cow::Owned(file)),
+            Err(error) => Err(Problem::malformed(format!("the body cannot be unpacked: {error}"))),
+        }
+    }
+}
+
+impl From<String> for HallFile {
+    fn from(text: String) -> HallFile {
+        HallFile { bytes: text.into(), is_packed: false }
     }
 }
 
@@ -102,19 +150,52 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for Form<T> {
     type Rejection = Problem;
 
     async fn from_request(request: Request, state: &S) -> Result<Form<T>, Problem> {
-        form(request, BODY_BYTES, state).await.map(Form)
+        let (headers, body) = body_of(request, BODY_BYTES).await?;
+        pairs(&headers, body, state).await.map(Form)
     }
 }
 
-async fn form<S: Send + Sync, T: DeserializeOwned>(request: Request, most: usize, state: &S) -> Result<T, Problem> {
-    let (headers, body) = body_of(request, most).await?;
+/// The fields of a form as browsers send most.
+async fn pairs<S: Send + Sync, T: DeserializeOwned>(headers: &HeaderMap, body: Bytes, state: &S) -> Result<T, Problem> {
+    let read = axum::Form::<T>::from_request(whole(form_type(headers)?, body), state).await;
+    read.map(|axum::Form(fields)| fields).map_err(|_| unreadable())
+}
+
+/// The fields of a form in parts: in them a hall is no longer than it is, while else every wall is three bytes.
+async fn parts<S: Send + Sync, T: DeserializeOwned>(headers: &HeaderMap, body: Bytes, state: &S) -> Result<T, Problem> {
+    let media = headers.get(header::CONTENT_TYPE).cloned().ok_or_else(unreadable)?;
+    let mut parts = Multipart::from_request(whole(media, body), state).await.map_err(|_| unreadable())?;
+    let mut fields = serde_json::Map::new();
+    while let Some(part) = parts.next_field().await.map_err(|_| unreadable())? {
+        let name = part.name().unwrap_or_default().to_owned();
+        let text = part.text().await.map_err(|_| unreadable())?;
+        if fields.insert(name, text.into()).is_some() {
+            return Err(unreadable());
+        }
+    }
+    serde_json::from_value(fields.into()).map_err(|_| unreadable())
+}
+
+/// A form that was read already, as a request again.
+fn whole(media: HeaderValue, body: Bytes) -> Request {
     let mut whole = Request::new(Body::from(body));
     *whole.method_mut() = axum::http::Method::POST;
-    let form = HeaderMap::from_iter([(header::CONTENT_TYPE, form_type(&headers)?)]);
-    *whole.headers_mut() = form;
-    let read = axum::Form::<T>::from_request(whole, state).await;
-    read.map(|axum::Form(fields)| fields)
-        .map_err(|_| Problem::unusable("the form cannot be read: send each of its fields once".to_owned()))
+    *whole.headers_mut() = HeaderMap::from_iter([(header::CONTENT_TYPE, media)]);
+    whole
+}
+
+fn unreadable() -> Problem {
+    Problem::unusable("the form cannot be read: send each of its fields once".to_owned())
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for Named {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Named, Problem> {
+        let path = in_short(parts.uri.path());
+        let missing = |_| Problem::not_found(format!("there is nothing at {path}: a name belongs there"));
+        Path::<String>::from_request_parts(parts, state).await.map(|Path(name)| Named(name)).map_err(missing)
+    }
 }
 
 impl<S: Send + Sync> FromRequestParts<S> for Number {
@@ -165,11 +246,11 @@ async fn read(body: Body, most: usize) -> Result<Bytes, Problem> {
     }
 }
 
-fn too_large(most: usize) -> Problem {
+pub(super) fn too_large(most: usize) -> Problem {
     Problem::too_large(if most == BODY_BYTES {
         format!("the body is larger than {BODY_BYTES} bytes: a command is a few dozen")
     } else {
-        format!("the hall is larger than {most} bytes: make it smaller, or start hallsweep with --hall FILE")
+        format!("the hall is larger than {HALL_BYTES} bytes: make it smaller, or start hallsweep with --hall FILE")
     })
 }
 

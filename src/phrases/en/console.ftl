@@ -163,6 +163,8 @@ nothing-waits = No luggage waits for a verdict. Its photo and the buttons SAFE a
 ## Luggage
 
 luggage-title = Luggage
+luggage-more = { $count } more on the page of the mission
+simulator-is-paused = <b>Paused:</b> the time of the simulator stands still. <a href="/simulator">Go on</a>
 luggage-none = None has been met yet.
 
 ## Temperature
@@ -329,7 +331,7 @@ container-more = and { $count } more
 
 time = Time
 time-of-mission = Moment of the mission
-time-ends = The line ends here, after 20,000 entries. What came then stands in the mission's record, each line of which leads to its moment.
+time-ends = The line ends here, after { $most } entries. What came then stands in the mission's record, each line of which leads to its moment.
 lane-phase = phase
 lane-luggage = luggage
 lane-commands = commands
@@ -360,6 +362,11 @@ keys-danger = DANGER: asks once more
 keys-photo = the photo as large as the window, or back
 keys-zoom = on the photo: larger, smaller, whole
 keys-move = on the photo: move it
+keys-hall = on the hall: larger, smaller, whole, and move it
+keys-time = on the line of time: one entry, the beginning, the end, play
+key-home = Home
+key-end = End
+key-space = space
 keys-list = this list
 keys-typing = While something is typed, and with Ctrl, Alt or ⌘, these keys do nothing here.
 close = Close

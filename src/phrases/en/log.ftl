@@ -72,8 +72,8 @@ said-put-down = the robot was put down in another hall
 ## What the journal says
 
 fact-started = program started, version { $version }
-fact-conditions = in the hall { $hall }, cells of { $side } m, too hot above { $threshold }
-fact-conditions-no-side = in the hall { $hall }, too hot above { $threshold }
+fact-conditions = hall: { $hall }, cells of { $side } m, too hot above { $threshold }
+fact-conditions-no-side = hall: { $hall }, too hot above { $threshold }
 fact-ended = program ended by { $by }
 fact-state = all that stands: mission { $mission }, { $cells } cells visited
 fact-state-none = all that stands: no mission, { $cells } cells visited

@@ -50,4 +50,5 @@ problem-notAName = { $detail }
 problem-nameTaken = { $detail }
 problem-tooManyKept = { $detail }
 problem-noDataFolder = { $detail }
-problem-cannotKeep = { $detail }
+problem-cannotChangeKept = { $detail }
+problem-anotherKept = { $detail }

@@ -16,7 +16,7 @@ console-cut = No connection: it did not get through.
 
 ## editor
 
-editor-at = column { $column }, row { $row }: { $text }
+editor-at = column { $x }, row { $y }: { $text }
 editor-floor = floor
 editor-wall = wall
 editor-home = home

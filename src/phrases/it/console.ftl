@@ -117,7 +117,7 @@ incident-more = { $count ->
    *[other] E altri { $count }: si vedano i bagagli più sotto.
 }
 evacuate-no-circle = Tenersi a { $metres } m di distanza. Nessun cerchio è disegnato: il lato di una cella non è noto.
-evacuate-all = Tenersi a { $metres } m di distanza: tutta la sala nota è all'interno.
+evacuate-all = Tenersi a { $metres } m di distanza: tutta la sala nota è entro questa distanza.
 evacuate-circle = Tenersi a { $metres } m di distanza: il cerchio rosso nella sala.
 incident-next-home = La ricerca è finita, il robot torna alla base. Poi il bagaglio può essere recuperato, o la sala messa in sicurezza.
 incident-next-fetched = Il bagaglio viene recuperato e portato nel contenitore.
@@ -166,6 +166,8 @@ nothing-waits = Nessun bagaglio attende un verdetto. La sua foto e i pulsanti SI
 ## Luggage
 
 luggage-title = Bagagli
+luggage-more = altri { $count } nella pagina della missione
+simulator-is-paused = <b>In pausa:</b> il tempo del simulatore è fermo. <a href="/simulator">Riprendere</a>
 luggage-none = Nessuno è stato ancora incontrato.
 
 ## Temperature
@@ -174,7 +176,7 @@ temperature = Temperatura
 temperature-limit = soglia { $threshold }
 temperature-no-reading = nessuna lettura
 temperature-unread = nessun termometro è stato letto: nessuno dice quanto fa caldo
-temperature-ok = va bene
+temperature-ok = nella norma
 temperature-declared = troppo alta secondo un operatore: premere OK per ritirarlo
 temperature-high = troppo alta: niente si muove
 temperature-stale = sensore muto: niente si muove
@@ -183,7 +185,7 @@ temperature-sensor = { $source } legge { $reading }. Deve scendere a { $cool } o
 temperature-ok-button = OK
 temperature-high-button = TROPPO ALTA
 temperature-field = Lettura in °C
-temperature-report = Riferire
+temperature-report = Registrare
 
 ## Robots
 
@@ -341,7 +343,7 @@ container-more = { $count ->
 
 time = Tempo
 time-of-mission = Momento della missione
-time-ends = La linea finisce qui, dopo 20.000 voci. Il seguito è nel registro della missione: ogni riga porta al suo momento.
+time-ends = La linea finisce qui, dopo { $most } voci. Il seguito è nel registro della missione: ogni riga porta al suo momento.
 lane-phase = fase
 lane-luggage = bagagli
 lane-commands = comandi
@@ -372,6 +374,11 @@ keys-danger = PERICOLO: chiede ancora una volta
 keys-photo = la foto grande quanto la finestra, o indietro
 keys-zoom = sulla foto: più grande, più piccola, intera
 keys-move = sulla foto: spostarla
+keys-hall = sulla sala: ingrandisce, riduce, intera, e sposta
+keys-time = sulla linea del tempo: una voce, l'inizio, la fine, riproduce
+key-home = Inizio
+key-end = Fine
+key-space = spazio
 keys-list = questo elenco
 keys-typing = Mentre si scrive, e con Ctrl, Alt o ⌘, questi tasti qui non fanno niente.
 close = Chiudere

@@ -34,7 +34,7 @@ halls-download = Scaricare
 halls-file = La sala come file
 halls-file-about = Nel disegno <code>.</code> è pavimento, <code>#</code> parete, <code>S</code> la base, una lettera un bagaglio; <code>dangerous = true</code> segna il pericolo.
 halls-check = Controllare
-halls-use = Metterci i robot
+halls-use = Collocare i robot in questa sala
 halls-another = Cominciare da un'altra
 
 ## Halls that are kept.
@@ -44,7 +44,9 @@ halls-keep-as-about = lettere minuscole, cifre e -
 halls-keep = Conservare
 halls-replace = Sostituire { $name }
 halls-kept = Conservate nella cartella dei dati
-halls-discard = Eliminare { $name }
+halls-discard = Eliminare { $name }…
+halls-discard-asked = Eliminare <b>{ $name }</b>? Poi non ci sarà più. Ciò che è nell'editor resta.
+halls-discard-for-good = Eliminare { $name } per sempre
+halls-discarded = <b>{ $name }</b> non è più conservata.
+halls-another-kept = Un'altra sala è conservata come <b>{ $name }</b>: sostituirla, o scegliere un altro nome.
 halls-opened = Questa è la sala conservata come <b>{ $name }</b>.
-halls-discarded = <b>{ $name }</b> non è più conservata. È ancora qui: conservarla di nuovo se è stato un errore.
-halls-another-kept = Un'altra sala è conservata come { $name }: sostituirla, o scegliere un altro nome.

@@ -75,8 +75,8 @@ said-put-down = il robot è stato messo in un'altra sala
 ## What the journal says
 
 fact-started = programma avviato, versione { $version }
-fact-conditions = nella sala { $hall }, celle di { $side } m, troppo caldo sopra { $threshold }
-fact-conditions-no-side = nella sala { $hall }, troppo caldo sopra { $threshold }
+fact-conditions = sala: { $hall }, celle di { $side } m, troppo caldo sopra { $threshold }
+fact-conditions-no-side = sala: { $hall }, troppo caldo sopra { $threshold }
 fact-ended = programma terminato da { $by }
 fact-state = tutto ciò che vale: missione { $mission }, celle visitate: { $cells }
 fact-state-none = tutto ciò che vale: nessuna missione, celle visitate: { $cells }

@@ -16,7 +16,7 @@ console-cut = Nessun collegamento: non è arrivato.
 
 ## editor
 
-editor-at = colonna { $column }, riga { $row }: { $text }
+editor-at = colonna { $x }, riga { $y }: { $text }
 editor-floor = pavimento
 editor-wall = parete
 editor-home = base

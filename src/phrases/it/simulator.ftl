@@ -54,7 +54,7 @@ simulator-hall-now = I robot sono in <b>{ $hall }</b>: { $columns } × { $rows }
    *[other] { $pieces } bagagli
 }; seme { $seed }.
 simulator-seed = Seme
-simulator-put-down = Mettere lì i robot
+simulator-put-down = Collocare i robot in quella sala
 simulator-bound = Al momento: { $why }.
 simulator-to-editor = Modificare la sala
 simulator-start = AVVIA la ricerca

@@ -4,7 +4,7 @@ use crate::phrases::{Language, Phrase};
 use hallsweep_core::command::Refusal;
 use hallsweep_core::effect::Fact;
 use hallsweep_core::mission::{Asked, Hold, Phase, Stage};
-use hallsweep_core::state::{Conditions, Retrieval, RetrievalStage};
+use hallsweep_core::state::{Conditions, Retrieval, RetrievalStage, Venue};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
@@ -29,9 +29,9 @@ impl Language {
         let said = match fact {
             Fact::ProgramStarted(version) => self.say("fact-started").with("version", version),
             Fact::ProgramEnded(by) => self.say("fact-ended").with("by", by),
-            Fact::Conditions(Conditions { hall, cell_m, threshold }) => {
+            Fact::Conditions(Conditions { venue: Venue { name, cell_m }, threshold }) => {
                 let say = self.say(if cell_m.is_some() { "fact-conditions" } else { "fact-conditions-no-side" });
-                let say = say.with("hall", hall).with("threshold", self.celsius(*threshold));
+                let say = say.with("hall", name).with("threshold", self.celsius(*threshold));
                 cell_m.map_or_else(|| say.clone(), |side| say.clone().with("side", self.number(&side.to_string())))
             }
             Fact::State(standing) if standing.under_way => {

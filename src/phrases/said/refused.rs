@@ -4,6 +4,19 @@ use crate::phrases::Language;
 use hallsweep_core::command::{Refusal, Refused};
 use hallsweep_core::mission::Hold;
 
+/// The codes with which the simulator refuses what somebody wants of it.
+const OF_THE_SIMULATOR: [&str; 9] = [
+    "notPaused",
+    "nothingUnderWay",
+    "notBlocked",
+    "unusableHall",
+    "notAName",
+    "nameTaken",
+    "tooManyKept",
+    "noDataFolder",
+    "notSimulated",
+];
+
 impl Language {
     /// Why a command was refused; without a full stop.
     pub fn refused(self, refused: &Refused) -> String {
@@ -44,7 +57,13 @@ impl Language {
 
     /// The same as it is on record. What this version does not refuse so stays in the words of the record.
     pub fn refusal(self, refusal: &Refusal) -> String {
-        refusal.refused().map_or_else(|| refusal.words.clone(), |refused| self.refused(&refused))
+        match refusal.refused() {
+            Some(refused) => self.refused(&refused),
+            None if OF_THE_SIMULATOR.contains(&refusal.code) => {
+                self.say_of("problem", refusal.code).with("detail", &refusal.words).to_string()
+            }
+            None => refusal.words.clone(),
+        }
     }
 
     /// What is to be mended is said first, and by its name: other holds may follow from it.

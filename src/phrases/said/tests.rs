@@ -12,7 +12,7 @@ use hallsweep_core::mission::{Asked, FaultCause, Hold, Inspection, Phase, PhaseN
 use hallsweep_core::retrieval::{AloneFault, NotFetched, RetrievalFault, Saying, StuckFault};
 use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Fetcher;
-use hallsweep_core::state::{Conditions, Retrieval, RetrievalStage};
+use hallsweep_core::state::{Conditions, Retrieval, RetrievalStage, Venue};
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, WallTime};
 use hallsweep_core::world::alarm::AlarmCause;
 use hallsweep_core::world::hall_map::Mark;
@@ -188,8 +188,8 @@ fn the_journal() {
         Fact::Outside(RobotId::discovery(), 2),
         Fact::Retrieval(None),
         Fact::Secured(ID),
-        Fact::Conditions(Conditions { hall: "depot".into(), cell_m: Some(0.25), threshold: degrees(25.5) }),
-        Fact::Conditions(Conditions { hall: "depot".into(), cell_m: None, threshold: degrees(25.5) }),
+        Fact::Conditions(Conditions { venue: Venue { name: "depot".into(), cell_m: Some(0.25) }, threshold: degrees(25.5) }),
+        Fact::Conditions(Conditions { venue: Venue { name: "depot".into(), cell_m: None }, threshold: degrees(25.5) }),
         Fact::Led(true),
         Fact::Led(false),
         photographed(PhotoState::Taken { bytes: 4, take: 1 }),

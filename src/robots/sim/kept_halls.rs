@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use super::chosen_hall::file_of;
+use super::offered_halls::fitting;
 use crate::runtime::simulator::{NotSimulated, is_hall_name};
 use crate::storage::files;
 use crate::storage::small_file::SmallFile;
@@ -29,7 +30,7 @@ pub(super) struct KeptHalls {
 }
 
 impl KeptHalls {
-    /// What is there already is found; a folder that cannot be read is said in the log, and nothing of it is touched.
+    /// What is there already is found; what cannot be read of it, or is too much, is said in the log.
     pub(super) fn within(data: Option<&Path>) -> KeptHalls {
         let folder = data.map(|data| data.join(FOLDER));
         let names = folder.as_deref().map(found).unwrap_or_default();
@@ -50,18 +51,28 @@ impl KeptHalls {
             Ok(None) => Err(unusable("its file is gone".to_owned())),
             Err(error) => Err(unusable(error.to_string())),
         };
-        Some(text.and_then(|text| Hall::parse(&file_name(name), &text).map_err(|error| unusable(error.to_string()))))
+        Some(
+            text.and_then(|text| Hall::parse(&file_name(name), &text).map_err(|error| unusable(error.to_string())))
+                .and_then(fitting),
+        )
     }
 
-    /// Keeps a hall, whole or not at all, in the place of what was kept under its name. Who keeps and discards takes turns.
-    pub(super) fn keep(&self, name: &str, hall: &Hall) -> Result<(), NotSimulated> {
+    /// Keeps a hall, whole or not at all; in the place of what is there under its name only if it may replace that. Who keeps and discards
+    /// takes turns.
+    pub(super) fn keep(&self, name: &str, hall: &Hall, may_replace: bool) -> Result<(), NotSimulated> {
         let folder = self.folder.as_deref().ok_or(NotSimulated::NoDataFolder)?;
-        let kept = self.lock().len();
-        if kept >= MOST && !self.lock().contains(name) {
-            return Err(NotSimulated::TooManyKept(kept));
+        // Somebody may have put a file there since the start.
+        if folder.join(file_name(name)).symlink_metadata().is_ok() {
+            self.lock().insert(name.to_owned());
         }
-        let made = files::make_folder_within(folder).and_then(|()| file(folder, name).make(file_of(hall).as_bytes()));
-        made.and_then(|()| files::sync_folder(folder)).map_err(|error| NotSimulated::CannotKeep(error.to_string()))?;
+        let kept = self.names();
+        let is_there = kept.iter().any(|kept| kept == name);
+        match (is_there, may_replace) {
+            (true, false) => return Err(NotSimulated::AnotherKept(name.to_owned())),
+            (false, _) if kept.len() >= MOST => return Err(NotSimulated::TooManyKept(kept.len())),
+            (true, true) | (false, _) => {}
+        }
+        write(folder, name, hall).map_err(|error| NotSimulated::CannotChangeKept(error.to_string()))?;
         self.lock().insert(name.to_owned());
         Ok(())
     }
@@ -70,8 +81,10 @@ impl KeptHalls {
         let Some(folder) = self.folder.as_deref().filter(|_| self.lock().contains(name)) else {
             return Err(NotSimulated::NotThere(name.to_owned()));
         };
-        match fs::remove_file(folder.join(file_name(name))) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(NotSimulated::CannotKeep(error.to_string())),
+        match fs::remove_file(folder.join(file_name(name))).and_then(|()| files::sync_folder(folder)) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                return Err(NotSimulated::CannotChangeKept(error.to_string()));
+            }
             Ok(()) | Err(_) => {}
         }
         self.lock().remove(name);
@@ -84,18 +97,44 @@ impl KeptHalls {
 }
 
 fn found(folder: &Path) -> BTreeSet<String> {
-    let names = fs::read_dir(folder).and_then(|entries| {
-        let names = entries.map(|entry| Ok(entry?.file_name().to_string_lossy().strip_suffix(".toml").map(str::to_owned)));
-        names.collect::<io::Result<Vec<Option<String>>>>()
-    });
-    match names {
-        Ok(names) => names.into_iter().flatten().filter(|name| is_hall_name(name)).take(MOST).collect(),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => BTreeSet::new(),
+    let entries = match fs::read_dir(folder) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return BTreeSet::new(),
         Err(error) => {
             tracing::warn!(folder = %folder.display(), %error, "the halls that are kept cannot be read");
-            BTreeSet::new()
+            return BTreeSet::new();
         }
+    };
+    let files = entries.filter_map(Result::ok).map(|entry| entry.path()).filter(|path| path.is_file());
+    let (names, others): (BTreeSet<Option<String>>, BTreeSet<Option<String>>) =
+        files.map(|path| name_of(&path)).partition(Option::is_some);
+    let names: BTreeSet<String> = names.into_iter().flatten().collect();
+    if names.len() > MOST || !others.is_empty() {
+        tracing::warn!(folder = %folder.display(), halls = names.len(), MOST, "not every file here is offered: the first by name are, of names as small-letters-1.toml");
     }
+    names.into_iter().take(MOST).collect()
+}
+
+/// Makes the file, and its name last.
+fn write(folder: &Path, name: &str, hall: &Hall) -> io::Result<()> {
+    files::make_folder_within(folder)?;
+    let mut file = file(folder, name);
+    // What a kill left there, or a pipe that would be waited for.
+    let clear = |file: &SmallFile| fs::remove_file(file.unfinished());
+    let _ = clear(&file);
+    let made = file.make(file_of(hall).as_bytes());
+    if made.is_err() {
+        let _ = clear(&file);
+    }
+    made?;
+    files::sync_folder(folder)?;
+    folder.parent().map_or(Ok(()), files::sync_folder)
+}
+
+/// The name under which a file keeps a hall, if it does.
+fn name_of(file: &Path) -> Option<String> {
+    let name = file.file_name()?.to_str()?.strip_suffix(".toml")?;
+    is_hall_name(name).then(|| name.to_owned())
 }
 
 fn file_name(name: &str) -> String {
@@ -120,8 +159,10 @@ mod tests {
         let folder = Scratch::new();
         let halls = KeptHalls::within(Some(&folder.0));
         assert!(halls.names().is_empty() && halls.read("mine").is_none());
-        halls.keep("mine", &hall("airport")).expect("the folder can be written");
-        halls.keep("mine", &hall("seed")).expect("one takes the place of the other");
+        halls.keep("mine", &hall("airport"), false).expect("the folder can be written");
+        assert_eq!(halls.keep("mine", &hall("seed"), false), Err(NotSimulated::AnotherKept("mine".to_owned())));
+        assert_eq!(halls.read("mine"), Some(Ok(hall("airport"))));
+        halls.keep("mine", &hall("seed"), true).expect("one takes the place of the other");
         let again = KeptHalls::within(Some(&folder.0));
         assert_eq!(again.names(), ["mine"]);
         assert_eq!(again.read("mine"), Some(Ok(hall("seed"))));
@@ -132,14 +173,14 @@ mod tests {
 
     #[test]
     fn without_a_data_folder_nothing_is_kept_and_with_one_not_without_bound() {
-        assert_eq!(KeptHalls::within(None).keep("mine", &hall("seed")), Err(NotSimulated::NoDataFolder));
+        assert_eq!(KeptHalls::within(None).keep("mine", &hall("seed"), true), Err(NotSimulated::NoDataFolder));
         let folder = Scratch::new();
         let halls = KeptHalls::within(Some(&folder.0));
         for n in 0..MOST {
-            halls.keep(&format!("h{n}"), &hall("seed")).expect("there is room");
+            halls.keep(&format!("h{n}"), &hall("seed"), false).expect("there is room");
         }
-        assert_eq!(halls.keep("more", &hall("seed")), Err(NotSimulated::TooManyKept(MOST)));
-        halls.keep("h1", &hall("airport")).expect("the place of another is not one more");
+        assert_eq!(halls.keep("more", &hall("seed"), true), Err(NotSimulated::TooManyKept(MOST)));
+        halls.keep("h1", &hall("airport"), true).expect("the place of another is not one more");
     }
 
     #[test]
@@ -160,5 +201,33 @@ mod tests {
         assert!(why("large").contains("larger than"), "{}", why("large"));
         fs::remove_file(folder.0.join(FOLDER).join("mine.toml")).expect("it is there");
         assert!(why("mine").contains("its file is gone"));
+        put("late.toml", "drawing = \"\"\"\nS.T\n\"\"\"\n");
+        assert_eq!(
+            halls.keep("late", &hall("seed"), false),
+            Err(NotSimulated::AnotherKept("late".to_owned())),
+            "since the start"
+        );
+        assert!(halls.read("late").is_some_and(|late| late != Ok(hall("seed"))), "it is whole, and offered now");
+    }
+
+    /// Safety R5.
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_plain_file_is_not_waited_for() {
+        let folder = Scratch::new();
+        fs::create_dir(folder.0.join(FOLDER)).expect("the folder can be written");
+        let pipe = folder.0.join(FOLDER).join("mine.new");
+        assert!(std::process::Command::new("mkfifo").arg(pipe).status().expect("mkfifo is there").success());
+        let halls = KeptHalls::within(Some(&folder.0));
+        halls.keep("mine", &hall("seed"), false).expect("the pipe has given way");
+        let outside = folder.0.join("outside");
+        fs::write(&outside, "somebody's").expect("it can be written");
+        std::os::unix::fs::symlink(&outside, folder.0.join(FOLDER).join("mine.new")).expect("it can be linked");
+        halls.keep("mine", &hall("airport"), true).expect("so has the link");
+        assert_eq!(fs::read(outside).expect("it is there"), b"somebody's");
+        fs::create_dir(folder.0.join(FOLDER).join("dir.toml")).expect("the folder can be written");
+        assert!(matches!(halls.keep("dir", &hall("seed"), true), Err(NotSimulated::CannotChangeKept(_))));
+        assert!(!folder.0.join(FOLDER).join("dir.new").exists(), "nothing is left behind");
+        assert_eq!(KeptHalls::within(Some(&folder.0)).names(), ["mine"]);
     }
 }

@@ -43,7 +43,7 @@ impl Offered {
 
     pub(super) fn named(&self, name: &str) -> Result<Hall, NotSimulated> {
         if let Some(file) = self.file(name) {
-            return Hall::named_or_file(file).map_err(|error| NotSimulated::Hall(error.to_string()));
+            return Hall::named_or_file(file).map_err(|error| NotSimulated::Hall(error.to_string())).and_then(fitting);
         }
         self.kept.read(name).unwrap_or_else(|| {
             let known = self.names().join(", ");
@@ -52,19 +52,35 @@ impl Offered {
     }
 
     /// Keeps a hall under a name that no other than a kept one has.
-    pub(super) fn keep(&self, name: &str, hall: &Hall) -> Result<(), NotSimulated> {
+    pub(super) fn keep(&self, name: &str, hall: &Hall, may_replace: bool) -> Result<(), NotSimulated> {
         if !is_hall_name(name) {
             Err(NotSimulated::NotAName(name.chars().take(80).collect()))
         } else if self.file(name).is_some() {
             Err(NotSimulated::NameTaken(name.to_owned()))
         } else {
-            self.kept.keep(name, hall)
+            self.kept.keep(name, hall, may_replace)
         }
     }
 
     pub(super) fn discard(&self, name: &str) -> Result<(), NotSimulated> {
+        // Of one whose name another has by now nobody is told: it stays.
+        if self.file(name).is_some() {
+            return Err(NotSimulated::NotThere(name.to_owned()));
+        }
         self.kept.discard(name)
     }
+}
+
+/// A hall that a page can draw.
+pub(super) fn fitting(hall: Hall) -> Result<Hall, NotSimulated> {
+    let (width, height) = size(&hall);
+    NotSimulated::too_large(width, height).map_or(Ok(hall), Err)
+}
+
+/// Columns and rows.
+pub(super) fn size(hall: &Hall) -> (u32, u32) {
+    let side = |cells: i32| u32::try_from(cells).unwrap_or_default();
+    (side(hall.bounds().width()), side(hall.bounds().height()))
 }
 
 #[cfg(test)]
@@ -90,16 +106,19 @@ mod tests {
         let hall = Hall::named_or_file("seed").expect("it is built in");
         let halls = Offered::with("halls/depot.yaml", Some(&folder.0));
         for taken in ["airport", "depot"] {
-            assert_eq!(halls.keep(taken, &hall), Err(NotSimulated::NameTaken(taken.to_owned())));
+            assert_eq!(halls.keep(taken, &hall, true), Err(NotSimulated::NameTaken(taken.to_owned())));
         }
         let long = "a".repeat(41);
         for name in ["", "-a", "a b", "A", "../a", "a/b", "a.b", "è", &long] {
-            assert_eq!(halls.keep(name, &hall), Err(NotSimulated::NotAName(name.to_owned())), "{name}");
+            assert_eq!(halls.keep(name, &hall, true), Err(NotSimulated::NotAName(name.to_owned())), "{name}");
         }
-        halls.keep("mine-2", &hall).expect("it is a name");
+        halls.keep("mine-2", &hall, false).expect("it is a name");
+        assert_eq!(halls.keep("mine-2", &hall, false), Err(NotSimulated::AnotherKept("mine-2".to_owned())));
         assert_eq!((halls.names().pop().as_deref(), halls.kept()), (Some("mine-2"), vec!["mine-2".to_owned()]));
         assert_eq!(halls.named("mine-2"), Ok(hall));
         let later = Offered::with("halls/mine-2.toml", Some(&folder.0));
         assert!(later.kept().is_empty() && later.named("mine-2").is_err(), "the settings' own has the name now");
+        assert_eq!(later.discard("mine-2"), Err(NotSimulated::NotThere("mine-2".to_owned())));
+        assert_eq!(Offered::with("seed", Some(&folder.0)).kept(), ["mine-2"], "it is there still");
     }
 }

@@ -11,14 +11,16 @@ use std::time::Duration;
 use tokio::sync::{Mutex, mpsc, oneshot, watch};
 
 use super::chosen_hall::{ChosenHall, file_of};
-use super::offered_halls::Offered;
+use super::offered_halls::{Offered, fitting, size};
 use super::remote::{Controls, Ground, Move};
 use crate::runtime::handle::{Gone, Handle};
 use crate::runtime::simulator::{
     Change, Changing, Faults, HallFacts, HallSource, MOST_BLOCKED, NotSimulated, OtherHall, Pace, Simulator, SimulatorState,
 };
-use hallsweep_core::command::Issuer;
+use hallsweep_core::command::{Issuer, Refused};
 use hallsweep_core::event::RobotId;
+use hallsweep_core::mission::Hold;
+use hallsweep_core::state::Venue;
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::robot::RobotState;
 use hallsweep_sim::{Hall, Speed, Truth};
@@ -134,11 +136,16 @@ impl Simulator for InHand {
         })
     }
 
-    fn keep(self: Arc<Self>, name: String, toml: String, issuer: Issuer) -> Changing {
+    fn keep(self: Arc<Self>, name: String, toml: String, may_replace: bool, issuer: Issuer) -> Changing {
         Box::pin(async move {
             let _turn = self.turn.lock().await;
+            self.must_be_recorded()?;
             let words = format!("simulator keeps the hall {name}");
-            self.on_disk(move |offered| offered.keep(&name, &read(HallSource::Toml(toml), offered)?)).await?;
+            let keep = move |offered: &Offered| {
+                let hall = Hall::parse(&format!("{name}.toml"), &toml).map_err(|error| NotSimulated::Hall(error.to_string()))?;
+                offered.keep(&name, &fitting(hall)?.called(&name), may_replace)
+            };
+            self.on_disk(keep).await?;
             self.handle.note_simulated(issuer, words).await?;
             Ok(self.now())
         })
@@ -147,6 +154,7 @@ impl Simulator for InHand {
     fn discard(self: Arc<Self>, name: String, issuer: Issuer) -> Changing {
         Box::pin(async move {
             let _turn = self.turn.lock().await;
+            self.must_be_recorded()?;
             let words = format!("simulator discards the hall {name}");
             self.on_disk(move |offered| offered.discard(&name)).await?;
             self.handle.note_simulated(issuer, words).await?;
@@ -163,6 +171,12 @@ impl InHand {
     ) -> Result<T, NotSimulated> {
         let offered = Arc::clone(&self.offered);
         tokio::task::spawn_blocking(move || act(&offered)).await.map_err(|_| Gone)?
+    }
+
+    /// While nothing can be recorded, no hall is lost without a word on record.
+    fn must_be_recorded(&self) -> Result<(), NotSimulated> {
+        let is_down = self.handle.snapshot().mission.holds.contains(&Hold::Store);
+        if is_down { Err(Refused::StoreDown.into()) } else { Ok(()) }
     }
 
     fn now(&self) -> Arc<SimulatorState> {
@@ -213,7 +227,8 @@ impl InHand {
             }
             moves.push((decide, is_put_down));
         }
-        self.handle.put_down(issuer, (next.hall.name().into(), Some(next.hall.cell_m())), self.robots.clone()).await??;
+        let venue = Venue { name: next.hall.name().into(), cell_m: Some(next.hall.cell_m()) };
+        self.handle.put_down(issuer, venue, self.robots.clone()).await??;
         for (decide, is_put_down) in moves {
             if decide.send(next.clone()).is_err() || is_put_down.await.is_err() {
                 tracing::error!("a simulated robot has ended while it was put down in another hall");
@@ -235,8 +250,7 @@ fn read(source: HallSource, offered: &Offered) -> Result<Hall, NotSimulated> {
         HallSource::Named(name) => offered.named(&name)?,
         HallSource::Toml(text) => Hall::parse("hall.toml", &text).map_err(|error| NotSimulated::Hall(error.to_string()))?,
     };
-    let (width, height) = size(&hall);
-    NotSimulated::too_large(width, height).map_or(Ok(hall), Err)
+    fitting(hall)
 }
 
 fn check_blocked(hall: &Hall, blocked: Option<&BTreeSet<Cell>>) -> Result<(), NotSimulated> {
@@ -245,12 +259,6 @@ fn check_blocked(hall: &Hall, blocked: Option<&BTreeSet<Cell>>) -> Result<(), No
         return Err(NotSimulated::TooManyBlocked(blocked.len()));
     }
     blocked.iter().find(|cell| hall.truth(**cell) != Truth::Free).map_or(Ok(()), |cell| Err(NotSimulated::NoFreeCell(*cell)))
-}
-
-/// Columns and rows.
-fn size(hall: &Hall) -> (u32, u32) {
-    let side = |cells: i32| u32::try_from(cells).unwrap_or_default();
-    (side(hall.bounds().width()), side(hall.bounds().height()))
 }
 
 fn facts(hall: &Hall) -> HallFacts {

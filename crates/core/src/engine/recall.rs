@@ -9,7 +9,7 @@ use super::outbox::Outbox;
 use crate::effect::{Effect, Entry, Fact};
 use crate::mission::{Input, InputContext, Phase, PhaseName};
 use crate::settings::Settings;
-use crate::state::{Conditions, PersistentState};
+use crate::state::{Conditions, PersistentState, Venue};
 use crate::units::{LuggageId, Now, Pose, Seq, WallTime};
 use crate::world::hall_map::Mark;
 use crate::world::log::Tone;
@@ -86,15 +86,14 @@ impl Engine {
         self.record(Fact::ProgramStarted(env!("CARGO_PKG_VERSION").to_owned()));
     }
 
-    /// In which hall the robots are, and how large its cells are where that is known. It goes on record when it is other than before, beside
-    /// what counts as too hot.
-    pub fn note_hall(&mut self, hall: Arc<str>, cell_m: Option<f64>, now: Now) {
+    /// Where the robots are. It goes on record when it is other than before, beside what counts as too hot.
+    pub fn note_venue(&mut self, venue: Venue, now: Now) {
         self.begin(now);
-        self.record_conditions(hall, cell_m);
+        self.record_conditions(venue);
     }
 
-    pub(super) fn record_conditions(&mut self, hall: Arc<str>, cell_m: Option<f64>) {
-        let conditions = Conditions { hall, cell_m, threshold: self.settings.threshold };
+    pub(super) fn record_conditions(&mut self, venue: Venue) {
+        let conditions = Conditions { venue, threshold: self.settings.threshold };
         if self.state.conditions.as_ref() != Some(&conditions) {
             self.record(Fact::Conditions(conditions));
         }

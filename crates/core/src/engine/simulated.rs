@@ -1,14 +1,13 @@
 //! What is done to the hall and the robots where both are simulated, and what stays true of the mission then: it is on record with whoever
 //! did it, and a robot is put down in another hall only when nothing is lost by it. How anything is simulated is not known here.
 
-use std::sync::Arc;
-
 use super::Engine;
 use super::outbox::WaitingAnswer;
 use crate::command::{Issuer, Refused};
 use crate::effect::Fact;
 use crate::event::RobotId;
 use crate::mission::{Asked, Hold};
+use crate::state::Venue;
 use crate::units::{Now, Ticket};
 use crate::world::log::Tone;
 use crate::world::said::Said;
@@ -25,21 +24,15 @@ impl Engine {
     ///
     /// # Errors
     /// Why not now: something would be lost. Nothing has changed.
-    pub fn put_down_in(
-        &mut self,
-        (hall, cell_m): (Arc<str>, Option<f64>),
-        robots: &[RobotId],
-        issuer: &Issuer,
-        now: Now,
-    ) -> Result<Ticket, Refused> {
+    pub fn put_down_in(&mut self, venue: Venue, robots: &[RobotId], issuer: &Issuer, now: Now) -> Result<Ticket, Refused> {
         self.may_be_put_down()?;
         self.begin(now);
-        self.write_simulated(issuer, &format!("put down in the hall {hall}"));
+        self.write_simulated(issuer, &format!("put down in the hall {}", venue.name));
         self.put_down();
-        self.record_conditions(Arc::clone(&hall), cell_m);
         for robot in robots {
-            self.link_lost(robot, format!("it is put down in the hall {hall}"));
+            self.link_lost(robot, format!("it is put down in the hall {}", venue.name));
         }
+        self.record_conditions(venue);
         let (ticket, seq) = (self.outbox.next_ticket(), self.outbox.written());
         self.outbox.wait(WaitingAnswer { ticket, seq, luggage: None, verdict: None, decided: false });
         self.go_on();

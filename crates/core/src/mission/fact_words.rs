@@ -6,7 +6,7 @@ use std::fmt::Display;
 use super::{Hold, Phase, Stage};
 use crate::command::Refusal;
 use crate::effect::Fact;
-use crate::state::{Conditions, Retrieval, RetrievalStage};
+use crate::state::{Conditions, Retrieval, RetrievalStage, Venue};
 use crate::units::LuggageId;
 use crate::world::hall_map::Mark;
 use crate::world::luggage::{Luggage, PhotoState};
@@ -21,9 +21,9 @@ fn said(fact: &Fact) -> String {
     match fact {
         Fact::ProgramStarted(version) => format!("program started, version {version}"),
         Fact::ProgramEnded(by) => format!("program ended by {by}"),
-        Fact::Conditions(Conditions { hall, cell_m, threshold }) => {
+        Fact::Conditions(Conditions { venue: Venue { name, cell_m }, threshold }) => {
             let cells = cell_m.map_or_else(String::new, |side| format!(", cells of {side} m"));
-            format!("in the hall {hall}{cells}, too hot above {threshold}")
+            format!("hall: {name}{cells}, too hot above {threshold}")
         }
         Fact::State(standing) => {
             let mission = if standing.under_way { format!("mission {}", standing.mission) } else { "no mission".to_owned() };

@@ -1,4 +1,4 @@
-//! What a record of a mission means beside itself, and what may be other at another time: in which hall it was, and what counted as too hot.
+//! What a record of a mission means beside itself, and what may be other at another time: where it was, and what counted as too hot.
 
 use std::sync::Arc;
 
@@ -7,10 +7,17 @@ use crate::units::Celsius;
 /// The circumstances of what happens.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conditions {
-    /// The name of the hall.
-    pub hall: Arc<str>,
-    /// The side of a cell, in metres, where it is known.
-    pub cell_m: Option<f64>,
+    /// Where it happens.
+    pub venue: Venue,
     /// Above this nothing moves.
     pub threshold: Celsius,
+}
+
+/// Where the robots are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Venue {
+    /// The name of the hall; where it is none of ours, what is known of the place, as the address of the robot in it.
+    pub name: Arc<str>,
+    /// The side of a cell, in metres, where it is known.
+    pub cell_m: Option<f64>,
 }

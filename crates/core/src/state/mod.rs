@@ -8,7 +8,7 @@ mod retrieval;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-pub use self::conditions::Conditions;
+pub use self::conditions::{Conditions, Venue};
 pub use self::retrieval::{Retrieval, RetrievalStage};
 use super::effect::{Entry, Fact};
 use super::event::Piece;
@@ -72,7 +72,7 @@ pub struct PersistentState {
     pub last_alarm: AlarmId,
     /// The operator's last reading: nobody else would tell it again.
     pub reading: Option<Celsius>,
-    /// In which hall this is; `None` where no journal said so yet.
+    /// Where this is; `None` where no journal said so yet.
     pub conditions: Option<Conditions>,
 }
 

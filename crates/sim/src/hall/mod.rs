@@ -92,6 +92,12 @@ impl Hall {
         Hall { description: description.map(Arc::from), ..self }
     }
 
+    /// The same hall by another name.
+    #[must_use]
+    pub fn called(self, name: &str) -> Hall {
+        Hall { name: name.into(), ..self }
+    }
+
     /// Its name.
     #[must_use]
     pub fn name(&self) -> &str {

@@ -196,7 +196,7 @@ mod tests {
 
     fn update(shown: &mut Shown, snapshot: Snapshot) -> Message {
         let snapshot = Arc::new(snapshot);
-        let hall = HallInfo { name: "airport".into(), cell_m: None, evacuation_m: 100.0, robot: None };
+        let hall = HallInfo { name: "airport".into(), cell_m: None, evacuation_m: 100.0, is_paused: false, robot: None };
         let view = View {
             snapshot: &snapshot,
             hall,

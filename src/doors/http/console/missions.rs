@@ -133,6 +133,10 @@ struct Event {
 }
 
 impl List {
+    fn here(&self) -> String {
+        self.before.map_or_else(|| "/missions".to_owned(), |before| format!("/missions?before={before}"))
+    }
+
     fn time(&self, wall: &WallTime) -> String {
         self.language.date(&self.zone.date_and_time(*wall))
     }
@@ -157,7 +161,7 @@ impl One {
         known.map_or_else(|| self.record.strategy.to_string(), |known| self.language.say_of("strategy", known.name()).to_string())
     }
 
-    /// In which hall it was, and under which limit, where that is on record.
+    /// Where it was at its end, and under which threshold, if that is on record.
     fn conditions(&self) -> Option<String> {
         let conditions = self.state.as_ref()?.conditions.clone()?;
         Some(self.language.fact(&Fact::Conditions(conditions)))

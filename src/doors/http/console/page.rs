@@ -4,7 +4,7 @@ use askama::Template;
 use serde::Serialize;
 
 use super::parts::PARTS;
-use super::timeline::{THRESHOLD_Y, Timeline};
+use super::timeline::{MOST, THRESHOLD_Y, Timeline};
 use super::view::View;
 use super::{hall, pieces};
 use crate::phrases::Phrase;
@@ -68,6 +68,11 @@ impl<'a> Page<'a> {
 
     fn width(&self) -> i64 {
         self.v.line.map_or(1, Timeline::width)
+    }
+
+    /// So many entries the line holds.
+    fn most(&self) -> usize {
+        MOST
     }
 
     fn is_cut(&self) -> bool {

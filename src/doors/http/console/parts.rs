@@ -35,8 +35,8 @@ use hallsweep_core::world::robot::RobotShown;
 /// Lines of the log on the page; the interface has more.
 const LINES: usize = 40;
 
-/// Pieces in the gallery: the latest; the interface has all.
-const PIECES: usize = 120;
+/// Pieces in the gallery: the latest; the page of the mission has all.
+const PIECES: usize = 24;
 
 /// A part that the stream can replace; `id` is its element's.
 pub(super) struct Part {
@@ -57,7 +57,7 @@ pub(super) const PARTS: [Part; 23] = [
         shows: &[Resource::Mission, Resource::Robot, Resource::Temperature, Resource::Luggage],
         render: |v| html(&Bar { v }),
     },
-    Part { id: "holds", shows: &[Resource::Mission, Resource::Temperature], render: |v| html(&Holds { v }) },
+    Part { id: "holds", shows: &[Resource::Mission, Resource::Temperature, Resource::Log], render: |v| html(&Holds { v }) },
     Part { id: "hall-labels", shows: &[Resource::Map], render: |v| hall::labels(&v.snapshot.map) },
     Part {
         id: "hall-evacuation",
@@ -264,6 +264,11 @@ impl Gallery<'_> {
     fn pieces(&self) -> Vec<(&Luggage, Option<String>)> {
         let latest = self.v.snapshot.luggage.iter().rev().take(PIECES);
         latest.map(|luggage| (&**luggage, photo_url(luggage))).collect()
+    }
+
+    /// How many more there are.
+    fn more(&self) -> usize {
+        self.v.snapshot.luggage.len().saturating_sub(PIECES)
     }
 
     fn time(&self, wall: &WallTime) -> String {

@@ -63,6 +63,8 @@ pub(super) struct HallInfo<'a> {
     pub(super) cell_m: Option<f64>,
     /// How far away from a bomb people must be, in metres.
     pub(super) evacuation_m: f64,
+    /// Whether its time stands still: somebody has paused the simulator.
+    pub(super) is_paused: bool,
     /// What is set of the robot, where it is known.
     pub(super) robot: Option<&'a RobotBySettings>,
 }
@@ -70,14 +72,15 @@ pub(super) struct HallInfo<'a> {
 impl<'a> HallInfo<'a> {
     pub(super) fn of(door: &'a HttpDoor) -> HallInfo<'a> {
         let (name, cell_m) = door.hall();
-        HallInfo { name, cell_m, evacuation_m: door.evacuation_m, robot: door.robots.of(RobotId::discovery().name()) }
+        let is_paused = door.simulator.as_ref().is_some_and(|simulator| simulator.watch().borrow().is_paused);
+        HallInfo { name, cell_m, evacuation_m: door.evacuation_m, is_paused, robot: door.robots.of(RobotId::discovery().name()) }
     }
 
     /// The hall as it was under these conditions; where they are not on record it is that of now.
     pub(super) fn under(door: &'a HttpDoor, conditions: Option<&Conditions>) -> HallInfo<'a> {
-        let now = HallInfo::of(door);
+        let now = HallInfo { is_paused: false, ..HallInfo::of(door) };
         match conditions {
-            Some(Conditions { hall, cell_m, .. }) => HallInfo { name: Arc::clone(hall), cell_m: *cell_m, ..now },
+            Some(Conditions { venue, .. }) => HallInfo { name: Arc::clone(&venue.name), cell_m: venue.cell_m, ..now },
             None => now,
         }
     }

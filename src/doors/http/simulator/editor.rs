@@ -11,13 +11,13 @@ use serde::Deserialize;
 use super::super::console::html;
 use super::super::problem::Problem;
 use super::super::query::Query;
-use super::super::reading::HallForm;
-use super::{Asker, offered_hall, read_hall};
+use super::super::reading::{HALL_BYTES, HallForm, too_large};
+use super::{ANOTHER_KEPT, Asker, offered_hall, read_hall};
 use crate::api::door;
 use crate::api::fields::in_short;
 use crate::api::hall_files::{Finding, Found, Place};
 use crate::phrases::{Language, Markup, Phrase};
-use crate::runtime::simulator::{HallSource, OtherHall};
+use crate::runtime::simulator::{HallSource, NotSimulated, OtherHall};
 
 #[derive(Template)]
 #[template(path = "simulator/editor.html")]
@@ -27,12 +27,14 @@ struct Page {
     /// The halls that are always offered, and those that are kept.
     halls: Vec<String>,
     kept: Vec<String>,
-    /// Under which name this one is kept, or is to be.
+    /// The name to keep this one under.
     name: String,
-    /// Whether it was kept under this name when it was opened.
-    is_opened: bool,
-    /// Whether another hall is kept under the name, which was asked to give way.
-    gives_way: bool,
+    /// The name under which it is kept.
+    opened: Option<String>,
+    /// Another hall is kept under this name: whether it is to give way is asked.
+    replaces: Option<String>,
+    /// A hall that is to be discarded: whether it is, is asked.
+    discards: Option<String>,
     bound: Option<String>,
     may_act: bool,
     /// What was done, in words.
@@ -52,8 +54,9 @@ impl Page {
             halls: asker.simulator.halls().into_iter().filter(|name| !kept.contains(name)).collect(),
             kept,
             name: String::new(),
-            is_opened: false,
-            gives_way: false,
+            opened: None,
+            replaces: None,
+            discards: None,
             bound: asker.bound_in_words(),
             may_act: asker.may_act(),
             done: None,
@@ -68,13 +71,13 @@ impl Page {
             return self;
         }
         let done = Some(self.language.say("halls-opened").with("name", name).markup());
-        Page { name: name.to_owned(), is_opened: true, done, ..self }
+        Page { name: name.to_owned(), opened: Some(name.to_owned()), done, ..self }
     }
 
     fn said(&self, finding: &Finding) -> String {
         let text = in_words(self.language, &finding.found);
-        let Some(Place { column, row }) = finding.at else { return text.to_string() };
-        self.language.say("editor-at").with("column", column + 1).with("row", row + 1).with("text", text).to_string()
+        let Some(Place { x, y, .. }) = finding.at else { return text.to_string() };
+        self.language.say("editor-at").with("x", x).with("y", y).with("text", text).to_string()
     }
 }
 
@@ -93,51 +96,66 @@ pub(in crate::doors::http) async fn editor(asker: Asker, query: Query) -> Result
     query.only(&["hall"])?;
     let page = match query.every("hall").first() {
         Some(name) => Page::of(&asker, offered_hall(&asker, name).await??).opened(name),
-        None => Page::of(&asker, asker.state().hall.toml.to_string()),
+        None => {
+            let hall = asker.state().hall.clone();
+            match NotSimulated::too_large(hall.size.0, hall.size.1).map(Problem::from) {
+                Some(problem) => Page { why: Some(asker.in_words(&problem)), ..Page::of(&asker, String::new()) },
+                None => Page::of(&asker, hall.toml.to_string()),
+            }
+        }
     };
     Ok(html(&page).into_response())
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
 pub(in crate::doors::http) struct Fields {
-    act: String,
     toml: String,
-    /// The name to keep it under, and the one under which it was kept when it was opened.
-    name: Option<String>,
+    /// The name to keep it under, and the one under which it is kept.
+    name: String,
     opened: Option<String>,
+    /// Which button was pressed: one of `check`, `use`, `keep`; or the hall that is to be replaced, discarded, or discarded for good.
+    act: Option<String>,
+    replace: Option<String>,
+    discard: Option<String>,
+    discard_for_good: Option<String>,
 }
 
 /// What becomes of a press.
 enum Done {
     Checked(Vec<Finding>),
     Used,
-    Kept,
-    /// A hall is kept no more, and this was it.
+    Kept(String),
+    /// Whether another hall is to give way.
+    AsksToReplace(String),
+    /// Whether a hall is to be discarded.
+    AsksToDiscard(String),
     Discarded(String),
-    /// Another hall is kept under the name.
-    Another,
 }
 
-/// `POST simulator/editor`
+/// `POST simulator/editor`. What stands in the field stays there, whatever else becomes of the press.
 pub(in crate::doors::http) async fn act(asker: Asker, HallForm(mut fields): HallForm<Fields>) -> Response {
     // Browsers send text with the line ends of old terminals.
     fields.toml = fields.toml.replace("\r\n", "\n");
-    let name = fields.name.as_deref().unwrap_or_default().trim().to_owned();
-    let done = acted(&asker, &fields, &name).await;
-    let is_opened = fields.opened.as_deref() == Some(&*name);
-    let page = Page { name: name.clone(), is_opened, ..Page::of(&asker, fields.toml) };
-    let language = asker.language;
+    let done = acted(&asker, &fields).await;
+    let Fields { toml, name, opened, .. } = fields;
+    let page = Page { name, opened, ..Page::of(&asker, toml) };
+    let said = |id, name: &str| Some(asker.language.say(id).with("name", name).markup());
     match done {
         Ok(Done::Checked(findings)) => html(&Page { findings: Some(findings), ..page }).into_response(),
         Ok(Done::Used) => Redirect::to("/simulator").into_response(),
-        Ok(Done::Kept) => Redirect::to(&format!("/simulator/editor?hall={name}")).into_response(),
-        Ok(Done::Discarded(toml)) => {
-            let done = Some(language.say("halls-discarded").with("name", &name).markup());
-            html(&Page { toml, done, is_opened: false, ..page }).into_response()
+        Ok(Done::Kept(name)) => Redirect::to(&format!("/simulator/editor?hall={name}")).into_response(),
+        Ok(Done::AsksToReplace(name)) => {
+            let done = said("halls-another-kept", &name);
+            (StatusCode::CONFLICT, html(&Page { done, replaces: Some(name), ..page })).into_response()
         }
-        Ok(Done::Another) => {
-            let why = Some(language.say("halls-another-kept").with("name", &name).to_string());
-            (StatusCode::CONFLICT, html(&Page { why, gives_way: true, ..page })).into_response()
+        Ok(Done::AsksToDiscard(name)) => {
+            let done = said("halls-discard-asked", &name);
+            html(&Page { done, discards: Some(name), ..page }).into_response()
+        }
+        Ok(Done::Discarded(name)) => {
+            let opened = page.opened.filter(|opened| *opened != name);
+            html(&Page { done: said("halls-discarded", &name), opened, ..page }).into_response()
         }
         Err(problem) => {
             let page = Page { why: Some(asker.in_words(&problem)), ..page };
@@ -148,30 +166,38 @@ pub(in crate::doors::http) async fn act(asker: Asker, HallForm(mut fields): Hall
     }
 }
 
-async fn acted(asker: &Asker, Fields { act, toml, opened, .. }: &Fields, name: &str) -> Result<Done, Problem> {
+async fn acted(asker: &Asker, fields: &Fields) -> Result<Done, Problem> {
     let simulator = || Arc::clone(&asker.simulator);
     let issuer = || asker.issuer(door::CONSOLE);
-    match act.as_str() {
+    if fields.toml.len() > HALL_BYTES {
+        return Err(too_large(HALL_BYTES));
+    }
+    if let Some(name) = &fields.discard {
+        return Ok(Done::AsksToDiscard(in_short(name)));
+    }
+    if let Some(name) = &fields.discard_for_good {
+        Asker::done(simulator().discard(name.clone(), issuer())).await?;
+        return Ok(Done::Discarded(name.clone()));
+    }
+    let act = if fields.replace.is_some() { "keep" } else { fields.act.as_deref().unwrap_or_default() };
+    match act {
         "check" => {
-            let read = read_hall(&asker.door, "hall.toml".to_owned(), toml.as_bytes().to_vec()).await?;
+            let read = read_hall(&asker.door, "hall.toml".to_owned(), fields.toml.clone().into()).await?;
             Ok(Done::Checked(read.findings))
         }
         "use" => {
-            let hall = OtherHall { source: HallSource::Toml(toml.clone()), seed: None };
+            let hall = OtherHall { source: HallSource::Toml(fields.toml.clone()), seed: None };
             Asker::done(simulator().put_down(hall, issuer())).await?;
             Ok(Done::Used)
         }
-        "keep" if opened.as_deref() != Some(name) && simulator().kept_halls().iter().any(|kept| kept == name) => {
-            Ok(Done::Another)
-        }
-        "keep" | "replace" => {
-            Asker::done(simulator().keep(name.to_owned(), toml.clone(), issuer())).await?;
-            Ok(Done::Kept)
-        }
-        "discard" => {
-            let was = offered_hall(asker, name).await?.unwrap_or_default();
-            Asker::done(simulator().discard(name.to_owned(), issuer())).await?;
-            Ok(Done::Discarded(was))
+        "keep" => {
+            let name = fields.name.trim().to_owned();
+            let may_replace = [&fields.opened, &fields.replace].into_iter().any(|may| may.as_ref() == Some(&name));
+            match Asker::done(simulator().keep(name.clone(), fields.toml.clone(), may_replace, issuer())).await {
+                Ok(_) => Ok(Done::Kept(name)),
+                Err(problem) if problem.code() == ANOTHER_KEPT => Ok(Done::AsksToReplace(name)),
+                Err(problem) => Err(problem),
+            }
         }
         other => Err(Problem::not_found(format!("the editor has no button {:?}", in_short(other)))),
     }

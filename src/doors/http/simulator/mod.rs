@@ -6,7 +6,7 @@ mod page;
 
 use std::sync::Arc;
 
-use axum::extract::{FromRequestParts, Path, State};
+use axum::extract::{FromRequestParts, State};
 use axum::http::header;
 use axum::http::request::Parts;
 use axum::response::{IntoResponse, Response};
@@ -16,12 +16,12 @@ use super::gate::{LetIn, Peer, issuer};
 use super::language::spoken;
 use super::problem::{Problem, in_words};
 use super::query::Query;
-use super::reading::{HallFile, HallPayload, JsonPayload};
+use super::reading::{HallFile, HallPayload, JsonPayload, Named};
 use crate::access::Need;
 use crate::api::commands::Payload;
 use crate::api::door;
 use crate::api::fields::in_short;
-use crate::api::hall_files::ReadHall;
+use crate::api::hall_files::{self, ReadHall};
 use crate::api::problem::ProblemKind;
 use crate::api::simulator::{ChangeBody, HallBody, SimulatorJson};
 use crate::phrases::Language;
@@ -35,6 +35,9 @@ type Answer = Result<Response, Problem>;
 
 /// The code with which the core keeps the robots in their hall while a mission is under way.
 const NOT_IN_PHASE: &str = "notInPhase";
+
+/// The code with which a hall does not give way to another unasked.
+const ANOTHER_KEPT: &str = "anotherKept";
 
 /// Whoever asks for something of the simulator.
 pub(super) struct Asker {
@@ -127,10 +130,11 @@ impl From<NotSimulated> for Problem {
             NotSimulated::NotKept(_) => Problem::new(("hallNotKept", ProblemKind::Unavailable), words),
             NotSimulated::NotAName(_) => Problem::new(("notAName", ProblemKind::Unusable), words),
             NotSimulated::NameTaken(_) => Problem::new(("nameTaken", ProblemKind::Conflict), words),
+            NotSimulated::AnotherKept(_) => Problem::new(("anotherKept", ProblemKind::Conflict), words),
             NotSimulated::TooManyKept(_) => Problem::new(("tooManyKept", ProblemKind::Conflict), words),
             NotSimulated::NoDataFolder => Problem::new(("noDataFolder", ProblemKind::Conflict), words),
             NotSimulated::NotThere(_) => Problem::not_found(words),
-            NotSimulated::CannotKeep(_) => Problem::new(("cannotKeep", ProblemKind::Unavailable), words),
+            NotSimulated::CannotChangeKept(_) => Problem::new(("cannotChangeKept", ProblemKind::Unavailable), words),
             NotSimulated::Gone(_) => Problem::closing(),
         }
     }
@@ -156,35 +160,46 @@ pub(super) async fn step(asker: Asker) -> Answer {
 
 /// `GET simulator/hall`
 pub(super) async fn hall(asker: Asker) -> Response {
-    toml(asker.state().hall.toml.to_string())
+    // As it is, and no copy of it: it may be large, and many may ask.
+    toml(axum::body::Bytes::from_owner(Shared(Arc::clone(&asker.state().hall.toml))))
 }
 
 /// `GET simulator/halls/{name}`
-pub(super) async fn offered(asker: Asker, Path(name): Path<String>) -> Answer {
-    let unknown = || Problem::not_found(format!("no hall is offered as {:?}: GET /api/v1/simulator lists them", in_short(&name)));
-    Ok(toml(offered_hall(&asker, &name).await?.map_err(|_| unknown())?))
+pub(super) async fn offered(asker: Asker, Named(name): Named) -> Answer {
+    if !asker.simulator.halls().contains(&name) {
+        let words = format!("no hall is offered as {:?}: GET /api/v1/simulator lists them", in_short(&name));
+        return Err(Problem::not_found(words));
+    }
+    Ok(toml(offered_hall(&asker, &name).await??))
 }
 
-/// One of the halls that are offered, read where nothing waits for the disk, one after the other, whoever asks (safety S7).
+/// One of the halls that are offered.
 async fn offered_hall(asker: &Asker, name: &str) -> Result<Result<String, NotSimulated>, Problem> {
-    let _turn = asker.door.halls.acquire().await.map_err(|_| Problem::closing())?;
     let (simulator, name) = (Arc::clone(&asker.simulator), name.to_owned());
-    tokio::task::spawn_blocking(move || simulator.hall(&name)).await.map_err(|_| Problem::internal())
+    in_turn(&asker.door, move || simulator.hall(&name)).await
 }
 
-fn toml(text: String) -> Response {
+struct Shared(Arc<str>);
+
+impl AsRef<[u8]> for Shared {
+    fn as_ref(&self) -> &[u8] {
+        self.0.as_bytes()
+    }
+}
+
+fn toml(text: impl IntoResponse) -> Response {
     ([(header::CONTENT_TYPE, "application/toml")], text).into_response()
 }
 
-/// `PUT simulator/halls/{name}`: a hall file, as `GET` gives it.
-pub(super) async fn keep(asker: Asker, Path(name): Path<String>, HallFile(toml): HallFile) -> Answer {
-    let toml = String::from_utf8_lossy(&toml).into_owned();
-    let state = Asker::done(Arc::clone(&asker.simulator).keep(name, toml, asker.issuer(door::HTTP))).await?;
+/// `PUT simulator/halls/{name}`: a hall file, as `GET` gives it, in the place of what was there.
+pub(super) async fn keep(asker: Asker, Named(name): Named, file: HallFile) -> Answer {
+    let toml = String::from_utf8_lossy(&file.unpacked()?).into_owned();
+    let state = Asker::done(Arc::clone(&asker.simulator).keep(name, toml, true, asker.issuer(door::HTTP))).await?;
     Ok(asker.json(&state))
 }
 
 /// `DELETE simulator/halls/{name}`
-pub(super) async fn discard(asker: Asker, Path(name): Path<String>) -> Answer {
+pub(super) async fn discard(asker: Asker, Named(name): Named) -> Answer {
     let state = Asker::done(Arc::clone(&asker.simulator).discard(name, asker.issuer(door::HTTP))).await?;
     Ok(asker.json(&state))
 }
@@ -197,21 +212,37 @@ pub(super) async fn put_down(asker: Asker, HallPayload(body): HallPayload) -> An
 }
 
 /// `POST simulator/hall/check`
-pub(super) async fn check(_: Asker, State(door): State<HttpDoor>, query: Query, HallFile(bytes): HallFile) -> Answer {
+pub(super) async fn check(_: Asker, State(door): State<HttpDoor>, query: Query, file: HallFile) -> Answer {
     query.only(&["name"])?;
     let name = query.every("name").first().map_or("hall.toml", String::as_str).to_owned();
-    let read = read_hall(&door, name, bytes.into()).await?;
+    // An editor asks after every stroke: what it hears is for whoever draws, and not for the record.
+    let read = read_hall(&door, name, file).await.map_err(Problem::off_record)?;
     Ok(axum::Json(read).into_response())
 }
 
 /// Reads a hall beside what answers requests, one after the other, whoever asks.
-async fn read_hall(door: &HttpDoor, name: String, bytes: Vec<u8>) -> Result<ReadHall, Problem> {
-    let _turn = door.halls.acquire().await.map_err(|_| Problem::closing())?;
-    let read = tokio::task::spawn_blocking(move || ReadHall::of(&name, &bytes).map_err(|error| error.to_string()));
-    let read = read.await.map_err(|_| Problem::internal())?;
-    let read = read.map_err(|words| Problem::from(NotSimulated::Hall(words)))?;
-    let (width, height) = read.size();
-    NotSimulated::too_large(width, height).map_or(Ok(read), |not| Err(not.into()))
+async fn read_hall(door: &HttpDoor, name: String, file: HallFile) -> Result<ReadHall, Problem> {
+    let read = in_turn(door, move || {
+        let hall = hall_files::read(&name, &file.unpacked()?).map_err(|error| NotSimulated::Hall(error.to_string()))?;
+        // Before anything is made of it: a small image may be a very large hall.
+        let side = |cells: i32| u32::try_from(cells).unwrap_or(u32::MAX);
+        match NotSimulated::too_large(side(hall.bounds().width()), side(hall.bounds().height())) {
+            Some(not) => Err(Problem::from(not)),
+            None => Ok(ReadHall::from(&hall)),
+        }
+    });
+    read.await?
+}
+
+/// Does what takes its time with halls where nothing waits for it: one after the other, whoever asks, and although he goes (safety S7).
+async fn in_turn<T: Send + 'static>(door: &HttpDoor, act: impl FnOnce() -> T + Send + 'static) -> Result<T, Problem> {
+    let turn = Arc::clone(&door.halls).acquire_owned().await.map_err(|_| Problem::closing())?;
+    let acting = tokio::task::spawn_blocking(move || {
+        let done = act();
+        drop(turn);
+        done
+    });
+    acting.await.map_err(|_| Problem::internal())
 }
 
 #[cfg(test)]

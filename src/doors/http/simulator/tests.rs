@@ -91,12 +91,13 @@ impl Simulator for Still {
         refused(NotSimulated::Refused(Refused::NotInPhase(hallsweep_core::mission::PhaseName::Exploring)))
     }
 
-    fn keep(self: Arc<Self>, name: String, _: String, _: Issuer) -> Changing {
+    fn keep(self: Arc<Self>, name: String, _: String, may_replace: bool, _: Issuer) -> Changing {
         refused(match name.as_str() {
+            "mine" if !may_replace => NotSimulated::AnotherKept(name),
             "depot" => NotSimulated::NameTaken(name),
             "" => NotSimulated::NotAName(name),
             "many" => NotSimulated::TooManyKept(100),
-            "full" => NotSimulated::CannotKeep("No space left".to_owned()),
+            "full" => NotSimulated::CannotChangeKept("No space left".to_owned()),
             _ => NotSimulated::NoDataFolder,
         })
     }
@@ -170,10 +171,10 @@ async fn what_was_refused_stands_in_italian_beside_its_button() {
         ("/simulator/editor", "act=keep&name=depot&toml=x", "una sala di hallsweep o delle impostazioni si chiama già così"),
         ("/simulator/editor", "act=keep&name=&toml=x", "il nome di una sala conservata ha lettere minuscole"),
         ("/simulator/editor", "act=keep&name=many&toml=x", "non si possono conservare altre sale"),
-        ("/simulator/editor", "act=keep&name=full&toml=x", "le sale conservate non si possono cambiare: «what halls"),
-        ("/simulator/editor", "act=keep&name=other&toml=x", "senza cartella dei dati nessuna sala viene conservata"),
-        ("/simulator/editor", "act=replace&name=mine&toml=x", "senza cartella dei dati nessuna sala viene conservata"),
-        ("/simulator/editor", "act=keep&name=mine&toml=x", "Un&#39;altra sala è conservata come mine: sostituirla"),
+        ("/simulator/editor", "act=keep&name=full&toml=x", "le sale conservate non si possono cambiare: «No space left»"),
+        ("/simulator/editor", "act=keep&name=other&toml=x", "senza cartella dei dati non si conservano sale"),
+        ("/simulator/editor", "replace=mine&name=mine&toml=x", "senza cartella dei dati non si conservano sale"),
+        ("/simulator/editor", "act=keep&opened=mine&name=mine&toml=x", "senza cartella dei dati non si conservano sale"),
         ("/simulator/editor", "act=check&toml=x", "questa sala non si può usare: «hall.toml:1: "),
     ] {
         let page = app.italian(("POST", path, body), &[], &["depot", "mine"]).await;
@@ -193,19 +194,29 @@ async fn the_editor_and_its_script_speak_italian() {
         &page,
         &["<h1>Editor delle sale</h1>", "Parete <kbd>", "Annulla", "aria-label=\"Pianta della sala\"", "value=\"0,05\""],
     );
-    check(&page, &["colonna { $column }, riga { $row }", "Al momento: non è possibile durante una missione"]);
+    check(&page, &["colonna { $x }, riga { $y }", "Al momento: non è possibile durante una missione"]);
     let checked = |toml: &str| format!("act=check&toml={}", toml.replace('\n', "%0A").replace('#', "%23").replace(' ', "+"));
     let walled = checked("drawing = \"\"\"\n.#T#\nS###\n.#..\n\"\"\"\n");
     let page = app.italian(("POST", "/simulator/editor", &walled), &[], &names).await;
-    check(&page, &["Si può usare. Ma una ricerca non arriva dappertutto:", "<li>colonna 3, riga 1: il bagaglio «"]);
-    check(&page, &["<li>colonna 3, riga 3: questa cella libera non si può raggiungere dalla base</li>"]);
+    check(&page, &["Si può usare. Ma una ricerca non arriva dappertutto:", "<li>colonna 2, riga -1: il bagaglio «"]);
+    check(&page, &["<li>colonna 2, riga 1: questa cella libera non si può raggiungere dalla base</li>"]);
     let sound = app.italian(("POST", "/simulator/editor", &checked("drawing = \"\"\"\nS.T\n\"\"\"\n")), &[], &names).await;
     check(&sound, &["È a posto: tutto si può raggiungere."]);
     let opened = app.italian(("GET", "/simulator/editor?hall=mine", ""), &[], &names).await;
-    check(&opened, &["Questa è la sala conservata come <b>mine</b>.", "name=\"opened\" value=\"mine\"", "Eliminare mine"]);
-    let discarded = app.italian(("POST", "/simulator/editor", "act=discard&name=mine&toml="), &[], &names).await;
-    check(&discarded, &["<b>mine</b> non è più conservata.", "drawing = &#34;&#34;&#34;"]);
+    check(
+        &opened,
+        &["Questa è la sala conservata come <b>mine</b>.", "name=\"opened\" id=\"opened\" value=\"mine\"", "Eliminare mine"],
+    );
+    let asked = app.italian(("POST", "/simulator/editor", "discard=mine&opened=mine&toml=%23"), &[], &names).await;
+    check(&asked, &["Eliminare <b>mine</b>? Poi non ci sarà più.", "name=\"discard_for_good\" value=\"mine\"", ">#</textarea>"]);
+    let discarded = app.italian(("POST", "/simulator/editor", "discard_for_good=mine&opened=mine&toml=%23"), &[], &names).await;
+    check(&discarded, &["<b>mine</b> non è più conservata.", ">#</textarea>"]);
     assert!(!discarded.contains("name=\"opened\""), "it is not opened as one that is kept");
+    // Asked for one name, it is not another that gives way.
+    for body in ["act=keep&name=mine&toml=x", "replace=other&name=mine&toml=x", "act=keep&opened=other&name=mine&toml=x"] {
+        let asked = app.italian(("POST", "/simulator/editor", body), &[], &names).await;
+        check(&asked, &["Un'altra sala è conservata come <b>mine</b>: sostituirla", "name=\"replace\" value=\"mine\""]);
+    }
     let (keyring, tokens) = keys();
     let app = simulated(idle(), Access::Keys(keyring), true);
     let viewer = format!("Bearer {}", tokens.viewer);

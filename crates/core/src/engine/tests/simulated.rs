@@ -1,7 +1,7 @@
 //! What the core makes of a simulator in somebody's hand: time that stands still, and another hall.
 
 use super::*;
-use crate::state::Conditions;
+use crate::state::{Conditions, Venue};
 
 fn robot(engine: &mut Engine, report: RobotEvent, at: u64) {
     engine.handle_event(Event::Robot(RobotId::discovery(), report), now(at));
@@ -11,8 +11,12 @@ fn issuer() -> Issuer {
     Issuer::operator(Door::LOCAL)
 }
 
+fn venue(name: &str, cell_m: Option<f64>) -> Venue {
+    Venue { name: name.into(), cell_m }
+}
+
 fn put_down(engine: &mut Engine) -> Result<Ticket, Refused> {
-    engine.put_down_in(("depot".into(), Some(0.5)), &[RobotId::discovery()], &issuer(), now(2))
+    engine.put_down_in(venue("depot", Some(0.5)), &[RobotId::discovery()], &issuer(), now(2))
 }
 
 /// Everything that the engine wants kept, as words.
@@ -77,17 +81,17 @@ fn put_down_in_another_hall_the_map_is_empty_who_asked_is_on_record_and_nothing_
 fn in_which_hall_it_is_goes_on_record_once_and_again_in_another() {
     let mut engine = sweep_in(PhaseName::Idle, &[]);
     let said = |words: &[String]| words.iter().filter(|fact| fact.starts_with("Conditions")).cloned().collect::<Vec<_>>();
-    engine.note_hall("airport".into(), None, now(1));
+    engine.note_venue(venue("airport", None), now(1));
     let first = said(&recorded(&mut engine));
     assert!(first.len() == 1 && first[0].contains("airport"), "{first:?}");
-    engine.note_hall("airport".into(), None, now(1));
+    engine.note_venue(venue("airport", None), now(1));
     assert_eq!(said(&recorded(&mut engine)), Vec::<String>::new());
     put_down(&mut engine).expect("nothing is under way");
     let words = recorded(&mut engine);
     let at = |begin: &str| words.iter().position(|fact| fact.starts_with(begin)).expect("it is on record");
     assert!(at("Conditions") > at("MapEmptied"), "what is of the hall before stands before: {words:?}");
     let conditions = engine.persistent_state().conditions.expect("they are on record");
-    let expect = Conditions { hall: "depot".into(), cell_m: Some(0.5), threshold: Settings::default().threshold };
+    let expect = Conditions { venue: venue("depot", Some(0.5)), threshold: Settings::default().threshold };
     assert_eq!(conditions, expect);
 }
 

@@ -23,7 +23,7 @@ const SECTION: usize = 64;
 const UNIT_MS: i64 = 100;
 
 /// More is not drawn: days of a busy mission.
-const MOST: usize = 20_000;
+pub(in super::super) const MOST: usize = 20_000;
 
 /// A mission is never shorter than this in the picture, in milliseconds.
 const LEAST_MS: i64 = 60_000;
@@ -46,7 +46,7 @@ pub(in super::super) struct Scale {
     unit: i64,
     /// Whether it goes on.
     open: bool,
-    /// Whether the mission has more entries than stand on it.
+    /// Whether it ends because no more are drawn.
     cut: bool,
 }
 
@@ -114,7 +114,7 @@ impl Timeline {
         self.is_over || self.is_cut()
     }
 
-    /// Whether the mission has more entries than are drawn.
+    /// Whether the mission may have more entries than are drawn.
     pub(in super::super) const fn is_cut(&self) -> bool {
         self.entries >= MOST && !self.is_over
     }
@@ -198,6 +198,10 @@ impl Timeline {
             self.holds(x, wall, fact, !holds.is_empty());
         } else if let Fact::Conditions(conditions) = fact {
             self.under(conditions);
+            // What was read last is judged anew.
+            if let Some(Reading { celsius, .. }) = self.carried.reading {
+                self.growing.reading(x, celsius, self.threshold, &mut self.carried.reading);
+            }
         } else if let Fact::Temperature(_, celsius) = fact {
             self.growing.reading(x, *celsius, self.threshold, &mut self.carried.reading);
         } else if let Fact::Retrieval(retrieval) = fact {
@@ -281,6 +285,7 @@ mod tests {
     use hallsweep_core::command::Issuer;
     use hallsweep_core::effect::Entry;
     use hallsweep_core::mission::Hold;
+    use hallsweep_core::state::Venue;
     use hallsweep_core::units::{Cell, LuggageId};
 
     /// Facts, so many seconds after the first.
@@ -363,6 +368,26 @@ mod tests {
         assert!(drawn.contains(&format!("class=\"temperature\" d=\"M0 {threshold}H20V")), "{drawn}");
         let (_, hot) = drawn.split_once("temperature hot\" d=\"M20 ").expect("it was too hot");
         assert!(hot.split('"').next().unwrap().ends_with("H50"), "{hot}");
+    }
+
+    #[test]
+    fn what_is_too_hot_is_so_by_the_threshold_of_then() {
+        let under = |threshold| Conditions { threshold: degrees(threshold), venue: Venue { name: "depot".into(), cell_m: None } };
+        let facts = [
+            (0, Fact::Conditions(under(30.0))),
+            (1, temperature(27.0)),
+            (4, Fact::Conditions(under(20.0))),
+            (6, Fact::Conditions(under(28.0))),
+        ];
+        let hot = |line: &Timeline| {
+            drawn(line).split_once("temperature hot\" d=\"").map(|(_, d)| d.split('"').next().unwrap().to_owned())
+        };
+        let hot_at = hot(&line(facts.clone())).expect("it was too hot for a while");
+        assert!(hot_at.starts_with("M40 ") && hot_at.ends_with("H60"), "{hot_at}");
+        let mut before = Timeline::new(MissionId(1), Language::English, Zone::of(TEN), degrees(25.0));
+        before.under(&under(30.0));
+        before.extend(&happened([facts[1].clone()]));
+        assert_eq!(hot(&before), None, "they may have been said before the mission");
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::api::time::Zone;
 use crate::phrases::Language;
 use crate::runtime::archive::{Archive, At};
 use hallsweep_core::units::{MissionId, Seq};
-pub(super) use line::{Scale, Timeline};
+pub(super) use line::{MOST, Scale, Timeline};
 pub(super) use section::{THRESHOLD_Y, id};
 
 /// A line that has not been read to its end sooner is shown as far as it was: the page does not wait for a disk that hangs,
@@ -103,7 +103,7 @@ async fn read_on(door: &HttpDoor, mission: MissionId, mut line: Arc<Timeline>) -
     let after = line.last();
     let look = move |archive: &dyn Archive| {
         // What counted as too hot when it began may have been said before.
-        let begin = if after == Seq(0) { archive.moments(mission, &[At::Time(i64::MIN)])?.pop() } else { None };
+        let begin = (after == Seq(0)).then(|| archive.moments(mission, &[At::Time(i64::MIN)]).ok()?.pop()).flatten();
         let conditions = begin.and_then(|moment| moment.past.of.state.conditions);
         Ok((conditions, archive.timeline(mission, after, PAGE)?))
     };

@@ -32,6 +32,7 @@ pub(in super::super) const THRESHOLD_Y: f64 = COLD - BELOW / (ABOVE + BELOW) * (
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reading {
     x: i64,
+    pub(super) celsius: Celsius,
     height: f64,
     is_hot: bool,
 }
@@ -64,7 +65,7 @@ impl Section {
     pub(super) fn reading(&mut self, x: i64, celsius: Celsius, threshold: Celsius, at: &mut Option<Reading>) {
         let (height, is_hot) = (y(celsius, threshold), celsius > threshold);
         match *at {
-            Some(Reading { x: from, height: before, is_hot: was_hot }) => {
+            Some(Reading { x: from, height: before, is_hot: was_hot, .. }) => {
                 write(&mut self.temperature, format_args!("H{x}V{height}"));
                 if was_hot {
                     write(&mut self.hot, format_args!("M{from} {before}H{x}"));
@@ -72,7 +73,7 @@ impl Section {
             }
             None => write(&mut self.temperature, format_args!("M{x} {height}")),
         }
-        *at = Some(Reading { x, height, is_hot });
+        *at = Some(Reading { x, celsius, height, is_hot });
     }
 
     pub(super) fn go_on(&mut self, reading: Option<Reading>) {
@@ -84,7 +85,7 @@ impl Section {
     /// Its group. In the last one what was read last holds on.
     pub(super) fn drawn(&self, place: usize, reading: Option<Reading>, is_last: bool) -> String {
         let (mut temperature, mut hot) = (self.temperature.clone(), self.hot.clone());
-        if let Some(Reading { x, height, is_hot }) = reading.filter(|_| is_last) {
+        if let Some(Reading { x, height, is_hot, .. }) = reading.filter(|_| is_last) {
             write(&mut temperature, format_args!("H{FAR}"));
             if is_hot {
                 write(&mut hot, format_args!("M{x} {height}H{FAR}"));
