@@ -52,6 +52,7 @@ const hall = (() => {
       svg.setAttribute("viewBox", whole.join(" "));
     }
     drawnLarger = larger();
+    svg.classList.toggle("large", drawnLarger > 1);
     svg.style.setProperty("--sized", Math.max(1, drawnLarger * fitting() / scale()));
     svg.classList.toggle("closer", lens !== null);
     svg.classList.toggle("near", scale() * CELL >= NEAR_PX);

@@ -91,7 +91,7 @@ const time = (() => {
     const wide = drawn;
     const present = Math.min(unitOf(end()), wide);
     const here = then ? unitOf(then.time) : present;
-    paint("future", "d", `M${present} 0H${wide}V64H${present}z`);
+    paint("future", "d", `M${present} -1H${wide * 2}V65H${present}z`);
     paint("time-line", "viewBox", `0 0 ${wide} 64`);
     paint("cursor", "d", `M${here} 0v64`);
     hours(wide);
