@@ -289,7 +289,7 @@ function showFields() {
   $("redo").disabled = !mayAct || !undone.length;
   $("download").href = `data:application/toml;charset=utf-8,${encodeURIComponent(text.value)}`;
   $("download").download = `${($("name").value || "hall").replaceAll(/[^\w-]/g, "-")}.toml`;
-  if (!isNamed) $("keep-as").value = $("name").value.toLowerCase().replaceAll(/[^a-z0-9]+/g, "-").replaceAll(/^-|-$/g, "").slice(0, 40);
+  if (!isNamed && document.activeElement !== $("keep-as")) $("keep-as").value = $("name").value.toLowerCase().replaceAll(/[^a-z0-9]+/g, "-").replaceAll(/^-|-$/g, "").slice(0, 40);
   $("cursor").textContent = under();
 }
 
@@ -433,6 +433,8 @@ $("file").addEventListener("change", async () => {
 
 text.addEventListener("change", async () => {
   const answer = await read("hall.toml", new Blob([text.value]));
+  // A button that is just being pressed must not move from under the hand.
+  while (document.querySelector("button:active")) await new Promise(requestAnimationFrame);
   $("why").textContent = answer.why ?? "";
   if (!answer.why) take(answer.toml);
 });

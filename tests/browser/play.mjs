@@ -86,7 +86,7 @@ try {
   await scenario.play({ page, url, please, coap, picture, patience, network });
 } catch (error) {
   faults.push(String(error));
-  await page?.screenshot({ path: `${shots}/${name}-failed.png` }).catch(() => {});
+  await page?.screenshot({ path: `${shots}/${name}-failed.png`, fullPage: true }).catch(() => {});
 } finally {
   await browser.close();
   relays.forEach((one) => one.close());
