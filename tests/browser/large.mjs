@@ -64,6 +64,7 @@ export const warehouse = {
       await page.keyboard.press('0');
     }
     await page.setViewportSize({ width: 1280, height: 800 });
+    must(await page.locator('#hours text').count() > 0, 'no hour stands under the line of time');
     await page.locator('#stage').focus();
     while (!(await page.locator('#hall.near').count())) await page.keyboard.press('+');
     const box = await page.locator('#hall').boundingBox();

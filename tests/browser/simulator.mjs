@@ -146,9 +146,12 @@ const keeping = (tools) => ({
       await page.getByLabel('Keep as').fill(name);
       await button(page, /^Keep$/).click();
     };
-    const kept = async (rows) => {
-      await page.getByText('This is the hall that is kept as mine.').waitFor();
+    const says = async (words) => {
+      await page.getByText(words).waitFor();
       await page.locator(tools).waitFor();
+    };
+    const kept = async (rows) => {
+      await says('This is the hall that is kept as mine.');
       must((await drawing(page)).join() === rows, `it is not what was kept: ${await drawing(page)}`);
     };
     await open('seed-9x8');
@@ -166,22 +169,18 @@ const keeping = (tools) => ({
     await kept('S..T');
     await page.locator('#toml').fill('drawing = """\nS.TT\n"""\n');
     await button(page, 'Discard mine').click();
-    await page.getByText('Discard mine? It is gone then.').waitFor();
-    await page.locator(tools).waitFor();
+    await says('Discard mine? It is gone then.');
     must((await drawing(page)).join() === 'S.TT' && await button(page, 'Discard mine…').count(), 'one press has discarded something');
     await button(page, 'Discard mine for good').click();
-    await page.getByText('mine is kept no more').waitFor();
-    await page.locator(tools).waitFor();
+    await says('mine is kept no more');
     must((await drawing(page)).join() === 'S.TT' && !(await button(page, 'Discard mine').count()), 'the drawing is gone, or the hall kept still');
     await keep('mine');
     await kept('S.TT');
     await open('empty-8x8');
     await keep('other');
-    await page.getByText('This is the hall that is kept as other.').waitFor();
-    await page.locator(tools).waitFor();
+    await says('This is the hall that is kept as other.');
     await keep('mine');
-    await page.getByText('Another hall is kept as mine').waitFor();
-    await page.locator(tools).waitFor();
+    await says('Another hall is kept as mine');
     await page.getByLabel('Keep as').fill('other');
     await button(page, 'Replace mine').click();
     await page.getByText('This is the hall that is kept as other.').waitFor();
@@ -189,8 +188,7 @@ const keeping = (tools) => ({
     await kept('S.TT');
     await open('empty-8x8');
     await keep('mine');
-    await page.getByText('Another hall is kept as mine').waitFor();
-    await page.locator(tools).waitFor();
+    await says('Another hall is kept as mine');
     await button(page, 'Replace mine').click();
     await kept(Array(8).fill('........').join().replace('.', 'S'));
     await page.goto(`${url}/simulator`);
@@ -223,6 +221,14 @@ export const simulatorControls = {
     await button(page, 'Block this cell').click();
     await button(page, 'Clear (1, 2)').waitFor();
     await picture('paused');
+    const console = await page.context().newPage();
+    await console.goto(url);
+    await console.getByText('Paused: the time of the simulator stands still').waitFor();
+    await button(page, /^Go on/).click();
+    await console.getByText('Paused: the time of the simulator stands still').waitFor({ state: 'detached' });
+    await button(page, /^Pause/).click();
+    await console.getByText('Paused: the time of the simulator stands still').waitFor();
+    await console.close();
     await button(page, 'START the search').click();
     await page.waitForURL(/\/$/);
     await page.goto(`${url}/simulator`);

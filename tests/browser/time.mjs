@@ -108,6 +108,15 @@ export const past = {
     await look(page);
     await page.waitForTimeout(1500);
     const box = await page.locator('#time-line').boundingBox();
+    const drawn = await page.evaluate(() => ({
+      hours: [...document.querySelectorAll('#hours text')].map((hour) => hour.textContent),
+      now: Number(document.getElementById('cursor').getAttribute('d').match(/^M([\d.]+)/)[1]),
+      wide: document.getElementById('time-line').viewBox.baseVal.width,
+      ends: !document.getElementById('time-ends').hidden,
+    }));
+    must(drawn.hours.every((hour) => /^\d\d:\d\d:\d\d$/.test(hour)) && drawn.hours.length <= 6, `the hours of the first minute are ${drawn.hours}`);
+    must(drawn.now < drawn.wide / 2, `some seconds after its beginning now is at ${drawn.now} of ${drawn.wide}`);
+    must(!drawn.ends, 'it is said to end, and goes on');
     await page.mouse.move(box.x + box.width * 0.5, box.y + 20);
     await page.mouse.down();
     await page.mouse.move(box.x + 2, box.y + 20, { steps: 5 });

@@ -322,6 +322,25 @@ fn halls_of_every_format_are_read_over_the_wire_and_nonsense_is_refused_in_words
     assert_eq!(program.json("simulator")["hall"]["height"], 250);
 }
 
+/// Of those who press at once, one is asked nothing.
+#[test]
+fn of_many_who_keep_different_halls_under_one_new_name_at_once_one_is_let() {
+    let folder = Folder::new("kept-at-once");
+    let arguments = ["serve", "--http", "127.0.0.1:0", "--hall", "airport", "--speed", "max", "--data", folder.text()];
+    let program = Program::started(&mut hallsweep(&arguments));
+    for round in 0..5 {
+        let keep = |n: usize| {
+            let form = format!("act=keep&name=new-{round}&toml=width+%3D+{}%0Aheight+%3D+2%0A", n + 2);
+            program.send("POST", "/simulator/editor", "application/x-www-form-urlencoded", &form).status
+        };
+        let answers: Vec<u16> = std::thread::scope(|scope| {
+            let pressing: Vec<_> = (0..8).map(|n| scope.spawn(move || keep(n))).collect();
+            pressing.into_iter().map(|press| press.join().expect("it is answered")).collect()
+        });
+        assert_eq!(answers.iter().filter(|status| **status == 409).count(), 7, "{answers:?}");
+    }
+}
+
 /// What is answered to a check of this file, packed.
 fn packed(program: &Program, name: &str, file: &[u8]) -> String {
     let mut packer = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());

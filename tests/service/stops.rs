@@ -73,6 +73,7 @@ fn a_stop_that_a_full_disk_kept_from_the_journal_stands_after_a_kill() {
     program.until("the journal cannot be written", |state| holds(state, "store"));
     let kept = program.send("PUT", "/api/v1/simulator/halls/mine", "application/toml", "width = 2\nheight = 2\n");
     assert_eq!(kept.json()["code"], "storeDown", "no hall changes without a word on record");
+    assert_eq!(program.delete("/api/v1/simulator/halls/mine").json()["code"], "storeDown");
     epoch = stop(&program).max(epoch);
     program.killer()();
     drop(program);

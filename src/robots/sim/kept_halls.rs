@@ -105,14 +105,14 @@ fn found(folder: &Path) -> BTreeSet<String> {
             return BTreeSet::new();
         }
     };
-    let files = entries.filter_map(Result::ok).map(|entry| entry.path()).filter(|path| path.is_file());
-    let (names, others): (BTreeSet<Option<String>>, BTreeSet<Option<String>>) =
-        files.map(|path| name_of(&path)).partition(Option::is_some);
-    let names: BTreeSet<String> = names.into_iter().flatten().collect();
-    if names.len() > MOST || !others.is_empty() {
-        tracing::warn!(folder = %folder.display(), halls = names.len(), MOST, "not every file here is offered: the first by name are, of names as small-letters-1.toml");
+    let files: Vec<PathBuf> = entries.filter_map(Result::ok).map(|entry| entry.path()).filter(|path| path.is_file()).collect();
+    let names: BTreeSet<String> = files.iter().filter_map(|file| name_of(file)).collect();
+    let offered: BTreeSet<String> = names.into_iter().take(MOST).collect();
+    if offered.len() < files.len() {
+        let (files, offered) = (files.len(), offered.len());
+        tracing::warn!(folder = %folder.display(), files, offered, "not every file here is offered: a hundred are, of names as hall-1.toml");
     }
-    names.into_iter().take(MOST).collect()
+    offered
 }
 
 /// Makes the file, and its name last.

@@ -79,8 +79,7 @@ pub(super) fn fitting(hall: Hall) -> Result<Hall, NotSimulated> {
 
 /// Columns and rows.
 pub(super) fn size(hall: &Hall) -> (u32, u32) {
-    let side = |cells: i32| u32::try_from(cells).unwrap_or_default();
-    (side(hall.bounds().width()), side(hall.bounds().height()))
+    (hall.bounds().width().unsigned_abs(), hall.bounds().height().unsigned_abs())
 }
 
 #[cfg(test)]

@@ -55,6 +55,8 @@ pub(super) struct Shown {
     older: Option<Arc<Snapshot>>,
     /// A fingerprint of each part's markup, so that a part whose resource changed but whose looks did not is not sent.
     prints: BTreeMap<&'static str, u64>,
+    /// Whether the simulator was paused, which no snapshot says.
+    is_paused: bool,
     line: ShownLine,
 }
 
@@ -118,7 +120,7 @@ impl Shown {
     pub(super) fn already(snapshot: &Arc<Snapshot>, view: &View<'_>) -> Shown {
         let prints = PARTS.iter().map(|part| (part.id, fingerprint(&(part.render)(view)))).collect();
         let line = view.line.map(ShownLine::of).unwrap_or_default();
-        Shown { older: Some(Arc::clone(snapshot)), prints, line }
+        Shown { older: Some(Arc::clone(snapshot)), prints, is_paused: view.hall.is_paused, line }
     }
 
     /// What this page lacks of a snapshot, looked at so; from now on it shows it.
@@ -129,9 +131,10 @@ impl Shown {
         if let Some(line) = view.line {
             parts.extend(self.line.update(line));
         }
+        let is_paused_or_goes_on = std::mem::replace(&mut self.is_paused, view.hall.is_paused) != view.hall.is_paused;
         for part in &PARTS {
             let touched = |older: &Arc<Snapshot>| part.shows.iter().any(|r| snapshot.revision_of(*r) != older.revision_of(*r));
-            if older.as_ref().is_none_or(touched) || view.then.is_some() {
+            if older.as_ref().is_none_or(touched) || is_paused_or_goes_on || view.then.is_some() {
                 let html = (part.render)(view);
                 if self.prints.insert(part.id, fingerprint(&html)) != Some(fingerprint(&html)) {
                     parts.insert(part.id.to_owned(), html);
@@ -195,8 +198,12 @@ mod tests {
     use hallsweep_core::world::resource::Resource;
 
     fn update(shown: &mut Shown, snapshot: Snapshot) -> Message {
+        update_while(shown, snapshot, false)
+    }
+
+    fn update_while(shown: &mut Shown, snapshot: Snapshot, is_paused: bool) -> Message {
         let snapshot = Arc::new(snapshot);
-        let hall = HallInfo { name: "airport".into(), cell_m: None, evacuation_m: 100.0, is_paused: false, robot: None };
+        let hall = HallInfo { name: "airport".into(), cell_m: None, evacuation_m: 100.0, is_paused, robot: None };
         let view = View {
             snapshot: &snapshot,
             hall,
@@ -247,6 +254,18 @@ mod tests {
         let mut emptied = idle();
         touch(&mut emptied, 21, &Resource::ALL);
         assert_eq!(update(&mut shown, emptied).parts["tile_3_0"], "");
+    }
+
+    /// The simulator is paused a moment after that is in the log.
+    #[test]
+    fn that_the_simulator_is_paused_is_sent_although_the_state_is_the_same() {
+        let (mut shown, snapshot) = (Shown::default(), searching());
+        update(&mut shown, snapshot.clone());
+        for (is_paused, is_said) in [(true, true), (true, false), (false, true)] {
+            let parts = update_while(&mut shown, snapshot.clone(), is_paused).parts;
+            assert_eq!(parts.keys().map(String::as_str).collect::<Vec<_>>(), if is_said { vec!["holds"] } else { vec![] });
+            assert!(!is_said || parts["holds"].contains("Paused:") == is_paused, "{parts:?}");
+        }
     }
 
     #[test]

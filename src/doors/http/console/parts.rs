@@ -57,7 +57,7 @@ pub(super) const PARTS: [Part; 23] = [
         shows: &[Resource::Mission, Resource::Robot, Resource::Temperature, Resource::Luggage],
         render: |v| html(&Bar { v }),
     },
-    Part { id: "holds", shows: &[Resource::Mission, Resource::Temperature, Resource::Log], render: |v| html(&Holds { v }) },
+    Part { id: "holds", shows: &[Resource::Mission, Resource::Temperature], render: |v| html(&Holds { v }) },
     Part { id: "hall-labels", shows: &[Resource::Map], render: |v| hall::labels(&v.snapshot.map) },
     Part {
         id: "hall-evacuation",

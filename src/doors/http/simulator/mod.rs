@@ -179,6 +179,7 @@ async fn offered_hall(asker: &Asker, name: &str) -> Result<Result<String, NotSim
     in_turn(&asker.door, move || simulator.hall(&name)).await
 }
 
+/// A text that others have as well, as the bytes of an answer.
 struct Shared(Arc<str>);
 
 impl AsRef<[u8]> for Shared {
@@ -193,7 +194,8 @@ fn toml(text: impl IntoResponse) -> Response {
 
 /// `PUT simulator/halls/{name}`: a hall file, as `GET` gives it, in the place of what was there.
 pub(super) async fn keep(asker: Asker, Named(name): Named, file: HallFile) -> Answer {
-    let toml = String::from_utf8_lossy(&file.unpacked()?).into_owned();
+    let unpacked = in_turn(&asker.door, move || file.unpacked().map(|toml| String::from_utf8_lossy(&toml).into_owned()));
+    let toml = unpacked.await??;
     let state = Asker::done(Arc::clone(&asker.simulator).keep(name, toml, true, asker.issuer(door::HTTP))).await?;
     Ok(asker.json(&state))
 }
@@ -225,8 +227,8 @@ async fn read_hall(door: &HttpDoor, name: String, file: HallFile) -> Result<Read
     let read = in_turn(door, move || {
         let hall = hall_files::read(&name, &file.unpacked()?).map_err(|error| NotSimulated::Hall(error.to_string()))?;
         // Before anything is made of it: a small image may be a very large hall.
-        let side = |cells: i32| u32::try_from(cells).unwrap_or(u32::MAX);
-        match NotSimulated::too_large(side(hall.bounds().width()), side(hall.bounds().height())) {
+        let bounds = hall.bounds();
+        match NotSimulated::too_large(bounds.width().unsigned_abs(), bounds.height().unsigned_abs()) {
             Some(not) => Err(Problem::from(not)),
             None => Ok(ReadHall::from(&hall)),
         }
