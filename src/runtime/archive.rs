@@ -64,6 +64,27 @@ pub struct Moment {
     pub later: Option<Seq>,
 }
 
+/// Where the chain of digests has come to: the last entry of a page, and the digest of this page, which holds all pages before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Head {
+    pub seq: Seq,
+    pub digest: [u8; 32],
+}
+
+impl Head {
+    /// The digest in 64 lower-case hexadecimal digits.
+    pub fn hex(&self) -> String {
+        self.digest.iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+
+    /// The digest that is written so.
+    pub fn read_digest(hex: &str) -> Option<[u8; 32]> {
+        let is_written_so = hex.len() == 64 && hex.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'));
+        let byte = |place: usize| u8::from_str_radix(hex.get(2 * place..2 * place + 2)?, 16).ok();
+        if is_written_so { Some(std::array::from_fn(|place| byte(place).unwrap_or(0))) } else { None }
+    }
+}
+
 /// What is kept and can be read back. Object-safe: the store in memory and the one on disk both are one.
 pub trait Archive: Send + Sync {
     /// The newest photo of a piece, of whatever mission.

@@ -91,11 +91,12 @@ fn check_held(program: &Program, what: &str, file: &str) -> Value {
 
 #[test]
 fn a_damaged_file_holds_the_robot_and_is_named_with_what_to_do() {
-    let every: [(&str, &[Damage]); 7] = [
+    let every: [(&str, &[Damage]); 8] = [
         ("journal.db", &[AFolder, APipe, ALinkToNowhere]),
         ("journal.db-wal", &[Zeros, Garbage, AFolder, APipe, ALinkToNowhere]),
         ("journal.db-shm", &[AFolder, APipe, ALinkToNowhere]),
         ("journal.lock", &[AFolder, APipe, ALinkToNowhere]),
+        ("journal.head", &[CutShort, Garbage, AFolder, APipe, ALinkToNowhere]),
         ("journal.lost", &[CutShort, Zeros, Garbage, AFolder, APipe, ALinkToNowhere]),
         ("stops", &[AFolder, APipe, ALinkToNowhere]),
         ("simulated-robot.txt", &ALL),
@@ -165,9 +166,10 @@ fn a_memory_of_stop_that_cannot_be_understood_holds_the_robot_as_a_stop_does() {
 /// What is of no consequence holds nobody up.
 #[test]
 fn what_can_be_made_again_is_made_again() {
-    let every: [(&str, &[Damage]); 4] = [
+    let every: [(&str, &[Damage]); 5] = [
         ("journal.db-shm", &[CutShort, Zeros, Garbage]),
         ("journal.lock", &[Garbage]),
+        ("journal.head", &[Emptied, Zeros]),
         ("journal.lost", &[Emptied]),
         ("room.unfinished", &[Garbage, APipe, ALinkToNowhere]),
     ];
@@ -280,9 +282,16 @@ fn every_file_is_private_or_the_groups_where_the_folder_is() {
                 }
             }
         }
-        for name in
-            ["journal.db", "journal.db-wal", "journal.db-shm", "journal.lock", "journal.lost", "stops", "simulated-robot.txt"]
-        {
+        for name in [
+            "journal.db",
+            "journal.db-wal",
+            "journal.db-shm",
+            "journal.head",
+            "journal.lock",
+            "journal.lost",
+            "stops",
+            "simulated-robot.txt",
+        ] {
             assert!(names.iter().any(|there| there == name), "{name} is not in {names:?}");
         }
         assert!(names.iter().any(|name| name.ends_with(".png")), "{names:?}");

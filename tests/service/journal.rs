@@ -1,6 +1,8 @@
 //! `hallsweep journal`: what a mission left on record is printed, exported, checked and mended, beside the running program or
 //! after it.
 
+use std::path::Path;
+
 use serde_json::Value;
 
 use crate::coap::client::Coap;
@@ -8,6 +10,7 @@ use crate::kill::Folder;
 use crate::mqtt_attacks::client::Client;
 use crate::mqtt_attacks::packets::connect;
 use crate::program::{Program, hallsweep};
+use crate::third_party::{left_out, python, runs};
 
 /// Runs `hallsweep journal` with these words on a folder; whether all was well, and what was said.
 pub(crate) fn journal(folder: &Folder, words: &[&str]) -> (bool, String) {
@@ -171,9 +174,34 @@ fn a_check_that_finds_something_says_so_and_fails() {
     program.command("start").accepted();
     program.until_asked();
     drop(program);
-    std::fs::remove_dir_all(std::path::Path::new(folder.text()).join("photos")).expect("there are photos");
+    std::fs::remove_dir_all(Path::new(folder.text()).join("photos")).expect("there are photos");
     let (well, said) = journal(&folder, &["check"]);
     assert!(!well && said.contains("is not there") && said.contains("backup"), "{said}");
+}
+
+/// By a program that shares no line with ours.
+#[test]
+fn the_chain_of_digests_is_what_the_documentation_says_that_it_is() {
+    if !runs(python().arg("--version")) && !left_out("journal", "python3") {
+        return;
+    }
+    let folder = Folder::new("journal-chain");
+    let mut program = serve(&folder);
+    program.command("start").accepted();
+    let piece = program.until_asked();
+    let note = serde_json::json!({"verdict": "danger", "note": "wires – \"red\" \\ é 🧳"}).to_string();
+    program.post(&format!("/api/v1/luggage/{piece}/verdict"), &note).accepted();
+    let head = || {
+        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/examples/chain.py");
+        let output = python().arg(script).arg(Path::new(folder.text()).join("journal.db")).output().expect("it runs");
+        String::from_utf8([output.stdout, output.stderr].concat()).expect("it speaks UTF-8")
+    };
+    assert!(head().starts_with("entry "), "beside the running program: {}", head());
+    program.signal("TERM");
+    assert!(program.ended_within(std::time::Duration::from_secs(20)).is_some_and(|status| status.success()));
+    let kept = std::fs::read_to_string(Path::new(folder.text()).join("journal.head")).expect("it is there");
+    let (seq, digest) = kept.strip_prefix("entry ").and_then(|kept| kept.split_once(' ')).expect("an entry and its digest");
+    assert_eq!(head(), format!("entry {} {digest}", seq.trim_start_matches('0')));
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! `hallsweep journal check`: whether the file is sound, the entries follow one another and can be understood, the tables are
-//! what follows from them, and every photo is there.
+//! `hallsweep journal check`: whether the file is sound, the entries follow one another, can be understood and are what was kept, the
+//! tables are what follows from them, and every photo is there.
 
 use rusqlite::Connection;
 use rusqlite::types::Value;
@@ -8,8 +8,9 @@ use super::fault::{ALL, Fault, Then, count, one_line};
 use super::folder::Folder;
 use super::photos::Pictures;
 use super::rows::{self, EntryFilter};
-use super::{marker, project, recall, schema};
+use super::{chain, head, marker, project, recall, schema};
 use crate::api::journal::Picture;
+use crate::runtime::archive::Head;
 use hallsweep_core::units::Seq;
 
 /// At most so many findings are listed: who has more needs a backup, not a list.
@@ -39,6 +40,8 @@ impl Findings {
 /// Checks everything, at one moment of a journal that may be written on meanwhile.
 pub(super) fn check(connection: &Connection, folder: &Folder) -> Result<Findings, Fault> {
     let mut findings = Findings::default();
+    // Before the journal, which may have grown by then, but is never behind it.
+    let head = head::read(folder);
     let moment = connection.unchecked_transaction()?;
     structure(&moment, &mut findings)?;
     if findings.faults.is_empty() {
@@ -52,11 +55,27 @@ pub(super) fn check(connection: &Connection, folder: &Folder) -> Result<Findings
             }
         }
         pictures(&moment, folder, &mut findings)?;
+        if schema::format(&moment)? == schema::Format::Current {
+            chain::check(&moment, |words| findings.fault(words))?;
+            end(&moment, head, folder, &mut findings);
+        } else {
+            findings.notes.push("the chain of digests begins when hallsweep is started with this journal".to_owned());
+        }
     }
     Ok(findings)
 }
 
-/// What SQLite itself finds.
+/// Whether the journal holds what was kept up to where `journal.head` says.
+fn end(connection: &Connection, head: Result<Option<Head>, Fault>, folder: &Folder, findings: &mut Findings) {
+    let none = "there is no journal.head: whether entries were cut off at the end is not known; the next start makes it anew";
+    match head.and_then(|head| head.map(|head| head::is_held(connection, &head)).transpose()) {
+        Ok(Some(())) => {}
+        Ok(None) => findings.notes.push(none.to_owned()),
+        Err(fault) => findings.fault(fault.words(folder.path(), Then::StartAgain)),
+    }
+}
+
+/// What SQLite itself finds, and whether its tables are ours.
 fn structure(connection: &Connection, findings: &mut Findings) -> Result<(), Fault> {
     let mut statement = connection.prepare(&format!("PRAGMA integrity_check({LISTED})"))?;
     let mut rows = statement.query([])?;
@@ -66,14 +85,27 @@ fn structure(connection: &Connection, findings: &mut Findings) -> Result<(), Fau
             findings.fault(format!("the file is damaged: {}", one_line(&found)));
         }
     }
+    if schema::format(connection)? == schema::Format::Current && tables(connection)? != tables(&empty()?)? {
+        findings.fault("its tables, indices and triggers are not those that hallsweep makes".to_owned());
+    }
     Ok(())
+}
+
+fn empty() -> Result<Connection, Fault> {
+    let mut empty = Connection::open_in_memory()?;
+    schema::bring_up_to_date(&mut empty)?;
+    Ok(empty)
+}
+
+/// How the tables are made, and what belongs to them; what SQLite has for itself is left out.
+fn tables(connection: &Connection) -> Result<std::collections::BTreeSet<String>, Fault> {
+    rows_of(connection, "(SELECT type, name, tbl_name, sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%')")
 }
 
 /// The order of the entries, and what they say; the tables that follow from them, and whether some cannot be understood.
 fn entries(connection: &Connection, folder: &Folder, findings: &mut Findings) -> Result<(Connection, bool), Fault> {
     let losses = losses(connection)?;
-    let mut anew = Connection::open_in_memory()?;
-    schema::bring_up_to_date(&mut anew)?;
+    let anew = empty()?;
     let (mut before, mut unclear) = (Seq(0), false);
     rows::each(connection, EntryFilter::default(), |_, line| {
         findings.entries += 1;

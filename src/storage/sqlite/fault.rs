@@ -10,7 +10,11 @@ use crate::api::journal::Unparsed;
 use hallsweep_core::units::Seq;
 
 /// What belongs together: whoever moves one of these without the others has half a journal.
-pub(super) const ALL: &str = "journal.db, journal.db-wal, journal.db-shm and the folder photos";
+pub(super) const ALL: &str = "journal.db, journal.db-wal, journal.db-shm, journal.head and the folder photos";
+
+/// What is said of a journal to which `journal.head` does not belong.
+const WRONG_ONE: &str = "nothing is written to it: put the one back that belongs to journal.head, or, when a backup is meant to stand there, \
+                         move journal.head away; then start hallsweep again";
 
 /// Of what SQLite found so many characters are shown: it lists pages by the hundred.
 const SHOWN: usize = 200;
@@ -39,6 +43,12 @@ pub(super) enum Fault {
     Unparsed(Seq, Unparsed),
     /// Its last entry is not the one that was read at the start.
     Changed,
+    /// It was kept up to this entry, and ends before it.
+    CutOff(Seq),
+    /// It was kept up to this entry, and holds another in its place.
+    Another(Seq),
+    /// The chain of digests ends with this entry, and the journal with another.
+    Unchained(Seq),
     InUse,
     Unwritable,
     /// A photo's file is not there, or is not what it was.
@@ -74,6 +84,9 @@ impl Fault {
             | Fault::Foreign
             | Fault::Unparsed(..)
             | Fault::Changed
+            | Fault::CutOff(_)
+            | Fault::Another(_)
+            | Fault::Unchained(_)
             | Fault::Gone => true,
             Fault::File(_)
             | Fault::Older(_)
@@ -144,6 +157,13 @@ impl Fault {
                  start hallsweep again"
             ),
             Fault::Changed => format!("the journal {file} is not the one that was read at the start: start hallsweep again"),
+            Fault::CutOff(seq) => format!("the journal {file} ends before entry {seq}, up to which it was kept; {WRONG_ONE}"),
+            Fault::Another(seq) => format!("entry {seq} of the journal {file} is not the one that was kept; {WRONG_ONE}"),
+            Fault::Unchained(seq) => format!(
+                "the journal {file} has been written to by something else: its chain of digests ends with entry {seq}, and its entries do \
+                 not; nothing is written to it: `hallsweep journal check` says more; put a backup in its place, or move {ALL} away \
+                 together, then start hallsweep again"
+            ),
             Fault::InUse => format!("another hallsweep uses the folder {shown}: end it, or choose another folder with --data"),
             Fault::Photo(what) => format!("the file of the photo {what}: put the folder photos of a backup back into {shown}"),
             Fault::Number(number) => format!("the journal has no room for the number {number}"),

@@ -3,6 +3,7 @@
 //! ```text
 //!   journal.db          the journal (with journal.db-wal and journal.db-shm beside it while it is open)
 //!   journal.lock        held by the program that writes
+//!   journal.head        up to which entry it was kept, and the digest of its page
 //!   journal.lost        after which entry everything was said to be lost
 //!   photos/ab/cdef….png a photo, named by the digest of its bytes
 //! ```
@@ -61,6 +62,10 @@ impl Folder {
         SmallFile::within(&self.0, "journal.lost")
     }
 
+    pub(super) fn head(&self) -> SmallFile {
+        SmallFile::within(&self.0, "journal.head")
+    }
+
     /// Where a photo is, whether or not it is there.
     pub(super) fn photo(&self, picture: &Picture) -> PathBuf {
         let (first, rest) = picture.digest.split_at(2);
@@ -101,7 +106,7 @@ impl Folder {
 
     /// The same of what is beside it, without which it can be read all the same.
     pub(super) fn check_beside(&self) -> Result<(), Fault> {
-        self.check_plain(&["journal.lock", "journal.lost"])?;
+        self.check_plain(&["journal.lock", "journal.lost", "journal.head"])?;
         files::check_folder(&self.photos()).map_err(|error| Fault::Unusable("photos", error.to_string()))
     }
 

@@ -11,11 +11,13 @@
 //! never written over, renamed or deleted.
 
 mod archive;
+mod chain;
 mod check;
 mod connect;
 
 mod fault;
 mod folder;
+mod head;
 mod marker;
 mod memory;
 mod moments;
@@ -42,6 +44,7 @@ use self::archive::SqliteArchive;
 pub use self::check::Findings;
 use self::fault::{Fault, Then};
 use self::folder::Folder;
+use self::head::HeadFile;
 use self::marker::Marker;
 pub use self::memory::MemoryStore;
 use self::pages::Pages;
@@ -126,7 +129,7 @@ fn look(folder: &Folder) -> Result<(Hand, Option<Recalled>, Option<String>), Fau
     if let Err(fault) = folder.check_journal() {
         return Ok((Hand::Closed, None, words(&fault, Then::StartAgain)));
     }
-    let lost_after = match folder.check_beside().and_then(|()| marker::read(folder)) {
+    let lost_after = match folder.check_beside().and_then(|()| head::check(folder)).and_then(|()| marker::read(folder)) {
         Ok(lost_after) => lost_after,
         // What stands is shown as far as the journal says it, and nothing is written after it.
         Err(fault) => return Ok((Hand::Closed, recall::recall(folder, None).unwrap_or(None), words(&fault, Then::StartAgain))),
@@ -170,8 +173,10 @@ impl SqliteStore {
         let (pages, handed) = mpsc::sync_channel(QUEUE);
         let ((end_writer, ended), (end_watchman, watched)) = (mpsc::channel(), mpsc::channel());
         let (say_done, done) = mpsc::channel();
+        let head = HeadFile::of(folder);
         let (to_write, to_watch) = (Arc::clone(&status), (Arc::clone(&status), folder.clone()));
-        let writer = Writer { folder: folder.clone(), status: to_write, pages: handed, ended, hand, kept, bulk: 0, patience };
+        let writer =
+            Writer { folder: folder.clone(), status: to_write, pages: handed, ended, hand, head, kept, bulk: 0, patience };
         thread("journal", move || {
             writer.run();
             drop(say_done);

@@ -6,8 +6,9 @@ use rusqlite::{Connection, Transaction, TransactionBehavior};
 use super::fault::{Fault, whole};
 use super::folder::{Folder, Identity, Lock};
 use super::photos::Pictures;
-use super::{connect, marker, project, rows, schema};
+use super::{chain, connect, marker, project, rows, schema};
 use crate::api::journal::Line;
+use crate::runtime::archive::Head;
 use hallsweep_core::effect::{Entry, Fact, Page};
 use hallsweep_core::units::{MissionId, Seq};
 
@@ -43,7 +44,8 @@ impl Pages {
             pages.go_on_after(lost_after)?;
         }
         marker::clear(folder)?;
-        Ok(pages)
+        let end = chain::end(&pages.connection)?.seq;
+        if end == kept { Ok(pages) } else { Err(Fault::Unchained(end)) }
     }
 
     /// Writes pages so that they last. `is_wanted` is asked before the last step; when it says no nothing is kept.
@@ -53,6 +55,7 @@ impl Pages {
         let transaction = self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
         for page in pages {
             under_way = write(&transaction, Pictures::Files(&self.folder), page, under_way)?;
+            chain::close_page(&transaction)?;
         }
         if !is_wanted() {
             return Err(Fault::GivenUp);
@@ -60,6 +63,11 @@ impl Pages {
         transaction.commit()?;
         self.under_way = under_way;
         Ok(())
+    }
+
+    /// The end of the chain.
+    pub(super) fn head(&self) -> Result<Head, Fault> {
+        chain::end(&self.connection)
     }
 
     /// Whether the files are still the ones that were opened: what is written to a file that was taken away nobody finds again,
@@ -87,6 +95,9 @@ impl Pages {
         transaction.execute(sql, [whole(kept.0)?])?;
         if rows::take_back(&transaction, kept)? > 0 {
             project::rebuild(&transaction)?;
+            chain::take_back(&transaction, kept)?;
+            // A page of before the chain may have been longer.
+            chain::close_page(&transaction)?;
         }
         let under_way = open_mission(&transaction)?;
         transaction.commit()?;

@@ -2,13 +2,15 @@
 
 use rusqlite::{Connection, Transaction};
 
+use super::chain;
 use super::fault::Fault;
 
 /// Says in the file's header that it is ours: the letters HSWP.
 const APPLICATION: i64 = 0x4853_5750;
 
 /// What brings a file from each format to the next; an empty file is of format 0.
-const MIGRATIONS: [&str; 3] = [include_str!("schema.sql"), include_str!("schema_2.sql"), include_str!("schema_3.sql")];
+const MIGRATIONS: [&str; 4] =
+    [include_str!("schema.sql"), include_str!("schema_2.sql"), include_str!("schema_3.sql"), include_str!("schema_4.sql")];
 
 pub(super) const FORMAT: i64 = MIGRATIONS.len() as i64;
 
@@ -51,6 +53,7 @@ fn migrate(transaction: &Transaction<'_>, from: usize) -> Result<(), Fault> {
     for migration in MIGRATIONS.iter().skip(from) {
         transaction.execute_batch(migration)?;
     }
+    chain::close_page(transaction)?;
     transaction.pragma_update(None, "application_id", APPLICATION)?;
     Ok(transaction.pragma_update(None, "user_version", FORMAT)?)
 }

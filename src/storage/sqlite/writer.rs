@@ -15,6 +15,7 @@ use std::time::Duration;
 
 use super::fault::{Fault, Then};
 use super::folder::Folder;
+use super::head::HeadFile;
 use super::pages::Pages;
 use super::writer_status::WriterStatus;
 use hallsweep_core::effect::{Entry, Fact, Page};
@@ -70,6 +71,7 @@ pub(super) struct Writer {
     pub(super) pages: Receiver<Handed>,
     pub(super) ended: Receiver<()>,
     pub(super) hand: Hand,
+    pub(super) head: HeadFile,
     /// The last entry that was said to be kept.
     pub(super) kept: Seq,
     /// How many bytes of photos came with the last batch.
@@ -80,6 +82,7 @@ pub(super) struct Writer {
 impl Writer {
     /// Writes until nobody can hand anything over any more.
     pub(super) fn run(mut self) {
+        self.remember_head();
         while self.turn() {}
     }
 
@@ -121,7 +124,10 @@ impl Writer {
 
     pub(super) fn conclude(&mut self, kept: Result<(), Fault>, losses: u64, last: Seq) {
         match kept {
-            Ok(()) if self.status.keep(losses, last) => self.kept = last,
+            Ok(()) if self.status.keep(losses, last) => {
+                self.kept = last;
+                self.remember_head();
+            }
             // It is on the disk and was said to be lost: it goes at once.
             Ok(()) => self.try_again(),
             Err(fault) => {
@@ -133,6 +139,15 @@ impl Writer {
                 self.status.fail(losses, &fault.words(self.folder.path(), Then::GoesOn));
                 self.give_in(&fault);
             }
+        }
+    }
+
+    /// Puts down where the journal ends; behind what was said to be kept, and so never before it.
+    fn remember_head(&mut self) {
+        if let Hand::Writing(journal) = &self.hand
+            && let Ok(head) = journal.head()
+        {
+            self.head.put(&head);
         }
     }
 

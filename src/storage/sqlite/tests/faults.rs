@@ -9,6 +9,7 @@ use rusqlite::TransactionBehavior;
 use super::super::archive::SqliteArchive;
 use super::super::fault::Fault;
 use super::super::folder::Folder;
+use super::super::head::HeadFile;
 use super::super::marker::Marker;
 use super::super::pages::Pages;
 use super::super::writer::{Hand, Patience, Writer, watch};
@@ -218,8 +219,8 @@ fn writer(scratch: &Scratch) -> (Writer, Arc<WriterStatus>) {
     let journal = Pages::open(&folder, None, Seq(0), None).unwrap();
     let status = Arc::new(WriterStatus::new(Marker::new(&folder), Seq(0), None));
     let (pages, ended) = (mpsc::sync_channel(1).1, mpsc::channel().1);
-    let hand = Hand::Writing(journal);
-    (Writer { folder, status: Arc::clone(&status), pages, ended, hand, kept: Seq(0), bulk: 0, patience: HASTE }, status)
+    let (hand, head) = (Hand::Writing(journal), HeadFile::of(&folder));
+    (Writer { folder, status: Arc::clone(&status), pages, ended, hand, head, kept: Seq(0), bulk: 0, patience: HASTE }, status)
 }
 
 fn page(first: u64, facts: Vec<Fact>) -> Page {

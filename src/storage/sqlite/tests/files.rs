@@ -40,10 +40,6 @@ fn some_journal() -> Scratch {
     scratch
 }
 
-fn meddle(scratch: &Scratch, sql: &str) {
-    connect::writer(&Folder::new(&scratch.data())).unwrap().execute_batch(sql).unwrap();
-}
-
 #[test]
 fn a_damaged_journal_is_left_as_it_is() {
     let scratch = some_journal();
@@ -76,8 +72,8 @@ fn a_journal_that_is_damaged_elsewhere_is_left_as_it_is() {
 fn the_words_about_a_damaged_journal_are_one_line_and_name_all_files() {
     let found = "*** in database main ***\nTree 2 page 2: btreeInitPage() returns error code 11\nTree 3".to_owned();
     let words = Fault::Damaged(found).words("/data".as_ref(), Then::StartAgain);
-    let expected = "the journal /data/journal.db is damaged; it is left as it is: move journal.db, journal.db-wal, journal.db-shm \
-                    and the folder photos away together, or put a backup in their place, then start hallsweep again (Tree 2 \
+    let expected = "the journal /data/journal.db is damaged; it is left as it is: move journal.db, journal.db-wal, journal.db-shm, \
+                    journal.head and the folder photos away together, or put a backup in their place, then start hallsweep again (Tree 2 \
                     page 2: btreeInitPage() returns error code 11 Tree 3)";
     assert_eq!(words, expected);
 }

@@ -17,8 +17,10 @@ fn every_photo_of_a_piece_is_found_also_in_a_journal_that_did_not_list_them() {
     assert_eq!(all(&*scribe.opened.archive), expect);
     drop(scribe);
     let old = rusqlite::Connection::open(scratch.data().join("journal.db")).unwrap();
-    old.execute_batch("DROP TABLE takes; ALTER TABLE luggage DROP COLUMN note; PRAGMA user_version = 2;").unwrap();
+    old.execute_batch("DROP TABLE pages; DROP TABLE takes; ALTER TABLE luggage DROP COLUMN note; PRAGMA user_version = 2;")
+        .unwrap();
     drop(old);
+    std::fs::remove_file(scratch.data().join("journal.head")).unwrap();
     drop(Scribe::new(scratch.open()));
     check_finds(&scratch, &[]);
     assert_eq!(all(&*scratch.open().archive), expect);

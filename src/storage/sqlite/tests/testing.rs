@@ -217,6 +217,17 @@ pub(super) fn check_finds(scratch: &Scratch, words: &[&str]) {
     }
 }
 
+/// Changes what is never changed, and leaves no other trace.
+pub(super) fn rewrite(scratch: &Scratch, sql: &str) {
+    let connection = connect::writer(&Folder::new(&scratch.data())).unwrap();
+    let mut triggers = connection.prepare("SELECT name, sql FROM sqlite_schema WHERE type = 'trigger'").unwrap();
+    let triggers = triggers.query_map([], |row| Ok((row.get(0)?, row.get(1)?))).unwrap();
+    let triggers: Vec<(String, String)> = triggers.map(Result::unwrap).collect();
+    let dropped: String = triggers.iter().map(|(name, _)| format!("DROP TRIGGER {name};")).collect();
+    let made: String = triggers.iter().map(|(_, sql)| format!("{sql};")).collect();
+    connection.execute_batch(&format!("{dropped}{sql};{made}")).unwrap();
+}
+
 /// Changes the file behind the store's back.
 pub(super) fn meddle(scratch: &Scratch, sql: &str) {
     connect::writer(&Folder::new(&scratch.data())).unwrap().execute_batch(sql).unwrap();

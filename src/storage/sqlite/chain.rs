@@ -1,0 +1,128 @@
+//! The chain of digests: each page holds the one before it, so that whoever changes, removes or exchanges entries changes every digest
+//! behind them, and with them the head, which a report names and `journal.head` remembers.
+//!
+//! ```text
+//!   32 zero bytes ──► page 1 ──► page 2 ──► … ──► head
+//!                      digest = SHA-256(digest before ‖ a line for each of its entries)
+//!                      line   = [seq,mission,atMs,offsetS,"kind","body"]⏎     JSON without spaces, the columns of `events`
+//! ```
+//! A journal of before this format begins with one page, of all that it held when it was brought up to date. What is hashed are the columns
+//! as they stand there, so that no later version reads other digests from them.
+
+use rusqlite::{Connection, OptionalExtension, Row, params};
+use sha2::{Digest, Sha256};
+
+use super::fault::{Fault, count, whole};
+use crate::runtime::archive::Head;
+use hallsweep_core::units::Seq;
+
+/// What stands before the first page.
+const NOTHING: Head = Head { seq: Seq(0), digest: [0; 32] };
+
+/// The columns of an entry, in the order in which they are hashed.
+const COLUMNS: &str = "seq, mission, at_ms, offset_s, kind, body";
+
+/// Closes a page over all entries behind the end of the chain, if there are any; its end then.
+pub(super) fn close_page(connection: &Connection) -> Result<Head, Fault> {
+    let end = end(connection)?;
+    let sql = format!("SELECT {COLUMNS} FROM events WHERE seq > ?1 ORDER BY seq");
+    let mut statement = connection.prepare_cached(&sql)?;
+    let mut rows = statement.query([whole(end.seq.0)?])?;
+    let mut page = OpenPage::after(&end);
+    while let Some(row) = rows.next()? {
+        page.take(row)?;
+    }
+    if page.last == end.seq {
+        return Ok(end);
+    }
+    let head = page.close();
+    let sql = "INSERT INTO pages (last, digest) VALUES (?1, ?2)";
+    connection.prepare_cached(sql)?.execute(params![whole(head.seq.0)?, head.digest])?;
+    Ok(head)
+}
+
+/// The last page.
+pub(super) fn end(connection: &Connection) -> Result<Head, Fault> {
+    let sql = "SELECT last, digest FROM pages ORDER BY last DESC LIMIT 1";
+    Ok(connection.prepare_cached(sql)?.query_row([], head).optional()?.unwrap_or(NOTHING))
+}
+
+/// The page in which an entry stands, or would stand.
+pub(super) fn page_of(connection: &Connection, seq: Seq) -> Result<Option<Head>, Fault> {
+    let sql = "SELECT last, digest FROM pages WHERE last >= ?1 ORDER BY last LIMIT 1";
+    Ok(connection.prepare_cached(sql)?.query_row([whole(seq.0)?], head).optional()?)
+}
+
+/// Forgets the pages behind `kept`, with their entries.
+pub(super) fn take_back(connection: &Connection, kept: Seq) -> Result<(), Fault> {
+    connection.execute("DELETE FROM pages WHERE last > ?1", [whole(kept.0)?])?;
+    Ok(())
+}
+
+/// Makes every digest anew, and says of what does not agree where it is and what is wrong with it.
+pub(super) fn check(connection: &Connection, mut say: impl FnMut(String)) -> Result<(), Fault> {
+    let mut statement = connection.prepare(&format!("SELECT {COLUMNS} FROM events ORDER BY seq"))?;
+    let mut entries = statement.query([])?;
+    let mut entry = entries.next()?;
+    let mut statement = connection.prepare("SELECT last, digest FROM pages ORDER BY last")?;
+    let mut pages = statement.query([])?;
+    let mut before = NOTHING;
+    while let Some(kept) = pages.next()?.map(head).transpose()? {
+        let mut page = OpenPage::after(&before);
+        while let Some(row) = entry
+            && place(row) <= kept.seq
+        {
+            page.take(row)?;
+            entry = entries.next()?;
+        }
+        let which = format!("entries {} to {}", before.seq.next(), kept.seq);
+        if page.last != kept.seq {
+            say(format!("{which}: the last of them is not there, although the chain of digests names it"));
+        } else if page.close() != kept {
+            say(format!("{which} are not what was kept, or do not follow on what stood before them: their digest is another"));
+        }
+        before = kept;
+    }
+    if let Some(row) = entry {
+        say(format!("the entries from {} on are in no page of the chain of digests: hallsweep has not written them", place(row)));
+    }
+    Ok(())
+}
+
+/// A page to which entries may come.
+struct OpenPage {
+    last: Seq,
+    hasher: Sha256,
+}
+
+impl OpenPage {
+    fn after(before: &Head) -> OpenPage {
+        OpenPage { last: before.seq, hasher: Sha256::new().chain_update(before.digest) }
+    }
+
+    fn take(&mut self, row: &Row<'_>) -> Result<(), Fault> {
+        let (mission, at_ms, offset_s): (Option<i64>, i64, i64) = (row.get(1)?, row.get(2)?, row.get(3)?);
+        self.last = place(row);
+        // What is no text is hashed all the same: that it is none is found where it is read.
+        let text = |column| row.get_ref(column).map(|value| String::from_utf8_lossy(value.as_bytes().unwrap_or_default()));
+        let line = serde_json::to_string(&(self.last.0, mission, at_ms, offset_s, text(4)?, text(5)?));
+        self.hasher.update(line.expect("numbers and texts are JSON"));
+        self.hasher.update(b"\n");
+        Ok(())
+    }
+
+    fn close(self) -> Head {
+        Head { seq: self.last, digest: self.hasher.finalize().into() }
+    }
+}
+
+/// The place is the key of the table, which is a number whatever else is damaged.
+fn place(row: &Row<'_>) -> Seq {
+    Seq(row.get(0).map_or(0, count))
+}
+
+/// A digest of another length, which nobody wrote, becomes one that agrees with nothing.
+fn head(row: &Row<'_>) -> rusqlite::Result<Head> {
+    let digest = row.get_ref(1)?.as_bytes().ok().and_then(|bytes| bytes.try_into().ok()).unwrap_or([0; 32]);
+    Ok(Head { seq: Seq(count(row.get(0)?)), digest })
+}

@@ -1,0 +1,201 @@
+//! The chain of digests: what is changed, removed, exchanged, added or cut off behind the store's back is named, with its place.
+
+use proptest::prelude::*;
+
+use super::super::folder::Folder;
+use super::super::{Reading, chain, connect, project, rows, schema};
+use super::testing::*;
+use crate::api::journal::{self, Line};
+use hallsweep_core::command::Verdict;
+use hallsweep_core::units::Seq;
+
+/// Pages of entries 1-4, 5-6, 7, 8-9 and 10.
+fn some_journal() -> Scratch {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    scribe.keep(begin(1));
+    scribe.keep(vec![found(1, Some(photo("bag"))), inspecting(1)]);
+    scribe.keep(vec![verdict(1, Verdict::Safe)]);
+    scribe.keep(vec![wall(1, 3), wall(2, 3)]);
+    scribe.keep(vec![wall(3, 3)]);
+    scratch
+}
+
+/// One entry, as a row that another table could hold.
+fn exchange(one: u64, other: u64) -> String {
+    let take = |column: &str, seq: u64| format!("(SELECT {column} FROM events WHERE seq = {seq})");
+    let set = |seq: u64| format!("kind = {}, body = {}", take("kind", seq), take("body", seq));
+    format!(
+        "CREATE TEMP TABLE kept AS SELECT * FROM events WHERE seq = {one}; UPDATE events SET {} WHERE seq = {one};
+         UPDATE events SET kind = (SELECT kind FROM kept), body = (SELECT body FROM kept) WHERE seq = {other}",
+        set(other)
+    )
+}
+
+#[test]
+fn whatever_is_done_to_entries_is_named_with_its_place() {
+    let changed = |first: u64, last: u64| format!("entries {first} to {last} are not what was kept");
+    let last_is_gone = |first: u64, last: u64| format!("entries {first} to {last}: the last of them is not there");
+    let missing = |first: u64, last: u64| format!("entries {first} to {last} are missing");
+    for (sql, finds) in [
+        // A moment, a mission, a coordinate; what they say stays sound, and so do the tables.
+        ("UPDATE events SET at_ms = at_ms + 1 WHERE seq = 6".to_owned(), vec![changed(5, 6)]),
+        ("UPDATE events SET offset_s = 0 WHERE seq = 10".to_owned(), vec![changed(10, 10)]),
+        ("UPDATE events SET mission = NULL WHERE seq = 8".to_owned(), vec![changed(8, 9)]),
+        ("UPDATE events SET body = replace(body, '3', '4') WHERE seq = 8".to_owned(), vec![changed(8, 9)]),
+        // A space in the JSON.
+        ("UPDATE events SET body = replace(body, ',', ', ') WHERE seq = 7".to_owned(), vec![changed(7, 7)]),
+        (exchange(8, 10), vec![changed(8, 9), changed(10, 10)]),
+        ("DELETE FROM events WHERE seq = 8".to_owned(), vec![missing(8, 8), changed(8, 9)]),
+        ("DELETE FROM events WHERE seq = 9".to_owned(), vec![missing(9, 9), last_is_gone(8, 9)]),
+        // With its page: then the next does not follow.
+        (
+            "DELETE FROM events WHERE seq IN (8, 9); DELETE FROM pages WHERE last = 9".to_owned(),
+            vec![missing(8, 9), changed(8, 10)],
+        ),
+        // And with a loss that would explain it.
+        (
+            "DELETE FROM events WHERE seq IN (8, 9); DELETE FROM pages WHERE last = 9; INSERT INTO losses VALUES (7, 1)"
+                .to_owned(),
+            vec![changed(8, 10)],
+        ),
+        // The tail, with its page and without.
+        ("DELETE FROM events WHERE seq = 10".to_owned(), vec![last_is_gone(10, 10), "ends before entry 10".to_owned()]),
+        (
+            "DELETE FROM events WHERE seq >= 8; DELETE FROM pages WHERE last >= 8".to_owned(),
+            vec!["ends before entry 10, up to which it was kept".to_owned()],
+        ),
+        (
+            "INSERT INTO events SELECT 11, mission, at_ms, offset_s, kind, body FROM events WHERE seq = 10".to_owned(),
+            vec!["the entries from 11 on are in no page".to_owned()],
+        ),
+        ("UPDATE pages SET digest = zeroblob(32) WHERE last = 7".to_owned(), vec![changed(7, 7), changed(8, 9)]),
+        (
+            "UPDATE pages SET digest = x'00' WHERE last = 10".to_owned(),
+            vec![changed(10, 10), "entry 10 of the journal".to_owned()],
+        ),
+        ("DROP INDEX milestones".to_owned(), vec!["its tables, indices and triggers are not those".to_owned()]),
+    ] {
+        let scratch = some_journal();
+        check_finds(&scratch, &[]);
+        rewrite(&scratch, &sql);
+        let finds: Vec<&str> = finds.iter().map(String::as_str).collect();
+        check_finds(&scratch, &finds);
+    }
+}
+
+/// Somebody who makes the digests anew as well is found out by the file beside the journal.
+#[test]
+fn a_journal_that_was_chained_anew_is_not_the_one_that_was_kept() {
+    let scratch = some_journal();
+    rewrite(&scratch, "UPDATE events SET at_ms = at_ms + 1 WHERE seq = 1; DELETE FROM pages");
+    chain::close_page(&connect::writer(&Folder::new(&scratch.data())).unwrap()).unwrap();
+    check_finds(&scratch, &["entry 10 of the journal"]);
+}
+
+/// Nothing is written to it: what is missing could not be missed afterwards.
+#[test]
+fn a_journal_that_ends_too_early_or_goes_on_without_us_is_not_written_to() {
+    for (sql, words) in [
+        ("DELETE FROM events WHERE seq >= 8; DELETE FROM pages WHERE last >= 8", "ends before entry 10, up to which it was kept"),
+        ("DELETE FROM events WHERE seq = 10", "ends before entry 10"),
+        ("DELETE FROM pages WHERE last >= 8", "entry 10 of the journal"),
+        (
+            "INSERT INTO events SELECT 11, mission, at_ms, offset_s, kind, body FROM events WHERE seq = 10",
+            "written to by something else",
+        ),
+    ] {
+        let scratch = some_journal();
+        rewrite(&scratch, sql);
+        let before = bytes(&scratch.data());
+        let failure = scratch.open().failure.expect("it cannot be gone on with");
+        assert!(failure.contains(words) && failure.contains("nothing is written to it"), "{failure}");
+        assert_eq!(bytes(&scratch.data()), before, "not a byte has changed");
+    }
+    // A backup is meant to stand there.
+    let scratch = some_journal();
+    rewrite(&scratch, "DELETE FROM events WHERE seq >= 8; DELETE FROM pages WHERE last >= 8");
+    std::fs::remove_file(scratch.data().join("journal.head")).unwrap();
+    let opened = scratch.open();
+    assert_eq!((opened.failure.clone(), opened.recalled.as_ref().map(|recalled| recalled.written)), (None, Some(Seq(7))));
+    Scribe::new(opened).keep(vec![wall(7, 7)]);
+    check_finds(&scratch, &[]);
+}
+
+/// One of before the chain begins it with all that it holds, but for what is taken back at that start; and goes on.
+#[test]
+fn a_journal_of_before_begins_its_chain_with_all_that_it_holds() {
+    for lost_after in [None, Some(3)] {
+        let scratch = Scratch::new();
+        std::fs::create_dir(scratch.data()).unwrap();
+        let mut old = rusqlite::Connection::open(scratch.data().join("journal.db")).unwrap();
+        schema::of_format(&mut old, 3);
+        for (place, fact) in (1..).zip([begin(1), vec![wall(1, 1)]].concat()) {
+            let line = Line { seq: Seq(place), mission: None, entry: at_noon(fact), picture: None };
+            rows::insert(&old, &line).unwrap();
+            project::project(&old, &line).unwrap();
+        }
+        drop(old);
+        if let Some(lost) = lost_after {
+            let words = format!("everything after entry {lost:020} was said to be lost\n");
+            std::fs::write(scratch.data().join("journal.lost"), words).unwrap();
+        }
+        let mut scribe = Scribe::new(scratch.open());
+        assert_eq!(scribe.opened.failure, None);
+        let first = scribe.opened.recalled.as_ref().map_or(Seq(0), |recalled| recalled.written);
+        assert_eq!(first, Seq(lost_after.unwrap_or(5)));
+        scribe.keep(vec![wall(2, 2), wall(3, 3)]);
+        drop(scribe);
+        check_finds(&scratch, &[]);
+        rewrite(&scratch, "UPDATE events SET at_ms = at_ms + 1 WHERE seq = 2");
+        check_finds(&scratch, &[&format!("entries 1 to {first} are not what was kept")]);
+    }
+}
+
+/// What stands in a journal: its entries and pages, and what explains gaps.
+fn content(scratch: &Scratch) -> Vec<String> {
+    let mut lines = Vec::new();
+    let reading = Reading::open(&scratch.data()).unwrap();
+    let visit = |seq, line: Result<Line, String>| {
+        lines.push(line.map_or_else(|why| journal::unreadable(seq, &why), |line| journal::line(&line)));
+        true
+    };
+    reading.lines(None, None, visit).unwrap();
+    lines
+}
+
+/// The file of a journal, with nothing beside it that SQLite still has to write into it.
+fn file() -> (Vec<u8>, Vec<u8>, Vec<String>) {
+    let scratch = some_journal();
+    meddle(&scratch, "PRAGMA wal_checkpoint(TRUNCATE)");
+    let read = |name: &str| std::fs::read(scratch.data().join(name)).unwrap();
+    (read("journal.db"), read("journal.head"), content(&scratch))
+}
+
+/// Whether a journal in which this byte stands at this place is found out; else all that can be read from it is as it was.
+fn is_found_out_or_says_the_same((journal, head, said): &(Vec<u8>, Vec<u8>, Vec<String>), place: usize, byte: u8) -> bool {
+    let scratch = Scratch::new();
+    std::fs::create_dir(scratch.data()).unwrap();
+    let mut changed = journal.clone();
+    changed[place] = byte;
+    std::fs::write(scratch.data().join("journal.db"), changed).unwrap();
+    std::fs::write(scratch.data().join("journal.head"), head).unwrap();
+    // The photo alone is missing.
+    let is_sound = |faults: &[String]| faults.iter().all(|fault| fault.starts_with("photo "));
+    let checked = Reading::open(&scratch.data()).and_then(|reading| reading.check());
+    checked.map_or(true, |findings| !is_sound(&findings.faults) || content(&scratch) == *said)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 192, ..ProptestConfig::default() })]
+
+    /// What stands for nothing in the file may change: then nothing that it says is another.
+    #[test]
+    fn any_byte_of_the_journal_that_means_something_is_missed(places in prop::collection::vec((any::<prop::sample::Index>(), 1_u8..), 1..4)) {
+        static FILE: std::sync::LazyLock<(Vec<u8>, Vec<u8>, Vec<String>)> = std::sync::LazyLock::new(file);
+        for (place, change) in places {
+            let place = place.index(FILE.0.len());
+            prop_assert!(is_found_out_or_says_the_same(&FILE, place, FILE.0[place] ^ change), "{place}");
+        }
+    }
+}
