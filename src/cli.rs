@@ -21,6 +21,7 @@ mod link;
 mod map_file;
 mod output_file;
 pub mod pallet;
+pub mod report;
 pub mod robot_emulator;
 pub mod roomba;
 pub mod serve;
@@ -61,6 +62,8 @@ pub enum Task {
     Token(token::Keyrings),
     /// Print, check and export what is on record, and mend its tables.
     Journal(journal::Journal),
+    /// Write the report of a mission: one page with its hall, photos, verdicts and all else that is on record, or the record as a list.
+    Report(report::Reported),
     /// Check files of behaviour trees, write them back, and run them with mocks for their leaves.
     Tree(tree::Trees),
     /// Run the Roomba of the laboratory, as state machine and as behaviour tree, and print what it came to.
@@ -240,6 +243,7 @@ mod tests {
             | Task::Hall(_)
             | Task::Healthcheck(_)
             | Task::Journal(_)
+            | Task::Report(_)
             | Task::RobotEmulator(_)
             | Task::Roomba(_)
             | Task::Token(_)

@@ -23,6 +23,7 @@ pub mod cli;
 pub mod config;
 pub mod doors;
 pub mod phrases;
+pub mod report;
 pub mod robots;
 pub mod runtime;
 pub mod storage;

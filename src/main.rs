@@ -4,8 +4,8 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use hallsweep::cli::{
-    Cli, Failure, Task, evaluate, explore, hall, healthcheck, journal, pallet, print_table, robot_emulator, roomba, serve, token,
-    tree, tune,
+    Cli, Failure, Task, evaluate, explore, hall, healthcheck, journal, pallet, print_table, report, robot_emulator, roomba,
+    serve, token, tree, tune,
 };
 
 fn main() -> ExitCode {
@@ -26,6 +26,7 @@ fn run(task: Task) -> Result<(), Failure> {
         Task::Pallet(flags) => pallet::run(&flags),
         Task::Healthcheck(flags) => flags.address().and_then(healthcheck::run),
         Task::Journal(asked) => journal::run(&asked),
+        Task::Report(asked) => report::run(&asked),
         Task::Token(asked) => token::run(&asked),
         Task::Tree(asked) => tree::run(&asked),
         Task::RobotEmulator(flags) => robot_emulator::run(&flags),

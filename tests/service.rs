@@ -51,6 +51,8 @@ mod old_console;
 mod program;
 #[path = "service/replica.rs"]
 mod replica;
+#[path = "service/reports.rs"]
+mod reports;
 #[path = "service/retrieval.rs"]
 mod retrieval;
 #[path = "service/robots.rs"]

@@ -2,6 +2,7 @@
 //! How it is kept stands in `crate::storage::sqlite`.
 
 use std::io::{self, BufWriter, Write};
+use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
@@ -28,7 +29,11 @@ enum What {
     /// Print the entries as JSON, an object a line; all that is in the journal is in them, but for the pixels of photos.
     Export(Which),
     /// Check the file, the entries, the tables and the photos: exit code 0 when all is well, 1 if not.
-    Check,
+    Check {
+        /// Hold this report against the journal as well.
+        #[arg(long, value_name = "FILE")]
+        report: Option<PathBuf>,
+    },
     /// Make the tables that follow from the entries anew. No hallsweep may be running in the folder.
     Rebuild,
 }
@@ -45,10 +50,7 @@ struct Which {
 }
 
 pub fn run(asked: &Journal) -> Result<(), Failure> {
-    let folder = super::settings(&asked.folder.sources(None))?.store;
-    let folder = folder.ok_or_else(|| {
-        Failure::Run("the setting store.folder says none, so nothing is kept: name a folder with --data".to_owned())
-    })?;
+    let folder = folder(&asked.folder)?;
     if matches!(asked.what, Some(What::Rebuild)) {
         let entries = sqlite::rebuild(&folder)?;
         return super::print(&format!("the tables are made anew, from the {entries} entries that they follow from"));
@@ -57,8 +59,24 @@ pub fn run(asked: &Journal) -> Result<(), Failure> {
     match asked.what.clone().unwrap_or(What::Print(Which::default())) {
         What::Print(which) => list(&reading, which, for_people, |seq, why| format!("{seq:>8}    - {why}")),
         What::Export(which) => list(&reading, which, journal::line, journal::unreadable),
-        What::Check | What::Rebuild => tell(&reading.check()?),
+        What::Check { report } => {
+            tell(&reading.check()?)?;
+            report.map_or(Ok(()), |report| super::report::confirm(&reading, &report))
+        }
+        What::Rebuild => Ok(()),
     }
+}
+
+/// The journal in the folder that is meant.
+pub(super) fn open(asked: &Folder) -> Result<Reading, Failure> {
+    Ok(Reading::open(&folder(asked)?)?)
+}
+
+fn folder(asked: &Folder) -> Result<PathBuf, Failure> {
+    let folder = super::settings(&asked.sources(None))?.store;
+    folder.ok_or_else(|| {
+        Failure::Run("the setting store.folder says none, so nothing is kept: name a folder with --data".to_owned())
+    })
 }
 
 impl From<Unreadable> for Failure {

@@ -24,11 +24,18 @@ impl OutputFile {
     }
 
     /// Writes the result in the place of what is there.
-    pub(super) fn write(mut self, text: &str) -> Result<(), Failure> {
+    pub(super) fn write(self, text: &str) -> Result<(), Failure> {
+        let path = self.path.clone();
+        self.fill(|file| file.write_all(text.as_bytes()).map_err(|error| unwritable(&path, &error)))
+    }
+
+    /// The same of what is written a part at a time.
+    pub(super) fn fill(mut self, write: impl FnOnce(&mut File) -> Result<(), Failure>) -> Result<(), Failure> {
         self.is_bare = false;
         // A pipe or a terminal has nothing to be replaced.
         let emptied = self.file.metadata().and_then(|about| if about.is_file() { self.file.set_len(0) } else { Ok(()) });
-        emptied.and_then(|()| self.file.write_all(text.as_bytes())).map_err(|error| unwritable(&self.path, &error))
+        emptied.map_err(|error| unwritable(&self.path, &error))?;
+        write(&mut self.file)
     }
 }
 

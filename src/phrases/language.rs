@@ -34,6 +34,7 @@ macro_rules! files {
             include_str!(concat!($language, "/laboratory.ftl")),
             include_str!(concat!($language, "/missions.ftl")),
             include_str!(concat!($language, "/photo.ftl")),
+            include_str!(concat!($language, "/report.ftl")),
             include_str!(concat!($language, "/scripts.ftl")),
             include_str!(concat!($language, "/sign_in.ftl")),
             include_str!(concat!($language, "/simulator.ftl")),

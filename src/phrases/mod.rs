@@ -7,4 +7,6 @@ mod phrase;
 mod said;
 
 pub use language::Language;
+#[cfg(test)]
+pub(crate) use phrase::said_here;
 pub use phrase::{Markup, Phrase};

@@ -49,6 +49,8 @@ impl<'a> Phrase<'a> {
 
     fn said(&self) -> String {
         let id = self.id();
+        #[cfg(test)]
+        said_here(|said| said.insert(id.to_string()));
         let bundle = self.language.bundle();
         let Some(pattern) = bundle.get_message(&id).and_then(|message| message.value()) else {
             // Tests look for every id that is written down; one that is made up of a family and a name has a test beside the family.
@@ -61,6 +63,13 @@ impl<'a> Phrase<'a> {
         debug_assert!(errors.is_empty(), "{id} in {}: {errors:?}", self.language.name());
         said
     }
+}
+
+/// What was said on this thread, by the ids.
+#[cfg(test)]
+pub(crate) fn said_here<T>(look: impl FnOnce(&mut std::collections::BTreeSet<String>) -> T) -> T {
+    thread_local!(static SAID: std::cell::RefCell<std::collections::BTreeSet<String>> = std::cell::RefCell::default());
+    SAID.with_borrow_mut(look)
 }
 
 /// Whole numbers choose between one and many; everything else stands as it is.

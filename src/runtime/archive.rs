@@ -111,6 +111,12 @@ pub trait Archive: Send + Sync {
     /// The entries of a mission after `after`, oldest first, at most `most`.
     fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable>;
 
+    /// The same as JSON, a line each without its break, as they are exported; in the place of one that cannot be understood a line that says why.
+    fn lines(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<(Seq, String)>, Unreadable>;
+
+    /// The page of the chain with the last entry of a mission up to this one; nothing where there is no such entry, or no chain.
+    fn head(&self, mission: MissionId, until: Seq) -> Result<Option<Head>, Unreadable>;
+
     /// The entries of a mission after `after` that stand on the line of time, oldest first, at most `most`: phases, holds, temperatures,
     /// luggage, verdicts, alarms, commands, stages of a retrieval, and when the program began and ended.
     fn timeline(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable>;

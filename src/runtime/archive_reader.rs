@@ -27,6 +27,11 @@ impl Reader {
         Reader { archive, looks: Arc::new(Semaphore::new(LOOKS)) }
     }
 
+    /// The archive itself, for whoever walks over a whole mission on a thread of his own, and says himself how many do so at once.
+    pub fn archive(&self) -> Arc<dyn Archive> {
+        Arc::clone(&self.archive)
+    }
+
     /// Looks something up. Must be called inside a runtime.
     pub async fn look_up<T: Send + 'static>(
         &self,
@@ -54,7 +59,7 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     use super::*;
-    use crate::runtime::archive::{At, Happened, MissionRecord, Moment, Sound};
+    use crate::runtime::archive::{At, Happened, Head, MissionRecord, Moment, Sound};
     use hallsweep_core::event::Photo;
     use hallsweep_core::state::PersistentState;
     use hallsweep_core::units::{LuggageId, MissionId, Seq};
@@ -98,6 +103,14 @@ mod tests {
 
         fn entries(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<Happened>, Unreadable> {
             Ok(Vec::new())
+        }
+
+        fn lines(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
+            Ok(Vec::new())
+        }
+
+        fn head(&self, _: MissionId, _: Seq) -> Result<Option<Head>, Unreadable> {
+            Ok(None)
         }
 
         fn retrieval(&self, _: MissionId, _: usize) -> Result<Vec<Happened>, Unreadable> {

@@ -16,8 +16,12 @@ fn kept(name: &str) -> PathBuf {
 
 /// A copy of its data folder.
 fn copy(name: &str) -> Folder {
+    copy_of("data", name)
+}
+
+fn copy_of(data: &str, name: &str) -> Folder {
     let folder = Folder::new(name);
-    let copied = Command::new("cp").arg("-r").arg(kept("data").join(".")).arg(folder.path()).status();
+    let copied = Command::new("cp").arg("-r").arg(kept(data).join(".")).arg(folder.path()).status();
     assert!(copied.expect("cp is there").success());
     folder
 }
@@ -84,4 +88,15 @@ fn a_data_folder_of_an_earlier_version_shows_what_it_showed_and_goes_on() {
     drop(program);
     let (well, said) = journal(&folder, &["check"]);
     assert!(well, "{said}");
+}
+
+/// Whatever a report says was said to somebody who may ask again, years later.
+#[test]
+fn reports_of_every_edition_are_confirmed() {
+    let folder = copy_of("reported/data", "earlier-reported");
+    for report in ["en.html", "it.html"] {
+        let path = kept("reported").join(report);
+        let (well, said) = journal(&folder, &["check", "--report", path.to_str().expect("a plain name")]);
+        assert!(well && said.contains("is confirmed"), "{said}");
+    }
 }

@@ -9,7 +9,7 @@ use super::reading::{files, name, root};
 const LANGUAGES: [&str; 2] = ["en", "it"];
 
 /// Where phrases are said.
-const PLACES: [&str; 4] = ["src/doors/http", "src/phrases", "templates", "static"];
+const PLACES: [&str; 5] = ["src/doors/http", "src/phrases", "src/report", "templates", "static"];
 
 /// What the program says in English anyway: another language may have a sentence of its own for it, and leave it out.
 const MAY_BE_LEFT_OUT: &str = "detail";

@@ -256,7 +256,7 @@ pub(super) async fn wanted(
     Ok((found, from))
 }
 
-fn unknown(id: u64) -> Problem {
+pub(super) fn unknown(id: u64) -> Problem {
     Problem::not_found(format!("there is no mission {id}: /api/v1/missions lists those there are"))
 }
 

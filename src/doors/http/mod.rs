@@ -23,6 +23,7 @@ mod problem;
 mod query;
 mod reading;
 mod reads;
+mod reports;
 mod routes;
 pub mod scanning;
 mod serve;
@@ -72,6 +73,7 @@ pub struct HttpDoor {
     streams: Streams,
     laboratory: laboratory::Laboratory,
     map_files: map_files::MapFiles,
+    reports: reports::Reports,
     closing: watch::Sender<bool>,
     clock: Clock,
     access: Access,
@@ -104,6 +106,7 @@ impl HttpDoor {
             streams: Streams::new(STREAMS),
             laboratory: laboratory::Laboratory::default(),
             map_files: map_files::MapFiles::default(),
+            reports: reports::Reports::default(),
             closing: watch::Sender::new(false),
             clock: Clock::default(),
             access,

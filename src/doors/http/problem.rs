@@ -70,6 +70,12 @@ impl Problem {
         Problem::new(("tooManyRuns", ProblemKind::Unavailable), detail)
     }
 
+    /// So many reports and records are written, or this key has its share of them.
+    pub(super) fn too_many_reports(writing: usize) -> Problem {
+        let detail = format!("{writing} reports and records are being sent: try again when one is done");
+        Problem::new(("tooManyReports", ProblemKind::Unavailable), detail)
+    }
+
     /// Nobody gives way to one more connection; a STOP was heard before.
     pub(super) fn no_place(has_halted: bool) -> Problem {
         let so = if has_halted { "; the STOP that came with it has halted the robot" } else { "" };

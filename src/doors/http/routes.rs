@@ -14,8 +14,8 @@ use axum::routing::{MethodFilter, MethodRouter, on};
 use super::gate::{Gate, gate};
 use super::reading::Number;
 use super::{
-    HttpDoor, assets, command, console, events, laboratory, language, map_files, missions, mqtt, old, problem, reads, sign_in,
-    simulator,
+    HttpDoor, assets, command, console, events, laboratory, language, map_files, missions, mqtt, old, problem, reads, reports,
+    sign_in, simulator,
 };
 use crate::access::Need;
 use crate::access::Need::{Act, Nothing, See, Stop};
@@ -180,6 +180,9 @@ fn page() -> Vec<Row> {
         get("/", See, console::page),
         get("/missions", See, console::missions::list),
         get("/missions/{id}", See, console::missions::one),
+        get("/missions/{id}/report", See, reports::report),
+        get("/missions/{id}/record.jsonl", See, reports::lines),
+        get("/missions/{id}/record.csv", See, reports::table),
         get("/missions/{id}/moment", See, console::moments::page),
         get("/missions/{id}/retrieval", See, console::replay::page),
         get("/luggage/{id}", See, console::photo::page),

@@ -17,7 +17,8 @@ use tower_service::Service;
 use super::gate::Peer;
 use super::{Hosts, HttpDoor, router};
 use crate::access::{Access, Keyring, Keys, OPERATOR, Role};
-use crate::runtime::archive::{Archive, At, Happened, MissionRecord, Moment, Sound, Unreadable};
+use crate::api::journal::{self, Line};
+use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, Sound, Unreadable};
 use crate::runtime::archive_reader::Reader;
 pub(super) use crate::runtime::obedient::Noted;
 use crate::runtime::obedient::{Script, obedient};
@@ -89,6 +90,18 @@ impl Archive for Pictures {
     fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
         let of_it = past::entries().into_iter().filter(|(seq, _)| mission == MissionId(1) && *seq > after);
         Ok(of_it.take(most).collect())
+    }
+
+    fn lines(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
+        let line = |(seq, entry): Happened| match entry {
+            Ok(entry) => (seq, journal::line(&Line { seq, mission: Some(mission), entry, picture: None })),
+            Err(Unreadable(why)) => (seq, journal::unreadable(seq, &why)),
+        };
+        Ok(self.entries(mission, after, most)?.into_iter().map(line).collect())
+    }
+
+    fn head(&self, _: MissionId, _: Seq) -> Result<Option<Head>, Unreadable> {
+        Ok(None)
     }
 
     fn retrieval(&self, mission: MissionId, most: usize) -> Result<Vec<Happened>, Unreadable> {

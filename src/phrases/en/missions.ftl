@@ -36,6 +36,7 @@ missions-zone = Times
 missions-in-zone = in { $zone }
 missions-its-trees = its trees, moment by moment
 missions-conditions = Conditions
+missions-report = Report to save
 missions-cells-visited = Cells visited
 missions-missing = What is missing here
 missions-damaged = Part of this mission's record is damaged. The rest is shown, without what follows from that part:

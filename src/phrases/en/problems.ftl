@@ -31,6 +31,7 @@ problem-foreignOrigin = { $detail }
 problem-foreignHost = { $detail }
 problem-tooManyStreams = { $detail }
 problem-tooManyRuns = { $detail }
+problem-tooManyReports = { $detail }
 problem-noPlace = { $detail }
 problem-noDate = { $detail }
 problem-internal = { $detail }

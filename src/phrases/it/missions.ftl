@@ -36,6 +36,7 @@ missions-zone = Orari
 missions-in-zone = in { $zone }
 missions-its-trees = i suoi alberi, momento per momento
 missions-conditions = Condizioni
+missions-report = Rapporto da salvare
 missions-cells-visited = Celle visitate
 missions-missing = Che cosa manca qui
 missions-damaged = Una parte di ciò che è registrato di questa missione è danneggiata. Il resto è mostrato, senza ciò che ne consegue:

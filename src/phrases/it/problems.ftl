@@ -31,6 +31,7 @@ problem-foreignOrigin = l'ha inviata una pagina di un'altra origine: i comandi s
 problem-foreignHost = questo non è un nome di hallsweep: chiamarlo con il suo indirizzo (sulla sua macchina: localhost), o elencare in http.hosts i nomi con cui lo si raggiunge
 problem-tooManyStreams = sono aperti troppi flussi di eventi: chiuderne uno
 problem-tooManyRuns = troppe prove del laboratorio sono in attesa: riprovare tra poco
+problem-tooManyReports = altri rapporti sono in corso: riprovare quando uno è finito
 problem-noPlace = tutti i posti per un collegamento sono occupati: «{ $detail }»
 problem-noDate = l'orologio della macchina non è regolato: «{ $detail }»
 problem-internal = un errore in hallsweep ha interrotto questa richiesta; il suo log dice di più

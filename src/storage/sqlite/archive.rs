@@ -12,9 +12,9 @@ use super::folder::Folder;
 use super::memory::{self, MemoryJournal};
 use super::photos::Pictures;
 use super::rows::{self, EntryFilter, Kinds};
-use super::{connect, moments, project, recall};
+use super::{chain, connect, moments, project, recall};
 use crate::api::journal::{self, Picture};
-use crate::runtime::archive::{Archive, At, Happened, MissionRecord, Moment, Sound, Unreadable};
+use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, Sound, Unreadable};
 use hallsweep_core::command::{Note, Verdict};
 use hallsweep_core::event::Photo;
 use hallsweep_core::state::PersistentState;
@@ -186,6 +186,32 @@ impl Archive for SqliteArchive {
         self.ask(|connection| {
             let which = EntryFilter { after: Some(after), mission: Some(mission), most: Some(most), ..EntryFilter::default() };
             self.happened(connection, which)
+        })
+    }
+
+    fn lines(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
+        if i64::try_from(mission.0.max(after.0)).is_err() {
+            return Ok(Vec::new());
+        }
+        self.ask(|connection| {
+            let which = EntryFilter { after: Some(after), mission: Some(mission), most: Some(most), ..EntryFilter::default() };
+            let mut lines = Vec::new();
+            rows::each(connection, which, |seq, line| {
+                let unreadable = |fault: Fault| journal::unreadable(seq, &fault.words_of_an_entry(self.path()));
+                lines.push((seq, line.map_or_else(unreadable, |line| journal::line(&line))));
+                Ok(())
+            })?;
+            Ok(lines)
+        })
+    }
+
+    fn head(&self, mission: MissionId, until: Seq) -> Result<Option<Head>, Unreadable> {
+        if i64::try_from(mission.0).is_err() {
+            return Ok(None);
+        }
+        self.ask(|connection| {
+            let last = rows::last_of(connection, mission, Seq(until.0.min(i64::MAX.unsigned_abs())))?;
+            last.map_or(Ok(None), |(seq, _)| chain::page_of(connection, seq))
         })
     }
 

@@ -146,7 +146,10 @@ impl Fault {
             ),
             Fault::Older(format) => {
                 let locked = Trouble::Locked.words(folder, then);
-                format!("the journal {file} is of an older hallsweep (format {format}) and must be written to once: {locked}")
+                format!(
+                    "the journal {file} is of an older hallsweep (format {format}) and is brought up to date when this one is started with \
+                     it; where that fails: {locked}"
+                )
             }
             Fault::Foreign => {
                 format!("{file} is no journal of hallsweep; it is left as it is: choose another folder with --data")

@@ -2,16 +2,18 @@
 //! What the doors ask for stands in `archive`.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use rusqlite::{Connection, TransactionBehavior};
 
+use super::archive::SqliteArchive;
 use super::check::{self, Findings};
 use super::fault::{Fault, Then};
 use super::folder::Folder;
 use super::rows::{self, EntryFilter};
-use super::{connect, project};
+use super::{connect, marker, project};
 use crate::api::journal::Line;
-use crate::runtime::archive::Unreadable;
+use crate::runtime::archive::{Archive, Unreadable};
 use hallsweep_core::units::{MissionId, Seq};
 
 #[derive(Debug)]
@@ -50,6 +52,12 @@ impl Reading {
             Ok(()) | Err(Fault::GivenUp) => Ok(()),
             Err(fault) => Err(unreadable(&self.folder, &fault)),
         }
+    }
+
+    /// The same journal for whoever asks about missions; and up to which entry, where everything after it was said to be lost.
+    pub fn archive(&self) -> Result<(Arc<dyn Archive>, Option<Seq>), Unreadable> {
+        let lost_after = marker::read(&self.folder).map_err(|fault| unreadable(&self.folder, &fault))?;
+        Ok((Arc::new(SqliteArchive::new(self.folder.clone())), lost_after))
     }
 
     pub fn check(&self) -> Result<Findings, Unreadable> {

@@ -9,7 +9,7 @@ use tokio::sync::watch;
 use super::super::application::{Application, Reply};
 use super::Resources;
 use crate::api::fixture::piece;
-use crate::runtime::archive::{Archive, At, Happened, MissionRecord, Moment, Sound, Unreadable};
+use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, Sound, Unreadable};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::obedient::{Noted, Script, obedient};
 use crate::runtime::within::within;
@@ -81,6 +81,14 @@ impl Archive for Pictures {
 
     fn entries(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<Happened>, Unreadable> {
         Ok(Vec::new())
+    }
+
+    fn lines(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
+        Ok(Vec::new())
+    }
+
+    fn head(&self, _: MissionId, _: Seq) -> Result<Option<Head>, Unreadable> {
+        Ok(None)
     }
 
     fn retrieval(&self, _: MissionId, _: usize) -> Result<Vec<Happened>, Unreadable> {

@@ -167,6 +167,14 @@ impl One {
         Some(self.language.fact(&Fact::Conditions(conditions)))
     }
 
+    /// The report in every language, and the record as lists: what each is called, and where it is.
+    fn files(&self) -> Vec<(String, String)> {
+        let at = |file: &str| format!("/missions/{}/{file}", self.record.id);
+        let report = |language: Language| (language.name().to_owned(), at(&format!("report?language={}", language.tag())));
+        let lists = [("JSON Lines", "record.jsonl"), ("CSV", "record.csv")].map(|(name, file)| (name.to_owned(), at(file)));
+        Language::ALL.map(report).into_iter().chain(lists).collect()
+    }
+
     fn has_retrieval(&self) -> bool {
         let fetched = [PhaseName::Retrieving, PhaseName::BagSecured].iter().any(|phase| phase.name() == &*self.record.phase);
         fetched || self.state.as_ref().is_some_and(|state| state.retrieval.is_some())
@@ -377,7 +385,8 @@ mod tests {
 
     #[tokio::test]
     async fn who_reads_italian_reads_them_in_italian() {
-        const NAMES: [&str; 1] = ["entry 6 of the journal cannot be understood (a mouse was at it)"];
+        const NAMES: [&str; 5] =
+            ["entry 6 of the journal cannot be understood (a mouse was at it)", "English", "Italiano", "JSON Lines", "CSV"];
         let app = app(searching());
         let list = app.italian(("GET", "/missions", ""), &[], &NAMES).await;
         check(&list, &["Una bomba è stata localizzata; rimasto sul posto: bagaglio #2", "In corso: ", ">Missione 1</a>"]);

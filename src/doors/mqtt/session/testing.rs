@@ -18,7 +18,7 @@ use super::super::commands::Commands;
 use super::super::topics::Topics;
 use super::link::LARGEST;
 use super::{Health, Hearing, Link, Parts, Session, Times};
-use crate::runtime::archive::{Archive, At, Happened, MissionRecord, Moment, Sound, Unreadable};
+use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, Sound, Unreadable};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::obedient::{Script, obedient};
 use crate::runtime::within::within;
@@ -272,6 +272,14 @@ impl Archive for Album {
 
     fn entries(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<Happened>, Unreadable> {
         Ok(Vec::new())
+    }
+
+    fn lines(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
+        Ok(Vec::new())
+    }
+
+    fn head(&self, _: MissionId, _: Seq) -> Result<Option<Head>, Unreadable> {
+        Ok(None)
     }
 
     fn retrieval(&self, _: MissionId, _: usize) -> Result<Vec<Happened>, Unreadable> {

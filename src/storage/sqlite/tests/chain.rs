@@ -7,7 +7,7 @@ use super::super::{Reading, chain, connect, project, rows, schema};
 use super::testing::*;
 use crate::api::journal::{self, Line};
 use hallsweep_core::command::Verdict;
-use hallsweep_core::units::Seq;
+use hallsweep_core::units::{MissionId, Seq};
 
 /// Pages of entries 1-4, 5-6, 7, 8-9 and 10.
 fn some_journal() -> Scratch {
@@ -91,6 +91,21 @@ fn a_journal_that_was_chained_anew_is_not_the_one_that_was_kept() {
     rewrite(&scratch, "UPDATE events SET at_ms = at_ms + 1 WHERE seq = 1; DELETE FROM pages");
     chain::close_page(&connect::writer(&Folder::new(&scratch.data())).unwrap()).unwrap();
     check_finds(&scratch, &["entry 10 of the journal"]);
+}
+
+/// Nothing in the folder shows what was done by somebody who writes everything anew; a head that was given away does.
+#[test]
+fn who_changes_everything_cannot_change_a_head_that_somebody_else_has() {
+    let scratch = some_journal();
+    let head = || scratch.open().archive.head(MissionId(1), Seq(u64::MAX)).unwrap().expect("there is a chain");
+    let given_away = head();
+    rewrite(&scratch, "UPDATE events SET at_ms = at_ms + 1 WHERE seq = 6; DELETE FROM pages");
+    chain::close_page(&connect::writer(&Folder::new(&scratch.data())).unwrap()).unwrap();
+    std::fs::remove_file(scratch.data().join("journal.head")).unwrap();
+    drop(scratch.open());
+    check_finds(&scratch, &[]);
+    let now = head();
+    assert!(now.seq == given_away.seq && now.digest != given_away.digest);
 }
 
 /// Nothing is written to it: what is missing could not be missed afterwards.

@@ -1,0 +1,83 @@
+# The report of a mission. Reports that were handed over say these words: see src/report/mod.rs before one is changed.
+
+report-title = Report of mission { $id }
+report-summary = Summary
+report-cell = Side of a cell
+report-threshold = Too hot above
+report-began = Began
+report-put-away = Put away
+report-as-of = Not put away yet; as of
+report-took = Took (h:mm:ss)
+report-zone = Times are in
+report-strategy = Order of the search
+report-searched = Searched
+report-cells = { $cells } cells
+report-cells-square = { $cells } cells, { $square } m²
+report-open = Known places not searched
+report-pieces = { $count }: safe { $safe }, danger { $danger }, pending { $pending }
+report-secured-count = Put into the container
+report-stops = STOP pressed
+report-accepted = Commands accepted
+report-refused = Commands refused
+report-alarms = Alarms
+report-alarms-seen = { $count }, acknowledged: { $seen }
+report-range = { $least } to { $most } ({ $time })
+report-starts = Starts of the program meanwhile
+
+## What cannot be read
+
+report-damage = What is missing here
+report-damaged = Some entries of this mission cannot be understood. What follows from them is not in this report:
+report-damage-more = and { $count } more
+report-not-kept = The hall and the luggage of this mission are not kept.
+
+## The hall
+
+report-hall-known = The hall as far as it was known, with what was found
+report-hall-note = Cells are counted from home, columns to the east and rows to the south. A number in a sign is that of a piece of luggage.
+report-visited = searched
+report-unknown = unknown
+report-wall = wall
+report-todo = not inspected
+report-home = home
+
+## Luggage
+
+report-photo = Photo { $take }
+report-photo-failed = There is no photo: { $why }
+report-found = Found
+report-where = Where
+report-place = { $place }; from home { $east } m to the east, { $south } m to the south
+report-verdict = Verdict
+report-verdict-by = by { $who }, { $time }
+report-no-verdict = none was given
+report-waited = After the photo (h:mm:ss)
+report-note = Note
+report-secured = Put into the container
+
+## The temperature
+
+report-chart = The temperature over the mission
+report-chart-note = The highest reading of each moment. Dashed: too hot above.
+report-no-readings = No reading is on record.
+
+## Tables
+
+report-entry = Entry
+report-time = Time
+report-what = What
+report-by = By
+report-why = Why
+report-none = None.
+report-refusals = Refused
+report-happened = What happened
+
+## What it proves
+
+report-evidence = Evidence
+report-evidence-of = This report was made from the journal of hallsweep. It holds what is on record of mission { $mission } up to entry { $entry }, and nothing else.
+report-head = Head of the journal
+report-head-entry = at entry { $entry }
+report-confirm = Whoever has the journal can hold this file against it:
+report-proves = The file is confirmed only if not a byte of it, nor of what it was made from, was changed since. This does not prove that the journal was not made anew before this report was handed over, nor that a camera or a thermometer told the truth.
+report-no-head = The journal was kept in memory alone: nothing can confirm this report later.

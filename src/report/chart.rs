@@ -1,0 +1,61 @@
+//! The temperature over the mission, as a picture: in each column the highest reading of its time, joined by a line; the threshold across it.
+
+use std::fmt::Write;
+
+use super::{Failure, Report, each};
+use hallsweep_core::effect::Fact;
+use hallsweep_core::units::Celsius;
+
+/// The picture in units of its own.
+pub(super) const WIDTH: usize = 720;
+pub(super) const HEIGHT: usize = 150;
+
+/// So much room has the line above and below, in degrees.
+const MARGIN: f64 = 2.0;
+
+#[derive(Debug)]
+pub(super) struct Chart {
+    /// The line, as the points of a polyline.
+    pub(super) points: String,
+    /// How far down the threshold is, if it is in the picture.
+    pub(super) threshold: Option<f64>,
+    /// The degrees at the upper and at the lower edge.
+    pub(super) most: f64,
+    pub(super) least: f64,
+}
+
+impl Chart {
+    /// `None` where nothing was read.
+    pub(super) fn of(report: &Report<'_>, threshold: Option<Celsius>) -> Result<Option<Chart>, Failure> {
+        let tally = &report.tally;
+        let (Some((coldest, _)), Some((hottest, _)), Some((_, began))) = (tally.coldest, tally.hottest, tally.first) else {
+            return Ok(None);
+        };
+        let mut columns = vec![None::<f64>; WIDTH];
+        let span = tally.took_ms().max(1);
+        each(report.archive, report.claim.mission, report.claim.until, |_, entry| {
+            if let Ok(entry) = entry
+                && let Fact::Temperature(_, celsius) = &entry.fact
+            {
+                let gone = entry.wall.unix_ms.saturating_sub(began.unix_ms).clamp(0, span);
+                let column = &mut columns[column(gone, span)];
+                *column = Some(column.map_or(celsius.degrees(), |there| there.max(celsius.degrees())));
+            }
+            Ok(())
+        })?;
+        let highest = threshold.map_or(hottest.degrees(), |threshold| hottest.degrees().max(threshold.degrees()));
+        let (most, least) = (highest.ceil() + MARGIN, coldest.degrees().floor() - MARGIN);
+        let down = |degrees: f64| (most - degrees) / (most - least) * HEIGHT as f64;
+        let mut points = String::new();
+        for (column, degrees) in columns.iter().enumerate().filter_map(|(column, degrees)| Some((column, (*degrees)?))) {
+            write!(points, "{column},{:.1} ", down(degrees)).expect("a String takes all that is written");
+        }
+        Ok(Some(Chart { points, threshold: threshold.map(|threshold| down(threshold.degrees())), most, least }))
+    }
+}
+
+/// The column of a moment, so long after the beginning.
+fn column(gone_ms: i64, span_ms: i64) -> usize {
+    let column = i128::from(gone_ms) * (WIDTH as i128 - 1) / i128::from(span_ms);
+    usize::try_from(column).unwrap_or(0).min(WIDTH - 1)
+}

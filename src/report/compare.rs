@@ -1,0 +1,108 @@
+//! Holding a file against what is written a second time: the first byte that differs is remembered, and where it is.
+
+use std::io::{self, Read, Write};
+
+/// So much of either side is shown around the place where they part.
+const SHOWN: usize = 48;
+
+/// Where a file and what it should be part.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("byte {byte}, in line {line}: the file has {has}, and the journal {wants}")]
+pub struct Difference {
+    /// From 1.
+    pub byte: u64,
+    pub line: u64,
+    /// What stands there, in quotes, or that it ends.
+    pub has: String,
+    pub wants: String,
+}
+
+/// Takes what the file should be, and reads the file beside it.
+pub struct Comparison<R> {
+    file: R,
+    byte: u64,
+    line: u64,
+    difference: Option<Difference>,
+}
+
+impl<R: Read> Comparison<R> {
+    pub fn new(file: R) -> Comparison<R> {
+        Comparison { file, byte: 1, line: 1, difference: None }
+    }
+
+    /// Whether the file was all of it, and nothing more.
+    pub fn finish(mut self) -> io::Result<Result<(), Difference>> {
+        if self.difference.is_none() {
+            let more = self.read(SHOWN)?;
+            if !more.is_empty() {
+                self.differ(&more, &[]);
+            }
+        }
+        Ok(self.difference.map_or(Ok(()), Err))
+    }
+
+    /// So many bytes of the file, or fewer where it ends.
+    fn read(&mut self, most: usize) -> io::Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        self.file.by_ref().take(most as u64).read_to_end(&mut bytes)?;
+        Ok(bytes)
+    }
+
+    fn pass(&mut self, bytes: &[u8]) {
+        self.byte += bytes.len() as u64;
+        self.line += bytes.iter().filter(|byte| **byte == b'\n').count() as u64;
+    }
+
+    fn differ(&mut self, has: &[u8], wants: &[u8]) {
+        self.difference = Some(Difference { byte: self.byte, line: self.line, has: shown(has), wants: shown(wants) });
+    }
+}
+
+impl<R: Read> Write for Comparison<R> {
+    fn write(&mut self, wanted: &[u8]) -> io::Result<usize> {
+        if self.difference.is_some() {
+            // Nothing behind it counts.
+            return Ok(wanted.len());
+        }
+        let there = self.read(wanted.len())?;
+        let alike = there.iter().zip(wanted).take_while(|(there, wanted)| there == wanted).count();
+        self.pass(&wanted[..alike]);
+        if alike < wanted.len() {
+            self.differ(&there[alike..], &wanted[alike..]);
+        }
+        Ok(wanted.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+fn shown(bytes: &[u8]) -> String {
+    if bytes.is_empty() {
+        return "its end".to_owned();
+    }
+    format!("{:?}", String::from_utf8_lossy(&bytes[..bytes.len().min(SHOWN)]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn compare(file: &str, parts: &[&str]) -> Result<(), Difference> {
+        let mut comparison = Comparison::new(file.as_bytes());
+        parts.iter().for_each(|part| comparison.write_all(part.as_bytes()).unwrap());
+        comparison.finish().unwrap()
+    }
+
+    #[test]
+    fn the_first_byte_that_differs_is_named_with_its_line() {
+        assert_eq!(compare("one\ntwo\n", &["one\n", "two", "\n"]), Ok(()));
+        let at =
+            |byte, line, has: &str, wants: &str| Err(Difference { byte, line, has: has.to_owned(), wants: wants.to_owned() });
+        assert_eq!(compare("one\ntwa\n", &["one\nt", "wo\n", "x"]), at(7, 2, "\"a\\n\"", "\"o\\n\""));
+        assert_eq!(compare("one\n", &["one\n", "two"]), at(5, 2, "its end", "\"two\""));
+        assert_eq!(compare("one\ntwo", &["one\n"]), at(5, 2, "\"two\"", "its end"));
+        assert_eq!(compare("", &["one"]), at(1, 1, "its end", "\"one\""));
+    }
+}

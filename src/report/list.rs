@@ -1,0 +1,87 @@
+//! The record of a mission as a list: every entry as JSON, a line each, as the journal is exported, or as a table of words (CSV) for
+//! spreadsheets.
+
+use std::io::Write;
+
+use super::{BATCH, Failure};
+use crate::api::journal;
+use crate::api::time::rfc3339;
+use crate::phrases::Language;
+use crate::runtime::archive::{Archive, Happened, Unreadable};
+use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::units::{MissionId, Seq};
+
+/// The columns of the table.
+const COLUMNS: [&str; 8] = ["entry", "time", "kind", "what", "who", "from", "door", "outcome"];
+
+/// A spreadsheet takes a cell that begins with one of these for a formula.
+const FORMULA: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
+
+/// Every entry as JSON, a line each.
+pub fn write_lines(archive: &dyn Archive, mission: MissionId, out: &mut dyn Write) -> Result<(), Failure> {
+    let mut after = Seq(0);
+    loop {
+        let batch = archive.lines(mission, after, BATCH)?;
+        for (_, line) in &batch {
+            out.write_all(line.as_bytes())?;
+            out.write_all(b"\n")?;
+        }
+        match batch.last() {
+            Some((seq, _)) if batch.len() == BATCH => after = *seq,
+            Some(_) | None => return Ok(()),
+        }
+    }
+}
+
+/// Every entry as a row, in the words of a language; the names of the columns and kinds are the same in all.
+pub fn write_table(archive: &dyn Archive, mission: MissionId, language: Language, out: &mut dyn Write) -> Result<(), Failure> {
+    let mut table = csv::WriterBuilder::new().terminator(csv::Terminator::CRLF).from_writer(out);
+    table.write_record(COLUMNS).map_err(io_error)?;
+    let mut after = Seq(0);
+    loop {
+        let batch: Vec<Happened> = archive.entries(mission, after, BATCH)?;
+        for (seq, entry) in &batch {
+            table.write_record(row(language, *seq, entry.as_ref())).map_err(io_error)?;
+        }
+        match batch.last() {
+            Some((seq, _)) if batch.len() == BATCH => after = *seq,
+            Some(_) | None => break,
+        }
+    }
+    table.flush()?;
+    Ok(())
+}
+
+fn row(language: Language, seq: Seq, entry: Result<&Entry, &Unreadable>) -> [String; 8] {
+    let none = String::new;
+    let cells = match entry {
+        Err(Unreadable(why)) => [none(), "unreadable".to_owned(), why.clone(), none(), none(), none(), none()],
+        Ok(Entry { wall, fact }) => {
+            let (time, kind) = (rfc3339(*wall), journal::kind(fact).to_owned());
+            if let Fact::Command { issuer, command, luggage, refused, .. } = fact {
+                let what = language.asked_on_record(command, *luggage);
+                let outcome = language.outcome(refused.as_ref());
+                [time, kind, what, issuer.who.to_string(), issuer.from.to_string(), issuer.door.0.to_owned(), outcome]
+            } else {
+                [time, kind, language.fact(fact), who(fact), none(), none(), none()]
+            }
+        }
+    };
+    let [time, kind, what, who, from, door, outcome] = cells.map(plain);
+    [seq.to_string(), time, kind, what, who, from, door, outcome]
+}
+
+/// Who is on record with a fact that is no command.
+fn who(fact: &Fact) -> String {
+    if let Fact::Verdict { who, .. } | Fact::AlarmAcknowledged(_, who) = fact { who.to_string() } else { String::new() }
+}
+
+/// What is no formula, whoever wrote it.
+fn plain(cell: String) -> String {
+    if cell.starts_with(FORMULA) { format!("'{cell}") } else { cell }
+}
+
+fn io_error(error: csv::Error) -> Failure {
+    let words = error.to_string();
+    Failure::Unwritable(if let csv::ErrorKind::Io(error) = error.into_kind() { error } else { std::io::Error::other(words) })
+}

@@ -1,0 +1,129 @@
+//! The report of a mission: one page of HTML with everything in it, for paper and for whoever was not there, and the same record as a list
+//! for programs (`list`). It holds what is on record and nothing else, so that it can be made again from the journal and be held
+//! against what was handed over (`compare`): that is what makes it evidence.
+//!
+//! ```text
+//!   journal ─► Archive ─► Tally, Moment ─► page, hall, chart ─► file         `Claim` in its head: mission, entry, language
+//!      └──── journal check --report ──► the same again ──► Comparison ◄── file
+//! ```
+//! Where it is asked for is the doors' and the command line's business. EDITION says what becomes of earlier reports when this is changed.
+
+mod chart;
+mod claim;
+mod compare;
+mod hall;
+pub mod list;
+mod page;
+mod tally;
+
+#[cfg(test)]
+mod tests;
+
+use std::io::{self, Write};
+
+pub use self::claim::{Claim, Unclear};
+pub use self::compare::{Comparison, Difference};
+use self::tally::Tally;
+use crate::phrases::Language;
+use crate::runtime::archive::{Archive, At, Happened, Head, Moment, Unreadable};
+use hallsweep_core::effect::Entry;
+use hallsweep_core::units::{MissionId, Seq};
+
+/// Reports that were handed over must be confirmed by every later version. So what one of them says is never said otherwise: whoever changes
+/// the page, its style, or a phrase that it says makes a further edition, and keeps what the earlier ones need. `words.txt` remembers
+/// what this one says, and a test holds it.
+pub const EDITION: u32 = 1;
+
+/// Entries that are looked at together.
+const BATCH: usize = 1000;
+
+/// A report that can be written.
+pub struct Report<'a> {
+    archive: &'a dyn Archive,
+    claim: Claim,
+    /// Where the chain of digests had come to; `None` where the journal is in memory alone, and nothing can confirm it later.
+    head: Option<Head>,
+    tally: Tally,
+    /// How it stood at its end, or stands; `None` where that is not kept.
+    moment: Option<Moment>,
+}
+
+/// Why there is no report, or only the beginning of one.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    #[error(transparent)]
+    Unreadable(#[from] Unreadable),
+    #[error(transparent)]
+    Unwritable(#[from] io::Error),
+}
+
+impl<'a> Report<'a> {
+    /// The report of a mission as far as it is on record up to an entry; `None` where there is no such mission.
+    pub fn new(
+        archive: &'a dyn Archive,
+        mission: MissionId,
+        until: Seq,
+        language: Language,
+    ) -> Result<Option<Report<'a>>, Unreadable> {
+        let head = archive.head(mission, until)?;
+        let until = head.map_or(until, |head| head.seq);
+        Report::of(archive, Claim { edition: EDITION, mission, until, language }, head)
+    }
+
+    /// The report that says this of itself, made again; `None` where the journal has no such mission, or none up to this entry.
+    pub fn again(archive: &'a dyn Archive, claim: Claim) -> Result<Option<Report<'a>>, Unreadable> {
+        let head = archive.head(claim.mission, claim.until)?;
+        if head.is_none_or(|head| head.seq != claim.until) {
+            return Ok(None);
+        }
+        Report::of(archive, claim, head)
+    }
+
+    fn of(archive: &'a dyn Archive, claim: Claim, head: Option<Head>) -> Result<Option<Report<'a>>, Unreadable> {
+        let tally = Tally::of(archive, claim.mission, claim.until)?;
+        let Some(last) = tally.last() else { return Ok(None) };
+        // Where there is no chain it goes as far as was just seen: the journal may grow meanwhile.
+        let claim = if head.is_some() { claim } else { Claim { until: last, ..claim } };
+        let moment = archive.moments(claim.mission, &[At::Entry(tally.stood_last(claim.until))])?.pop();
+        Ok(Some(Report { archive, claim, head, tally, moment }))
+    }
+
+    /// Where the chain of digests had come to.
+    pub fn head(&self) -> Option<&Head> {
+        self.head.as_ref()
+    }
+
+    /// What a file of it is called.
+    pub fn file_name(mission: MissionId) -> String {
+        format!("hallsweep-mission-{mission}.html")
+    }
+
+    /// Writes it, a part at a time: of what may be large nothing is held as a whole.
+    pub fn write(&self, out: &mut dyn Write) -> Result<(), Failure> {
+        page::write(self, out)
+    }
+}
+
+/// Walks over what is on record of a mission up to `until` and stands on its line of time, oldest first.
+fn each(
+    archive: &dyn Archive,
+    mission: MissionId,
+    until: Seq,
+    mut visit: impl FnMut(Seq, Result<&Entry, &Unreadable>) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let mut after = Seq(0);
+    loop {
+        let batch: Vec<Happened> = archive.timeline(mission, after, BATCH)?;
+        let is_last = batch.len() < BATCH;
+        for (seq, entry) in batch {
+            if seq > until {
+                return Ok(());
+            }
+            visit(seq, entry.as_ref())?;
+            after = seq;
+        }
+        if is_last {
+            return Ok(());
+        }
+    }
+}

@@ -1,0 +1,334 @@
+//! The page, part by part: what is in which, and in which words. Each part is small, but for the hall, which is as large as the hall is.
+
+use std::io::Write;
+
+use askama::Template;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use sha2::{Digest, Sha256};
+
+use super::chart::Chart;
+use super::{Failure, Report, chart, each, hall};
+use crate::api::time::{Zone, rfc3339};
+use crate::phrases::{Language, Phrase};
+use hallsweep_core::effect::Fact;
+use hallsweep_core::mission::PhaseName;
+use hallsweep_core::state::PersistentState;
+use hallsweep_core::units::{Seq, WallTime};
+use hallsweep_core::world::luggage::{Luggage, PhotoState};
+
+pub(super) fn write(report: &Report<'_>, out: &mut dyn Write) -> Result<(), Failure> {
+    let state = report.moment.as_ref().map(|moment| &moment.past.of.state);
+    part(out, &Top { report, language: report.claim.language, state, zone: report.zone() })?;
+    pieces(report, state, out)?;
+    let threshold = state.and_then(|state| state.conditions.as_ref()).map(|conditions| conditions.threshold);
+    let chart = Chart::of(report, threshold)?;
+    part(out, &Temperature { report, language: report.claim.language, chart })?;
+    tables(report, out)?;
+    let file_name = Report::file_name(report.claim.mission);
+    part(out, &Evidence { report, language: report.claim.language, file_name })
+}
+
+fn part(out: &mut dyn Write, part: &impl Template) -> Result<(), Failure> {
+    let text = part.render().expect("the templates take whatever is on record, and a String takes all that is written");
+    out.write_all(text.as_bytes())?;
+    out.write_all(b"\n")?;
+    Ok(())
+}
+
+impl Report<'_> {
+    /// The one zone of the page: that of its first entry.
+    fn zone(&self) -> Zone {
+        Zone::of(self.tally.first.map_or_else(WallTime::default, |(_, wall)| wall))
+    }
+
+    fn time(&self, wall: WallTime) -> String {
+        self.claim.language.date(&self.zone().date_and_time(wall))
+    }
+}
+
+/// Title, figures, hall.
+#[derive(Template)]
+#[template(path = "report/top.html")]
+struct Top<'r> {
+    report: &'r Report<'r>,
+    language: Language,
+    state: Option<&'r PersistentState>,
+    zone: Zone,
+}
+
+impl Top<'_> {
+    fn outcome(&self) -> String {
+        let Some(state) = self.state else { return self.language.say("report-not-kept").to_string() };
+        let phase = state.phase.name();
+        let is_over = self.report.tally.archived.is_some();
+        let came_to = match phase {
+            PhaseName::Explored => self.language.say("missions-searched"),
+            PhaseName::BombLocated => self.language.say("missions-bomb-located"),
+            PhaseName::BagSecured => self.language.say("missions-bomb-secured"),
+            PhaseName::Idle
+            | PhaseName::Exploring
+            | PhaseName::Inspecting
+            | PhaseName::Driving
+            | PhaseName::ReturningHome
+            | PhaseName::AtHome
+            | PhaseName::ReturningWithAlarm
+            | PhaseName::Retrieving
+            | PhaseName::Fault => {
+                let id = if is_over { "missions-archived-while" } else { "missions-under-way" };
+                self.language.say(id).with("phase", self.language.phase(phase))
+            }
+        };
+        came_to.to_string()
+    }
+
+    /// What is said in numbers, each with its name.
+    fn figures(&self) -> Vec<(Phrase<'static>, String)> {
+        let say = |id| self.language.say(id);
+        let (tally, report) = (&self.report.tally, self.report);
+        let mut figures = Vec::new();
+        if let Some(conditions) = self.state.and_then(|state| state.conditions.as_ref()) {
+            figures.push((say("hall"), conditions.venue.name.to_string()));
+            if let Some(side) = conditions.venue.cell_m {
+                figures.push((say("report-cell"), format!("{} m", self.language.number(&side.to_string()))));
+            }
+            figures.push((say("report-threshold"), self.language.celsius(conditions.threshold)));
+        }
+        let time = |end: Option<(Seq, WallTime)>| end.map_or_else(String::new, |(_, wall)| report.time(wall));
+        figures.push((say("report-began"), time(tally.first)));
+        let end = if tally.archived.is_some() { "report-put-away" } else { "report-as-of" };
+        figures.push((say(end), time(tally.archived.or(tally.last))));
+        figures.push((say("report-took"), lasted(tally.took_ms())));
+        figures.push((say("report-zone"), self.zone.name()));
+        if let Some(strategy) = tally.strategy {
+            figures.push((say("report-strategy"), self.language.say_of("strategy", strategy.name()).to_string()));
+        }
+        self.state.into_iter().for_each(|state| self.found(state, &mut figures));
+        figures.push((say("report-stops"), tally.stops.to_string()));
+        figures.push((say("report-accepted"), tally.accepted.to_string()));
+        figures.push((say("report-refused"), tally.refused.to_string()));
+        let seen = say("report-alarms-seen").with("count", tally.alarms).with("seen", tally.acknowledged);
+        figures.push((say("report-alarms"), seen.to_string()));
+        if let (Some((coldest, _)), Some((hottest, wall))) = (tally.coldest, tally.hottest) {
+            let say_range = say("report-range").with("least", self.language.celsius(coldest));
+            let range = say_range.with("most", self.language.celsius(hottest)).with("time", report.time(wall));
+            figures.push((say("temperature"), range.to_string()));
+        }
+        figures.push((say("report-starts"), tally.restarts.to_string()));
+        figures
+    }
+
+    fn found(&self, state: &PersistentState, figures: &mut Vec<(Phrase<'static>, String)>) {
+        let say = |id| self.language.say(id);
+        let visited = state.map.visited();
+        let side = state.conditions.as_ref().and_then(|conditions| conditions.venue.cell_m);
+        let searched = side.map_or_else(
+            || say("report-cells").with("cells", visited),
+            |side| {
+                let square = format!("{:.0}", visited as f64 * side * side);
+                say("report-cells-square").with("cells", visited).with("square", square)
+            },
+        );
+        figures.push((say("report-searched"), searched.to_string()));
+        figures.push((say("report-open"), state.map.frontier_size().to_string()));
+        let of = |verdict: &str| state.luggage.iter().filter(|luggage| luggage.verdict_name() == verdict).count();
+        let pieces = say("report-pieces").with("count", state.luggage.len()).with("safe", of("safe"));
+        let pieces = pieces.with("danger", of("danger")).with("pending", of("pending"));
+        figures.push((say("missions-luggage"), pieces.to_string()));
+        let secured = state.luggage.iter().filter(|luggage| luggage.secured.is_some()).count();
+        figures.push((say("report-secured-count"), secured.to_string()));
+    }
+
+    fn view_box(&self, state: &PersistentState) -> String {
+        hall::view_box(state)
+    }
+
+    fn hall(&self, state: &PersistentState) -> String {
+        hall::picture(state)
+    }
+}
+
+/// One piece of luggage, with every photo of it.
+#[derive(Template)]
+#[template(path = "report/piece.html")]
+struct Piece<'r> {
+    report: &'r Report<'r>,
+    language: Language,
+    luggage: &'r Luggage,
+    photos: Vec<Result<Picture, String>>,
+    side: Option<f64>,
+}
+
+struct Picture {
+    take: u32,
+    media_type: &'static str,
+    base64: String,
+    digest: String,
+}
+
+fn pieces(report: &Report<'_>, state: Option<&PersistentState>, out: &mut dyn Write) -> Result<(), Failure> {
+    let language = report.claim.language;
+    let title = |text: &dyn std::fmt::Display| format!("<section>\n<h2>{text}</h2>\n</section>\n");
+    out.write_all(title(&language.say("missions-luggage").markup()).as_bytes())?;
+    let Some(state) = state else { return Ok(()) };
+    if state.luggage.is_empty() {
+        out.write_all(format!("<p>{}</p>\n", language.say("missions-no-luggage").markup()).as_bytes())?;
+    }
+    let side = state.conditions.as_ref().and_then(|conditions| conditions.venue.cell_m);
+    for luggage in state.luggage.iter() {
+        let photos = match &luggage.photo {
+            PhotoState::Taken { take, .. } => (1..=*take).filter_map(|take| picture(report, luggage, take)).collect(),
+            PhotoState::Failed(why) => vec![Err(language.say("report-photo-failed").with("why", why).to_string())],
+        };
+        part(out, &Piece { report, language, luggage, photos, side })?;
+    }
+    Ok(())
+}
+
+/// A photo of a piece; nothing where this one failed, as another taking may.
+fn picture(report: &Report<'_>, luggage: &Luggage, take: u32) -> Option<Result<Picture, String>> {
+    let found = report.archive.take(luggage.id, take).transpose()?;
+    Some(found.map_err(|unreadable| unreadable.to_string()).map(|photo| Picture {
+        take,
+        media_type: photo.media_type,
+        base64: STANDARD.encode(&photo.bytes),
+        digest: Sha256::digest(&photo.bytes).iter().map(|byte| format!("{byte:02x}")).collect(),
+    }))
+}
+
+impl Piece<'_> {
+    fn time(&self, wall: &WallTime) -> String {
+        self.report.time(*wall)
+    }
+
+    /// Its cell, and how far from home it is to the east and to the south.
+    fn place(&self) -> String {
+        let cell = self.luggage.cell;
+        let place = self.language.place(cell);
+        let Some(side) = self.side else { return place };
+        let metres = |cells: i32| self.language.number(&format!("{:.1}", f64::from(cells) * side));
+        let say = self.language.say("report-place").with("place", place);
+        say.with("east", metres(cell.x)).with("south", metres(cell.y)).to_string()
+    }
+
+    fn waited(&self, decided: &WallTime) -> String {
+        lasted(decided.unix_ms.saturating_sub(self.luggage.taken.unix_ms))
+    }
+}
+
+#[derive(Template)]
+#[template(path = "report/temperature.html")]
+struct Temperature<'r> {
+    report: &'r Report<'r>,
+    language: Language,
+    chart: Option<Chart>,
+}
+
+impl Temperature<'_> {
+    fn degrees(&self, degrees: &f64) -> String {
+        format!("{degrees:.0} °C")
+    }
+
+    fn began(&self) -> String {
+        self.report.tally.first.map_or_else(String::new, |(_, wall)| self.report.time(wall))
+    }
+
+    fn ended(&self) -> String {
+        self.report.tally.last.map_or_else(String::new, |(_, wall)| self.report.time(wall))
+    }
+}
+
+/// The cells of a row, and its class.
+type Cells = (Vec<String>, &'static str);
+
+/// What a table is called, its columns beside entry and time, and what stands in them of a fact; nothing, where it is not in this table.
+struct Table<'t> {
+    title: &'static str,
+    columns: &'static [&'static str],
+    row: &'t dyn Fn(&Fact) -> Option<Cells>,
+}
+
+fn tables(report: &Report<'_>, out: &mut dyn Write) -> Result<(), Failure> {
+    let language = report.claim.language;
+    let asked = |fact: &Fact| {
+        let Fact::Command { issuer, command, luggage, refused, .. } = fact else { return None };
+        Some((language.asked_on_record(command, *luggage), language.issuer(issuer), refused.clone()))
+    };
+    let alarm = |fact: &Fact| {
+        let is_one = matches!(fact, Fact::AlarmRaised(..) | Fact::AlarmAcknowledged(..));
+        is_one.then(|| (vec![language.fact(fact)], ""))
+    };
+    let refusal = |fact: &Fact| {
+        let (asked, issuer, refused) = asked(fact)?;
+        Some((vec![asked, issuer, language.refusal(&refused?)], ""))
+    };
+    let happened = |fact: &Fact| {
+        if let Fact::Temperature(..) = fact {
+            return None;
+        }
+        let class = if matches!(fact, Fact::AlarmRaised(..)) { "alarm" } else { "" };
+        match asked(fact) {
+            Some((_, _, Some(_))) => None,
+            Some((asked, issuer, None)) => Some((vec![asked, issuer], class)),
+            None => Some((vec![language.fact(fact), String::new()], class)),
+        }
+    };
+    let tables = [
+        Table { title: "report-alarms", columns: &["report-what"], row: &alarm },
+        Table { title: "report-refusals", columns: &["report-what", "report-by", "report-why"], row: &refusal },
+        Table { title: "report-happened", columns: &["report-what", "report-by"], row: &happened },
+    ];
+    tables.iter().try_for_each(|table| write_table(report, table, out))
+}
+
+#[derive(Template)]
+#[template(path = "report/table.html")]
+struct TableHead {
+    language: Language,
+    title: Phrase<'static>,
+    columns: Vec<Phrase<'static>>,
+}
+
+#[derive(Template)]
+#[template(path = "report/row.html")]
+struct Row {
+    seq: Seq,
+    moment: String,
+    time: String,
+    cells: Vec<String>,
+    class: &'static str,
+}
+
+fn write_table(report: &Report<'_>, table: &Table<'_>, out: &mut dyn Write) -> Result<(), Failure> {
+    let language = report.claim.language;
+    let columns = table.columns.iter().map(|column| language.say(column)).collect();
+    part(out, &TableHead { language, title: language.say(table.title), columns })?;
+    let mut rows = 0_u64;
+    each(report.archive, report.claim.mission, report.claim.until, |seq, entry| {
+        let Ok(entry) = entry else { return Ok(()) };
+        let Some((cells, class)) = (table.row)(&entry.fact) else { return Ok(()) };
+        rows += 1;
+        part(out, &Row { seq, moment: rfc3339(entry.wall), time: report.time(entry.wall), cells, class })
+    })?;
+    let none = if rows == 0 {
+        format!("<tr><td colspan=\"9\">{}</td></tr>\n", language.say("report-none").markup())
+    } else {
+        String::new()
+    };
+    out.write_all(format!("{none}</tbody>\n</table>\n</section>\n").as_bytes())?;
+    Ok(())
+}
+
+#[derive(Template)]
+#[template(path = "report/evidence.html")]
+struct Evidence<'r> {
+    report: &'r Report<'r>,
+    language: Language,
+    file_name: String,
+}
+
+/// As `1:02:05`: hours, minutes and seconds.
+fn lasted(ms: i64) -> String {
+    let seconds = ms.max(0) / 1000;
+    format!("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60)
+}

@@ -1,0 +1,112 @@
+//! What is counted over a whole mission, in one walk over what is on record of it.
+
+use super::{Failure, each};
+use crate::runtime::archive::{Archive, Unreadable};
+use hallsweep_core::command::Command;
+use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::mission::Asked;
+use hallsweep_core::search::Strategy;
+use hallsweep_core::units::{Celsius, MissionId, Seq, WallTime};
+
+/// So many sentences are said about what cannot be understood; of the rest, how many there are.
+const DAMAGES: usize = 100;
+
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tally {
+    /// The first and the last entry, and when they were written.
+    pub(super) first: Option<(Seq, WallTime)>,
+    pub(super) last: Option<(Seq, WallTime)>,
+    /// The entry that put it away.
+    pub(super) archived: Option<(Seq, WallTime)>,
+    pub(super) strategy: Option<Strategy>,
+    pub(super) accepted: u64,
+    pub(super) refused: u64,
+    /// How often STOP was pressed; many of them may share an entry.
+    pub(super) stops: u64,
+    pub(super) alarms: u64,
+    pub(super) acknowledged: u64,
+    /// How often the program was started while it went on.
+    pub(super) restarts: u64,
+    pub(super) readings: u64,
+    pub(super) coldest: Option<(Celsius, WallTime)>,
+    pub(super) hottest: Option<(Celsius, WallTime)>,
+    /// What cannot be understood: the entry, and why.
+    pub(super) damage: Vec<String>,
+    pub(super) more_damage: u64,
+}
+
+impl Tally {
+    pub(super) fn of(archive: &dyn Archive, mission: MissionId, until: Seq) -> Result<Tally, Unreadable> {
+        let mut tally = Tally::default();
+        let counted = each(archive, mission, until, |seq, entry| {
+            match entry {
+                Ok(entry) => tally.count(seq, entry),
+                Err(Unreadable(why)) if tally.damage.len() < DAMAGES => tally.damage.push(why.clone()),
+                Err(_) => tally.more_damage += 1,
+            }
+            Ok(())
+        });
+        match counted {
+            Ok(()) => Ok(tally),
+            Err(Failure::Unreadable(unreadable)) => Err(unreadable),
+            Err(Failure::Unwritable(error)) => Err(Unreadable(error.to_string())),
+        }
+    }
+
+    /// The last entry.
+    pub(super) fn last(&self) -> Option<Seq> {
+        self.last.map(|(seq, _)| seq)
+    }
+
+    /// The entry after which it stood as it ended, or stands.
+    pub(super) fn stood_last(&self, until: Seq) -> Seq {
+        self.archived.map_or(until, |(seq, _)| Seq(seq.0.saturating_sub(1)))
+    }
+
+    /// How long it took, in milliseconds of the clock.
+    pub(super) fn took_ms(&self) -> i64 {
+        let at = |end: Option<(Seq, WallTime)>| end.map_or(0, |(_, wall)| wall.unix_ms);
+        at(self.last).saturating_sub(at(self.first))
+    }
+
+    fn count(&mut self, seq: Seq, Entry { wall, fact }: &Entry) {
+        self.first.get_or_insert((seq, *wall));
+        self.last = Some((seq, *wall));
+        if let Fact::MissionBegan(_, strategy) = fact {
+            self.strategy = Some(*strategy);
+        } else if let Fact::MissionArchived(..) = fact {
+            self.archived = Some((seq, *wall));
+        } else if let Fact::Command { command, refused, .. } = fact {
+            self.refused += u64::from(refused.is_some());
+            self.accepted += u64::from(refused.is_none());
+            self.stops += if refused.is_none() { stops(command) } else { 0 };
+        } else if let Fact::AlarmRaised(..) = fact {
+            self.alarms += 1;
+        } else if let Fact::AlarmAcknowledged(..) = fact {
+            self.acknowledged += 1;
+        } else if let Fact::ProgramStarted(_) = fact {
+            self.restarts += 1;
+        } else if let Fact::Temperature(_, celsius) = fact {
+            self.read(*celsius, *wall);
+        }
+    }
+
+    fn read(&mut self, celsius: Celsius, wall: WallTime) {
+        self.readings += 1;
+        if self.coldest.is_none_or(|(coldest, _)| celsius.degrees() < coldest.degrees()) {
+            self.coldest = Some((celsius, wall));
+        }
+        if self.hottest.is_none_or(|(hottest, _)| celsius.degrees() > hottest.degrees()) {
+            self.hottest = Some((celsius, wall));
+        }
+    }
+}
+
+/// How many STOPs a command on record is.
+fn stops(command: &str) -> u64 {
+    match Asked::from_words(command) {
+        Asked::Command(Command::Stop) => 1,
+        Asked::Stops { count, .. } => count,
+        Asked::Command(_) | Asked::Many { .. } | Asked::Words(_) => 0,
+    }
+}

@@ -1,0 +1,252 @@
+//! What a report says is never said otherwise (`words.txt`), whatever is on record can be written, and nothing of it is markup.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use proptest::strategy::{Strategy as _, ValueTree};
+use proptest::test_runner::TestRunner;
+use sha2::{Digest, Sha256};
+
+use super::{EDITION, Report, list};
+use crate::api::journal::{self, Line, arbitrary};
+use crate::phrases::{Language, said_here};
+use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, Sound, Unreadable};
+use hallsweep_core::command::{Door, Issuer};
+use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::engine::Past;
+use hallsweep_core::event::Photo;
+use hallsweep_core::search::Strategy;
+use hallsweep_core::state::PersistentState;
+use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
+use hallsweep_core::world::luggage::Luggage;
+
+const MISSION: MissionId = MissionId(1);
+
+/// A mission of these entries; every piece has the photo `bag`, and entry 3 cannot be understood.
+struct Mission(Vec<Entry>);
+
+impl Mission {
+    fn happened(&self) -> impl Iterator<Item = Happened> {
+        let damaged = |seq| (seq == 3).then(|| Unreadable("a mouse was at it".to_owned()));
+        self.0.iter().zip(1..).map(move |(entry, seq)| (Seq(seq), damaged(seq).map_or_else(|| Ok(entry.clone()), Err)))
+    }
+
+    fn report(&self, language: Language) -> String {
+        let mut page = Vec::new();
+        let report = Report::new(self, MISSION, Seq(u64::MAX), language).unwrap().expect("there are entries");
+        report.write(&mut page).unwrap();
+        String::from_utf8(page).unwrap()
+    }
+}
+
+impl Archive for Mission {
+    fn photo(&self, _: LuggageId) -> Result<Option<Photo>, Unreadable> {
+        Ok(None)
+    }
+
+    fn take(&self, _: LuggageId, take: u32) -> Result<Option<Photo>, Unreadable> {
+        Ok((take < 4).then(|| Photo { bytes: (*b"bag").into(), media_type: "image/png" }))
+    }
+
+    fn luggage(&self, _: LuggageId) -> Result<Option<Luggage>, Unreadable> {
+        Ok(None)
+    }
+
+    fn missions(&self, _: Option<MissionId>, _: usize) -> Result<Vec<MissionRecord>, Unreadable> {
+        Ok(Vec::new())
+    }
+
+    fn mission(&self, _: MissionId) -> Result<Option<MissionRecord>, Unreadable> {
+        Ok(None)
+    }
+
+    fn state(&self, _: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
+        Ok(None)
+    }
+
+    fn moments(&self, _: MissionId, _: &[At]) -> Result<Vec<Moment>, Unreadable> {
+        let mut state = PersistentState::first(Strategy::default());
+        self.0.iter().filter(|entry| !matches!(entry.fact, Fact::State(_))).for_each(|entry| state.apply(entry));
+        let past = Past { seq: Seq(9), state, trail: Vec::new(), readings: Vec::new(), latest: Vec::new() };
+        let wall = WallTime::default();
+        Ok(vec![Moment { past: Sound { of: past, damage: Vec::new() }, wall, earlier: None, later: None }])
+    }
+
+    fn entries(&self, _: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
+        Ok(self.happened().filter(|(seq, _)| *seq > after).take(most).collect())
+    }
+
+    fn lines(&self, _: MissionId, after: Seq, most: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
+        let line = |(seq, entry): Happened| match entry {
+            Ok(entry) => (seq, journal::line(&Line { seq, mission: Some(MISSION), entry, picture: None })),
+            Err(Unreadable(why)) => (seq, journal::unreadable(seq, &why)),
+        };
+        Ok(self.entries(MISSION, after, most)?.into_iter().map(line).collect())
+    }
+
+    fn head(&self, _: MissionId, _: Seq) -> Result<Option<Head>, Unreadable> {
+        Ok(Some(Head { seq: Seq(self.0.len() as u64), digest: [0xa5; 32] }))
+    }
+
+    fn timeline(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
+        self.entries(mission, after, most)
+    }
+
+    fn retrieval(&self, _: MissionId, _: usize) -> Result<Vec<Happened>, Unreadable> {
+        Ok(Vec::new())
+    }
+}
+
+/// Thousands of entries of every kind, always the same.
+fn of_every_kind() -> Mission {
+    let mut runner = TestRunner::deterministic();
+    let entries = (0..4000).map(|_| arbitrary::entry().new_tree(&mut runner).expect("a value").current()).collect();
+    Mission(entries)
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The phrases of a file, by their ids.
+fn phrases(language: &str, file: &str) -> BTreeMap<String, String> {
+    let text = std::fs::read_to_string(root().join(format!("src/phrases/{language}/{file}.ftl"))).unwrap();
+    let mut phrases = BTreeMap::new();
+    let mut last = String::new();
+    for line in text.lines().filter(|line| !line.starts_with('#') && !line.is_empty()) {
+        match line.split_once(" =").filter(|_| !line.starts_with(' ')) {
+            Some((id, said)) => {
+                id.clone_into(&mut last);
+                phrases.insert(last.clone(), said.trim().to_owned());
+            }
+            None => *phrases.get_mut(&last).expect("it goes on") += &format!("⏎{}", line.trim()),
+        }
+    }
+    phrases
+}
+
+/// What is said of facts, and by the report itself: whole files.
+const WHOLE: [&str; 3] = ["said", "log", "report"];
+
+/// What else a report says: ids, and with a dash at the end beginnings of ids.
+const PARTS: [&str; 15] = [
+    "hall",
+    "temperature",
+    "place",
+    "month-",
+    "list",
+    "missions-searched",
+    "missions-bomb-",
+    "missions-under-way",
+    "missions-archived-while",
+    "missions-luggage",
+    "missions-no-luggage",
+    "secured-one",
+    "goal-at",
+    "interrupted",
+    "problem-",
+];
+
+/// What reports of this edition say: each phrase in both languages, and the pages as they stand in the files.
+fn words() -> Vec<String> {
+    let mut words = Vec::new();
+    for language in ["en", "it"] {
+        for file in ["common", "console", "log", "missions", "photo", "report", "said", "problems", "simulator"] {
+            for (id, said) in phrases(language, file) {
+                if WHOLE.contains(&file) || PARTS.iter().any(|part| id == *part || (part.ends_with('-') && id.starts_with(part)))
+                {
+                    words.push(format!("{language} {id} = {said}"));
+                }
+            }
+        }
+    }
+    let mut pages: Vec<PathBuf> =
+        std::fs::read_dir(root().join("templates/report")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    pages.sort();
+    for page in pages {
+        let mut line = format!("{} sha256 ", page.strip_prefix(root()).unwrap().display());
+        Sha256::digest(std::fs::read(&page).unwrap()).iter().for_each(|byte| write!(line, "{byte:02x}").unwrap());
+        words.push(line);
+    }
+    words
+}
+
+/// `HALLSWEEP_RENEW=1` adds what is new. What is there already stays, or there is a further edition.
+#[test]
+fn what_reports_of_this_edition_say_is_never_said_otherwise() {
+    let path = root().join("src/report/words.txt");
+    let kept = std::fs::read_to_string(&path).unwrap_or_default();
+    let now = words();
+    let missing: Vec<&str> = kept.lines().filter(|line| !now.iter().any(|now| now == line)).collect();
+    assert!(
+        missing.is_empty(),
+        "reports of edition {EDITION} say this, and could not be confirmed any more: make edition {} beside it\n{}",
+        EDITION + 1,
+        missing.join("\n")
+    );
+    let new: Vec<&str> = now.iter().map(String::as_str).filter(|now| !kept.lines().any(|line| line == *now)).collect();
+    if std::env::var("HALLSWEEP_RENEW").is_ok_and(|value| value == "1") {
+        let all: String = kept.lines().chain(new).fold(String::new(), |all, line| all + line + "\n");
+        std::fs::write(&path, all).unwrap();
+    } else {
+        assert_eq!(new, Vec::<&str>::new(), "HALLSWEEP_RENEW=1 adds them to {}", path.display());
+    }
+}
+
+#[test]
+fn whatever_is_on_record_is_written_in_words_that_are_remembered() {
+    let mission = of_every_kind();
+    let known: Vec<String> = words();
+    for language in Language::ALL {
+        said_here(|said| said.clear());
+        let page = mission.report(language);
+        assert!(page.ends_with("</html>\n") && page.contains("<svg class=\"hall\""), "{page}");
+        assert_eq!(page.matches("<tr").count() as u64, page.matches("</tr>").count() as u64);
+        said_here(|said| {
+            assert!(said.len() > 100, "{said:?}");
+            let unknown = |id: &&String| !known.iter().any(|line| line.starts_with(&format!("{} {id} = ", language.tag())));
+            let unknown: Vec<&String> = said.iter().filter(unknown).collect();
+            assert!(unknown.is_empty(), "not in words.txt: {unknown:?}");
+        });
+        assert_eq!(page, mission.report(language), "the same record is the same page");
+    }
+    assert_ne!(mission.report(Language::English), mission.report(Language::Italian));
+}
+
+fn command(who: &str, command: &str) -> Entry {
+    let issuer = Issuer { who: who.into(), ..Issuer::operator(Door("http")) };
+    let fact = Fact::Command { issuer, id: None, command: command.to_owned(), epoch: None, luggage: None, refused: None };
+    Entry { wall: WallTime { unix_ms: 1_770_109_512_250, offset_s: 3600 }, fact }
+}
+
+#[test]
+fn what_others_wrote_is_neither_markup_nor_a_formula() {
+    let script = "<script>alert('1')</script>\" onload=\"x";
+    let mission = Mission(vec![command(script, script), command("=cmd|'/C calc'!A0", "@SUM(1)"), command("-", "x")]);
+    for language in Language::ALL {
+        let page = mission.report(language);
+        assert!(!page.contains("<script>") && page.contains("&#60;script&#62;alert"), "{page}");
+        let mut table = Vec::new();
+        list::write_table(&mission, MISSION, language, &mut table).unwrap();
+        let table = String::from_utf8(table).unwrap();
+        assert!(table.contains(",'@SUM(1),'=cmd|'/C calc'!A0,here,http,"), "{table}");
+        assert!(table.contains("3,,unreadable,a mouse was at it,,,,\r\n"), "{table}");
+        assert!(table.contains("\"<script>alert('1')</script>\"\" onload=\"\"x\""), "{table}");
+    }
+    let mut lines = Vec::new();
+    list::write_lines(&mission, MISSION, &mut lines).unwrap();
+    let lines = String::from_utf8(lines).unwrap();
+    assert!(lines.lines().count() == 3 && lines.lines().all(|line| serde_json::from_str::<serde_json::Value>(line).is_ok()));
+}
+
+#[test]
+fn every_stop_of_a_shared_entry_counts() {
+    let mission = Mission(vec![
+        command("anna", "STOP"),
+        command("anna", "STOP, 2960 times within 1.0 s"),
+        command("anna", "x"),
+        command("anna", "STOP"),
+    ]);
+    assert!(mission.report(Language::English).contains("<dt>STOP pressed</dt><dd>2962</dd>"));
+}

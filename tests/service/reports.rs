@@ -1,0 +1,217 @@
+//! A report of a mission is what the journal has of it: the same by every way, and held against the journal later, a change of either is named.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::journal::{journal, serve};
+use crate::kill::Folder;
+use crate::program::{Program, hallsweep};
+
+/// What the command writes, and whether it was well.
+fn report(folder: &Folder, words: &[&str]) -> (bool, Vec<u8>) {
+    let output = hallsweep(&[&["report", "--data", folder.text()], words].concat()).output().expect("the program starts");
+    let said = if output.status.success() { output.stdout } else { output.stderr };
+    (output.status.success(), said)
+}
+
+/// A report in a file beside the folder.
+fn saved(folder: &Folder, name: &str, page: &[u8]) -> PathBuf {
+    let path = PathBuf::from(format!("{}-{name}", folder.text()));
+    fs::write(&path, page).expect("it can be written");
+    path
+}
+
+fn confirmed(folder: &Folder, report: &Path) -> (bool, String) {
+    journal(folder, &["check", "--report", report.to_str().expect("a plain name")])
+}
+
+/// A safe piece, a STOP, a refusal, and a bomb with a note; then the mission goes on to its end.
+fn a_mission(program: &Program) {
+    program.command("start").accepted();
+    let first = program.until_asked();
+    program.verdict(first, "safe").accepted();
+    let second = program.until_asked();
+    program.command("stop").accepted();
+    program.verdict(first, "danger").problem(409);
+    let verdict = serde_json::json!({"verdict": "danger", "note": "wires <b>& battery</b>"}).to_string();
+    program.post(&format!("/api/v1/luggage/{second}/verdict"), &verdict).accepted();
+    program.command("start").accepted();
+    program.until_phase("bombLocated");
+}
+
+/// Every file of a folder, but for what SQLite has beside the journal while it reads.
+fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut files = Vec::new();
+    for path in fs::read_dir(folder).expect("it is there").map(|entry| entry.expect("it can be read").path()) {
+        if path.is_dir() {
+            files.extend(self::files(&path));
+        } else if !["db-wal", "db-shm"].iter().any(|end| path.extension().is_some_and(|extension| extension == *end)) {
+            files.push((path.clone(), fs::read(&path).expect("it can be read")));
+        }
+    }
+    files.sort();
+    files
+}
+
+#[test]
+fn a_report_is_the_same_by_every_way_and_is_confirmed_while_the_journal_grows() {
+    let folder = Folder::new("reports");
+    let mut program = serve(&folder);
+    a_mission(&program);
+    let under_way = saved(&folder, "under-way.html", &report(&folder, &["1"]).1);
+    for alarm in program.json("state")["alarms"].as_array().expect("a list") {
+        program.press(&format!("/api/v1/alarms/{}/acknowledge", alarm["id"])).accepted();
+    }
+    program.command("reset").accepted();
+    let mut kept = vec![under_way];
+    for language in ["en", "it"] {
+        let (well, page) = report(&folder, &["1", "--language", language]);
+        assert!(well, "{}", String::from_utf8_lossy(&page));
+        let answer = program.read(&format!("/missions/1/report?language={language}"), &[]);
+        assert_eq!(answer.status, 200);
+        assert_eq!(answer.header("content-disposition"), "attachment; filename=\"hallsweep-mission-1.html\"");
+        assert!(answer.body == page, "over HTTP and by the command");
+        kept.push(saved(&folder, &format!("{language}.html"), &page));
+    }
+    let by_browser = program.read("/missions/1/report", &[("accept-language", "it")]);
+    assert!(by_browser.body == fs::read(&kept[2]).expect("it was saved"), "in the language of whoever asks");
+
+    let page = String::from_utf8(fs::read(&kept[1]).expect("it was saved")).expect("it is UTF-8");
+    for wanted in [
+        "<dd>2: safe 1, danger 1, pending 0</dd>",
+        "wires &#60;b&#62;&#38; battery&#60;/b&#62;",
+        "luggage #1 was already found safe: a verdict is final",
+        "<dt>STOP pressed</dt><dd>1</dd>",
+        "alarm 1 raised",
+        "operator (http, 127.0.0.1)",
+        "A bomb was located",
+    ] {
+        assert!(page.contains(wanted), "{wanted} in {page}");
+    }
+    assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 2, "both photos");
+    for unwanted in ["http://", "https://", "<script", " href=", " src=\"/"] {
+        assert!(!page.contains(unwanted), "{unwanted}: it is self-contained");
+    }
+
+    program.command("start").accepted();
+    program.until_asked();
+    for path in &kept {
+        let (well, said) = confirmed(&folder, path);
+        assert!(well && said.contains("is confirmed") && said.contains("mission 1"), "{said}");
+    }
+    program.signal("TERM");
+    assert!(program.ended_within(std::time::Duration::from_secs(20)).is_some_and(|status| status.success()));
+    let before = files(folder.path());
+    assert!(report(&folder, &["1"]).0 && confirmed(&folder, &kept[0]).0);
+    assert!(files(folder.path()) == before, "making it and holding it against the journal writes nothing");
+    drop(serve(&folder));
+    kept.iter().for_each(|path| assert!(confirmed(&folder, path).0, "also after a start"));
+    kept.iter().for_each(|path| fs::remove_file(path).expect("it was saved"));
+}
+
+#[test]
+fn a_report_in_which_any_byte_was_changed_is_not_confirmed() {
+    let folder = Folder::new("reports-changed");
+    let program = serve(&folder);
+    a_mission(&program);
+    drop(program);
+    let (_, page) = report(&folder, &["1"]);
+    let check = |changed: &[u8], words: &str| {
+        let path = saved(&folder, "changed.html", changed);
+        let (well, said) = confirmed(&folder, &path);
+        assert!(!well && said.contains("is not confirmed") && said.contains(words), "{words}: {said}");
+        fs::remove_file(path).expect("it was saved");
+    };
+    // Places spread over all of it, by a number that meets every part.
+    for step in 0..64_usize {
+        let place = step * 0x9E37_79B9 % page.len();
+        let mut changed = page.clone();
+        changed[place] ^= 1 << (step % 8);
+        check(&changed, "");
+    }
+    let text = String::from_utf8(page.clone()).expect("it is UTF-8");
+    let line_of = |words: &str| text[..text.find(words).expect("it is in it")].matches('\n').count() + 1;
+    for (one, other) in [
+        ("<b>danger</b>, by operator", "<b>safe</b>, by operator"),
+        ("A bomb was located", "No bomb was located"),
+        ("STOP pressed</dt><dd>1", "STOP pressed</dt><dd>0"),
+        ("SHA-256 ", "SHA-512 "),
+    ] {
+        check(text.replacen(one, other, 1).as_bytes(), &format!("in line {}", line_of(one)));
+    }
+    let claim = text.split_once("content=\"").and_then(|(_, rest)| rest.split_once('"')).expect("a claim").0.to_owned();
+    let claimed = |other: &str| text.replacen(&claim, other, 1).into_bytes();
+    let number = |words: &str| claim.split_once(words).expect("it is claimed").1.split(',').next().expect("a number").to_owned();
+    let entry = number("entry ");
+    check(&claimed(&claim.replace("language en", "language it")), "in line 2");
+    check(&claimed(&claim.replace("mission 1", "mission 2")), "the journal holds no mission 2 up to entry");
+    check(&claimed(&claim.replace(&format!("entry {entry}"), "entry 20")), "");
+    check(
+        &claimed(&claim.replace(&format!("entry {entry}"), "entry 999999")),
+        "the journal holds no mission 1 up to entry 999999",
+    );
+    check(&claimed(&claim.replace("edition 1", "edition 2")), "edition 2, which this hallsweep does not know");
+    check(&claimed("anything"), "it is no report of hallsweep");
+    check(&page[..page.len() - 1], "the file has its end");
+    check(&[&page[..], b"\n"].concat(), "and the journal its end");
+    check(b"", "it is no report of hallsweep");
+
+    let path = saved(&folder, "sound.html", &page);
+    assert!(confirmed(&folder, &path).0, "as it was it is confirmed");
+    let photo = files(&folder.path().join("photos")).remove(0);
+    let mut bytes = photo.1.clone();
+    bytes[100] ^= 1;
+    fs::write(&photo.0, bytes).expect("it can be written");
+    let (well, said) = confirmed(&folder, &path);
+    assert!(!well && said.contains("is not what it was"), "{said}");
+    fs::remove_file(path).expect("it was saved");
+}
+
+#[test]
+fn what_cannot_be_reported_is_said() {
+    let folder = Folder::new("reports-none");
+    let (well, said) = report(&folder, &["1"]);
+    assert!(!well && String::from_utf8_lossy(&said).contains("there is no journal in"));
+    let program = serve(&folder);
+    let (well, said) = report(&folder, &["7"]);
+    assert!(!well && String::from_utf8_lossy(&said).contains("there is no mission 7 on record"), "{said:?}");
+    for words in [&["1", "--language", "de"][..], &["x"], &["1", "--format", "pdf"], &[]] {
+        assert!(!report(&folder, words).0, "{words:?}");
+    }
+    assert_eq!(program.read("/missions/7/report", &[]).status, 404);
+    assert!(program.read("/missions/1/report?language=de", &[]).problem(422).contains("en or it"));
+    let (well, said) = confirmed(&folder, Path::new("/nowhere/report.html"));
+    assert!(!well && said.contains("/nowhere/report.html cannot be read"), "{said}");
+}
+
+/// A journal in memory ends with the program.
+#[test]
+fn where_nothing_is_kept_a_report_says_that_nothing_can_confirm_it() {
+    let program = Program::with(&["serve", "--http", "127.0.0.1:0", "--hall", "airport", "--speed", "max", "--data", "none"]);
+    a_mission(&program);
+    let page = program.read("/missions/1/report?language=en", &[]).text();
+    assert!(page.contains("nothing can confirm this report later") && page.contains("base64,"), "{page}");
+}
+
+#[test]
+fn the_record_of_a_mission_is_there_as_lines_and_as_a_table() {
+    let folder = Folder::new("reports-lists");
+    let program = serve(&folder);
+    a_mission(&program);
+    let (_, exported) = journal(&folder, &["export", "--mission", "1"]);
+    let lines = program.read("/missions/1/record.jsonl", &[]);
+    assert_eq!(
+        (lines.header("content-type"), lines.text()),
+        ("application/jsonl", exported.clone()),
+        "as the journal is exported"
+    );
+    assert_eq!(report(&folder, &["1", "--format", "jsonl"]).1, exported.as_bytes());
+    let table = program.read("/missions/1/record.csv", &[]);
+    assert_eq!(table.header("content-type"), "text/csv; charset=utf-8");
+    assert!(table.body == report(&folder, &["1", "--format", "csv"]).1);
+    let table = table.text();
+    assert_eq!(table.lines().count(), exported.lines().count() + 1, "each entry a row");
+    assert!(table.contains(",command,STOP,operator,127.0.0.1,http,accepted\r\n"), "{table}");
+    let italian = String::from_utf8(report(&folder, &["1", "--format", "csv", "--language", "it"]).1).expect("it is UTF-8");
+    assert!(italian.contains(",command,STOP,operator,127.0.0.1,http,accettato\r\n"), "{italian}");
+}
