@@ -46,6 +46,8 @@ pub struct Settings {
     pub evacuation_m: f64,
     /// Where everything is kept that outlives the program; `None`: nothing is kept.
     pub store: Option<PathBuf>,
+    /// How many days a mission stays in the journal after it was put away; 0 is for ever.
+    pub keep_days: u32,
     /// The robot that searches.
     pub robot: RobotSettings,
     /// The robots beside it, by their names; none by default.

@@ -3,6 +3,8 @@
 
 #[path = "service/access.rs"]
 mod access;
+#[path = "service/archives.rs"]
+mod archives;
 #[path = "service/coap.rs"]
 mod coap;
 #[path = "service/coap_clients/mod.rs"]

@@ -22,6 +22,12 @@ pub fn date_and_time(wall: WallTime) -> String {
     zoned(wall).strftime("%-d %b %Y, %H:%M:%S").to_string()
 }
 
+/// When a day begins in the zone of this machine; the day as `2026-01-31`.
+pub fn midnight(day: &str) -> Option<WallTime> {
+    let begins = day.parse::<jiff::civil::Date>().ok()?.to_zoned(TimeZone::system()).ok()?;
+    Some(WallTime { unix_ms: begins.timestamp().as_millisecond(), offset_s: begins.offset().seconds() })
+}
+
 /// The one zone of a page: a moment of any other is shown in it, and the page names it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Zone {

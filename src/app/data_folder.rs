@@ -1,17 +1,19 @@
 //! What earlier runs left behind, and where this one is kept: the journal, and what robots remember beside it.
 //! What is done with what was recalled is the core's business.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use super::AppError;
 use crate::config::Settings;
 use crate::robots::Robots;
 use crate::runtime::archive::Archive;
+use crate::runtime::clock::Clock;
 use crate::runtime::store::Store;
 use crate::storage::sqlite::{self, MemoryStore};
 use crate::storage::stops::Stops;
 use hallsweep_core::engine::Recalled;
-use hallsweep_core::units::Epoch;
+use hallsweep_core::units::{Epoch, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
 pub(super) struct DataFolder {
@@ -35,6 +37,7 @@ impl DataFolder {
         let is_any_lost = !lost.is_empty();
         let beside: Vec<String> = lost.into_iter().chain(Stops::unusable(folder)).chain(keys).collect();
         let beside = (!beside.is_empty()).then(|| beside.join("; and "));
+        write_out_old(folder, settings.keep_days);
         let sqlite::Opened { store, archive, recalled, failure } = sqlite::open(folder, beside)?;
         let is_unread = failure.is_some() && recalled.is_none();
         let recalled = recalled.map(|recalled| without_lost_photos(recalled, &*archive));
@@ -83,6 +86,24 @@ impl DataFolder {
     fn nowhere() -> DataFolder {
         let store = MemoryStore::new();
         DataFolder { archive: store.archive(), store: Box::new(store), recalled: None, elsewhere: false, stops: None }
+    }
+}
+
+/// Writes old missions out into an archive, if they are to stay for so many days only. Where that fails they stay, and the log says why.
+fn write_out_old(folder: &Path, keep_days: u32) {
+    const DAY_MS: i64 = 24 * 60 * 60 * 1000;
+    if keep_days == 0 || !folder.is_dir() {
+        return;
+    }
+    let now = Clock::default().now().wall;
+    let before = WallTime { unix_ms: now.unix_ms - i64::from(keep_days) * DAY_MS, ..now };
+    match sqlite::write_out_within(folder, before, now) {
+        Ok(None) => {}
+        Ok(Some(archived)) => {
+            let (first, last) = archived.what.missions;
+            tracing::info!(%first, %last, file = archived.what.file, "old missions are in an archive alone now");
+        }
+        Err(error) => tracing::warn!(%error, "old missions stay in the journal: they could not be written out"),
     }
 }
 

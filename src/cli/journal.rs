@@ -2,16 +2,18 @@
 //! How it is kept stands in `crate::storage::sqlite`.
 
 use std::io::{self, BufWriter, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
 use super::{Failure, Folder};
 use crate::api::journal::{self, Line};
 use crate::api::journal_words;
+use crate::api::time::midnight;
 use crate::runtime::archive::Unreadable;
-use crate::storage::sqlite::{self, Findings, Reading};
-use hallsweep_core::units::{MissionId, Seq};
+use crate::runtime::clock::Clock;
+use crate::storage::sqlite::{self, Archived, Findings, Reading};
+use hallsweep_core::units::{MissionId, Seq, WallTime};
 
 /// What to do with the journal.
 #[derive(Args, Clone, Debug)]
@@ -33,6 +35,25 @@ enum What {
         /// Hold this report against the journal as well.
         #[arg(long, value_name = "FILE")]
         report: Option<PathBuf>,
+        /// Hold this archive against the journal as well; may be given several times.
+        #[arg(long, value_name = "FILE")]
+        archive: Vec<PathBuf>,
+    },
+    /// Write the missions that were put away before a day into an archive, check it, and take them out of the journal. No hallsweep may be running in
+    /// the folder.
+    Archive {
+        /// The day, as 2026-01-01, at the beginning of which a mission had been put away.
+        #[arg(long, value_name = "DATE", value_parser = day)]
+        before: WallTime,
+        /// The file to be written, which must not be there yet.
+        #[arg(short, long, value_name = "FILE")]
+        output: PathBuf,
+    },
+    /// Make a data folder of an archive, which can then be served: name the folder with --data.
+    Unpack {
+        /// The archive.
+        #[arg(value_name = "FILE")]
+        archive: PathBuf,
     },
     /// Make the tables that follow from the entries anew. No hallsweep may be running in the folder.
     Rebuild,
@@ -55,15 +76,25 @@ pub fn run(asked: &Journal) -> Result<(), Failure> {
         let entries = sqlite::rebuild(&folder)?;
         return super::print(&format!("the tables are made anew, from the {entries} entries that they follow from"));
     }
+    if let Some(What::Archive { before, output }) = &asked.what {
+        return write_out(&folder, *before, output);
+    }
+    if let Some(What::Unpack { archive }) = &asked.what {
+        let entries = sqlite::unpack(archive, &folder)?;
+        return super::print(&format!("{} has {entries} entries: `hallsweep serve --data` shows them", folder.display()));
+    }
     let reading = Reading::open(&folder)?;
     match asked.what.clone().unwrap_or(What::Print(Which::default())) {
         What::Print(which) => list(&reading, which, for_people, |seq, why| format!("{seq:>8}    - {why}")),
         What::Export(which) => list(&reading, which, journal::line, journal::unreadable),
-        What::Check { report } => {
+        What::Check { report, archive } => {
             tell(&reading.check()?)?;
+            if !archive.is_empty() {
+                hold_together(&reading, &archive)?;
+            }
             report.map_or(Ok(()), |report| super::report::confirm(&reading, &report))
         }
-        What::Rebuild => Ok(()),
+        What::Rebuild | What::Archive { .. } | What::Unpack { .. } => Ok(()),
     }
 }
 
@@ -109,6 +140,39 @@ fn list(
         return Ok(());
     }
     Err(Failure::Run(format!("entries that cannot be understood: {unclear}; each stands in its place, with the reason")))
+}
+
+fn day(text: &str) -> Result<WallTime, String> {
+    midnight(text).ok_or_else(|| "a day belongs there, as 2026-01-31".to_owned())
+}
+
+fn write_out(folder: &Path, before: WallTime, file: &Path) -> Result<(), Failure> {
+    let now = Clock::default().now().wall;
+    let Some(archived) = sqlite::write_out(folder, before, now, |_, _| file.to_owned())? else {
+        return Err(Failure::Run("no mission was put away before that day: nothing is changed".to_owned()));
+    };
+    let Archived { what, last, photos } = archived;
+    let (first, latest) = what.missions;
+    super::print(&format!(
+        "missions {first} to {latest}, {photos} photos and the entries up to {}, are in {} and were read again; the journal begins with entry {} now\n\
+         head {} · file SHA-256 {}",
+        last.seq,
+        file.display(),
+        what.until.next(),
+        last.hex(),
+        what.digest
+    ))
+}
+
+/// Whether the archives and the journal follow on one another, and are as they were written out.
+fn hold_together(reading: &Reading, archives: &[PathBuf]) -> Result<(), Failure> {
+    let faults = reading.check_archives(archives)?;
+    faults.iter().try_for_each(|fault| super::print(fault))?;
+    let looked_at = format!("archives that were held against the journal: {}", archives.len());
+    if faults.is_empty() {
+        return super::print(&format!("{looked_at}: all is well"));
+    }
+    Err(Failure::Run(format!("{looked_at}; faults found: {}", faults.len())))
 }
 
 fn for_people(line: &Line) -> String {

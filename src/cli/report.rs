@@ -51,7 +51,9 @@ pub fn run(asked: &Reported) -> Result<(), Failure> {
     let (archive, lost_after) = super::journal::open(&asked.folder)?.archive()?;
     let mission = MissionId(asked.mission);
     if archive.mission(mission)?.is_none() {
-        return Err(Failure::Run(format!("there is no mission {mission} on record: `hallsweep journal` lists what is")));
+        return Err(Failure::Run(format!(
+            "there is no mission {mission} on record: `hallsweep journal` lists what is; one that is in an archive is there with --data ARCHIVE"
+        )));
     }
     let until = lost_after.unwrap_or(Seq(u64::MAX));
     let Some(path) = &asked.output else {

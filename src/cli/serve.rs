@@ -7,6 +7,11 @@ use crate::telemetry;
 
 pub fn run(flags: &Serve) -> Result<(), Failure> {
     let settings = super::settings(&flags.sources())?;
+    if let Some(archive) = settings.store.as_ref().filter(|store| store.is_file()) {
+        let words =
+            "is a file: an archive is only read; make a data folder of it with `hallsweep journal unpack`, and serve that";
+        return Err(Failure::Usage(format!("{} {words}", archive.display())));
+    }
     if let Some(idle) = without_effect(&settings) {
         telemetry::warn_of_idle(&idle);
     }

@@ -51,6 +51,7 @@ pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
         old_clients: OldClients { manual_driving: read(layers, "old_clients.manual_driving")? },
         evacuation_m: number(layers, "console.evacuation_m")?,
         store: store(layers)?,
+        keep_days: count(layers, "store.keep_days")?,
         robot: robots::robot(layers, ROBOT)?,
         further_robots: robots::further(layers)?,
         pair: PairMishaps { slips: count(layers, "pair.slips")?, unrecognised: count(layers, "pair.unrecognised")? },

@@ -62,6 +62,9 @@ const SONAR_NOISE_CM: Kind = Kind::Number { least: 0.0, most: 100.0 };
 /// What a sonar of four metres sees of cells of half a metre.
 const SONAR_CELLS: Kind = Kind::Number { least: 1.0, most: 7.0 };
 
+/// A hundred years.
+const KEEP_DAYS: Kind = Kind::Number { least: 0.0, most: 36_500.0 };
+
 /// What serial ports can do.
 const BAUD: Kind = Kind::Number { least: 300.0, most: 4_000_000.0 };
 
@@ -85,7 +88,7 @@ pub(super) const ROBOTS: &str = "robots";
 pub(super) const ROBOT: &str = "robot";
 
 /// Every setting, in the order of `config/default.toml`.
-pub const KEYS: [Key; 46] = [
+pub const KEYS: [Key; 47] = [
     text("hall.file", "name a built-in hall, as airport, or the path of a .toml or .map file").set_by("--hall"),
     text("http.bind", "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080")
         .set_by("--http"),
@@ -118,6 +121,7 @@ pub const KEYS: [Key; 46] = [
     yes_no("old_clients.manual_driving"),
     text("store.folder", "name a folder; or leave it empty for the usual one, or write none so that nothing is kept")
         .set_by("--data"),
+    key("store.keep_days", KEEP_DAYS, "write a whole number of days from 0 to 36500; 0 is for ever"),
     text("robot.kind", "write one of: sim, virtual-tcp, virtual-ws, line").set_by("--robot"),
     text("robot.address", ROBOT_ADDRESS).set_by("--robot"),
     key("robot.baud", BAUD, "write a whole number of bits a second from 300 to 4000000"),

@@ -15,7 +15,7 @@ fn kept(name: &str) -> PathBuf {
 }
 
 /// A copy of its data folder.
-fn copy(name: &str) -> Folder {
+pub(crate) fn copy(name: &str) -> Folder {
     copy_of("data", name)
 }
 

@@ -225,4 +225,19 @@ pub enum Fact {
     Strategy(Strategy),
     /// The map was emptied, with the robot facing this way at home.
     MapEmptied(Heading),
+    /// Old missions were written out into an archive.
+    WrittenOut(WrittenOut),
+}
+
+/// What an archive took out of the journal.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WrittenOut {
+    /// The first and the last mission in it.
+    pub missions: (MissionId, MissionId),
+    /// Entries up to here stand in it alone.
+    pub until: Seq,
+    /// What its file was called.
+    pub file: String,
+    /// The SHA-256 of the file, in 64 lower-case hexadecimal digits.
+    pub digest: String,
 }

@@ -10,7 +10,7 @@ use crate::api::door::DOORS;
 use crate::api::problem::refusal;
 use hallsweep_core::behaviour::Value as TreeValue;
 use hallsweep_core::command::{CommandId, Issuer, Move, Note, Verdict};
-use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::effect::{Entry, Fact, WrittenOut};
 use hallsweep_core::event::{Piece, RobotId};
 use hallsweep_core::mission::{FaultCause, Goal, Hold, Inspection, Phase, Stage};
 use hallsweep_core::refused::CODES;
@@ -20,7 +20,7 @@ use hallsweep_core::retrieval::{
 use hallsweep_core::search::{Search, Strategy as Order};
 use hallsweep_core::settings::Fetcher;
 use hallsweep_core::state::{Conditions, PersistentState, Retrieval, RetrievalStage, Venue};
-use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, WallTime};
+use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, Seq, WallTime};
 use hallsweep_core::world::alarm::{Alarm, AlarmCause};
 use hallsweep_core::world::hall_map::{HallMap, Mark, REACH};
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
@@ -37,6 +37,9 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
     prop_oneof![
         text().prop_map(Fact::ProgramStarted),
         text().prop_map(Fact::ProgramEnded),
+        (any::<[u64; 3]>(), text(), text()).prop_map(|([first, last, until], file, digest)| {
+            Fact::WrittenOut(WrittenOut { missions: (MissionId(first), MissionId(last)), until: Seq(until), file, digest })
+        }),
         conditions().prop_map(Fact::Conditions),
         state().prop_map(|state| Fact::State(Box::new(state))),
         command(),

@@ -14,9 +14,9 @@ use super::standing::StandingShape;
 use super::{Picture, Unparsed, map, names, places, retrieval};
 use crate::api::problem::refusal;
 use hallsweep_core::command::{CommandId, Issuer, Refusal};
-use hallsweep_core::effect::Fact;
+use hallsweep_core::effect::{Fact, WrittenOut};
 use hallsweep_core::event::Piece;
-use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId};
+use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId, Seq};
 use hallsweep_core::world::alarm::AlarmCause;
 
 /// A fact, by its kind.
@@ -28,6 +28,14 @@ pub(super) enum Shape {
     },
     ProgramEnded {
         by: String,
+    },
+    /// Missions `first` to `last`, entries up to `until`, stand in this archive alone.
+    WrittenOut {
+        first: u64,
+        last: u64,
+        until: u64,
+        file: String,
+        digest: String,
     },
     Conditions(ConditionsShape),
     Standing {
@@ -154,6 +162,7 @@ pub const fn kind(fact: &Fact) -> &'static str {
     match fact {
         Fact::ProgramStarted(_) => "programStarted",
         Fact::ProgramEnded(_) => "programEnded",
+        Fact::WrittenOut(_) => "writtenOut",
         Fact::Conditions(_) => "conditions",
         Fact::State(_) => "standing",
         Fact::Command { .. } => "command",
@@ -188,6 +197,9 @@ impl Shape {
         match fact {
             Fact::ProgramStarted(version) => Shape::ProgramStarted { version: version.clone() },
             Fact::ProgramEnded(by) => Shape::ProgramEnded { by: by.clone() },
+            Fact::WrittenOut(WrittenOut { missions: (first, last), until, file, digest }) => {
+                Shape::WrittenOut { first: first.0, last: last.0, until: until.0, file: file.clone(), digest: digest.clone() }
+            }
             Fact::Conditions(conditions) => Shape::Conditions(conditions.into()),
             Fact::State(state) => Shape::Standing { standing: Box::new((&**state).into()) },
             Fact::Command { issuer, id, command, epoch, luggage, refused } => {
@@ -241,6 +253,10 @@ impl Shape {
             }
             Shape::ProgramStarted { version } => Fact::ProgramStarted(version),
             Shape::ProgramEnded { by } => Fact::ProgramEnded(by),
+            Shape::WrittenOut { first, last, until, file, digest } => {
+                let missions = (MissionId(first), MissionId(last));
+                Fact::WrittenOut(WrittenOut { missions, until: Seq(until), file, digest })
+            }
             Shape::Conditions(shape) => Fact::Conditions(shape.conditions()?),
             Shape::Standing { standing } => Fact::State(Box::new(standing.state()?)),
             Shape::Command(command) => command.fact()?,

@@ -6,14 +6,14 @@ use std::time::Duration;
 use crate::phrases::Language;
 use hallsweep_core::behaviour::state::StateError;
 use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, Note, Refusal, Refused, TemperatureReport, Verdict};
-use hallsweep_core::effect::Fact;
+use hallsweep_core::effect::{Fact, WrittenOut};
 use hallsweep_core::event::RobotId;
 use hallsweep_core::mission::{Asked, FaultCause, Hold, Inspection, Phase, PhaseName, Stage};
 use hallsweep_core::retrieval::{AloneFault, NotFetched, RetrievalFault, Saying, StuckFault};
 use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Fetcher;
 use hallsweep_core::state::{Conditions, Retrieval, RetrievalStage, Venue};
-use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, WallTime};
+use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Seq, WallTime};
 use hallsweep_core::world::alarm::AlarmCause;
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
@@ -172,6 +172,12 @@ fn the_journal() {
     let facts = vec![
         Fact::ProgramStarted("1".to_owned()),
         Fact::ProgramEnded("SIGTERM".to_owned()),
+        Fact::WrittenOut(WrittenOut {
+            missions: (MissionId(1), MissionId(7)),
+            until: Seq(4711),
+            file: "2025.hallsweep".to_owned(),
+            digest: "a5".repeat(32),
+        }),
         command(None),
         command(Some(Refused::Moving)),
         Fact::MissionBegan(MissionId(2), Strategy::Columns),

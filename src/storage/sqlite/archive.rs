@@ -72,7 +72,7 @@ impl SqliteArchive {
 
     fn pictures(&self) -> Pictures<'_> {
         match self {
-            SqliteArchive::Folder { folder, .. } => Pictures::Files(folder),
+            SqliteArchive::Folder { folder, .. } => folder.pictures(),
             SqliteArchive::Memory(_) => Pictures::Table,
         }
     }

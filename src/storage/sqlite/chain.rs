@@ -6,13 +6,14 @@
 //!                      digest = SHA-256(digest before ‖ a line for each of its entries)
 //!                      line   = [seq,mission,atMs,offsetS,"kind","body"]⏎     JSON without spaces, the columns of `events`
 //! ```
-//! A journal of before this format begins with one page, of all that it held when it was brought up to date. What is hashed are the columns
+//! A journal of before this format begins with pages of all that it held when it was brought up to date. What is hashed are the columns
 //! as they stand there, so that no later version reads other digests from them.
 
 use rusqlite::{Connection, OptionalExtension, Row, params};
 use sha2::{Digest, Sha256};
 
 use super::fault::{Fault, count, whole};
+use super::rows;
 use crate::runtime::archive::Head;
 use hallsweep_core::units::Seq;
 
@@ -24,10 +25,22 @@ const COLUMNS: &str = "seq, mission, at_ms, offset_s, kind, body";
 
 /// Closes a page over all entries behind the end of the chain, if there are any; its end then.
 pub(super) fn close_page(connection: &Connection) -> Result<Head, Fault> {
+    close_page_at(connection, i64::MAX)
+}
+
+/// Chains what was written before there was a chain: a page for each mission and one for its end, so that old ones can be written out.
+pub(super) fn close_old_pages(connection: &Connection) -> Result<(), Fault> {
+    let sql = "SELECT seq - 1 FROM events WHERE kind = 'missionArchived' UNION SELECT seq FROM events WHERE kind = 'standing' ORDER BY 1";
+    let mut statement = connection.prepare(sql)?;
+    let ends: Vec<i64> = statement.query_map([], |row| row.get(0))?.collect::<Result<_, _>>()?;
+    ends.into_iter().chain([i64::MAX]).try_for_each(|end| close_page_at(connection, end).map(drop))
+}
+
+fn close_page_at(connection: &Connection, last: i64) -> Result<Head, Fault> {
     let end = end(connection)?;
-    let sql = format!("SELECT {COLUMNS} FROM events WHERE seq > ?1 ORDER BY seq");
+    let sql = format!("SELECT {COLUMNS} FROM events WHERE seq > ?1 AND seq <= ?2 ORDER BY seq");
     let mut statement = connection.prepare_cached(&sql)?;
-    let mut rows = statement.query([whole(end.seq.0)?])?;
+    let mut rows = statement.query([whole(end.seq.0)?, last])?;
     let mut page = OpenPage::after(&end);
     while let Some(row) = rows.next()? {
         page.take(row)?;
@@ -53,6 +66,18 @@ pub(super) fn page_of(connection: &Connection, seq: Seq) -> Result<Option<Head>,
     Ok(connection.prepare_cached(sql)?.query_row([whole(seq.0)?], head).optional()?)
 }
 
+/// The page before the one in which an entry stands.
+pub(super) fn page_before(connection: &Connection, seq: Seq) -> Result<Option<Head>, Fault> {
+    let sql = "SELECT last, digest FROM pages WHERE last < ?1 ORDER BY last DESC LIMIT 1";
+    Ok(connection.prepare_cached(sql)?.query_row([whole(seq.0)?], head).optional()?)
+}
+
+/// The page behind which the journal begins: the last of what was written out of it, if anything was.
+pub(super) fn anchor(connection: &Connection) -> Result<Head, Fault> {
+    let first = rows::first(connection)?.unwrap_or(Seq(1));
+    if first == Seq(1) { Ok(NOTHING) } else { Ok(page_before(connection, first)?.unwrap_or(NOTHING)) }
+}
+
 /// Forgets the pages behind `kept`, with their entries.
 pub(super) fn take_back(connection: &Connection, kept: Seq) -> Result<(), Fault> {
     connection.execute("DELETE FROM pages WHERE last > ?1", [whole(kept.0)?])?;
@@ -66,8 +91,11 @@ pub(super) fn check(connection: &Connection, mut say: impl FnMut(String)) -> Res
     let mut entry = entries.next()?;
     let mut statement = connection.prepare("SELECT last, digest FROM pages ORDER BY last")?;
     let mut pages = statement.query([])?;
-    let mut before = NOTHING;
+    let mut before = anchor(connection)?;
     while let Some(kept) = pages.next()?.map(head).transpose()? {
+        if kept.seq <= before.seq {
+            continue;
+        }
         let mut page = OpenPage::after(&before);
         while let Some(row) = entry
             && place(row) <= kept.seq

@@ -6,9 +6,9 @@ use rusqlite::types::Value;
 
 use super::fault::{ALL, Fault, Then, count, one_line};
 use super::folder::Folder;
-use super::photos::Pictures;
+use super::photos::PICTURES;
 use super::rows::{self, EntryFilter};
-use super::{chain, head, marker, project, recall, schema};
+use super::{archive_file, chain, head, marker, project, recall, schema};
 use crate::api::journal::Picture;
 use crate::runtime::archive::Head;
 use hallsweep_core::units::Seq;
@@ -41,10 +41,11 @@ impl Findings {
 pub(super) fn check(connection: &Connection, folder: &Folder) -> Result<Findings, Fault> {
     let mut findings = Findings::default();
     // Before the journal, which may have grown by then, but is never behind it.
-    let head = head::read(folder);
+    let head = if folder.is_archive() { None } else { Some(head::read(folder)) };
     let moment = connection.unchecked_transaction()?;
     structure(&moment, &mut findings)?;
     if findings.faults.is_empty() {
+        as_made(&moment, folder, &mut findings)?;
         let (anew, unclear) = entries(&moment, folder, &mut findings)?;
         if unclear {
             findings.notes.push(advice(folder));
@@ -57,7 +58,9 @@ pub(super) fn check(connection: &Connection, folder: &Folder) -> Result<Findings
         pictures(&moment, folder, &mut findings)?;
         if schema::format(&moment)? == schema::Format::Current {
             chain::check(&moment, |words| findings.fault(words))?;
-            end(&moment, head, folder, &mut findings);
+            if let Some(head) = head {
+                end(&moment, head, folder, &mut findings);
+            }
         } else {
             findings.notes.push("the chain of digests begins when hallsweep is started with this journal".to_owned());
         }
@@ -75,7 +78,7 @@ fn end(connection: &Connection, head: Result<Option<Head>, Fault>, folder: &Fold
     }
 }
 
-/// What SQLite itself finds, and whether its tables are ours.
+/// What SQLite itself finds.
 fn structure(connection: &Connection, findings: &mut Findings) -> Result<(), Fault> {
     let mut statement = connection.prepare(&format!("PRAGMA integrity_check({LISTED})"))?;
     let mut rows = statement.query([])?;
@@ -85,7 +88,12 @@ fn structure(connection: &Connection, findings: &mut Findings) -> Result<(), Fau
             findings.fault(format!("the file is damaged: {}", one_line(&found)));
         }
     }
-    if schema::format(connection)? == schema::Format::Current && tables(connection)? != tables(&empty()?)? {
+    Ok(())
+}
+
+/// Whether its tables, and what belongs to them, are ours.
+fn as_made(connection: &Connection, folder: &Folder, findings: &mut Findings) -> Result<(), Fault> {
+    if schema::format(connection)? == schema::Format::Current && tables(connection)? != tables(&expected(folder)?)? {
         findings.fault("its tables, indices and triggers are not those that hallsweep makes".to_owned());
     }
     Ok(())
@@ -94,6 +102,15 @@ fn structure(connection: &Connection, findings: &mut Findings) -> Result<(), Fau
 fn empty() -> Result<Connection, Fault> {
     let mut empty = Connection::open_in_memory()?;
     schema::bring_up_to_date(&mut empty)?;
+    Ok(empty)
+}
+
+/// What belongs into an empty journal, or into an archive.
+fn expected(folder: &Folder) -> Result<Connection, Fault> {
+    let empty = empty()?;
+    if folder.is_archive() {
+        empty.execute_batch(PICTURES)?;
+    }
     Ok(empty)
 }
 
@@ -106,7 +123,7 @@ fn tables(connection: &Connection) -> Result<std::collections::BTreeSet<String>,
 fn entries(connection: &Connection, folder: &Folder, findings: &mut Findings) -> Result<(Connection, bool), Fault> {
     let losses = losses(connection)?;
     let anew = empty()?;
-    let (mut before, mut unclear) = (Seq(0), false);
+    let (mut before, mut unclear) = (begins_behind(connection, folder, findings)?, false);
     rows::each(connection, EntryFilter::default(), |_, line| {
         findings.entries += 1;
         let line = match line {
@@ -125,6 +142,31 @@ fn entries(connection: &Connection, folder: &Folder, findings: &mut Findings) ->
         project::project(&anew, &line)
     })?;
     Ok((anew, unclear))
+}
+
+/// The entry behind which the journal begins, where what stood before is in an archive.
+fn begins_behind(connection: &Connection, folder: &Folder, findings: &mut Findings) -> Result<Seq, Fault> {
+    if schema::format(connection)? != schema::Format::Current {
+        return Ok(Seq(0));
+    }
+    let anchor = chain::anchor(connection)?;
+    if anchor.seq == Seq(0) || rows::first(connection)? != Some(anchor.seq.next()) {
+        return Ok(Seq(0));
+    }
+    let digest = anchor.hex();
+    if folder.is_archive() {
+        findings.notes.push(format!("it begins behind entry {}, whose page has the digest {digest}", anchor.seq));
+    } else if let Some(record) = archive_file::record_of(connection, anchor.seq)? {
+        findings.notes.push(format!(
+            "entries 1 to {} are in archives, the last of them {} (SHA-256 {}), up to a page with the digest {digest}: \
+             `hallsweep journal check --archive FILE` holds them against the journal",
+            anchor.seq, record.file, record.digest
+        ));
+    } else {
+        // That something stands before it is no reason for it not to be there.
+        return Ok(Seq(0));
+    }
+    Ok(anchor.seq)
 }
 
 /// What to do about entries that cannot be understood, so that nothing sound is lost. The tables are not held against the entries
@@ -191,7 +233,7 @@ fn rows_of(connection: &Connection, table: &str) -> Result<std::collections::BTr
 fn pictures(connection: &Connection, folder: &Folder, findings: &mut Findings) -> Result<(), Fault> {
     let mut statement = connection.prepare("SELECT digest, media_type FROM photos")?;
     let pictures = statement.query_map([], |row| Ok(Picture { digest: row.get(0)?, media_type: row.get(1)? }))?;
-    let kept = Pictures::Files(folder);
+    let kept = folder.pictures();
     for picture in pictures {
         let picture = picture?;
         findings.photos += 1;

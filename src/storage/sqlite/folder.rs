@@ -13,13 +13,17 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::fault::Fault;
+use super::photos::Pictures;
 use crate::api::journal::Picture;
 use crate::storage::files;
 use crate::storage::small_file::SmallFile;
 
-/// The folder, which may not be there yet.
+/// The folder, which may not be there yet; or an archive, which is one file and is only read: see `archive_file`.
 #[derive(Clone, Debug)]
-pub(super) struct Folder(PathBuf);
+pub(super) struct Folder {
+    path: PathBuf,
+    is_archive: bool,
+}
 
 /// As long as this lives no other hallsweep writes into the folder; the system ends it with the program, however that ends.
 #[derive(Debug)]
@@ -43,27 +47,37 @@ impl Lock {
 
 impl Folder {
     pub(super) fn new(path: &Path) -> Folder {
-        Folder(path.to_owned())
+        Folder { path: path.to_owned(), is_archive: path.is_file() }
+    }
+
+    /// Whether it is an archive.
+    pub(super) fn is_archive(&self) -> bool {
+        self.is_archive
+    }
+
+    /// Where its photos are.
+    pub(super) fn pictures(&self) -> Pictures<'_> {
+        if self.is_archive { Pictures::Table } else { Pictures::Files(self) }
     }
 
     pub(super) fn path(&self) -> &Path {
-        &self.0
+        &self.path
     }
 
     pub(super) fn journal(&self) -> PathBuf {
-        self.0.join("journal.db")
+        if self.is_archive { self.path.clone() } else { self.path.join("journal.db") }
     }
 
     pub(super) fn write_ahead_log(&self) -> PathBuf {
-        self.0.join("journal.db-wal")
+        self.path.join("journal.db-wal")
     }
 
     pub(super) fn marker(&self) -> SmallFile {
-        SmallFile::within(&self.0, "journal.lost")
+        SmallFile::within(&self.path, "journal.lost")
     }
 
     pub(super) fn head(&self) -> SmallFile {
-        SmallFile::within(&self.0, "journal.head")
+        SmallFile::within(&self.path, "journal.head")
     }
 
     /// Where a photo is, whether or not it is there.
@@ -73,7 +87,7 @@ impl Folder {
     }
 
     pub(super) fn photos(&self) -> PathBuf {
-        self.0.join("photos")
+        self.path.join("photos")
     }
 
     /// Whether there is a journal: a file that is not empty. What cannot be looked at may be one.
@@ -112,7 +126,7 @@ impl Folder {
 
     fn check_plain(&self, names: &[&'static str]) -> Result<(), Fault> {
         let unusable = |name: &'static str| move |error: io::Error| Fault::Unusable(name, error.to_string());
-        names.iter().try_for_each(|name| files::check_plain(&self.0.join(name)).map_err(unusable(name)))
+        names.iter().try_for_each(|name| files::check_plain(&self.path.join(name)).map_err(unusable(name)))
     }
 
     /// SQLite passes over a log that does not begin like one, and would write over the entries in it.
@@ -129,7 +143,7 @@ impl Folder {
 
     /// Which file the lock is just now; `None` when there is none.
     pub(super) fn lock_identity(&self) -> Option<Identity> {
-        std::fs::metadata(self.0.join("journal.lock")).ok().map(|file| identity(&file))
+        std::fs::metadata(self.path.join("journal.lock")).ok().map(|file| identity(&file))
     }
 
     /// Creates what is not there yet: the folder for its owner alone, and an empty file for the journal, likewise. SQLite gives
@@ -139,21 +153,21 @@ impl Folder {
         if !self.journal().exists() {
             files::open(&self.journal(), File::options().write(true).create_new(true))?.sync_all()?;
         }
-        files::sync_folder(&self.0)?;
+        files::sync_folder(&self.path)?;
         Ok(())
     }
 
     pub(super) fn create_path(&self) -> Result<(), Fault> {
-        if !self.0.is_dir() {
-            files::make_folder(&self.0)?;
-            sync_parent(&self.0)?;
+        if !self.path.is_dir() {
+            files::make_folder(&self.path)?;
+            sync_parent(&self.path)?;
         }
         Ok(())
     }
 
     /// Proves that so many bytes can be written to the folder and flushed.
     pub(super) fn prove_room(&self, bytes: usize) -> Result<(), Fault> {
-        let path = self.0.join("room.unfinished");
+        let path = self.path.join("room.unfinished");
         // One that a kill left behind, or a pipe that somebody put there, is none of anybody's.
         let _ = std::fs::remove_file(&path);
         let written = files::open(&path, File::options().write(true).create_new(true)).and_then(|mut file| {
@@ -167,7 +181,7 @@ impl Folder {
 
     /// Takes the folder for this program alone. Without that nothing may be written there.
     pub(super) fn lock(&self) -> Result<Lock, Fault> {
-        let path = self.0.join("journal.lock");
+        let path = self.path.join("journal.lock");
         files::check_plain(&path)?;
         let opened = files::open(&path, File::options().read(true).write(true).create(true).truncate(false));
         // Where nothing can be written, a lock that is there can still be held.

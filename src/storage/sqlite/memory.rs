@@ -10,7 +10,7 @@ use tokio::sync::watch;
 
 use super::archive::SqliteArchive;
 use super::fault::{Fault, Then, whole};
-use super::photos::Pictures;
+use super::photos::{PICTURES, Pictures};
 use super::{connect, pages, recall, schema};
 use crate::api::journal;
 use crate::runtime::archive::{Archive, Sound};
@@ -35,10 +35,8 @@ const RECORDS: u64 = 16_384;
 /// How many missions are kept, the present one included: a year's on a quiet airport, at some 100 KB for the map of each.
 const MISSIONS: u64 = 256;
 
-/// What a journal in memory has beside the tables of `schema`: the photos, for which there is no folder, and what stood at the end
-/// of each mission, whose entries may be gone.
+/// What a journal in memory has beside the tables of `schema` and its photos: what stood at the end of each mission, whose entries may be gone.
 const TABLES: &str = "
-    CREATE TABLE pictures (digest TEXT PRIMARY KEY, content BLOB NOT NULL) STRICT;
     CREATE TABLE ended (mission INTEGER PRIMARY KEY, standing TEXT NOT NULL) STRICT;
     CREATE INDEX photographed ON luggage (id, photo) WHERE photo IS NOT NULL;
     CREATE INDEX luggage_of_photo ON luggage (photo) WHERE photo IS NOT NULL;";
@@ -196,6 +194,7 @@ fn empty() -> Result<Connection, Fault> {
     // Nor is anything put into a file beside it while it sorts.
     connection.pragma_update(None, "temp_store", "MEMORY")?;
     schema::bring_up_to_date(&mut connection)?;
+    connection.execute_batch(PICTURES)?;
     connection.execute_batch(TABLES)?;
     Ok(connection)
 }

@@ -11,6 +11,7 @@
 //! never written over, renamed or deleted.
 
 mod archive;
+mod archive_file;
 mod chain;
 mod check;
 mod connect;
@@ -41,6 +42,7 @@ use std::sync::mpsc::{self, Receiver, Sender, SyncSender, TrySendError};
 use tokio::sync::watch;
 
 use self::archive::SqliteArchive;
+pub use self::archive_file::{Archived, unpack, write_out, write_out_within};
 pub use self::check::Findings;
 use self::fault::{Fault, Then};
 use self::folder::Folder;

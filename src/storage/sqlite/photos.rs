@@ -24,10 +24,13 @@ const LARGEST: usize = 64 * 1024 * 1024;
 /// What a photo of a type that this version does not know is called.
 const OTHER: &str = "application/octet-stream";
 
+/// The photos of a journal that has no folder.
+pub(super) const PICTURES: &str = "CREATE TABLE pictures (digest TEXT PRIMARY KEY, content BLOB NOT NULL) STRICT;";
+
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Pictures<'a> {
     Files(&'a Folder),
-    /// In the table `pictures` of a journal in memory.
+    /// In the table `pictures` of a journal in memory, or of an archive.
     Table,
 }
 
@@ -93,6 +96,6 @@ fn holds(path: &Path, bytes: &[u8]) -> bool {
     files::read(path, bytes.len()).is_ok_and(|there| there == bytes)
 }
 
-fn digest(bytes: &[u8]) -> String {
+pub(super) fn digest(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }

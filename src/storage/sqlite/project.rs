@@ -29,6 +29,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
         Fact::ProgramStarted(_)
         | Fact::Conditions(_)
         | Fact::ProgramEnded(_)
+        | Fact::WrittenOut(_)
         | Fact::Command { .. }
         | Fact::Holds(_)
         | Fact::Epoch(_)

@@ -1,7 +1,7 @@
 //! The journal for whoever only looks at it, as the command `hallsweep journal` does, beside a running program or without one.
 //! What the doors ask for stands in `archive`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use rusqlite::{Connection, TransactionBehavior};
@@ -11,7 +11,7 @@ use super::check::{self, Findings};
 use super::fault::{Fault, Then};
 use super::folder::Folder;
 use super::rows::{self, EntryFilter};
-use super::{connect, marker, project};
+use super::{archive_file, connect, marker, project};
 use crate::api::journal::Line;
 use crate::runtime::archive::{Archive, Unreadable};
 use hallsweep_core::units::{MissionId, Seq};
@@ -56,8 +56,15 @@ impl Reading {
 
     /// The same journal for whoever asks about missions; and up to which entry, where everything after it was said to be lost.
     pub fn archive(&self) -> Result<(Arc<dyn Archive>, Option<Seq>), Unreadable> {
-        let lost_after = marker::read(&self.folder).map_err(|fault| unreadable(&self.folder, &fault))?;
+        let lost_after = if self.folder.is_archive() { Ok(None) } else { marker::read(&self.folder) };
+        let lost_after = lost_after.map_err(|fault| unreadable(&self.folder, &fault))?;
         Ok((Arc::new(SqliteArchive::new(self.folder.clone())), lost_after))
+    }
+
+    /// What is wrong between the journal and these archives of it, a sentence each; nothing, when each is as it was written out and they follow
+    /// on one another.
+    pub fn check_archives(&self, archives: &[PathBuf]) -> Result<Vec<String>, Unreadable> {
+        archive_file::held_together(&self.connection, archives)
     }
 
     pub fn check(&self) -> Result<Findings, Unreadable> {
@@ -70,6 +77,9 @@ pub fn rebuild(path: &Path) -> Result<u64, Unreadable> {
     let folder = Folder::new(path);
     // Who is not there is not created.
     drop(Reading::open(path)?);
+    if folder.is_archive() {
+        return Err(Unreadable(format!("{} is an archive, which is only read", path.display())));
+    }
     let rebuilt = || {
         let lock = folder.lock()?;
         let mut connection = connect::writer(&folder)?;

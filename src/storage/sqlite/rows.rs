@@ -43,6 +43,8 @@ pub(super) enum Kinds {
     Timeline,
     /// Only those that say what people did and what was found.
     Told,
+    /// Only those about archives.
+    WrittenOut,
     /// Only temperatures.
     Temperatures,
     /// Only those from which the way behind the robot follows: where it stood, and where a way begins anew.
@@ -66,6 +68,7 @@ impl Kinds {
                 "kind IN ('command', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'verdict', 'alarmRaised',
                  'alarmAcknowledged', 'programEnded')",
             ),
+            Kinds::WrittenOut => Some("kind = 'writtenOut'"),
             Kinds::Temperatures => Some("kind = 'temperature'"),
             Kinds::Way => Some("kind IN ('pose', 'programStarted', 'missionBegan', 'mapEmptied', 'strategy')"),
         }

@@ -53,7 +53,7 @@ fn migrate(transaction: &Transaction<'_>, from: usize) -> Result<(), Fault> {
     for migration in MIGRATIONS.iter().skip(from) {
         transaction.execute_batch(migration)?;
     }
-    chain::close_page(transaction)?;
+    chain::close_old_pages(transaction)?;
     transaction.pragma_update(None, "application_id", APPLICATION)?;
     Ok(transaction.pragma_update(None, "user_version", FORMAT)?)
 }

@@ -1,5 +1,6 @@
 //! The store on disk, asked through its ports, and what is found on the disk itself.
 
+mod archives;
 mod chain;
 mod crash;
 mod faults;

@@ -5,7 +5,7 @@ use std::fmt::Display;
 
 use super::{Hold, Phase, Stage};
 use crate::command::Refusal;
-use crate::effect::Fact;
+use crate::effect::{Fact, WrittenOut};
 use crate::state::{Conditions, Retrieval, RetrievalStage, Venue};
 use crate::units::LuggageId;
 use crate::world::hall_map::Mark;
@@ -21,6 +21,9 @@ fn said(fact: &Fact) -> String {
     match fact {
         Fact::ProgramStarted(version) => format!("program started, version {version}"),
         Fact::ProgramEnded(by) => format!("program ended by {by}"),
+        Fact::WrittenOut(WrittenOut { missions: (first, last), until, file, digest }) => {
+            format!("missions {first} to {last}, entries up to {until}, are in the archive {file} alone, SHA-256 {digest}")
+        }
         Fact::Conditions(Conditions { venue: Venue { name, cell_m }, threshold }) => {
             let cells = cell_m.map_or_else(String::new, |side| format!(", cells of {side} m"));
             format!("hall: {name}{cells}, too hot above {threshold}")

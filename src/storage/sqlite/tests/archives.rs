@@ -1,0 +1,251 @@
+//! Archives: what is written out is all there, what stays is as it was, nothing goes that was not written out, and each change is named.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use proptest::prelude::*;
+
+use super::super::{Archived, Reading, unpack, write_out};
+use super::testing::*;
+use crate::api::journal;
+use crate::runtime::archive::{At, Moment, Unreadable};
+use hallsweep_core::command::Verdict;
+use hallsweep_core::effect::Fact;
+use hallsweep_core::search::Strategy as Order;
+use hallsweep_core::state::PersistentState;
+use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
+
+/// The missions of the tests end at noon.
+const NOON: WallTime = at_noon_exactly();
+const LATER: WallTime = WallTime { unix_ms: NOON.unix_ms + 1, ..NOON };
+
+const fn at_noon_exactly() -> WallTime {
+    WallTime { unix_ms: 1_770_000_000_000, offset_s: 3600 }
+}
+
+/// As the core ends a mission: with all that stands, in the same page.
+fn end(mission: u64) -> Vec<Fact> {
+    let mut state = PersistentState::first(Order::Snail);
+    state.mission = MissionId(mission);
+    state.last_luggage = LuggageId(mission);
+    [archive(mission), vec![Fact::State(Box::new(state))]].concat()
+}
+
+/// A mission with a piece, photographed and found safe.
+fn play(scribe: &mut Scribe, mission: u64, picture: &str) {
+    scribe.keep(begin(mission));
+    scribe.keep(vec![found(mission, Some(photo(picture))), inspecting(mission)]);
+    scribe.keep(vec![verdict(mission, Verdict::Safe), wall(2, 3)]);
+}
+
+/// Three missions that are over and a fourth that goes on; the first and the last have the same photo.
+fn some_missions() -> Scratch {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    for (mission, picture) in [(1, "bag"), (2, "box"), (3, "crate")] {
+        play(&mut scribe, mission, picture);
+        scribe.keep(end(mission));
+    }
+    play(&mut scribe, 4, "bag");
+    scratch
+}
+
+fn file(scratch: &Scratch, name: &str) -> PathBuf {
+    scratch.data().with_file_name(name)
+}
+
+fn write(scratch: &Scratch, before: WallTime, name: &str) -> Result<Option<Archived>, Unreadable> {
+    write_out(&scratch.data(), before, LATER, |_, _| file(scratch, name))
+}
+
+/// Every entry of a journal or archive, as JSON.
+fn lines(path: &Path) -> Vec<String> {
+    let mut lines = Vec::new();
+    Reading::open(path)
+        .unwrap()
+        .lines(None, None, |_, line| {
+            lines.push(journal::line(&line.unwrap()));
+            true
+        })
+        .unwrap();
+    lines
+}
+
+/// What is shown of a mission: its end, every moment of it, its photos.
+fn shown(archive: &dyn crate::runtime::archive::Archive, mission: u64) -> (Option<PersistentState>, Vec<Vec<Moment>>, Vec<bool>) {
+    let id = MissionId(mission);
+    let entries = archive.entries(id, Seq(0), 1000).unwrap();
+    let mut moments: Vec<Vec<Moment>> = entries.iter().map(|(seq, _)| archive.moments(id, &[At::Entry(*seq)]).unwrap()).collect();
+    // The log of a moment goes back beyond the mission, as far as there is something.
+    moments.iter_mut().flatten().for_each(|moment| moment.past.of.latest.clear());
+    let photos = vec![archive.photo(LuggageId(mission)).unwrap().is_some()];
+    (archive.state(id).unwrap().map(|sound| sound.of), moments, photos)
+}
+
+fn archive_of(path: &Path) -> Arc<dyn crate::runtime::archive::Archive> {
+    Reading::open(path).unwrap().archive().unwrap().0
+}
+
+fn faults(path: &Path) -> Vec<String> {
+    Reading::open(path).and_then(|reading| reading.check()).map_or_else(|unreadable| vec![unreadable.0], |found| found.faults)
+}
+
+#[test]
+fn what_is_written_out_is_all_there_and_what_stays_is_as_it_was() {
+    let scratch = some_missions();
+    let before = lines(&scratch.data());
+    let (journal, recalled) = (archive_of(&scratch.data()), scratch.open().recalled.unwrap());
+    let seen: Vec<_> = (1..=4).map(|mission| shown(&*journal, mission)).collect();
+    let head = journal.head(MissionId(2), Seq(u64::MAX)).unwrap();
+
+    let archived = write(&scratch, LATER, "old").unwrap().expect("three are over");
+    assert_eq!((archived.what.missions, archived.photos), ((MissionId(1), MissionId(3)), 3));
+    let old = file(&scratch, "old");
+    assert_eq!(faults(&old), Vec::<String>::new());
+    assert_eq!(lines(&old), before[..usize::try_from(archived.last.seq.0).unwrap()]);
+    let in_it = archive_of(&old);
+    for mission in 1..=3 {
+        assert!(shown(&*in_it, mission) == seen[mission as usize - 1], "mission {mission} in the archive");
+    }
+    assert_eq!(in_it.head(MissionId(2), Seq(u64::MAX)).unwrap(), head, "a report of it names the same head");
+
+    check_finds(&scratch, &[]);
+    let after = lines(&scratch.data());
+    let gone = usize::try_from(archived.what.until.0).unwrap();
+    assert_eq!(after[..after.len() - 1], before[gone..]);
+    assert!(after.last().is_some_and(|last| last.contains("\"kind\":\"writtenOut\"") && last.contains(&archived.what.digest)));
+    assert!(shown(&*archive_of(&scratch.data()), 4) == seen[3], "the one that goes on");
+    let again = scratch.open().recalled.unwrap();
+    assert_eq!((again.state, again.written), (recalled.state, recalled.written.next()));
+    let ids: Vec<u64> = journal.missions(None, 9).unwrap().iter().map(|record| record.id.0).collect();
+    assert_eq!(ids, [4]);
+    let photos = bytes(&scratch.data().join("photos"));
+    assert_eq!(photos.iter().map(|(_, bytes)| bytes.clone()).collect::<Vec<_>>(), [b"bag".to_vec()], "which mission 4 has too");
+
+    let mut scribe = Scribe::new(scratch.open());
+    scribe.keep(end(4));
+    play(&mut scribe, 5, "trunk");
+    drop(scribe);
+    check_finds(&scratch, &[]);
+}
+
+#[test]
+fn nothing_is_changed_where_nothing_is_old_or_the_file_cannot_be_written_or_the_journal_is_not_sound() {
+    let scratch = some_missions();
+    let before = bytes(&scratch.data());
+    assert_eq!(write(&scratch, NOON, "old").unwrap(), None);
+    std::fs::write(file(&scratch, "there"), "somebody's").unwrap();
+    let Err(Unreadable(words)) = write(&scratch, LATER, "there") else { panic!("it was written over") };
+    assert!(words.contains("there cannot be used"), "{words}");
+    assert!(write(&scratch, LATER, "nowhere/old").is_err());
+    assert_eq!(bytes(&scratch.data()), before);
+
+    let photo = before.iter().find(|(path, _)| path.extension().is_some_and(|end| end == "png")).unwrap();
+    std::fs::write(&photo.0, "another").unwrap();
+    let Err(Unreadable(words)) = write(&scratch, LATER, "old") else { panic!("a photo is not what it was") };
+    assert!(words.contains("is not sound, and stays as it is") && words.contains("photo"), "{words}");
+    std::fs::write(&photo.0, &photo.1).unwrap();
+    assert_eq!(bytes(&scratch.data()), before);
+    assert!(!file(&scratch, "old").exists(), "what was begun of it is gone");
+
+    let Err(Unreadable(words)) = ({
+        let _open = scratch.open();
+        write(&scratch, LATER, "old")
+    }) else {
+        panic!("a program was at it")
+    };
+    assert!(words.contains("another hallsweep uses the folder"), "{words}");
+    rewrite(&scratch, "UPDATE events SET at_ms = at_ms - 1 WHERE seq = 8");
+    let Err(Unreadable(words)) = write(&scratch, LATER, "old") else { panic!("an entry is not what it was") };
+    assert!(words.contains("entries 7 to 8 are not what was kept"), "{words}");
+}
+
+fn held(scratch: &Scratch, archives: &[PathBuf]) -> Vec<String> {
+    Reading::open(&scratch.data()).unwrap().check_archives(archives).unwrap()
+}
+
+#[test]
+fn archives_follow_on_one_another_and_what_is_changed_or_left_out_is_named() {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    play(&mut scribe, 1, "bag");
+    scribe.keep(end(1));
+    play(&mut scribe, 2, "box");
+    drop(scribe);
+    write(&scratch, LATER, "first").unwrap().expect("one is over");
+    let mut scribe = Scribe::new(scratch.open());
+    scribe.keep(end(2));
+    drop(scribe);
+    write(&scratch, LATER, "second").unwrap().expect("one more is over");
+    let [first, second] = ["first", "second"].map(|name| file(&scratch, name));
+    assert_eq!((faults(&first), faults(&second)), (Vec::new(), Vec::new()));
+    for archives in [vec![first.clone(), second.clone()], vec![second.clone(), first.clone()], vec![second.clone()]] {
+        assert_eq!(held(&scratch, &archives), Vec::<String>::new(), "{archives:?}");
+    }
+    check_finds(&scratch, &[]);
+    let left_out = held(&scratch, std::slice::from_ref(&first));
+    assert!(left_out.len() == 1 && left_out[0].contains("another archive stands between them"), "{left_out:?}");
+
+    let sound = std::fs::read(&second).unwrap();
+    for place in [0, 100, 4096, sound.len() / 2, sound.len() - 1] {
+        let mut changed = sound.clone();
+        changed[place] ^= 1;
+        std::fs::write(&second, changed).unwrap();
+        let found = held(&scratch, &[first.clone(), second.clone()]);
+        assert!(found.iter().any(|fault| fault.contains("second")), "{place}: {found:?}");
+    }
+    std::fs::write(&second, &sound).unwrap();
+    let connection = rusqlite::Connection::open(&second).unwrap();
+    connection.execute_batch("DROP TRIGGER events_stay_as_they_are; UPDATE events SET at_ms = 0 WHERE seq = 13").unwrap();
+    drop(connection);
+    let found = held(&scratch, &[first, second]);
+    assert!(found.iter().any(|fault| fault.contains("are not what was kept")), "with the place: {found:?}");
+}
+
+#[test]
+fn an_archive_becomes_a_folder_that_goes_on_by_itself() {
+    let scratch = some_missions();
+    write(&scratch, LATER, "old").unwrap().expect("three are over");
+    let (old, elsewhere) = (file(&scratch, "old"), Scratch::new());
+    let before = std::fs::read(&old).unwrap();
+    assert!(unpack(&old, &elsewhere.data()).is_ok_and(|entries| entries == lines(&old).len() as u64));
+    assert_eq!(lines(&elsewhere.data()), lines(&old));
+    check_finds(&elsewhere, &[]);
+    let (there, here) = (archive_of(&old), elsewhere.open());
+    (1..=3).for_each(|mission| assert!(shown(&*here.archive, mission) == shown(&*there, mission), "{mission}"));
+    let mut scribe = Scribe::new(here);
+    play(&mut scribe, 4, "trunk");
+    drop(scribe);
+    check_finds(&elsewhere, &[]);
+    assert_eq!(std::fs::read(&old).unwrap(), before, "reading changes nothing");
+    for (from, to, words) in [
+        (old.clone(), elsewhere.data(), "is not empty"),
+        (old.clone(), old.clone(), "is not empty"),
+        (scratch.data(), file(&scratch, "new"), "there is no archive"),
+    ] {
+        let Err(Unreadable(said)) = unpack(&from, &to) else { panic!("{words}") };
+        assert!(said.contains(words), "{said}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+
+    /// Beside the journal, which has its digest.
+    #[test]
+    fn any_byte_of_an_archive_that_is_changed_is_named(place in any::<prop::sample::Index>(), change in 1_u8..) {
+        static KEPT: std::sync::LazyLock<(Scratch, Vec<u8>)> = std::sync::LazyLock::new(|| {
+            let scratch = some_missions();
+            write(&scratch, LATER, "old").unwrap().expect("three are over");
+            let bytes = std::fs::read(file(&scratch, "old")).unwrap();
+            (scratch, bytes)
+        });
+        let (scratch, bytes) = &*KEPT;
+        let (mut changed, place) = (bytes.clone(), place.index(bytes.len()));
+        changed[place] ^= change;
+        let path = file(scratch, &format!("changed-{place}-{change}"));
+        std::fs::write(&path, changed).unwrap();
+        let found = Reading::open(&scratch.data()).unwrap().check_archives(std::slice::from_ref(&path));
+        prop_assert!(found.as_ref().map_or(true, |faults| !faults.is_empty()), "{place}: {found:?}");
+    }
+}
