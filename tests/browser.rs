@@ -219,6 +219,11 @@ fn without_scripts_a_mission_is_looked_at_again_entry_by_entry() {
 }
 
 #[test]
+fn the_report_of_a_mission_is_saved_from_its_page_and_prints_by_itself() {
+    play("report", &["--hall", "airport", "--speed", "max"]);
+}
+
+#[test]
 fn the_hall_is_looked_at_from_near_and_a_free_cell_offers_the_way_there() {
     play("lens", &["--hall", "airport", "--speed", "20"]);
 }

@@ -25,7 +25,7 @@ async function check(page, where, found) {
 }
 
 /** What axe finds, on every screen and in both schemes. */
-async function checkOne(page, where, found) {
+export async function checkOne(page, where, found) {
   for (const colorScheme of ['light', 'dark']) {
     await page.emulateMedia({ colorScheme });
     for (const [width, height] of SCREENS) {

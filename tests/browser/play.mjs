@@ -1,5 +1,5 @@
 // Plays one scenario: `node play.mjs SCENARIO URL CHROMIUM SHOTS`. Exit code 0 when a person would have been content.
-// The scenarios are in scenarios.mjs, that in Italian in italian.mjs, those of large halls in large.mjs, those about STOP and the keyboard in always.mjs, those of the laboratory, of the retrieval, of
+// The scenarios are in scenarios.mjs, that in Italian in italian.mjs, those of large halls in large.mjs, that of the report in report.mjs, those about STOP and the keyboard in always.mjs, those of the laboratory, of the retrieval, of
 // the line of time, of the moment of the verdict and of the simulator in laboratory.mjs, retrieval.mjs, time.mjs, verdicts.mjs and
 // simulator.mjs; here a browser is opened, watched for what no page may do, and closed.
 
@@ -12,6 +12,7 @@ import * as italian from './italian.mjs';
 import * as laboratory from './laboratory.mjs';
 import * as large from './large.mjs';
 import { relay } from './relay.mjs';
+import * as report from './report.mjs';
 import * as retrieval from './retrieval.mjs';
 import * as missions from './scenarios.mjs';
 import * as time from './time.mjs';
@@ -19,7 +20,7 @@ import * as simulator from './simulator.mjs';
 import * as verdicts from './verdicts.mjs';
 
 const [name, url, executablePath, shots] = process.argv.slice(2);
-const scenario = { ...missions, ...access, ...always, ...italian, ...laboratory, ...large, ...retrieval, ...time, ...verdicts, ...simulator }[name];
+const scenario = { ...missions, ...access, ...always, ...italian, ...laboratory, ...large, ...report, ...retrieval, ...time, ...verdicts, ...simulator }[name];
 const patience = 60_000;
 
 const lines = createInterface({ input: process.stdin })[Symbol.asyncIterator]();

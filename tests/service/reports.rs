@@ -1,6 +1,7 @@
 //! A report of a mission is what the journal has of it: the same by every way, and held against the journal later, a change of either is named.
 
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::journal::{journal, serve};
@@ -19,6 +20,13 @@ fn saved(folder: &Folder, name: &str, page: &[u8]) -> PathBuf {
     let path = PathBuf::from(format!("{}-{name}", folder.text()));
     fs::write(&path, page).expect("it can be written");
     path
+}
+
+/// What was packed with gzip.
+fn unpacked(bytes: &[u8]) -> Vec<u8> {
+    let mut unpacked = Vec::new();
+    flate2::read::GzDecoder::new(bytes).read_to_end(&mut unpacked).expect("it is whole");
+    unpacked
 }
 
 fn confirmed(folder: &Folder, report: &Path) -> (bool, String) {
@@ -73,6 +81,9 @@ fn a_report_is_the_same_by_every_way_and_is_confirmed_while_the_journal_grows() 
         assert!(answer.body == page, "over HTTP and by the command");
         kept.push(saved(&folder, &format!("{language}.html"), &page));
     }
+    let packed = program.read("/missions/1/report?language=en", &[("accept-encoding", "gzip")]);
+    assert_eq!(packed.header("content-encoding"), "gzip");
+    assert!(unpacked(&packed.body) == fs::read(&kept[1]).expect("it was saved"), "packed, to its end");
     let by_browser = program.read("/missions/1/report", &[("accept-language", "it")]);
     assert!(by_browser.body == fs::read(&kept[2]).expect("it was saved"), "in the language of whoever asks");
 

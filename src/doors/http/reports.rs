@@ -9,7 +9,7 @@ use axum::body::{Body, Bytes};
 use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use futures_util::stream;
+use futures_util::{StreamExt, stream};
 use tokio::sync::mpsc;
 
 use super::HttpDoor;
@@ -129,14 +129,16 @@ async fn send(
 /// What is written, as it comes, until time is over.
 fn body(written: mpsc::Receiver<io::Result<Bytes>>) -> Body {
     let until = Box::pin(tokio::time::sleep(PATIENCE));
-    Body::from_stream(stream::unfold((written, until), |(mut written, mut until)| async move {
+    let parts = stream::unfold((written, until), |(mut written, mut until)| async move {
         let part = tokio::select! {
             biased;
             () = &mut until => Some(Err(io::ErrorKind::TimedOut.into())),
             part = written.recv() => part,
         };
         part.map(|part| (part, (written, until)))
-    }))
+    });
+    // Who compresses it asks once more behind its end.
+    Body::from_stream(parts.fuse())
 }
 
 /// The end into which is written; it fails when the other is gone.
