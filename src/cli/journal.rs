@@ -147,6 +147,8 @@ fn day(text: &str) -> Result<WallTime, String> {
 }
 
 fn write_out(folder: &Path, before: WallTime, file: &Path) -> Result<(), Failure> {
+    // Where there is no journal none is begun.
+    drop(Reading::open(folder)?);
     let now = Clock::default().now().wall;
     let Some(archived) = sqlite::write_out(folder, before, now, |_, _| file.to_owned())? else {
         return Err(Failure::Run("no mission was put away before that day: nothing is changed".to_owned()));

@@ -41,11 +41,11 @@ pub struct Archived {
 }
 
 /// What goes into an archive.
-struct Plan {
-    missions: (MissionId, MissionId),
+pub(super) struct Plan {
+    pub(super) missions: (MissionId, MissionId),
     /// The last entry that leaves the journal, and the last that is written out.
-    gone: Seq,
-    last: Seq,
+    pub(super) gone: Seq,
+    pub(super) last: Seq,
 }
 
 /// Writes out all missions that were put away before `before`, oldest first and without a gap, into a new file, and takes them out of the journal.
@@ -217,7 +217,7 @@ fn sound(folder: &Folder) -> Result<Connection, Unreadable> {
 }
 
 /// What may go: up to the page with which the last of the old missions ends, as long as everything that stands follows on it.
-fn plan(journal: &Connection, before: WallTime) -> Result<Option<Plan>, Fault> {
+pub(super) fn plan(journal: &Connection, before: WallTime) -> Result<Option<Plan>, Fault> {
     let sql = "SELECT id, archived_seq FROM missions ORDER BY id";
     let mut statement = journal.prepare(sql)?;
     let missions = statement.query_map([], |row| Ok((row.get::<_, i64>(0)?, row.get::<_, Option<i64>>(1)?)))?;
@@ -300,7 +300,7 @@ fn copy(
 }
 
 /// Reads the file again; what is on record of it when it is sound and ends with the page that the journal has there.
-fn checked(journal: &Connection, plan: &Plan, file: &Path) -> Result<Archived, Unreadable> {
+pub(super) fn checked(journal: &Connection, plan: &Plan, file: &Path) -> Result<Archived, Unreadable> {
     let archive = sound(&Folder::new(file))?;
     let of = |connection: &Connection| chain::page_of(connection, plan.last).map_err(|fault| refused(file, &fault));
     let (last, there) = (of(journal)?, of(&archive)?);

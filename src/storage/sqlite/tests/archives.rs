@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use proptest::prelude::*;
 
-use super::super::{Archived, Reading, unpack, write_out};
+use super::super::folder::Folder;
+use super::super::{Archived, Reading, archive_file, connect, unpack, write_out};
 use super::testing::*;
 use crate::api::journal;
 use crate::runtime::archive::{At, Moment, Unreadable};
@@ -56,6 +57,42 @@ fn file(scratch: &Scratch, name: &str) -> PathBuf {
 
 fn write(scratch: &Scratch, before: WallTime, name: &str) -> Result<Option<Archived>, Unreadable> {
     write_out(&scratch.data(), before, LATER, |_, _| file(scratch, name))
+}
+
+/// What stands afterwards must follow from what stays.
+#[test]
+fn a_mission_behind_which_it_was_not_said_what_stands_goes_with_the_next_that_has_it() {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    play(&mut scribe, 1, "bag");
+    scribe.keep(archive(1));
+    play(&mut scribe, 2, "box");
+    drop(scribe);
+    let before = bytes(&scratch.data());
+    assert_eq!(write(&scratch, LATER, "old").unwrap(), None);
+    assert_eq!(bytes(&scratch.data()), before);
+    let mut scribe = Scribe::new(scratch.open());
+    scribe.keep(end(2));
+    drop(scribe);
+    let archived = write(&scratch, LATER, "old").unwrap().expect("now it is said");
+    assert_eq!(archived.what.missions, (MissionId(1), MissionId(2)));
+    check_finds(&scratch, &[]);
+}
+
+/// Sound in itself is not enough: it must be what the journal holds.
+#[test]
+fn an_archive_of_something_else_is_not_taken_for_one_of_this_journal() {
+    let (one, other) = (Scratch::new(), Scratch::new());
+    for (scratch, picture) in [(&one, "bag"), (&other, "box")] {
+        let mut scribe = Scribe::new(scratch.open());
+        play(&mut scribe, 1, picture);
+        scribe.keep(end(1));
+    }
+    let journal = connect::writer(&Folder::new(&one.data())).unwrap();
+    let plan = archive_file::plan(&journal, LATER).unwrap().expect("one is over");
+    write(&other, LATER, "old").unwrap().expect("one is over");
+    let Err(Unreadable(words)) = archive_file::checked(&journal, &plan, &file(&other, "old")) else { panic!("it is another") };
+    assert!(words.contains("does not hold what the journal does"), "{words}");
 }
 
 /// Every entry of a journal or archive, as JSON.
