@@ -103,7 +103,7 @@ pub(super) fn open(asked: &Folder) -> Result<Reading, Failure> {
     Ok(Reading::open(&folder(asked)?)?)
 }
 
-fn folder(asked: &Folder) -> Result<PathBuf, Failure> {
+pub(super) fn folder(asked: &Folder) -> Result<PathBuf, Failure> {
     let folder = super::settings(&asked.sources(None))?.store;
     folder.ok_or_else(|| {
         Failure::Run("the setting store.folder says none, so nothing is kept: name a folder with --data".to_owned())

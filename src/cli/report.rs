@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use super::output_file::{OutputFile, unwritable};
+use super::output_file::{OutputFile, distinct, unwritable};
 use super::{Failure, Folder};
 use crate::phrases::Language;
 use crate::report::{self, Claim, Comparison, EDITION, Report, list};
 use crate::runtime::archive::Archive;
-use crate::storage::sqlite::Reading;
+use crate::storage::sqlite::{self, Reading};
 use hallsweep_core::units::{MissionId, Seq};
 
 /// Which report, and where it goes.
@@ -59,6 +59,12 @@ pub fn run(asked: &Reported) -> Result<(), Failure> {
     let Some(path) = &asked.output else {
         return written(asked, &*archive, until, &mut BufWriter::new(io::stdout().lock()), Path::new("standard output"));
     };
+    let data = super::journal::folder(&asked.folder)?;
+    distinct([&*data], [&**path])?;
+    if sqlite::is_within(&data, path) {
+        let words = "would lie among the files of the data folder: name one elsewhere";
+        return Err(Failure::Usage(format!("{} {words}", path.display())));
+    }
     OutputFile::open(path)?.fill(|file| written(asked, &*archive, until, &mut BufWriter::new(file), path))
 }
 

@@ -13,7 +13,8 @@ const DAMAGES: usize = 100;
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tally {
-    /// The first and the last entry, and when they were written.
+    seen: Option<Seq>,
+    /// The first and the last entry that can be understood, and when they were written.
     pub(super) first: Option<(Seq, WallTime)>,
     pub(super) last: Option<(Seq, WallTime)>,
     /// The entry that put it away.
@@ -39,6 +40,7 @@ impl Tally {
     pub(super) fn of(archive: &dyn Archive, mission: MissionId, until: Seq) -> Result<Tally, Unreadable> {
         let mut tally = Tally::default();
         let counted = each(archive, mission, until, |seq, entry| {
+            tally.seen = Some(seq);
             match entry {
                 Ok(entry) => tally.count(seq, entry),
                 Err(Unreadable(why)) if tally.damage.len() < DAMAGES => tally.damage.push(why.clone()),
@@ -53,9 +55,9 @@ impl Tally {
         }
     }
 
-    /// The last entry.
+    /// The last entry, also where it cannot be understood.
     pub(super) fn last(&self) -> Option<Seq> {
-        self.last.map(|(seq, _)| seq)
+        self.seen
     }
 
     /// The entry after which it stood as it ended, or stands.

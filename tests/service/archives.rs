@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::journal::{journal, serve};
 use crate::kill::Folder;
 use crate::program::{Program, hallsweep};
+use crate::third_party::{left_out, python, runs};
 
 /// A mission that finds one bomb, and is put away.
 fn a_mission(program: &Program) {
@@ -39,7 +40,8 @@ fn a_mission_that_was_archived_is_reported_held_against_the_journal_and_served_a
     let program = serve(&folder);
     a_mission(&program);
     a_mission(&program);
-    let archive = folder.path().join("old.hallsweep");
+    let beside = Folder::new("archives-beside");
+    let archive = beside.path().join("old.hallsweep");
     let (well, said) = journal(&folder, &["archive", "--before", "2999-01-01", "-o", text(&archive)]);
     assert!(!well && said.contains("another hallsweep uses the folder"), "{said}");
     program.command("start").accepted();
@@ -51,7 +53,9 @@ fn a_mission_that_was_archived_is_reported_held_against_the_journal_and_served_a
     for (words, reason) in [
         (["archive", "--before", "2000-01-01", "-o", text(&archive)], "no mission was put away before that day"),
         (["archive", "--before", "yesterday", "-o", text(&archive)], "a day belongs there, as 2026-01-31"),
-        (["archive", "--before", "2999-01-01", "-o", text(folder.path())], "cannot be used"),
+        (["archive", "--before", "2999-01-01", "-o", text(beside.path())], "cannot be used"),
+        (["archive", "--before", "2999-01-01", "-o", text(&folder.path().join("stops-2"))], "name one elsewhere"),
+        (["archive", "--before", "2999-01-01", "-o", text(&folder.path().join("journal.db-journal"))], "name one elsewhere"),
     ] {
         let (well, said) = journal(&folder, &words);
         assert!(!well && said.contains(reason), "{said}");
@@ -62,7 +66,19 @@ fn a_mission_that_was_archived_is_reported_held_against_the_journal_and_served_a
     assert!(well && said.contains("old.hallsweep") && said.contains("held against the journal: 1: all is well"), "{said}");
 
     assert!(report(text(&archive), "1") == kept, "the report is the same from the archive");
-    let path = folder.path().join("report.html");
+    if runs(python().arg("--version")) || left_out("journal", "python3") {
+        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/examples/chain.py");
+        for journal in [folder.path().join("journal.db"), archive.clone()] {
+            let output = python().arg(script).arg(&journal).output().expect("it runs");
+            assert!(String::from_utf8_lossy(&output.stdout).starts_with("entry "), "{output:?}");
+        }
+    }
+    for (data, output) in [(text(&archive), text(&archive)), (folder.text(), text(&folder.path().join("journal.db")))] {
+        let before = std::fs::read(output).expect("it is there");
+        let output_is = hallsweep(&["report", "3", "--data", data, "-o", output]).output().expect("the program starts");
+        assert!(!output_is.status.success() && std::fs::read(output).expect("it is there") == before, "{output_is:?}");
+    }
+    let path = beside.path().join("report.html");
     std::fs::write(&path, &kept).expect("it can be written");
     let output = hallsweep(&["journal", "check", "--data", text(&archive), "--report", text(&path)]).output().expect("it starts");
     let said = String::from_utf8_lossy(&output.stdout).into_owned();

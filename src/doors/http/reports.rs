@@ -106,6 +106,10 @@ async fn send(
 ) -> Result<Response, Problem> {
     let mission = MissionId(id);
     door.archive.look_up(move |archive| archive.mission(mission)).await?.ok_or_else(|| unknown(id))?;
+    let is_kept = door.archive.look_up(move |archive| archive.timeline(mission, Seq(0), 1)).await?;
+    if is_kept.is_empty() {
+        return Err(Problem::not_found(format!("nothing of mission {id} is kept any more: no entry of it is left")));
+    }
     let place = door.reports.0.take(door.access.key_of(caller)).map_err(Problem::too_many_reports)?;
     let (parts, written) = mpsc::channel(AHEAD);
     let archive = door.archive.archive();

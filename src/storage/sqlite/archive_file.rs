@@ -20,7 +20,6 @@ use sha2::{Digest, Sha256};
 use super::check::check;
 use super::fault::{Fault, Then, count, whole};
 use super::folder::Folder;
-use super::head::HeadFile;
 use super::photos::{PICTURES, Pictures};
 use super::rows::{self, EntryFilter};
 use super::{chain, connect, head, marker, pages, project, schema};
@@ -58,6 +57,7 @@ pub fn write_out(
 ) -> Result<Option<Archived>, Unreadable> {
     let folder = Folder::new(data);
     let words = |fault: Fault| Unreadable(fault.words(data, Then::StartAgain));
+    folder.check_journal().and_then(|()| folder.check_beside()).map_err(words)?;
     let _lock = folder.lock().map_err(words)?;
     let Some(reader) = connect::reader(&folder).map_err(words)? else { return Ok(None) };
     let Some(plan) = plan(&reader.connection, before).map_err(words)? else { return Ok(None) };
@@ -65,6 +65,12 @@ pub fn write_out(
     ready(&folder)?;
     let mut journal = connect::writer(&folder).map_err(words)?;
     let file = file(plan.missions.0, plan.missions.1);
+    if is_within(data, &file) {
+        return Err(Unreadable(format!(
+            "{} would lie among the files of the data folder, some of which are written over: name one elsewhere",
+            file.display()
+        )));
+    }
     let archived = written(&folder, &journal, &plan, &file)?;
     let gone = take_out(&folder, &mut journal, &archived, now).map_err(words)?;
     gone.iter().for_each(|picture| {
@@ -74,6 +80,12 @@ pub fn write_out(
     // The room that is free now is given back where that can be done; else the journal takes it again.
     let _ = journal.execute_batch("VACUUM");
     Ok(Some(archived))
+}
+
+/// Whether a file lies in this folder itself, whose files have names and meanings.
+pub fn is_within(data: &Path, file: &Path) -> bool {
+    let folder = file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    matches!((folder.canonicalize(), data.canonicalize()), (Ok(folder), Ok(data)) if folder == data)
 }
 
 /// The same into the folder `archives` of the data folder, with the missions and the moment in the name of the file.
@@ -95,7 +107,8 @@ pub fn unpack(file: &Path, data: &Path) -> Result<u64, Unreadable> {
     if !archive.is_archive() {
         return Err(Unreadable(format!("there is no archive {}", file.display())));
     }
-    if folder.is_archive() || folder.has_journal().map_err(words)? || folder.has_photos() {
+    let is_left = [folder.head(), folder.marker()].iter().any(|file| file.path().exists());
+    if folder.is_archive() || folder.has_journal().map_err(words)? || folder.has_photos() || is_left {
         return Err(Unreadable(format!("{} is not empty: name a folder that is not there yet with --data", data.display())));
     }
     let from = sound(&archive)?;
@@ -107,11 +120,13 @@ pub fn unpack(file: &Path, data: &Path) -> Result<u64, Unreadable> {
             Pictures::Files(&folder).keep(&from, &photo)?;
         }
         let unfinished = folder.journal().with_extension("unfinished");
+        // One that a kill left behind is none of anybody's; it is made here, so that it is private.
+        let _ = std::fs::remove_file(&unfinished);
+        drop(files::open(&unfinished, File::options().write(true).create_new(true))?);
         let entries = copy(&from, &unfinished, None, |_| Ok(()))?;
         std::fs::rename(&unfinished, folder.journal())?;
         files::sync_folder(folder.path())?;
-        let mut head = HeadFile::of(&folder);
-        head.put(&chain::end(&from)?);
+        head::write(&folder, &chain::end(&from)?)?;
         Ok(entries)
     };
     copied().map_err(words)
@@ -196,8 +211,9 @@ fn ready(folder: &Folder) -> Result<(), Unreadable> {
         ));
     }
     head::check(folder).map_err(words)?;
-    drop(sound(folder)?);
-    Ok(())
+    let journal = sound(folder)?;
+    // One that has stayed behind would name what goes now.
+    chain::end(&journal).and_then(|end| head::write(folder, &end)).map_err(words)
 }
 
 /// A connection to a journal or archive that is sound.
@@ -332,7 +348,8 @@ fn take_out(folder: &Folder, journal: &mut Connection, archived: &Archived, now:
     project::rebuild(&transaction)?;
     let after = photos(&transaction)?;
     transaction.commit()?;
-    HeadFile::of(folder).put(&head);
+    // Where this fails the file names what was there before, and still is.
+    let _ = head::write(folder, &head);
     Ok(before
         .difference(&after)
         .map(|(digest, media_type)| Picture { digest: digest.clone(), media_type: media_type.clone() })

@@ -71,6 +71,10 @@ pub(super) fn check(connection: &Connection, folder: &Folder) -> Result<Findings
 /// Whether the journal holds what was kept up to where `journal.head` says.
 fn end(connection: &Connection, head: Result<Option<Head>, Fault>, folder: &Folder, findings: &mut Findings) {
     let none = "there is no journal.head: whether entries were cut off at the end is not known; the next start makes it anew";
+    let lost = head.as_ref().map_or(Ok(()), |_| head::check(folder)).and_then(|()| marker::read(folder).map(drop));
+    if let Err(fault @ Fault::Unusable("journal.lost", _)) = lost {
+        findings.fault(fault.words(folder.path(), Then::StartAgain));
+    }
     match head.and_then(|head| head.map(|head| head::is_held(connection, &head)).transpose()) {
         Ok(Some(())) => {}
         Ok(None) => findings.notes.push(none.to_owned()),

@@ -2,37 +2,108 @@
 //! hands of the system, without a flush: so that entries that were cut off at the end are missed (safety R5). It may be behind the
 //! journal, after a kill or a power cut, and is never before it.
 
+use std::io;
+use std::sync::mpsc::{self, Receiver};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::time::Duration;
+
 use rusqlite::Connection;
 
 use super::fault::Fault;
 use super::folder::Folder;
-use super::{chain, connect, rows, schema};
+use super::{chain, connect, marker, rows, schema};
 use crate::runtime::archive::Head;
-use crate::storage::small_file::SmallFile;
 use hallsweep_core::units::Seq;
 
 /// So many bytes has the file: always as many, so that each writing covers the one before.
 const LENGTH: usize = "entry ".len() + 20 + " sha256 ".len() + 64 + 1;
 
-/// Writes it.
+/// Writes it, on a thread of its own: nobody waits for a disk that hangs there, and the file stays behind then.
 #[derive(Debug)]
-pub(super) struct HeadFile(SmallFile);
+pub(super) struct HeadFile {
+    slot: Arc<Slot>,
+    done: Receiver<()>,
+}
+
+/// The head that is to be written next.
+#[derive(Debug, Default)]
+struct Slot {
+    next: Mutex<Next>,
+    changed: Condvar,
+}
+
+#[derive(Debug, Default)]
+struct Next {
+    head: Option<Head>,
+    is_over: bool,
+}
 
 impl HeadFile {
-    pub(super) fn of(folder: &Folder) -> HeadFile {
-        HeadFile(folder.head())
+    /// For the head of the journal in this folder.
+    pub(super) fn start(folder: &Folder) -> io::Result<HeadFile> {
+        let (slot, mut file) = (Arc::new(Slot::default()), folder.head());
+        // Whoever has moved the folder away and put another in its place must not find there where this journal ends.
+        let (folder, lock) = (folder.clone(), folder.lock_identity());
+        let (say_done, done) = mpsc::channel();
+        let heads = Arc::clone(&slot);
+        std::thread::Builder::new().name("journal-head".to_owned()).spawn(move || {
+            while let Some(head) = heads.wait() {
+                if lock.is_some() && folder.lock_identity() != lock {
+                    continue;
+                }
+                let written = file.write_over(text(&head).as_bytes()).map(drop);
+                file.say(
+                    &written,
+                    "cannot be written: entries that are cut off behind it would not be missed",
+                    "is written again",
+                );
+            }
+            drop(say_done);
+        })?;
+        Ok(HeadFile { slot, done })
     }
 
-    /// Says that the journal is kept up to here. Where this fails the file stays behind, which weakens what it is good for and nothing else.
-    pub(super) fn put(&mut self, head: &Head) {
-        let written = self.0.write_over(text(head).as_bytes()).map(drop);
-        self.0.say(&written, "cannot be written: entries that are cut off behind it would not be missed", "is written again");
+    /// Says that the journal is kept up to here.
+    pub(super) fn put(&self, head: Head) {
+        self.slot.change(|next| next.head = Some(head));
+    }
+
+    /// Ends it; what was put last is still written, if that takes no longer than this.
+    pub(super) fn end(&self, patience: Duration) {
+        self.slot.change(|next| next.is_over = true);
+        // Nothing is ever sent: it is over when the other end is gone.
+        let _ = self.done.recv_timeout(patience);
     }
 }
 
-/// Fails when the journal does not hold what the file says that was kept.
+impl Slot {
+    fn change(&self, change: impl FnOnce(&mut Next)) {
+        // Nothing that is done under the lock can panic halfway.
+        change(&mut self.next.lock().unwrap_or_else(PoisonError::into_inner));
+        self.changed.notify_one();
+    }
+
+    /// The next head; nothing when all are written and none will come.
+    fn wait(&self) -> Option<Head> {
+        let next = self.next.lock().unwrap_or_else(PoisonError::into_inner);
+        let waited = self.changed.wait_while(next, |next| next.head.is_none() && !next.is_over);
+        waited.unwrap_or_else(PoisonError::into_inner).head.take()
+    }
+}
+
+/// Writes it so that it lasts, for whoever has the time.
+pub(super) fn write(folder: &Folder, head: &Head) -> Result<(), Fault> {
+    Ok(folder.head().write_over(text(head).as_bytes())?.sync_all()?)
+}
+
+/// Fails when the journal does not hold what the file says that was kept, or what was kept is said to be lost.
 pub(super) fn check(folder: &Folder) -> Result<(), Fault> {
     let Some(head) = read(folder)? else { return Ok(()) };
+    let lost_after = marker::read(folder)?;
+    if lost_after.is_some_and(|kept| kept < head.seq) {
+        let why = format!("it says that entries were lost that were kept, up to entry {}", head.seq);
+        return Err(Fault::Unusable("journal.lost", why));
+    }
     let Some(connect::Reader { connection, .. }) = connect::reader_of_entries(folder)? else {
         return Err(if folder.has_photos() { Fault::OnlyPhotos } else { Fault::CutOff(head.seq) });
     };

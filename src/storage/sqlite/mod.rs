@@ -42,7 +42,7 @@ use std::sync::mpsc::{self, Receiver, Sender, SyncSender, TrySendError};
 use tokio::sync::watch;
 
 use self::archive::SqliteArchive;
-pub use self::archive_file::{Archived, unpack, write_out, write_out_within};
+pub use self::archive_file::{Archived, is_within, unpack, write_out, write_out_within};
 pub use self::check::Findings;
 use self::fault::{Fault, Then};
 use self::folder::Folder;
@@ -175,7 +175,7 @@ impl SqliteStore {
         let (pages, handed) = mpsc::sync_channel(QUEUE);
         let ((end_writer, ended), (end_watchman, watched)) = (mpsc::channel(), mpsc::channel());
         let (say_done, done) = mpsc::channel();
-        let head = HeadFile::of(folder);
+        let head = HeadFile::start(folder)?;
         let (to_write, to_watch) = (Arc::clone(&status), (Arc::clone(&status), folder.clone()));
         let writer =
             Writer { folder: folder.clone(), status: to_write, pages: handed, ended, hand, head, kept, bulk: 0, patience };

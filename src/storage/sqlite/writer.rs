@@ -84,6 +84,7 @@ impl Writer {
     pub(super) fn run(mut self) {
         self.remember_head();
         while self.turn() {}
+        self.head.end(self.patience.end);
     }
 
     fn turn(&mut self) -> bool {
@@ -147,7 +148,7 @@ impl Writer {
         if let Hand::Writing(journal) = &self.hand
             && let Ok(head) = journal.head()
         {
-            self.head.put(&head);
+            self.head.put(head);
         }
     }
 

@@ -192,6 +192,12 @@ fn nothing_is_changed_where_nothing_is_old_or_the_file_cannot_be_written_or_the_
         panic!("a program was at it")
     };
     assert!(words.contains("another hallsweep uses the folder"), "{words}");
+    let log = scratch.data().join("journal.db-wal");
+    std::fs::write(&log, [0x5a; 64]).unwrap();
+    let Err(Unreadable(words)) = write(&scratch, LATER, "old") else { panic!("its log is not what it should be") };
+    assert!(words.contains("journal.db-wal cannot be used"), "{words}");
+    assert_eq!(std::fs::read(&log).unwrap(), [0x5a; 64]);
+    std::fs::remove_file(&log).unwrap();
     rewrite(&scratch, "UPDATE events SET at_ms = at_ms - 1 WHERE seq = 8");
     let Err(Unreadable(words)) = write(&scratch, LATER, "old") else { panic!("an entry is not what it was") };
     assert!(words.contains("entries 7 to 8 are not what was kept"), "{words}");
@@ -255,7 +261,12 @@ fn an_archive_becomes_a_folder_that_goes_on_by_itself() {
     drop(scribe);
     check_finds(&elsewhere, &[]);
     assert_eq!(std::fs::read(&old).unwrap(), before, "reading changes nothing");
+    let left = Scratch::new();
+    std::fs::create_dir(left.data()).unwrap();
+    std::fs::write(left.data().join("journal.lost"), "everything after entry 00000000000000000003 was said to be lost\n")
+        .unwrap();
     for (from, to, words) in [
+        (old.clone(), left.data(), "is not empty"),
         (old.clone(), elsewhere.data(), "is not empty"),
         (old.clone(), old.clone(), "is not empty"),
         (scratch.data(), file(&scratch, "new"), "there is no archive"),

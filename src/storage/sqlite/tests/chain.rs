@@ -137,6 +137,24 @@ fn a_journal_that_ends_too_early_or_goes_on_without_us_is_not_written_to() {
     check_finds(&scratch, &[]);
 }
 
+/// Else hallsweep itself would take back what was kept, and nobody would miss it.
+#[test]
+fn who_says_that_what_was_kept_was_lost_is_not_believed() {
+    let scratch = some_journal();
+    let said = |kept: u64| format!("everything after entry {kept:020} was said to be lost\n");
+    std::fs::write(scratch.data().join("journal.lost"), said(7)).unwrap();
+    check_finds(&scratch, &["it says that entries were lost that were kept, up to entry 10"]);
+    let before = bytes(&scratch.data());
+    let failure = scratch.open().failure.expect("it is not gone on with");
+    assert!(failure.contains("journal.lost cannot be used"), "{failure}");
+    assert_eq!(bytes(&scratch.data()), before);
+    std::fs::write(scratch.data().join("journal.lost"), "mouse").unwrap();
+    check_finds(&scratch, &["journal.lost cannot be used"]);
+    std::fs::write(scratch.data().join("journal.lost"), said(10)).unwrap();
+    check_finds(&scratch, &[]);
+    assert_eq!(scratch.open().failure, None);
+}
+
 /// One of before the chain begins it with all that it holds, but for what is taken back at that start; and goes on.
 #[test]
 fn a_journal_of_before_begins_its_chain_with_all_that_it_holds() {

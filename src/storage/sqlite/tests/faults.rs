@@ -219,7 +219,7 @@ fn writer(scratch: &Scratch) -> (Writer, Arc<WriterStatus>) {
     let journal = Pages::open(&folder, None, Seq(0), None).unwrap();
     let status = Arc::new(WriterStatus::new(Marker::new(&folder), Seq(0), None));
     let (pages, ended) = (mpsc::sync_channel(1).1, mpsc::channel().1);
-    let (hand, head) = (Hand::Writing(journal), HeadFile::of(&folder));
+    let (hand, head) = (Hand::Writing(journal), HeadFile::start(&folder).unwrap());
     (Writer { folder, status: Arc::clone(&status), pages, ended, hand, head, kept: Seq(0), bulk: 0, patience: HASTE }, status)
 }
 
