@@ -25,7 +25,7 @@ const NUMBERS: i32 = 20;
 
 /// What the picture shows, in cells: x, y, width, height.
 pub(super) fn view_box(state: &PersistentState) -> String {
-    let Bounds { least, most } = bounds(&state.map);
+    let Bounds { least, most } = state.map.known_bounds();
     let room = sign(state) * 1.6;
     let (x, y) = (f64::from(least.x) - room, f64::from(least.y) - room);
     format!("{x:.2} {y:.2} {:.2} {:.2}", f64::from(most.x + 1) - x, f64::from(most.y + 1) - y)
@@ -54,13 +54,9 @@ pub(super) fn picture(state: &PersistentState) -> String {
 
 const WRITES: &str = "a String takes all that is written";
 
-fn bounds(map: &HallMap) -> Bounds {
-    map.known_bounds()
-}
-
 /// How large a sign is, from its middle, in cells.
 fn sign(state: &PersistentState) -> f64 {
-    let bounds = bounds(&state.map);
+    let bounds = state.map.known_bounds();
     (f64::from(bounds.width().max(bounds.height())) * SIGN).max(0.5)
 }
 
@@ -70,7 +66,7 @@ fn middle(cell: Cell) -> (f64, f64) {
 
 /// The cells of a mark, row by row, neighbours together.
 fn runs(map: &HallMap, mark: Mark) -> String {
-    let Bounds { least, most } = bounds(map);
+    let Bounds { least, most } = map.known_bounds();
     let mut path = String::new();
     for y in least.y..=most.y {
         let mut x = least.x;
@@ -89,7 +85,7 @@ fn runs(map: &HallMap, mark: Mark) -> String {
 }
 
 fn numbers(svg: &mut String, state: &PersistentState) {
-    let Bounds { least, most } = bounds(&state.map);
+    let Bounds { least, most } = state.map.known_bounds();
     let size = sign(state);
     let step = step((most.x - least.x).max(most.y - least.y) / NUMBERS);
     let at = |from: i32, to: i32| (from..=to).filter(move |number| number.rem_euclid(step) == 0);

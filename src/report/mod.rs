@@ -25,7 +25,7 @@ pub use self::claim::{Claim, Unclear};
 pub use self::compare::{Comparison, Difference};
 use self::tally::Tally;
 use crate::phrases::Language;
-use crate::runtime::archive::{Archive, At, Happened, Head, Moment, Unreadable};
+use crate::runtime::archive::{Archive, At, Head, Moment, Unreadable};
 use hallsweep_core::effect::Entry;
 use hallsweep_core::units::{MissionId, Seq};
 
@@ -111,15 +111,25 @@ fn each(
     until: Seq,
     mut visit: impl FnMut(Seq, Result<&Entry, &Unreadable>) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
+    let batch = |after| {
+        let mut batch = archive.timeline(mission, after, BATCH)?;
+        batch.retain(|(seq, _)| *seq <= until);
+        Ok(batch)
+    };
+    in_batches(batch, |seq, entry| visit(seq, entry.as_ref()))
+}
+
+/// Visits what is read in batches, oldest first; one that is not full is the last.
+fn in_batches<T>(
+    batch: impl Fn(Seq) -> Result<Vec<(Seq, T)>, Unreadable>,
+    mut visit: impl FnMut(Seq, T) -> Result<(), Failure>,
+) -> Result<(), Failure> {
     let mut after = Seq(0);
     loop {
-        let batch: Vec<Happened> = archive.timeline(mission, after, BATCH)?;
+        let batch = batch(after)?;
         let is_last = batch.len() < BATCH;
-        for (seq, entry) in batch {
-            if seq > until {
-                return Ok(());
-            }
-            visit(seq, entry.as_ref())?;
+        for (seq, one) in batch {
+            visit(seq, one)?;
             after = seq;
         }
         if is_last {

@@ -11,8 +11,8 @@ use super::chart::Chart;
 use super::{Failure, Report, chart, each, hall};
 use crate::api::time::{Zone, rfc3339};
 use crate::phrases::{Language, Phrase};
+use crate::runtime::archive::hex;
 use hallsweep_core::effect::Fact;
-use hallsweep_core::mission::PhaseName;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Seq, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
@@ -60,26 +60,7 @@ struct Top<'r> {
 impl Top<'_> {
     fn outcome(&self) -> String {
         let Some(state) = self.state else { return self.language.say("report-not-kept").to_string() };
-        let phase = state.phase.name();
-        let is_over = self.report.tally.archived.is_some();
-        let came_to = match phase {
-            PhaseName::Explored => self.language.say("missions-searched"),
-            PhaseName::BombLocated => self.language.say("missions-bomb-located"),
-            PhaseName::BagSecured => self.language.say("missions-bomb-secured"),
-            PhaseName::Idle
-            | PhaseName::Exploring
-            | PhaseName::Inspecting
-            | PhaseName::Driving
-            | PhaseName::ReturningHome
-            | PhaseName::AtHome
-            | PhaseName::ReturningWithAlarm
-            | PhaseName::Retrieving
-            | PhaseName::Fault => {
-                let id = if is_over { "missions-archived-while" } else { "missions-under-way" };
-                self.language.say(id).with("phase", self.language.phase(phase))
-            }
-        };
-        came_to.to_string()
+        self.language.came_to(state.phase.name(), self.report.tally.archived.is_some()).to_string()
     }
 
     /// What is said in numbers, each with its name.
@@ -192,7 +173,7 @@ fn picture(report: &Report<'_>, luggage: &Luggage, take: u32) -> Option<Result<P
         take,
         media_type: photo.media_type,
         base64: STANDARD.encode(&photo.bytes),
-        digest: Sha256::digest(&photo.bytes).iter().map(|byte| format!("{byte:02x}")).collect(),
+        digest: hex(&Sha256::digest(&photo.bytes)),
     }))
 }
 

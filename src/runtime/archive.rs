@@ -74,7 +74,7 @@ pub struct Head {
 impl Head {
     /// The digest in 64 lower-case hexadecimal digits.
     pub fn hex(&self) -> String {
-        self.digest.iter().map(|byte| format!("{byte:02x}")).collect()
+        hex(&self.digest)
     }
 
     /// The digest that is written so.
@@ -83,6 +83,11 @@ impl Head {
         let byte = |place: usize| u8::from_str_radix(hex.get(2 * place..2 * place + 2)?, 16).ok();
         if is_written_so { Some(std::array::from_fn(|place| byte(place).unwrap_or(0))) } else { None }
     }
+}
+
+/// Bytes in lower-case hexadecimal digits, as every digest is written.
+pub fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// What is kept and can be read back. Object-safe: the store in memory and the one on disk both are one.

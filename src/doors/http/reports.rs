@@ -1,6 +1,5 @@
 //! The report of a mission and its record as a list, as files to be saved: the page in which the operator is stays where it is, STOP in it.
-//! They are as large as the mission and written a part at a time, as fast as they are read: a few at once, each key its share, and none for
-//! ever. What stands in them is `report`'s business.
+//! They are as large as the mission and written a part at a time, as fast as they are read: a few at once, each key its share. What stands in them is `report`'s business.
 
 use std::io::{self, BufWriter, Write};
 use std::time::Duration;
@@ -33,7 +32,7 @@ const PLACES: Limits = Limits { most: 4, of_one_key: 2, kept: 1, few: 1 };
 const CHUNK: usize = 64 * 1024;
 const AHEAD: usize = 4;
 
-/// and after so long a reader has had it, or has it no more: a large one over a slow line takes minutes.
+/// and who has read for so long reads no more of it: a large one over a slow line takes minutes.
 const PATIENCE: Duration = Duration::from_secs(600);
 
 /// Who may have one written.
@@ -219,7 +218,7 @@ mod tests {
 
     /// Safety A5.
     #[tokio::test(start_paused = true)]
-    async fn nobody_is_written_to_for_ever() {
+    async fn who_has_read_for_ten_minutes_reads_no_more() {
         let (writing, written) = mpsc::channel(AHEAD);
         writing.send(Ok(Bytes::from_static(b"half"))).await.expect("there is room");
         let ended = to_bytes(body(written), usize::MAX).await;

@@ -8,6 +8,8 @@ mod line;
 mod refused;
 mod simulator;
 
+use std::fmt::Display;
+
 use super::{Language, Phrase};
 use hallsweep_core::mission::{Hold, PhaseName};
 use hallsweep_core::units::{Cell, Celsius, Heading};
@@ -15,6 +17,29 @@ use hallsweep_core::units::{Cell, Celsius, Heading};
 impl Language {
     pub fn phase(self, phase: PhaseName) -> Phrase<'static> {
         self.say_of("phase", phase.name())
+    }
+
+    /// What a mission came to that is in this phase, or was in it when it was put away.
+    pub fn came_to(self, phase: PhaseName, is_put_away: bool) -> Phrase<'static> {
+        match phase {
+            PhaseName::Explored => self.say("missions-searched"),
+            PhaseName::BombLocated => self.say("missions-bomb-located"),
+            PhaseName::BagSecured => self.say("missions-bomb-secured"),
+            PhaseName::Idle
+            | PhaseName::Exploring
+            | PhaseName::Inspecting
+            | PhaseName::Driving
+            | PhaseName::ReturningHome
+            | PhaseName::AtHome
+            | PhaseName::ReturningWithAlarm
+            | PhaseName::Retrieving
+            | PhaseName::Fault => self.ended_while(self.phase(phase), is_put_away),
+        }
+    }
+
+    /// The same of a mission that is in the midst of something.
+    pub fn ended_while(self, phase: impl Display, is_put_away: bool) -> Phrase<'static> {
+        self.say(if is_put_away { "missions-archived-while" } else { "missions-under-way" }).with("phase", phase)
     }
 
     /// A phase, and the one that it interrupts.

@@ -19,13 +19,13 @@ use sha2::{Digest, Sha256};
 
 use super::check::check;
 use super::fault::{Fault, Then, count, whole};
-use super::folder::Folder;
+use super::folder::{Folder, sync_parent};
 use super::photos::{PICTURES, Pictures};
 use super::rows::{self, EntryFilter};
 use super::{chain, connect, head, marker, pages, project, schema};
 use crate::api::journal::{Line, Picture};
 use crate::api::time::rfc3339;
-use crate::runtime::archive::{Head, Unreadable};
+use crate::runtime::archive::{Head, Unreadable, hex};
 use crate::storage::files;
 use hallsweep_core::effect::{Entry, Fact, Page, WrittenOut};
 use hallsweep_core::units::{MissionId, Seq, WallTime};
@@ -280,8 +280,7 @@ fn filled(folder: &Folder, journal: &Connection, last: Seq, file: &Path) -> Resu
         Ok(())
     })?;
     File::open(file)?.sync_all()?;
-    let parent = file.parent().filter(|parent| !parent.as_os_str().is_empty());
-    Ok(files::sync_folder(parent.unwrap_or(Path::new(".")))?)
+    Ok(sync_parent(file)?)
 }
 
 /// Copies entries, pages and losses into an empty or new file, up to `last`, and makes the other tables of them; how many entries.
@@ -367,7 +366,7 @@ fn digest_of(file: &Path) -> std::io::Result<String> {
     loop {
         let read = file.read(&mut buffer)?;
         if read == 0 {
-            return Ok(hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect());
+            return Ok(hex(&hasher.finalize()));
         }
         hasher.update(&buffer[..read]);
     }

@@ -214,7 +214,7 @@ fn extension(media_type: &str) -> &'static str {
     }
 }
 
-fn sync_parent(path: &Path) -> io::Result<()> {
-    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
-    files::sync_folder(parent.unwrap_or(Path::new(".")))
+/// Makes the name of a file or folder last.
+pub(super) fn sync_parent(path: &Path) -> io::Result<()> {
+    files::sync_folder(path.parent().unwrap_or(Path::new(".")))
 }

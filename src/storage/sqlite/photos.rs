@@ -12,6 +12,7 @@ use sha2::{Digest, Sha256};
 use super::fault::Fault;
 use super::folder::Folder;
 use crate::api::journal::Picture;
+use crate::runtime::archive::hex;
 use crate::storage::files;
 use hallsweep_core::event::Photo;
 
@@ -96,6 +97,6 @@ fn holds(path: &Path, bytes: &[u8]) -> bool {
     files::read(path, bytes.len()).is_ok_and(|there| there == bytes)
 }
 
-pub(super) fn digest(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+fn digest(bytes: &[u8]) -> String {
+    hex(&Sha256::digest(bytes))
 }

@@ -263,14 +263,9 @@ fn porch(state: &PersistentState) -> Option<Porch> {
 /// What a mission came to, in words for an operator.
 fn came_to(language: Language, record: &MissionRecord) -> String {
     let phase = PhaseName::ALL.into_iter().find(|phase| phase.name() == &*record.phase);
-    let words = phase.map_or_else(|| record.phase.to_string(), |phase| language.phase(phase).to_string());
-    let came_to = match (record.archived, phase) {
-        (_, Some(PhaseName::Explored)) => language.say("missions-searched"),
-        (_, Some(PhaseName::BombLocated)) => language.say("missions-bomb-located"),
-        (_, Some(PhaseName::BagSecured)) => language.say("missions-bomb-secured"),
-        (None, _) => language.say("missions-under-way").with("phase", words),
-        (Some(_), _) => language.say("missions-archived-while").with("phase", words),
-    };
+    let is_put_away = record.archived.is_some();
+    let came_to =
+        phase.map_or_else(|| language.ended_while(&record.phase, is_put_away), |phase| language.came_to(phase, is_put_away));
     let left: Vec<String> = record.left.iter().map(|luggage| format!("#{luggage}")).collect();
     let left_behind = || language.say("missions-left").with("outcome", &came_to).with("which", left.join(", "));
     if left.is_empty() { came_to.to_string() } else { left_behind().to_string() }
