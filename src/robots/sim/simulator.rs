@@ -25,7 +25,7 @@ use hallsweep_core::units::Cell;
 use hallsweep_core::world::robot::RobotState;
 use hallsweep_sim::{Hall, Speed, Truth};
 
-/// So long a robot may take to be ready for another hall: it writes its state file first.
+/// So long a robot may take to be ready for another hall, and to say that it stands there: it writes its state file first.
 const READY_WITHIN: Duration = Duration::from_secs(5);
 
 /// What the factory knows of the simulator before the loop runs.
@@ -132,6 +132,7 @@ impl Simulator for InHand {
                 let hall = facts(&ground.hall);
                 *state = Arc::new(SimulatorState { hall, seed: ground.seed, faults, ..SimulatorState::clone(state) });
             });
+            self.until_reached().await;
             unkept.map_or_else(|| Ok(self.now()), |why| Err(NotSimulated::NotKept(why)))
         })
     }
@@ -235,6 +236,20 @@ impl InHand {
             }
         }
         Ok(())
+    }
+
+    /// Waits until the robots have said where they stand, so that whoever is answered may press START at once; not for one that is kept
+    /// from saying so.
+    async fn until_reached(&self) {
+        if self.now().faults.link_lost {
+            return;
+        }
+        let mut states = self.handle.watch();
+        let reached = states
+            .wait_for(|state| !state.robots.iter().any(|shown| self.robots.contains(&shown.id) && shown.unreached.is_some()));
+        if tokio::time::timeout(READY_WITHIN, reached).await.is_err() {
+            tracing::warn!("the simulated robots have not said yet where they stand");
+        }
     }
 
     /// Why not, when it cannot be.
