@@ -49,6 +49,8 @@ mod mqtt_clients;
 mod mqtt_external;
 #[path = "service/old_console.rs"]
 mod old_console;
+#[path = "service/openapi.rs"]
+mod openapi;
 #[path = "service/program.rs"]
 mod program;
 #[path = "service/replica.rs"]

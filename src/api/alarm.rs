@@ -1,11 +1,12 @@
 //! Alarms in JSON. Raising and acknowledging them is the core's business.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::time::rfc3339;
 use hallsweep_core::world::alarm::AlarmView;
 
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct AlarmJson {
     /// Its number; null until it is on record.
     pub id: Option<u64>,
@@ -22,7 +23,7 @@ pub struct AlarmJson {
 }
 
 /// That somebody has seen an alarm.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Acknowledgement {
     /// Who.
     pub by: String,

@@ -1,5 +1,6 @@
 //! What an accepted command is answered with.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::luggage::LuggageJson;
@@ -7,7 +8,7 @@ use hallsweep_core::command::Accepted;
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// `{"accepted":true,"revision":812,"epoch":4}`, with the record where the command concerned one.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct AnswerJson {
     /// Always true: refusals are problems.
     pub accepted: bool,

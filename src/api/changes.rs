@@ -1,6 +1,7 @@
 //! What a stream sends after its first event: the resources that changed, and nothing else.
 //! Event names, ids and heartbeats are the stream's business.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::alarm::AlarmJson;
@@ -21,7 +22,7 @@ use hallsweep_core::world::snapshot::Snapshot;
 const WHOLE: usize = 256;
 
 /// The resources that changed; what did not is absent.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[expect(missing_docs, reason = "the fields are documented at `StateJson`")]
 pub struct ChangesJson {
     pub revision: u64,
@@ -34,7 +35,7 @@ pub struct ChangesJson {
     pub robots: Option<Vec<NamedRobotJson>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map: Option<MapChange>,
-    /// All of it, up to `WHOLE` pieces.
+    /// All of it, up to 256 pieces.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub luggage: Option<Vec<LuggageJson>>,
     /// Where there are more: those that changed, each in the place of the one of its number.

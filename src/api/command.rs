@@ -1,9 +1,13 @@
 //! The bodies of commands in JSON, and how they become the core's commands. Every field is checked here; none is guessed.
 
+use std::borrow::Cow;
 use std::sync::Arc;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 
 use super::fields::{Body, Fields, Unread, in_short, needed};
 use super::halt::is_halt;
+use super::vocabulary;
 use hallsweep_core::command::{Command, CommandId, LuggageRef, Move, Note, TemperatureReport, Verdict};
 use hallsweep_core::search::Strategy;
 use hallsweep_core::units::{Cell, Celsius, Epoch};
@@ -13,30 +17,48 @@ use hallsweep_core::world::hall_map::REACH;
 pub use super::fields::Unusable;
 
 /// The body of a command without arguments; it may be absent.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 pub struct EpochBody {
+    /// The epoch its sender saw: what was stopped since is refused.
+    #[schemars(range(max = u64::MAX))]
     epoch: Option<u64>,
 }
 
 /// `{"move":"w"}`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 pub struct MoveBody {
+    #[schemars(rename = "move", with = "vocabulary::Move")]
     word: String,
+    /// The epoch its sender saw: what was stopped since is refused.
+    #[schemars(range(max = u64::MAX))]
     epoch: Option<u64>,
 }
 
-/// `{"x":1,"y":1}`.
-#[derive(Clone, Copy, Debug)]
+/// `{"x":1,"y":1}`: a cell, counted from home.
+#[derive(Clone, Copy, Debug, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 pub struct GotoBody {
+    /// Column, growing to the east.
+    #[schemars(range(min = -REACH, max = REACH))]
     x: i64,
+    /// Row, growing to the south.
+    #[schemars(range(min = -REACH, max = REACH))]
     y: i64,
+    /// The epoch its sender saw: what was stopped since is refused.
+    #[schemars(range(max = u64::MAX))]
     epoch: Option<u64>,
 }
 
 /// `{"verdict":"safe"}` or `{"verdict":"safe","note":"a lunch box"}`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 pub struct VerdictBody {
+    #[schemars(with = "vocabulary::VerdictWord")]
     verdict: String,
+    /// What else there is to say of it, in one line of visible characters.
+    #[schemars(length(max = Note::MOST), regex(pattern = VISIBLE))]
     note: Option<String>,
 }
 
@@ -49,9 +71,52 @@ pub struct TemperatureBody {
 }
 
 /// `{"name":"snail"}`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 pub struct StrategyBody {
+    #[schemars(with = "vocabulary::StrategyName")]
     name: String,
+}
+
+/// `is_visible` of every character but blanks at both ends, as a pattern.
+const VISIBLE: &str = r"^[ \t\n\r]*[^\u0000-\u001f\u007f-\u009f\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff]*[ \t\n\r]*$";
+
+/// Either a reading, of the operator's or of a sensor, or a word.
+impl JsonSchema for TemperatureBody {
+    fn schema_name() -> Cow<'static, str> {
+        "TemperatureBody".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let word = generator.subschema_for::<vocabulary::TemperatureWord>();
+        json_schema!({
+            "description": "A reading in °C, of the operator's own or of a sensor, or a word.",
+            "oneOf": [
+                {
+                    "type": "object",
+                    "properties": {
+                        "celsius": {"type": "number", "minimum": Celsius::LEAST, "maximum": Celsius::MOST},
+                        "sensor": {
+                            "description": "Its name, as in the setting `temperature.sensor`.",
+                            "type": ["string", "null"],
+                            "minLength": 1,
+                            "maxLength": TemperatureReport::MOST,
+                            "pattern": r"^(?!(operator|robot|others)$)[^\s,\u0000-\u001f\u007f-\u009f]*$",
+                        },
+                        "status": {"type": "null"},
+                    },
+                    "required": ["celsius"],
+                    "additionalProperties": false,
+                },
+                {
+                    "type": "object",
+                    "properties": {"status": word, "celsius": {"type": "null"}, "sensor": {"type": "null"}},
+                    "required": ["status"],
+                    "additionalProperties": false,
+                },
+            ],
+        })
+    }
 }
 
 impl Body for EpochBody {

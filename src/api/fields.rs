@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
+use std::str::FromStr;
 
 use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, Visitor};
 use serde_json::Value;
@@ -68,12 +69,12 @@ impl Fields {
 
     /// A whole number that may be absent.
     pub fn whole(&self, name: &str) -> Result<Option<i64>, Unusable> {
-        self.field(name, "a whole number, as 3,", Value::as_i64)
+        self.field(name, "a whole number, as 3,", integer)
     }
 
     /// A whole number from 0 that may be absent.
     pub fn count(&self, name: &str) -> Result<Option<u64>, Unusable> {
-        self.field(name, "a whole number from 0", Value::as_u64)
+        self.field(name, "a whole number from 0", integer)
     }
 
     /// A number that may be absent.
@@ -115,6 +116,12 @@ impl Fields {
         let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
         Err(Unusable(format!("this command has no field `{}`: its fields are {known}", in_short(unknown))))
     }
+}
+
+/// A whole number, which JSON may write as `3.0` too.
+fn integer<N: FromStr>(value: &Value) -> Option<N> {
+    let number = value.as_number()?;
+    number.to_string().parse().ok().or_else(|| number.as_f64()?.to_string().parse().ok())
 }
 
 /// A field that must be there.

@@ -1,6 +1,7 @@
 //! Hall files of every format as somebody sends them, read in memory: the hall they make, as our own hall file, and what a search of it would
 //! not come to. An image comes behind the YAML that says what it means, parted by YAML's own end of a document, a line `...`.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use hallsweep_core::units::Cell;
@@ -10,7 +11,7 @@ use hallsweep_sim::{Export, Format, Hall, HallError, Scene};
 const SAID: usize = 20;
 
 /// A file that was read.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct ReadHall {
     name: String,
@@ -24,7 +25,7 @@ pub struct ReadHall {
 }
 
 /// Something that a search of the hall would not come to.
-#[derive(Debug, PartialEq, Serialize)]
+#[derive(Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Finding {
     /// Where, if it is somewhere.
     #[serde(flatten)]
@@ -35,7 +36,7 @@ pub struct Finding {
 }
 
 /// A cell of a drawing.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Place {
     /// As in the map, from home.
     pub x: i32,
@@ -46,7 +47,7 @@ pub struct Place {
 }
 
 /// What a search would not come to. `Display` is the sentence; the code and its values are for whoever says it otherwise.
-#[derive(Clone, Debug, PartialEq, Serialize, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Serialize, thiserror::Error, JsonSchema)]
 #[serde(tag = "code", rename_all = "camelCase")]
 pub enum Found {
     #[error("the {name} cannot be reached: no free cell beside it leads home")]

@@ -1,17 +1,20 @@
 //! Log lines in JSON. Which lines a reader still lacks is said by `changes`.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::time::rfc3339;
+use super::vocabulary;
 use hallsweep_core::world::log::LogLine;
 
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct LogLineJson {
     /// Its number, from 1 without gaps.
     pub number: u64,
     /// When, RFC 3339.
     pub at: String,
     /// `info`, `warning` or `alarm`.
+    #[schemars(with = "vocabulary::Tone")]
     pub tone: &'static str,
     /// What happened, as a sentence.
     pub text: String,

@@ -1,24 +1,28 @@
 //! Luggage records in JSON. The picture itself is not in them: `photo.url` says where it is.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::robot::PositionJson;
 use super::time::rfc3339;
+use super::vocabulary;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
 
 /// One record.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct LuggageJson {
     /// Its number, never used for another piece.
     pub id: u64,
     /// `pending`, `safe` or `danger`.
+    #[schemars(with = "vocabulary::Verdict")]
     pub verdict: &'static str,
     /// The cell of the bag.
     pub cell: PositionJson,
     /// The cell from which it was photographed.
     pub position: PositionJson,
     /// The way the robot faced then.
+    #[schemars(with = "vocabulary::Heading")]
     pub heading: &'static str,
     /// When the photo was taken or failed, RFC 3339 with zone.
     pub taken: String,
@@ -31,9 +35,10 @@ pub struct LuggageJson {
 }
 
 /// A photo, or why there is none; what does not apply is null.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct PhotoJson {
     /// `taken` or `failed`.
+    #[schemars(with = "vocabulary::PhotoState")]
     pub state: &'static str,
     /// Where it can be fetched. It changes with every take.
     pub url: Option<String>,
@@ -46,7 +51,7 @@ pub struct PhotoJson {
 }
 
 /// Who decided, when, and what was noted.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct DecisionJson {
     /// Who.
     pub by: String,

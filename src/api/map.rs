@@ -1,6 +1,7 @@
 //! The hall map in JSON: all known cells row by row, or only the cells that changed.
 //! The text forms of old clients stand in `map_text`.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::robot::PositionJson;
@@ -19,7 +20,7 @@ pub struct Plan<'a> {
 }
 
 /// Every cell of which anything is known, borders included: `rows[y - origin.y][x - origin.x]`.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct MapJson {
     /// When the map or the robot's place in it last changed; absent in a mission's record, since revisions are of one run.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -35,7 +36,7 @@ pub struct MapJson {
 }
 
 /// The cells that differ from what the reader has. There is one robot: an `r` turns an earlier one into `1`.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct MapCells {
     /// When the map or the robot's place in it last changed.
     pub revision: u64,
@@ -49,7 +50,7 @@ pub struct MapCells {
 }
 
 /// A cell and its mark.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct CellJson {
     /// Column.
     pub x: i32,
@@ -60,7 +61,7 @@ pub struct CellJson {
 }
 
 /// What a stream sends of the map.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum MapChange {
     /// All of it.

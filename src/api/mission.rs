@@ -1,8 +1,10 @@
 //! The mission in JSON: phase, holds, goal, progress, and what each button would be refused with.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::robot::PositionJson;
+use super::vocabulary;
 use hallsweep_core::command::Refused;
 use hallsweep_core::mission::FaultCause;
 use hallsweep_core::search::Strategy;
@@ -10,7 +12,7 @@ use hallsweep_core::units::Revision;
 use hallsweep_core::world::snapshot::{MissionView, Progress, Refusals, TimeLeft};
 
 /// Where the mission stands.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct MissionJson {
     /// When it last changed.
@@ -18,12 +20,15 @@ pub struct MissionJson {
     /// Its number; 0 before the first.
     pub id: u64,
     /// The phase, by its name in the protocol.
+    #[schemars(with = "vocabulary::Phase")]
     pub phase: &'static str,
     /// The phase that is interrupted while driving by hand or in fault, or null.
+    #[schemars(with = "Option<vocabulary::Phase>")]
     pub interrupted: Option<&'static str>,
     /// Why it is in fault, or null.
     pub fault: Option<String>,
     /// What holds the robot.
+    #[schemars(with = "Vec<vocabulary::Hold>")]
     pub holds: Vec<&'static str>,
     /// Why nothing can be recorded just now, in words, or null.
     pub store_failure: Option<String>,
@@ -32,6 +37,7 @@ pub struct MissionJson {
     /// The cells it means to pass, the next one first.
     pub route: Vec<PositionJson>,
     /// The order of the search.
+    #[schemars(with = "vocabulary::StrategyName")]
     pub strategy: &'static str,
     /// Raised by every stop.
     pub epoch: u64,
@@ -42,7 +48,7 @@ pub struct MissionJson {
 }
 
 /// How far the search has come.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct ProgressJson {
     /// Cells visited.
@@ -56,7 +62,7 @@ pub struct ProgressJson {
 }
 
 /// How long a search will go on, as a range.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct SecondsLeftJson {
     /// It will hardly be less.
     pub least: u64,
@@ -65,7 +71,7 @@ pub struct SecondsLeftJson {
 }
 
 /// What each button would be refused with; null where it would not be.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 #[expect(missing_docs, reason = "the fields are documented at `Refusals`")]
 pub struct RefusalsJson {
@@ -79,8 +85,9 @@ pub struct RefusalsJson {
 }
 
 /// The order of the search alone, in the shape in which it is chosen.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct StrategyJson {
+    #[schemars(with = "vocabulary::StrategyName")]
     pub name: &'static str,
 }
 

@@ -1,6 +1,7 @@
 //! Missions as they are kept, in JSON: their list, one of them with luggage and map, and what happened in it.
 //! How far a list goes and where it goes on is the door's business.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::journal::{self, ConditionsShape};
@@ -8,12 +9,13 @@ use super::luggage::LuggageJson;
 use super::map::{MapJson, Plan};
 use super::robot::PositionJson;
 use super::time::rfc3339;
+use super::vocabulary;
 use hallsweep_core::effect::Entry;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Celsius, MissionId, Seq, WallTime};
 
 /// A mission in one line.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct MissionRecordJson {
     /// Its number.
     pub id: u64,
@@ -34,7 +36,7 @@ pub struct MissionRecordJson {
     pub links: Links,
 }
 
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Links {
     /// The mission with its luggage and its map.
     #[serde(rename = "self")]
@@ -48,7 +50,7 @@ pub struct Links {
 }
 
 /// Missions, the newest first.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct MissionListJson {
     pub missions: Vec<MissionRecordJson>,
     /// Where the list goes on, or null at its end.
@@ -56,7 +58,7 @@ pub struct MissionListJson {
 }
 
 /// A mission with everything that stood when it was put away, or that stands now.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct MissionWholeJson {
     #[serde(flatten)]
     pub record: MissionRecordJson,
@@ -92,7 +94,7 @@ fn conditions(state: &PersistentState) -> Option<ConditionsShape> {
 }
 
 /// How a mission stood after one of its entries.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct MomentJson {
     /// The mission.
     pub mission: u64,
@@ -100,8 +102,10 @@ pub struct MomentJson {
     pub seq: u64,
     pub time: String,
     /// Where the mission stood, by its name in the protocol.
+    #[schemars(with = "vocabulary::Phase")]
     pub phase: &'static str,
     /// What held the robot.
+    #[schemars(with = "Vec<vocabulary::Hold>")]
     pub holds: Vec<&'static str>,
     /// The cell it was on its way to, or null.
     pub goal: Option<PositionJson>,
@@ -122,14 +126,15 @@ pub struct MomentJson {
 }
 
 /// Where a robot stands.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct StandsJson {
     pub position: PositionJson,
     /// `north`, `east`, `south` or `west`.
+    #[schemars(with = "vocabulary::Heading")]
     pub heading: &'static str,
 }
 
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct MomentLinks {
     pub events: String,
     pub page: String,
@@ -161,6 +166,16 @@ impl MomentJson {
             links: MomentLinks { events: format!("{events}?after={seq}"), page: format!("{page}/moment?at={seq}") },
         }
     }
+}
+
+/// `events`, as its schema has it.
+#[derive(JsonSchema)]
+#[expect(dead_code, reason = "it is there for its schema")]
+pub struct EventListJson {
+    /// Oldest first.
+    events: Vec<journal::ListedLine>,
+    /// Where the list goes on, or null at its end.
+    next: Option<String>,
 }
 
 /// Entries of a mission as one JSON object, `{"events":[…],"next":…}`, each as a line of the exported journal. Of one that cannot be

@@ -1,6 +1,7 @@
 //! What a refusal or an error looks like: RFC 9457 problem details with a fixed code beside the sentence; and which kinds of problem
 //! there are, as far as the codes of protocols tell them apart. Who has which problem is the doors' business.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::luggage::LuggageJson;
@@ -26,7 +27,7 @@ pub enum ProblemKind {
     Unavailable,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct ProblemJson<'a> {
     /// A URI that names the kind of problem and never changes: `urn:hallsweep:problem:` and the code.
     #[serde(rename = "type")]
@@ -54,6 +55,25 @@ impl<'a> ProblemJson<'a> {
 }
 
 impl ProblemKind {
+    /// All of them.
+    pub const ALL: [ProblemKind; 15] = [
+        ProblemKind::Malformed,
+        ProblemKind::NotSignedIn,
+        ProblemKind::Forbidden,
+        ProblemKind::NotFound,
+        ProblemKind::NoSuchMethod,
+        ProblemKind::NotAcceptable,
+        ProblemKind::TooSlow,
+        ProblemKind::Conflict,
+        ProblemKind::ConditionFailed,
+        ProblemKind::TooLarge,
+        ProblemKind::UnsupportedFormat,
+        ProblemKind::Misdirected,
+        ProblemKind::Unusable,
+        ProblemKind::Internal,
+        ProblemKind::Unavailable,
+    ];
+
     /// The status that problem details have, which is HTTP's at every door, and its title (RFC 9110, section 15).
     pub const fn status(self) -> (u16, &'static str) {
         match self {

@@ -5,20 +5,22 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::vocabulary;
 use hallsweep_core::behaviour::log::NodeState;
 use hallsweep_core::behaviour::{TickLog, Tree};
 use hallsweep_core::world::retrieval::{NodeShown, TreeView, TreesView};
 
 /// The ticks of trees on one blackboard.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct ReplayJson {
     /// In the order in which they are ticked.
     pub trees: Vec<TreeLogJson>,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct TreeLogJson {
     pub id: String,
     /// In preorder.
@@ -27,7 +29,7 @@ pub struct TreeLogJson {
     pub ticks: Vec<TickJson>,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct NodeLabelJson {
     pub path: String,
     pub name: String,
@@ -36,13 +38,14 @@ pub struct NodeLabelJson {
 }
 
 /// What one tick changed; the first one of a log, everything that stands then.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct TickJson {
     /// Seconds since the run began.
     pub t: f64,
     /// The number of the tick, counted from 1.
     pub tick: u64,
     /// Of each node that stands otherwise its place in `nodes`, its status as in `retrieval`, and whether it was ticked.
+    #[schemars(with = "Vec<(usize, vocabulary::NodeStatus, bool)>")]
     pub nodes: Vec<(usize, &'static str, bool)>,
     /// Entries of the blackboard that hold something else, as it would stand in a file; null where they hold nothing any more.
     pub entries: BTreeMap<String, Option<String>>,

@@ -2,23 +2,27 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::vocabulary;
 use hallsweep_core::retrieval::{ArmState, NotFetched};
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::retrieval::{NodeShown, RetrievalView, TreeView};
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// The retrieval; its stage is `none` while there is none.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct RetrievalJson {
     /// When it last changed.
     pub revision: u64,
     /// `none`, `makingRoom`, `fetching`, `lettingGo`, `goingOut` or `comingHome`.
+    #[schemars(with = "vocabulary::RetrievalStage")]
     pub stage: &'static str,
     /// The piece that is fetched.
     pub luggage: Option<u64>,
     /// `pair` or `discovery`.
+    #[schemars(with = "Option<vocabulary::Fetcher>")]
     pub fetcher: Option<&'static str>,
     /// Why it cannot be fetched, once that is known.
     pub reason: Option<String>,
@@ -30,30 +34,32 @@ pub struct RetrievalJson {
     pub blackboard: BTreeMap<String, String>,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct TreeJson {
     pub id: String,
     /// In preorder.
     pub nodes: Vec<NodeJson>,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct NodeJson {
     pub path: String,
     pub name: String,
     pub kind: String,
     pub depth: usize,
     /// `IDLE`, `RUNNING`, `SUCCESS`, `FAILURE` or `SKIPPED`: what it said in the last tick if it was ticked in it, else how it stands.
+    #[schemars(with = "vocabulary::NodeStatus")]
     pub status: &'static str,
     /// Whether it was ticked in the last tick.
     pub ticked: bool,
 }
 
 /// An arm, as its robot says it is.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct ArmJson {
     /// `open` or `closed`.
+    #[schemars(with = "vocabulary::Gripper")]
     pub gripper: &'static str,
     /// Whether a parcel is in the gripper, and whether it is off the floor.
     pub holds: bool,

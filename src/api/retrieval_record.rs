@@ -3,11 +3,13 @@
 
 use std::time::Duration;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::journal_words::words;
 use super::replay::{ReplayJson, seconds};
 use super::time::rfc3339;
+use super::vocabulary;
 use hallsweep_core::behaviour::TickLog;
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::retrieval::Team;
@@ -15,11 +17,12 @@ use hallsweep_core::state::Retrieval;
 use hallsweep_core::units::WallTime;
 
 /// A retrieval from its beginning to its end, or as far as it has come.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct RetrievalRecordJson {
     /// The piece that was fetched, or was to be.
     pub luggage: u64,
     /// `pair` or `discovery`.
+    #[schemars(with = "vocabulary::Fetcher")]
     pub fetcher: &'static str,
     /// RFC 3339, with zone.
     pub began: String,
@@ -33,7 +36,8 @@ pub struct RetrievalRecordJson {
 }
 
 /// Something that happened, in words.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[schemars(rename = "RetrievalEvent")]
 pub struct EventJson {
     /// Seconds since it began.
     pub t: f64,

@@ -1,15 +1,17 @@
 //! Robots and places in the hall in JSON.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::retrieval::ArmJson;
 use super::robot_parts::{ReplacedJson, RobotsBySettings, replaced};
+use super::vocabulary;
 use hallsweep_core::robots::Part;
 use hallsweep_core::units::{Cell, Revision};
 use hallsweep_core::world::robot::{RobotShown, RobotView};
 
 /// A cell: `{"x":1,"y":2}`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct PositionJson {
     /// Column, growing to the east.
     pub x: i32,
@@ -24,16 +26,18 @@ impl From<Cell> for PositionJson {
 }
 
 /// What is known of the robot.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct RobotJson {
     /// When it last changed.
     pub revision: u64,
     /// `stopped`, `movingForward`, `movingBackward`, `rotateLeft`, `rotateRight`, `takingPhoto` or `sendingPhoto`.
+    #[schemars(with = "vocabulary::RobotState")]
     pub state: &'static str,
     /// Whether it was told to halt and has not said since that it stands.
     pub halting: bool,
     /// `north`, `east`, `south` or `west`.
+    #[schemars(with = "vocabulary::Heading")]
     pub heading: &'static str,
     /// The cell it stands in.
     pub position: PositionJson,
@@ -44,6 +48,7 @@ pub struct RobotJson {
     /// Centimetres to what is ahead, or null beyond the sonar's range.
     pub sonar: Option<u16>,
     /// `off` or `blinking`.
+    #[schemars(with = "vocabulary::Led")]
     pub led: &'static str,
 }
 
@@ -65,8 +70,8 @@ impl RobotJson {
     }
 }
 
-/// One of all robots: its name, what it has, what holds it, and beside these what `RobotJson` says of a robot.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+/// One of all robots: its name, what it has, what holds it, and beside these what is said of the one that searches.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct NamedRobotJson {
     /// Its name in the settings.
@@ -74,20 +79,24 @@ pub struct NamedRobotJson {
     pub searches: bool,
     /// What it has: `base`, `camera`, `sonar`, `led`, `thermometer`, `bump`, `arm`, `gripper`, `acknowledgedMoves`; null before its link is
     /// up.
+    #[schemars(with = "Option<Vec<vocabulary::Part>>")]
     pub parts: Option<Vec<&'static str>>,
     /// What the robot that searches has not, and what is done instead; nothing of the others, and null before its link is up.
     pub replaced: Option<Vec<ReplacedJson>>,
     /// Why it cannot be reached; null while it is, and where no reason is known.
     pub unreached: Option<String>,
     /// What holds it: what holds all, and what holds it alone.
+    #[schemars(with = "Vec<vocabulary::Hold>")]
     pub holds: Vec<&'static str>,
     /// When any robot last changed.
     pub revision: u64,
-    /// As in `RobotJson`, and so the fields that follow.
+    /// What it does.
+    #[schemars(with = "vocabulary::RobotState")]
     pub state: &'static str,
     /// Whether it was told to halt and has not said since that it stands.
     pub halting: bool,
     /// Where it looks.
+    #[schemars(with = "vocabulary::Heading")]
     pub heading: &'static str,
     /// The cell it stands in.
     pub position: PositionJson,
@@ -98,6 +107,7 @@ pub struct NamedRobotJson {
     /// Centimetres to what is ahead, or null.
     pub sonar: Option<u16>,
     /// `off` or `blinking`.
+    #[schemars(with = "vocabulary::Led")]
     pub led: &'static str,
     /// Its arm; null where it has none, and before its link is up.
     pub arm: Option<ArmJson>,
@@ -130,7 +140,7 @@ impl NamedRobotJson {
 }
 
 /// One of all robots, with what the settings say of it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct RobotBySettingsJson {
     /// `sim`, `virtual-tcp`, `virtual-ws` or `line`; null where it is not known.
     pub kind: Option<&'static str>,

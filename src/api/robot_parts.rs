@@ -4,8 +4,10 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::vocabulary;
 use hallsweep_core::robots::{Part, Parts};
 
 /// What takes the place of a missing part. Nothing takes that of a base; and without arm or gripper nothing is fetched by it.
@@ -18,9 +20,10 @@ const REPLACED: [(Part, &str); 5] = [
 ];
 
 /// A part that is missing, and what is done instead.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct ReplacedJson {
     /// As in the list of parts.
+    #[schemars(with = "vocabulary::Part")]
     pub part: &'static str,
     pub by: &'static str,
 }

@@ -1,30 +1,35 @@
 //! The simulator on the wire: its state, what is to be other than it is, and the hall in which the robots are to be put down. What is shown
 //! and what is sent have the same names, so that what was read can be sent back changed.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
 use super::fields::{Body, Fields, Unusable, in_short};
-use crate::runtime::simulator::{Change, HallSource, OtherHall, Pace, Simulator, SimulatorState};
+use super::robot::PositionJson;
+use crate::runtime::simulator::{Change, HallSource, MOST_BLOCKED, OtherHall, Pace, Simulator, SimulatorState};
 use hallsweep_core::units::Cell;
 
 /// `GET simulator`
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct SimulatorJson<'a> {
     hall: HallJson<'a>,
     /// In digits and quotes: not every reader has whole numbers so large.
     #[serde(serialize_with = "in_digits")]
+    #[schemars(with = "String", regex(pattern = "^[0-9]+$"))]
     seed: u64,
     #[serde(serialize_with = "speed")]
+    #[schemars(with = "Speed")]
     speed: Pace,
     paused: bool,
     link_lost: bool,
     no_thermometer: bool,
     camera_fails: bool,
-    blocked: Vec<CellJson>,
+    blocked: Vec<PositionJson>,
     /// The names of the halls that are offered, and which of them somebody has kept.
     halls: Vec<String>,
     kept_halls: Vec<String>,
@@ -32,7 +37,7 @@ pub struct SimulatorJson<'a> {
     bound: Option<String>,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 struct HallJson<'a> {
     name: &'a str,
@@ -41,12 +46,6 @@ struct HallJson<'a> {
     height: u32,
     cell_m: f64,
     pieces: usize,
-}
-
-#[derive(Debug, Serialize)]
-struct CellJson {
-    x: i32,
-    y: i32,
 }
 
 impl<'a> SimulatorJson<'a> {
@@ -61,7 +60,7 @@ impl<'a> SimulatorJson<'a> {
             link_lost: faults.link_lost,
             no_thermometer: faults.no_thermometer,
             camera_fails: faults.camera_fails,
-            blocked: faults.blocked.iter().map(|cell| CellJson { x: cell.x, y: cell.y }).collect(),
+            blocked: faults.blocked.iter().copied().map(PositionJson::from).collect(),
             halls: simulator.halls(),
             kept_halls: simulator.kept_halls(),
             bound,
@@ -80,15 +79,50 @@ fn speed<S: Serializer>(speed: &Pace, to: S) -> Result<S::Ok, S::Error> {
     }
 }
 
+/// How many times as fast as life, or as fast as it goes.
+struct Speed;
+
+impl JsonSchema for Speed {
+    fn schema_name() -> Cow<'static, str> {
+        "Speed".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "description": "How many times as fast as life, or as fast as it goes.",
+            "oneOf": [{"type": "number", "minimum": Pace::SLOWEST, "maximum": Pace::FASTEST}, {"const": "max"}],
+        })
+    }
+}
+
 /// `PUT simulator`
-pub struct ChangeBody(pub Change);
+#[derive(JsonSchema)]
+pub struct ChangeBody(#[schemars(with = "ChangeShape")] pub Change);
+
+/// What is to be other than it is; what is absent stays as it is.
+#[derive(JsonSchema)]
+#[schemars(rename = "SimulatorChange", rename_all = "camelCase", deny_unknown_fields)]
+#[expect(dead_code, reason = "it is read field by field, so that what is wrong is said in words")]
+struct ChangeShape {
+    speed: Option<Speed>,
+    paused: Option<bool>,
+    link_lost: Option<bool>,
+    no_thermometer: Option<bool>,
+    camera_fails: Option<bool>,
+    /// Free cells in which there is to be an obstacle, all of them.
+    #[schemars(length(max = MOST_BLOCKED))]
+    blocked: Option<Vec<PositionJson>>,
+}
 
 impl Body for ChangeBody {
     const FIELDS: &'static [&'static str] = &["speed", "paused", "linkLost", "noThermometer", "cameraFails", "blocked"];
 
     fn taken(fields: &Fields) -> Result<ChangeBody, Unusable> {
         let whether = |name| fields.field(name, "true or false", Value::as_bool);
-        let number_or_max = |value: &Value| value.as_str().map(str::to_owned).or_else(|| Some(value.as_f64()?.to_string()));
+        let number_or_max = |value: &Value| match value {
+            Value::String(text) => (text == "max").then(|| text.clone()),
+            _ => value.as_f64().map(|number| number.to_string()),
+        };
         let speed = fields.field("speed", "a number, as 2, or \"max\"", number_or_max)?;
         let blocked = fields.field("blocked", "a list of cells, as [{\"x\":1,\"y\":2}],", cells)?;
         Ok(ChangeBody(Change {
@@ -122,6 +156,39 @@ pub fn pace(text: &str) -> Result<Pace, Unusable> {
 
 /// `PUT simulator/hall`
 pub struct HallBody(pub OtherHall);
+
+/// A hall that is offered, or one that is sent, and where its dice begin.
+impl JsonSchema for HallBody {
+    fn schema_name() -> Cow<'static, str> {
+        "HallBody".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let form = |named: &str, other: &str, what: &str| {
+            json_schema!({
+                "type": "object",
+                "properties": {
+                    (named): {"type": "string", "description": what},
+                    (other): {"type": "null"},
+                    "seed": {
+                        "description": "Where its dice begin, in digits and quotes or not; the one that stands where it is absent.",
+                        "oneOf": [
+                            {"type": "integer", "minimum": 0, "maximum": u64::MAX},
+                            {"type": "string", "pattern": "^[0-9]{1,19}$"},
+                            {"type": "null"},
+                        ],
+                    },
+                },
+                "required": [named],
+                "additionalProperties": false,
+            })
+        };
+        json_schema!({
+            "description": "A hall that is offered, or one that is sent, and where its dice begin.",
+            "oneOf": [form("name", "toml", "The name of one that is offered."), form("toml", "name", "A hall file.")],
+        })
+    }
+}
 
 impl Body for HallBody {
     const FIELDS: &'static [&'static str] = &["name", "toml", "seed"];
@@ -177,8 +244,8 @@ mod tests {
     fn what_is_wrong_is_said_with_its_field() {
         for (body, words) in [
             (r#"{"speed":0}"#, "`speed` is 0: 0.1 to 1000 belongs there, or max"),
-            (r#"{"speed":"fast"}"#, "`speed` is fast"),
-            (r#"{"speed":"nan"}"#, "`speed` is nan"),
+            (r#"{"speed":"fast"}"#, "`speed` is \"fast\": a number, as 2, or \"max\" belongs there"),
+            (r#"{"speed":"2"}"#, "`speed` is \"2\""),
             (r#"{"paused":"yes"}"#, "`paused` is \"yes\": true or false belongs there"),
             (r#"{"blocked":[{"x":1}]}"#, "`blocked` is [{\"x\":1}]: a list of cells"),
             (r#"{"blocked":[{"x":1,"y":5000000000}]}"#, "`blocked` is"),

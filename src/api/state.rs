@@ -1,5 +1,6 @@
 //! Everything at one revision in one JSON object: what `GET /api/v1/state` and the first event of a stream carry.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::alarm::AlarmJson;
@@ -14,7 +15,7 @@ use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// The whole state.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct StateJson {
     /// Which run of the program this is.
     pub run: String,

@@ -1,18 +1,21 @@
 //! The temperature in JSON.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::vocabulary;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::temperature::TemperatureView;
 
 /// The temperature and what it means.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct TemperatureJson {
     /// When it last changed.
     pub revision: u64,
     /// The latest reading in °C, or null before the first.
     pub celsius: Option<f64>,
     /// `ok`, `tooHigh` or `stale`.
+    #[schemars(with = "vocabulary::TemperatureStatus")]
     pub status: &'static str,
     /// In °C; above it nothing moves.
     pub threshold: f64,
@@ -23,7 +26,7 @@ pub struct TemperatureJson {
 }
 
 /// A source that is too hot.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct HotJson {
     /// `operator`, `robot`, or the name of a sensor.
     pub source: String,

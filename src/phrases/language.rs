@@ -31,6 +31,7 @@ macro_rules! files {
             include_str!(concat!($language, "/said.ftl")),
             include_str!(concat!($language, "/editor.ftl")),
             include_str!(concat!($language, "/problems.ftl")),
+            include_str!(concat!($language, "/api.ftl")),
             include_str!(concat!($language, "/laboratory.ftl")),
             include_str!(concat!($language, "/missions.ftl")),
             include_str!(concat!($language, "/photo.ftl")),

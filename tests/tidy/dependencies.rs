@@ -34,7 +34,17 @@ const RULES: [Rule; 13] = [
         // The table of commands says what each asks of its sender; what is shown of the simulator is said by its port.
         modules: &["access", "runtime"],
         // Of the simulator what drives nothing of the hall: the laboratory, which is arithmetic, and how halls are written in files.
-        crates: &["hallsweep_core", "hallsweep_sim", "jiff", "minicbor", "minicbor_serde", "serde", "serde_json", "thiserror"],
+        crates: &[
+            "hallsweep_core",
+            "hallsweep_sim",
+            "jiff",
+            "minicbor",
+            "minicbor_serde",
+            "schemars",
+            "serde",
+            "serde_json",
+            "thiserror",
+        ],
     },
     Rule { module: "phrases", modules: &[], crates: &["askama", "fluent_bundle", "hallsweep_core", "serde_json", "unic_langid"] },
     Rule {

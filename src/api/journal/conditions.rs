@@ -2,6 +2,7 @@
 
 use std::ops::RangeInclusive;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Unparsed, names};
@@ -12,7 +13,8 @@ const SIDES_M: RangeInclusive<f64> = 0.01..=100.0;
 const NAME_BYTES: usize = 4096;
 
 /// `{"hall":"airport","cellM":0.5,"threshold":25.0}`; metres and °C. `cellM` is null where the side of a cell is not known.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "Conditions")]
 #[serde(rename_all = "camelCase")]
 pub struct ConditionsShape {
     hall: String,

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::conditions::ConditionsShape;
@@ -20,7 +21,8 @@ use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId, Seq};
 use hallsweep_core::world::alarm::AlarmCause;
 
 /// A fact, by its kind.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "Fact")]
 #[serde(tag = "kind", rename_all = "camelCase", rename_all_fields = "camelCase")]
 pub(super) enum Shape {
     ProgramStarted {
@@ -137,7 +139,7 @@ pub(super) enum Shape {
 }
 
 /// A command and what became of it.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 pub(super) struct CommandShape {
     command: String,
     door: String,
@@ -151,7 +153,7 @@ pub(super) struct CommandShape {
 }
 
 /// Why a command was refused; its kind follows from the code.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 struct RefusalShape {
     code: String,
     words: String,

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::places::{Moment, Point, PoseShape};
@@ -12,7 +13,7 @@ use hallsweep_core::world::alarm::{Alarm, AlarmCause};
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
 
 /// The record of one piece.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 pub(super) struct LuggageShape {
     pub(super) id: u64,
     cell: Point,
@@ -27,7 +28,7 @@ pub(super) struct LuggageShape {
 }
 
 /// What became of a photo.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 enum PhotoShape {
     Taken { bytes: usize, take: u32 },
@@ -35,7 +36,7 @@ enum PhotoShape {
 }
 
 /// A verdict that stands.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 struct DecisionShape {
     verdict: String,
     who: String,
@@ -44,7 +45,7 @@ struct DecisionShape {
     note: Option<String>,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 pub(super) struct AlarmShape {
     id: u64,
     raised: Moment,
@@ -53,7 +54,7 @@ pub(super) struct AlarmShape {
     acknowledged: Option<SeenShape>,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 struct SeenShape {
     who: String,
     when: Moment,

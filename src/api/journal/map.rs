@@ -5,6 +5,7 @@
 //!   [4, -1, "W1V12.3L1"]   row 4, from column -1: a wall, twelve visited cells, three unknown, a piece of luggage
 //! ```
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Unparsed;
@@ -22,7 +23,8 @@ const LETTERS: [(Mark, char); 6] = [
 ];
 
 /// A row: its `y`, the `x` of its first known cell, and its runs.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "RecordedRow")]
 pub(super) struct Row(i32, i32, String);
 
 pub(super) fn named(name: &str) -> Result<Mark, Unparsed> {

@@ -26,6 +26,7 @@ mod tests;
 pub use conditions::ConditionsShape;
 pub use fact::kind;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use self::fact::Shape;
@@ -40,7 +41,7 @@ use hallsweep_core::world::luggage::Luggage;
 pub struct Unparsed(pub(super) String);
 
 /// The file in which a photo is kept.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Picture {
     /// The SHA-256 of its bytes, in 64 lower-case hexadecimal digits.
@@ -62,9 +63,10 @@ pub struct Line {
     pub picture: Option<Picture>,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "Entry")]
 #[serde(rename_all = "camelCase")]
-struct LineShape {
+pub struct LineShape {
     seq: u64,
     /// For people; what counts is the two that follow.
     #[serde(default)]
@@ -74,6 +76,30 @@ struct LineShape {
     mission: Option<u64>,
     #[serde(flatten)]
     fact: Shape,
+}
+
+/// An entry that cannot be understood.
+#[derive(Serialize, JsonSchema)]
+#[schemars(rename = "UnreadableEntry")]
+pub struct UnreadableShape<'a> {
+    seq: u64,
+    kind: Unreadable,
+    why: &'a str,
+}
+
+#[derive(Serialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+#[schemars(inline)]
+enum Unreadable {
+    Unreadable,
+}
+
+/// A line of a list of entries, as its schema has it: a list is put together of lines that are written already.
+#[derive(JsonSchema)]
+#[schemars(untagged, inline)]
+pub enum ListedLine {
+    Entry(Box<LineShape>),
+    Unreadable(UnreadableShape<'static>),
 }
 
 impl Picture {
@@ -111,7 +137,7 @@ pub fn line(line: &Line) -> String {
 
 /// The line that stands in the place of an entry that cannot be understood: its place, the kind `unreadable`, and why.
 pub fn unreadable(seq: Seq, why: &str) -> String {
-    format!("{{\"seq\":{seq},\"kind\":\"unreadable\",\"why\":{}}}", serde_json::Value::from(why))
+    written(&UnreadableShape { seq: seq.0, kind: Unreadable::Unreadable, why })
 }
 
 /// Reads a line of the journal.

@@ -1,5 +1,6 @@
 //! The words by which the journal writes what has a name, read back: a word that nobody knows is refused.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Unparsed;
@@ -15,14 +16,15 @@ use hallsweep_core::units::{Celsius, Heading};
 const TAKEN_FOR: [&str; 3] = ["wall", "luggage", "unknown"];
 
 /// Where a search has come to.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 pub(super) struct SearchShape {
     strategy: String,
     notes: Vec<i64>,
 }
 
 /// A basic move.
-#[derive(Clone, Copy, Serialize, Deserialize)]
+#[derive(Clone, Copy, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "RecordedStep")]
 #[serde(rename_all = "camelCase")]
 pub(super) enum Step {
     Forward,

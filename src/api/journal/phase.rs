@@ -1,5 +1,6 @@
 //! Phases in the journal, each with its data, the interrupted ones inside those that interrupt them.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Unparsed;
@@ -11,7 +12,7 @@ use hallsweep_core::retrieval::NotFetched;
 use hallsweep_core::units::LuggageId;
 
 /// A phase, by the name of the doors.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "name", rename_all = "camelCase")]
 pub(super) enum PhaseShape {
     Idle,
@@ -29,7 +30,7 @@ pub(super) enum PhaseShape {
 }
 
 /// A piece being inspected.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 pub(super) struct InspectionShape {
     cell: Point,
     piece: Option<u32>,
@@ -38,7 +39,8 @@ pub(super) struct InspectionShape {
 }
 
 /// How far an inspection has come.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "RecordedInspectionStage")]
 #[serde(rename_all = "camelCase")]
 enum StageShape {
     BackingUp,
@@ -49,7 +51,7 @@ enum StageShape {
 }
 
 /// Why a mission is in fault.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub(super) enum CauseShape {
     NoWayHome,

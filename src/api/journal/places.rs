@@ -1,5 +1,6 @@
 //! Cells, poses and moments in the journal. A moment keeps the exact millisecond and offset; its RFC 3339 form is for people.
 
+use schemars::JsonSchema;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -13,7 +14,8 @@ use hallsweep_core::world::hall_map::REACH;
 const FARTHEST: i32 = 2 * REACH;
 
 /// A cell.
-#[derive(Clone, Copy, Serialize, Deserialize)]
+#[derive(Clone, Copy, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "RecordedPoint")]
 pub(super) struct Point {
     #[serde(deserialize_with = "side")]
     pub(super) x: i32,
@@ -21,7 +23,7 @@ pub(super) struct Point {
     pub(super) y: i32,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 pub(super) struct PoseShape {
     #[serde(deserialize_with = "side")]
     x: i32,
@@ -30,7 +32,8 @@ pub(super) struct PoseShape {
     heading: String,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "RecordedMoment")]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Moment {
     /// For people.
@@ -41,7 +44,7 @@ pub(super) struct Moment {
 }
 
 /// What a search is after: a cell to visit, or home.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub(super) enum GoalShape {
     Visit(Point),

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::places::Point;
@@ -13,7 +14,7 @@ use hallsweep_core::settings::Fetcher;
 use hallsweep_core::state::{Retrieval, RetrievalStage};
 use hallsweep_core::units::{AlarmId, LuggageId};
 
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct RetrievalShape {
     luggage: u64,
@@ -27,7 +28,7 @@ pub(super) struct RetrievalShape {
 }
 
 /// How far it has come; the reason where it came to nothing.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 enum StageShape {
     MakingRoom,

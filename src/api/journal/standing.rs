@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::conditions::ConditionsShape;
@@ -20,7 +21,7 @@ use hallsweep_core::units::{AlarmId, Epoch, LuggageId, MissionId, Pose};
 use hallsweep_core::world::records::LuggageRecords;
 
 /// Everything that stands.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct StandingShape {
     mission: u64,

@@ -1,6 +1,7 @@
 //! The pair's trees in the journal: how they stood after a tick that changed something, so that they go on from there after a restart, and
 //! so that a run can be looked at again.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Unparsed;
@@ -9,7 +10,7 @@ use hallsweep_core::behaviour::{Status, Value, ValueType};
 use hallsweep_core::event::Piece;
 use hallsweep_core::retrieval::{Parcel, Place, RetrievalFault, TeamStage, TeamState};
 
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct TeamShape {
     /// SRM1, SRM2 and the Supervisor, each a line.
@@ -25,7 +26,8 @@ pub(super) struct TeamShape {
     runs: u32,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "RecordedPairStage")]
 #[serde(rename_all = "camelCase")]
 enum StageShape {
     Working,
@@ -34,13 +36,13 @@ enum StageShape {
     Faulted(String),
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 struct ParcelShape {
     piece: u32,
     place: PlaceShape,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 enum PlaceShape {
     Cell(Point),

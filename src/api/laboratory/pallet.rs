@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::mishap::AskedFault;
 pub use super::pallet_drawing::{TITLE, drawing};
-use super::pallet_json::PalletJson;
+pub use super::pallet_json::PalletJson;
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::retrieval::TreesView;
 pub use hallsweep_sim::pair::Spread;

@@ -1,6 +1,7 @@
 //! A run of the pallet scenario in JSON, for a page that plays it: the yard once, then what changes with time. Places of the yard are
 //! cells, where things are is in metres; both count from the first robot's start, to the east and to the south.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::pallet::Pallet;
@@ -13,8 +14,8 @@ use hallsweep_sim::pair::{ANGLE_LIMIT, FORCE_LIMIT_N, FORCE_N, GAP_LIMIT_M};
 use hallsweep_sim::pallet::{Frame, Yard};
 
 /// The whole run.
-#[derive(Serialize)]
-pub(super) struct PalletJson {
+#[derive(Serialize, JsonSchema)]
+pub struct PalletJson {
     #[serde(flatten)]
     report: ReportJson,
     yard: YardJson,
@@ -30,7 +31,7 @@ pub(super) struct PalletJson {
 /// `[column, row]`
 type Xy = (i32, i32);
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 struct YardJson {
     /// The side of a cell.
@@ -48,7 +49,7 @@ struct YardJson {
 }
 
 /// Between which bounds what is held must stay, the least and the most.
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 struct LimitsJson {
     force_n: [f64; 2],
@@ -58,11 +59,13 @@ struct LimitsJson {
 
 /// `[t, SRM1, SRM2, load, held, delivered]`: seconds, two bodies, `[x, y, height]` of the parcel in the grippers with the height from
 /// 0 to 1, `[force, angle, gap]` while it is in them, and how many parcels are in the target area.
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
+#[schemars(rename = "PalletFrame")]
 struct FrameJson(f64, BodyJson, BodyJson, Option<[f64; 3]>, Option<[f64; 3]>, usize);
 
 /// `[x, y, θ, closed]`: metres, radians clockwise from the east, whether the gripper is closed.
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
+#[schemars(rename = "PalletBody")]
 struct BodyJson(f64, f64, f64, bool);
 
 /// A tenth of a millimetre, or of a milliradian, is finer than any picture.

@@ -1,5 +1,6 @@
 //! What a run of the pallet scenario came to, in JSON: the same for the command line and for the page, which plays it beside.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::mishap::AskedFault;
@@ -9,7 +10,7 @@ use hallsweep_sim::pair::Spread;
 use hallsweep_sim::pallet::{Entry, Figures, News, PalletFault, PalletRun};
 
 /// What was asked for, what passed, and the figures.
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 pub struct ReportJson {
     seed: u64,
     parcels: u32,
@@ -23,7 +24,8 @@ pub struct ReportJson {
     fault: Option<FaultJson>,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
+#[schemars(rename = "PalletEvent")]
 struct EventJson {
     /// Simulated seconds since the run began.
     t: f64,
@@ -37,7 +39,8 @@ struct EventJson {
     words: String,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
+#[schemars(rename = "PalletFigures")]
 #[serde(rename_all = "camelCase")]
 struct FiguresJson {
     /// Parcels in the target area.
@@ -50,13 +53,14 @@ struct FiguresJson {
 }
 
 /// Errors while parcels were off the floor.
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct SpreadJson {
     worst: f64,
     rms: f64,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
+#[schemars(rename = "PalletFault")]
 struct FaultJson {
     name: &'static str,
     words: &'static str,

@@ -1,5 +1,6 @@
 //! The Roomba's runs as doors and command line show them. What happens in a run stands in `hallsweep_sim::roomba`.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 pub use hallsweep_sim::roomba::{Controller, Figures, Parting, Phase, Run, Transition, Words};
@@ -20,8 +21,8 @@ pub struct Roomba {
 /// A figure in words: its name, and what it is in each run.
 pub type Row = (&'static str, Vec<String>);
 
-#[derive(Clone, Debug, PartialEq, Serialize)]
-struct RoombaJson {
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct RoombaJson {
     seed: u64,
     /// How long each run is.
     seconds: f64,
@@ -37,7 +38,8 @@ struct RoombaJson {
 }
 
 /// The room: (0, 0) is its north-west corner, x grows along its length.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[schemars(rename = "RoombaRoom")]
 #[serde(rename_all = "camelCase")]
 struct RoomJson {
     length_m: f64,
@@ -46,13 +48,15 @@ struct RoomJson {
     square_m: f64,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[schemars(rename = "RoombaBody")]
 #[serde(rename_all = "camelCase")]
 struct BodyJson {
     radius_m: f64,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[schemars(rename = "RoombaRun")]
 struct RunJson {
     /// `machine` or `tree`.
     controller: &'static str,
@@ -63,10 +67,11 @@ struct RunJson {
 
 /// `[t, x, y, θ, phase, passed]`: seconds, metres, metres, radians clockwise from the x axis, the index of what was done until then,
 /// and how many squares of the floor it had passed over.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[schemars(rename = "RoombaFrame")]
 struct FrameJson(f64, f64, f64, f64, usize, u32);
 
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 struct TransitionJson {
     /// Seconds since the start.
@@ -77,7 +82,8 @@ struct TransitionJson {
     angle_rad: Option<f64>,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[schemars(rename = "RoombaFigures")]
 #[serde(rename_all = "camelCase")]
 struct FiguresJson {
     path_m: f64,

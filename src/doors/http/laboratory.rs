@@ -1,7 +1,7 @@
 //! The laboratory: the Roomba as state machine and as behaviour tree, and the pallet scenario, on one page and as JSON. It is all
 //! arithmetic on what stands in the address; nothing here reads or moves anything of the hall.
 
-mod asked;
+pub(super) mod asked;
 mod said;
 
 use std::sync::Arc;

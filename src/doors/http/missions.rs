@@ -27,10 +27,10 @@ use hallsweep_core::units::{MissionId, Seq};
 pub(super) const MISSIONS: u64 = 20;
 
 /// The most missions in one answer.
-const MOST_MISSIONS: u64 = 100;
+pub(super) const MOST_MISSIONS: u64 = 100;
 
 /// Events in one answer, unless asked otherwise, and the most there are: some 100 KiB of JSON.
-const EVENTS: u64 = 1000;
+pub(super) const EVENTS: u64 = 1000;
 
 /// Entries of which a retrieval is told: many times what one takes.
 const RETRIEVAL: usize = 1000;

@@ -18,6 +18,7 @@ mod map_files;
 mod missions;
 mod mqtt;
 mod old;
+mod openapi;
 mod places;
 mod problem;
 mod query;

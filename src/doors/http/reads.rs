@@ -263,7 +263,7 @@ mod tests {
     #[tokio::test]
     async fn what_is_not_there_is_not_found() {
         let app = app(searching());
-        for path in ["/api/v1/luggage/99", "/api/v1/luggage/x", "/api/v1/luggage/99/photo", "/api/v1/", "/api", "/nowhere"] {
+        for path in ["/api/v1/luggage/99", "/api/v1/luggage/x", "/api/v1/luggage/99/photo", "/api/v1/", "/api/v2", "/nowhere"] {
             let (status, json) = read(app.get(path).await).await;
             assert_eq!((status.as_u16(), &json["status"]), (404, &404.into()), "{path}");
         }

@@ -1,6 +1,6 @@
 //! THE TABLE of this door: every route with its method, what it asks of whoever comes, and who answers. The router is built
 //! from these rows and from nothing else, and each row stands behind its own gate; what is not listed is answered to those who
-//! may look, and then only with 404 or 405. `docs/http.md` shows the same table, held equal by a test.
+//! may look, and then only with 404 or 405, but that anybody is told which methods a path for anybody has not. `docs/http.md` shows the same table, held equal by a test.
 
 use std::borrow::Cow;
 
@@ -14,8 +14,8 @@ use axum::routing::{MethodFilter, MethodRouter, on};
 use super::gate::{Gate, gate};
 use super::reading::Number;
 use super::{
-    HttpDoor, assets, command, console, events, laboratory, language, map_files, missions, mqtt, old, problem, reads, reports,
-    sign_in, simulator,
+    HttpDoor, assets, command, console, events, laboratory, language, map_files, missions, mqtt, old, openapi, problem, reads,
+    reports, sign_in, simulator,
 };
 use crate::access::Need;
 use crate::access::Need::{Act, Nothing, See, Stop};
@@ -28,7 +28,6 @@ use hallsweep_core::command::Command;
 /// One route.
 pub(super) struct Row {
     /// Its method; `GET` answers `HEAD` too.
-    #[cfg_attr(not(test), expect(dead_code, reason = "the tests walk the table, and the router has it from `answers`"))]
     pub(super) method: Method,
     /// Its path, as axum writes it.
     pub(super) path: Cow<'static, str>,
@@ -77,6 +76,7 @@ fn for_anybody() -> Vec<Row> {
         get("/static/icon.svg", Nothing, assets::file),
         get("/favicon.ico", Nothing, assets::file),
         get("/mqtt", Nothing, mqtt::mqtt),
+        get("/api/v1/openapi.json", Nothing, openapi::description),
     ]
 }
 
@@ -178,6 +178,7 @@ fn commands() -> Vec<Row> {
 fn page() -> Vec<Row> {
     vec![
         get("/", See, console::page),
+        get("/api", See, openapi::page),
         get("/missions", See, console::missions::list),
         get("/missions/{id}", See, console::missions::one),
         get("/missions/{id}/report", See, reports::report),
@@ -217,9 +218,14 @@ fn old_console() -> Vec<Row> {
 /// The router of the table, each row behind its gate.
 pub(super) fn routes(door: &HttpDoor) -> Router {
     let gated = |need| from_fn_with_state(Gate::new(door.clone(), need), gate);
-    let rows = table().into_iter().fold(Router::new(), |router, row| router.route(&row.path, row.answers.layer(gated(row.need))));
-    rows.fallback(problem::no_such_path.layer(gated(See)))
-        .method_not_allowed_fallback(problem::no_such_method.layer(gated(See)))
+    let (open, guarded): (Vec<Row>, Vec<Row>) = table().into_iter().partition(|row| row.need == Nothing);
+    // Each half has its own way of saying that a path has no such method; those that have one keep it.
+    let with = |router: Router<HttpDoor>, rows: Vec<Row>, need| {
+        let route = |router: Router<HttpDoor>, row: Row| router.route(&row.path, row.answers.layer(gated(row.need)));
+        rows.into_iter().fold(router, route).method_not_allowed_fallback(problem::no_such_method.layer(gated(need)))
+    };
+    with(with(Router::new(), open, Nothing), guarded, See)
+        .fallback(problem::no_such_path.layer(gated(See)))
         .with_state(door.clone())
 }
 

@@ -93,7 +93,10 @@ async fn a_browser_that_nobody_is_signed_in_with_is_led_to_the_page_for_it() {
 async fn what_is_not_in_the_table_is_answered_to_those_who_may_look() {
     let (app, tokens) = guarded();
     let bearer = format!("Bearer {}", tokens.viewer);
-    for (method, path, status) in [("GET", "/nowhere", 404), ("DELETE", "/api/v1/state", 405), ("PATCH", "/healthz", 405)] {
+    for method in ["PATCH", "TRACE"] {
+        assert_eq!(app.send(method, "/healthz", &[], "").await.status(), 405, "there is nothing to be seen behind it");
+    }
+    for (method, path, status) in [("GET", "/nowhere", 404), ("DELETE", "/api/v1/state", 405)] {
         assert_eq!(app.send(method, path, &[], "").await.status(), 401, "{path}");
         assert_eq!(app.send(method, path, &[("authorization", &bearer)], "").await.status(), status, "{path}");
     }

@@ -61,7 +61,7 @@ impl ArmAction {
 }
 
 named! {
-    by name;
+    ALL by name;
     /// What a gripper does.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum Gripper {

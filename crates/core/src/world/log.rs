@@ -23,7 +23,7 @@ pub struct LogLine {
 }
 
 named! {
-    by name;
+    ALL by name;
     /// How loud a line is.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum Tone {

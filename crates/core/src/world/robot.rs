@@ -44,7 +44,7 @@ pub struct RobotShown {
 }
 
 named! {
-    by name;
+    ALL by name;
     /// What a robot does, by the words of the seeds, which have none for an arm.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     #[expect(missing_docs, reason = "the names say it")]

@@ -100,7 +100,7 @@ pub struct TemperatureView {
 }
 
 named! {
-    by name;
+    ALL by name;
     /// What the temperature means for the robot.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum TemperatureStatus {

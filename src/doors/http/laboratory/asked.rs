@@ -11,22 +11,22 @@ use crate::api::laboratory::pallet::Pallet;
 use crate::api::laboratory::roomba::Roomba;
 
 /// The longest run of the Roomba that is shown, in seconds: ten minutes fill the room with lines, and take a few milliseconds to compute.
-pub(super) const LONGEST_S: u64 = 600;
+pub(in crate::doors::http) const LONGEST_S: u64 = 600;
 
 /// How long it is when nobody says: long enough for spirals and walls.
-const USUAL_S: u64 = 120;
+pub(in crate::doors::http) const USUAL_S: u64 = 120;
 
 /// The most parcels that are shown: what they take is bounded by this.
-pub(super) const MOST_PARCELS: u64 = 4;
+pub(in crate::doors::http) const MOST_PARCELS: u64 = 4;
 
 /// How many there are when nobody says.
-const USUAL_PARCELS: u64 = 3;
+pub(in crate::doors::http) const USUAL_PARCELS: u64 = 3;
 
 /// The most that is to go wrong in one run: twice as much as there are names for it.
-const MOST_FAULTS: usize = 12;
+pub(in crate::doors::http) const MOST_FAULTS: usize = 12;
 
 /// The seed when nobody says.
-const USUAL_SEED: u64 = 1;
+pub(in crate::doors::http) const USUAL_SEED: u64 = 1;
 
 /// A run of the Roomba.
 pub(super) struct AskedRoomba {

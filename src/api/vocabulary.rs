@@ -1,0 +1,72 @@
+//! The words that a field may hold where they are a fixed list: of each list its schema, made of the core's own. The values themselves stay
+//! plain texts; a field says by `with` which list is its own.
+
+use std::borrow::Cow;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+
+use hallsweep_core::behaviour::Status;
+use hallsweep_core::command;
+use hallsweep_core::mission;
+use hallsweep_core::robots;
+use hallsweep_core::search;
+use hallsweep_core::settings;
+use hallsweep_core::units;
+use hallsweep_core::world::{log, robot, temperature};
+
+/// A list: its name in the description, what the words are for, and the words.
+macro_rules! lists {
+    ($($(#[doc = $doc:literal])* $name:ident = $words:expr;)*) => {$(
+        $(#[doc = $doc])*
+        pub struct $name;
+
+        impl JsonSchema for $name {
+            fn schema_name() -> Cow<'static, str> {
+                stringify!($name).into()
+            }
+
+            fn json_schema(_: &mut SchemaGenerator) -> Schema {
+                json_schema!({"type": "string", "enum": $words, "description": concat!($($doc),*).trim_ascii()})
+            }
+        }
+    )*};
+}
+
+lists! {
+    /// Where a mission stands.
+    Phase = mission::PhaseName::ALL.map(mission::PhaseName::name);
+    /// Why nothing moves.
+    Hold = mission::Hold::ALL.map(mission::Hold::name);
+    /// Which way a robot faces.
+    Heading = units::Heading::ALL.map(units::Heading::name);
+    /// What a robot does.
+    RobotState = robot::RobotState::ALL.map(robot::RobotState::name);
+    /// What a robot has.
+    Part = robots::Part::ALL.map(robots::Part::name);
+    /// What the LED does.
+    Led = ["off", "blinking"];
+    /// What a gripper does.
+    Gripper = hallsweep_core::retrieval::Gripper::ALL.map(hallsweep_core::retrieval::Gripper::name);
+    /// The order of a search.
+    StrategyName = search::Strategy::ALL.map(search::Strategy::name);
+    /// What was decided of a piece of luggage, if anything was.
+    Verdict = ["pending", "safe", "danger"];
+    /// What may be decided of a piece of luggage.
+    VerdictWord = [command::Verdict::Safe, command::Verdict::Danger].map(command::Verdict::name);
+    /// What became of a photo.
+    PhotoState = ["taken", "failed"];
+    /// What the temperature means.
+    TemperatureStatus = temperature::TemperatureStatus::ALL.map(temperature::TemperatureStatus::name);
+    /// What an operator may say of the temperature without a reading.
+    TemperatureWord = ["ok", "tooHigh"];
+    /// A move by hand: forward, backward, left (two words), right (two words), small turns, and STOP (two words).
+    Move = ["w", "s", "a", "l", "d", "r", "z", "x", "h", "stop"];
+    /// How loud a line of the log is.
+    Tone = log::Tone::ALL.map(log::Tone::name);
+    /// How far a retrieval has come.
+    RetrievalStage = ["none", "makingRoom", "fetching", "lettingGo", "goingOut", "comingHome"];
+    /// Who fetches.
+    Fetcher = settings::Fetcher::ALL.map(settings::Fetcher::name);
+    /// What a node of a behaviour tree said.
+    NodeStatus = Status::ALL.map(Status::word);
+}

@@ -1,0 +1,112 @@
+//! This door as programs read it: OpenAPI 3.1, made of the table of routes, of what each of them does, and of the shapes of the wire. It
+//! is the same for everybody, but for whether a key is asked for.
+
+mod operation;
+mod operations;
+mod page;
+
+use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::sync::LazyLock;
+
+use axum::body::Bytes;
+use axum::extract::State;
+use axum::http::{HeaderMap, header};
+use axum::response::{IntoResponse, Response};
+use serde_json::{Map, Value, json};
+
+use self::operation::{Operation, Subject, problem};
+use super::HttpDoor;
+use super::etag::conditional;
+use super::routes::{Row, table};
+use crate::access::Access;
+use crate::api::problem::{ProblemJson, ProblemKind};
+use crate::api::schemas::Schemas;
+
+pub(super) use page::page;
+
+/// What a client is told of this program.
+const ABOUT: &str = "A robot searches an evacuated airport hall for dangerous luggage; an operator watches, decides and can always stop it. \
+    The same state and the same commands are there over CoAP and MQTT. STOP (`POST /api/v1/commands/stop`) halts the robot before anything \
+    else of a request is looked at.";
+
+/// A description as it is sent.
+struct Description {
+    json: Bytes,
+    tag: String,
+}
+
+/// Made when it is asked for first: where nobody is asked for a key, and where everybody is.
+static OPEN: LazyLock<Description> = LazyLock::new(|| Description::of(false));
+static KEYED: LazyLock<Description> = LazyLock::new(|| Description::of(true));
+
+/// `GET openapi.json`
+pub(super) async fn description(State(door): State<HttpDoor>, headers: HeaderMap) -> Response {
+    let Description { json, tag, .. } = at(&door);
+    conditional(&headers, tag, || ([(header::CONTENT_TYPE, "application/json")], json.clone()).into_response())
+}
+
+fn at(door: &HttpDoor) -> &'static Description {
+    match door.access {
+        Access::Open => &OPEN,
+        Access::Keys(_) => &KEYED,
+    }
+}
+
+impl Description {
+    fn of(asks: bool) -> Description {
+        let json = Bytes::from(document(asks).to_string());
+        let mut hasher = DefaultHasher::new();
+        json.hash(&mut hasher);
+        Description { tag: format!("W/\"{:016x}\"", hasher.finish()), json }
+    }
+}
+
+/// The rows that programs use, in the order of the table, each with what it does.
+fn described(schemas: &mut Schemas) -> Vec<(Row, Operation)> {
+    let key = |method: &axum::http::Method, path: &str| (method.to_string(), path.to_owned());
+    let mut operations: BTreeMap<_, Operation> =
+        operations::all(schemas).into_iter().map(|operation| (key(&operation.method, &operation.path), operation)).collect();
+    table()
+        .into_iter()
+        .filter_map(|row| operations.remove(&key(&row.method, &row.path)).map(|operation| (row, operation)))
+        .collect()
+}
+
+/// The whole description; `asks` whether anybody is asked for a key.
+fn document(asks: bool) -> Value {
+    let mut schemas = Schemas::default();
+    let mut paths: Map<String, Value> = Map::new();
+    for (row, operation) in described(&mut schemas) {
+        let path = paths.entry(row.path.to_string()).or_insert_with(|| json!({}));
+        path[operation.method.as_str().to_ascii_lowercase()] = operation.written(row.need, asks);
+    }
+    let shape = schemas.sent::<ProblemJson<'static>>();
+    let answers: Map<String, Value> = ProblemKind::ALL.map(|kind| problem(kind, &shape)).into_iter().collect();
+    let tags = Subject::ALL.map(|subject| json!({"name": subject.named().0, "description": subject.named().1}));
+    let mut components = json!({
+        "schemas": schemas.shapes(),
+        "responses": answers,
+        "headers": {"ETag": {"description": "Weak; to be sent back in `If-None-Match`.", "schema": {"type": "string"}}},
+    });
+    if asks {
+        let token = "A key's token, as `hallsweep token` shows it.";
+        components["securitySchemes"] = json!({"token": {"type": "http", "scheme": "bearer", "description": token}});
+    }
+    json!({
+        "openapi": "3.1.0",
+        "info": {
+            "title": "hallsweep",
+            "version": env!("CARGO_PKG_VERSION"),
+            "description": ABOUT,
+            "license": {"name": env!("CARGO_PKG_LICENSE"), "identifier": env!("CARGO_PKG_LICENSE")},
+        },
+        "servers": [{"url": "/"}],
+        "tags": tags,
+        "paths": paths,
+        "components": components,
+    })
+}
+
+#[cfg(test)]
+mod tests;

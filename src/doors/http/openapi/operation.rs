@@ -1,0 +1,253 @@
+//! What a route does, for programs that read it, and how OpenAPI 3.1 writes that. What may go wrong follows from what a route is made of:
+//! whoever takes a body may be told that it is malformed, and whoever gives a command that it cannot be given now.
+
+use std::borrow::Cow;
+use std::collections::BTreeSet;
+
+use axum::http::Method;
+use serde_json::{Map, Value, json};
+
+use crate::access::Need;
+use crate::api::problem::ProblemKind;
+use hallsweep_core::command::CommandId;
+
+/// What an operation is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Subject {
+    Commands,
+    State,
+    Map,
+    Missions,
+    Simulator,
+    Laboratory,
+    Program,
+    OldClients,
+}
+
+impl Subject {
+    pub(super) const ALL: [Subject; 8] = [
+        Subject::Commands,
+        Subject::State,
+        Subject::Map,
+        Subject::Missions,
+        Subject::Simulator,
+        Subject::Laboratory,
+        Subject::Program,
+        Subject::OldClients,
+    ];
+
+    /// Its word, and what it comes to.
+    pub(super) const fn named(self) -> (&'static str, &'static str) {
+        match self {
+            Subject::Commands => ("commands", "What can be asked for. An answer comes when it is carried out or refused."),
+            Subject::State => ("state", "How things stand now, and what changes."),
+            Subject::Map => ("map", "The hall in files of other programs, as far as it is explored."),
+            Subject::Missions => ("missions", "All missions, with everything that happened in them."),
+            Subject::Simulator => ("simulator", "Time, faults and hall, where the robot that searches is simulated."),
+            Subject::Laboratory => ("laboratory", "What is computed and has nothing to do with the hall."),
+            Subject::Program => ("program", "Of the program itself."),
+            Subject::OldClients => ("oldClients", "The words of the old console: the path is the whole command."),
+        }
+    }
+}
+
+/// One operation.
+pub(super) struct Operation {
+    pub(super) method: Method,
+    pub(super) path: Cow<'static, str>,
+    /// Its name in programs that are made from the description.
+    pub(super) id: Cow<'static, str>,
+    pub(super) subject: Subject,
+    pub(super) summary: Cow<'static, str>,
+    /// What may stand after the `?`.
+    pub(super) query: Vec<Parameter>,
+    /// What else may stand in its head.
+    pub(super) headers: Vec<Parameter>,
+    pub(super) body: Option<Body>,
+    /// What a success carries, in each media type that it comes in.
+    pub(super) answers: Vec<Media>,
+    /// Whether what a client has already is not sent again.
+    pub(super) is_tagged: bool,
+    /// What may go wrong, beside what follows from the rest.
+    pub(super) also: &'static [ProblemKind],
+}
+
+pub(super) struct Parameter {
+    pub(super) name: &'static str,
+    pub(super) what: &'static str,
+    pub(super) schema: Value,
+}
+
+pub(super) struct Body {
+    pub(super) media_types: &'static [&'static str],
+    pub(super) schema: Value,
+    pub(super) is_needed: bool,
+}
+
+/// A media type, and what it holds where that is JSON.
+pub(super) type Media = (&'static str, Value);
+
+impl Operation {
+    pub(super) fn new(
+        method: Method,
+        path: impl Into<Cow<'static, str>>,
+        id: impl Into<Cow<'static, str>>,
+        (subject, summary): (Subject, impl Into<Cow<'static, str>>),
+    ) -> Operation {
+        Operation {
+            method,
+            path: path.into(),
+            id: id.into(),
+            subject,
+            summary: summary.into(),
+            query: Vec::new(),
+            headers: Vec::new(),
+            body: None,
+            answers: Vec::new(),
+            is_tagged: false,
+            also: &[],
+        }
+    }
+
+    pub(super) fn answers(mut self, media_type: &'static str, schema: Value) -> Operation {
+        self.answers.push((media_type, schema));
+        self
+    }
+
+    pub(super) fn asked(mut self, name: &'static str, what: &'static str, schema: Value) -> Operation {
+        self.query.push(Parameter { name, what, schema });
+        self
+    }
+
+    pub(super) fn takes(self, media_types: &'static [&'static str], schema: Value, is_needed: bool) -> Operation {
+        Operation { body: Some(Body { media_types, schema, is_needed }), ..self }
+    }
+
+    pub(super) fn told(mut self, name: &'static str, what: &'static str, schema: Value) -> Operation {
+        self.headers.push(Parameter { name, what, schema });
+        self
+    }
+
+    pub(super) fn tagged(self) -> Operation {
+        let what = "The `ETag` of what its sender has: it is not sent again.";
+        Operation { is_tagged: true, ..self.told("If-None-Match", what, json!({"type": "string"})) }
+    }
+
+    /// The same given once only, under a name of its sender's; a STOP is given whatever its name is.
+    pub(super) fn once(self, is_stop: bool) -> Operation {
+        let what = "The command's own name: sent again under it, it is given once and answered alike.";
+        let name = json!({"type": "string", "pattern": format!("^[!-~]{{1,{}}}$", CommandId::MOST)});
+        let schema = if is_stop { json!({"type": "string"}) } else { name };
+        self.told("Idempotency-Key", what, schema)
+    }
+
+    pub(super) fn also(self, also: &'static [ProblemKind]) -> Operation {
+        Operation { also, ..self }
+    }
+
+    /// What may go wrong, for whoever needs this to be let in.
+    pub(super) fn problems(&self, need: Need) -> BTreeSet<(u16, &'static str)> {
+        use ProblemKind::{
+            Conflict, Forbidden, Internal, Malformed, Misdirected, NotAcceptable, NotFound, NotSignedIn, TooLarge, TooSlow,
+            Unavailable, UnsupportedFormat, Unusable,
+        };
+        let changes = self.method != Method::GET;
+        let is_command = self.headers.iter().any(|header| header.name == "Idempotency-Key");
+        let parts: [(bool, &[ProblemKind]); 8] = [
+            (true, &[Misdirected, Internal, Unavailable]),
+            (need != Need::Nothing, &[NotSignedIn]),
+            (changes, &[Forbidden]),
+            (self.path.contains('{'), &[NotFound]),
+            (!self.query.is_empty(), &[Unusable]),
+            (self.body.is_some(), &[Malformed, TooSlow, TooLarge, UnsupportedFormat, Unusable]),
+            (is_command, &[Malformed, Conflict, Unusable]),
+            (self.answers.len() > 1, &[NotAcceptable]),
+        ];
+        let follow = parts.into_iter().filter(|(so, _)| *so).flat_map(|(_, kinds)| kinds);
+        follow.chain(self.also).map(|kind| kind.status()).collect()
+    }
+
+    /// The same as OpenAPI has it; `asks` whether anybody is asked for a key.
+    pub(super) fn written(&self, need: Need, asks: bool) -> Value {
+        let (subject, _) = self.subject.named();
+        let mut operation = json!({
+            "operationId": self.id,
+            "tags": [subject],
+            "summary": self.summary,
+            "description": format!("For: {}.", need.in_words()),
+            "parameters": self.parameters(),
+            "responses": self.responses(need),
+        });
+        if let Some(Body { media_types, schema, is_needed }) = &self.body {
+            let content: Map<String, Value> =
+                media_types.iter().map(|media_type| ((*media_type).to_owned(), json!({"schema": schema}))).collect();
+            operation["requestBody"] = json!({"required": is_needed, "content": content});
+        }
+        if self.subject == Subject::OldClients {
+            operation["deprecated"] = true.into();
+        }
+        if asks && need != Need::Nothing {
+            operation["security"] = json!([{"token": []}]);
+        }
+        operation
+    }
+
+    /// What stands in braces in its path.
+    pub(super) fn in_path(&self) -> Vec<(&str, Value)> {
+        let names = self.path.split('{').skip(1).filter_map(|rest| rest.split('}').next());
+        let schema = |name| match name {
+            "id" => json!({"type": "integer", "minimum": 0, "maximum": u64::MAX}),
+            _ => json!({"type": "string", "pattern": "^[a-z0-9][a-z0-9-]{0,39}$"}),
+        };
+        names.map(|name| (name, schema(name))).collect()
+    }
+
+    fn parameters(&self) -> Vec<Value> {
+        let path = self
+            .in_path()
+            .into_iter()
+            .map(|(name, schema)| json!({"name": name, "in": "path", "required": true, "schema": schema}));
+        let of = |place: &'static str| move |Parameter { name, what, schema }: &Parameter| json!({"name": name, "in": place, "description": what, "schema": schema});
+        path.chain(self.query.iter().map(of("query"))).chain(self.headers.iter().map(of("header"))).collect()
+    }
+
+    fn responses(&self, need: Need) -> Map<String, Value> {
+        let tag = json!({"ETag": {"$ref": "#/components/headers/ETag"}});
+        let content: Map<String, Value> = self
+            .answers
+            .iter()
+            .map(|(media_type, schema)| {
+                ((*media_type).to_owned(), if schema.is_null() { json!({}) } else { json!({"schema": schema}) })
+            })
+            .collect();
+        let mut success = json!({"description": "It is so.", "content": content});
+        if self.is_tagged {
+            success["headers"] = tag.clone();
+        }
+        let mut responses = Map::from_iter([("200".to_owned(), success)]);
+        if self.is_tagged {
+            responses.insert("304".to_owned(), json!({"description": "Its sender has it already.", "headers": tag}));
+        }
+        responses.insert("431".to_owned(), json!({"description": "Its head is too large; without a body."}));
+        let problem = |(status, title): (u16, &str)| {
+            (status.to_string(), json!({"$ref": format!("#/components/responses/{}", name(title))}))
+        };
+        responses.extend(self.problems(need).into_iter().map(problem));
+        responses
+    }
+}
+
+/// The name of a problem's answer: its title in one word.
+pub(super) fn name(title: &str) -> String {
+    title.split(' ').collect()
+}
+
+/// One of all that may go wrong, as an answer.
+pub(super) fn problem(kind: ProblemKind, shape: &Value) -> (String, Value) {
+    let (_, title) = kind.status();
+    let mut answer = json!({"description": title, "content": {"application/problem+json": {"schema": shape}}});
+    if kind == ProblemKind::NotSignedIn {
+        answer["headers"] = json!({"WWW-Authenticate": {"required": true, "schema": {"type": "string"}}});
+    }
+    (name(title), answer)
+}
