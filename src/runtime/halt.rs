@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use tokio::sync::watch;
 
+use super::figures::Figures;
 use hallsweep_core::units::Epoch;
 
 /// So long the answer to a stop waits until the stop is written down: a disk that is well takes a thousandth of it, and one that
@@ -26,16 +27,19 @@ pub struct Halter {
     halts: watch::Sender<Halts>,
     /// The last stop that is written down; `None` while nobody can.
     noted: watch::Sender<Option<Epoch>>,
+    figures: Figures,
 }
 
 impl Halter {
     pub fn new(epoch: Epoch) -> Halter {
-        Halter { halts: watch::Sender::new(Halts { count: 0, epoch }), noted: watch::Sender::new(None) }
+        let halts = watch::Sender::new(Halts { count: 0, epoch });
+        Halter { halts, noted: watch::Sender::new(None), figures: Figures::default() }
     }
 
     /// Somebody's stop: halts every robot now; returns the epoch this stop has made.
     pub fn stop(&self) -> Epoch {
         let mut raised = Epoch(0);
+        self.figures.raise_stop();
         self.halts.send_modify(|halts| {
             *halts = Halts { count: halts.count + 1, epoch: halts.epoch.next() };
             raised = halts.epoch;
@@ -46,6 +50,11 @@ impl Halter {
     /// Halts every robot now, whatever holds them.
     pub fn halt(&self) {
         self.halts.send_modify(|halts| halts.count += 1);
+    }
+
+    /// What the program counts, stops among it.
+    pub fn figures(&self) -> &Figures {
+        &self.figures
     }
 
     /// Where a writer, or the core's loop, learns of halts.

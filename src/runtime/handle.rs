@@ -5,6 +5,7 @@ use std::sync::Arc;
 use tokio::sync::mpsc::error::TrySendError;
 use tokio::sync::{mpsc, oneshot, watch};
 
+use super::figures::Figures;
 use super::halt::Halter;
 use super::overflow::{OverflowIn, OverflowOut, overflow};
 use hallsweep_core::command::{Accepted, Command, Issuer, Refused, Request};
@@ -139,6 +140,11 @@ impl Handle {
     /// The epoch that the last stop has made: what arrives now arrives in it.
     pub fn epoch(&self) -> Epoch {
         self.halter.watch().now().epoch
+    }
+
+    /// What the program counts and measures of itself.
+    pub fn figures(&self) -> &Figures {
+        self.halter.figures()
     }
 
     pub fn snapshot(&self) -> Arc<Snapshot> {

@@ -4,6 +4,7 @@ pub mod archive;
 pub mod archive_reader;
 pub mod carry_out;
 pub mod clock;
+pub mod figures;
 pub mod halt;
 pub mod handle;
 pub mod link;

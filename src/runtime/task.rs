@@ -3,10 +3,12 @@
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
+use std::time::Duration;
 
 use tokio::sync::{mpsc, oneshot, watch};
 
 use super::clock::Clock;
+use super::figures::{Figures, HandedPages};
 use super::halt::{HaltWatch, Halter};
 use super::handle::{Answer, COMMANDS, Envelope, Handle};
 use super::link::RobotLink;
@@ -33,15 +35,24 @@ pub struct Task {
     /// What found no room in that queue.
     overflow: OverflowOut,
     snapshots: watch::Sender<Arc<Snapshot>>,
-    answers: BTreeMap<Ticket, Vec<oneshot::Sender<Answer>>>,
+    answers: BTreeMap<Ticket, Vec<WaitingSender>>,
     /// The refusals that wait until they are on record (safety A6), in the order of their entries.
-    refusals: VecDeque<(Seq, oneshot::Sender<Answer>, Refused)>,
+    refusals: VecDeque<(Seq, WaitingSender, Refused)>,
     /// Whether the store's last word was that it cannot write.
     store_failed: bool,
     /// How often the store has lost something, as far as the core was told.
     losses: u64,
     /// Whether the core was told that the program ends.
     is_ending: bool,
+    figures: Figures,
+    /// What of the record is counted when it is kept.
+    handed: HandedPages,
+}
+
+/// Who waits for an answer, and since when.
+struct WaitingSender {
+    answer: oneshot::Sender<Answer>,
+    since: Duration,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -63,7 +74,8 @@ impl Task {
     ) -> (Handle, Task) {
         let (commands_out, commands) = mpsc::channel(COMMANDS);
         let snapshots = watch::Sender::new(engine.snapshot());
-        let halts = halter.watch();
+        let (halts, figures) = (halter.watch(), halter.figures().clone());
+        let handed = HandedPages::new(figures.clone(), &snapshots.borrow());
         let (handle, overflow) = Handle::with_overflow(commands_out, snapshots.subscribe(), halter);
         let word = store.word();
         let task = Task {
@@ -82,6 +94,8 @@ impl Task {
             store_failed: false,
             losses: 0,
             is_ending: false,
+            figures,
+            handed,
         };
         (handle, task)
     }
@@ -146,11 +160,13 @@ impl Task {
         if epoch > self.heard {
             self.heard = epoch;
             self.engine.handle_halt(epoch, self.clock.now());
+            self.figures.hear_stops();
         }
         let Overflow { stops, refusals } = self.overflow.take();
         for Counted { last, count, answers, .. } in stops.into_values() {
-            let given = self.engine.handle_stops(last, count, self.clock.now());
-            self.await_answer(given, answers);
+            let now = self.clock.now();
+            let given = self.engine.handle_stops(last, count, now);
+            self.await_answer(given, answers, now.since_start);
         }
         for Counted { last: (issuer, asked, refused), count, .. } in refusals.into_values() {
             self.engine.note_refused(issuer, asked, &refused, count, self.clock.now());
@@ -161,37 +177,47 @@ impl Task {
         self.hear_halts();
         match envelope {
             Envelope::Command(request, answer) => {
-                let given = self.engine.handle_command(request, self.clock.now());
-                self.await_answer(given, vec![answer]);
+                let now = self.clock.now();
+                let given = self.engine.handle_command(request, now);
+                self.await_answer(given, vec![answer], now.since_start);
             }
             Envelope::Refused(issuer, asked, refused, answer) => self.note_refused(issuer, asked, refused, answer),
             Envelope::Simulated(issuer, words) => self.engine.note_simulated(&issuer, &words, self.clock.now()),
             Envelope::PutDown(issuer, venue, robots, answer) => {
-                let given = self.engine.put_down_in(venue, &robots, &issuer, self.clock.now());
-                self.await_answer(given, vec![answer]);
+                let now = self.clock.now();
+                let given = self.engine.put_down_in(venue, &robots, &issuer, now);
+                self.await_answer(given, vec![answer], now.since_start);
             }
         }
     }
 
     fn note_refused(&mut self, issuer: Issuer, asked: String, refused: Refused, answer: Option<oneshot::Sender<Answer>>) {
-        let noted = self.engine.note_refused(issuer, asked, &refused, 1, self.clock.now());
+        let now = self.clock.now();
+        let noted = self.engine.note_refused(issuer, asked, &refused, 1, now);
         let Some(answer) = answer else { return };
+        let sender = WaitingSender { answer, since: now.since_start };
         if let Some(seq) = noted {
-            self.refusals.push_back((seq, answer, refused));
+            self.refusals.push_back((seq, sender, refused));
         } else {
-            // Whoever asked may have gone away.
-            let _ = answer.send(Err(refused));
+            self.answer(sender, Err(refused));
         }
     }
 
-    fn await_answer(&mut self, given: Result<Ticket, Refused>, answers: Vec<oneshot::Sender<Answer>>) {
+    fn await_answer(&mut self, given: Result<Ticket, Refused>, answers: Vec<oneshot::Sender<Answer>>, since: Duration) {
+        let waiting = answers.into_iter().map(|answer| WaitingSender { answer, since });
         match given {
-            Ok(ticket) => drop(self.answers.insert(ticket, answers)),
+            Ok(ticket) => drop(self.answers.insert(ticket, waiting.collect())),
             Err(refused) => {
                 let seq = self.engine.written();
-                self.refusals.extend(answers.into_iter().map(|answer| (seq, answer, refused.clone())));
+                self.refusals.extend(waiting.map(|sender| (seq, sender, refused.clone())));
             }
         }
+    }
+
+    fn answer(&self, WaitingSender { answer, since }: WaitingSender, given: Answer) {
+        self.figures.answered(self.clock.since_start().saturating_sub(since));
+        // Whoever asked may have gone away; what was asked was carried out, or refused, all the same.
+        let _ = answer.send(given);
     }
 
     /// Performs every effect; publishes the state before it answers, so that whoever was answered sees what was done.
@@ -204,6 +230,7 @@ impl Task {
                     Effect::Halt(robot) => self.links.halt(&robot),
                     Effect::Led(robot, blinks) => self.links.light(&robot, blinks),
                     Effect::Record(page) => {
+                        self.handed.hand(&page, self.clock.since_start());
                         self.store.record(page, self.losses);
                         // A store that has said its word already need not wait for the next round.
                         if self.word.has_changed().unwrap_or(false) {
@@ -227,24 +254,24 @@ impl Task {
     fn refuse(&mut self) {
         let kept = self.word.borrow().kept;
         let due = self.refusals.iter().take_while(|(seq, ..)| *seq <= kept || self.store_failed).count();
-        for (_, answer, refused) in self.refusals.drain(..due) {
-            // Whoever asked may have gone away.
-            let _ = answer.send(Err(refused));
+        for (_, sender, refused) in self.refusals.drain(..due).collect::<Vec<_>>() {
+            self.answer(sender, Err(refused));
         }
     }
 
     fn deliver(&mut self, answers: &mut Vec<(Ticket, Answer)>) {
         for (ticket, answer) in answers.drain(..) {
-            for waiting in self.answers.remove(&ticket).into_iter().flatten() {
-                // Whoever asked may have gone away; the command was carried out all the same.
-                let _ = waiting.send(answer.clone());
+            for sender in self.answers.remove(&ticket).into_iter().flatten() {
+                self.answer(sender, answer.clone());
             }
         }
     }
 
     fn hear_store(&mut self) {
         let now = self.clock.now();
-        let StoreStatus { kept, failure, losses } = self.word.borrow_and_update().clone();
+        let word = self.word.borrow_and_update().clone();
+        self.count_kept(&word, now.since_start);
+        let StoreStatus { kept, failure, losses } = word;
         self.engine.handle_event(Event::Recorded(kept), now);
         if losses > self.losses || (failure.is_some() && !self.store_failed) {
             (self.losses, self.store_failed) = (losses, true);
@@ -258,6 +285,16 @@ impl Task {
             tracing::info!("the record is written again");
             self.engine.handle_event(Event::StoreRestored, now);
         }
+    }
+
+    /// What the store says that it has kept is counted; what it has lost will not be kept.
+    fn count_kept(&mut self, word: &StoreStatus, now: Duration) {
+        self.handed.keep(word.kept, now);
+        let lost = word.losses.saturating_sub(self.losses);
+        if lost > 0 {
+            self.handed.lose();
+        }
+        self.figures.hear_store(word, lost);
     }
 
     /// Sends an order with the halts so far, unless a stop has been raised since it was given: then the core

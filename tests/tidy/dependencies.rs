@@ -27,7 +27,7 @@ const RULES: [Rule; 13] = [
     Rule {
         module: "runtime",
         modules: &[],
-        crates: &["futures_util", "hallsweep_core", "jiff", "thiserror", "tokio", "tracing"],
+        crates: &["futures_util", "hallsweep_core", "jiff", "prometheus_client", "thiserror", "tokio", "tracing"],
     },
     Rule {
         module: "api",
@@ -69,6 +69,7 @@ const RULES: [Rule; 13] = [
             "hyper_util",
             "jiff",
             "mqtt_gate",
+            "prometheus_client",
             "rumqttc",
             "rumqttd",
             "rustls",

@@ -240,13 +240,19 @@ impl Endpoint {
         self.observers.subjects()
     }
 
+    /// How many observations there are; of all that is remembered, told without looking through it.
+    #[must_use]
+    pub fn observers(&self) -> usize {
+        self.observers.count()
+    }
+
     /// How much is remembered.
     #[must_use]
     pub fn counts(&self) -> Counts {
         Counts {
             exchanges: self.exchanges.count(),
             open: self.open.len(),
-            observers: self.observers.count(),
+            observers: self.observers(),
             assemblies: self.assemblies.count(),
             long_answers: self.long_answers.count(),
             reliable: self.reliable.count(),

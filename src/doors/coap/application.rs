@@ -5,6 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::pin::Pin;
 use std::sync::Arc;
 
+use crate::runtime::figures::Connected;
 use coap_endpoint::{Answer, Code, RefusedRequest, Request, Response};
 
 /// What whoever pressed STOP is told first, where his request is refused.
@@ -37,6 +38,9 @@ pub trait Application: Send + 'static {
 
     /// Notes what the endpoint refused without asking; must not block.
     fn note(&self, refusal: RefusedRequest);
+
+    /// Counts an observation, for as long as what is returned lives.
+    fn observed(&self) -> Connected;
 
     /// Notes that a command was not taken because too many are under way; must not block.
     fn note_busy(&self, request: &Request);

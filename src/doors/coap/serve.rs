@@ -12,6 +12,7 @@ use super::flood_filter::{FloodFilter, KindCounts};
 use super::pending::{PendingAnswers, RequestKind, busy};
 use super::socket::{BATCH, Socket};
 use crate::runtime::clock::Clock;
+use crate::runtime::figures::Connected;
 use crate::runtime::handle::Gone;
 use coap_endpoint::{Backlog, Code, Datagram, Endpoint, Response};
 use hallsweep_core::world::snapshot::Snapshot;
@@ -36,6 +37,7 @@ struct Driver<A> {
     pending: PendingAnswers,
     backlog: Backlog,
     filter: FloodFilter,
+    observed: Vec<Connected>,
     /// How often in a row it was heard and not answered.
     hearings: u32,
     clock: Clock,
@@ -52,7 +54,7 @@ pub async fn serve<A: Application>(
     let clock = Clock::default();
     let endpoint = Endpoint::new(secret).started_at(began(&clock)).with_urgent(A::IS_STOP, HALTED);
     let (pending, backlog, filter) = (PendingAnswers::default(), Backlog::new(A::IS_STOP), FloodFilter::new(A::STOP_WORDS));
-    let mut driver = Driver { socket, endpoint, application, pending, backlog, filter, hearings: 0, clock };
+    let mut driver = Driver { socket, endpoint, application, pending, backlog, filter, observed: Vec::new(), hearings: 0, clock };
     let mut changes = ChangeFeed::of(states, clock);
     tokio::pin!(shutdown);
     loop {
@@ -184,6 +186,7 @@ impl<A: Application> Driver<A> {
         while let Some(transmit) = self.endpoint.poll_transmit() {
             self.socket.send(&transmit);
         }
+        self.observed.resize_with(self.endpoint.observers(), || self.application.observed());
     }
 
     async fn finish(&mut self) {

@@ -10,8 +10,10 @@ use tokio::sync::{Notify, Semaphore, oneshot};
 use tokio::task::JoinHandle;
 
 use super::*;
+use crate::api::door;
 use crate::api::fixture::searching;
 use crate::doors::coap::pending::{COMMANDS, READS};
+use crate::runtime::figures::Figures;
 use coap_endpoint::{Answer, Code, Format, Method, RefusedRequest, Request, Response};
 
 /// How long anything is waited for.
@@ -41,6 +43,10 @@ impl Application for Obedient {
     const STOP_WORDS: &[[u8; 4]] = &[*b"stop"];
 
     fn note(&self, _: RefusedRequest) {}
+
+    fn observed(&self) -> Connected {
+        Figures::default().connected(door::COAP)
+    }
 
     fn note_busy(&self, request: &Request) {
         self.busy.lock().unwrap().push(request.path_text());
@@ -326,6 +332,7 @@ fn driver() -> (Driver<Obedient>, SocketAddr) {
         pending: PendingAnswers::default(),
         backlog: Backlog::new(Obedient::IS_STOP),
         filter: FloodFilter::new(Obedient::STOP_WORDS),
+        observed: Vec::new(),
         hearings: 0,
         clock: Clock::default(),
     };

@@ -27,6 +27,7 @@ use super::seats::{Seats, given_up};
 use super::slots::{Name, Slot, Slots};
 use super::upstream::{Upstream, enter};
 use crate::access::{Attempts, Network, Token};
+use crate::api::door;
 use crate::doors::room::Room;
 use crate::doors::vestibule::{Vestibule, Waiting};
 use crate::runtime::clock::Clock;
@@ -283,6 +284,7 @@ impl Clients {
         let IdentifiedClient { connect, identity, origin } = known;
         let now = self.0.clock.now().since_start;
         let seat = identity.holder().map(|holder| self.0.seats.take(holder, now));
+        let _connected = seat.as_ref().map(|_| self.0.commands.figures().connected(door::MQTT));
         drop(seated);
         let name = Name { who: identity.name(), client: connect.client_id.clone() };
         // What is remembered of it is said with the greeting.

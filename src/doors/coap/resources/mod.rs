@@ -26,9 +26,11 @@ use self::photos::Photos;
 use self::problem::Problem;
 use self::table::{Found, Table};
 use super::application::{Application, Reply};
+use crate::api::door;
 use crate::api::fields::in_short;
 use crate::doors::seldom::Seldom;
 use crate::runtime::archive_reader::Reader;
+use crate::runtime::figures::Connected;
 use crate::runtime::handle::Handle;
 use coap_endpoint::{Answer, Conditions, Method, RefusedRequest, Request, Response};
 use hallsweep_core::command::{self, RefusalKind, Refused};
@@ -75,6 +77,10 @@ impl Application for Resources {
     const IS_STOP: fn(&Request) -> bool = stop::is_stop;
 
     const STOP_WORDS: &[[u8; 4]] = stop::WORDS;
+
+    fn observed(&self) -> Connected {
+        self.handle.figures().connected(door::COAP)
+    }
 
     /// Safety A6, as in `refused`.
     fn note_busy(&self, request: &Request) {

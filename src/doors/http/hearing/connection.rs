@@ -15,12 +15,14 @@ use super::connection_task::{ConnectionTask, Shared, put};
 use super::context::ServerContext;
 use super::judge::{Given, Judge};
 use super::stop_search::{Heard, HeardRequest, StopSearch};
+use crate::api::door;
 use crate::doors::http::gate::Peer;
 use crate::doors::http::places::{Claim, Place};
 use crate::doors::http::problem::Problem;
 use crate::doors::http::watcher::closed;
 use crate::doors::vestibule::Waiting;
 use crate::doors::write_timeout::WriteTimeoutStream;
+use crate::runtime::figures::Connected;
 
 /// How long a client may take over a request's headers, and how long it may be silent between two requests.
 pub(super) const HEADER_TIME: Duration = Duration::from_secs(20);
@@ -54,6 +56,8 @@ pub(super) struct Connection<R, W> {
     cut: Arc<Notify>,
     waiting: Option<Waiting>,
     place: Option<Arc<Place>>,
+    /// It counts from when it gets its place.
+    connected: Option<Connected>,
     task: Option<ConnectionTask>,
     context: Arc<ServerContext>,
     search: StopSearch,
@@ -101,6 +105,7 @@ where
             cut,
             waiting: Some(waiting),
             place: None,
+            connected: None,
             task: None,
             search: StopSearch::new(Judge { door: context.door.clone(), hosts: context.hosts.clone(), peer }),
             context,
@@ -236,6 +241,7 @@ where
             place.asked(claim.clone(), !self.search.scanner.is_between());
         }
         self.place = Some(Arc::new(place));
+        self.connected = Some(self.context.door.handle.figures().connected(door::HTTP));
         self.late.set(sleep(WHOLE_TIME));
         Ok(())
     }
@@ -255,7 +261,7 @@ where
 
     /// Carries bytes of another protocol, whose places are its own matter.
     async fn carry(mut self) {
-        self.place = None;
+        (self.place, self.connected) = (None, None);
         // Nobody knows what another protocol would say behind what was not kept.
         let Some(ConnectionTask { to: Some(to), over, .. }) = &mut self.task else { return };
         let carried = async {

@@ -26,6 +26,7 @@ pub use self::results::{ANSWERS, Answer};
 use super::topics::Topics;
 use crate::access::Need;
 use crate::runtime::clock::Clock;
+use crate::runtime::figures::Figures;
 use crate::runtime::handle::Handle;
 use hallsweep_core::command::{Command, Refused, Request};
 use hallsweep_core::mission::PhaseName;
@@ -75,6 +76,11 @@ impl Commands {
         let parser = Arc::new(CommandParser::new(topics, manual_driving));
         let (pace, nobody) = (Arc::default(), Arc::default());
         Commands { handle, parser, results: Results::new(answers), pace, nobody, clock: Clock::default() }
+    }
+
+    /// Where clients are counted.
+    pub fn figures(&self) -> &Figures {
+        self.handle.figures()
     }
 
     /// Takes a message. Its command is given at the call, so that commands keep the order in which they came, and a STOP has

@@ -1,0 +1,300 @@
+//! What the program counts and measures of itself since it was started, for whoever watches many programs. Every number is an atomic one
+//! and every series is there from the start: who counts waits for nobody and makes nothing new, whatever comes from outside. What of the
+//! record is counted stands in `handed`; how all of it is written down is the business of `prometheus_client`, and who may read it that of a door.
+
+mod handed;
+mod latency;
+mod series;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use prometheus_client::metrics::counter::Counter;
+use prometheus_client::metrics::gauge::Gauge;
+use prometheus_client::metrics::info::Info;
+use prometheus_client::registry::{Registry, Unit};
+
+use super::clock::Clock;
+use super::store::StoreStatus;
+use hallsweep_core::command::{CODES, Door, Verdict};
+use hallsweep_core::mission::PhaseName;
+use hallsweep_core::units::WallTime;
+
+pub use handed::HandedPages;
+pub use latency::Latency;
+pub use series::{OTHER, Series, flag};
+
+/// The doors whose connections are counted, by the words that records have for them.
+pub const DOORS: [&str; 3] = ["http", "mqtt", "coap"];
+
+/// The commands by the names that every door has for them; what a door could not make one of is `OTHER`.
+pub const COMMANDS: [&str; 12] = [
+    "start",
+    "stop",
+    "backHome",
+    "retrieve",
+    "reset",
+    "move",
+    "goto",
+    "verdict",
+    "retake",
+    "acknowledge",
+    "strategy",
+    "temperature",
+];
+
+/// What became of a command.
+const OUTCOMES: [&str; 2] = ["accepted", "refused"];
+
+/// All figures of a program. Cheap to clone.
+#[derive(Clone, Debug, Default)]
+pub struct Figures(Arc<Families>);
+
+#[derive(Debug)]
+struct Families {
+    clock: Clock,
+    started: WallTime,
+    missions_begun: Counter,
+    missions_ended: Series<1, Counter>,
+    phases: Series<1, Counter>,
+    steps: Counter,
+    turns: Counter,
+    stops: Counter,
+    commands: Series<2, Counter>,
+    refusals: Series<1, Counter>,
+    luggage: Counter,
+    photos: Counter,
+    verdicts: Series<1, Counter>,
+    alarms: Counter,
+    connections: Series<1, Gauge>,
+    journal_entries: Gauge,
+    store_failing: Gauge,
+    store_losses: Counter,
+    /// From the moment in which the store has a page until it says that the page is kept.
+    records: Latency,
+    /// From the moment in which the loop takes a command until it answers.
+    answers: Latency,
+    /// From the moment in which a STOP halts the robots until the loop hears of it.
+    stopping: Latency,
+    /// When the first STOP was raised that the loop has not heard of, in nanoseconds since the start; 0 while there is none.
+    unheard: AtomicU64,
+}
+
+/// A connection, counted for as long as this lives.
+#[derive(Debug)]
+pub struct Connected(Gauge);
+
+impl Default for Families {
+    fn default() -> Families {
+        let clock = Clock::default();
+        let phases = || Series::new(["phase"], PhaseName::ALL.map(|phase| [phase.name()]));
+        let commands = COMMANDS.into_iter().chain([OTHER]);
+        let codes = CODES.into_iter().map(|(code, _)| code).chain([OTHER]);
+        Families {
+            clock,
+            started: clock.now().wall,
+            missions_begun: Counter::default(),
+            missions_ended: phases(),
+            phases: phases(),
+            steps: Counter::default(),
+            turns: Counter::default(),
+            stops: Counter::default(),
+            commands: Series::new(
+                ["command", "outcome"],
+                commands.flat_map(|command| OUTCOMES.map(|outcome| [command, outcome])),
+            ),
+            refusals: Series::new(["code"], codes.map(|code| [code])),
+            luggage: Counter::default(),
+            photos: Counter::default(),
+            verdicts: Series::new(["verdict"], [Verdict::Safe, Verdict::Danger].map(|verdict| [verdict.name()])),
+            alarms: Counter::default(),
+            connections: Series::new(["door"], DOORS.map(|door| [door])),
+            journal_entries: Gauge::default(),
+            store_failing: Gauge::default(),
+            store_losses: Counter::default(),
+            records: Latency::default(),
+            answers: Latency::default(),
+            stopping: Latency::default(),
+            unheard: AtomicU64::new(0),
+        }
+    }
+}
+
+impl Figures {
+    /// A connection to this door has come; it has gone when what is returned is dropped.
+    #[must_use = "it counts as long as this lives"]
+    pub fn connected(&self, door: Door) -> Connected {
+        let open = self.0.connections.at([door.0]).cloned().unwrap_or_default();
+        open.inc();
+        Connected(open)
+    }
+
+    /// A STOP is being raised, by whatever thread: to be said before the loop can hear of it.
+    pub(super) fn raise_stop(&self) {
+        self.0.stops.inc();
+        // Of several that are unheard, the first has waited longest.
+        let now = nanos(self.0.clock.since_start()).max(1);
+        let _ = self.0.unheard.compare_exchange(0, now, Ordering::Relaxed, Ordering::Relaxed);
+    }
+
+    /// The loop has heard of every STOP that was raised.
+    pub(super) fn hear_stops(&self) {
+        let raised = self.0.unheard.swap(0, Ordering::Relaxed);
+        if raised != 0 {
+            let now = self.0.clock.since_start();
+            self.0.stopping.observe(now.saturating_sub(Duration::from_nanos(raised)));
+        }
+    }
+
+    pub(super) fn answered(&self, after: Duration) {
+        self.0.answers.observe(after);
+    }
+
+    /// The store has said its word; so often more than before it has lost something.
+    pub(super) fn hear_store(&self, word: &StoreStatus, losses: u64) {
+        self.0.journal_entries.set(i64::try_from(word.kept.0).unwrap_or(i64::MAX));
+        self.0.store_failing.set(i64::from(word.failure.is_some()));
+        self.0.store_losses.inc_by(losses);
+    }
+
+    /// Puts every figure where it is written down from, with what it means.
+    pub fn register(&self, registry: &mut Registry) {
+        self.register_program(registry);
+        self.register_mission(registry);
+        self.register_doors_and_store(registry);
+    }
+
+    fn register_program(&self, to: &mut Registry) {
+        let build = Info::new([("version", env!("CARGO_PKG_VERSION"))]);
+        to.register("build", "The version of the program", build);
+        let started = Gauge::<f64, AtomicU64>::default();
+        #[expect(clippy::cast_precision_loss, reason = "a millisecond of this century is exact")]
+        started.set(self.0.started.unix_ms as f64 / 1000.0);
+        to.register_with_unit("start_time", "When the program was started, in seconds since 1970", Unit::Seconds, started);
+    }
+
+    fn register_mission(&self, to: &mut Registry) {
+        let all = &*self.0;
+        to.register("missions_begun", "Missions that were begun", all.missions_begun.clone());
+        let ended = "Missions that were put away, by the phase to which they had come";
+        to.register("missions_ended", ended, all.missions_ended.clone());
+        to.register("phases", "How often the mission came to a phase", all.phases.clone());
+        to.register("steps", "Cells by which the robot that searches came on", all.steps.clone());
+        to.register("turns", "Quarter turns of the robot that searches", all.turns.clone());
+        to.register("stops", "STOPs that were pressed, whoever pressed them and wherever", all.stops.clone());
+        to.register("commands", "Commands on record, by what became of them", all.commands.clone());
+        to.register("refusals", "Refused commands on record, by the code of the reason", all.refusals.clone());
+        to.register("luggage", "Pieces of luggage that were put on record", all.luggage.clone());
+        to.register("photos", "Photos that were put on record", all.photos.clone());
+        to.register("verdicts", "Verdicts on record", all.verdicts.clone());
+        to.register("alarms", "Alarms that were raised and put on record", all.alarms.clone());
+    }
+
+    fn register_doors_and_store(&self, to: &mut Registry) {
+        let all = &*self.0;
+        let connections = "What is open at a door: HTTP connections that have asked for something, clients of our own MQTT \
+                           broker, CoAP observations";
+        to.register("connections", connections, all.connections.clone());
+        to.register("journal_entries", "The number of the last entry of the journal that is kept", all.journal_entries.clone());
+        to.register("store_failing", "1 while the store cannot write, else 0", all.store_failing.clone());
+        to.register("store_losses", "How often writing has failed so that something was lost", all.store_losses.clone());
+        let record = "From the moment in which the store is given a page of entries until it says that the page is on disk";
+        to.register_with_unit("record", record, Unit::Seconds, all.records.clone());
+        let command = "From the moment in which the loop takes a command until it has answered, the record it waits for included";
+        to.register_with_unit("command", command, Unit::Seconds, all.answers.clone());
+        let stop = "From the moment in which a STOP is raised, which halts every robot, until the loop hears of it; of several \
+                    unheard ones the first";
+        to.register_with_unit("stop", stop, Unit::Seconds, all.stopping.clone());
+    }
+}
+
+#[cfg(test)]
+impl Figures {
+    /// All of them, as they are written down.
+    pub(crate) fn text(&self) -> String {
+        let mut registry = Registry::default();
+        self.register(&mut registry);
+        let mut text = String::new();
+        prometheus_client::encoding::text::encode(&mut text, &registry).unwrap();
+        text
+    }
+
+    /// One of them, as `steps_total`.
+    pub(crate) fn value(&self, series: &str) -> f64 {
+        let text = self.text();
+        let line = text.lines().find_map(|line| line.strip_prefix(series)?.strip_prefix(' '));
+        line.unwrap_or_else(|| panic!("no {series} in\n{text}")).parse().unwrap()
+    }
+}
+
+impl Drop for Connected {
+    fn drop(&mut self) {
+        self.0.dec();
+    }
+}
+
+fn nanos(duration: Duration) -> u64 {
+    u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hallsweep_core::units::Seq;
+
+    #[test]
+    fn a_connection_counts_as_long_as_it_lives_and_at_its_own_door() {
+        let figures = Figures::default();
+        let open = |door: &str| figures.value(&format!("connections{{door=\"{door}\"}}"));
+        let connections: Vec<_> = (0..3).map(|_| figures.connected(Door("mqtt"))).collect();
+        let other = figures.connected(Door("http"));
+        assert_eq!((open("http"), open("mqtt"), open("coap")), (1.0, 3.0, 0.0));
+        drop((connections, other));
+        assert_eq!((open("http"), open("mqtt")), (0.0, 0.0));
+    }
+
+    #[test]
+    fn every_stop_counts_and_those_that_are_heard_together_are_measured_once() {
+        let figures = Figures::default();
+        figures.hear_stops();
+        assert_eq!((figures.value("stops_total"), figures.value("stop_seconds_count")), (0.0, 0.0));
+        for heard in [1.0, 2.0] {
+            (0..3).for_each(|_| figures.raise_stop());
+            figures.hear_stops();
+            figures.hear_stops();
+            assert_eq!((figures.value("stops_total"), figures.value("stop_seconds_count")), (3.0 * heard, heard));
+        }
+    }
+
+    /// Time stands here but for what is waited for.
+    #[tokio::test(start_paused = true)]
+    async fn of_several_stops_that_are_unheard_the_first_is_measured() {
+        let figures = Figures::default();
+        figures.raise_stop();
+        tokio::time::sleep(Duration::from_secs(5)).await;
+        figures.raise_stop();
+        figures.hear_stops();
+        let within = |bound: &str| figures.value(&format!("stop_seconds_bucket{{le=\"{bound}\"}}"));
+        assert_eq!((within("2.5"), within("10.0")), (0.0, 1.0));
+    }
+
+    #[test]
+    fn the_word_of_the_store_is_shown() {
+        let figures = Figures::default();
+        let store = || ["journal_entries", "store_failing", "store_losses_total"].map(|series| figures.value(series));
+        let failed = StoreStatus { kept: Seq(7), failure: Some("full".into()), losses: 5 };
+        figures.hear_store(&failed, 2);
+        assert_eq!(store(), [7.0, 1.0, 2.0]);
+        figures.hear_store(&StoreStatus { kept: Seq(9), failure: None, ..failed }, 0);
+        assert_eq!(store(), [9.0, 0.0, 2.0]);
+    }
+
+    #[test]
+    fn a_door_that_nobody_knows_makes_no_series() {
+        let figures = Figures::default();
+        let before = figures.text();
+        let _connected = figures.connected(Door("smoke signals"));
+        assert_eq!(figures.text(), before);
+    }
+}
