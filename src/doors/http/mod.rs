@@ -15,6 +15,7 @@ mod laboratory;
 mod language;
 mod lines;
 mod map_files;
+mod metrics;
 mod missions;
 mod mqtt;
 mod old;

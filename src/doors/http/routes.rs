@@ -14,8 +14,8 @@ use axum::routing::{MethodFilter, MethodRouter, on};
 use super::gate::{Gate, gate};
 use super::reading::Number;
 use super::{
-    HttpDoor, assets, command, console, events, laboratory, language, map_files, missions, mqtt, old, openapi, problem, reads,
-    reports, sign_in, simulator,
+    HttpDoor, assets, command, console, events, laboratory, language, map_files, metrics, missions, mqtt, old, openapi, problem,
+    reads, reports, sign_in, simulator,
 };
 use crate::access::Need;
 use crate::access::Need::{Act, Nothing, See, Stop};
@@ -105,10 +105,11 @@ fn files_of_the_map() -> Vec<Row> {
     FILES.iter().map(row).collect()
 }
 
-/// What programs see besides: the robots with their kinds, every change, and the past.
+/// What programs see besides: the program's figures, the robots with their kinds, every change, and the past.
 #[rustfmt::skip]
 fn changes_and_past() -> Vec<Row> {
     vec![
+        get("/metrics", See, metrics::metrics),
         get("/api/v1/robots", See, reads::robots),
         get("/api/v1/events", See, events::events),
         get("/api/v1/missions", See, missions::list),

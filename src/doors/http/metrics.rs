@@ -1,0 +1,69 @@
+//! `GET /metrics`: the figures of the program and how the mission stands, in the text format of OpenMetrics, as Prometheus reads it. What
+//! stands is of the snapshot that every door shows: reading asks the loop for nothing, and keeps it from nothing.
+
+use std::fmt;
+use std::sync::atomic::AtomicU64;
+
+use axum::extract::State;
+use axum::http::header;
+use axum::response::{IntoResponse, Response};
+use prometheus_client::encoding::text::encode;
+use prometheus_client::metrics::gauge::Gauge;
+use prometheus_client::registry::{Registry, Unit};
+
+use super::HttpDoor;
+use super::problem::Problem;
+use crate::runtime::figures::{Figures, Series, flag};
+use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::units::Celsius;
+use hallsweep_core::world::snapshot::Snapshot;
+
+const OPEN_METRICS: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
+
+/// What every name begins with.
+const PREFIX: &str = "hallsweep";
+
+pub(super) async fn metrics(State(door): State<HttpDoor>) -> Result<Response, Problem> {
+    let text = written(door.handle.figures(), &door.handle.snapshot()).map_err(|_| Problem::internal())?;
+    Ok(([(header::CONTENT_TYPE, OPEN_METRICS)], text).into_response())
+}
+
+fn written(figures: &Figures, snapshot: &Snapshot) -> Result<String, fmt::Error> {
+    let mut registry = Registry::with_prefix(PREFIX);
+    figures.register(&mut registry);
+    register_state(snapshot, &mut registry);
+    let mut text = String::new();
+    encode(&mut text, &registry)?;
+    Ok(text)
+}
+
+/// How everything stands.
+fn register_state(snapshot: &Snapshot, to: &mut Registry) {
+    let mission = &snapshot.mission;
+    let number = Gauge::<u64, AtomicU64>::default();
+    number.set(mission.id.0);
+    to.register("mission_number", "The number of the mission; 0 before the first", number);
+    let phases = PhaseName::ALL.map(|phase| ([phase.name()], flag(phase == mission.phase)));
+    to.register("phase", "1 for the phase in which the mission is, 0 for every other", Series::of(["phase"], phases));
+    let holds = Hold::ALL.map(|hold| ([hold.name()], flag(mission.holds.contains(&hold))));
+    to.register("hold", "1 for every reason for which nothing moves, 0 for those that are not so", Series::of(["hold"], holds));
+    let robots = snapshot.robots.iter().map(|robot| ([robot.id.name()], flag(!robot.holds.contains(&Hold::RobotLink))));
+    to.register("robot_reached", "1 for a robot that can be reached, 0 for one that cannot", Series::of(["robot"], robots));
+    let temperature = &snapshot.temperature;
+    let latest = "The latest reading of all sources; none before the first";
+    if let Some(reading) = temperature.celsius {
+        to.register_with_unit("temperature", latest, Unit::Celsius, degrees(reading));
+    }
+    let threshold = "Above this nothing moves";
+    to.register_with_unit("temperature_threshold", threshold, Unit::Celsius, degrees(temperature.threshold));
+}
+
+fn degrees(celsius: Celsius) -> Gauge<f64, AtomicU64> {
+    let gauge = Gauge::default();
+    gauge.set(celsius.degrees());
+    gauge
+}
+
+#[cfg(test)]
+#[path = "metrics_tests.rs"]
+mod tests;
