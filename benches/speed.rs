@@ -14,18 +14,26 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use hallsweep_core::effect::{Action, Order, Stamp};
+use hallsweep::runtime::figures::{Figures, HandedPages, Latency};
+use hallsweep_core::effect::{Action, Entry, Fact, Order, Page, Stamp};
+use hallsweep_core::engine::Engine;
 use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Settings;
-use hallsweep_core::units::{Epoch, Now, OrderId, Pose};
+use hallsweep_core::units::{Cell, Epoch, Heading, Now, OrderId, Pose, Seq, WallTime};
+use hallsweep_core::world::hall_map::Mark;
 use hallsweep_sim::headless::{Verdicts, explore};
 use hallsweep_sim::{Camera, Hall, Sim, SimSettings};
 use program::Program;
+
+/// So many pages are counted in a run.
+const PAGES: u64 = 10_000;
 
 fn main() -> ExitCode {
     mission();
     photo();
     start_to_order();
+    reading_figures();
+    counting();
     idle();
     goals::exit()
 }
@@ -119,6 +127,55 @@ fn start_to_order() {
     });
     println!("START and STOP over HTTP: {start:.2?}; {:.1} × two bare requests", ratio(start, healthz * 2));
     within("START and STOP together, which is more than START alone", start, Duration::from_millis(5));
+}
+
+/// What a reading of all figures costs, beside the state as JSON, for a mission that is under way.
+fn reading_figures() {
+    let program = program();
+    ask(&program, "POST", "/api/v1/commands/start");
+    let (_, state) = timed(200, || drop(black_box(ask(&program, "GET", "/api/v1/state"))));
+    let (_, figures) = timed(200, || {
+        let answer = ask(&program, "GET", "/metrics");
+        assert!(answer.ends_with("# EOF\n"), "{answer}");
+    });
+    println!("all figures over HTTP: {figures:.2?}; {:.2} × the state as JSON", ratio(figures, state));
+    goals::at_most("reading all figures beside the state as JSON", ratio(figures, state), 2.0);
+}
+
+/// What counting costs the loop: pages as those of steps, handed over and kept, beside what a step of a mission costs in the core and the
+/// simulator; and one observation of a histogram.
+fn counting() {
+    let hall = airport();
+    let run =
+        || explore(&hall, SimSettings::new(1, Camera::Stub), Settings::default(), Strategy::Snail, Verdicts::AllSafe, |_| {});
+    let moves = run().moves.total();
+    let (_, mission) = timed(50, || drop(black_box(run())));
+    let step = mission / u32::try_from(moves).expect("an airport has fewer");
+    let figures = Figures::default();
+    let idle = Engine::new(Settings::default(), Strategy::Snail, "bench".into()).snapshot();
+    let mut handed = HandedPages::new(figures, &idle);
+    let pages: Vec<Page> = (0..PAGES).map(page_of_a_step).collect();
+    let (_, counted) = timed(50, || {
+        for page in &pages {
+            handed.hand(page, Duration::ZERO);
+            handed.keep(page.last(), Duration::from_millis(1));
+        }
+    });
+    let latency = Latency::default();
+    let (_, observed) = timed(50, || (0..PAGES).for_each(|n| latency.observe(black_box(Duration::from_micros(n)))));
+    let [page, observation] = [counted, observed].map(|all| all / u32::try_from(PAGES).expect("they are few"));
+    println!(
+        "counting a page of a step: {page:.2?}, an observation in it: {observation:.2?}; {:.4} × a step of {step:.2?}",
+        ratio(page, step)
+    );
+    goals::at_most("counting beside a step of core and simulator", ratio(page, step), 0.05);
+}
+
+/// Its cell and where the robot stands then.
+fn page_of_a_step(n: u64) -> Page {
+    let cell = Cell::new(i32::try_from(n % 500).unwrap_or(0), 0);
+    let facts = [Fact::Mark(cell, Mark::Visited), Fact::Pose(Pose { cell, heading: Heading::East })];
+    Page { first: Seq(2 * n + 1), entries: facts.into_iter().map(|fact| Entry { wall: WallTime::default(), fact }).collect() }
 }
 
 /// CPU of a program that nobody asks anything, in percent of one core over five seconds.

@@ -39,6 +39,8 @@ mod line_robots;
 mod malformed;
 #[path = "service/map_files.rs"]
 mod map_files;
+#[path = "service/metrics.rs"]
+mod metrics;
 #[path = "service/missions.rs"]
 mod missions;
 #[path = "service/mqtt_attacks/mod.rs"]

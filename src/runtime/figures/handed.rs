@@ -22,6 +22,8 @@ pub struct HandedPages {
     pages: VecDeque<(Seq, Duration)>,
     counted: VecDeque<(Seq, CountedFact)>,
     phase: PhaseName,
+    /// The phase before it: that to which a mission had come, as the next is on record before the mission is put away.
+    left: PhaseName,
     pose: Pose,
     /// The last piece that was counted.
     luggage: LuggageId,
@@ -48,7 +50,7 @@ impl HandedPages {
     pub fn new(figures: Figures, snapshot: &Snapshot) -> HandedPages {
         let luggage = snapshot.luggage.last().map_or(LuggageId(0), |luggage| luggage.id);
         let (phase, pose) = (snapshot.mission.phase, snapshot.robot.pose);
-        HandedPages { figures, pages: VecDeque::new(), counted: VecDeque::new(), phase, pose, luggage }
+        HandedPages { figures, pages: VecDeque::new(), counted: VecDeque::new(), phase, left: phase, pose, luggage }
     }
 
     /// A page is being given to the store.
@@ -83,10 +85,11 @@ impl HandedPages {
         let all: &Families = &self.figures.0;
         match counted {
             CountedFact::MissionBegan => drop(all.missions_begun.inc()),
-            CountedFact::MissionEnded => drop(all.missions_ended.at([self.phase.name()]).map(|ended| ended.inc())),
+            CountedFact::MissionEnded => drop(all.missions_ended.at([self.left.name()]).map(|ended| ended.inc())),
             CountedFact::Phase(phase) => {
                 // How far an inspection has come is on record as a phase too.
-                if std::mem::replace(&mut self.phase, phase) != phase {
+                if phase != self.phase {
+                    self.left = std::mem::replace(&mut self.phase, phase);
                     all.phases.at([phase.name()]).map(|times| times.inc());
                 }
             }
@@ -288,8 +291,8 @@ mod tests {
             Fact::MissionBegan(MissionId(1), Strategy::default()),
             Fact::Phase(Phase::Exploring),
             Fact::Phase(Phase::Explored),
-            Fact::MissionArchived(MissionId(1), Vec::new()),
             Fact::Phase(Phase::Idle),
+            Fact::MissionArchived(MissionId(1), Vec::new()),
             Fact::Phase(Phase::Exploring),
             Fact::MissionBegan(MissionId(2), Strategy::default()),
         ]);
@@ -376,7 +379,7 @@ mod tests {
         standing.phase = Phase::Explored;
         standing.pose = Pose { cell: Cell::new(5, 5), heading: Heading::East };
         let archived = Fact::MissionArchived(MissionId(1), Vec::new());
-        let figures = counted(vec![Fact::State(Box::new(standing)), at(5, 6, Heading::East), archived]);
+        let figures = counted(vec![Fact::State(Box::new(standing)), at(5, 6, Heading::East), Fact::Phase(Phase::Idle), archived]);
         let names = ["steps_total", "missions_ended_total{phase=\"explored\"}", "phases_total{phase=\"explored\"}"];
         assert_eq!(names.map(|name| figures.value(name)), [1.0, 1.0, 0.0]);
     }

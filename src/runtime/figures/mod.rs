@@ -71,7 +71,7 @@ struct Families {
     journal_entries: Gauge,
     store_failing: Gauge,
     store_losses: Counter,
-    /// From the moment in which the store has a page until it says that the page is kept.
+    /// From the moment in which the store is given a page until it says that the page is kept.
     records: Latency,
     /// From the moment in which the loop takes a command until it answers.
     answers: Latency,
@@ -199,7 +199,7 @@ impl Figures {
         to.register("journal_entries", "The number of the last entry of the journal that is kept", all.journal_entries.clone());
         to.register("store_failing", "1 while the store cannot write, else 0", all.store_failing.clone());
         to.register("store_losses", "How often writing has failed so that something was lost", all.store_losses.clone());
-        let record = "From the moment in which the store is given a page of entries until it says that the page is on disk";
+        let record = "From the moment in which the store is given a page of entries until it says that the page is kept";
         to.register_with_unit("record", record, Unit::Seconds, all.records.clone());
         let command = "From the moment in which the loop takes a command until it has answered, the record it waits for included";
         to.register_with_unit("command", command, Unit::Seconds, all.answers.clone());

@@ -31,6 +31,7 @@ use hallsweep_core::command::Command;
 
 const JSON: &str = "application/json";
 const TEXT: &str = "text/plain";
+const OPEN_METRICS: &str = "application/openmetrics-text";
 
 /// All of them.
 pub(super) fn all(schemas: &mut Schemas) -> Vec<Operation> {
@@ -237,6 +238,7 @@ fn program() -> Vec<Operation> {
     let description = json!({"type": "object"});
     vec![
         get("/healthz", "getHealth", (Program, "`ok` and the revision, while the program lives")).answers(TEXT, text()),
+        get("/metrics", "getMetrics", (Program, "Its figures, as Prometheus reads them")).answers(OPEN_METRICS, text()),
         get("/api/v1/openapi.json", "getDescription", (Program, "This description")).tagged().answers(JSON, description),
     ]
 }
