@@ -2,6 +2,7 @@
 //! They are as large as the mission and written a part at a time, as fast as they are read: a few at once, each key its share. What stands in them is `report`'s business.
 
 use std::io::{self, BufWriter, Write};
+use std::pin::Pin;
 use std::time::Duration;
 
 use axum::body::{Body, Bytes};
@@ -9,7 +10,9 @@ use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use futures_util::{StreamExt, stream};
+use tokio::runtime::Handle;
 use tokio::sync::mpsc;
+use tokio::time::{Instant, Sleep};
 
 use super::HttpDoor;
 use super::gate::LetIn;
@@ -32,7 +35,7 @@ const PLACES: Limits = Limits { most: 4, of_one_key: 2, kept: 1, few: 1 };
 const CHUNK: usize = 64 * 1024;
 const AHEAD: usize = 4;
 
-/// and who has read for so long reads no more of it: a large one over a slow line takes minutes.
+/// and nothing of it is written any more after so long, however its reader goes about: a large one over a slow line takes minutes.
 const PATIENCE: Duration = Duration::from_secs(600);
 
 /// Who may have one written.
@@ -110,47 +113,88 @@ async fn send(
         return Err(Problem::not_found(format!("nothing of mission {id} is kept any more: no entry of it is left")));
     }
     let place = door.reports.0.take(door.access.key_of(caller)).map_err(Problem::too_many_reports)?;
-    let (parts, written) = mpsc::channel(AHEAD);
+    let (parts, mut written) = mpsc::channel(AHEAD);
     let archive = door.archive.archive();
+    let until = Box::pin(tokio::time::sleep(PATIENCE));
+    let deadline = until.deadline();
+    let mut pipe = Pipe { parts, until, runtime: Handle::current() };
     tokio::task::spawn_blocking(move || {
-        let mut out = BufWriter::with_capacity(CHUNK, Pipe(parts.clone()));
+        let mut out = BufWriter::with_capacity(CHUNK, &mut pipe);
         let ended = write(&*archive, mission, &mut out).and_then(|()| Ok(out.flush()?));
-        if let Err(failure) = ended {
-            // Half a file is not to be taken for a whole one: the connection ends before its end. Whoever left hears nothing.
+        // What else is written behind a failure nobody wants.
+        drop(out.into_parts());
+        if let Err(failure) = &ended {
             tracing::debug!(%failure, mission = id, "a report or record was not written to its end");
-            let _ = parts.blocking_send(Err(io::Error::other(failure)));
         }
+        // Whoever left hears nothing.
+        let _ = pipe.put(ended.map(|()| Bytes::new()));
         drop(place);
     });
+    // What fails before anything was sent can still be said.
+    let first = match next(&mut written, deadline).await {
+        Err(Failure::Unreadable(unreadable)) => return Err(unreadable.into()),
+        Ok(part) if part.is_empty() => {
+            return Err(Problem::not_found(format!(
+                "nothing of mission {id} is kept: what was written of it was said to be lost"
+            )));
+        }
+        first => first,
+    };
     let headers = [
         (header::CONTENT_TYPE, media_type.to_owned()),
         (header::CONTENT_DISPOSITION, format!("attachment; filename=\"{name}\"")),
     ];
-    Ok((StatusCode::OK, headers, body(written)).into_response())
+    Ok((StatusCode::OK, headers, body(first, written, deadline)).into_response())
 }
 
-/// What is written, as it comes, until time is over.
-fn body(written: mpsc::Receiver<io::Result<Bytes>>) -> Body {
-    let until = Box::pin(tokio::time::sleep(PATIENCE));
-    let parts = stream::unfold((written, until), |(mut written, mut until)| async move {
-        let part = tokio::select! {
-            biased;
-            () = &mut until => Some(Err(io::ErrorKind::TimedOut.into())),
-            part = written.recv() => part,
-        };
-        part.map(|part| (part, (written, until)))
+/// Some bytes of a file, none behind its last, or why no more come.
+type Part = Result<Bytes, Failure>;
+
+async fn next(written: &mut mpsc::Receiver<Part>, deadline: Instant) -> Part {
+    // Who writes and says nothing of an end has given up, or waits for a disk that hangs.
+    let part = tokio::time::timeout_at(deadline, written.recv()).await.ok().flatten();
+    part.unwrap_or_else(|| Err(Failure::Unwritable(io::ErrorKind::TimedOut.into())))
+}
+
+/// What is written, as it comes.
+fn body(first: Part, written: mpsc::Receiver<Part>, deadline: Instant) -> Body {
+    let first = stream::once(async { first });
+    let further = stream::unfold(Some(written), move |written| async move {
+        let mut written = written?;
+        match next(&mut written, deadline).await {
+            Ok(part) if part.is_empty() => None,
+            Ok(part) => Some((Ok(part), Some(written))),
+            Err(failure) => Some((Err(failure), None)),
+        }
     });
+    let parts = first.chain(further).map(|part| part.map_err(io::Error::other));
     // Who compresses it asks once more behind its end.
     Body::from_stream(parts.fuse())
 }
 
-/// The end into which is written; it fails when the other is gone.
-struct Pipe(mpsc::Sender<io::Result<Bytes>>);
+/// The end into which is written; it fails when the other is gone, or has read for too long.
+struct Pipe {
+    parts: mpsc::Sender<Part>,
+    until: Pin<Box<Sleep>>,
+    runtime: Handle,
+}
+
+impl Pipe {
+    fn put(&mut self, part: Part) -> io::Result<()> {
+        let Pipe { parts, until, runtime } = self;
+        runtime.block_on(async {
+            tokio::select! {
+                biased;
+                () = until => Err(io::ErrorKind::TimedOut.into()),
+                sent = parts.send(part) => sent.map_err(|_| io::ErrorKind::BrokenPipe.into()),
+            }
+        })
+    }
+}
 
 impl Write for Pipe {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let sent = self.0.blocking_send(Ok(Bytes::copy_from_slice(bytes)));
-        sent.map(|()| bytes.len()).map_err(|_| io::ErrorKind::BrokenPipe.into())
+        self.put(Ok(Bytes::copy_from_slice(bytes))).map(|()| bytes.len())
     }
 
     fn flush(&mut self) -> io::Result<()> {
@@ -170,16 +214,41 @@ mod tests {
     use crate::runtime::archive::Unreadable;
     use crate::runtime::within::within;
 
+    fn half(
+        app: &TestApp,
+        write: impl FnOnce(&dyn Archive, MissionId, &mut dyn Write) -> Result<(), Failure> + Send + 'static,
+    ) -> impl Future<Output = Result<Response, Problem>> {
+        send(app.door.clone(), &Caller::Here, 1, ("text/plain", "half.txt".to_owned()), write)
+    }
+
+    /// As much as is sent at once.
+    const PART: [u8; CHUNK] = [b'x'; CHUNK];
+
+    fn endless(_: &dyn Archive, _: MissionId, out: &mut dyn Write) -> Result<(), Failure> {
+        loop {
+            out.write_all(&PART)?;
+        }
+    }
+
     /// A file that is begun and not ended before this is dropped.
     async fn begun(app: &TestApp) -> Result<(Sender<()>, Response), Problem> {
         let (end, ended) = channel::<()>();
         let write = move |_: &dyn Archive, _, out: &mut dyn Write| {
-            out.write_all(b"half")?;
+            out.write_all(&PART)?;
             let _ = ended.recv();
             Ok(())
         };
-        let response = send(app.door.clone(), &Caller::Here, 1, ("text/plain", "half.txt".to_owned()), write).await?;
-        Ok((end, response))
+        Ok((end, half(app, write).await?))
+    }
+
+    /// Waits for a place.
+    async fn freed(app: &TestApp) {
+        within("a place", async {
+            while begun(app).await.is_err() {
+                tokio::task::yield_now().await;
+            }
+        })
+        .await;
     }
 
     /// Safety A5.
@@ -195,52 +264,78 @@ mod tests {
         let (status, problem) = super::super::testing::read(refused).await;
         assert_eq!((status.as_u16(), &problem["code"]), (503, &"tooManyReports".into()));
         writing.clear();
-        within("a place", async {
-            while begun(&app).await.is_err() {
-                tokio::task::yield_now().await;
-            }
-        })
-        .await;
+        freed(&app).await;
+    }
+
+    fn fails(after: &'static [u8]) -> impl FnOnce(&dyn Archive, MissionId, &mut dyn Write) -> Result<(), Failure> {
+        move |_, _, out| {
+            out.write_all(after)?;
+            Err(Failure::Unreadable(Unreadable("a mouse was at it".to_owned())))
+        }
+    }
+
+    #[tokio::test]
+    async fn what_cannot_be_read_is_said_while_nothing_was_sent() {
+        let app = app(searching());
+        let failed = half(&app, fails(b"half")).await.expect_err("it cannot be read");
+        let (status, problem) = super::super::testing::read(failed.into_response()).await;
+        assert_eq!((status.as_u16(), &problem["code"]), (503, &"unreadable".into()));
+        assert!(problem["detail"].as_str().is_some_and(|words| words.contains("a mouse was at it")), "{problem}");
+        let none = half(&app, |_, _, _| Ok(())).await.expect_err("there is nothing");
+        assert_eq!(none.into_response().status(), 404);
     }
 
     /// It would be taken for the whole.
     #[tokio::test]
     async fn what_was_not_written_to_its_end_does_not_end_well() {
         let app = app(searching());
-        let write = |_: &dyn Archive, _, out: &mut dyn Write| {
-            out.write_all(b"half")?;
-            Err(Failure::Unreadable(Unreadable("a mouse was at it".to_owned())))
-        };
-        let response = send(app.door.clone(), &Caller::Here, 1, ("text/plain", "half.txt".to_owned()), write).await;
-        let body = within("the end", to_bytes(response.expect("it begins").into_body(), usize::MAX)).await;
-        assert!(body.is_err());
+        let response = half(&app, fails(&PART)).await.expect("it begins");
+        assert!(within("the end", to_bytes(response.into_body(), usize::MAX)).await.is_err());
+    }
+
+    /// Safety A5.
+    #[tokio::test(start_paused = true)]
+    async fn who_reads_nothing_keeps_no_place_for_longer_than_ten_minutes() {
+        let app = app(searching());
+        let mut unread = Vec::new();
+        for _ in 0..PLACES.most {
+            unread.push(half(&app, endless).await.expect("there is a place"));
+        }
+        assert!(begun(&app).await.is_err(), "all are taken");
+        tokio::time::advance(PATIENCE).await;
+        freed(&app).await;
+        for response in unread {
+            assert!(to_bytes(response.into_body(), usize::MAX).await.is_err(), "it is no whole file");
+        }
     }
 
     /// Safety A5.
     #[tokio::test(start_paused = true)]
     async fn who_has_read_for_ten_minutes_reads_no_more() {
-        let (writing, written) = mpsc::channel(AHEAD);
-        writing.send(Ok(Bytes::from_static(b"half"))).await.expect("there is room");
-        let ended = to_bytes(body(written), usize::MAX).await;
-        assert!(ended.expect_err("it never ends").to_string().contains("timed out"));
-        assert!(writing.is_closed(), "and who writes hears of it");
+        let app = app(searching());
+        let mut reading = half(&app, endless).await.expect("it begins").into_body().into_data_stream();
+        for _ in 0..2 * AHEAD {
+            assert!(reading.next().await.expect("it goes on").is_ok());
+        }
+        tokio::time::advance(PATIENCE).await;
+        let mut last = Ok(Bytes::new());
+        while let Some(part) = reading.next().await {
+            last = part;
+        }
+        assert!(last.expect_err("it does not end well").to_string().contains("timed out"));
     }
 
     #[tokio::test]
     async fn whoever_leaves_ends_the_writing() {
         let app = app(searching());
         let (say, said) = channel();
-        let write = move |_: &dyn Archive, _, out: &mut dyn Write| {
-            let failed = loop {
-                if let Err(error) = out.write_all(&[0; CHUNK]) {
-                    break error;
-                }
-            };
-            let _ = say.send(failed.kind());
-            Err(Failure::Unwritable(failed))
+        let write = move |archive: &dyn Archive, mission, out: &mut dyn Write| {
+            let failed = endless(archive, mission, out);
+            let _ = say.send(matches!(&failed, Err(Failure::Unwritable(error)) if error.kind() == io::ErrorKind::BrokenPipe));
+            failed
         };
-        drop(send(app.door.clone(), &Caller::Here, 1, ("text/plain", "endless.txt".to_owned()), write).await);
-        let kind = tokio::task::spawn_blocking(move || said.recv()).await.expect("it is waited for");
-        assert_eq!(kind, Ok(io::ErrorKind::BrokenPipe));
+        drop(half(&app, write).await);
+        let is_broken = tokio::task::spawn_blocking(move || said.recv()).await.expect("it is waited for");
+        assert_eq!(is_broken, Ok(true));
     }
 }
