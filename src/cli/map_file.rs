@@ -85,7 +85,7 @@ fn fill(path: &Path, bytes: &[u8], ours: &mut Vec<PathBuf>) -> io::Result<()> {
 }
 
 /// Makes a file of a name that only a process of our number uses: what is there was left behind by one that was killed.
-fn begin(fresh: &Path) -> io::Result<File> {
+pub(super) fn begin(fresh: &Path) -> io::Result<File> {
     let _ = fs::remove_file(fresh);
     File::create_new(fresh)
 }
@@ -100,7 +100,7 @@ fn place(path: &Path, replace: bool, ours: &mut Vec<PathBuf>) -> io::Result<()> 
 }
 
 /// What a file is called until it is whole.
-fn unfinished(path: &Path) -> PathBuf {
+pub(super) fn unfinished(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}.new", std::process::id()));
     path.with_file_name(name)

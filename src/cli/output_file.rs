@@ -1,42 +1,97 @@
-//! A file for what takes long to come about: opened before that, so that one that cannot be written shows at once, and left as it is until the
-//! result is there. One that was made for a result that never came is removed.
+//! A file for what takes long to come about: begun under another name beside its place, so that one that cannot be written shows at once, and put
+//! there, flushed, when the result is whole. Whatever goes wrong before that, what stood there stays.
 
-use std::fs::{File, OpenOptions};
-use std::io::Write;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::Failure;
+use super::map_file::{begin, unfinished};
+use crate::storage::files;
+
+/// In the place of a file: standard output.
+pub(super) const STANDARD_OUTPUT: &str = "-";
 
 /// Where a result will be written.
 pub(super) struct OutputFile {
     path: PathBuf,
-    file: File,
-    /// Whether it was not there before, and nothing is written yet.
-    is_bare: bool,
+    to: To,
+}
+
+enum To {
+    StandardOutput,
+    /// What has nothing to be replaced: a pipe, a terminal.
+    Through(File),
+    /// The file under its other name, until it has its own.
+    Beside(File, Option<PathBuf>),
 }
 
 impl OutputFile {
-    /// The file of this name, which is made if it is not there.
+    /// The file of this name, which may be there already, or standard output.
     pub(super) fn open(path: &Path) -> Result<OutputFile, Failure> {
-        let is_bare = !path.exists();
-        let opened = OpenOptions::new().create(true).append(true).open(path);
-        opened.map(|file| OutputFile { path: path.to_owned(), file, is_bare }).map_err(|error| unwritable(path, &error))
+        // A link stays one, and leads to the new file.
+        let place = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let to = if is_standard_output(path) { Ok(To::StandardOutput) } else { open(&place) };
+        to.map(|to| OutputFile { path: place, to }).map_err(|error| unwritable(path, &error))
     }
 
     /// Writes the result in the place of what is there.
     pub(super) fn write(self, text: &str) -> Result<(), Failure> {
         let path = self.path.clone();
-        self.fill(|file| file.write_all(text.as_bytes()).map_err(|error| unwritable(&path, &error)))
+        self.fill(|out| out.write_all(text.as_bytes()).map_err(|error| unwritable(&path, &error)))
     }
 
     /// The same of what is written a part at a time.
-    pub(super) fn fill(mut self, write: impl FnOnce(&mut File) -> Result<(), Failure>) -> Result<(), Failure> {
-        self.is_bare = false;
-        // A pipe or a terminal has nothing to be replaced.
-        let emptied = self.file.metadata().and_then(|about| if about.is_file() { self.file.set_len(0) } else { Ok(()) });
-        emptied.map_err(|error| unwritable(&self.path, &error))?;
-        write(&mut self.file)
+    pub(super) fn fill(mut self, write: impl FnOnce(&mut dyn Write) -> Result<(), Failure>) -> Result<(), Failure> {
+        match &mut self.to {
+            To::StandardOutput => write(&mut io::stdout().lock()),
+            To::Through(file) => write(file),
+            To::Beside(file, beside) => {
+                write(file)?;
+                let flushed = file.sync_all();
+                flushed.and_then(|()| place(beside, &self.path)).map_err(|error| unwritable(&self.path, &error))
+            }
+        }
     }
+}
+
+impl Drop for OutputFile {
+    fn drop(&mut self) {
+        if let To::Beside(_, Some(beside)) = &self.to {
+            // Nobody is left to be told.
+            let _removed = fs::remove_file(beside);
+        }
+    }
+}
+
+pub(super) fn is_standard_output(path: &Path) -> bool {
+    path.as_os_str() == STANDARD_OUTPUT
+}
+
+fn open(place: &Path) -> io::Result<To> {
+    let there = fs::metadata(place).ok();
+    if there.is_some() {
+        // One that may not be written to is not replaced either.
+        let through = OpenOptions::new().append(true).open(place)?;
+        if !place.is_file() {
+            return Ok(To::Through(through));
+        }
+    }
+    let beside = unfinished(place);
+    let to = To::Beside(begin(&beside)?, Some(beside));
+    if let (To::Beside(file, _), Some(there)) = (&to, there) {
+        file.set_permissions(there.permissions())?;
+    }
+    Ok(to)
+}
+
+/// Gives what is whole its name.
+fn place(beside: &mut Option<PathBuf>, place: &Path) -> io::Result<()> {
+    if let Some(whole) = beside {
+        fs::rename(whole, place)?;
+        *beside = None;
+    }
+    files::sync_folder(place.parent().unwrap_or(Path::new(".")))
 }
 
 /// Refuses to write into a file that is read, or written twice.
@@ -57,16 +112,59 @@ pub(super) fn distinct<'a>(
     Ok(())
 }
 
-impl Drop for OutputFile {
-    fn drop(&mut self) {
-        if self.is_bare {
-            // Nobody is left to be told.
-            let _removed = std::fs::remove_file(&self.path);
-        }
-    }
+/// What is said of a place that cannot be written.
+pub(super) fn unwritable(path: &Path, error: &io::Error) -> Failure {
+    Failure::Run(format!("{} cannot be written: {error}", path.display()))
 }
 
-/// What is said of a place that cannot be written.
-pub(super) fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::Run(format!("{} cannot be written: {error}", path.display()))
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::storage::scratch::Scratch;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<String> =
+            fs::read_dir(folder).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn what_stands_there_stays_until_the_result_is_whole_and_nothing_else_is_left() {
+        let scratch = Scratch::new();
+        let (older, fresh) = (scratch.0.join("older"), scratch.0.join("fresh"));
+        fs::write(&older, "of yesterday").unwrap();
+        for path in [&older, &fresh] {
+            let failed = OutputFile::open(path).unwrap().fill(|out| {
+                out.write_all(b"half").unwrap();
+                Err(Failure::Run("a mouse was at it".to_owned()))
+            });
+            assert_eq!(failed.unwrap_err().to_string(), "a mouse was at it");
+        }
+        drop(OutputFile::open(&fresh).unwrap());
+        assert_eq!(
+            (names(&scratch.0), fs::read_to_string(&older).unwrap()),
+            (vec!["older".to_owned()], "of yesterday".to_owned())
+        );
+        for path in [&older, &fresh] {
+            OutputFile::open(path).unwrap().write("of today").unwrap();
+            assert_eq!(fs::read_to_string(path).unwrap(), "of today");
+        }
+        assert_eq!(names(&scratch.0), ["fresh", "older"]);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_link_stays_one_and_its_file_as_private_as_it_was() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let scratch = Scratch::new();
+        let (file, link) = (scratch.0.join("file"), scratch.0.join("link"));
+        fs::write(&file, "of yesterday").unwrap();
+        fs::set_permissions(&file, fs::Permissions::from_mode(0o600)).unwrap();
+        symlink(&file, &link).unwrap();
+        OutputFile::open(&link).unwrap().write("of today").unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read_to_string(&file).unwrap(), "of today");
+        assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
+    }
 }

@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use super::output_file::{OutputFile, distinct, unwritable};
+use super::output_file::{OutputFile, STANDARD_OUTPUT, distinct, is_standard_output, unwritable};
 use super::{Failure, Folder};
 use crate::phrases::Language;
 use crate::report::{self, Claim, Comparison, EDITION, Report, list};
 use crate::runtime::archive::Archive;
 use crate::storage::sqlite::{self, Reading};
-use hallsweep_core::units::{MissionId, Seq};
+use hallsweep_core::units::MissionId;
 
 /// Which report, and where it goes.
 #[derive(Args, Clone, Debug)]
@@ -21,9 +21,9 @@ pub struct Reported {
     /// The number of the mission.
     #[arg(value_name = "MISSION")]
     mission: u64,
-    /// Write it to this file instead of standard output.
-    #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
+    /// Write it to this file; "-": to standard output.
+    #[arg(short, long, value_name = "FILE", default_value = STANDARD_OUTPUT)]
+    output: PathBuf,
     /// The page (html), every entry as JSON, a line each (jsonl), or as a table of words for spreadsheets (csv).
     #[arg(long, value_name = "FORMAT", default_value = "html")]
     format: Format,
@@ -48,32 +48,31 @@ fn language(tag: &str) -> Result<Language, String> {
 
 /// Writes it.
 pub fn run(asked: &Reported) -> Result<(), Failure> {
-    let (archive, lost_after) = super::journal::open(&asked.folder)?.archive()?;
+    let archive = super::journal::open(&asked.folder)?.archive();
     let mission = MissionId(asked.mission);
     if archive.mission(mission)?.is_none() {
         return Err(Failure::Run(format!(
             "there is no mission {mission} on record: `hallsweep journal` lists what is; one that is in an archive is there with --data ARCHIVE"
         )));
     }
-    let until = lost_after.unwrap_or(Seq(u64::MAX));
-    let Some(path) = &asked.output else {
-        return written(asked, &*archive, until, &mut BufWriter::new(io::stdout().lock()), Path::new("standard output"));
-    };
-    let data = super::journal::folder(&asked.folder)?;
-    distinct([&*data], [&**path])?;
-    if sqlite::is_within(&data, path) {
-        let words = "would lie among the files of the data folder: name one elsewhere";
-        return Err(Failure::Usage(format!("{} {words}", path.display())));
+    let path = &*asked.output;
+    if !is_standard_output(path) {
+        let data = super::journal::folder(&asked.folder)?;
+        distinct([&*data], [path])?;
+        if sqlite::is_within(&data, path) {
+            let words = "would lie among the files of the data folder: name one elsewhere";
+            return Err(Failure::Usage(format!("{} {words}", path.display())));
+        }
     }
-    OutputFile::open(path)?.fill(|file| written(asked, &*archive, until, &mut BufWriter::new(file), path))
+    OutputFile::open(path)?.fill(|file| written(asked, &*archive, &mut BufWriter::new(file), path))
 }
 
-fn written(asked: &Reported, archive: &dyn Archive, until: Seq, out: &mut dyn Write, path: &Path) -> Result<(), Failure> {
+fn written(asked: &Reported, archive: &dyn Archive, out: &mut dyn Write, path: &Path) -> Result<(), Failure> {
     let mission = MissionId(asked.mission);
     let written = match asked.format {
         Format::Jsonl => list::write_lines(archive, mission, out),
         Format::Csv => list::write_table(archive, mission, asked.language, out),
-        Format::Html => match Report::new(archive, mission, until, asked.language)? {
+        Format::Html => match Report::new(archive, mission, asked.language)? {
             Some(report) => report.write(out),
             None => return Err(Failure::Run(format!("nothing is on record of mission {mission}"))),
         },
@@ -98,7 +97,7 @@ pub(super) fn confirm(journal: &Reading, path: &Path) -> Result<(), Failure> {
     if claim.edition != EDITION {
         return Err(refused(&format!("it is of edition {}, which this hallsweep does not know: ask a newer one", claim.edition)));
     }
-    let (archive, _) = journal.archive()?;
+    let archive = journal.archive();
     let Some(report) = Report::again(&*archive, claim)? else {
         let Claim { mission, until, .. } = claim;
         return Err(refused(&format!("the journal holds no mission {mission} up to entry {until}, or is another one")));
@@ -111,4 +110,69 @@ pub(super) fn confirm(journal: &Reading, path: &Path) -> Result<(), Failure> {
     super::print(&format!(
         "{shown} is confirmed: it is what the journal has of mission {mission} up to entry {until}, head {digest}"
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::storage::scratch::Scratch;
+    use hallsweep_core::command::{Door, Issuer, Verdict};
+    use hallsweep_core::effect::{Entry, Fact, Page};
+    use hallsweep_core::search::Strategy;
+    use hallsweep_core::units::{Cell, LuggageId, Pose, Seq, WallTime};
+    use hallsweep_core::world::luggage::{Luggage, PhotoState};
+
+    fn said(words: &str) -> Fact {
+        let (issuer, command, luggage) = (Issuer::operator(Door("http")), words.to_owned(), Some(LuggageId(1)));
+        Fact::Command { issuer, id: None, command, epoch: None, luggage, refused: None }
+    }
+
+    fn verdict(verdict: Verdict) -> Fact {
+        Fact::Verdict { luggage: LuggageId(1), verdict, who: "anna".into(), note: None }
+    }
+
+    fn page_of(report: &Report<'_>) -> String {
+        let mut page = Vec::new();
+        report.write(&mut page).unwrap();
+        String::from_utf8(page).unwrap()
+    }
+
+    /// Everything in a report follows from the entries up to the one that it names.
+    #[test]
+    fn a_report_of_before_a_danger_is_made_again_behind_it_as_it_was() {
+        let scratch = Scratch::new();
+        let mut opened = sqlite::open(&scratch.0.join("data"), None).unwrap();
+        let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
+        let mut keep = |first, facts: Vec<Fact>| {
+            let entries = facts.into_iter().map(|fact| Entry { wall: WallTime::default(), fact }).collect();
+            let page = Page { first: Seq(first), entries };
+            let last = page.last();
+            opened.store.record(page, 0);
+            runtime.block_on(opened.store.word().wait_for(|word| word.kept >= last)).map(drop).unwrap();
+            last.0 + 1
+        };
+        let record = Luggage {
+            id: LuggageId(1),
+            cell: Cell::new(0, 1),
+            pose: Pose::START,
+            taken: WallTime::default(),
+            photo: PhotoState::Failed("dark".to_owned()),
+            verdict: None,
+            piece: None,
+            secured: None,
+        };
+        let piece = Fact::Luggage { record: record.into(), photo: None };
+        let next =
+            keep(1, vec![Fact::MissionBegan(MissionId(1), Strategy::Snail), piece, said("safe #1"), verdict(Verdict::Safe)]);
+        let archive = Reading::open(&scratch.0.join("data")).unwrap().archive();
+        let report = || Report::new(&*archive, MissionId(1), Language::English).unwrap().expect("it is there");
+        let before = page_of(&report());
+        assert!(before.contains("<dt>Commands refused</dt><dd>0</dd>"), "{before}");
+        keep(next, vec![said("danger #1"), verdict(Verdict::Danger)]);
+        let claim = Claim::read(before.as_bytes()).unwrap();
+        let again = Report::again(&*archive, claim).unwrap().expect("the journal holds it");
+        assert_eq!(page_of(&again), before);
+        let after = page_of(&report());
+        assert!(after.contains("<dt>Commands refused</dt><dd>1</dd>"), "{after}");
+    }
 }

@@ -10,7 +10,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::Failure;
-use super::output_file::OutputFile;
+use super::output_file::{OutputFile, is_standard_output};
 use hallsweep_core::search::Objective;
 use hallsweep_core::search::Terms;
 use hallsweep_core::search::costs::Costs;
@@ -101,6 +101,9 @@ pub fn run(flags: &Tune) -> Result<(), Failure> {
     }
     bar.finish_and_clear();
     file.write(&weights.write(&origin, SMALLEST))?;
+    if is_standard_output(&flags.out) {
+        return Ok(());
+    }
     super::print(&format!("the weights stand in {}", flags.out.display()))
 }
 

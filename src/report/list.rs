@@ -3,11 +3,11 @@
 
 use std::io::Write;
 
-use super::{BATCH, Failure, in_batches};
+use super::{BATCH, Failure, end, in_batches};
 use crate::api::journal;
 use crate::api::time::rfc3339;
 use crate::phrases::Language;
-use crate::runtime::archive::{Archive, Unreadable};
+use crate::runtime::archive::{Archive, Span, Unreadable};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::units::{MissionId, Seq};
 
@@ -19,15 +19,17 @@ const FORMULA: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
 
 /// Every entry as JSON, a line each.
 pub fn write_lines(archive: &dyn Archive, mission: MissionId, out: &mut dyn Write) -> Result<(), Failure> {
-    let batch = |after| archive.lines(mission, after, BATCH);
+    let until = end(archive)?;
+    let batch = |after| archive.lines(mission, Span { after, until }, BATCH);
     in_batches(batch, |_, line| Ok(out.write_all(line.as_bytes()).and_then(|()| out.write_all(b"\n"))?))
 }
 
 /// Every entry as a row, in the words of a language; the names of the columns and kinds are the same in all.
 pub fn write_table(archive: &dyn Archive, mission: MissionId, language: Language, out: &mut dyn Write) -> Result<(), Failure> {
+    let until = end(archive)?;
     let mut table = csv::WriterBuilder::new().terminator(csv::Terminator::CRLF).from_writer(out);
     table.write_record(COLUMNS).map_err(io_error)?;
-    let batch = |after| archive.entries(mission, after, BATCH);
+    let batch = |after| archive.entries(mission, Span { after, until }, BATCH);
     in_batches(batch, |seq, entry| table.write_record(row(language, seq, entry.as_ref())).map_err(io_error))?;
     Ok(table.flush()?)
 }

@@ -25,7 +25,7 @@ pub use self::claim::{Claim, Unclear};
 pub use self::compare::{Comparison, Difference};
 use self::tally::Tally;
 use crate::phrases::Language;
-use crate::runtime::archive::{Archive, At, Head, Moment, Unreadable};
+use crate::runtime::archive::{Archive, At, Head, Moment, Span, Unreadable};
 use hallsweep_core::effect::Entry;
 use hallsweep_core::units::{MissionId, Seq};
 
@@ -58,22 +58,23 @@ pub enum Failure {
 }
 
 impl<'a> Report<'a> {
-    /// The report of a mission as far as it is on record up to an entry; `None` where there is no such mission.
-    pub fn new(
-        archive: &'a dyn Archive,
-        mission: MissionId,
-        until: Seq,
-        language: Language,
-    ) -> Result<Option<Report<'a>>, Unreadable> {
-        let head = archive.head(mission, until)?;
-        let until = head.map_or(until, |head| head.seq);
+    /// The report of a mission as far as it is on record; `None` where there is no such mission.
+    pub fn new(archive: &'a dyn Archive, mission: MissionId, language: Language) -> Result<Option<Report<'a>>, Unreadable> {
+        let end = end(archive)?;
+        let head = archive.head(mission, end)?;
+        let until = match head {
+            Some(head) => Some(head.seq),
+            // Where there is no chain it goes as far as is seen now: the journal may grow meanwhile.
+            None => Tally::of(archive, mission, end)?.last(),
+        };
+        let Some(until) = until else { return Ok(None) };
         Report::of(archive, Claim { edition: EDITION, mission, until, language }, head)
     }
 
     /// The report that says this of itself, made again; `None` where the journal has no such mission, or none up to this entry.
     pub fn again(archive: &'a dyn Archive, claim: Claim) -> Result<Option<Report<'a>>, Unreadable> {
         let head = archive.head(claim.mission, claim.until)?;
-        if head.is_none_or(|head| head.seq != claim.until) {
+        if head.is_none_or(|head| head.seq != claim.until) || claim.until > end(archive)? {
             return Ok(None);
         }
         Report::of(archive, claim, head)
@@ -81,11 +82,17 @@ impl<'a> Report<'a> {
 
     fn of(archive: &'a dyn Archive, claim: Claim, head: Option<Head>) -> Result<Option<Report<'a>>, Unreadable> {
         let tally = Tally::of(archive, claim.mission, claim.until)?;
-        let Some(last) = tally.last() else { return Ok(None) };
-        // Where there is no chain it goes as far as was just seen: the journal may grow meanwhile.
-        let claim = if head.is_some() { claim } else { Claim { until: last, ..claim } };
+        if tally.last().is_none() {
+            return Ok(None);
+        }
         let moment = archive.moments(claim.mission, &[At::Entry(tally.stood_last(claim.until))])?.pop();
         Ok(Some(Report { archive, claim, head, tally, moment }))
+    }
+
+    /// What cannot be understood of what it is made from, a sentence each: on the line of time, and besides what the hall follows from.
+    fn damage(&self) -> Vec<&str> {
+        let (told, drawn) = (&self.tally.damage, self.moment.iter().flat_map(|moment| &moment.past.damage));
+        told.iter().chain(drawn.filter(|words| !told.contains(words))).map(String::as_str).collect()
     }
 
     /// Where the chain of digests had come to.
@@ -104,6 +111,11 @@ impl<'a> Report<'a> {
     }
 }
 
+/// The last entry that counts: what comes behind it was said to be lost, and the next start takes it back.
+fn end(archive: &dyn Archive) -> Result<Seq, Unreadable> {
+    Ok(archive.lost_after()?.unwrap_or(Seq(u64::MAX)))
+}
+
 /// Walks over what is on record of a mission up to `until` and stands on its line of time, oldest first.
 fn each(
     archive: &dyn Archive,
@@ -111,11 +123,7 @@ fn each(
     until: Seq,
     mut visit: impl FnMut(Seq, Result<&Entry, &Unreadable>) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
-    let batch = |after| {
-        let mut batch = archive.timeline(mission, after, BATCH)?;
-        batch.retain(|(seq, _)| *seq <= until);
-        Ok(batch)
-    };
+    let batch = |after| archive.timeline(mission, Span { after, until }, BATCH);
     in_batches(batch, |seq, entry| visit(seq, entry.as_ref()))
 }
 

@@ -11,7 +11,7 @@ use super::chart::Chart;
 use super::{Failure, Report, chart, each, hall};
 use crate::api::time::{Zone, rfc3339};
 use crate::phrases::{Language, Phrase};
-use crate::runtime::archive::hex;
+use crate::runtime::archive::{NoTake, Unreadable, hex};
 use hallsweep_core::effect::Fact;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Seq, WallTime};
@@ -136,6 +136,7 @@ struct Piece<'r> {
     report: &'r Report<'r>,
     language: Language,
     luggage: &'r Luggage,
+    /// In the place of one that cannot be shown, why.
     photos: Vec<Result<Picture, String>>,
     side: Option<f64>,
 }
@@ -158,7 +159,9 @@ fn pieces(report: &Report<'_>, state: Option<&PersistentState>, out: &mut dyn Wr
     let side = state.conditions.as_ref().and_then(|conditions| conditions.venue.cell_m);
     for luggage in state.luggage.iter() {
         let photos = match &luggage.photo {
-            PhotoState::Taken { take, .. } => (1..=*take).filter_map(|take| picture(report, luggage, take)).collect(),
+            PhotoState::Taken { take, .. } => {
+                (1..=*take).filter_map(|take| picture(report, luggage, take).transpose()).collect::<Result<_, _>>()?
+            }
             PhotoState::Failed(why) => vec![Err(language.say("report-photo-failed").with("why", why).to_string())],
         };
         part(out, &Piece { report, language, luggage, photos, side })?;
@@ -167,14 +170,20 @@ fn pieces(report: &Report<'_>, state: Option<&PersistentState>, out: &mut dyn Wr
 }
 
 /// A photo of a piece; nothing where this one failed, as another taking may.
-fn picture(report: &Report<'_>, luggage: &Luggage, take: u32) -> Option<Result<Picture, String>> {
-    let found = report.archive.take(luggage.id, take).transpose()?;
-    Some(found.map_err(|unreadable| unreadable.to_string()).map(|photo| Picture {
-        take,
-        media_type: photo.media_type,
-        base64: STANDARD.encode(&photo.bytes),
-        digest: hex(&Sha256::digest(&photo.bytes)),
-    }))
+fn picture(report: &Report<'_>, luggage: &Luggage, take: u32) -> Result<Option<Result<Picture, String>>, Unreadable> {
+    match report.archive.take(luggage.id, take) {
+        Ok(photo) => Ok(photo.map(|photo| {
+            Ok(Picture {
+                take,
+                media_type: photo.media_type,
+                base64: STANDARD.encode(&photo.bytes),
+                digest: hex(&Sha256::digest(&photo.bytes)),
+            })
+        })),
+        Err(NoTake::Spoilt(_)) => Ok(Some(Err(report.claim.language.say("report-photo-spoilt").with("take", take).to_string()))),
+        // What passes is no part of the record: there is no report then.
+        Err(NoTake::Unreadable(unreadable)) => Err(unreadable),
+    }
 }
 
 impl Piece<'_> {

@@ -8,33 +8,43 @@ use proptest::strategy::{Strategy as _, ValueTree};
 use proptest::test_runner::TestRunner;
 use sha2::{Digest, Sha256};
 
-use super::{EDITION, Report, list};
+use super::{Claim, EDITION, Failure, Report, list};
 use crate::api::journal::{self, Line, arbitrary};
 use crate::phrases::{Language, said_here};
-use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, Sound, Unreadable};
+use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable};
 use hallsweep_core::command::{Door, Issuer};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::Past;
 use hallsweep_core::event::Photo;
 use hallsweep_core::search::Strategy;
 use hallsweep_core::state::PersistentState;
-use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
-use hallsweep_core::world::luggage::Luggage;
+use hallsweep_core::units::{Cell, LuggageId, MissionId, Pose, Seq, WallTime};
+use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
 const MISSION: MissionId = MissionId(1);
 
-/// A mission of these entries; every piece has the photo `bag`, and entry 3 cannot be understood.
-struct Mission(Vec<Entry>);
+/// A mission of these entries; every piece has this photo, and entry 3 cannot be understood.
+struct Mission {
+    entries: Vec<Entry>,
+    photo: Result<&'static [u8], NoTake>,
+    /// What cannot be understood of what its hall follows from.
+    damage: Vec<String>,
+    lost_after: Option<Seq>,
+}
 
 impl Mission {
+    fn of(entries: Vec<Entry>) -> Mission {
+        Mission { entries, photo: Ok(b"bag"), damage: Vec::new(), lost_after: None }
+    }
+
     fn happened(&self) -> impl Iterator<Item = Happened> {
         let damaged = |seq| (seq == 3).then(|| Unreadable("a mouse was at it".to_owned()));
-        self.0.iter().zip(1..).map(move |(entry, seq)| (Seq(seq), damaged(seq).map_or_else(|| Ok(entry.clone()), Err)))
+        self.entries.iter().zip(1..).map(move |(entry, seq)| (Seq(seq), damaged(seq).map_or_else(|| Ok(entry.clone()), Err)))
     }
 
     fn report(&self, language: Language) -> String {
         let mut page = Vec::new();
-        let report = Report::new(self, MISSION, Seq(u64::MAX), language).unwrap().expect("there are entries");
+        let report = Report::new(self, MISSION, language).unwrap().expect("there are entries");
         report.write(&mut page).unwrap();
         String::from_utf8(page).unwrap()
     }
@@ -45,8 +55,9 @@ impl Archive for Mission {
         Ok(None)
     }
 
-    fn take(&self, _: LuggageId, take: u32) -> Result<Option<Photo>, Unreadable> {
-        Ok((take < 4).then(|| Photo { bytes: (*b"bag").into(), media_type: "image/png" }))
+    fn take(&self, _: LuggageId, take: u32) -> Result<Option<Photo>, NoTake> {
+        let photo = Photo { bytes: self.photo.clone()?.into(), media_type: "image/png" };
+        Ok((take < 4).then_some(photo))
     }
 
     fn luggage(&self, _: LuggageId) -> Result<Option<Luggage>, Unreadable> {
@@ -67,30 +78,34 @@ impl Archive for Mission {
 
     fn moments(&self, _: MissionId, _: &[At]) -> Result<Vec<Moment>, Unreadable> {
         let mut state = PersistentState::first(Strategy::default());
-        self.0.iter().filter(|entry| !matches!(entry.fact, Fact::State(_))).for_each(|entry| state.apply(entry));
+        self.entries.iter().filter(|entry| !matches!(entry.fact, Fact::State(_))).for_each(|entry| state.apply(entry));
         let past = Past { seq: Seq(9), state, trail: Vec::new(), readings: Vec::new(), latest: Vec::new() };
         let wall = WallTime::default();
-        Ok(vec![Moment { past: Sound { of: past, damage: Vec::new() }, wall, earlier: None, later: None }])
+        Ok(vec![Moment { past: Sound { of: past, damage: self.damage.clone() }, wall, earlier: None, later: None }])
     }
 
-    fn entries(&self, _: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
-        Ok(self.happened().filter(|(seq, _)| *seq > after).take(most).collect())
+    fn entries(&self, _: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable> {
+        Ok(self.happened().filter(|(seq, _)| *seq > span.after && *seq <= span.until).take(most).collect())
     }
 
-    fn lines(&self, _: MissionId, after: Seq, most: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
+    fn lines(&self, _: MissionId, span: Span, most: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
         let line = |(seq, entry): Happened| match entry {
             Ok(entry) => (seq, journal::line(&Line { seq, mission: Some(MISSION), entry, picture: None })),
             Err(Unreadable(why)) => (seq, journal::unreadable(seq, &why)),
         };
-        Ok(self.entries(MISSION, after, most)?.into_iter().map(line).collect())
+        Ok(self.entries(MISSION, span, most)?.into_iter().map(line).collect())
     }
 
-    fn head(&self, _: MissionId, _: Seq) -> Result<Option<Head>, Unreadable> {
-        Ok(Some(Head { seq: Seq(self.0.len() as u64), digest: [0xa5; 32] }))
+    fn head(&self, _: MissionId, until: Seq) -> Result<Option<Head>, Unreadable> {
+        Ok(Some(Head { seq: until.min(Seq(self.entries.len() as u64)), digest: [0xa5; 32] }))
     }
 
-    fn timeline(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
-        self.entries(mission, after, most)
+    fn lost_after(&self) -> Result<Option<Seq>, Unreadable> {
+        Ok(self.lost_after)
+    }
+
+    fn timeline(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable> {
+        self.entries(mission, span, most)
     }
 
     fn retrieval(&self, _: MissionId, _: usize) -> Result<Vec<Happened>, Unreadable> {
@@ -102,7 +117,7 @@ impl Archive for Mission {
 fn of_every_kind() -> Mission {
     let mut runner = TestRunner::deterministic();
     let entries = (0..4000).map(|_| arbitrary::entry().new_tree(&mut runner).expect("a value").current()).collect();
-    Mission(entries)
+    Mission::of(entries)
 }
 
 fn root() -> &'static Path {
@@ -223,7 +238,7 @@ fn command(who: &str, command: &str) -> Entry {
 #[test]
 fn what_others_wrote_is_neither_markup_nor_a_formula() {
     let script = "<script>alert('1')</script>\" onload=\"x";
-    let mission = Mission(vec![command(script, script), command("=cmd|'/C calc'!A0", "@SUM(1)"), command("-", "x")]);
+    let mission = Mission::of(vec![command(script, script), command("=cmd|'/C calc'!A0", "@SUM(1)"), command("-", "x")]);
     for language in Language::ALL {
         let page = mission.report(language);
         assert!(!page.contains("<script>") && page.contains("&#60;script&#62;alert"), "{page}");
@@ -242,11 +257,73 @@ fn what_others_wrote_is_neither_markup_nor_a_formula() {
 
 #[test]
 fn every_stop_of_a_shared_entry_counts() {
-    let mission = Mission(vec![
+    let mission = Mission::of(vec![
         command("anna", "STOP"),
         command("anna", "STOP, 2960 times within 1.0 s"),
         command("anna", "x"),
         command("anna", "STOP"),
     ]);
     assert!(mission.report(Language::English).contains("<dt>STOP pressed</dt><dd>2962</dd>"));
+}
+
+/// A piece that was photographed once.
+fn found() -> Entry {
+    let record = Luggage {
+        id: LuggageId(1),
+        cell: Cell::new(0, 1),
+        pose: Pose::START,
+        taken: WallTime::default(),
+        photo: PhotoState::Taken { bytes: 3, take: 1 },
+        verdict: None,
+        piece: None,
+        secured: None,
+    };
+    Entry { fact: Fact::Luggage { record: record.into(), photo: None }, ..command("anna", "x") }
+}
+
+#[test]
+fn a_photo_that_is_lost_is_said_to_be_so_and_one_that_cannot_be_read_just_now_makes_no_report() {
+    let with = |photo| Mission { photo: Err(photo), ..Mission::of(vec![found()]) };
+    let words = "look after /home/anna/data".to_owned();
+    for (language, said) in [
+        (Language::English, "<p class=\"missing\">Photo 1 is lost: its file is missing, or is not the one on record.</p>"),
+        (Language::Italian, "<p class=\"missing\">La foto 1 è perduta: il suo file manca, o non è quello registrato.</p>"),
+    ] {
+        let page = with(NoTake::Spoilt(words.clone())).report(language);
+        assert!(page.contains(said) && !page.contains("anna/data"), "{page}");
+        let mission = with(NoTake::Unreadable(Unreadable(words.clone())));
+        let report = Report::new(&mission, MISSION, language).unwrap().expect("there are entries");
+        assert!(matches!(report.write(&mut Vec::new()), Err(Failure::Unreadable(Unreadable(why))) if why == words));
+    }
+}
+
+#[test]
+fn what_cannot_be_understood_is_said_once_wherever_it_stands() {
+    let damage = ["a mouse was at it", "entry 9 of the journal cannot be understood"].map(str::to_owned).to_vec();
+    let sound = Mission { damage: damage.clone(), ..Mission::of(vec![found()]) }.report(Language::English);
+    assert!(sound.contains("What is missing here") && sound.contains(&format!("<li>{}</li>\n<li>{}</li>", damage[0], damage[1])));
+    let entries = vec![found(), found(), found()];
+    let damaged = Mission { damage, ..Mission::of(entries.clone()) }.report(Language::English);
+    assert_eq!((damaged.matches("<li>a mouse").count(), damaged.matches("<li>entry 9").count()), (1, 1), "{damaged}");
+    assert!(Mission::of(entries).report(Language::English).contains("<li>a mouse was at it</li>"));
+    assert!(!Mission::of(vec![found()]).report(Language::English).contains("What is missing here"));
+}
+
+/// Safety V3: else a report would name what the next start takes back.
+#[test]
+fn what_was_said_to_be_lost_is_in_no_report_and_in_no_list() {
+    let entries = vec![command("anna", "START"), command("anna", "STOP"), found(), command("bruno", "START")];
+    let mission = Mission { lost_after: Some(Seq(2)), ..Mission::of(entries.clone()) };
+    let page = mission.report(Language::English);
+    let claim = Claim::read(page.as_bytes()).unwrap();
+    assert_eq!(claim.until, Seq(2));
+    let (mut lines, mut table) = (Vec::new(), Vec::new());
+    list::write_lines(&mission, MISSION, &mut lines).unwrap();
+    list::write_table(&mission, MISSION, Language::English, &mut table).unwrap();
+    let (lines, table) = (String::from_utf8(lines).unwrap(), String::from_utf8(table).unwrap());
+    assert_eq!((lines.lines().count(), table.lines().count()), (2, 3));
+    assert!(!page.contains("bruno") && !lines.contains("bruno") && !table.contains("bruno"));
+    assert!(Report::again(&mission, claim).unwrap().is_some());
+    let whole = Claim::read(Mission::of(entries).report(Language::English).as_bytes()).unwrap();
+    assert!(whole.until == Seq(4) && Report::again(&mission, whole).unwrap().is_none(), "made before that was said");
 }

@@ -15,12 +15,45 @@ use hallsweep_core::world::luggage::Luggage;
 #[error("the record cannot be read: {0}")]
 pub struct Unreadable(pub String);
 
+/// Why a photo that is on record cannot be looked at.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoTake {
+    #[error(transparent)]
+    Unreadable(#[from] Unreadable),
+    /// It is lost for good: its bytes are not there, or are not those on record; in words for an operator.
+    #[error("{0}")]
+    Spoilt(String),
+}
+
+impl From<NoTake> for Unreadable {
+    fn from(why: NoTake) -> Unreadable {
+        match why {
+            NoTake::Unreadable(unreadable) => unreadable,
+            NoTake::Spoilt(words) => Unreadable(words),
+        }
+    }
+}
+
 /// What of something is sound, and a sentence on each part of the record that is not: what follows from that part is not in it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sound<T> {
     pub of: T,
     /// What is not, in words for an operator; a few of the sentences where there are many.
     pub damage: Vec<String>,
+}
+
+/// What stands behind one entry of the journal, up to another: as it was known then, whatever came after that.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Span {
+    pub after: Seq,
+    pub until: Seq,
+}
+
+impl Span {
+    /// To the end.
+    pub const fn after(after: Seq) -> Span {
+        Span { after, until: Seq(u64::MAX) }
+    }
 }
 
 /// An entry of the journal by its place; where it cannot be understood, why.
@@ -96,7 +129,7 @@ pub trait Archive: Send + Sync {
     fn photo(&self, luggage: LuggageId) -> Result<Option<Photo>, Unreadable>;
 
     /// One photo of a piece by how often it had been taken then, from 1.
-    fn take(&self, luggage: LuggageId, take: u32) -> Result<Option<Photo>, Unreadable>;
+    fn take(&self, luggage: LuggageId, take: u32) -> Result<Option<Photo>, NoTake>;
 
     /// The record of a piece, of whatever mission.
     fn luggage(&self, luggage: LuggageId) -> Result<Option<Luggage>, Unreadable>;
@@ -113,18 +146,23 @@ pub trait Archive: Send + Sync {
     /// first entry that is asked for by its place, or where those from which it follows are not kept any more.
     fn moments(&self, mission: MissionId, at: &[At]) -> Result<Vec<Moment>, Unreadable>;
 
-    /// The entries of a mission after `after`, oldest first, at most `most`.
-    fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable>;
+    /// The entries of a mission, oldest first, at most `most`.
+    fn entries(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable>;
 
     /// The same as JSON, a line each without its break, as they are exported; in the place of one that cannot be understood a line that says why.
-    fn lines(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<(Seq, String)>, Unreadable>;
+    fn lines(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<(Seq, String)>, Unreadable>;
 
     /// The page of the chain with the last entry of a mission up to this one; nothing where there is no such entry, or no chain.
     fn head(&self, mission: MissionId, until: Seq) -> Result<Option<Head>, Unreadable>;
 
-    /// The entries of a mission after `after` that stand on the line of time, oldest first, at most `most`: phases, holds, temperatures,
+    /// The entries of a mission that stand on the line of time, oldest first, at most `most`: phases, holds, temperatures,
     /// luggage, verdicts, alarms, commands, stages of a retrieval, and when the program began and ended.
-    fn timeline(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable>;
+    fn timeline(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable>;
+
+    /// After which entry everything was said to be lost, where the next start takes it back; only what is on disk can come to that.
+    fn lost_after(&self) -> Result<Option<Seq>, Unreadable> {
+        Ok(None)
+    }
 
     /// What the last thousands of entries of a mission tell of its retrieval, and of what held it, oldest first, at most `most`.
     fn retrieval(&self, mission: MissionId, most: usize) -> Result<Vec<Happened>, Unreadable>;

@@ -59,7 +59,7 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     use super::*;
-    use crate::runtime::archive::{At, Happened, Head, MissionRecord, Moment, Sound};
+    use crate::runtime::archive::{At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span};
     use hallsweep_core::event::Photo;
     use hallsweep_core::state::PersistentState;
     use hallsweep_core::units::{LuggageId, MissionId, Seq};
@@ -73,7 +73,7 @@ mod tests {
             Ok(None)
         }
 
-        fn take(&self, _: LuggageId, _: u32) -> Result<Option<Photo>, Unreadable> {
+        fn take(&self, _: LuggageId, _: u32) -> Result<Option<Photo>, NoTake> {
             Ok(None)
         }
 
@@ -97,15 +97,15 @@ mod tests {
             Ok(Vec::new())
         }
 
-        fn timeline(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<Happened>, Unreadable> {
+        fn timeline(&self, _: MissionId, _: Span, _: usize) -> Result<Vec<Happened>, Unreadable> {
             Ok(Vec::new())
         }
 
-        fn entries(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<Happened>, Unreadable> {
+        fn entries(&self, _: MissionId, _: Span, _: usize) -> Result<Vec<Happened>, Unreadable> {
             Ok(Vec::new())
         }
 
-        fn lines(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
+        fn lines(&self, _: MissionId, _: Span, _: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
             Ok(Vec::new())
         }
 

@@ -195,6 +195,70 @@ fn what_cannot_be_reported_is_said() {
     assert!(!well && said.contains("/nowhere/report.html cannot be read"), "{said}");
 }
 
+/// A disk that fails for a moment is no part of what happened.
+#[test]
+fn a_photo_that_cannot_be_read_just_now_makes_no_report_and_leaves_what_was_there() {
+    let folder = Folder::new("reports-unreadable");
+    let program = serve(&folder);
+    a_mission(&program);
+    let photos: Vec<PathBuf> = files(&folder.path().join("photos")).into_iter().map(|(photo, _)| photo).collect();
+    let aside = |photo: &PathBuf| photo.with_extension("aside");
+    for photo in &photos {
+        fs::rename(photo, aside(photo)).and_then(|()| fs::create_dir(photo)).expect("it can be put aside");
+    }
+    let words = program.read("/missions/1/report", &[]).problem(503);
+    assert!(words.contains("it is a folder"), "{words}");
+    drop(program);
+    let older = saved(&folder, "older.html", b"of yesterday");
+    let into_older = ["1", "-o", older.to_str().expect("a plain name")];
+    let (well, said) = report(&folder, &into_older);
+    assert!(!well && String::from_utf8_lossy(&said).contains("it is a folder"), "{said:?}");
+    assert_eq!(fs::read(&older).expect("it is there"), b"of yesterday");
+    photos.iter().for_each(|photo| fs::remove_dir(photo).expect("it was made"));
+    let (well, lost) = report(&folder, &["1", "-o", "-"]);
+    let lost = String::from_utf8(lost).expect("it is UTF-8");
+    assert!(well && lost.matches("is lost: its file is missing").count() == 2 && !lost.contains(folder.text()), "{lost}");
+    assert!(!Path::new("-").exists(), "it was printed");
+    photos.iter().for_each(|photo| fs::rename(aside(photo), photo).expect("it was put aside"));
+    assert!(report(&folder, &into_older).0);
+    assert!(fs::read(&older).expect("it is there") == report(&folder, &["1"]).1, "the same in a file");
+    assert!(confirmed(&folder, &older).0);
+    fs::remove_file(older).expect("it was saved");
+}
+
+/// Safety V3.
+#[test]
+fn what_was_said_to_be_lost_is_neither_reported_nor_confirmed() {
+    let folder = Folder::new("reports-lost");
+    let program = serve(&folder);
+    program.command("start").accepted();
+    program.until_asked();
+    let (_, before) = report(&folder, &["1"]);
+    program.command("stop").accepted();
+    drop(program);
+    let (_, after) = report(&folder, &["1"]);
+    let until = |page: &[u8]| -> u64 {
+        let page = String::from_utf8_lossy(page).into_owned();
+        page.split_once(", entry ").and_then(|(_, rest)| rest.split(',').next()?.parse().ok()).expect("it is claimed")
+    };
+    assert!(until(&before) < until(&after));
+    let lost = format!("everything after entry {:020} was said to be lost\n", until(&before));
+    fs::write(folder.path().join("journal.lost"), lost).expect("it can be written");
+    // It would say that these entries were kept.
+    fs::remove_file(folder.path().join("journal.head")).expect("it is there");
+    assert!(report(&folder, &["1"]).1 == before, "it ends where it ended then");
+    for format in ["jsonl", "csv"] {
+        let list = String::from_utf8(report(&folder, &["1", "--format", format]).1).expect("it is UTF-8");
+        assert!(!list.contains("STOP") && list.contains("START"), "{list}");
+    }
+    let [before, after] =
+        [("before", before), ("after", after)].map(|(name, page)| saved(&folder, &format!("{name}.html"), &page));
+    assert!(confirmed(&folder, &before).0);
+    let (well, said) = confirmed(&folder, &after);
+    assert!(!well && said.contains("the journal holds no mission 1 up to entry"), "{said}");
+    [before, after].iter().for_each(|path| fs::remove_file(path).expect("it was saved"));
+}
+
 /// A journal in memory ends with the program.
 #[test]
 fn where_nothing_is_kept_a_report_says_that_nothing_can_confirm_it() {

@@ -128,14 +128,14 @@ pub struct Entry {
 }
 
 impl Fact {
-    /// The fact as it stands in the journal, when `verdict_on` says what each piece was found to be. Entries are never changed, and
+    /// The fact as it stands in the journal, when `was_dangerous` says of each piece whether it was found so. Entries are never changed, and
     /// a safe is one before it is final: one that was accepted of a piece that is dangerous was overtaken by the danger before it
     /// was durable (safety V1), and so it was refused.
     #[must_use]
-    pub fn as_it_was(self, verdict_on: impl FnOnce(LuggageId) -> Option<Verdict>) -> Fact {
+    pub fn as_it_was(self, was_dangerous: impl FnOnce(LuggageId) -> bool) -> Fact {
         let Fact::Command { issuer, id, command, epoch, luggage: Some(luggage), refused: None } = self else { return self };
         let was_safe = Input::from_words(&command).is_some_and(|(input, _)| input == Input::Safe);
-        let overtaken = was_safe && verdict_on(luggage) == Some(Verdict::Danger);
+        let overtaken = was_safe && was_dangerous(luggage);
         let refused = overtaken.then(|| Refusal::from(&Refused::Decided { luggage, verdict: Verdict::Danger }));
         Fact::Command { issuer, id, command, epoch, luggage: Some(luggage), refused }
     }

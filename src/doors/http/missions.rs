@@ -18,7 +18,7 @@ use crate::api::mission_record::{
 };
 use crate::api::retrieval_record::RetrievalRecordJson;
 use crate::api::time::rfc3339;
-use crate::runtime::archive::{Archive, At, Happened, MissionRecord, Moment, Sound, Unreadable};
+use crate::runtime::archive::{Archive, At, Happened, MissionRecord, Moment, Sound, Span, Unreadable};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{MissionId, Seq};
@@ -95,8 +95,14 @@ pub(super) async fn timeline(
     query: Query,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    listed(&door, id, &query, &headers, ("timeline", |archive, mission, after, most| archive.timeline(mission, after, most)))
-        .await
+    listed(
+        &door,
+        id,
+        &query,
+        &headers,
+        ("timeline", |archive, mission, after, most| archive.timeline(mission, Span::after(after), most)),
+    )
+    .await
 }
 
 /// `GET missions/{id}/events`, oldest first.
@@ -113,7 +119,7 @@ pub(super) async fn events(
 pub(super) type Which = fn(&dyn Archive, MissionId, Seq, usize) -> Result<Vec<Happened>, Unreadable>;
 
 fn entries(archive: &dyn Archive, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
-    archive.entries(mission, after, most)
+    archive.entries(mission, Span::after(after), most)
 }
 
 /// A list of what happened in a mission, which goes on under this name.

@@ -77,7 +77,7 @@ pub(super) async fn photo(
     }
     let snapshot = door.handle.snapshot();
     let take = taken(&*record(&door, &snapshot, id).await?, asked)?;
-    let kept = door.archive.look_up(move |archive| archive.take(LuggageId(id), take)).await?;
+    let kept = door.archive.look_up(move |archive| Ok(archive.take(LuggageId(id), take)?)).await?;
     let photo = kept.ok_or(NoPhoto::NotKept(LuggageId(id)))?;
     let tag = tag(&snapshot.run, format_args!("{id}.{take}"), "photo");
     let bytes = axum::body::Bytes::from_owner(photo.bytes);

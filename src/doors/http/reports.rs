@@ -25,7 +25,7 @@ use crate::access::Caller;
 use crate::doors::shares::{Limits, Shares};
 use crate::phrases::Language;
 use crate::report::{Failure, Report, list};
-use crate::runtime::archive::Archive;
+use crate::runtime::archive::{Archive, Span};
 use hallsweep_core::units::{MissionId, Seq};
 
 /// So many are written at once, half of them for one key; one is kept for a key that has none.
@@ -59,7 +59,7 @@ pub(super) async fn report(
     let language = language_of(&query)?.unwrap_or(language);
     let name = Report::file_name(MissionId(id));
     send(door, &caller, id, ("text/html; charset=utf-8", name), move |archive, mission, out| {
-        let report = Report::new(archive, mission, Seq(u64::MAX), language)?;
+        let report = Report::new(archive, mission, language)?;
         report.map_or(Ok(()), |report| report.write(out))
     })
     .await
@@ -108,7 +108,7 @@ async fn send(
 ) -> Result<Response, Problem> {
     let mission = MissionId(id);
     door.archive.look_up(move |archive| archive.mission(mission)).await?.ok_or_else(|| unknown(id))?;
-    let is_kept = door.archive.look_up(move |archive| archive.timeline(mission, Seq(0), 1)).await?;
+    let is_kept = door.archive.look_up(move |archive| archive.timeline(mission, Span::after(Seq(0)), 1)).await?;
     if is_kept.is_empty() {
         return Err(Problem::not_found(format!("nothing of mission {id} is kept any more: no entry of it is left")));
     }

@@ -18,7 +18,7 @@ use super::gate::Peer;
 use super::{Hosts, HttpDoor, router};
 use crate::access::{Access, Keyring, Keys, OPERATOR, Role};
 use crate::api::journal::{self, Line};
-use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, Sound, Unreadable};
+use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable};
 use crate::runtime::archive_reader::Reader;
 pub(super) use crate::runtime::obedient::Noted;
 use crate::runtime::obedient::{Script, obedient};
@@ -49,11 +49,11 @@ impl Archive for Pictures {
     }
 
     /// From the second its bytes say which it is.
-    fn take(&self, luggage: LuggageId, take: u32) -> Result<Option<Photo>, Unreadable> {
+    fn take(&self, luggage: LuggageId, take: u32) -> Result<Option<Photo>, NoTake> {
         if take > 1 {
             Ok(Some(Photo { bytes: Arc::from(take.to_string().as_bytes()), media_type: "image/png" }))
         } else {
-            self.photo(luggage)
+            Ok(self.photo(luggage)?)
         }
     }
 
@@ -82,22 +82,23 @@ impl Archive for Pictures {
         Ok(moments.filter(|_| mission == MissionId(1)).unwrap_or_default())
     }
 
-    fn timeline(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
+    fn timeline(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable> {
         let on_it = |(_, entry): &Happened| entry.as_ref().map_or(true, |entry| !matches!(entry.fact, Fact::Pose(_)));
-        Ok(self.entries(mission, after, usize::MAX)?.into_iter().filter(on_it).take(most).collect())
+        Ok(self.entries(mission, span, usize::MAX)?.into_iter().filter(on_it).take(most).collect())
     }
 
-    fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
-        let of_it = past::entries().into_iter().filter(|(seq, _)| mission == MissionId(1) && *seq > after);
+    fn entries(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable> {
+        let of_it =
+            past::entries().into_iter().filter(|(seq, _)| mission == MissionId(1) && *seq > span.after && *seq <= span.until);
         Ok(of_it.take(most).collect())
     }
 
-    fn lines(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
+    fn lines(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
         let line = |(seq, entry): Happened| match entry {
             Ok(entry) => (seq, journal::line(&Line { seq, mission: Some(mission), entry, picture: None })),
             Err(Unreadable(why)) => (seq, journal::unreadable(seq, &why)),
         };
-        Ok(self.entries(mission, after, most)?.into_iter().map(line).collect())
+        Ok(self.entries(mission, span, most)?.into_iter().map(line).collect())
     }
 
     fn head(&self, _: MissionId, _: Seq) -> Result<Option<Head>, Unreadable> {

@@ -45,6 +45,7 @@ report-home = home
 
 report-photo = Photo { $take }
 report-photo-failed = There is no photo: { $why }
+report-photo-spoilt = Photo { $take } is lost: its file is missing, or is not the one on record.
 report-found = Found
 report-where = Where
 report-place = { $place }; from home { $east } m to the east, { $south } m to the south

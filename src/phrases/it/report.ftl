@@ -45,6 +45,7 @@ report-home = base
 
 report-photo = Foto { $take }
 report-photo-failed = Non c'è una foto: { $why }
+report-photo-spoilt = La foto { $take } è perduta: il suo file manca, o non è quello registrato.
 report-found = Trovato
 report-where = Dove
 report-place = { $place }; dalla base { $east } m verso est, { $south } m verso sud

@@ -12,9 +12,9 @@ use super::folder::Folder;
 use super::memory::{self, MemoryJournal};
 use super::photos::Pictures;
 use super::rows::{self, EntryFilter, Kinds};
-use super::{chain, connect, moments, project, recall};
+use super::{chain, connect, marker, moments, project, recall};
 use crate::api::journal::{self, Picture};
-use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, Sound, Unreadable};
+use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable};
 use hallsweep_core::command::{Note, Verdict};
 use hallsweep_core::event::Photo;
 use hallsweep_core::state::PersistentState;
@@ -50,7 +50,11 @@ impl SqliteArchive {
             SqliteArchive::Folder { folder, idle } => ask_folder(folder, idle, question),
             SqliteArchive::Memory(journal) => journal.ask(question),
         };
-        answer.map_err(|fault| Unreadable(fault.words(self.path(), Then::StartAgain)))
+        answer.map_err(|fault| self.unreadable(&fault))
+    }
+
+    fn unreadable(&self, fault: &Fault) -> Unreadable {
+        Unreadable(fault.words(self.path(), Then::StartAgain))
     }
 
     fn happened(&self, connection: &Connection, which: EntryFilter) -> Result<Vec<Happened>, Fault> {
@@ -115,12 +119,16 @@ impl Archive for SqliteArchive {
         })
     }
 
-    fn take(&self, luggage: LuggageId, take: u32) -> Result<Option<Photo>, Unreadable> {
+    fn take(&self, luggage: LuggageId, take: u32) -> Result<Option<Photo>, NoTake> {
         let Ok(id) = i64::try_from(luggage.0) else { return Ok(None) };
-        self.ask(|connection| {
+        let taken = self.ask(|connection| {
             let sql = "SELECT digest, media_type FROM takes JOIN photos ON digest = photo WHERE luggage = ?1 AND take = ?2";
-            self.picture(connection, sql, params![id, take])
-        })
+            match self.picture(connection, sql, params![id, take]) {
+                Err(spoilt @ Fault::Photo(_)) => Ok(Some(Err(spoilt.words(self.path(), Then::StartAgain)))),
+                found => Ok(found?.map(Ok)),
+            }
+        });
+        taken?.transpose().map_err(NoTake::Spoilt)
     }
 
     fn luggage(&self, luggage: LuggageId) -> Result<Option<Luggage>, Unreadable> {
@@ -179,22 +187,14 @@ impl Archive for SqliteArchive {
         self.ask(|connection| moments::moments(connection, mission, at, |fault| fault.words_of_an_entry(self.path())))
     }
 
-    fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
-        if i64::try_from(mission.0.max(after.0)).is_err() {
-            return Ok(Vec::new());
-        }
-        self.ask(|connection| {
-            let which = EntryFilter { after: Some(after), mission: Some(mission), most: Some(most), ..EntryFilter::default() };
-            self.happened(connection, which)
-        })
+    fn entries(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable> {
+        let Some(which) = EntryFilter::of(mission, span, most) else { return Ok(Vec::new()) };
+        self.ask(|connection| self.happened(connection, which))
     }
 
-    fn lines(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
-        if i64::try_from(mission.0.max(after.0)).is_err() {
-            return Ok(Vec::new());
-        }
+    fn lines(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
+        let Some(which) = EntryFilter::of(mission, span, most) else { return Ok(Vec::new()) };
         self.ask(|connection| {
-            let which = EntryFilter { after: Some(after), mission: Some(mission), most: Some(most), ..EntryFilter::default() };
             let mut lines = Vec::new();
             rows::each(connection, which, |seq, line| {
                 let unreadable = |fault: Fault| journal::unreadable(seq, &fault.words_of_an_entry(self.path()));
@@ -215,15 +215,18 @@ impl Archive for SqliteArchive {
         })
     }
 
-    fn timeline(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
-        if i64::try_from(mission.0.max(after.0)).is_err() {
-            return Ok(Vec::new());
+    fn timeline(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable> {
+        let Some(which) = EntryFilter::of(mission, span, most) else { return Ok(Vec::new()) };
+        self.ask(|connection| self.happened(connection, EntryFilter { kinds: Kinds::Timeline, ..which }))
+    }
+
+    fn lost_after(&self) -> Result<Option<Seq>, Unreadable> {
+        match self {
+            SqliteArchive::Folder { folder, .. } if !folder.is_archive() => {
+                marker::read(folder).map_err(|fault| self.unreadable(&fault))
+            }
+            SqliteArchive::Folder { .. } | SqliteArchive::Memory(_) => Ok(None),
         }
-        self.ask(|connection| {
-            let (after, kinds) = (Some(after), Kinds::Timeline);
-            let which = EntryFilter { after, mission: Some(mission), kinds, most: Some(most), ..EntryFilter::default() };
-            self.happened(connection, which)
-        })
     }
 
     fn retrieval(&self, mission: MissionId, most: usize) -> Result<Vec<Happened>, Unreadable> {

@@ -84,6 +84,7 @@ pub fn write_out(
 
 /// Whether a file lies in this folder itself, whose files have names and meanings.
 pub fn is_within(data: &Path, file: &Path) -> bool {
+    let file = file.canonicalize().unwrap_or_else(|_| file.to_owned());
     let folder = file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     matches!((folder.canonicalize(), data.canonicalize()), (Ok(folder), Ok(data)) if folder == data)
 }

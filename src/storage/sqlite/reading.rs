@@ -11,7 +11,7 @@ use super::check::{self, Findings};
 use super::fault::{Fault, Then};
 use super::folder::Folder;
 use super::rows::{self, EntryFilter};
-use super::{archive_file, connect, marker, project};
+use super::{archive_file, connect, project};
 use crate::api::journal::Line;
 use crate::runtime::archive::{Archive, Unreadable};
 use hallsweep_core::units::{MissionId, Seq};
@@ -54,11 +54,9 @@ impl Reading {
         }
     }
 
-    /// The same journal for whoever asks about missions; and up to which entry, where everything after it was said to be lost.
-    pub fn archive(&self) -> Result<(Arc<dyn Archive>, Option<Seq>), Unreadable> {
-        let lost_after = if self.folder.is_archive() { Ok(None) } else { marker::read(&self.folder) };
-        let lost_after = lost_after.map_err(|fault| unreadable(&self.folder, &fault))?;
-        Ok((Arc::new(SqliteArchive::new(self.folder.clone())), lost_after))
+    /// The same journal for whoever asks about missions.
+    pub fn archive(&self) -> Arc<dyn Archive> {
+        Arc::new(SqliteArchive::new(self.folder.clone()))
     }
 
     /// What is wrong between the journal and these archives of it, a sentence each; nothing, when each is as it was written out and they follow

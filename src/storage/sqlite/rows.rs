@@ -5,8 +5,9 @@ use rusqlite::{Connection, OptionalExtension, Params, Row, params, params_from_i
 
 use super::fault::{Fault, count, whole};
 use crate::api::journal::{self, Line};
+use crate::runtime::archive::Span;
 use hallsweep_core::command::Verdict;
-use hallsweep_core::effect::Entry;
+use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
 
 /// The columns of an entry, in the order in which `line` takes them.
@@ -18,7 +19,7 @@ const NAMED: &str = "kind = 'command' AND iif(json_valid(body), body ->> 'id', N
 /// and take it it must: without it every entry would be looked at.
 const BY_NAME: &str = "INDEXED BY named_commands";
 
-/// Which entries are meant; all of them, when nothing is said.
+/// Which entries are meant; all of them, when nothing is said. Where they end somewhere they are read as they were known there.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct EntryFilter {
     pub(super) after: Option<Seq>,
@@ -37,6 +38,8 @@ pub(super) enum Kinds {
     Named,
     /// Only those from which the projections follow.
     Milestones,
+    /// Only those that say what pieces were found to be.
+    Verdicts,
     /// Only those that tell of a retrieval.
     Retrieval,
     /// Only those that stand on the line of time.
@@ -59,6 +62,7 @@ impl Kinds {
             Kinds::Milestones => {
                 Some("kind IN ('standing', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'verdict', 'secured')")
             }
+            Kinds::Verdicts => Some("kind IN ('verdict', 'standing')"),
             Kinds::Retrieval => Some("kind IN ('retrieval', 'holds', 'alarmRaised', 'alarmAcknowledged', 'secured', 'phase')"),
             Kinds::Timeline => Some(
                 "kind IN ('missionBegan', 'missionArchived', 'phase', 'holds', 'temperature', 'luggage', 'verdict', 'secured',
@@ -150,7 +154,7 @@ pub(super) fn latest(
     let mut latest = Vec::new();
     while let Some(row) = rows.next()? {
         // They are looked at and nothing follows from them: one that cannot be understood is passed over.
-        latest.extend(line(connection, row).1.ok().map(|line| line.entry));
+        latest.extend(line(connection, row, Some(written.next())).1.ok().map(|line| line.entry));
     }
     latest.reverse();
     Ok(latest)
@@ -179,13 +183,21 @@ pub(super) fn each(
     let mut statement = connection.prepare_cached(&sql)?;
     let mut rows = statement.query(params_from_iter(values))?;
     while let Some(row) = rows.next()? {
-        let (seq, line) = line(connection, row);
+        let (seq, line) = line(connection, row, which.before);
         visit(seq, line)?;
     }
     Ok(())
 }
 
 impl EntryFilter {
+    /// Those of a mission; nothing where a number is beyond those of the store.
+    pub(super) fn of(mission: MissionId, span: Span, most: usize) -> Option<EntryFilter> {
+        i64::try_from(mission.0.max(span.after.0)).ok()?;
+        let before = i64::try_from(span.until.0).is_ok().then(|| span.until.next());
+        let (after, mission, most) = (Some(span.after), Some(mission), Some(most));
+        Some(EntryFilter { after, before, mission, most, ..EntryFilter::default() })
+    }
+
     fn query(self) -> Result<(String, Vec<Value>), Fault> {
         let bounds = [("seq > ?", self.after.map(|seq| seq.0)), ("seq < ?", self.before.map(|seq| seq.0))];
         let mission = [("mission = ?", self.mission.map(|mission| mission.0))];
@@ -200,14 +212,14 @@ impl EntryFilter {
     }
 }
 
-/// The entry of a row, and its place.
-fn line(connection: &Connection, row: &Row<'_>) -> (Seq, Result<Line, Fault>) {
+/// The entry of a row, as it was known before another, and its place.
+fn line(connection: &Connection, row: &Row<'_>, before: Option<Seq>) -> (Seq, Result<Line, Fault>) {
     // The place is the key of the table, which is a number whatever else is damaged.
     let seq = Seq(row.get(0).map_or(0, count));
-    (seq, understood(connection, row, seq))
+    (seq, understood(connection, row, (seq, before)))
 }
 
-fn understood(connection: &Connection, row: &Row<'_>, seq: Seq) -> Result<Line, Fault> {
+fn understood(connection: &Connection, row: &Row<'_>, (seq, before): (Seq, Option<Seq>)) -> Result<Line, Fault> {
     let mission: Option<i64> = row.get(1)?;
     let wall = WallTime { unix_ms: row.get(2)?, offset_s: row.get(3)? };
     let body = row.get_ref(5)?.as_str().map_err(|error| Fault::Damaged(format!("entry {seq} holds no text: {error}")))?;
@@ -216,14 +228,31 @@ fn understood(connection: &Connection, row: &Row<'_>, seq: Seq) -> Result<Line, 
         return Err(Fault::Damaged(format!("entry {seq} is not of the kind that it says")));
     }
     // Where this cannot be asked the entry is given as it was written.
-    let fact = fact.as_it_was(|luggage| verdict_on(connection, luggage).ok().flatten());
+    let fact = fact.as_it_was(|luggage| was_dangerous(connection, luggage, (seq, before)).unwrap_or(false));
     Ok(Line { seq, mission: mission.map(|mission| MissionId(count(mission))), entry: Entry { wall, fact }, picture })
 }
 
-/// What a piece was found to be in the end.
-fn verdict_on(connection: &Connection, luggage: LuggageId) -> Result<Option<Verdict>, Fault> {
-    let mut statement =
-        connection.prepare_cached("SELECT verdict = 'danger' FROM luggage WHERE id = ?1 AND verdict IS NOT NULL")?;
-    let dangerous: Option<bool> = statement.query_row([whole(luggage.0)?], |row| row.get(0)).optional()?;
-    Ok(dangerous.map(|dangerous| if dangerous { Verdict::Danger } else { Verdict::Safe }))
+/// Whether a piece was found dangerous behind an entry: at any time, or before another.
+fn was_dangerous(connection: &Connection, luggage: LuggageId, (after, before): (Seq, Option<Seq>)) -> Result<bool, Fault> {
+    let sql = "SELECT 1 FROM luggage WHERE id = ?1 AND verdict = 'danger'";
+    let is_dangerous = connection.prepare_cached(sql)?.exists([whole(luggage.0)?])?;
+    if !is_dangerous || before.is_none() {
+        return Ok(is_dangerous);
+    }
+    // When that was said only the entries know. It comes within milliseconds of what it overtakes.
+    let which = EntryFilter { after: Some(after), before, kinds: Kinds::Verdicts, ..EntryFilter::default() };
+    let looked = each(connection, which, |_, line| {
+        if line.is_ok_and(|line| says_danger(&line.entry.fact, luggage)) { Err(Fault::GivenUp) } else { Ok(()) }
+    });
+    match looked {
+        Err(Fault::GivenUp) => Ok(true),
+        looked => looked.map(|()| false),
+    }
+}
+
+fn says_danger(fact: &Fact, of: LuggageId) -> bool {
+    if let Fact::Verdict { luggage, verdict, .. } = fact {
+        return *luggage == of && *verdict == Verdict::Danger;
+    }
+    matches!(fact, Fact::State(state) if state.luggage.iter().any(|piece| piece.id == of && piece.is_dangerous()))
 }

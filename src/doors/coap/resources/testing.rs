@@ -9,7 +9,7 @@ use tokio::sync::watch;
 use super::super::application::{Application, Reply};
 use super::Resources;
 use crate::api::fixture::piece;
-use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, Sound, Unreadable};
+use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::obedient::{Noted, Script, obedient};
 use crate::runtime::within::within;
@@ -47,8 +47,8 @@ impl Archive for Pictures {
         Ok((luggage.0 <= PAST).then_some(photo))
     }
 
-    fn take(&self, luggage: LuggageId, _: u32) -> Result<Option<Photo>, Unreadable> {
-        self.photo(luggage)
+    fn take(&self, luggage: LuggageId, _: u32) -> Result<Option<Photo>, NoTake> {
+        Ok(self.photo(luggage)?)
     }
 
     fn luggage(&self, luggage: LuggageId) -> Result<Option<Luggage>, Unreadable> {
@@ -75,15 +75,15 @@ impl Archive for Pictures {
         Ok(Vec::new())
     }
 
-    fn timeline(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<Happened>, Unreadable> {
+    fn timeline(&self, _: MissionId, _: Span, _: usize) -> Result<Vec<Happened>, Unreadable> {
         Ok(Vec::new())
     }
 
-    fn entries(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<Happened>, Unreadable> {
+    fn entries(&self, _: MissionId, _: Span, _: usize) -> Result<Vec<Happened>, Unreadable> {
         Ok(Vec::new())
     }
 
-    fn lines(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
+    fn lines(&self, _: MissionId, _: Span, _: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
         Ok(Vec::new())
     }
 

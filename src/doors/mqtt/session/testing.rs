@@ -18,7 +18,7 @@ use super::super::commands::Commands;
 use super::super::topics::Topics;
 use super::link::LARGEST;
 use super::{Health, Hearing, Link, Parts, Session, Times};
-use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, Sound, Unreadable};
+use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::obedient::{Script, obedient};
 use crate::runtime::within::within;
@@ -242,8 +242,8 @@ impl Archive for Album {
         Ok(Some(Photo { bytes: Arc::from(*b"\x89PNG"), media_type: "image/png" }))
     }
 
-    fn take(&self, luggage: LuggageId, _: u32) -> Result<Option<Photo>, Unreadable> {
-        self.photo(luggage)
+    fn take(&self, luggage: LuggageId, _: u32) -> Result<Option<Photo>, NoTake> {
+        Ok(self.photo(luggage)?)
     }
 
     fn luggage(&self, _: LuggageId) -> Result<Option<Luggage>, Unreadable> {
@@ -266,15 +266,15 @@ impl Archive for Album {
         Ok(Vec::new())
     }
 
-    fn timeline(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<Happened>, Unreadable> {
+    fn timeline(&self, _: MissionId, _: Span, _: usize) -> Result<Vec<Happened>, Unreadable> {
         Ok(Vec::new())
     }
 
-    fn entries(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<Happened>, Unreadable> {
+    fn entries(&self, _: MissionId, _: Span, _: usize) -> Result<Vec<Happened>, Unreadable> {
         Ok(Vec::new())
     }
 
-    fn lines(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
+    fn lines(&self, _: MissionId, _: Span, _: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
         Ok(Vec::new())
     }
 

@@ -9,7 +9,7 @@ use super::super::folder::Folder;
 use super::super::{Archived, Reading, archive_file, connect, unpack, write_out};
 use super::testing::*;
 use crate::api::journal;
-use crate::runtime::archive::{At, Moment, Unreadable};
+use crate::runtime::archive::{At, Moment, Span, Unreadable};
 use hallsweep_core::command::Verdict;
 use hallsweep_core::effect::Fact;
 use hallsweep_core::search::Strategy as Order;
@@ -111,7 +111,7 @@ fn lines(path: &Path) -> Vec<String> {
 /// What is shown of a mission: its end, every moment of it, its photos.
 fn shown(archive: &dyn crate::runtime::archive::Archive, mission: u64) -> (Option<PersistentState>, Vec<Vec<Moment>>, Vec<bool>) {
     let id = MissionId(mission);
-    let entries = archive.entries(id, Seq(0), 1000).unwrap();
+    let entries = archive.entries(id, Span::after(Seq(0)), 1000).unwrap();
     let mut moments: Vec<Vec<Moment>> = entries.iter().map(|(seq, _)| archive.moments(id, &[At::Entry(*seq)]).unwrap()).collect();
     // The log of a moment goes back beyond the mission, as far as there is something.
     moments.iter_mut().flatten().for_each(|moment| moment.past.of.latest.clear());
@@ -120,7 +120,7 @@ fn shown(archive: &dyn crate::runtime::archive::Archive, mission: u64) -> (Optio
 }
 
 fn archive_of(path: &Path) -> Arc<dyn crate::runtime::archive::Archive> {
-    Reading::open(path).unwrap().archive().unwrap().0
+    Reading::open(path).unwrap().archive()
 }
 
 fn faults(path: &Path) -> Vec<String> {

@@ -6,7 +6,7 @@ use super::super::{Reading, connect, folder::Folder, rebuild, rows, schema};
 use super::testing::*;
 use crate::api::journal::{Line, arbitrary};
 use crate::api::journal_words;
-use crate::runtime::archive::{Sound, Unreadable};
+use crate::runtime::archive::{Sound, Span, Unreadable};
 use hallsweep_core::command::{CommandId, Verdict};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::{IDS, Recalled};
@@ -228,7 +228,7 @@ fn of_a_mission_with_a_damaged_entry_the_rest_is_shown_and_the_damage_said() {
     let at = |x| of.map.at(Cell::new(x, x)).is_obstacle();
     assert_eq!((at(4), at(5), of.luggage.len()), (false, true, 1));
     assert!(said.len() == 1 && said[0].starts_with(&format!("entry {lost} of the journal cannot be understood")), "{said:?}");
-    let entries = kept.entries(MissionId(1), Seq(0), 100).unwrap();
+    let entries = kept.entries(MissionId(1), Span::after(Seq(0)), 100).unwrap();
     let damaged: Vec<Seq> = entries.iter().filter(|(_, entry)| entry.is_err()).map(|(seq, _)| *seq).collect();
     assert_eq!((damaged, entries.len()), (vec![lost], 10));
     assert_eq!(kept.missions(None, 9).map(|missions| missions.len()), Ok(2));
@@ -287,7 +287,7 @@ fn a_safe_that_a_danger_overtook_stands_there_as_refused() {
     };
     let expected =
         [("safe #1", Some("decided")), ("danger #1", None), ("safe #2", None)].map(|(words, code)| (words.to_owned(), code));
-    let entries = scribe.opened.archive.entries(MissionId(1), Seq(0), 100).unwrap();
+    let entries = scribe.opened.archive.entries(MissionId(1), Span::after(Seq(0)), 100).unwrap();
     assert_eq!(refusals(entries.into_iter().map(|(_, entry)| entry.unwrap().fact).collect()), expected);
     let mut lines = Vec::new();
     let reading = Reading::open(&scratch.data()).unwrap();

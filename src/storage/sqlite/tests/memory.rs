@@ -8,7 +8,7 @@ use super::super::MemoryStore;
 use super::super::memory::{EARLIER, ENTRIES, PHOTOS, gives_way};
 use super::super::rows::{self, EntryFilter};
 use super::testing::{photo, taken};
-use crate::runtime::archive::At;
+use crate::runtime::archive::{At, Span};
 use crate::runtime::store::Store;
 use hallsweep_core::command::Verdict;
 use hallsweep_core::effect::{Entry, Fact, Page};
@@ -99,8 +99,8 @@ fn a_number_beyond_all_that_can_be_kept_is_that_of_nothing() {
     assert_eq!(archive.mission(MissionId(beyond)), Ok(None));
     assert!(archive.state(MissionId(beyond)).is_ok_and(|state| state.is_none()));
     assert!(archive.missions(Some(MissionId(beyond)), 9).is_ok());
-    assert_eq!(archive.entries(MissionId(beyond), Seq(0), 9), Ok(Vec::new()));
-    assert_eq!(archive.entries(MissionId(1), Seq(beyond), 9), Ok(Vec::new()));
+    assert_eq!(archive.entries(MissionId(beyond), Span::after(Seq(0)), 9), Ok(Vec::new()));
+    assert_eq!(archive.entries(MissionId(1), Span::after(Seq(beyond)), 9), Ok(Vec::new()));
 }
 
 #[test]
@@ -191,7 +191,8 @@ fn a_mission_that_is_over_is_read_as_it_ended() {
     assert_eq!(memory.archive().missions(Some(mission), 9).unwrap(), []);
     let state = memory.archive().state(mission).unwrap().expect("it was there").of;
     assert_eq!((state.phase.clone(), state.luggage.len()), (Phase::Exploring, 1));
-    let places: Vec<u64> = memory.archive().entries(mission, Seq(1), 9).unwrap().iter().map(|(seq, _)| seq.0).collect();
+    let places: Vec<u64> =
+        memory.archive().entries(mission, Span::after(Seq(1)), 9).unwrap().iter().map(|(seq, _)| seq.0).collect();
     assert_eq!(places, [2, 3, 5]);
 }
 
@@ -204,7 +205,7 @@ fn how_a_mission_ended_is_known_when_its_entries_have_given_way() {
     let archived = at(Fact::MissionArchived(mission, Vec::new()));
     memory.record(Page { first: kept(&memory).next(), entries: vec![at(Fact::Phase(Phase::Idle)), archived] }, 0);
     record(&mut memory, (0..ENTRIES).map(|_| at(Fact::Phase(Phase::Idle))).chain([standing(), phase()]));
-    assert_eq!(memory.archive().entries(mission, Seq(0), 9).unwrap(), []);
+    assert_eq!(memory.archive().entries(mission, Span::after(Seq(0)), 9).unwrap(), []);
     let state = memory.archive().state(mission).unwrap().expect("it was there").of;
     assert_eq!((state.phase.clone(), state.luggage.len()), (Phase::Exploring, 1));
 }
@@ -218,7 +219,7 @@ fn a_moment_whose_past_has_given_way_is_not_guessed() {
     assert_eq!(moments(Seq(2)).len(), 1);
     record(&mut memory, (0..ENTRIES).map(|_| phase()).chain([standing(), phase()]));
     record(&mut memory, (0..ENTRIES / 2).map(|_| phase()));
-    let first = archive.entries(mission, Seq(0), 1).unwrap()[0].0;
+    let first = archive.entries(mission, Span::after(Seq(0)), 1).unwrap()[0].0;
     assert!(first > Seq(2), "the beginning is gone: {first}");
     assert_eq!(moments(first), []);
 }

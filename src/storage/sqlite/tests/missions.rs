@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::testing::*;
-use crate::runtime::archive::{Archive, At, Moment, Sound};
+use crate::runtime::archive::{Archive, At, Moment, Sound, Span};
 use hallsweep_core::command::Verdict;
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::mission::Phase;
@@ -53,7 +53,7 @@ fn a_mission_is_read_as_it_stood_after_each_of_its_entries() {
     let archive = &scribe.opened.archive;
     let all: Vec<Entry> = std::iter::once(command(None)).chain(first.clone()).map(at_noon).collect();
     let mut earlier = None;
-    for (seq, _) in archive.entries(MissionId(1), Seq(0), 100).unwrap() {
+    for (seq, _) in archive.entries(MissionId(1), Span::after(Seq(0)), 100).unwrap() {
         let Some(so_far) = usize::try_from(seq.0).ok().and_then(|count| all.get(..count)) else { break };
         let moment = moment(archive, 1, seq).expect("it has this entry");
         let Sound { of: past, damage } = moment.past;
@@ -75,7 +75,7 @@ fn a_mission_is_read_as_it_stood_after_each_of_its_entries() {
     assert_eq!(moment(archive, 3, Seq(9)), None);
     assert_eq!(moment(archive, u64::MAX, Seq(9)), None);
     let last = moment(archive, 1, Seq(u64::MAX)).expect("there is a last").past.of.seq;
-    assert_eq!(Some(last), archive.entries(MissionId(1), Seq(0), 100).unwrap().last().map(|(seq, _)| *seq));
+    assert_eq!(Some(last), archive.entries(MissionId(1), Span::after(Seq(0)), 100).unwrap().last().map(|(seq, _)| *seq));
 }
 
 fn moment(archive: &Arc<dyn Archive>, mission: u64, seq: Seq) -> Option<Moment> {
@@ -98,7 +98,7 @@ fn a_moment_is_found_by_its_time_and_two_of_them_share_the_map_that_is_the_same(
     });
     scribe.keep_entries(entries.collect());
     let archive = &scribe.opened.archive;
-    let all = archive.entries(MissionId(1), Seq(0), 100).unwrap();
+    let all = archive.entries(MissionId(1), Span::after(Seq(0)), 100).unwrap();
     for (seq, entry) in &all {
         let written = entry.as_ref().unwrap().wall.unix_ms;
         for time in [written, written + 999] {
@@ -132,11 +132,57 @@ fn the_entries_of_a_mission_are_read_page_by_page() {
     scribe.keep(begin(2));
     let archive = &scribe.opened.archive;
     let places = |mission, after, most| -> Vec<u64> {
-        let entries = archive.entries(MissionId(mission), Seq(after), most).unwrap();
+        let entries = archive.entries(MissionId(mission), Span::after(Seq(after)), most).unwrap();
         entries.iter().map(|(seq, _)| seq.0).collect()
     };
     assert_eq!(places(1, 0, 100), [2, 3, 4, 5, 6, 8], "the phase after the mission is not its own");
     assert_eq!(places(1, 3, 2), [4, 5]);
     assert_eq!(places(2, 0, 100), [9, 10, 11, 12]);
-    assert_eq!(archive.entries(MissionId(2), Seq(11), 9).unwrap(), [(Seq(12), Ok(at_noon(Fact::Led(true))))]);
+    assert_eq!(archive.entries(MissionId(2), Span::after(Seq(11)), 9).unwrap(), [(Seq(12), Ok(at_noon(Fact::Led(true))))]);
+}
+
+/// A reader of a moment is told what was known then: what it says does not change when a danger is given a moment later.
+#[test]
+fn a_safe_stands_as_accepted_up_to_the_danger_that_overtakes_it_and_behind_that_as_refused() {
+    let is_refused = |archive: &Arc<dyn Archive>, until| {
+        let entries = archive.entries(MissionId(1), Span { after: Seq(0), until }, 100).unwrap();
+        let mut said = entries.into_iter().map(|(_, entry)| entry.unwrap().fact);
+        said.find_map(|fact| match fact {
+            Fact::Command { refused, luggage: Some(LuggageId(1)), .. } => Some(refused.is_some()),
+            _ => None,
+        })
+    };
+    let Fact::Command { issuer, id, epoch, refused, .. } = command(None) else { unreachable!("it is a command") };
+    let safe = Fact::Command { issuer, id, command: "safe #1".to_owned(), epoch, luggage: Some(LuggageId(1)), refused };
+    let standing = |facts: &[Fact]| {
+        let entries: Vec<Entry> = facts.iter().cloned().map(at_noon).collect();
+        Fact::State(Box::new(fold(&entries)))
+    };
+    let begun = [begin(1), vec![found(1, None), found(2, None), verdict(2, Verdict::Danger)]].concat();
+    let known = standing(&[&begun[..], &[verdict(1, Verdict::Danger)]].concat());
+    for overtakes in [verdict(1, Verdict::Danger), known] {
+        let scratch = Scratch::new();
+        let mut scribe = Scribe::new(scratch.open());
+        scribe.keep(begun.clone());
+        let before = scribe.keep(vec![safe.clone(), verdict(1, Verdict::Safe), verdict(2, Verdict::Danger)]);
+        assert_eq!(is_refused(&scribe.opened.archive, before), Some(false));
+        let after = scribe.keep(vec![overtakes]);
+        let archive = &scribe.opened.archive;
+        assert_eq!(is_refused(archive, before), Some(false), "as it was said then");
+        assert_eq!((is_refused(archive, after), is_refused(archive, Seq(u64::MAX))), (Some(true), Some(true)));
+    }
+}
+
+/// Safety V3.
+#[test]
+fn after_which_entry_all_is_lost_is_known_to_who_reads_until_it_is_taken_back() {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    let kept = scribe.keep(begin(1));
+    assert_eq!(scribe.opened.archive.lost_after(), Ok(None));
+    let marker = scratch.data().join("journal.lost");
+    std::fs::write(&marker, format!("everything after entry {:020} was said to be lost\n", kept.0)).unwrap();
+    assert_eq!(scribe.opened.archive.lost_after(), Ok(Some(kept)));
+    std::fs::write(&marker, "everything after that").unwrap();
+    assert!(scribe.opened.archive.lost_after().unwrap_err().0.contains("journal.lost"));
 }

@@ -1,7 +1,7 @@
 //! Photos are files beside the journal, and every take of a piece is found.
 
 use super::testing::*;
-use crate::runtime::archive::{Archive, Unreadable};
+use crate::runtime::archive::{Archive, NoTake, Unreadable};
 use hallsweep_core::command::Verdict;
 use hallsweep_core::units::LuggageId;
 
@@ -48,6 +48,23 @@ fn a_photo_is_a_file_named_by_its_digest() {
     assert_eq!(scribe.opened.archive.photo(LuggageId(1)), Ok(Some(photo("bag"))), "taken again it is whole");
     std::fs::remove_file(&files[0].0).unwrap();
     check_finds(&scratch, &["is not there"]);
+}
+
+/// What is lost for good is told from what may be read another time.
+#[test]
+fn a_photo_that_is_missing_or_another_is_spoilt_and_one_that_cannot_be_opened_is_not() {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    scribe.keep(vec![taken(1, 1, photo("bag"))]);
+    let (archive, file) = (&scribe.opened.archive, bytes(&scratch.data().join("photos")).remove(0).0);
+    let take = || archive.take(LuggageId(1), 1);
+    assert_eq!(take(), Ok(Some(photo("bag"))));
+    std::fs::write(&file, "bog").unwrap();
+    assert!(matches!(take(), Err(NoTake::Spoilt(words)) if words.contains("is not what it was")));
+    std::fs::remove_file(&file).unwrap();
+    assert!(matches!(take(), Err(NoTake::Spoilt(words)) if words.contains("is not there")));
+    std::fs::create_dir(&file).unwrap();
+    assert!(matches!(take(), Err(NoTake::Unreadable(Unreadable(words))) if words.contains("it is a folder")));
 }
 
 #[test]

@@ -12,7 +12,7 @@ use hashlink::LruCache;
 use super::super::HttpDoor;
 use crate::api::time::Zone;
 use crate::phrases::Language;
-use crate::runtime::archive::{Archive, At};
+use crate::runtime::archive::{Archive, At, Span};
 use hallsweep_core::units::{MissionId, Seq};
 pub(super) use line::{MOST, Scale, Timeline};
 pub(super) use section::{THRESHOLD_Y, id};
@@ -105,7 +105,7 @@ async fn read_on(door: &HttpDoor, mission: MissionId, mut line: Arc<Timeline>) -
         // What counted as too hot when it began may have been said before.
         let begin = (after == Seq(0)).then(|| archive.moments(mission, &[At::Time(i64::MIN)]).ok()?.pop()).flatten();
         let conditions = begin.and_then(|moment| moment.past.of.state.conditions);
-        Ok((conditions, archive.timeline(mission, after, PAGE)?))
+        Ok((conditions, archive.timeline(mission, Span::after(after), PAGE)?))
     };
     let (conditions, further) = door.archive.look_up(look).await.ok()?;
     if further.is_empty() {
