@@ -21,13 +21,13 @@ report-accepted = Commands accepted
 report-refused = Commands refused
 report-alarms = Alarms
 report-alarms-seen = { $count }, acknowledged: { $seen }
-report-range = { $least } to { $most } ({ $time })
-report-starts = Starts of the program meanwhile
+report-range = { $least } to { $most }; the highest { $time }
+report-starts = Restarts of the program
 
 ## What cannot be read
 
 report-damage = What is missing here
-report-damaged = Some entries of this mission cannot be understood. What follows from them is not in this report:
+report-damaged = Some of what is on record cannot be understood. What follows from it is not in this report:
 report-damage-more = and { $count } more
 report-not-kept = The hall and the luggage of this mission are not kept.
 
@@ -52,14 +52,14 @@ report-place = { $place }; from home { $east } m to the east, { $south } m to th
 report-verdict = Verdict
 report-verdict-by = by { $who }, { $time }
 report-no-verdict = none was given
-report-waited = After the photo (h:mm:ss)
+report-waited = Decided after (h:mm:ss)
 report-note = Note
 report-secured = Put into the container
 
 ## The temperature
 
 report-chart = The temperature over the mission
-report-chart-note = The highest reading of each moment. Dashed: too hot above.
+report-chart-note = The highest reading of each moment. Dashed: the line above which it is too hot.
 report-no-readings = No reading is on record.
 
 ## Tables
@@ -69,8 +69,8 @@ report-time = Time
 report-what = What
 report-by = By
 report-why = Why
-report-none = None.
-report-refusals = Refused
+report-none = Nothing on record.
+report-refusals = Refused commands
 report-happened = What happened
 
 ## What it proves

@@ -10,10 +10,10 @@ report-as-of = Non ancora archiviata; aggiornato a
 report-took = Durata (h:mm:ss)
 report-zone = Gli orari sono in
 report-strategy = Ordine della ricerca
-report-searched = Perlustrato
+report-searched = Esplorato
 report-cells = { $cells } celle
 report-cells-square = { $cells } celle, { $square } m²
-report-open = Punti noti non perlustrati
+report-open = Posti noti non esplorati
 report-pieces = { $count }: sicuri { $safe }, pericolosi { $danger }, da decidere { $pending }
 report-secured-count = Messi nel contenitore
 report-stops = STOP premuto
@@ -21,24 +21,24 @@ report-accepted = Comandi accettati
 report-refused = Comandi rifiutati
 report-alarms = Allarmi
 report-alarms-seen = { $count }, confermati: { $seen }
-report-range = da { $least } a { $most } ({ $time })
-report-starts = Avvii del programma nel frattempo
+report-range = da { $least } a { $most }; la più alta { $time }
+report-starts = Riavvii del programma
 
 ## Ciò che non si può leggere
 
 report-damage = Che cosa manca qui
-report-damaged = Alcune voci di questa missione non si possono capire. Ciò che ne segue non è in questo rapporto:
+report-damaged = Una parte di ciò che è registrato non si può capire. Ciò che ne consegue non è in questo rapporto:
 report-damage-more = e altre { $count }
 report-not-kept = La sala e i bagagli di questa missione non sono conservati.
 
 ## La sala
 
-report-hall-known = La sala per quanto era nota, con ciò che è stato trovato
-report-hall-note = Le celle si contano dalla base, le colonne verso est e le righe verso sud. Il numero in un segno è quello di un bagaglio.
-report-visited = perlustrata
-report-unknown = sconosciuta
-report-wall = muro
-report-todo = da ispezionare
+report-hall-known = La sala, per quanto era nota, con ciò che è stato trovato
+report-hall-note = Le celle si contano dalla base, le colonne verso est e le righe verso sud. Il numero dentro un segno è quello del bagaglio.
+report-visited = esplorata
+report-unknown = ignota
+report-wall = parete
+report-todo = non ispezionata
 report-home = base
 
 ## Bagagli
@@ -50,16 +50,16 @@ report-found = Trovato
 report-where = Dove
 report-place = { $place }; dalla base { $east } m verso est, { $south } m verso sud
 report-verdict = Verdetto
-report-verdict-by = di { $who }, { $time }
+report-verdict-by = dato da { $who }, { $time }
 report-no-verdict = nessuno
-report-waited = Dopo la foto (h:mm:ss)
+report-waited = Deciso dopo (h:mm:ss)
 report-note = Nota
 report-secured = Messo nel contenitore
 
 ## La temperatura
 
 report-chart = La temperatura durante la missione
-report-chart-note = La lettura più alta di ogni momento. Tratteggiato: il limite.
+report-chart-note = La lettura più alta di ogni momento. Tratteggiata: la linea oltre la quale fa troppo caldo.
 report-no-readings = Nessuna lettura è registrata.
 
 ## Tabelle
@@ -67,18 +67,18 @@ report-no-readings = Nessuna lettura è registrata.
 report-entry = Voce
 report-time = Ora
 report-what = Che cosa
-report-by = Da
+report-by = Da chi
 report-why = Perché
-report-none = Nessuno.
-report-refusals = Rifiutati
+report-none = Nessuna registrazione.
+report-refusals = Comandi rifiutati
 report-happened = Che cosa è successo
 
 ## Che cosa prova
 
 report-evidence = Prova
-report-evidence-of = Questo rapporto è fatto dal registro di hallsweep. Contiene ciò che vi è registrato della missione { $mission } fino alla voce { $entry }, e nient'altro.
+report-evidence-of = Questo rapporto è ricavato dal registro di hallsweep. Contiene ciò che vi è registrato della missione { $mission } fino alla voce { $entry }, e nient'altro.
 report-head = Testa del registro
 report-head-entry = alla voce { $entry }
-report-confirm = Chi ha il registro può confrontare con esso questo file:
-report-proves = Il file è confermato solo se da allora non è cambiato nessun byte né suo né di ciò da cui è fatto. Ciò non prova che il registro non sia stato rifatto prima della consegna di questo rapporto, né che una fotocamera o un termometro abbiano detto il vero.
+report-confirm = Chi ha il registro può confrontarlo con questo file:
+report-proves = Il file è confermato solo se da allora non è cambiato un solo byte, né suo né di ciò da cui è ricavato. Questo non prova che il registro non sia stato rifatto prima della consegna di questo rapporto, né che una fotocamera o un termometro abbiano detto il vero.
 report-no-head = Il registro era tenuto solo in memoria: nulla può confermare questo rapporto in seguito.
