@@ -17,6 +17,8 @@ mod page;
 mod tally;
 
 #[cfg(test)]
+mod edition_tests;
+#[cfg(test)]
 mod tests;
 
 use std::io::{self, Write};
@@ -31,7 +33,7 @@ use hallsweep_core::units::{MissionId, Seq};
 
 /// Reports that were handed over must be confirmed by every later version. So what one of them says is never said otherwise: whoever changes
 /// the page, its style, or a phrase that it says makes a further edition, and keeps what the earlier ones need. `words.txt` remembers
-/// what this one says, and a test holds it.
+/// what this one says, `pages.txt` how some pages look, and tests hold them.
 pub const EDITION: u32 = 1;
 
 /// Entries that are looked at together.

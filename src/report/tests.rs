@@ -1,14 +1,11 @@
-//! What a report says is never said otherwise (`words.txt`), whatever is on record can be written, and nothing of it is markup.
-
-use std::collections::BTreeMap;
-use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+//! Whatever is on record can be written, in words that are remembered, and nothing of it is markup; what is lost or unreadable is told from
+//! what is not.
 
 use proptest::strategy::{Strategy as _, ValueTree};
 use proptest::test_runner::TestRunner;
-use sha2::{Digest, Sha256};
 
-use super::{Claim, EDITION, Failure, Report, list};
+use super::edition_tests::words;
+use super::{Claim, Failure, Report, list};
 use crate::api::journal::{self, Line, arbitrary};
 use crate::phrases::{Language, said_here};
 use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable};
@@ -21,11 +18,11 @@ use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Cell, LuggageId, MissionId, Pose, Seq, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
-const MISSION: MissionId = MissionId(1);
+pub(super) const MISSION: MissionId = MissionId(1);
 
 /// A mission of these entries; every piece has this photo, and entry 3 cannot be understood.
-struct Mission {
-    entries: Vec<Entry>,
+pub(super) struct Mission {
+    pub(super) entries: Vec<Entry>,
     photo: Result<&'static [u8], NoTake>,
     /// What cannot be understood of what its hall follows from.
     damage: Vec<String>,
@@ -33,7 +30,7 @@ struct Mission {
 }
 
 impl Mission {
-    fn of(entries: Vec<Entry>) -> Mission {
+    pub(super) fn of(entries: Vec<Entry>) -> Mission {
         Mission { entries, photo: Ok(b"bag"), damage: Vec::new(), lost_after: None }
     }
 
@@ -42,7 +39,7 @@ impl Mission {
         self.entries.iter().zip(1..).map(move |(entry, seq)| (Seq(seq), damaged(seq).map_or_else(|| Ok(entry.clone()), Err)))
     }
 
-    fn report(&self, language: Language) -> String {
+    pub(super) fn report(&self, language: Language) -> String {
         let mut page = Vec::new();
         let report = Report::new(self, MISSION, language).unwrap().expect("there are entries");
         report.write(&mut page).unwrap();
@@ -114,99 +111,10 @@ impl Archive for Mission {
 }
 
 /// Thousands of entries of every kind, always the same.
-fn of_every_kind() -> Mission {
+pub(super) fn of_every_kind() -> Mission {
     let mut runner = TestRunner::deterministic();
     let entries = (0..4000).map(|_| arbitrary::entry().new_tree(&mut runner).expect("a value").current()).collect();
     Mission::of(entries)
-}
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
-
-/// The phrases of a file, by their ids.
-fn phrases(language: &str, file: &str) -> BTreeMap<String, String> {
-    let text = std::fs::read_to_string(root().join(format!("src/phrases/{language}/{file}.ftl"))).unwrap();
-    let mut phrases = BTreeMap::new();
-    let mut last = String::new();
-    for line in text.lines().filter(|line| !line.starts_with('#') && !line.is_empty()) {
-        match line.split_once(" =").filter(|_| !line.starts_with(' ')) {
-            Some((id, said)) => {
-                id.clone_into(&mut last);
-                phrases.insert(last.clone(), said.trim().to_owned());
-            }
-            None => *phrases.get_mut(&last).expect("it goes on") += &format!("⏎{}", line.trim()),
-        }
-    }
-    phrases
-}
-
-/// What is said of facts, and by the report itself: whole files.
-const WHOLE: [&str; 3] = ["said", "log", "report"];
-
-/// What else a report says: ids, and with a dash at the end beginnings of ids.
-const PARTS: [&str; 15] = [
-    "hall",
-    "temperature",
-    "place",
-    "month-",
-    "list",
-    "missions-searched",
-    "missions-bomb-",
-    "missions-under-way",
-    "missions-archived-while",
-    "missions-luggage",
-    "missions-no-luggage",
-    "secured-one",
-    "goal-at",
-    "interrupted",
-    "problem-",
-];
-
-/// What reports of this edition say: each phrase in both languages, and the pages as they stand in the files.
-fn words() -> Vec<String> {
-    let mut words = Vec::new();
-    for language in ["en", "it"] {
-        for file in ["common", "console", "log", "missions", "photo", "report", "said", "problems", "simulator"] {
-            for (id, said) in phrases(language, file) {
-                if WHOLE.contains(&file) || PARTS.iter().any(|part| id == *part || (part.ends_with('-') && id.starts_with(part)))
-                {
-                    words.push(format!("{language} {id} = {said}"));
-                }
-            }
-        }
-    }
-    let mut pages: Vec<PathBuf> =
-        std::fs::read_dir(root().join("templates/report")).unwrap().map(|entry| entry.unwrap().path()).collect();
-    pages.sort();
-    for page in pages {
-        let mut line = format!("{} sha256 ", page.strip_prefix(root()).unwrap().display());
-        Sha256::digest(std::fs::read(&page).unwrap()).iter().for_each(|byte| write!(line, "{byte:02x}").unwrap());
-        words.push(line);
-    }
-    words
-}
-
-/// `HALLSWEEP_RENEW=1` adds what is new. What is there already stays, or there is a further edition.
-#[test]
-fn what_reports_of_this_edition_say_is_never_said_otherwise() {
-    let path = root().join("src/report/words.txt");
-    let kept = std::fs::read_to_string(&path).unwrap_or_default();
-    let now = words();
-    let missing: Vec<&str> = kept.lines().filter(|line| !now.iter().any(|now| now == line)).collect();
-    assert!(
-        missing.is_empty(),
-        "reports of edition {EDITION} say this, and could not be confirmed any more: make edition {} beside it\n{}",
-        EDITION + 1,
-        missing.join("\n")
-    );
-    let new: Vec<&str> = now.iter().map(String::as_str).filter(|now| !kept.lines().any(|line| line == *now)).collect();
-    if std::env::var("HALLSWEEP_RENEW").is_ok_and(|value| value == "1") {
-        let all: String = kept.lines().chain(new).fold(String::new(), |all, line| all + line + "\n");
-        std::fs::write(&path, all).unwrap();
-    } else {
-        assert_eq!(new, Vec::<&str>::new(), "HALLSWEEP_RENEW=1 adds them to {}", path.display());
-    }
 }
 
 #[test]
