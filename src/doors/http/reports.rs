@@ -2,7 +2,6 @@
 //! They are as large as the mission and written a part at a time, as fast as they are read: a few at once, each key its share. What stands in them is `report`'s business.
 
 use std::io::{self, BufWriter, Write};
-use std::pin::Pin;
 use std::time::Duration;
 
 use axum::body::{Body, Bytes};
@@ -10,9 +9,7 @@ use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use futures_util::{StreamExt, stream};
-use tokio::runtime::Handle;
 use tokio::sync::mpsc;
-use tokio::time::{Instant, Sleep};
 
 use super::HttpDoor;
 use super::gate::LetIn;
@@ -113,13 +110,12 @@ async fn send(
         return Err(Problem::not_found(format!("nothing of mission {id} is kept any more: no entry of it is left")));
     }
     let place = door.reports.0.take(door.access.key_of(caller)).map_err(Problem::too_many_reports)?;
-    let (parts, mut written) = mpsc::channel(AHEAD);
+    let (parts, to_be_sent) = mpsc::channel(AHEAD);
+    let (sent, mut written) = mpsc::channel(1);
+    tokio::spawn(hand_on(to_be_sent, sent));
     let archive = door.archive.archive();
-    let until = Box::pin(tokio::time::sleep(PATIENCE));
-    let deadline = until.deadline();
-    let mut pipe = Pipe { parts, until, runtime: Handle::current() };
     tokio::task::spawn_blocking(move || {
-        let mut out = BufWriter::with_capacity(CHUNK, &mut pipe);
+        let mut out = BufWriter::with_capacity(CHUNK, Pipe(parts.clone()));
         let ended = write(&*archive, mission, &mut out).and_then(|()| Ok(out.flush()?));
         // What else is written behind a failure nobody wants.
         drop(out.into_parts());
@@ -127,11 +123,11 @@ async fn send(
             tracing::debug!(%failure, mission = id, "a report or record was not written to its end");
         }
         // Whoever left hears nothing.
-        let _ = pipe.put(ended.map(|()| Bytes::new()));
+        let _ = parts.blocking_send(ended.map(|()| Bytes::new()));
         drop(place);
     });
     // What fails before anything was sent can still be said.
-    let first = match next(&mut written, deadline).await {
+    let first = match next(&mut written).await {
         Err(Failure::Unreadable(unreadable)) => return Err(unreadable.into()),
         Ok(part) if part.is_empty() => {
             return Err(Problem::not_found(format!(
@@ -144,24 +140,34 @@ async fn send(
         (header::CONTENT_TYPE, media_type.to_owned()),
         (header::CONTENT_DISPOSITION, format!("attachment; filename=\"{name}\"")),
     ];
-    Ok((StatusCode::OK, headers, body(first, written, deadline)).into_response())
+    Ok((StatusCode::OK, headers, body(first, written)).into_response())
 }
 
 /// Some bytes of a file, none behind its last, or why no more come.
 type Part = Result<Bytes, Failure>;
 
-async fn next(written: &mut mpsc::Receiver<Part>, deadline: Instant) -> Part {
-    // Who writes and says nothing of an end has given up, or waits for a disk that hangs.
-    let part = tokio::time::timeout_at(deadline, written.recv()).await.ok().flatten();
-    part.unwrap_or_else(|| Err(Failure::Unwritable(io::ErrorKind::TimedOut.into())))
+/// Hands on what is written until time is over: who writes fails then, and who reads finds no end.
+async fn hand_on(mut written: mpsc::Receiver<Part>, to: mpsc::Sender<Part>) {
+    let all = async {
+        while let Some(part) = written.recv().await {
+            if to.send(part).await.is_err() {
+                break;
+            }
+        }
+    };
+    let _ = tokio::time::timeout(PATIENCE, all).await;
+}
+
+async fn next(written: &mut mpsc::Receiver<Part>) -> Part {
+    written.recv().await.unwrap_or_else(|| Err(Failure::Unwritable(io::ErrorKind::TimedOut.into())))
 }
 
 /// What is written, as it comes.
-fn body(first: Part, written: mpsc::Receiver<Part>, deadline: Instant) -> Body {
+fn body(first: Part, written: mpsc::Receiver<Part>) -> Body {
     let first = stream::once(async { first });
-    let further = stream::unfold(Some(written), move |written| async move {
+    let further = stream::unfold(Some(written), |written| async move {
         let mut written = written?;
-        match next(&mut written, deadline).await {
+        match next(&mut written).await {
             Ok(part) if part.is_empty() => None,
             Ok(part) => Some((Ok(part), Some(written))),
             Err(failure) => Some((Err(failure), None)),
@@ -172,29 +178,13 @@ fn body(first: Part, written: mpsc::Receiver<Part>, deadline: Instant) -> Body {
     Body::from_stream(parts.fuse())
 }
 
-/// The end into which is written; it fails when the other is gone, or has read for too long.
-struct Pipe {
-    parts: mpsc::Sender<Part>,
-    until: Pin<Box<Sleep>>,
-    runtime: Handle,
-}
-
-impl Pipe {
-    fn put(&mut self, part: Part) -> io::Result<()> {
-        let Pipe { parts, until, runtime } = self;
-        runtime.block_on(async {
-            tokio::select! {
-                biased;
-                () = until => Err(io::ErrorKind::TimedOut.into()),
-                sent = parts.send(part) => sent.map_err(|_| io::ErrorKind::BrokenPipe.into()),
-            }
-        })
-    }
-}
+/// The end into which is written; it fails when the other is gone, or time is over.
+struct Pipe(mpsc::Sender<Part>);
 
 impl Write for Pipe {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.put(Ok(Bytes::copy_from_slice(bytes))).map(|()| bytes.len())
+        let sent = self.0.blocking_send(Ok(Bytes::copy_from_slice(bytes)));
+        sent.map(|()| bytes.len()).map_err(|_| io::ErrorKind::BrokenPipe.into())
     }
 
     fn flush(&mut self) -> io::Result<()> {
