@@ -212,7 +212,7 @@ mod tests {
     }
 
     /// As much as is sent at once.
-    const PART: [u8; CHUNK] = [b'x'; CHUNK];
+    static PART: [u8; CHUNK] = [b'x'; CHUNK];
 
     fn endless(_: &dyn Archive, _: MissionId, out: &mut dyn Write) -> Result<(), Failure> {
         loop {

@@ -147,9 +147,9 @@ fn a_safe_stands_as_accepted_up_to_the_danger_that_overtakes_it_and_behind_that_
     let is_refused = |archive: &Arc<dyn Archive>, until| {
         let entries = archive.entries(MissionId(1), Span { after: Seq(0), until }, 100).unwrap();
         let mut said = entries.into_iter().map(|(_, entry)| entry.unwrap().fact);
-        said.find_map(|fact| match fact {
-            Fact::Command { refused, luggage: Some(LuggageId(1)), .. } => Some(refused.is_some()),
-            _ => None,
+        said.find_map(|fact| {
+            let Fact::Command { refused, luggage: Some(LuggageId(1)), .. } = fact else { return None };
+            Some(refused.is_some())
         })
     };
     let Fact::Command { issuer, id, epoch, refused, .. } = command(None) else { unreachable!("it is a command") };
