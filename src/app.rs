@@ -76,6 +76,7 @@ pub fn serve_robot(settings: &Settings, robot: Adapter, announce: impl FnOnce(Do
 
 fn serve_with(settings: &Settings, robot: Option<Adapter>, announce: impl FnOnce(Doors, &Entry)) -> Result<(), AppError> {
     let robots = Robots::of(settings)?;
+    data_folder::write_out_old(settings);
     let runtime = threads::ordinary().map_err(AppError::System)?;
     let served = runtime.block_on(serve_hall(settings, robots, robot, announce));
     runtime.shutdown_timeout(LEFT_BEHIND);

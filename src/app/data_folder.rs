@@ -1,7 +1,6 @@
 //! What earlier runs left behind, and where this one is kept: the journal, and what robots remember beside it.
 //! What is done with what was recalled is the core's business.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use super::AppError;
@@ -10,7 +9,7 @@ use crate::robots::Robots;
 use crate::runtime::archive::Archive;
 use crate::runtime::clock::Clock;
 use crate::runtime::store::Store;
-use crate::storage::sqlite::{self, MemoryStore};
+use crate::storage::sqlite::{self, Archived, MemoryStore};
 use crate::storage::stops::Stops;
 use hallsweep_core::engine::Recalled;
 use hallsweep_core::units::{Epoch, WallTime};
@@ -37,7 +36,6 @@ impl DataFolder {
         let is_any_lost = !lost.is_empty();
         let beside: Vec<String> = lost.into_iter().chain(Stops::unusable(folder)).chain(keys).collect();
         let beside = (!beside.is_empty()).then(|| beside.join("; and "));
-        write_out_old(folder, settings.keep_days);
         let sqlite::Opened { store, archive, recalled, failure } = sqlite::open(folder, beside)?;
         let is_unread = failure.is_some() && recalled.is_none();
         let recalled = recalled.map(|recalled| without_lost_photos(recalled, &*archive));
@@ -89,19 +87,19 @@ impl DataFolder {
     }
 }
 
-/// Writes old missions out into an archive, if they are to stay for so many days only. Where that fails they stay, and the log says why.
-fn write_out_old(folder: &Path, keep_days: u32) {
+/// Writes old missions out into an archive, if they are to stay for so many days only: before any door is open, since nothing that a door promises may
+/// wait for it, and not too many at once. Where that fails they stay, and the log says why.
+pub(super) fn write_out_old(settings: &Settings) {
     const DAY_MS: i64 = 24 * 60 * 60 * 1000;
-    if keep_days == 0 || !folder.is_dir() {
-        return;
-    }
+    let Some(folder) = settings.store.as_deref().filter(|folder| folder.is_dir() && settings.keep_days > 0) else { return };
     let now = Clock::default().now().wall;
-    let before = WallTime { unix_ms: now.unix_ms - i64::from(keep_days) * DAY_MS, ..now };
-    match sqlite::write_out_within(folder, before, now) {
+    let before = WallTime { unix_ms: now.unix_ms - i64::from(settings.keep_days) * DAY_MS, ..now };
+    match sqlite::write_out_at_start(folder, before, now) {
         Ok(None) => {}
-        Ok(Some(archived)) => {
-            let (first, last) = archived.what.missions;
-            tracing::info!(%first, %last, file = archived.what.file, "old missions are in an archive alone now");
+        Ok(Some(Archived { what, left, .. })) => {
+            let (first, last) = what.missions;
+            let file = what.file;
+            tracing::info!(%first, %last, file, left, "old missions are in an archive alone now; what is left goes at the next starts");
         }
         Err(error) => tracing::warn!(%error, "old missions stay in the journal: they could not be written out"),
     }

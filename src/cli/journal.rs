@@ -12,7 +12,7 @@ use crate::api::journal_words;
 use crate::api::time::midnight;
 use crate::runtime::archive::Unreadable;
 use crate::runtime::clock::Clock;
-use crate::storage::sqlite::{self, Archived, Findings, Reading};
+use crate::storage::sqlite::{self, Archived, Findings, Reading, Together};
 use hallsweep_core::units::{MissionId, Seq, WallTime};
 
 /// What to do with the journal.
@@ -45,7 +45,7 @@ enum What {
         /// The day, as 2026-01-01, at the beginning of which a mission had been put away.
         #[arg(long, value_name = "DATE", value_parser = day)]
         before: WallTime,
-        /// The file to be written, which must not be there yet.
+        /// The file to be written, which must not be there yet, but for a whole one of a run that was killed.
         #[arg(short, long, value_name = "FILE")]
         output: PathBuf,
     },
@@ -80,7 +80,7 @@ pub fn run(asked: &Journal) -> Result<(), Failure> {
         return write_out(&folder, *before, output);
     }
     if let Some(What::Unpack { archive }) = &asked.what {
-        let entries = sqlite::unpack(archive, &folder)?;
+        let entries = sqlite::unpack(archive, &folder, Clock::default().now().wall)?;
         return super::print(&format!("{} has {entries} entries: `hallsweep serve --data` shows them", folder.display()));
     }
     let reading = Reading::open(&folder)?;
@@ -150,10 +150,10 @@ fn write_out(folder: &Path, before: WallTime, file: &Path) -> Result<(), Failure
     // Where there is no journal none is begun.
     drop(Reading::open(folder)?);
     let now = Clock::default().now().wall;
-    let Some(archived) = sqlite::write_out(folder, before, now, |_, _| file.to_owned())? else {
+    let Some(archived) = sqlite::write_out(folder, before, now, file)? else {
         return Err(Failure::Run("no mission was put away before that day: nothing is changed".to_owned()));
     };
-    let Archived { what, last, photos } = archived;
+    let Archived { what, last, photos, .. } = archived;
     let (first, latest) = what.missions;
     super::print(&format!(
         "missions {first} to {latest}, {photos} photos and the entries up to {}, are in {} and were read again; the journal begins with entry {} now\n\
@@ -168,9 +168,9 @@ fn write_out(folder: &Path, before: WallTime, file: &Path) -> Result<(), Failure
 
 /// Whether the archives and the journal follow on one another, and are as they were written out.
 fn hold_together(reading: &Reading, archives: &[PathBuf]) -> Result<(), Failure> {
-    let faults = reading.check_archives(archives)?;
+    let Together { archives, faults } = reading.check_archives(archives)?;
     faults.iter().try_for_each(|fault| super::print(fault))?;
-    let looked_at = format!("archives that were held against the journal: {}", archives.len());
+    let looked_at = format!("archives that were held against the journal: {archives}");
     if faults.is_empty() {
         return super::print(&format!("{looked_at}: all is well"));
     }

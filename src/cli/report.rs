@@ -12,6 +12,7 @@ use super::{Failure, Folder};
 use crate::phrases::Language;
 use crate::report::{self, Claim, Comparison, EDITION, Report, list};
 use crate::runtime::archive::Archive;
+use crate::storage::files;
 use crate::storage::sqlite::{self, Reading};
 use hallsweep_core::units::MissionId;
 
@@ -89,6 +90,8 @@ fn written(asked: &Reported, archive: &dyn Archive, out: &mut dyn Write, path: &
 pub(super) fn confirm(journal: &Reading, path: &Path) -> Result<(), Failure> {
     let shown = path.display();
     let unreadable = |error: io::Error| Failure::Run(format!("{shown} cannot be read: {error}"));
+    // At a pipe it would be waited for ever.
+    files::check_plain(path).map_err(unreadable)?;
     let mut file = BufReader::new(File::open(path).map_err(unreadable)?);
     let mut beginning = Vec::new();
     file.by_ref().take(Claim::WITHIN as u64).read_to_end(&mut beginning).map_err(unreadable)?;

@@ -1,11 +1,14 @@
 //! Old missions in archives: written out by a command or at a start, held against the journal, reported, and served again.
 
+use std::net::TcpListener;
+use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use crate::journal::{journal, serve};
 use crate::kill::Folder;
 use crate::program::{Program, hallsweep};
-use crate::third_party::{left_out, python, runs};
+use crate::third_party::{left_out, patiently, python, runs};
 
 /// A mission that finds one bomb, and is put away.
 fn a_mission(program: &Program) {
@@ -28,6 +31,24 @@ fn report(data: &str, mission: &str) -> Vec<u8> {
     let output = hallsweep(&["report", "--data", data, mission]).output().expect("the program starts");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     output.stdout
+}
+
+/// By a program that shares no line with ours.
+fn chain_holds(journals: &[&Path]) {
+    if !runs(python().arg("--version")) && !left_out("journal", "python3") {
+        return;
+    }
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/examples/chain.py");
+    for journal in journals {
+        let output = python().arg(script).arg(journal).output().expect("it runs");
+        assert!(String::from_utf8_lossy(&output.stdout).starts_with("entry "), "{output:?}");
+    }
+}
+
+/// Runs `hallsweep journal` with these words on an archive or a folder; whether all was well, and what was said.
+fn journal_of(data: &Path, words: &[&str]) -> (bool, String) {
+    let output = hallsweep(&[&["journal", "--data", text(data)], words].concat()).output().expect("the program starts");
+    (output.status.success(), String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned())
 }
 
 fn text(path: &Path) -> &str {
@@ -66,13 +87,9 @@ fn a_mission_that_was_archived_is_reported_held_against_the_journal_and_served_a
     assert!(well && said.contains("old.hallsweep") && said.contains("held against the journal: 1: all is well"), "{said}");
 
     assert!(report(text(&archive), "1") == kept, "the report is the same from the archive");
-    if runs(python().arg("--version")) || left_out("journal", "python3") {
-        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/examples/chain.py");
-        for journal in [folder.path().join("journal.db"), archive.clone()] {
-            let output = python().arg(script).arg(&journal).output().expect("it runs");
-            assert!(String::from_utf8_lossy(&output.stdout).starts_with("entry "), "{output:?}");
-        }
-    }
+    chain_holds(&[&folder.path().join("journal.db"), &archive]);
+    let (well, said) = journal_of(&archive, &["archive", "--before", "2999-01-01", "-o", text(&beside.path().join("new"))]);
+    assert!(!well && said.contains("is an archive already: name the folder of a journal"), "{said}");
     for (data, output) in [(text(&archive), text(&archive)), (folder.text(), text(&folder.path().join("journal.db")))] {
         let before = std::fs::read(output).expect("it is there");
         let output_is = hallsweep(&["report", "3", "--data", data, "-o", output]).output().expect("the program starts");
@@ -105,6 +122,75 @@ fn a_mission_that_was_archived_is_reported_held_against_the_journal_and_served_a
     assert_eq!(program.read("/missions/1/moment?at=20", &[]).status, 200, "and is played again");
 }
 
+/// Neither the second nor what is made of it has the first.
+#[test]
+fn of_two_archives_in_a_row_both_become_folders_that_are_sound_and_served() {
+    let (folder, beside) = (Folder::new("archives-row"), Folder::new("archives-row-beside"));
+    let mut archives = Vec::new();
+    for number in ["1", "2"] {
+        let program = serve(&folder);
+        a_mission(&program);
+        end(program);
+        let kept = report(folder.text(), number);
+        let archive = beside.path().join(format!("{number}.hallsweep"));
+        let (well, said) = journal(&folder, &["archive", "--before", "2999-01-01", "-o", text(&archive)]);
+        assert!(well, "{said}");
+        archives.push((number, archive, kept));
+    }
+    for (number, archive, kept) in &archives {
+        let (unpacked, elsewhere) = (beside.path().join(number), Folder::new("archives-row-killed"));
+        let (well, said) = journal_of(&unpacked, &["unpack", text(archive)]);
+        assert!(well, "{said}");
+        let (well, said) = journal_of(&unpacked, &["check", "--archive", text(archive)]);
+        assert!(well && said.contains("held against the journal: 1: all is well"), "{said}");
+        assert_eq!(said.contains(&format!("unpacked from the archive {number}.hallsweep")), *number == "2", "{said}");
+        chain_holds(&[&unpacked.join("journal.db")]);
+        assert!(report(text(&unpacked), number) == *kept);
+        let serve = ["serve", "--http", "127.0.0.1:0", "--hall", "airport", "--speed", "max", "--data", text(&unpacked)];
+        let program = Program::with(&serve);
+        assert!(program.read(&format!("/missions/{number}/report?language=en"), &[]).body == *kept);
+        let (_, last) = journal_of(&unpacked, &["export", "--mission", number, "--last", "1"]);
+        let last: serde_json::Value = serde_json::from_str(&last).expect("one line of JSON");
+        let moment = format!("/missions/{number}/moment?at={}", last["seq"]);
+        assert_eq!(program.read(&moment, &[]).status, 200, "it is played again");
+        end(program);
+        let (well, said) = journal_of(&unpacked, &["check", "--archive", text(archive)]);
+        assert!(well, "{said}");
+        unpack_killed_on_its_way(archive, &elsewhere.path().join("data"));
+    }
+}
+
+/// Where it dies nothing of the name is there, and it can be done again.
+fn unpack_killed_on_its_way(archive: &Path, data: &Path) {
+    for rename in 1..10 {
+        let inject = format!("inject=rename,renameat,renameat2:signal=SIGKILL:when={rename}");
+        let unpack = hallsweep(&["journal", "unpack", text(archive), "--data", text(data)]);
+        let Some(died) = killed_at(&unpack, &["-e", "trace=rename,renameat,renameat2", "-e", &inject]) else { return };
+        if !died {
+            assert!(rename > 2, "a photo and the folder are given their names");
+            let (well, said) = journal_of(data, &["check", "--archive", text(archive)]);
+            assert!(well, "{said}");
+            return;
+        }
+        assert!(!data.exists(), "at {rename}");
+    }
+    panic!("it never came to its end");
+}
+
+/// Runs a command under `strace` with these arguments; whether it was killed, nothing where there is no `strace`.
+fn killed_at(command: &Command, arguments: &[&str]) -> Option<bool> {
+    let mut strace = Command::new("strace");
+    if !runs(strace.args(["-f", "true"])) && !left_out("journal", "strace") {
+        return None;
+    }
+    let mut strace = Command::new("strace");
+    strace.args(["-f", "-o", "/dev/null"]).args(arguments).arg(command.get_program()).args(command.get_args());
+    strace.envs(command.get_envs().filter_map(|(name, value)| Some((name, value?))));
+    let status = patiently(&strace).status().expect("it runs");
+    assert!(status.success() || status.signal() == Some(9) || status.code() == Some(137), "{status:?}");
+    Some(!status.success())
+}
+
 /// The journal of an earlier version, whose first mission was put away years before anybody reads this.
 #[test]
 fn at_a_start_missions_that_have_been_kept_long_enough_go_into_an_archive() {
@@ -130,4 +216,60 @@ fn at_a_start_missions_that_have_been_kept_long_enough_go_into_an_archive() {
     let (well, said) = journal(&folder, &["check", "--archive", text(&archives[0])]);
     assert!(well, "{said}");
     assert!(!report(text(&archives[0]), "1").is_empty());
+}
+
+/// Two missions, the first of which was put away long ago.
+fn with_an_old_mission(name: &str) -> (Folder, impl Fn(&str, &str) -> Command) {
+    let folder = crate::earlier::copy(name);
+    let data = folder.text().to_owned();
+    let serve = move |days: &str, http: &str| {
+        let serve = ["serve", "--http", http, "--hall", "seed", "--seed", "7", "--speed", "max", "--data", &data];
+        let mut serve = hallsweep(&serve);
+        serve.env("HALLSWEEP__STORE__KEEP_DAYS", days);
+        serve
+    };
+    end(Program::started(&mut serve("0", "127.0.0.1:0")));
+    (folder, serve)
+}
+
+fn archives(folder: &Folder) -> Vec<(PathBuf, Vec<u8>)> {
+    let there = std::fs::read_dir(folder.path().join("archives")).expect("it was made");
+    let path = |entry: std::io::Result<std::fs::DirEntry>| entry.expect("it can be read").path();
+    there.map(path).map(|path| (path.clone(), std::fs::read(path).expect("it can be read"))).collect()
+}
+
+/// Safety S1: what is not open yet promises nothing, and no STOP waits for an archive.
+#[test]
+fn old_missions_are_written_out_before_a_door_is_open() {
+    let (folder, serve) = with_an_old_mission("archives-first");
+    let taken = TcpListener::bind("127.0.0.1:0").expect("there is a port");
+    let at = taken.local_addr().expect("it is bound").to_string();
+    let output = patiently(&serve("1", &at)).output().expect("it runs");
+    assert!(!output.status.success() && String::from_utf8_lossy(&output.stderr).contains(&at), "{output:?}");
+    let archives = archives(&folder);
+    assert_eq!(archives.len(), 1);
+    let (well, said) = journal(&folder, &["check", "--archive", text(&archives[0].0)]);
+    assert!(well, "{said}");
+}
+
+/// Killed when the archive is written and the journal is to say so: at the first byte of that.
+#[test]
+fn killed_between_the_archive_and_the_journal_a_start_takes_the_archive_that_is_there() {
+    let (folder, serve) = with_an_old_mission("archives-killed");
+    let log = folder.path().join("journal.db-wal");
+    let at = ["-P", text(&log), "-e", "trace=pwrite64", "-e", "inject=pwrite64:signal=SIGKILL:when=1"];
+    for _ in 0..2 {
+        let Some(died) = killed_at(&serve("1", "127.0.0.1:0"), &at) else { return };
+        assert!(died);
+        assert_eq!(archives(&folder).len(), 1, "one, however often");
+        let (well, said) = journal(&folder, &["print", "--mission", "1", "--last", "1"]);
+        assert!(well && !said.is_empty(), "all is still in the journal: {said}");
+    }
+    let written = archives(&folder);
+    let program = Program::started(&mut serve("1", "127.0.0.1:0"));
+    assert_eq!(program.json("missions")["missions"].as_array().map(Vec::len), Some(1));
+    end(program);
+    assert!(archives(&folder) == written);
+    let (well, said) = journal(&folder, &["check", "--archive", text(&written[0].0)]);
+    assert!(well, "{said}");
 }

@@ -3,10 +3,12 @@
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use crate::journal::{journal, serve};
 use crate::kill::Folder;
 use crate::program::{Program, hallsweep};
+use crate::third_party::patiently;
 
 /// What the command writes, and whether it was well.
 fn report(folder: &Folder, words: &[&str]) -> (bool, Vec<u8>) {
@@ -193,6 +195,12 @@ fn what_cannot_be_reported_is_said() {
     assert!(program.read("/missions/1/report?language=de", &[]).problem(422).contains("en or it"));
     let (well, said) = confirmed(&folder, Path::new("/nowhere/report.html"));
     assert!(!well && said.contains("/nowhere/report.html cannot be read"), "{said}");
+    let pipe = folder.path().join("pipe");
+    assert!(Command::new("mkfifo").arg(&pipe).status().expect("it is there").success());
+    let waits = hallsweep(&["journal", "check", "--data", folder.text(), "--report", pipe.to_str().expect("a plain name")]);
+    let said = patiently(&waits).output().expect("it comes to its end").stderr;
+    let said = String::from_utf8_lossy(&said);
+    assert!(said.contains("pipe cannot be read: it is no plain file, but a pipe or a device"), "{said}");
 }
 
 /// A disk that fails for a moment is no part of what happened.

@@ -178,3 +178,33 @@ fn the_end_of_a_loss_is_flushed() {
     let log = std::fs::read_to_string(&log).expect("strace has written it");
     assert!(log.lines().any(|line| line.contains("sync(") && line.contains("/journal.lost>")), "{log}");
 }
+
+/// Safety S1, R3: `journal.head` is written by a thread of its own, for which nobody waits. It stays behind then, and is never missed by a start.
+#[test]
+fn a_disk_that_hangs_at_the_head_of_the_journal_holds_nobody_up() {
+    let folder = Folder::new("head-hang");
+    let program = serve(&folder);
+    let head = folder.path().join("journal.head");
+    let path = head.to_str().expect("a plain name");
+    let Some(fault) = Strace::attach(&program, &["-P", path, "-e", "trace=write", "-e", "inject=write:delay_enter=60000000"])
+    else {
+        return;
+    };
+    let before = std::fs::read(&head).expect("it was written");
+    program.command("start").accepted();
+    let piece = program.until_asked();
+    program.verdict(piece, "safe").accepted();
+    program.command("stop").accepted();
+    let state = program.until("it stands", |state| state["robot"]["state"] == "stopped");
+    assert!(!holds(&state, "store"), "{state:#}");
+    assert!(std::fs::read(&head).expect("it is there") == before, "it is behind: the disk hangs there");
+    program.killer()();
+    drop(fault);
+    drop(program);
+    let program = serve(&folder);
+    assert_eq!(program.json(&format!("luggage/{piece}"))["verdict"], "safe");
+    drop(program);
+    assert!(std::fs::read(&head).expect("it is there") != before, "it is written again");
+    let (well, checked) = journal(&folder, &["check"]);
+    assert!(well, "{checked}");
+}

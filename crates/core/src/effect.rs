@@ -227,6 +227,8 @@ pub enum Fact {
     MapEmptied(Heading),
     /// Old missions were written out into an archive.
     WrittenOut(WrittenOut),
+    /// All entries before this one were unpacked from an archive.
+    Unpacked(Unpacked),
 }
 
 /// What an archive took out of the journal.
@@ -240,4 +242,17 @@ pub struct WrittenOut {
     pub file: String,
     /// The SHA-256 of the file, in 64 lower-case hexadecimal digits.
     pub digest: String,
+}
+
+/// What a journal was unpacked from, and where it begins.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unpacked {
+    /// What the file of the archive was called.
+    pub file: String,
+    /// The SHA-256 of the file, in 64 lower-case hexadecimal digits.
+    pub digest: String,
+    /// The last entry that is not in it, 0 where none is missing,
+    pub behind: Seq,
+    /// and the digest of that entry's page, in 64 lower-case hexadecimal digits.
+    pub page: String,
 }

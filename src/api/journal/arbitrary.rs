@@ -10,7 +10,7 @@ use crate::api::door::DOORS;
 use crate::api::problem::refusal;
 use hallsweep_core::behaviour::Value as TreeValue;
 use hallsweep_core::command::{CommandId, Issuer, Move, Note, Verdict};
-use hallsweep_core::effect::{Entry, Fact, WrittenOut};
+use hallsweep_core::effect::{Entry, Fact, Unpacked, WrittenOut};
 use hallsweep_core::event::{Piece, RobotId};
 use hallsweep_core::mission::{FaultCause, Goal, Hold, Inspection, Phase, Stage};
 use hallsweep_core::refused::CODES;
@@ -40,6 +40,8 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
         (any::<[u64; 3]>(), text(), text()).prop_map(|([first, last, until], file, digest)| {
             Fact::WrittenOut(WrittenOut { missions: (MissionId(first), MissionId(last)), until: Seq(until), file, digest })
         }),
+        (text(), text(), any::<u64>(), text())
+            .prop_map(|(file, digest, behind, page)| { Fact::Unpacked(Unpacked { file, digest, behind: Seq(behind), page }) }),
         conditions().prop_map(Fact::Conditions),
         state().prop_map(|state| Fact::State(Box::new(state))),
         command(),

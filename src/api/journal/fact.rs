@@ -15,7 +15,7 @@ use super::standing::StandingShape;
 use super::{Picture, Unparsed, map, names, places, retrieval};
 use crate::api::problem::refusal;
 use hallsweep_core::command::{CommandId, Issuer, Refusal};
-use hallsweep_core::effect::{Fact, WrittenOut};
+use hallsweep_core::effect::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::event::Piece;
 use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId, Seq};
 use hallsweep_core::world::alarm::AlarmCause;
@@ -38,6 +38,13 @@ pub(super) enum Shape {
         until: u64,
         file: String,
         digest: String,
+    },
+    /// All before this entry stood in this archive, which begins behind an entry; the digest of that one's page.
+    Unpacked {
+        file: String,
+        digest: String,
+        behind: u64,
+        page: String,
     },
     Conditions(ConditionsShape),
     Standing {
@@ -165,6 +172,7 @@ pub const fn kind(fact: &Fact) -> &'static str {
         Fact::ProgramStarted(_) => "programStarted",
         Fact::ProgramEnded(_) => "programEnded",
         Fact::WrittenOut(_) => "writtenOut",
+        Fact::Unpacked(_) => "unpacked",
         Fact::Conditions(_) => "conditions",
         Fact::State(_) => "standing",
         Fact::Command { .. } => "command",
@@ -201,6 +209,9 @@ impl Shape {
             Fact::ProgramEnded(by) => Shape::ProgramEnded { by: by.clone() },
             Fact::WrittenOut(WrittenOut { missions: (first, last), until, file, digest }) => {
                 Shape::WrittenOut { first: first.0, last: last.0, until: until.0, file: file.clone(), digest: digest.clone() }
+            }
+            Fact::Unpacked(Unpacked { file, digest, behind, page }) => {
+                Shape::Unpacked { file: file.clone(), digest: digest.clone(), behind: behind.0, page: page.clone() }
             }
             Fact::Conditions(conditions) => Shape::Conditions(conditions.into()),
             Fact::State(state) => Shape::Standing { standing: Box::new((&**state).into()) },
@@ -258,6 +269,9 @@ impl Shape {
             Shape::WrittenOut { first, last, until, file, digest } => {
                 let missions = (MissionId(first), MissionId(last));
                 Fact::WrittenOut(WrittenOut { missions, until: Seq(until), file, digest })
+            }
+            Shape::Unpacked { file, digest, behind, page } => {
+                Fact::Unpacked(Unpacked { file, digest, behind: Seq(behind), page })
             }
             Shape::Conditions(shape) => Fact::Conditions(shape.conditions()?),
             Shape::Standing { standing } => Fact::State(Box::new(standing.state()?)),

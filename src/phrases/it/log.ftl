@@ -78,6 +78,7 @@ fact-started = programma avviato, versione { $version }
 fact-conditions = sala: { $hall }, celle di { $side } m, troppo caldo sopra { $threshold }
 fact-conditions-no-side = sala: { $hall }, troppo caldo sopra { $threshold }
 fact-written-out = le missioni da { $first } a { $last }, voci fino a { $until }, sono solo nell'archivio { $file }, SHA-256 { $digest }
+fact-unpacked = estratto dall'archivio { $file }, SHA-256 { $digest }; comincia dopo la voce { $behind }, il digest della cui pagina è { $page }
 fact-ended = programma terminato da { $by }
 fact-state = tutto ciò che vale: missione { $mission }, celle visitate: { $cells }
 fact-state-none = tutto ciò che vale: nessuna missione, celle visitate: { $cells }

@@ -2,7 +2,7 @@
 
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::command::Refusal;
-use hallsweep_core::effect::{Fact, WrittenOut};
+use hallsweep_core::effect::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::mission::{Asked, Hold, Phase, Stage};
 use hallsweep_core::state::{Conditions, Retrieval, RetrievalStage, Venue};
 use hallsweep_core::units::LuggageId;
@@ -30,6 +30,7 @@ impl Language {
             Fact::ProgramStarted(version) => self.say("fact-started").with("version", version),
             Fact::ProgramEnded(by) => self.say("fact-ended").with("by", by),
             Fact::WrittenOut(written) => return self.written_out(written),
+            Fact::Unpacked(unpacked) => return self.unpacked(unpacked),
             Fact::Conditions(Conditions { venue: Venue { name, cell_m }, threshold }) => {
                 let say = self.say(if cell_m.is_some() { "fact-conditions" } else { "fact-conditions-no-side" });
                 let say = say.with("hall", name).with("threshold", self.celsius(*threshold));
@@ -97,6 +98,11 @@ impl Language {
     fn written_out(self, WrittenOut { missions: (first, last), until, file, digest }: &WrittenOut) -> String {
         let say = self.say("fact-written-out").with("first", first).with("last", last).with("until", until);
         say.with("file", file).with("digest", digest).to_string()
+    }
+
+    fn unpacked(self, Unpacked { file, digest, behind, page }: &Unpacked) -> String {
+        let say = self.say("fact-unpacked").with("file", file).with("digest", digest);
+        say.with("behind", behind).with("page", page).to_string()
     }
 
     /// A phase with what it interrupts, or how far its inspection has come.

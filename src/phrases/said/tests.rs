@@ -6,7 +6,7 @@ use std::time::Duration;
 use crate::phrases::Language;
 use hallsweep_core::behaviour::state::StateError;
 use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, Note, Refusal, Refused, TemperatureReport, Verdict};
-use hallsweep_core::effect::{Fact, WrittenOut};
+use hallsweep_core::effect::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::event::RobotId;
 use hallsweep_core::mission::{Asked, FaultCause, Hold, Inspection, Phase, PhaseName, Stage};
 use hallsweep_core::retrieval::{AloneFault, NotFetched, RetrievalFault, Saying, StuckFault};
@@ -177,6 +177,12 @@ fn the_journal() {
             until: Seq(4711),
             file: "2025.hallsweep".to_owned(),
             digest: "a5".repeat(32),
+        }),
+        Fact::Unpacked(Unpacked {
+            file: "2025.hallsweep".to_owned(),
+            digest: "a5".repeat(32),
+            behind: Seq(4711),
+            page: "5a".repeat(32),
         }),
         command(None),
         command(Some(Refused::Moving)),

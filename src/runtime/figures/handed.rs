@@ -150,7 +150,8 @@ impl CountedFact {
             | Fact::AlarmAcknowledged(..)
             | Fact::Strategy(_)
             | Fact::MapEmptied(_)
-            | Fact::WrittenOut(_) => None,
+            | Fact::WrittenOut(_)
+            | Fact::Unpacked(_) => None,
         }
     }
 

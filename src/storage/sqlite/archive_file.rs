@@ -14,21 +14,20 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use rusqlite::{Connection, OpenFlags, TransactionBehavior, params};
+use rusqlite::{Connection, OpenFlags, Transaction, TransactionBehavior, params};
 use sha2::{Digest, Sha256};
 
 use super::check::check;
+use super::cut::{Bound, Cut, cuts};
 use super::fault::{Fault, Then, count, whole};
 use super::folder::{Folder, sync_parent};
 use super::photos::{PICTURES, Pictures};
-use super::rows::{self, EntryFilter};
-use super::{chain, connect, head, marker, pages, project, schema};
-use crate::api::journal::{Line, Picture};
-use crate::api::time::rfc3339;
+use super::{chain, connect, head, marker, pages, project, rows, schema};
+use crate::api::journal::Picture;
 use crate::runtime::archive::{Head, Unreadable, hex};
 use crate::storage::files;
 use hallsweep_core::effect::{Entry, Fact, Page, WrittenOut};
-use hallsweep_core::units::{MissionId, Seq, WallTime};
+use hallsweep_core::units::{Seq, WallTime};
 
 /// What was written out.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -37,41 +36,67 @@ pub struct Archived {
     /// The last entry in it, and the digest of its page.
     pub last: Head,
     pub photos: u64,
+    /// How many missions are still to be written out.
+    pub left: u64,
 }
 
-/// What goes into an archive.
-pub(super) struct Plan {
-    pub(super) missions: (MissionId, MissionId),
-    /// The last entry that leaves the journal, and the last that is written out.
-    pub(super) gone: Seq,
-    pub(super) last: Seq,
+/// What an archive is called while it is written.
+const UNFINISHED: &str = "hallsweep-archive.unfinished";
+
+/// Writes out all missions that were put away before `before`, oldest first and without a gap, into `file`, and takes them out of the journal.
+/// `None` where there is none; nothing is changed then.
+pub fn write_out(data: &Path, before: WallTime, now: WallTime, file: &Path) -> Result<Option<Archived>, Unreadable> {
+    write_out_within(data, (before, now), Bound::NONE, |_| file.to_owned())
 }
 
-/// Writes out all missions that were put away before `before`, oldest first and without a gap, into a new file, and takes them out of the journal.
-/// The file is `file`, of the first and the last of them. `None` where there is none; nothing is changed then.
-pub fn write_out(
+/// The same into the folder `archives` of the data folder, not more than a start waits for.
+pub fn write_out_at_start(data: &Path, before: WallTime, now: WallTime) -> Result<Option<Archived>, Unreadable> {
+    let archives = data.join("archives");
+    let made = files::make_folder_within(&archives).and_then(|()| files::sync_folder(data));
+    made.map_err(|error| refused(&archives, &error.into()))?;
+    write_out_within(data, (before, now), Bound::OF_A_START, |cut| archives.join(name(cut)))
+}
+
+/// A name that follows from what is in it.
+fn name(Cut { missions: (first, last), last: end, .. }: &Cut) -> String {
+    format!("missions-{first}-to-{last}-{}.hallsweep", &end.hex()[..16])
+}
+
+/// Writes out as many as the bound takes, into the file that `file` says. One that is there already with just that in it, because a kill or a lock came
+/// between its writing and the journal's, is taken for it.
+pub(super) fn write_out_within(
     data: &Path,
-    before: WallTime,
-    now: WallTime,
-    file: impl FnOnce(MissionId, MissionId) -> PathBuf,
+    (before, now): (WallTime, WallTime),
+    bound: Bound,
+    file: impl Fn(&Cut) -> PathBuf,
 ) -> Result<Option<Archived>, Unreadable> {
     let folder = Folder::new(data);
+    if folder.is_archive() {
+        return Err(Unreadable(format!("{} is an archive already: name the folder of a journal with --data", data.display())));
+    }
     let words = |fault: Fault| Unreadable(fault.words(data, Then::StartAgain));
     folder.check_journal().and_then(|()| folder.check_beside()).map_err(words)?;
     let _lock = folder.lock().map_err(words)?;
     let Some(reader) = connect::reader(&folder).map_err(words)? else { return Ok(None) };
-    let Some(plan) = plan(&reader.connection, before).map_err(words)? else { return Ok(None) };
+    let cuts = cuts(&reader.connection, before).map_err(words)?;
     drop(reader);
+    let Some(Cut { missions: (first, due), .. }) = cuts.last() else { return Ok(None) };
+    let is_there = |cut: &&Cut| file(cut).symlink_metadata().is_ok();
+    let Some(cut) = cuts.iter().rfind(is_there).or_else(|| cuts.iter().rfind(|cut| bound.takes(cut))) else {
+        return Err(Unreadable(format!(
+            "mission {first} is more than is written out at a start: end hallsweep and write it out with `hallsweep journal archive`"
+        )));
+    };
     ready(&folder)?;
     let mut journal = connect::writer(&folder).map_err(words)?;
-    let file = file(plan.missions.0, plan.missions.1);
+    let file = file(cut);
     if is_within(data, &file) {
         return Err(Unreadable(format!(
             "{} would lie among the files of the data folder, some of which are written over: name one elsewhere",
             file.display()
         )));
     }
-    let archived = written(&folder, &journal, &plan, &file)?;
+    let archived = Archived { left: due.0 - cut.missions.1.0, ..written(&folder, &journal, cut, &file)? };
     let gone = take_out(&folder, &mut journal, &archived, now).map_err(words)?;
     gone.iter().for_each(|picture| {
         // Whoever finds it later finds a photo that nothing names, and that is in the archive.
@@ -89,120 +114,6 @@ pub fn is_within(data: &Path, file: &Path) -> bool {
     matches!((folder.canonicalize(), data.canonicalize()), (Ok(folder), Ok(data)) if folder == data)
 }
 
-/// The same into the folder `archives` of the data folder, with the missions and the moment in the name of the file.
-pub fn write_out_within(data: &Path, before: WallTime, now: WallTime) -> Result<Option<Archived>, Unreadable> {
-    let archives = data.join("archives");
-    let moment: String = rfc3339(now).chars().take("2026-01-31T10:05:12".len()).filter(|sign| *sign != ':').collect();
-    let name = |first, last| {
-        // Where it cannot be made the file cannot either, and that is said.
-        let _ = files::make_folder_within(&archives);
-        archives.join(format!("missions-{first}-to-{last}-{moment}.hallsweep"))
-    };
-    write_out(data, before, now, name)
-}
-
-/// Makes a data folder of an archive, so that it can be served; it is a journal of its own from there on.
-pub fn unpack(file: &Path, data: &Path) -> Result<u64, Unreadable> {
-    let (archive, folder) = (Folder::new(file), Folder::new(data));
-    let words = |fault: Fault| Unreadable(fault.words(data, Then::StartAgain));
-    if !archive.is_archive() {
-        return Err(Unreadable(format!("there is no archive {}", file.display())));
-    }
-    let is_left = [folder.head(), folder.marker()].iter().any(|file| file.path().exists());
-    if folder.is_archive() || folder.has_journal().map_err(words)? || folder.has_photos() || is_left {
-        return Err(Unreadable(format!("{} is not empty: name a folder that is not there yet with --data", data.display())));
-    }
-    let from = sound(&archive)?;
-    let copied = || {
-        folder.create_path()?;
-        let _lock = folder.lock()?;
-        for (digest, media_type) in photos(&from)? {
-            let photo = Pictures::Table.read(&from, &Picture { digest, media_type })?;
-            Pictures::Files(&folder).keep(&from, &photo)?;
-        }
-        let unfinished = folder.journal().with_extension("unfinished");
-        // One that a kill left behind is none of anybody's; it is made here, so that it is private.
-        let _ = std::fs::remove_file(&unfinished);
-        drop(files::open(&unfinished, File::options().write(true).create_new(true))?);
-        let entries = copy(&from, &unfinished, None, |_| Ok(()))?;
-        std::fs::rename(&unfinished, folder.journal())?;
-        files::sync_folder(folder.path())?;
-        head::write(&folder, &chain::end(&from)?)?;
-        Ok(entries)
-    };
-    copied().map_err(words)
-}
-
-/// Whether these archives and the journal hold one another: each has the page behind which the next begins, and is as it was written out.
-/// What is wrong, a sentence each.
-pub(super) fn held_together(journal: &Connection, archives: &[PathBuf]) -> Result<Vec<String>, Unreadable> {
-    let words = |fault: Fault| Unreadable(fault.words(Path::new("the journal"), Then::StartAgain));
-    let mut faults = Vec::new();
-    let mut opened = Vec::new();
-    for file in archives {
-        match looked_at(file, &mut faults) {
-            Ok(archive) => opened.push(archive),
-            Err(Unreadable(why)) => faults.push(why),
-        }
-    }
-    opened.sort_by_key(|archive| archive.begins.seq);
-    // What was written out first is on record in what was written out later.
-    let mut known = records(journal).map_err(words)?;
-    let mut later = (chain::anchor(journal).map_err(words)?, "the journal".to_owned());
-    for OpenArchive { begins, file, connection } in opened.into_iter().rev() {
-        let shown = file.display().to_string();
-        let digest = digest_of(file).map_err(|error| refused(file, &error.into()))?;
-        let there = chain::page_of(&connection, later.0.seq).map_err(|fault| refused(file, &fault))?;
-        if there != Some(later.0) {
-            faults.push(format!("{} does not begin with what {shown} ends with: another archive stands between them", later.1));
-        } else if !known.iter().any(|record| record.digest == digest) {
-            faults.push(format!("{shown} was not written out of this journal, or was changed since: its SHA-256 is {digest}"));
-        }
-        known.extend(records(&connection).map_err(|fault| refused(file, &fault))?);
-        later = (begins, shown);
-    }
-    Ok(faults)
-}
-
-/// An archive that can be read, and the page behind which it begins.
-struct OpenArchive<'f> {
-    begins: Head,
-    file: &'f Path,
-    connection: Connection,
-}
-
-/// Opens an archive, and says what is not sound in it.
-fn looked_at<'f>(file: &'f Path, faults: &mut Vec<String>) -> Result<OpenArchive<'f>, Unreadable> {
-    let archive = Folder::new(file);
-    if !archive.is_archive() {
-        return Err(Unreadable(format!("there is no archive {}", file.display())));
-    }
-    let looked = || {
-        let reader = connect::reader(&archive)?.ok_or(Fault::Foreign)?;
-        let found = check(&reader.connection, &archive)?.faults;
-        Ok((found, chain::anchor(&reader.connection)?, reader.connection))
-    };
-    let (found, begins, connection) = looked().map_err(|fault| refused(file, &fault))?;
-    faults.extend(found.into_iter().map(|fault| format!("{}: {fault}", file.display())));
-    Ok(OpenArchive { begins, file, connection })
-}
-
-/// The stretch up to `seq` is in an archive, if that is on record: which.
-pub(super) fn record_of(connection: &Connection, gone: Seq) -> Result<Option<WrittenOut>, Fault> {
-    Ok(records(connection)?.into_iter().find(|record| record.until == gone))
-}
-
-fn records(connection: &Connection) -> Result<Vec<WrittenOut>, Fault> {
-    let mut records = Vec::new();
-    rows::each(connection, EntryFilter { kinds: rows::Kinds::WrittenOut, ..EntryFilter::default() }, |_, line| {
-        if let Ok(Line { entry: Entry { fact: Fact::WrittenOut(record), .. }, .. }) = line {
-            records.push(record);
-        }
-        Ok(())
-    })?;
-    Ok(records)
-}
-
 /// Fails unless the journal is sound, whole and of this version.
 fn ready(folder: &Folder) -> Result<(), Unreadable> {
     let words = |fault: Fault| Unreadable(fault.words(folder.path(), Then::StartAgain));
@@ -218,7 +129,7 @@ fn ready(folder: &Folder) -> Result<(), Unreadable> {
 }
 
 /// A connection to a journal or archive that is sound.
-fn sound(folder: &Folder) -> Result<Connection, Unreadable> {
+pub(super) fn sound(folder: &Folder) -> Result<Connection, Unreadable> {
     let words = |fault: Fault| Unreadable(fault.words(folder.path(), Then::StartAgain));
     let none = || Unreadable(format!("there is no journal in {}: name its folder with --data", folder.path().display()));
     let connection = connect::reader(folder).map_err(words)?.ok_or_else(none)?.connection;
@@ -233,42 +144,29 @@ fn sound(folder: &Folder) -> Result<Connection, Unreadable> {
     }
 }
 
-/// What may go: up to the page with which the last of the old missions ends, as long as everything that stands follows on it.
-pub(super) fn plan(journal: &Connection, before: WallTime) -> Result<Option<Plan>, Fault> {
-    let sql = "SELECT id, archived_seq FROM missions ORDER BY id";
-    let mut statement = journal.prepare(sql)?;
-    let missions = statement.query_map([], |row| Ok((row.get::<_, i64>(0)?, row.get::<_, Option<i64>>(1)?)))?;
-    let (mut first, mut found) = (None, None);
-    for mission in missions {
-        let (id, archived) = mission?;
-        let Some(archived) = archived.map(|seq| Seq(count(seq))) else { break };
-        let at: i64 = journal.query_row("SELECT at_ms FROM events WHERE seq = ?1", [whole(archived.0)?], |row| row.get(0))?;
-        if at >= before.unix_ms {
-            break;
-        }
-        let mission = MissionId(count(id));
-        let first = *first.get_or_insert(mission);
-        // Everything that stands goes on record with the emptied map, in the page with which a mission ends.
-        let Some(page) = chain::page_of(journal, archived)? else { break };
-        let standing = rows::last_standing(journal, Some(page.seq.next()))?;
-        let gone = chain::page_before(journal, archived)?;
-        if let (Some(gone), true) = (gone, standing > Some(archived)) {
-            found = Some(Plan { missions: (first, mission), gone: gone.seq, last: page.seq });
-        }
+/// The file, whole and read again: the one that is there, or a new one, which has this name only when all of it is on the disk.
+fn written(folder: &Folder, journal: &Connection, cut: &Cut, file: &Path) -> Result<Archived, Unreadable> {
+    if file.symlink_metadata().is_ok() {
+        let why = |Unreadable(why)| {
+            Unreadable(format!(
+                "{} cannot be used, something else is there: name another, or move it away ({why})",
+                file.display()
+            ))
+        };
+        return checked(journal, cut, file).map_err(why);
     }
-    Ok(found)
-}
-
-/// Writes the file, which must not be there yet, and reads it again.
-fn written(folder: &Folder, journal: &Connection, plan: &Plan, file: &Path) -> Result<Archived, Unreadable> {
-    // It is made here, so that nobody else's is ever written into.
-    let made = files::open(file, File::options().write(true).create_new(true));
+    let unfinished = file.with_file_name(UNFINISHED);
+    // One that a kill left behind is none of anybody's.
+    let _ = std::fs::remove_file(&unfinished);
+    let made = files::open(&unfinished, File::options().write(true).create_new(true));
     made.map_err(|error| refused(file, &error.into()))?;
-    let written = filled(folder, journal, plan.last, file).map_err(|fault| refused(file, &fault));
-    written.and_then(|()| checked(journal, plan, file)).inspect_err(|_| {
-        // It is of no use to anybody, and the journal has all of it.
-        let _ = std::fs::remove_file(file);
-    })
+    let named = filled(folder, journal, cut.last.seq, &unfinished).and_then(|()| {
+        std::fs::rename(&unfinished, file)?;
+        Ok(sync_parent(file)?)
+    });
+    // What was begun is of no use to anybody, and the journal has all of it.
+    let named = named.map_err(|fault| refused(file, &fault)).inspect_err(|_| drop(std::fs::remove_file(&unfinished)));
+    named.and_then(|()| checked(journal, cut, file)).inspect_err(|_| drop(std::fs::remove_file(file)))
 }
 
 fn filled(folder: &Folder, journal: &Connection, last: Seq, file: &Path) -> Result<(), Fault> {
@@ -280,20 +178,20 @@ fn filled(folder: &Folder, journal: &Connection, last: Seq, file: &Path) -> Resu
         }
         Ok(())
     })?;
-    File::open(file)?.sync_all()?;
-    Ok(sync_parent(file)?)
+    Ok(File::open(file)?.sync_all()?)
 }
 
-/// Copies entries, pages and losses into an empty or new file, up to `last`, and makes the other tables of them; how many entries.
-fn copy(
+/// Copies entries, pages and losses into an empty file, up to `last`, and makes the other tables of them; then whatever is `more`.
+pub(super) fn copy<T>(
     from: &Connection,
     file: &Path,
     last: Option<Seq>,
-    more: impl FnOnce(&Connection) -> Result<(), Fault>,
-) -> Result<u64, Fault> {
-    let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_CREATE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-    let mut to = Connection::open_with_flags(file, flags)?;
+    more: impl FnOnce(&Transaction<'_>) -> Result<T, Fault>,
+) -> Result<T, Fault> {
+    let mut to = Connection::open_with_flags(file, OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX)?;
     to.pragma_update(None, "synchronous", "FULL")?;
+    // Half a file is written anew: nothing need lie beside it from which it could be mended.
+    to.query_row("PRAGMA journal_mode = MEMORY", [], |_| Ok(()))?;
     schema::bring_up_to_date(&mut to)?;
     let last = last.map_or(Ok(i64::MAX), |last| whole(last.0))?;
     let transaction = to.transaction()?;
@@ -308,27 +206,30 @@ fn copy(
         }
     }
     project::rebuild(&transaction)?;
-    more(&transaction)?;
-    let entries: i64 = transaction.query_row("SELECT count(*) FROM events", [], |row| row.get(0))?;
+    let more = more(&transaction)?;
     transaction.commit()?;
     to.close().map_err(|(_, error)| error)?;
-    Ok(count(entries))
+    Ok(more)
 }
 
-/// Reads the file again; what is on record of it when it is sound and ends with the page that the journal has there.
-pub(super) fn checked(journal: &Connection, plan: &Plan, file: &Path) -> Result<Archived, Unreadable> {
-    let archive = sound(&Folder::new(file))?;
-    let of = |connection: &Connection| chain::page_of(connection, plan.last).map_err(|fault| refused(file, &fault));
-    let (last, there) = (of(journal)?, of(&archive)?);
-    let (Some(last), true) = (last, last == there) else {
+/// Reads the file again; what is on record of it when it is sound, and begins and ends with the pages that the journal has there.
+pub(super) fn checked(journal: &Connection, cut: &Cut, file: &Path) -> Result<Archived, Unreadable> {
+    let fault = |fault: Fault| refused(file, &fault);
+    let archive = Folder::new(file);
+    if !archive.is_archive() {
+        return Err(Unreadable(format!("{} is no archive", file.display())));
+    }
+    let archive = sound(&archive)?;
+    let stretch = (chain::anchor(&archive).map_err(fault)?, chain::end(&archive).map_err(fault)?);
+    if stretch != (chain::anchor(journal).map_err(fault)?, cut.last) {
         return Err(Unreadable(format!("{} does not hold what the journal does", file.display())));
-    };
+    }
     let photos: i64 =
-        archive.query_row("SELECT count(*) FROM photos", [], |row| row.get(0)).map_err(|error| refused(file, &error.into()))?;
-    let digest = digest_of(file).map_err(|error| refused(file, &error.into()))?;
+        archive.query_row("SELECT count(*) FROM photos", [], |row| row.get(0)).map_err(|error| fault(error.into()))?;
+    let digest = digest_of(file).map_err(|error| fault(error.into()))?;
     let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
-    let what = WrittenOut { missions: plan.missions, until: plan.gone, file: name, digest };
-    Ok(Archived { what, last, photos: count(photos) })
+    let what = WrittenOut { missions: cut.missions, until: cut.gone, file: name, digest };
+    Ok(Archived { what, last: cut.last, photos: count(photos), left: 0 })
 }
 
 /// Takes out what has left, and puts that on record, in one transaction; the photos that nothing names any more.
@@ -356,13 +257,13 @@ fn take_out(folder: &Folder, journal: &mut Connection, archived: &Archived, now:
         .collect())
 }
 
-fn photos(connection: &Connection) -> Result<BTreeSet<(String, String)>, Fault> {
+pub(super) fn photos(connection: &Connection) -> Result<BTreeSet<(String, String)>, Fault> {
     let mut statement = connection.prepare("SELECT digest, media_type FROM photos")?;
     let photos = statement.query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?;
     Ok(photos.collect::<Result<_, _>>()?)
 }
 
-fn digest_of(file: &Path) -> std::io::Result<String> {
+pub(super) fn digest_of(file: &Path) -> std::io::Result<String> {
     let (mut file, mut hasher, mut buffer) = (File::open(file)?, Sha256::new(), vec![0; 64 * 1024]);
     loop {
         let read = file.read(&mut buffer)?;
@@ -373,7 +274,7 @@ fn digest_of(file: &Path) -> std::io::Result<String> {
     }
 }
 
-fn refused(file: &Path, fault: &Fault) -> Unreadable {
+pub(super) fn refused(file: &Path, fault: &Fault) -> Unreadable {
     if let Fault::File(error) = fault {
         return Unreadable(format!("{} cannot be used: {error}", file.display()));
     }

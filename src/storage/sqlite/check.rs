@@ -8,7 +8,8 @@ use super::fault::{ALL, Fault, Then, count, one_line};
 use super::folder::Folder;
 use super::photos::PICTURES;
 use super::rows::{self, EntryFilter};
-use super::{archive_file, chain, head, marker, project, recall, schema};
+use super::together::Records;
+use super::{chain, head, marker, project, recall, schema};
 use crate::api::journal::Picture;
 use crate::runtime::archive::Head;
 use hallsweep_core::units::Seq;
@@ -157,10 +158,16 @@ fn begins_behind(connection: &Connection, folder: &Folder, findings: &mut Findin
     if anchor.seq == Seq(0) || rows::first(connection)? != Some(anchor.seq.next()) {
         return Ok(Seq(0));
     }
-    let digest = anchor.hex();
+    let (digest, records) = (anchor.hex(), Records::of(connection)?);
     if folder.is_archive() {
         findings.notes.push(format!("it begins behind entry {}, whose page has the digest {digest}", anchor.seq));
-    } else if let Some(record) = archive_file::record_of(connection, anchor.seq)? {
+    } else if let Some(record) = records.unpacked(anchor) {
+        findings.notes.push(format!(
+            "it was unpacked from the archive {} (SHA-256 {}), and begins as that does behind entry {}, whose page has the digest {digest}: \
+             `hallsweep journal check --archive FILE` holds that one against it",
+            record.file, record.digest, anchor.seq
+        ));
+    } else if let Some(record) = records.written_out(anchor.seq) {
         findings.notes.push(format!(
             "entries 1 to {} are in archives, the last of them {} (SHA-256 {}), up to a page with the digest {digest}: \
              `hallsweep journal check --archive FILE` holds them against the journal",

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use rusqlite::ErrorCode;
 
+use super::folder::Folder;
 use crate::api::journal::Unparsed;
 use hallsweep_core::units::Seq;
 
@@ -110,7 +111,7 @@ impl Fault {
 
     /// What an operator reads: what is wrong, and what to do.
     pub(super) fn words(&self, folder: &Path, then: Then) -> String {
-        let file = folder.join("journal.db");
+        let file = Folder::new(folder).journal();
         let (file, shown) = (file.display(), folder.display());
         let damaged = |detail: &dyn Display| {
             format!(

@@ -18,7 +18,7 @@ use crate::api::journal::Picture;
 use crate::storage::files;
 use crate::storage::small_file::SmallFile;
 
-/// The folder, which may not be there yet; or an archive, which is one file and is only read: see `archive_file`.
+/// The folder, which may not be there yet; or an archive, which is one file and is only read: see `archive_file` and `unpack`.
 #[derive(Clone, Debug)]
 pub(super) struct Folder {
     path: PathBuf,

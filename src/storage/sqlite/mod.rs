@@ -15,7 +15,7 @@ mod archive_file;
 mod chain;
 mod check;
 mod connect;
-
+mod cut;
 mod fault;
 mod folder;
 mod head;
@@ -29,6 +29,8 @@ mod reading;
 mod recall;
 mod rows;
 mod schema;
+mod together;
+mod unpack;
 mod writer;
 mod writer_status;
 
@@ -42,7 +44,7 @@ use std::sync::mpsc::{self, Receiver, Sender, SyncSender, TrySendError};
 use tokio::sync::watch;
 
 use self::archive::SqliteArchive;
-pub use self::archive_file::{Archived, is_within, unpack, write_out, write_out_within};
+pub use self::archive_file::{Archived, is_within, write_out, write_out_at_start};
 pub use self::check::Findings;
 use self::fault::{Fault, Then};
 use self::folder::Folder;
@@ -51,6 +53,8 @@ use self::marker::Marker;
 pub use self::memory::MemoryStore;
 use self::pages::Pages;
 pub use self::reading::{Reading, rebuild};
+pub use self::together::Together;
+pub use self::unpack::unpack;
 use self::writer::{Hand, Handed, Patience, Writer};
 use self::writer_status::WriterStatus;
 use crate::runtime::archive::Archive;

@@ -30,6 +30,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
         | Fact::Conditions(_)
         | Fact::ProgramEnded(_)
         | Fact::WrittenOut(_)
+        | Fact::Unpacked(_)
         | Fact::Command { .. }
         | Fact::Holds(_)
         | Fact::Epoch(_)

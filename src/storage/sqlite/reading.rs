@@ -11,7 +11,8 @@ use super::check::{self, Findings};
 use super::fault::{Fault, Then};
 use super::folder::Folder;
 use super::rows::{self, EntryFilter};
-use super::{archive_file, connect, project};
+use super::together::{self, Together};
+use super::{connect, project};
 use crate::api::journal::Line;
 use crate::runtime::archive::{Archive, Unreadable};
 use hallsweep_core::units::{MissionId, Seq};
@@ -59,10 +60,9 @@ impl Reading {
         Arc::new(SqliteArchive::new(self.folder.clone()))
     }
 
-    /// What is wrong between the journal and these archives of it, a sentence each; nothing, when each is as it was written out and they follow
-    /// on one another.
-    pub fn check_archives(&self, archives: &[PathBuf]) -> Result<Vec<String>, Unreadable> {
-        archive_file::held_together(&self.connection, archives)
+    /// Holds these archives against the journal, and one another.
+    pub fn check_archives(&self, archives: &[PathBuf]) -> Result<Together, Unreadable> {
+        together::held_together(&self.connection, &self.folder, archives)
     }
 
     pub fn check(&self) -> Result<Findings, Unreadable> {

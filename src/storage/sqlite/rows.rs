@@ -47,7 +47,7 @@ pub(super) enum Kinds {
     /// Only those that say what people did and what was found.
     Told,
     /// Only those about archives.
-    WrittenOut,
+    OfArchives,
     /// Only temperatures.
     Temperatures,
     /// Only those from which the way behind the robot follows: where it stood, and where a way begins anew.
@@ -72,7 +72,7 @@ impl Kinds {
                 "kind IN ('command', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'verdict', 'alarmRaised',
                  'alarmAcknowledged', 'programEnded')",
             ),
-            Kinds::WrittenOut => Some("kind = 'writtenOut'"),
+            Kinds::OfArchives => Some("kind IN ('writtenOut', 'unpacked')"),
             Kinds::Temperatures => Some("kind = 'temperature'"),
             Kinds::Way => Some("kind IN ('pose', 'programStarted', 'missionBegan', 'mapEmptied', 'strategy')"),
         }

@@ -10,4 +10,6 @@ mod memory;
 mod missions;
 mod mounts;
 mod photos;
+mod starts;
 mod testing;
+mod unpacked;

@@ -5,7 +5,7 @@ use std::fmt::Display;
 
 use super::{Hold, Phase, Stage};
 use crate::command::Refusal;
-use crate::effect::{Fact, WrittenOut};
+use crate::effect::{Fact, Unpacked, WrittenOut};
 use crate::state::{Conditions, Retrieval, RetrievalStage, Venue};
 use crate::units::LuggageId;
 use crate::world::hall_map::Mark;
@@ -23,6 +23,11 @@ fn said(fact: &Fact) -> String {
         Fact::ProgramEnded(by) => format!("program ended by {by}"),
         Fact::WrittenOut(WrittenOut { missions: (first, last), until, file, digest }) => {
             format!("missions {first} to {last}, entries up to {until}, are in the archive {file} alone, SHA-256 {digest}")
+        }
+        Fact::Unpacked(Unpacked { file, digest, behind, page }) => {
+            format!(
+                "unpacked from the archive {file}, SHA-256 {digest}; begins behind entry {behind}, the digest of whose page is {page}"
+            )
         }
         Fact::Conditions(Conditions { venue: Venue { name, cell_m }, threshold }) => {
             let cells = cell_m.map_or_else(String::new, |side| format!(", cells of {side} m"));

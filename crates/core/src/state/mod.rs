@@ -121,8 +121,12 @@ impl PersistentState {
     /// What stands once this has happened; changes of the map are of this revision.
     pub(crate) fn follow(&mut self, fact: &Fact, wall: WallTime, revision: Revision) {
         match fact {
-            Fact::ProgramStarted(_) | Fact::ProgramEnded(_) | Fact::Command { .. } | Fact::Obstacle(..) | Fact::WrittenOut(_) => {
-            }
+            Fact::ProgramStarted(_)
+            | Fact::ProgramEnded(_)
+            | Fact::Command { .. }
+            | Fact::Obstacle(..)
+            | Fact::WrittenOut(_)
+            | Fact::Unpacked(_) => {}
             Fact::State(state) => *self = PersistentState::clone(state),
             Fact::Conditions(conditions) => self.conditions = Some(conditions.clone()),
             Fact::MissionBegan(mission, strategy) => {

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use proptest::prelude::*;
 
+use super::super::cut::cuts;
 use super::super::folder::Folder;
-use super::super::{Archived, Reading, archive_file, connect, unpack, write_out};
+use super::super::{Archived, Reading, Together, archive_file, connect, schema, write_out};
 use super::testing::*;
 use crate::api::journal;
 use crate::runtime::archive::{At, Moment, Span, Unreadable};
@@ -18,14 +19,14 @@ use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
 
 /// The missions of the tests end at noon.
 const NOON: WallTime = at_noon_exactly();
-const LATER: WallTime = WallTime { unix_ms: NOON.unix_ms + 1, ..NOON };
+pub(super) const LATER: WallTime = WallTime { unix_ms: NOON.unix_ms + 1, ..NOON };
 
 const fn at_noon_exactly() -> WallTime {
     WallTime { unix_ms: 1_770_000_000_000, offset_s: 3600 }
 }
 
 /// As the core ends a mission: with all that stands, in the same page.
-fn end(mission: u64) -> Vec<Fact> {
+pub(super) fn end(mission: u64) -> Vec<Fact> {
     let mut state = PersistentState::first(Order::Snail);
     state.mission = MissionId(mission);
     state.last_luggage = LuggageId(mission);
@@ -33,14 +34,14 @@ fn end(mission: u64) -> Vec<Fact> {
 }
 
 /// A mission with a piece, photographed and found safe.
-fn play(scribe: &mut Scribe, mission: u64, picture: &str) {
+pub(super) fn play(scribe: &mut Scribe, mission: u64, picture: &str) {
     scribe.keep(begin(mission));
     scribe.keep(vec![found(mission, Some(photo(picture))), inspecting(mission)]);
     scribe.keep(vec![verdict(mission, Verdict::Safe), wall(2, 3)]);
 }
 
 /// Three missions that are over and a fourth that goes on; the first and the last have the same photo.
-fn some_missions() -> Scratch {
+pub(super) fn some_missions() -> Scratch {
     let scratch = Scratch::new();
     let mut scribe = Scribe::new(scratch.open());
     for (mission, picture) in [(1, "bag"), (2, "box"), (3, "crate")] {
@@ -51,12 +52,12 @@ fn some_missions() -> Scratch {
     scratch
 }
 
-fn file(scratch: &Scratch, name: &str) -> PathBuf {
+pub(super) fn file(scratch: &Scratch, name: &str) -> PathBuf {
     scratch.data().with_file_name(name)
 }
 
 fn write(scratch: &Scratch, before: WallTime, name: &str) -> Result<Option<Archived>, Unreadable> {
-    write_out(&scratch.data(), before, LATER, |_, _| file(scratch, name))
+    write_out(&scratch.data(), before, LATER, &file(scratch, name))
 }
 
 /// What stands afterwards must follow from what stays.
@@ -89,14 +90,14 @@ fn an_archive_of_something_else_is_not_taken_for_one_of_this_journal() {
         scribe.keep(end(1));
     }
     let journal = connect::writer(&Folder::new(&one.data())).unwrap();
-    let plan = archive_file::plan(&journal, LATER).unwrap().expect("one is over");
+    let cut = cuts(&journal, LATER).unwrap().pop().expect("one is over");
     write(&other, LATER, "old").unwrap().expect("one is over");
-    let Err(Unreadable(words)) = archive_file::checked(&journal, &plan, &file(&other, "old")) else { panic!("it is another") };
+    let Err(Unreadable(words)) = archive_file::checked(&journal, &cut, &file(&other, "old")) else { panic!("it is another") };
     assert!(words.contains("does not hold what the journal does"), "{words}");
 }
 
 /// Every entry of a journal or archive, as JSON.
-fn lines(path: &Path) -> Vec<String> {
+pub(super) fn lines(path: &Path) -> Vec<String> {
     let mut lines = Vec::new();
     Reading::open(path)
         .unwrap()
@@ -109,7 +110,10 @@ fn lines(path: &Path) -> Vec<String> {
 }
 
 /// What is shown of a mission: its end, every moment of it, its photos.
-fn shown(archive: &dyn crate::runtime::archive::Archive, mission: u64) -> (Option<PersistentState>, Vec<Vec<Moment>>, Vec<bool>) {
+pub(super) fn shown(
+    archive: &dyn crate::runtime::archive::Archive,
+    mission: u64,
+) -> (Option<PersistentState>, Vec<Vec<Moment>>, Vec<bool>) {
     let id = MissionId(mission);
     let entries = archive.entries(id, Span::after(Seq(0)), 1000).unwrap();
     let mut moments: Vec<Vec<Moment>> = entries.iter().map(|(seq, _)| archive.moments(id, &[At::Entry(*seq)]).unwrap()).collect();
@@ -119,11 +123,11 @@ fn shown(archive: &dyn crate::runtime::archive::Archive, mission: u64) -> (Optio
     (archive.state(id).unwrap().map(|sound| sound.of), moments, photos)
 }
 
-fn archive_of(path: &Path) -> Arc<dyn crate::runtime::archive::Archive> {
+pub(super) fn archive_of(path: &Path) -> Arc<dyn crate::runtime::archive::Archive> {
     Reading::open(path).unwrap().archive()
 }
 
-fn faults(path: &Path) -> Vec<String> {
+pub(super) fn faults(path: &Path) -> Vec<String> {
     Reading::open(path).and_then(|reading| reading.check()).map_or_else(|unreadable| vec![unreadable.0], |found| found.faults)
 }
 
@@ -175,6 +179,10 @@ fn nothing_is_changed_where_nothing_is_old_or_the_file_cannot_be_written_or_the_
     let Err(Unreadable(words)) = write(&scratch, LATER, "there") else { panic!("it was written over") };
     assert!(words.contains("there cannot be used"), "{words}");
     assert!(write(&scratch, LATER, "nowhere/old").is_err());
+    let Err(Unreadable(words)) = write_out(&file(&scratch, "there"), LATER, LATER, &file(&scratch, "old")) else {
+        panic!("it is no folder")
+    };
+    assert!(words.contains("there is an archive already: name the folder of a journal with --data"), "{words}");
     assert_eq!(bytes(&scratch.data()), before);
 
     let photo = before.iter().find(|(path, _)| path.extension().is_some_and(|end| end == "png")).unwrap();
@@ -203,8 +211,8 @@ fn nothing_is_changed_where_nothing_is_old_or_the_file_cannot_be_written_or_the_
     assert!(words.contains("entries 7 to 8 are not what was kept"), "{words}");
 }
 
-fn held(scratch: &Scratch, archives: &[PathBuf]) -> Vec<String> {
-    Reading::open(&scratch.data()).unwrap().check_archives(archives).unwrap()
+pub(super) fn held(scratch: &Scratch, archives: &[PathBuf]) -> Vec<String> {
+    Reading::open(&scratch.data()).unwrap().check_archives(archives).unwrap().faults
 }
 
 #[test]
@@ -222,12 +230,21 @@ fn archives_follow_on_one_another_and_what_is_changed_or_left_out_is_named() {
     write(&scratch, LATER, "second").unwrap().expect("one more is over");
     let [first, second] = ["first", "second"].map(|name| file(&scratch, name));
     assert_eq!((faults(&first), faults(&second)), (Vec::new(), Vec::new()));
-    for archives in [vec![first.clone(), second.clone()], vec![second.clone(), first.clone()], vec![second.clone()]] {
-        assert_eq!(held(&scratch, &archives), Vec::<String>::new(), "{archives:?}");
+    let copy = file(&scratch, "copy");
+    std::fs::copy(&second, &copy).unwrap();
+    for archives in [vec![&first, &second], vec![&second, &first], vec![&first, &second, &first, &copy]] {
+        let archives: Vec<PathBuf> = archives.into_iter().cloned().collect();
+        let found = Reading::open(&scratch.data()).unwrap().check_archives(&archives).unwrap();
+        assert_eq!(found, Together { archives: 2, faults: Vec::new() }, "{archives:?}");
     }
     check_finds(&scratch, &[]);
-    let left_out = held(&scratch, std::slice::from_ref(&first));
-    assert!(left_out.len() == 1 && left_out[0].contains("another archive stands between them"), "{left_out:?}");
+    for (named, words) in [
+        (&first, "the journal does not begin with what"),
+        (&second, "entries 1 to 8 are in archives that were not named; the last of them is first (SHA-256 "),
+    ] {
+        let left_out = held(&scratch, std::slice::from_ref(named));
+        assert!(left_out.len() == 1 && left_out[0].contains(words), "{left_out:?}");
+    }
 
     let sound = std::fs::read(&second).unwrap();
     for place in [0, 100, 4096, sound.len() / 2, sound.len() - 1] {
@@ -245,35 +262,18 @@ fn archives_follow_on_one_another_and_what_is_changed_or_left_out_is_named() {
     assert!(found.iter().any(|fault| fault.contains("are not what was kept")), "with the place: {found:?}");
 }
 
+/// It was written by a version that knew no archives.
 #[test]
-fn an_archive_becomes_a_folder_that_goes_on_by_itself() {
-    let scratch = some_missions();
-    write(&scratch, LATER, "old").unwrap().expect("three are over");
-    let (old, elsewhere) = (file(&scratch, "old"), Scratch::new());
-    let before = std::fs::read(&old).unwrap();
-    assert!(unpack(&old, &elsewhere.data()).is_ok_and(|entries| entries == lines(&old).len() as u64));
-    assert_eq!(lines(&elsewhere.data()), lines(&old));
-    check_finds(&elsewhere, &[]);
-    let (there, here) = (archive_of(&old), elsewhere.open());
-    (1..=3).for_each(|mission| assert!(shown(&*here.archive, mission) == shown(&*there, mission), "{mission}"));
-    let mut scribe = Scribe::new(here);
-    play(&mut scribe, 4, "trunk");
-    drop(scribe);
-    check_finds(&elsewhere, &[]);
-    assert_eq!(std::fs::read(&old).unwrap(), before, "reading changes nothing");
-    let left = Scratch::new();
-    std::fs::create_dir(left.data()).unwrap();
-    std::fs::write(left.data().join("journal.lost"), "everything after entry 00000000000000000003 was said to be lost\n")
-        .unwrap();
-    for (from, to, words) in [
-        (old.clone(), left.data(), "is not empty"),
-        (old.clone(), elsewhere.data(), "is not empty"),
-        (old.clone(), old.clone(), "is not empty"),
-        (scratch.data(), file(&scratch, "new"), "there is no archive"),
-    ] {
-        let Err(Unreadable(said)) = unpack(&from, &to) else { panic!("{words}") };
-        assert!(said.contains(words), "{said}");
-    }
+fn archives_are_not_held_against_a_journal_of_an_older_format() {
+    let scratch = Scratch::new();
+    std::fs::create_dir(scratch.data()).unwrap();
+    let mut journal = rusqlite::Connection::open(scratch.data().join("journal.db")).unwrap();
+    schema::of_format(&mut journal, 3);
+    drop(journal);
+    let checked = Reading::open(&scratch.data()).unwrap().check_archives(&[file(&scratch, "old")]);
+    let Err(Unreadable(words)) = checked else { panic!("there is nothing to hold it against") };
+    let journal = scratch.data().join("journal.db");
+    assert!(words.starts_with(&format!("the journal {} is of an older hallsweep (format 3)", journal.display())), "{words}");
 }
 
 proptest! {
@@ -294,6 +294,6 @@ proptest! {
         let path = file(scratch, &format!("changed-{place}-{change}"));
         std::fs::write(&path, changed).unwrap();
         let found = Reading::open(&scratch.data()).unwrap().check_archives(std::slice::from_ref(&path));
-        prop_assert!(found.as_ref().map_or(true, |faults| !faults.is_empty()), "{place}: {found:?}");
+        prop_assert!(found.as_ref().map_or(true, |found| !found.faults.is_empty()), "{place}: {found:?}");
     }
 }

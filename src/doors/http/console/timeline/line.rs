@@ -257,7 +257,7 @@ fn class(fact: &Fact) -> Option<&'static str> {
         Fact::Command { refused: Some(_), .. } => "refused",
         Fact::Command { command, .. } if command.starts_with("STOP") => "stop",
         Fact::Command { .. } => "command",
-        Fact::ProgramStarted(_) | Fact::ProgramEnded(_) | Fact::WrittenOut(_) => "program",
+        Fact::ProgramStarted(_) | Fact::ProgramEnded(_) | Fact::WrittenOut(_) | Fact::Unpacked(_) => "program",
         Fact::MissionBegan(..)
         | Fact::MissionArchived(..)
         | Fact::Strategy(_)

@@ -1,0 +1,166 @@
+//! Whether archives and the journal hold one another, and what is on record of archives.
+//!
+//! ```text
+//!   first    1 ───── n            each begins behind a page that stands in the one before, and that one is on record: it was written out,
+//!   second         n ──────── m   or all of it was unpacked, and the journal begins where it does
+//!   journal                 m ─────────► head
+//! ```
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use rusqlite::Connection;
+
+use super::archive_file::{digest_of, refused};
+use super::check::check;
+use super::fault::{Fault, Then};
+use super::folder::Folder;
+use super::rows::{self, EntryFilter};
+use super::schema::{self, Format};
+use super::{chain, connect};
+use crate::api::journal::Line;
+use crate::runtime::archive::{Head, Unreadable};
+use hallsweep_core::effect::{Entry, Fact, Unpacked, WrittenOut};
+use hallsweep_core::units::Seq;
+
+/// What was found between a journal and archives.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Together {
+    /// How many archives there were; one that was given twice is one.
+    pub archives: usize,
+    /// What is wrong, a sentence each; nothing, when each is as it was written out and they follow on one another from the first entry on.
+    pub faults: Vec<String>,
+}
+
+/// What a journal or archive has on record of archives.
+#[derive(Debug, Default)]
+pub(super) struct Records {
+    written_out: Vec<WrittenOut>,
+    unpacked: Vec<Unpacked>,
+}
+
+impl Records {
+    pub(super) fn of(connection: &Connection) -> Result<Records, Fault> {
+        let mut records = Records::default();
+        records.add(connection)?;
+        Ok(records)
+    }
+
+    fn add(&mut self, connection: &Connection) -> Result<(), Fault> {
+        let of_archives = EntryFilter { kinds: rows::Kinds::OfArchives, ..EntryFilter::default() };
+        rows::each(connection, of_archives, |_, line| {
+            let Ok(Line { entry: Entry { fact, .. }, .. }) = line else { return Ok(()) };
+            if let Fact::WrittenOut(record) = fact {
+                self.written_out.push(record);
+            } else if let Fact::Unpacked(record) = fact {
+                self.unpacked.push(record);
+            }
+            Ok(())
+        })
+    }
+
+    /// What was written out last, if that was all up to this entry.
+    pub(super) fn written_out(&self, until: Seq) -> Option<&WrittenOut> {
+        self.written_out.iter().rfind(|record| record.until == until)
+    }
+
+    /// What was unpacked, if it begins here.
+    pub(super) fn unpacked(&self, begins: Head) -> Option<&Unpacked> {
+        self.unpacked.iter().rfind(|record| record.behind == begins.seq && record.page == begins.hex())
+    }
+}
+
+/// An archive that can be read, with the page behind which it begins and its last.
+struct OpenArchive {
+    shown: String,
+    digest: String,
+    begins: Head,
+    ends: Head,
+    connection: Connection,
+}
+
+/// Holds archives against the journal of this folder, and one another.
+pub(super) fn held_together(journal: &Connection, folder: &Folder, files: &[PathBuf]) -> Result<Together, Unreadable> {
+    let words = |fault: Fault| Unreadable(fault.words(folder.path(), Then::StartAgain));
+    if let Format::Older(version) = schema::format(journal).map_err(words)? {
+        return Err(words(Fault::Older(version)));
+    }
+    let mut faults = Vec::new();
+    let archives = opened(files, &mut faults);
+    // What was written out first is on record in what was written out later.
+    let mut records = Records::of(journal).map_err(words)?;
+    let mut later = (chain::anchor(journal).map_err(words)?, "the journal");
+    for archive in archives.iter().rev() {
+        let others = archives.iter().filter(|other| other.digest != archive.digest).map(|other| &other.connection);
+        let fault = between(later, archive, &records, others.chain([journal]));
+        let added = fault.and_then(|fault| records.add(&archive.connection).map(|()| fault));
+        faults.extend(added.map_err(|fault| refused(Path::new(&archive.shown), &fault))?);
+        later = (archive.begins, &archive.shown);
+    }
+    let (begins, _) = later;
+    if begins.seq > Seq(0) && records.unpacked(begins).is_none() {
+        let last =
+            records.written_out(begins.seq).map(|last| format!("; the last of them is {} (SHA-256 {})", last.file, last.digest));
+        let last = last.unwrap_or_default();
+        faults.push(format!("entries 1 to {} are in archives that were not named{last}", begins.seq));
+    }
+    Ok(Together { archives: archives.len(), faults })
+}
+
+/// What is wrong between an archive and what begins behind it, by its name; or, of one that was unpacked, with it.
+fn between<'a>(
+    (begins, later): (Head, &str),
+    archive: &OpenArchive,
+    records: &Records,
+    mut others: impl Iterator<Item = &'a Connection>,
+) -> Result<Option<String>, Fault> {
+    let OpenArchive { shown, digest, .. } = archive;
+    let is_there = |connection, page: Head| chain::page_of(connection, page.seq).map(|there| there == Some(page));
+    if records.unpacked.iter().any(|record| record.digest == *digest) {
+        let why = "another archive stands between them, or it was changed";
+        if begins != archive.begins || records.unpacked(begins).is_none_or(|record| record.digest != *digest) {
+            return Ok(Some(format!("{later} does not begin where {shown} does, from which the journal was unpacked: {why}")));
+        }
+        let goes_on = others.try_fold(false, |found, other| Ok::<_, Fault>(found || is_there(other, archive.ends)?))?;
+        return Ok((!goes_on).then(|| format!("the journal is not what {shown} holds, from which it was unpacked: {why}")));
+    }
+    if !is_there(&archive.connection, begins)? {
+        return Ok(Some(format!("{later} does not begin with what {shown} ends with: another archive stands between them")));
+    }
+    let is_on_record = records.written_out.iter().any(|record| record.digest == *digest);
+    let words = || format!("{shown} was not written out of this journal, or was changed since: its SHA-256 is {digest}");
+    Ok((!is_on_record).then(words))
+}
+
+/// Opens archives, each once, in the order in which they follow on one another; says what is not sound in them, and which cannot be read.
+fn opened(files: &[PathBuf], faults: &mut Vec<String>) -> Vec<OpenArchive> {
+    let (mut archives, mut known) = (Vec::new(), BTreeSet::new());
+    for file in files {
+        match look_at(file, &mut known, faults) {
+            Ok(archive) => archives.extend(archive),
+            Err(Unreadable(why)) => faults.push(why),
+        }
+    }
+    archives.sort_by_key(|archive| (archive.begins.seq, archive.ends.seq));
+    archives
+}
+
+/// Opens an archive; `None` where its digest is one of those that are known.
+fn look_at(file: &Path, known: &mut BTreeSet<String>, faults: &mut Vec<String>) -> Result<Option<OpenArchive>, Unreadable> {
+    let (archive, shown) = (Folder::new(file), file.display().to_string());
+    if !archive.is_archive() {
+        return Err(Unreadable(format!("there is no archive {shown}")));
+    }
+    let digest = digest_of(file).map_err(|error| refused(file, &error.into()))?;
+    if !known.insert(digest.clone()) {
+        return Ok(None);
+    }
+    let looked = || {
+        let connection = connect::reader(&archive)?.ok_or(Fault::Foreign)?.connection;
+        let found = check(&connection, &archive)?.faults;
+        Ok((found, chain::anchor(&connection)?, chain::end(&connection)?, connection))
+    };
+    let (found, begins, ends, connection) = looked().map_err(|fault| refused(file, &fault))?;
+    faults.extend(found.into_iter().map(|fault| format!("{shown}: {fault}")));
+    Ok(Some(OpenArchive { shown, digest, begins, ends, connection }))
+}
