@@ -71,7 +71,7 @@ export const accessible = {
     if (await page.getByText(/^Held: stopped by the operator/).isVisible()) await start(page).click();
     await phase(page, /bomb located/i, { patience });
     await check(page, 'a bomb is located', found);
-    for (const path of ['/missions/1/moment?at=30', '/missions', '/missions/1', `/luggage/${id}`, '/console/confirm/reset', '/simulator', '/simulator/editor', '/laboratory', '/nowhere']) {
+    for (const path of ['/missions/1/moment?at=30', '/missions', '/missions/1', `/luggage/${id}`, '/console/confirm/reset', '/simulator', '/simulator/editor', '/laboratory', '/api', '/nowhere']) {
       await page.goto(url + path);
       await page.waitForTimeout(300);
       await check(page, path, found);

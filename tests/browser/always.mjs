@@ -8,7 +8,7 @@ const SCREENS = [[320, 568], [320, 256], [390, 844], [640, 360], [760, 900], [76
 
 /** The pages there are while a piece waits. */
 const pages = (id) => ['/', '/missions', '/missions/1', '/missions/1?show=all', '/missions/1/moment', `/luggage/${id}`,
-  `/api/v1/luggage/${id}/photo`, '/console/confirm/reset', `/console/confirm/danger/${id}`, '/missions/99', '/nowhere'];
+  `/api/v1/luggage/${id}/photo`, '/console/confirm/reset', `/console/confirm/danger/${id}`, '/api', '/missions/99', '/nowhere'];
 
 const stateOf = (url) => async () => (await fetch(`${url}/api/v1/state`)).json();
 const isHeld = (url) => async () => (await stateOf(url)()).mission.holds.includes('operator');
