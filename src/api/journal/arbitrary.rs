@@ -50,7 +50,7 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
             .prop_map(|(id, left)| Fact::MissionArchived(MissionId(id), left)),
         phase().prop_map(Fact::Phase),
         vec(hold(), 0..4).prop_map(Fact::Holds),
-        any::<u64>().prop_map(|epoch| Fact::Epoch(Epoch(epoch))),
+        stops().prop_map(Fact::Epoch),
         (option::of(goal()), search()).prop_map(|(goal, search)| Fact::Goal(goal, search)),
         pose().prop_map(Fact::Pose),
         (robot(), pose()).prop_map(|(robot, pose)| Fact::RobotPose(robot, pose)),
@@ -99,12 +99,16 @@ fn command() -> impl Strategy<Value = Fact> {
     })
 }
 
+fn stops() -> impl Strategy<Value = Epoch> {
+    (0..=i64::MAX as u64).prop_map(Epoch)
+}
+
 fn robot() -> impl Strategy<Value = RobotId> {
     "[a-z][a-z0-9-]{0,31}".prop_map(|name| RobotId::new(&name).expect("a name"))
 }
 
 fn state() -> impl Strategy<Value = PersistentState> {
-    let numbers = (any::<u64>(), any::<bool>(), any::<u64>(), any::<u64>(), any::<u64>(), any::<bool>());
+    let numbers = (any::<u64>(), any::<bool>(), stops(), any::<u64>(), any::<u64>(), any::<bool>());
     let others = btree_map(robot(), pose(), 0..3);
     let outside = (btree_map(robot(), 1..=Place::FURTHEST, 0..3), option::of(retrieval()));
     let mission =
@@ -122,7 +126,7 @@ fn state() -> impl Strategy<Value = PersistentState> {
             under_way,
             phase,
             holds: holds.into_iter().collect(),
-            epoch: Epoch(epoch),
+            epoch,
             strategy: Order::Snail,
             search,
             goal,

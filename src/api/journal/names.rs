@@ -1,6 +1,5 @@
 //! The words by which the journal writes what has a name, read back: a word that nobody knows is refused.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Unparsed;
@@ -10,21 +9,20 @@ use hallsweep_core::command::{Door, Move, Note, Verdict};
 use hallsweep_core::event::RobotId;
 use hallsweep_core::mission::Hold;
 use hallsweep_core::search::{Search, Strategy};
-use hallsweep_core::units::{Celsius, Heading};
+use hallsweep_core::units::{Celsius, Epoch, Heading};
 
 /// What an obstacle can be taken for.
 const TAKEN_FOR: [&str; 3] = ["wall", "luggage", "unknown"];
 
 /// Where a search has come to.
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Serialize, Deserialize)]
 pub(super) struct SearchShape {
     strategy: String,
     notes: Vec<i64>,
 }
 
 /// A basic move.
-#[derive(Clone, Copy, Serialize, Deserialize, JsonSchema)]
-#[schemars(rename = "RecordedStep")]
+#[derive(Clone, Copy, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) enum Step {
     Forward,
@@ -53,6 +51,11 @@ pub(super) fn robot(name: &str) -> Result<RobotId, Unparsed> {
 pub(super) fn note(text: Option<String>) -> Result<Option<Note>, Unparsed> {
     let sound = |text: String| Note::new(&text).ok_or_else(|| Unparsed(format!("{:?} is no note of a verdict", in_short(&text))));
     text.map(sound).transpose()
+}
+
+/// How many stops there have been: beyond what a store can count to one more would be no further.
+pub(super) fn epoch(count: u64) -> Result<Epoch, Unparsed> {
+    i64::try_from(count).map(|_| Epoch(count)).map_err(|_| Unparsed(format!("{count} stops cannot have been")))
 }
 
 pub(super) fn heading(name: &str) -> Result<Heading, Unparsed> {

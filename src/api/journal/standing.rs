@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::conditions::ConditionsShape;
@@ -17,11 +16,11 @@ use super::{Unparsed, names, retrieval};
 use hallsweep_core::event::Piece;
 use hallsweep_core::event::RobotId;
 use hallsweep_core::state::PersistentState;
-use hallsweep_core::units::{AlarmId, Epoch, LuggageId, MissionId, Pose};
+use hallsweep_core::units::{AlarmId, LuggageId, MissionId, Pose};
 use hallsweep_core::world::records::LuggageRecords;
 
 /// Everything that stands.
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct StandingShape {
     mission: u64,
@@ -94,7 +93,7 @@ impl StandingShape {
             under_way: self.under_way,
             phase: self.phase.phase()?,
             holds: self.holds.iter().map(|name| names::hold(name)).collect::<Result<_, _>>()?,
-            epoch: Epoch(self.epoch),
+            epoch: names::epoch(self.epoch)?,
             strategy: names::strategy(&self.strategy)?,
             search: self.search.search()?,
             goal: self.goal.map(Into::into),

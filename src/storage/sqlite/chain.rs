@@ -18,7 +18,7 @@ use crate::runtime::archive::Head;
 use hallsweep_core::units::Seq;
 
 /// What stands before the first page.
-const NOTHING: Head = Head { seq: Seq(0), digest: [0; 32] };
+pub(super) const NOTHING: Head = Head { seq: Seq(0), digest: [0; 32] };
 
 /// The columns of an entry, in the order in which they are hashed.
 const COLUMNS: &str = "seq, mission, at_ms, offset_s, kind, body";

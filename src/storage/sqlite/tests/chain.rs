@@ -232,3 +232,21 @@ proptest! {
         }
     }
 }
+
+/// It names the first page behind its commit: a kill in between leaves it at nothing, from which every journal goes on.
+#[test]
+fn a_kill_before_the_first_page_is_named_leaves_a_journal_that_is_sound_and_written_to() {
+    let scratch = Scratch::new();
+    let kept = |facts| Scribe::new(scratch.open()).keep(facts);
+    let nothing = || {
+        let text = format!("entry {:020} sha256 {}\n", 0, "0".repeat(64));
+        std::fs::write(scratch.data().join("journal.head"), text).unwrap();
+    };
+    drop(scratch.open());
+    nothing();
+    kept(vec![found(1, None)]);
+    nothing();
+    check_finds(&scratch, &[]);
+    kept(vec![found(2, None)]);
+    check_finds(&scratch, &[]);
+}
