@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use rusqlite::{Connection, OpenFlags, Transaction, TransactionBehavior, params};
 use sha2::{Digest, Sha256};
 
-use super::check::check;
+use super::check::{Findings, check, check_entries};
 use super::cut::{Bound, Cut, cuts};
 use super::fault::{Fault, Then, count, whole};
 use super::folder::{Folder, sync_parent};
@@ -40,8 +40,8 @@ pub struct Archived {
     pub left: u64,
 }
 
-/// What an archive is called while it is written.
-const UNFINISHED: &str = "hallsweep-archive.unfinished";
+/// What stands behind the name of an archive while it is written.
+const UNFINISHED: &str = "unfinished";
 
 /// Writes out all missions that were put away before `before`, oldest first and without a gap, into `file`, and takes them out of the journal.
 /// `None` where there is none; nothing is changed then.
@@ -53,8 +53,19 @@ pub fn write_out(data: &Path, before: WallTime, now: WallTime, file: &Path) -> R
 pub fn write_out_at_start(data: &Path, before: WallTime, now: WallTime) -> Result<Option<Archived>, Unreadable> {
     let archives = data.join("archives");
     let made = files::make_folder_within(&archives).and_then(|()| files::sync_folder(data));
-    made.map_err(|error| refused(&archives, &error.into()))?;
+    made.and_then(|()| sweep(&archives)).map_err(|error| refused(&archives, &error.into()))?;
     write_out_within(data, (before, now), Bound::OF_A_START, |cut| archives.join(name(cut)))
+}
+
+/// Removes what kills left half done in the folder that is ours alone.
+fn sweep(archives: &Path) -> std::io::Result<()> {
+    for file in std::fs::read_dir(archives)? {
+        let path = file?.path();
+        if path.extension() == Some(UNFINISHED.as_ref()) {
+            std::fs::remove_file(path)?;
+        }
+    }
+    Ok(())
 }
 
 /// A name that follows from what is in it.
@@ -107,14 +118,16 @@ pub(super) fn write_out_within(
     Ok(Some(archived))
 }
 
-/// Whether a file lies in this folder itself, whose files have names and meanings.
+/// Whether a file would lie among those of this data folder, or of another: they have names and meanings. In `archives` it may.
 pub fn is_within(data: &Path, file: &Path) -> bool {
     let file = file.canonicalize().unwrap_or_else(|_| file.to_owned());
     let folder = file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    matches!((folder.canonicalize(), data.canonicalize()), (Ok(folder), Ok(data)) if folder == data)
+    let (Ok(folder), data) = (folder.canonicalize(), data.canonicalize().ok()) else { return false };
+    let mut above = folder.ancestors().take_while(|above| !above.ends_with("archives"));
+    above.any(|above| data.as_deref() == Some(above) || above.join("journal.db").exists())
 }
 
-/// Fails unless the journal is sound, whole and of this version.
+/// Fails unless the journal is sound, whole and of this version. Its photos are looked at as far as they leave it, when they are copied.
 fn ready(folder: &Folder) -> Result<(), Unreadable> {
     let words = |fault: Fault| Unreadable(fault.words(folder.path(), Then::StartAgain));
     if marker::read(folder).map_err(words)?.is_some() {
@@ -123,13 +136,17 @@ fn ready(folder: &Folder) -> Result<(), Unreadable> {
         ));
     }
     head::check(folder).map_err(words)?;
-    let journal = sound(folder)?;
+    let journal = sound_by(folder, check_entries)?;
     // One that has stayed behind would name what goes now.
     chain::end(&journal).and_then(|end| head::write(folder, &end)).map_err(words)
 }
 
 /// A connection to a journal or archive that is sound.
 pub(super) fn sound(folder: &Folder) -> Result<Connection, Unreadable> {
+    sound_by(folder, check)
+}
+
+fn sound_by(folder: &Folder, check: fn(&Connection, &Folder) -> Result<Findings, Fault>) -> Result<Connection, Unreadable> {
     let words = |fault: Fault| Unreadable(fault.words(folder.path(), Then::StartAgain));
     let none = || Unreadable(format!("there is no journal in {}: name its folder with --data", folder.path().display()));
     let connection = connect::reader(folder).map_err(words)?.ok_or_else(none)?.connection;
@@ -155,7 +172,9 @@ fn written(folder: &Folder, journal: &Connection, cut: &Cut, file: &Path) -> Res
         };
         return checked(journal, cut, file).map_err(why);
     }
-    let unfinished = file.with_file_name(UNFINISHED);
+    let mut unfinished = file.as_os_str().to_owned();
+    unfinished.push(format!(".{UNFINISHED}"));
+    let unfinished = PathBuf::from(unfinished);
     // One that a kill left behind is none of anybody's.
     let _ = std::fs::remove_file(&unfinished);
     let made = files::open(&unfinished, File::options().write(true).create_new(true));
@@ -165,7 +184,14 @@ fn written(folder: &Folder, journal: &Connection, cut: &Cut, file: &Path) -> Res
         Ok(sync_parent(file)?)
     });
     // What was begun is of no use to anybody, and the journal has all of it.
-    let named = named.map_err(|fault| refused(file, &fault)).inspect_err(|_| drop(std::fs::remove_file(&unfinished)));
+    let said = |fault: Fault| {
+        if matches!(fault, Fault::Photo(_)) {
+            Unreadable(format!("nothing is written out: {}", fault.words(folder.path(), Then::StartAgain)))
+        } else {
+            refused(file, &fault)
+        }
+    };
+    let named = named.map_err(said).inspect_err(|_| drop(std::fs::remove_file(&unfinished)));
     named.and_then(|()| checked(journal, cut, file)).inspect_err(|_| drop(std::fs::remove_file(file)))
 }
 

@@ -40,6 +40,19 @@ impl Findings {
 
 /// Checks everything, at one moment of a journal that may be written on meanwhile.
 pub(super) fn check(connection: &Connection, folder: &Folder) -> Result<Findings, Fault> {
+    checked(connection, folder, pictures)
+}
+
+/// The same but for the photos, of which there may be many times as much as of entries.
+pub(super) fn check_entries(connection: &Connection, folder: &Folder) -> Result<Findings, Fault> {
+    checked(connection, folder, |_, _, _| Ok(()))
+}
+
+fn checked(
+    connection: &Connection,
+    folder: &Folder,
+    pictures: fn(&Connection, &Folder, &mut Findings) -> Result<(), Fault>,
+) -> Result<Findings, Fault> {
     let mut findings = Findings::default();
     // Before the journal, which may have grown by then, but is never behind it.
     let head = if folder.is_archive() { None } else { Some(head::read(folder)) };

@@ -29,8 +29,8 @@ pub(super) struct Bound {
 impl Bound {
     pub(super) const NONE: Bound = Bound { entries: u64::MAX, photo_bytes: u64::MAX };
 
-    /// While a start waits for it: two hundred missions in a hall like `airport`, some seconds on a common disk.
-    pub(super) const OF_A_START: Bound = Bound { entries: 250_000, photo_bytes: 512 * 1024 * 1024 };
+    /// While a start waits for it: some seconds on a common disk, where a photo is written, read again and digested.
+    pub(super) const OF_A_START: Bound = Bound { entries: 250_000, photo_bytes: 128 * 1024 * 1024 };
 
     pub(super) fn takes(self, cut: &Cut) -> bool {
         cut.entries <= self.entries && cut.photo_bytes <= self.photo_bytes

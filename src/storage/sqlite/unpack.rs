@@ -1,4 +1,5 @@
-//! A data folder that is made of an archive, whole or not at all: it is built beside its place and then renamed. It is a journal of its own from
+//! A data folder that is made of an archive, whole or not at all: it is built beside its place, or within it where there is a folder already,
+//! and then moved there, the journal last. It is a journal of its own from
 //! there on, whose first own entry says from which archive all before it is, and where that begins.
 
 use std::fs;
@@ -7,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use super::archive_file::{copy, digest_of, photos, refused, sound};
 use super::fault::{Fault, Then, count};
-use super::folder::{Folder, sync_parent};
+use super::folder::Folder;
 use super::photos::Pictures;
 use super::{chain, head, pages, rows};
 use crate::api::journal::Picture;
@@ -22,9 +23,7 @@ pub fn unpack(file: &Path, data: &Path, now: WallTime) -> Result<u64, Unreadable
     if !archive.is_archive() {
         return Err(Unreadable(format!("there is no archive {}", file.display())));
     }
-    let Some(build) = beside(data) else {
-        return Err(Unreadable(format!("{} is not empty: name a folder that is not there yet with --data", data.display())));
-    };
+    let place = Place::of(data)?;
     let from = sound(&archive)?;
     let begins = chain::anchor(&from).map_err(|fault| refused(file, &fault))?;
     let record = Unpacked {
@@ -33,25 +32,87 @@ pub fn unpack(file: &Path, data: &Path, now: WallTime) -> Result<u64, Unreadable
         behind: begins.seq,
         page: begins.hex(),
     };
-    built(&from, &Folder::new(&build), Entry { wall: now, fact: Fact::Unpacked(record) })
-        .and_then(|entries| {
-            fs::rename(&build, data)?;
-            sync_parent(data)?;
-            Ok(entries)
-        })
-        .map_err(|fault| Unreadable(fault.words(data, Then::StartAgain)))
+    place.check()?;
+    let entries = built(&from, &Folder::new(&place.build), Entry { wall: now, fact: Fact::Unpacked(record) });
+    // What cannot be used is not left in anybody's way.
+    let entries = entries.inspect_err(|_| drop(fs::remove_dir_all(&place.build)));
+    let placed = entries.and_then(|entries| Ok(place.take().map(|()| entries)?));
+    placed.map_err(|fault| Unreadable(fault.words(data, Then::StartAgain)))
 }
 
-/// Where the folder is built; nothing where there is something in its place already.
-fn beside(data: &Path) -> Option<PathBuf> {
-    let is_free = match fs::read_dir(data) {
-        Ok(mut there) => there.next().is_none(),
-        Err(error) => error.kind() == io::ErrorKind::NotFound,
-    };
-    let mut name = data.file_name().filter(|_| is_free)?.to_owned();
-    name.push(".hallsweep-unpack");
-    Some(data.with_file_name(name))
+/// Where the folder is to be, and where it is built until it is whole.
+struct Place {
+    data: PathBuf,
+    build: PathBuf,
+    /// Whether there is a folder in its place, which may be a volume or the end of a link: it stays, and what was built is moved into it.
+    is_there: bool,
 }
+
+/// In a folder that is there, where the new one is built.
+const BUILD: &str = "hallsweep-unpack";
+
+impl Place {
+    /// A place that is free: nothing is there, or an empty folder, or what a kill left of an unpacking.
+    fn of(data: &Path) -> Result<Place, Unreadable> {
+        let refused = |words: &dyn std::fmt::Display| Unreadable(format!("{} cannot be used: {words}", data.display()));
+        let data = match data.canonicalize() {
+            Ok(there) => there,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                let Some(name) = data.file_name() else { return Err(refused(&error)) };
+                let mut beside = name.to_owned();
+                beside.push(format!(".{BUILD}"));
+                return Ok(Place { data: data.to_owned(), build: data.with_file_name(beside), is_there: false });
+            }
+            Err(error) => return Err(refused(&error)),
+        };
+        let there = fs::read_dir(&data).and_then(|files| files.map(|file| Ok(file?.file_name())).collect::<io::Result<Vec<_>>>());
+        let there = there.map_err(|error| refused(&error))?;
+        // A volume may have this of its own.
+        let is_empty = there.iter().all(|name| name == "lost+found");
+        let was_begun = there.iter().any(|name| name == BUILD) && !there.iter().any(|name| name == JOURNAL);
+        if is_empty || was_begun {
+            let build = data.join(BUILD);
+            Ok(Place { data, build, is_there: true })
+        } else {
+            Err(Unreadable(format!("{} is not empty: name another folder with --data", data.display())))
+        }
+    }
+
+    /// Fails where something stands in the way of building that no unpacking has left.
+    fn check(&self) -> Result<(), Unreadable> {
+        const LEFT: [&str; 4] = [JOURNAL, "journal.head", "journal.lock", "photos"];
+        let is_ours = match fs::symlink_metadata(&self.build) {
+            Ok(there) if there.is_dir() => fs::read_dir(&self.build).is_ok_and(|mut files| {
+                files.all(|file| file.is_ok_and(|file| LEFT.iter().any(|name| file.file_name() == *name)))
+            }),
+            Ok(_) => false,
+            Err(error) => error.kind() == io::ErrorKind::NotFound,
+        };
+        let words = || Unreadable(format!("{} is in the way, with something else in it: move it away", self.build.display()));
+        if is_ours { Ok(()) } else { Err(words()) }
+    }
+
+    /// Takes what was built: in one step, or the journal last, without which a folder is no data folder.
+    fn take(&self) -> io::Result<()> {
+        if !self.is_there {
+            fs::rename(&self.build, &self.data)?;
+            return files::sync_folder(self.data.parent().unwrap_or(Path::new(".")));
+        }
+        let mut parts = fs::read_dir(&self.build)?.map(|part| Ok(part?.file_name())).collect::<io::Result<Vec<_>>>()?;
+        parts.sort_by_key(|part| part == JOURNAL);
+        for part in parts {
+            let to = self.data.join(&part);
+            // A kill may have left it, when it was moved here before.
+            remove(if to.is_dir() { fs::remove_dir_all(&to) } else { fs::remove_file(&to) })?;
+            fs::rename(self.build.join(&part), to)?;
+            files::sync_folder(&self.data)?;
+        }
+        fs::remove_dir(&self.build)?;
+        files::sync_folder(&self.data)
+    }
+}
+
+const JOURNAL: &str = "journal.db";
 
 /// Builds it, photos first, up to an entry of its own; how many entries it has.
 fn built(from: &rusqlite::Connection, folder: &Folder, own: Entry) -> Result<u64, Fault> {

@@ -3,10 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use super::super::archive_file::write_out_within;
+use super::super::connect;
 use super::super::cut::{Bound, Cut};
+use super::super::folder::Folder;
 use super::super::{Archived, write_out_at_start};
 use super::archives::{LATER, end, file, held, play, some_missions};
 use super::testing::*;
+use crate::api::journal::Picture;
 use crate::runtime::archive::Unreadable;
 use hallsweep_core::units::MissionId;
 
@@ -61,10 +64,25 @@ fn a_whole_file_that_the_journal_does_not_name_is_found_again_and_not_written_a_
     assert_eq!(held(&scratch, &archives(&scratch)), Vec::<String>::new());
 }
 
+/// A start waits for what leaves the journal, and not for all the photos that stay in it.
+#[test]
+fn photos_that_stay_are_not_looked_at_when_others_leave() {
+    let scratch = some_missions();
+    let folder = Folder::new(&scratch.data());
+    let journal = connect::writer(&folder).unwrap();
+    let newest = "SELECT digest, media_type FROM photos JOIN takes ON takes.photo = digest ORDER BY luggage DESC LIMIT 1";
+    let (digest, media_type) = journal.query_row(newest, [], |row| Ok((row.get(0)?, row.get(1)?))).unwrap();
+    drop(journal);
+    std::fs::remove_file(folder.photo(&Picture { digest, media_type })).unwrap();
+    let bound = Bound { entries: 16, ..Bound::NONE };
+    let archived = write_out_within(&scratch.data(), (LATER, LATER), bound, |_| file(&scratch, "first"));
+    assert_eq!(missions(archived.unwrap()), (MissionId(1), MissionId(1)));
+}
+
 #[test]
 fn half_a_file_is_written_anew() {
     let scratch = some_missions();
-    let half = scratch.data().join("archives/hallsweep-archive.unfinished");
+    let half = scratch.data().join("archives/missions-1-to-2-0123456789abcdef.hallsweep.unfinished");
     std::fs::create_dir(half.parent().unwrap()).unwrap();
     std::fs::write(&half, "SQLite format 3").unwrap();
     assert_eq!(missions(start(&scratch).unwrap()), (MissionId(1), MissionId(3)));

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use std::os::unix::fs::MetadataExt;
+
 use super::super::archive_file::write_out_within;
 use super::super::cut::Bound;
 use super::super::folder::Folder;
@@ -56,7 +58,7 @@ fn an_archive_becomes_a_folder_that_goes_on_by_itself() {
     for (from, to, words) in [
         (old.clone(), left.data(), "is not empty"),
         (old.clone(), elsewhere.data(), "is not empty"),
-        (old.clone(), old.clone(), "is not empty"),
+        (old.clone(), old.clone(), "cannot be used"),
         (old.clone(), PathBuf::from("/"), "is not empty"),
         (scratch.data(), file(&scratch, "new"), "there is no archive"),
     ] {
@@ -158,11 +160,10 @@ fn a_beginning_that_is_not_on_record_is_a_fault() {
 fn what_a_kill_left_of_an_unpacking_is_begun_anew_and_an_empty_folder_is_taken() {
     let (_scratch, [_, second]) = two_in_a_row();
     let elsewhere = Scratch::new();
-    let left = elsewhere.data().with_file_name("data.hallsweep-unpack");
+    let left = elsewhere.data().join("hallsweep-unpack");
     std::fs::create_dir_all(left.join("photos/ab")).unwrap();
     std::fs::write(left.join("photos/ab/cd.png"), "half a photo").unwrap();
     std::fs::write(left.join("journal.db"), "half a journal").unwrap();
-    std::fs::create_dir(elsewhere.data()).unwrap();
     let lock = Folder::new(&left).lock().unwrap();
     let Err(Unreadable(words)) = unpack(&second, &elsewhere.data(), LATER) else { panic!("another was at it") };
     assert!(words.contains("another hallsweep uses the folder"), "{words}");
@@ -170,4 +171,45 @@ fn what_a_kill_left_of_an_unpacking_is_begun_anew_and_an_empty_folder_is_taken()
     unpack(&second, &elsewhere.data(), LATER).unwrap();
     check_finds(&elsewhere, &[]);
     assert!(!left.exists() && !elsewhere.data().join("photos/ab").exists());
+}
+
+/// As a volume is mounted, or as a link leads to one; and a folder of somebody else's is left alone.
+#[test]
+fn a_folder_that_is_there_stays_and_what_is_in_it_is_nobodys_to_remove() {
+    let (_scratch, [_, second]) = two_in_a_row();
+    let elsewhere = Scratch::new();
+    let (place, link) = (elsewhere.data().with_file_name("volume"), elsewhere.data().with_file_name("link"));
+    std::fs::create_dir_all(place.join("lost+found")).unwrap();
+    std::os::unix::fs::symlink(&place, &link).unwrap();
+    let before = std::fs::metadata(&place).unwrap().ino();
+    // A kill came between the parts: the journal, which comes last, is not there.
+    std::fs::create_dir_all(place.join("hallsweep-unpack")).unwrap();
+    std::fs::create_dir_all(place.join("photos/ab")).unwrap();
+    unpack(&second, &link, LATER).unwrap();
+    assert_eq!(faults(&place), Vec::<String>::new());
+    assert_eq!(std::fs::metadata(&place).unwrap().ino(), before, "the folder is the one that was there");
+    assert!(place.join("lost+found").exists() && !place.join("photos/ab").exists() && !place.join("hallsweep-unpack").exists());
+    let Err(Unreadable(words)) = unpack(&second, &place, LATER) else { panic!("there is a journal") };
+    assert!(words.contains("is not empty"), "{words}");
+
+    let foreign = elsewhere.data().with_file_name("foreign");
+    std::fs::create_dir(&foreign).unwrap();
+    std::fs::write(foreign.join("diary"), "mine").unwrap();
+    assert!(unpack(&second, &foreign, LATER).is_err());
+    assert_eq!(std::fs::read_dir(&foreign).unwrap().count(), 1);
+}
+
+/// Keys, or a STOP that holds, are not to be had from whoever may write beside the folder.
+#[test]
+fn what_lies_where_a_folder_is_built_is_not_taken_into_it() {
+    let (_scratch, [_, second]) = two_in_a_row();
+    let elsewhere = Scratch::new();
+    let build = elsewhere.data().with_file_name("data.hallsweep-unpack");
+    std::fs::create_dir(&build).unwrap();
+    std::fs::write(build.join("access.toml"), "keys of somebody else").unwrap();
+    let Err(Unreadable(words)) = unpack(&second, &elsewhere.data(), LATER) else { panic!("it was taken") };
+    assert!(words.contains("is in the way") && !elsewhere.data().exists(), "{words}");
+    std::fs::remove_dir_all(&build).unwrap();
+    std::os::unix::fs::symlink(elsewhere.data().with_file_name("."), &build).unwrap();
+    assert!(unpack(&second, &elsewhere.data(), LATER).is_err());
 }
