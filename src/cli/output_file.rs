@@ -78,11 +78,11 @@ fn open(place: &Path) -> io::Result<To> {
         }
     }
     let beside = unfinished(place);
-    let to = To::Beside(begin(&beside)?, Some(beside));
-    if let (To::Beside(file, _), Some(there)) = (&to, there) {
-        file.set_permissions(there.permissions())?;
+    let file = begin(&beside)?;
+    if let Some(there) = there {
+        file.set_permissions(there.permissions()).inspect_err(|_| drop(fs::remove_file(&beside)))?;
     }
-    Ok(to)
+    Ok(To::Beside(file, Some(beside)))
 }
 
 /// Gives what is whole its name.

@@ -121,7 +121,8 @@ fn step(least: i32) -> i32 {
 fn piece(svg: &mut String, luggage: &Luggage, size: f64) {
     let (x, y) = middle(luggage.cell);
     let verdict = luggage.verdict_name();
-    write!(svg, "<g class=\"piece {verdict}\" transform=\"translate({x} {y})\">").expect(WRITES);
+    let secured = if luggage.secured.is_some() { " secured" } else { "" };
+    write!(svg, "<g class=\"piece {verdict}{secured}\" transform=\"translate({x} {y})\">").expect(WRITES);
     let drawn = match verdict {
         "safe" => write!(svg, "<circle r=\"{size:.2}\"/>"),
         "danger" => write!(svg, "<path d=\"M0 {:.2}L{:.2} {:.2}H{:.2}Z\"/>", -1.5 * size, 1.4 * size, 0.9 * size, -1.4 * size),

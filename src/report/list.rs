@@ -3,7 +3,7 @@
 
 use std::io::Write;
 
-use super::{BATCH, Failure, end, in_batches};
+use super::{BATCH, Failure, end, first, in_batches, still_there};
 use crate::api::journal;
 use crate::api::time::rfc3339;
 use crate::phrases::Language;
@@ -19,19 +19,21 @@ const FORMULA: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
 
 /// Every entry as JSON, a line each.
 pub fn write_lines(archive: &dyn Archive, mission: MissionId, out: &mut dyn Write) -> Result<(), Failure> {
-    let until = end(archive)?;
+    let (until, began) = (end(archive)?, first(archive, mission)?);
     let batch = |after| archive.lines(mission, Span { after, until }, BATCH);
-    in_batches(batch, |_, line| Ok(out.write_all(line.as_bytes()).and_then(|()| out.write_all(b"\n"))?))
+    in_batches(batch, |_, line| Ok(out.write_all(line.as_bytes()).and_then(|()| out.write_all(b"\n"))?))?;
+    still_there(archive, mission, began)
 }
 
 /// Every entry as a row, in the words of a language; the names of the columns and kinds are the same in all.
 pub fn write_table(archive: &dyn Archive, mission: MissionId, language: Language, out: &mut dyn Write) -> Result<(), Failure> {
-    let until = end(archive)?;
+    let (until, began) = (end(archive)?, first(archive, mission)?);
     let mut table = csv::WriterBuilder::new().terminator(csv::Terminator::CRLF).from_writer(out);
     table.write_record(COLUMNS).map_err(io_error)?;
     let batch = |after| archive.entries(mission, Span { after, until }, BATCH);
     in_batches(batch, |seq, entry| table.write_record(row(language, seq, entry.as_ref())).map_err(io_error))?;
-    Ok(table.flush()?)
+    table.flush()?;
+    still_there(archive, mission, began)
 }
 
 fn row(language: Language, seq: Seq, entry: Result<&Entry, &Unreadable>) -> [String; 8] {

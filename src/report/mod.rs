@@ -43,6 +43,8 @@ const BATCH: usize = 1000;
 pub struct Report<'a> {
     archive: &'a dyn Archive,
     claim: Claim,
+    /// The first entry of the mission.
+    began: Option<Seq>,
     /// Where the chain of digests had come to; `None` where the journal is in memory alone, and nothing can confirm it later.
     head: Option<Head>,
     tally: Tally,
@@ -83,12 +85,13 @@ impl<'a> Report<'a> {
     }
 
     fn of(archive: &'a dyn Archive, claim: Claim, head: Option<Head>) -> Result<Option<Report<'a>>, Unreadable> {
+        let began = first(archive, claim.mission)?;
         let tally = Tally::of(archive, claim.mission, claim.until)?;
         if tally.last().is_none() {
             return Ok(None);
         }
         let moment = archive.moments(claim.mission, &[At::Entry(tally.stood_last(claim.until))])?.pop();
-        Ok(Some(Report { archive, claim, head, tally, moment }))
+        Ok(Some(Report { archive, claim, began, head, tally, moment }))
     }
 
     /// What cannot be understood of what it is made from, a sentence each: on the line of time, and besides what the hall follows from.
@@ -109,13 +112,27 @@ impl<'a> Report<'a> {
 
     /// Writes it, a part at a time: of what may be large nothing is held as a whole.
     pub fn write(&self, out: &mut dyn Write) -> Result<(), Failure> {
-        page::write(self, out)
+        page::write(self, out)?;
+        still_there(self.archive, self.claim.mission, self.began)
     }
 }
 
 /// The last entry that counts: what comes behind it was said to be lost, and the next start takes it back.
 fn end(archive: &dyn Archive) -> Result<Seq, Unreadable> {
     Ok(archive.lost_after()?.unwrap_or(Seq(u64::MAX)))
+}
+
+/// The first entry of a mission that is on record: another, or none, once the mission was written out into an archive.
+fn first(archive: &dyn Archive, mission: MissionId) -> Result<Option<Seq>, Unreadable> {
+    Ok(archive.entries(mission, Span { after: Seq(0), until: Seq(u64::MAX) }, 1)?.first().map(|(seq, _)| *seq))
+}
+
+/// Fails where a mission that began with this entry was written out meanwhile: what was read since may be half of it.
+fn still_there(archive: &dyn Archive, mission: MissionId, began: Option<Seq>) -> Result<(), Failure> {
+    if first(archive, mission)? == began {
+        return Ok(());
+    }
+    Err(Unreadable(format!("mission {mission} was written out into an archive meanwhile: ask for it there")).into())
 }
 
 /// Walks over what is on record of a mission up to `until` and stands on its line of time, oldest first.

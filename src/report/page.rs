@@ -1,5 +1,6 @@
 //! The page, part by part: what is in which, and in which words. Each part is small, but for the hall, which is as large as the hall is.
 
+use std::cell::RefCell;
 use std::io::Write;
 
 use askama::Template;
@@ -252,9 +253,17 @@ fn tables(report: &Report<'_>, out: &mut dyn Write) -> Result<(), Failure> {
         let (asked, issuer, refused) = asked(fact)?;
         Some((vec![asked, issuer, language.refusal(&refused?)], ""))
     };
+    let told = RefCell::new(String::new());
     let happened = |fact: &Fact| {
         if let Fact::Temperature(..) = fact {
             return None;
+        }
+        // What its trees did goes on record at every tick: it is told when it has come further.
+        if let Fact::Retrieval(_) = fact {
+            let words = language.fact(fact);
+            if told.replace(words.clone()) == words {
+                return None;
+            }
         }
         let class = if matches!(fact, Fact::AlarmRaised(..)) { "alarm" } else { "" };
         match asked(fact) {

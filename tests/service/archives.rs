@@ -1,9 +1,10 @@
 //! Old missions in archives: written out by a command or at a start, held against the journal, reported, and served again.
 
+use std::io::Read;
 use std::net::TcpListener;
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use crate::journal::{journal, serve};
 use crate::kill::Folder;
@@ -272,4 +273,26 @@ fn killed_between_the_archive_and_the_journal_a_start_takes_the_archive_that_is_
     assert!(archives(&folder) == written);
     let (well, said) = journal(&folder, &["check", "--archive", text(&written[0].0)]);
     assert!(well, "{said}");
+}
+
+/// Whoever reads slowly lets an archiving come between the parts of a report.
+#[test]
+fn a_report_whose_mission_is_written_out_meanwhile_does_not_end_as_if_it_were_whole() {
+    let (folder, beside) = (Folder::new("archives-meanwhile"), Folder::new("archives-meanwhile-beside"));
+    let program = serve(&folder);
+    a_mission(&program);
+    end(program);
+    let mut command = hallsweep(&["report", "--data", folder.text(), "1", "-o", "-"]);
+    let mut writing = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
+    let mut page = writing.stdout.take().expect("it is a pipe");
+    page.read_exact(&mut [0]).expect("it has begun");
+    let archive = beside.path().join("a.hallsweep");
+    std::fs::create_dir_all(beside.path()).expect("a folder");
+    let (well, said) = journal(&folder, &["archive", "--before", "2999-01-01", "-o", text(&archive)]);
+    assert!(well, "{said}");
+    let mut rest = Vec::new();
+    page.read_to_end(&mut rest).expect("it ends");
+    let ended = writing.wait_with_output().expect("it ends");
+    let said = String::from_utf8_lossy(&ended.stderr);
+    assert!(!ended.status.success() && said.contains("was written out into an archive meanwhile"), "{said}");
 }

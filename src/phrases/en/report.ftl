@@ -39,6 +39,8 @@ report-visited = searched
 report-unknown = unknown
 report-wall = wall
 report-todo = not inspected
+report-luggage-cell = luggage
+report-fetched = fetched, and not there any more
 report-home = home
 
 ## Luggage

@@ -39,6 +39,8 @@ report-visited = esplorata
 report-unknown = ignota
 report-wall = parete
 report-todo = non ispezionata
+report-luggage-cell = bagaglio
+report-fetched = recuperato, e non più lì
 report-home = base
 
 ## Bagagli
