@@ -118,10 +118,12 @@ impl Fields {
     }
 }
 
-/// A whole number, which JSON may write as `3.0` too.
+/// A whole number, which JSON may write as `3.0` too, as long as that is exactly one number.
 fn integer<N: FromStr>(value: &Value) -> Option<N> {
+    const EXACT: f64 = 9_007_199_254_740_992.0;
     let number = value.as_number()?;
-    number.to_string().parse().ok().or_else(|| number.as_f64()?.to_string().parse().ok())
+    let whole = || number.as_f64().filter(|number| number.abs() < EXACT)?.to_string().parse().ok();
+    number.to_string().parse().ok().or_else(whole)
 }
 
 /// A field that must be there.

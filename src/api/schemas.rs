@@ -87,7 +87,7 @@ impl Schemas {
     /// All that are referred to, by their names.
     pub fn shapes(mut self) -> Map<String, Value> {
         let all = self.taken.take_definitions(true).into_iter().chain(self.sent.take_definitions(true));
-        all.map(|(name, schema)| (public(&name), renamed(schema))).collect()
+        all.map(|(name, schema)| (public(&name).to_owned(), renamed(schema))).collect()
     }
 }
 
@@ -113,13 +113,9 @@ fn renamed(mut schema: Value) -> Value {
     schema
 }
 
-/// What a shape is called outside: how it is written goes without saying, and what is on record says so.
-fn public(name: &str) -> String {
-    match (name.strip_suffix("Json"), name.strip_suffix("Shape")) {
-        (Some(plain), _) => plain.to_owned(),
-        (None, Some(plain)) => format!("Recorded{plain}"),
-        (None, None) => name.to_owned(),
-    }
+/// What a shape is called outside: how it is written goes without saying.
+fn public(name: &str) -> &str {
+    name.strip_suffix("Json").unwrap_or(name)
 }
 
 #[cfg(test)]
@@ -180,7 +176,7 @@ mod tests {
         );
         let written: std::collections::BTreeSet<&String> =
             schemas.sent.definitions().keys().chain(schemas.taken.definitions().keys()).collect();
-        let named: std::collections::BTreeSet<String> = written.iter().map(|name| public(name)).collect();
+        let named: std::collections::BTreeSet<String> = written.iter().map(|name| public(name).to_owned()).collect();
         assert_eq!(named.len(), written.len(), "two shapes have one name: {written:?}");
         for (name, schema) in &shapes {
             assert!(!name.ends_with(|last: char| last.is_ascii_digit()), "two shapes are called {name}");

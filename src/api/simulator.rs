@@ -119,10 +119,8 @@ impl Body for ChangeBody {
 
     fn taken(fields: &Fields) -> Result<ChangeBody, Unusable> {
         let whether = |name| fields.field(name, "true or false", Value::as_bool);
-        let number_or_max = |value: &Value| match value {
-            Value::String(text) => (text == "max").then(|| text.clone()),
-            _ => value.as_f64().map(|number| number.to_string()),
-        };
+        let max = |value: &Value| value.as_str().filter(|text| *text == "max").map(str::to_owned);
+        let number_or_max = |value: &Value| max(value).or_else(|| Some(value.as_f64()?.to_string()));
         let speed = fields.field("speed", "a number, as 2, or \"max\"", number_or_max)?;
         let blocked = fields.field("blocked", "a list of cells, as [{\"x\":1,\"y\":2}],", cells)?;
         Ok(ChangeBody(Change {
@@ -174,7 +172,7 @@ impl JsonSchema for HallBody {
                         "description": "Where its dice begin, in digits and quotes or not; the one that stands where it is absent.",
                         "oneOf": [
                             {"type": "integer", "minimum": 0, "maximum": u64::MAX},
-                            {"type": "string", "pattern": "^[0-9]{1,19}$"},
+                            {"type": "string", "pattern": "^[0-9]{1,20}$"},
                             {"type": "null"},
                         ],
                     },

@@ -1,5 +1,5 @@
-//! The words that a field may hold where they are a fixed list: of each list its schema, made of the core's own. The values themselves stay
-//! plain texts; a field says by `with` which list is its own.
+//! The words that a field may hold where they are a fixed list: of each list its schema, made of the core's own where the core has one. The
+//! values themselves stay plain texts; a field says by `with` which list is its own. Schemathesis finds a word that is missing here.
 
 use std::borrow::Cow;
 

@@ -9,7 +9,7 @@ sys.path.insert(0, folder)
 
 from hallsweep_client import AuthenticatedClient
 from hallsweep_client.api.commands import back_home, reset, start, verdict
-from hallsweep_client.api.missions import get_mission_record, get_missions
+from hallsweep_client.api.missions import get_mission_events, get_mission_record, get_missions
 from hallsweep_client.api.state import get_state
 from hallsweep_client.models import Answer, EpochBody, Problem, VerdictBody, VerdictWord
 
@@ -45,6 +45,9 @@ while True:
 record = get_missions.sync(client=client).missions[0]
 whole = get_mission_record.sync(record.id, client=client)
 assert len(whole.luggage) == record.pieces == safe and record.dangerous == 0, whole
+events = get_mission_events.sync(record.id, client=client).events
+verdicts = [event for event in events if event.kind == "verdict"]
+assert [event["verdict"] for event in verdicts] == ["safe"] * safe, verdicts
 assert all(piece.decided.note == "a lunch box" for piece in whole.luggage)
 assert isinstance(reset.sync(client=client, body=EpochBody()), Answer)
 until({"idle"})

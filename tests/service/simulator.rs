@@ -239,6 +239,25 @@ fn a_hall_is_kept_under_a_name_over_a_restart_until_it_is_discarded() {
     );
 }
 
+/// Again and again, since it was a matter of moments.
+#[test]
+fn right_after_another_hall_was_chosen_start_is_not_refused() {
+    let program = Program::serve("airport", "max");
+    let choose = |name: &str| program.put("/api/v1/simulator/hall", &json!({ "name": name }).to_string()).status;
+    for turn in 0..30 {
+        assert_eq!(choose(if turn % 2 == 0 { "empty-8x8" } else { "airport" }), 200);
+        program.command("start").accepted();
+        program.command("stop").accepted();
+        program.command("reset").accepted();
+        program.until("it can be put down elsewhere", |state| {
+            state["robot"]["state"] == "stopped" && state["robot"]["halting"] == false
+        });
+    }
+    assert_eq!(program.put("/api/v1/simulator", r#"{"linkLost":true}"#).status, 200);
+    assert_eq!(choose("empty-8x8"), 200, "one that is kept from saying where it stands is not waited for");
+    assert!(program.command("start").problem(409).contains("cannot be reached"));
+}
+
 #[test]
 fn a_hall_that_cannot_be_kept_is_said_so() {
     let folder = Folder::new("unkept-halls");

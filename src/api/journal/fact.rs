@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::conditions::ConditionsShape;
@@ -21,8 +20,7 @@ use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId, Seq};
 use hallsweep_core::world::alarm::AlarmCause;
 
 /// A fact, by its kind.
-#[derive(Serialize, Deserialize, JsonSchema)]
-#[schemars(rename = "Fact")]
+#[derive(Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "camelCase", rename_all_fields = "camelCase")]
 pub(super) enum Shape {
     ProgramStarted {
@@ -146,7 +144,7 @@ pub(super) enum Shape {
 }
 
 /// A command and what became of it.
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Serialize, Deserialize)]
 pub(super) struct CommandShape {
     command: String,
     door: String,
@@ -160,7 +158,7 @@ pub(super) struct CommandShape {
 }
 
 /// Why a command was refused; its kind follows from the code.
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Serialize, Deserialize)]
 struct RefusalShape {
     code: String,
     words: String,
@@ -282,7 +280,7 @@ impl Shape {
             }
             Shape::Phase { phase } => Fact::Phase(phase.phase()?),
             Shape::Holds { holds } => Fact::Holds(holds.iter().map(|name| names::hold(name)).collect::<Result<_, _>>()?),
-            Shape::Epoch { epoch } => Fact::Epoch(Epoch(epoch)),
+            Shape::Epoch { epoch } => Fact::Epoch(names::epoch(epoch)?),
             Shape::Goal { goal, search } => Fact::Goal(goal.map(Into::into), search.search()?),
             Shape::Pose(pose) => Fact::Pose(pose.pose()?),
             Shape::RobotPose { robot, pose } => Fact::RobotPose(names::robot(&robot)?, pose.pose()?),

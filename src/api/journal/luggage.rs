@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::places::{Moment, Point, PoseShape};
@@ -13,7 +12,7 @@ use hallsweep_core::world::alarm::{Alarm, AlarmCause};
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
 
 /// The record of one piece.
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Serialize, Deserialize)]
 pub(super) struct LuggageShape {
     pub(super) id: u64,
     cell: Point,
@@ -28,7 +27,7 @@ pub(super) struct LuggageShape {
 }
 
 /// What became of a photo.
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 enum PhotoShape {
     Taken { bytes: usize, take: u32 },
@@ -36,7 +35,7 @@ enum PhotoShape {
 }
 
 /// A verdict that stands.
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Serialize, Deserialize)]
 struct DecisionShape {
     verdict: String,
     who: String,
@@ -45,7 +44,7 @@ struct DecisionShape {
     note: Option<String>,
 }
 
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Serialize, Deserialize)]
 pub(super) struct AlarmShape {
     id: u64,
     raised: Moment,
@@ -54,7 +53,7 @@ pub(super) struct AlarmShape {
     acknowledged: Option<SeenShape>,
 }
 
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Serialize, Deserialize)]
 struct SeenShape {
     who: String,
     when: Moment,

@@ -5,7 +5,6 @@
 //!   [4, -1, "W1V12.3L1"]   row 4, from column -1: a wall, twelve visited cells, three unknown, a piece of luggage
 //! ```
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Unparsed;
@@ -23,8 +22,7 @@ const LETTERS: [(Mark, char); 6] = [
 ];
 
 /// A row: its `y`, the `x` of its first known cell, and its runs.
-#[derive(Serialize, Deserialize, JsonSchema)]
-#[schemars(rename = "RecordedRow")]
+#[derive(Serialize, Deserialize)]
 pub(super) struct Row(i32, i32, String);
 
 pub(super) fn named(name: &str) -> Result<Mark, Unparsed> {

@@ -41,7 +41,7 @@ use hallsweep_core::world::luggage::Luggage;
 pub struct Unparsed(pub(super) String);
 
 /// The file in which a photo is kept.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Picture {
     /// The SHA-256 of its bytes, in 64 lower-case hexadecimal digits.
@@ -63,10 +63,9 @@ pub struct Line {
     pub picture: Option<Picture>,
 }
 
-#[derive(Serialize, Deserialize, JsonSchema)]
-#[schemars(rename = "Entry")]
+#[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub struct LineShape {
+struct LineShape {
     seq: u64,
     /// For people; what counts is the two that follow.
     #[serde(default)]
@@ -78,28 +77,26 @@ pub struct LineShape {
     fact: Shape,
 }
 
-/// An entry that cannot be understood.
-#[derive(Serialize, JsonSchema)]
-#[schemars(rename = "UnreadableEntry")]
-pub struct UnreadableShape<'a> {
-    seq: u64,
-    kind: Unreadable,
-    why: &'a str,
-}
-
-#[derive(Serialize, JsonSchema)]
-#[serde(rename_all = "camelCase")]
-#[schemars(inline)]
-enum Unreadable {
-    Unreadable,
-}
-
-/// A line of a list of entries, as its schema has it: a list is put together of lines that are written already.
+/// A line in a list of entries, as its schema has it: what else is in it follows from its kind (`docs/journal.md`).
 #[derive(JsonSchema)]
-#[schemars(untagged, inline)]
-pub enum ListedLine {
-    Entry(Box<LineShape>),
-    Unreadable(UnreadableShape<'static>),
+#[schemars(rename = "Entry", rename_all = "camelCase")]
+#[expect(dead_code, reason = "it is there for its schema: a list is put together of lines that are written already")]
+pub struct ListedLine {
+    /// Its place in the journal.
+    seq: u64,
+    /// When it was written, RFC 3339 with zone; absent, as what follows, where the entry cannot be understood.
+    #[schemars(skip_serializing_if = "Option::is_none")]
+    at: Option<String>,
+    /// The same in milliseconds since 1970, and the offset of its zone in seconds.
+    #[schemars(skip_serializing_if = "Option::is_none")]
+    unix_ms: Option<i64>,
+    #[schemars(skip_serializing_if = "Option::is_none")]
+    offset_s: Option<i32>,
+    /// The mission it belongs to; null between two.
+    #[schemars(skip_serializing_if = "Option::is_none")]
+    mission: Option<u64>,
+    /// What kind of entry it is; `unreadable` with the reason as `why` where it cannot be understood.
+    kind: String,
 }
 
 impl Picture {
@@ -137,7 +134,7 @@ pub fn line(line: &Line) -> String {
 
 /// The line that stands in the place of an entry that cannot be understood: its place, the kind `unreadable`, and why.
 pub fn unreadable(seq: Seq, why: &str) -> String {
-    written(&UnreadableShape { seq: seq.0, kind: Unreadable::Unreadable, why })
+    format!("{{\"seq\":{seq},\"kind\":\"unreadable\",\"why\":{}}}", serde_json::Value::from(why))
 }
 
 /// Reads a line of the journal.

@@ -1,6 +1,5 @@
 //! Phases in the journal, each with its data, the interrupted ones inside those that interrupt them.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Unparsed;
@@ -12,7 +11,7 @@ use hallsweep_core::retrieval::NotFetched;
 use hallsweep_core::units::LuggageId;
 
 /// A phase, by the name of the doors.
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Serialize, Deserialize)]
 #[serde(tag = "name", rename_all = "camelCase")]
 pub(super) enum PhaseShape {
     Idle,
@@ -30,7 +29,7 @@ pub(super) enum PhaseShape {
 }
 
 /// A piece being inspected.
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Serialize, Deserialize)]
 pub(super) struct InspectionShape {
     cell: Point,
     piece: Option<u32>,
@@ -39,8 +38,7 @@ pub(super) struct InspectionShape {
 }
 
 /// How far an inspection has come.
-#[derive(Serialize, Deserialize, JsonSchema)]
-#[schemars(rename = "RecordedInspectionStage")]
+#[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 enum StageShape {
     BackingUp,
@@ -51,7 +49,7 @@ enum StageShape {
 }
 
 /// Why a mission is in fault.
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) enum CauseShape {
     NoWayHome,

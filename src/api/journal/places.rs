@@ -1,6 +1,5 @@
 //! Cells, poses and moments in the journal. A moment keeps the exact millisecond and offset; its RFC 3339 form is for people.
 
-use schemars::JsonSchema;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -14,8 +13,7 @@ use hallsweep_core::world::hall_map::REACH;
 const FARTHEST: i32 = 2 * REACH;
 
 /// A cell.
-#[derive(Clone, Copy, Serialize, Deserialize, JsonSchema)]
-#[schemars(rename = "RecordedPoint")]
+#[derive(Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Point {
     #[serde(deserialize_with = "side")]
     pub(super) x: i32,
@@ -23,7 +21,7 @@ pub(super) struct Point {
     pub(super) y: i32,
 }
 
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Serialize, Deserialize)]
 pub(super) struct PoseShape {
     #[serde(deserialize_with = "side")]
     x: i32,
@@ -32,8 +30,7 @@ pub(super) struct PoseShape {
     heading: String,
 }
 
-#[derive(Serialize, Deserialize, JsonSchema)]
-#[schemars(rename = "RecordedMoment")]
+#[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Moment {
     /// For people.
@@ -44,7 +41,7 @@ pub(super) struct Moment {
 }
 
 /// What a search is after: a cell to visit, or home.
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) enum GoalShape {
     Visit(Point),

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::places::Point;
@@ -14,7 +13,7 @@ use hallsweep_core::settings::Fetcher;
 use hallsweep_core::state::{Retrieval, RetrievalStage};
 use hallsweep_core::units::{AlarmId, LuggageId};
 
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct RetrievalShape {
     luggage: u64,
@@ -28,7 +27,7 @@ pub(super) struct RetrievalShape {
 }
 
 /// How far it has come; the reason where it came to nothing.
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 enum StageShape {
     MakingRoom,

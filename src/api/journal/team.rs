@@ -1,7 +1,6 @@
 //! The pair's trees in the journal: how they stood after a tick that changed something, so that they go on from there after a restart, and
 //! so that a run can be looked at again.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Unparsed;
@@ -10,7 +9,7 @@ use hallsweep_core::behaviour::{Status, Value, ValueType};
 use hallsweep_core::event::Piece;
 use hallsweep_core::retrieval::{Parcel, Place, RetrievalFault, TeamStage, TeamState};
 
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct TeamShape {
     /// SRM1, SRM2 and the Supervisor, each a line.
@@ -26,8 +25,7 @@ pub(super) struct TeamShape {
     runs: u32,
 }
 
-#[derive(Serialize, Deserialize, JsonSchema)]
-#[schemars(rename = "RecordedPairStage")]
+#[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 enum StageShape {
     Working,
@@ -36,13 +34,13 @@ enum StageShape {
     Faulted(String),
 }
 
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Serialize, Deserialize)]
 struct ParcelShape {
     piece: u32,
     place: PlaceShape,
 }
 
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 enum PlaceShape {
     Cell(Point),

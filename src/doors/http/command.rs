@@ -85,6 +85,16 @@ mod tests {
     }
 
     #[tokio::test]
+    async fn what_was_carried_out_is_never_said_to_be_refused_for_its_coding() {
+        let app = app(searching());
+        for coding in ["identity;q=0", "*;q=0", "br, *;q=0", "gzip;q=0, identity; q=0.0", "deflate,IDENTITY;q=0"] {
+            let answer = app.send("POST", "/api/v1/commands/stop", &[("accept-encoding", coding)], "").await;
+            assert_eq!(answer.status(), 200, "{coding}");
+            assert_eq!(app.send("GET", "/nowhere", &[("accept-encoding", coding)], "").await.status(), 404, "{coding}");
+        }
+    }
+
+    #[tokio::test]
     async fn the_epoch_its_sender_saw_goes_with_a_command() {
         let app = app(searching());
         check(&app, "POST", "/commands/start", r#"{"epoch":7}"#, 200).await;

@@ -1,6 +1,7 @@
 //! This door as programs read it: OpenAPI 3.1, made of the table of routes, of what each of them does, and of the shapes of the wire. It
 //! is the same for everybody, but for whether a key is asked for.
 
+mod kept;
 mod operation;
 mod operations;
 mod page;
@@ -9,12 +10,12 @@ use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::LazyLock;
 
-use axum::body::Bytes;
 use axum::extract::State;
-use axum::http::{HeaderMap, header};
-use axum::response::{IntoResponse, Response};
+use axum::http::HeaderMap;
+use axum::response::Response;
 use serde_json::{Map, Value, json};
 
+use self::kept::Kept;
 use self::operation::{Operation, Subject, problem};
 use super::HttpDoor;
 use super::etag::conditional;
@@ -32,7 +33,7 @@ const ABOUT: &str = "A robot searches an evacuated airport hall for dangerous lu
 
 /// A description as it is sent.
 struct Description {
-    json: Bytes,
+    json: Kept,
     tag: String,
 }
 
@@ -42,8 +43,8 @@ static KEYED: LazyLock<Description> = LazyLock::new(|| Description::of(true));
 
 /// `GET openapi.json`
 pub(super) async fn description(State(door): State<HttpDoor>, headers: HeaderMap) -> Response {
-    let Description { json, tag, .. } = at(&door);
-    conditional(&headers, tag, || ([(header::CONTENT_TYPE, "application/json")], json.clone()).into_response())
+    let Description { json, tag } = at(&door);
+    conditional(&headers, tag, || json.sent(&headers))
 }
 
 fn at(door: &HttpDoor) -> &'static Description {
@@ -55,9 +56,9 @@ fn at(door: &HttpDoor) -> &'static Description {
 
 impl Description {
     fn of(asks: bool) -> Description {
-        let json = Bytes::from(document(asks).to_string());
+        let json = Kept::new("application/json", document(asks).to_string());
         let mut hasher = DefaultHasher::new();
-        json.hash(&mut hasher);
+        json.plain().hash(&mut hasher);
         Description { tag: format!("W/\"{:016x}\"", hasher.finish()), json }
     }
 }

@@ -69,7 +69,7 @@ pub(super) struct Operation {
     /// Whether what a client has already is not sent again.
     pub(super) is_tagged: bool,
     /// What may go wrong, beside what follows from the rest.
-    pub(super) also: &'static [ProblemKind],
+    pub(super) also: Vec<ProblemKind>,
 }
 
 pub(super) struct Parameter {
@@ -105,7 +105,7 @@ impl Operation {
             body: None,
             answers: Vec::new(),
             is_tagged: false,
-            also: &[],
+            also: Vec::new(),
         }
     }
 
@@ -141,8 +141,9 @@ impl Operation {
         self.told("Idempotency-Key", what, schema)
     }
 
-    pub(super) fn also(self, also: &'static [ProblemKind]) -> Operation {
-        Operation { also, ..self }
+    pub(super) fn also(mut self, also: &[ProblemKind]) -> Operation {
+        self.also.extend(also);
+        self
     }
 
     /// What may go wrong, for whoever needs this to be let in.
@@ -164,18 +165,20 @@ impl Operation {
             (self.answers.len() > 1, &[NotAcceptable]),
         ];
         let follow = parts.into_iter().filter(|(so, _)| *so).flat_map(|(_, kinds)| kinds);
-        follow.chain(self.also).map(|kind| kind.status()).collect()
+        follow.chain(&self.also).map(|kind| kind.status()).collect()
     }
 
     /// The same as OpenAPI has it; `asks` whether anybody is asked for a key.
     pub(super) fn written(&self, need: Need, asks: bool) -> Value {
         let (subject, _) = self.subject.named();
+        let parameter = |(place, name, what, schema)| json!({"name": name, "in": place, "required": place == "path", "description": what, "schema": schema});
+        let parameters: Vec<Value> = self.parameters().into_iter().map(parameter).collect();
         let mut operation = json!({
             "operationId": self.id,
             "tags": [subject],
             "summary": self.summary,
             "description": format!("For: {}.", need.in_words()),
-            "parameters": self.parameters(),
+            "parameters": parameters,
             "responses": self.responses(need),
         });
         if let Some(Body { media_types, schema, is_needed }) = &self.body {
@@ -192,23 +195,16 @@ impl Operation {
         operation
     }
 
-    /// What stands in braces in its path.
-    pub(super) fn in_path(&self) -> Vec<(&str, Value)> {
-        let names = self.path.split('{').skip(1).filter_map(|rest| rest.split('}').next());
+    /// What may be said in a request beside its body: where, under which name, what it is, and its schema.
+    pub(super) fn parameters(&self) -> Vec<(&'static str, &str, &str, Value)> {
+        let in_path = self.path.split('{').skip(1).filter_map(|rest| rest.split('}').next());
         let schema = |name| match name {
             "id" => json!({"type": "integer", "minimum": 0, "maximum": u64::MAX}),
             _ => json!({"type": "string", "pattern": "^[a-z0-9][a-z0-9-]{0,39}$"}),
         };
-        names.map(|name| (name, schema(name))).collect()
-    }
-
-    fn parameters(&self) -> Vec<Value> {
-        let path = self
-            .in_path()
-            .into_iter()
-            .map(|(name, schema)| json!({"name": name, "in": "path", "required": true, "schema": schema}));
-        let of = |place: &'static str| move |Parameter { name, what, schema }: &Parameter| json!({"name": name, "in": place, "description": what, "schema": schema});
-        path.chain(self.query.iter().map(of("query"))).chain(self.headers.iter().map(of("header"))).collect()
+        let of = |place| move |Parameter { name, what, schema }: &Parameter| (place, *name, *what, schema.clone());
+        let rest = self.query.iter().map(of("query")).chain(self.headers.iter().map(of("header")));
+        in_path.map(|name| ("path", name, "Which.", schema(name))).chain(rest).collect()
     }
 
     fn responses(&self, need: Need) -> Map<String, Value> {

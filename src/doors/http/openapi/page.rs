@@ -4,24 +4,32 @@
 use std::sync::LazyLock;
 
 use askama::Template;
-use axum::response::Html;
+use axum::http::HeaderMap;
+use axum::response::Response;
 use serde_json::{Map, Value};
 
 use super::super::console::html;
 use super::super::language::Spoken;
+use super::super::problem::Problem;
 use super::described;
-use super::operation::{Body, Operation, Parameter, Subject};
+use super::kept::Kept;
+use super::operation::{Body, Operation, Subject};
 use crate::access::Need;
 use crate::api::problem::ProblemJson;
 use crate::api::schemas::Schemas;
 use crate::phrases::Language;
 
-/// The same for everybody.
-static CONTENTS: LazyLock<Contents> = LazyLock::new(Contents::new);
+/// The page in each language.
+static PAGES: LazyLock<Vec<(Language, Kept)>> = LazyLock::new(|| {
+    let contents = &Contents::new();
+    let page = |language| html(&Page { language, contents }).0;
+    Language::ALL.map(|language| (language, Kept::new("text/html; charset=utf-8", page(language)))).into()
+});
 
 /// `GET /api`
-pub(in super::super) async fn page(Spoken(language): Spoken) -> Html<String> {
-    html(&Page { language, contents: &CONTENTS })
+pub(in super::super) async fn page(Spoken(language): Spoken, headers: HeaderMap) -> Result<Response, Problem> {
+    let page = PAGES.iter().find(|(spoken, _)| *spoken == language);
+    page.map(|(_, page)| page.sent(&headers)).ok_or_else(Problem::internal)
 }
 
 #[derive(Template)]
@@ -36,14 +44,14 @@ struct Contents {
     shapes: Vec<Shape>,
 }
 
-/// A subject with its operations.
+/// What programs can ask for about one subject.
 struct About {
     name: &'static str,
     what: &'static str,
     operations: Vec<Shown>,
 }
 
-/// An operation.
+/// What is shown of one of them.
 struct Shown {
     method: String,
     path: String,
@@ -103,19 +111,11 @@ impl Contents {
 
 impl Shown {
     fn new(operation: &Operation, need: Need) -> Shown {
-        let in_path = operation.in_path().into_iter().map(|(name, schema)| Field {
+        let field = |(place, name, what, schema): (&'static str, &str, &str, Value)| Field {
             name: name.to_owned(),
-            place: "path",
+            place,
             kind: words(&schema),
-            what: String::new(),
-        });
-        let of = |place: &'static str| {
-            move |Parameter { name, what, schema }: &Parameter| Field {
-                name: (*name).to_owned(),
-                place,
-                kind: words(schema),
-                what: (*what).to_owned(),
-            }
+            what: what.to_owned(),
         };
         let carried = |media_type: &&'static str, schema: &Value| Carried { media_type, kind: words(schema) };
         let body = operation.body.iter();
@@ -125,10 +125,7 @@ impl Shown {
             id: operation.id.to_string(),
             summary: operation.summary.to_string(),
             need: need.in_words(),
-            parameters: in_path
-                .chain(operation.query.iter().map(of("query")))
-                .chain(operation.headers.iter().map(of("header")))
-                .collect(),
+            parameters: operation.parameters().into_iter().map(field).collect(),
             body: body
                 .flat_map(|Body { media_types, schema, .. }| media_types.iter().map(|media_type| carried(media_type, schema)))
                 .collect(),

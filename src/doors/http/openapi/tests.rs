@@ -88,6 +88,21 @@ async fn a_key_is_asked_for_in_the_description_where_it_is_at_the_door() {
 }
 
 #[tokio::test]
+async fn who_accepts_it_packed_gets_it_packed_and_nobody_else() {
+    let app = app(searching());
+    for path in ["/api", "/api/v1/openapi.json"] {
+        let sent = async |coding: &str| app.send("GET", path, &[("accept-encoding", coding)], "").await;
+        let (packed, plain) = (sent("br, gzip").await, sent("gzip;q=0, br").await);
+        assert_eq!(packed.headers()["content-encoding"], "gzip", "{path}");
+        assert!(plain.headers().get("content-encoding").is_none(), "{path}");
+        let packed = axum::body::to_bytes(packed.into_body(), 1 << 20).await.unwrap();
+        let mut unpacked = String::new();
+        std::io::Read::read_to_string(&mut flate2::read::GzDecoder::new(&packed[..]), &mut unpacked).unwrap();
+        assert_eq!(unpacked, text(plain).await, "{path}");
+    }
+}
+
+#[tokio::test]
 async fn the_page_shows_every_operation_and_every_shape() {
     let page = text(app(searching()).get("/api").await).await;
     let document = document(false);
