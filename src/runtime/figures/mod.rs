@@ -68,7 +68,7 @@ struct Families {
     verdicts: Series<1, Counter>,
     alarms: Counter,
     connections: Series<1, Gauge>,
-    journal_entries: Gauge,
+    journal_last_entry: Gauge,
     store_failing: Gauge,
     store_losses: Counter,
     /// From the moment in which the store is given a page until it says that the page is kept.
@@ -110,7 +110,7 @@ impl Default for Families {
             verdicts: Series::new(["verdict"], [Verdict::Safe, Verdict::Danger].map(|verdict| [verdict.name()])),
             alarms: Counter::default(),
             connections: Series::new(["door"], DOORS.map(|door| [door])),
-            journal_entries: Gauge::default(),
+            journal_last_entry: Gauge::default(),
             store_failing: Gauge::default(),
             store_losses: Counter::default(),
             records: Latency::default(),
@@ -153,7 +153,7 @@ impl Figures {
 
     /// The store has said its word; so often more than before it has lost something.
     pub(super) fn hear_store(&self, word: &StoreStatus, losses: u64) {
-        self.0.journal_entries.set(i64::try_from(word.kept.0).unwrap_or(i64::MAX));
+        self.0.journal_last_entry.set(i64::try_from(word.kept.0).unwrap_or(i64::MAX));
         self.0.store_failing.set(i64::from(word.failure.is_some()));
         self.0.store_losses.inc_by(losses);
     }
@@ -196,7 +196,11 @@ impl Figures {
         let connections = "What is open at a door: HTTP connections that have asked for something, clients of our own MQTT \
                            broker, CoAP observations";
         to.register("connections", connections, all.connections.clone());
-        to.register("journal_entries", "The number of the last entry of the journal that is kept", all.journal_entries.clone());
+        to.register(
+            "journal_last_entry",
+            "The number of the last entry of the journal that is kept",
+            all.journal_last_entry.clone(),
+        );
         to.register("store_failing", "1 while the store cannot write, else 0", all.store_failing.clone());
         to.register("store_losses", "How often writing has failed so that something was lost", all.store_losses.clone());
         let record = "From the moment in which the store is given a page of entries until it says that the page is kept";
@@ -282,7 +286,7 @@ mod tests {
     #[test]
     fn the_word_of_the_store_is_shown() {
         let figures = Figures::default();
-        let store = || ["journal_entries", "store_failing", "store_losses_total"].map(|series| figures.value(series));
+        let store = || ["journal_last_entry", "store_failing", "store_losses_total"].map(|series| figures.value(series));
         let failed = StoreStatus { kept: Seq(7), failure: Some("full".into()), losses: 5 };
         figures.hear_store(&failed, 2);
         assert_eq!(store(), [7.0, 1.0, 2.0]);
