@@ -120,6 +120,8 @@ fn public(name: &str) -> &str {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
     use crate::api::commands::COMMANDS;
     use crate::api::fields::Body;
@@ -127,8 +129,8 @@ mod tests {
     use crate::api::simulator::{ChangeBody, HallBody};
 
     /// The names of all fields in a schema, those of each of its forms.
-    fn fields(schema: &Value, shapes: &Map<String, Value>) -> std::collections::BTreeSet<String> {
-        let mut names = std::collections::BTreeSet::new();
+    fn fields(schema: &Value, shapes: &Map<String, Value>) -> BTreeSet<String> {
+        let mut names = BTreeSet::new();
         if let Some(name) = schema["$ref"].as_str().and_then(|to| to.rsplit('/').next()) {
             names.extend(fields(&shapes[name], shapes));
         }
@@ -163,21 +165,14 @@ mod tests {
         assert_eq!(shown.len(), RESOURCES.len() - 1, "all but the picture");
         let bodies: Vec<Value> = COMMANDS.iter().filter_map(|row| schemas.body(row.kind)).collect();
         assert_eq!(bodies.len(), COMMANDS.len() - 1, "all but STOP's");
+        let written: BTreeSet<&String> = schemas.sent.definitions().keys().chain(schemas.taken.definitions().keys()).collect();
+        let named: BTreeSet<&str> = written.iter().map(|name| public(name)).collect();
+        assert_eq!(named.len(), written.len(), "two shapes have one name: {written:?}");
         let shapes = schemas.shapes();
         let all = serde_json::to_string(&(&shown, &bodies, &shapes)).unwrap();
         for referred in all.split("\"#/components/schemas/").skip(1).filter_map(|rest| rest.split('"').next()) {
             assert!(shapes.contains_key(referred), "{referred}");
         }
-        let mut schemas = Schemas::default();
-        let _ = (
-            schemas.sent::<StateJson>(),
-            RESOURCES.map(|row| schemas.resource(row.kind)),
-            COMMANDS.map(|row| schemas.body(row.kind)),
-        );
-        let written: std::collections::BTreeSet<&String> =
-            schemas.sent.definitions().keys().chain(schemas.taken.definitions().keys()).collect();
-        let named: std::collections::BTreeSet<String> = written.iter().map(|name| public(name).to_owned()).collect();
-        assert_eq!(named.len(), written.len(), "two shapes have one name: {written:?}");
         for (name, schema) in &shapes {
             assert!(!name.ends_with(|last: char| last.is_ascii_digit()), "two shapes are called {name}");
             assert!(!schema.to_string().contains("Json`"), "{name} is described to programmers of this program: {schema}");

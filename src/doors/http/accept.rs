@@ -1,4 +1,4 @@
-//! Which of the formats a resource has is wanted, by the header `Accept` (RFC 9110, section 12.5.1).
+//! Which of the formats a resource has is wanted, by the header `Accept` (RFC 9110, section 12.5.1), and which codings by `Accept-Encoding`.
 
 use axum::http::{HeaderMap, header};
 
@@ -18,6 +18,12 @@ pub(super) fn preferred<'a>(headers: &HeaderMap, offers: &[&'a str]) -> Option<&
         }
     }
     best.map(|(offer, _)| offer)
+}
+
+/// The codings that are named, each with its quality.
+pub(super) fn codings(headers: &HeaderMap) -> impl Iterator<Item = (&str, f32)> {
+    let values = headers.get_all(header::ACCEPT_ENCODING).iter().filter_map(|value| value.to_str().ok());
+    values.flat_map(|value| value.split(',')).filter_map(range)
 }
 
 /// `text/plain;q=0.5` → (`text/plain`, 0.5), and of languages likewise; other parameters are ignored, a quality that is no number counts as 0.

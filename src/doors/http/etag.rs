@@ -22,10 +22,15 @@ pub(super) fn conditional(request: &HeaderMap, tag: &str, body: impl FnOnce() ->
 
 /// As `conditional`, for what is of no revision of this run: the tag is made of what would be sent.
 pub(super) fn by_content(request: &HeaderMap, media_type: &'static str, body: String) -> Response {
-    let mut hasher = DefaultHasher::new();
-    body.hash(&mut hasher);
-    let tag = format!("W/\"{:016x}\"", hasher.finish());
+    let tag = tag_of(&body);
     conditional(request, &tag, || ([(header::CONTENT_TYPE, media_type)], body).into_response())
+}
+
+/// The tag of what is sent.
+pub(super) fn tag_of(content: &str) -> String {
+    let mut hasher = DefaultHasher::new();
+    content.hash(&mut hasher);
+    format!("W/\"{:016x}\"", hasher.finish())
 }
 
 /// Whether `If-None-Match` names the tag, weakly compared (RFC 9110, section 13.1.2).

@@ -17,7 +17,7 @@ use tower_http::compression::CompressionLayer;
 use tower_http::set_header::SetResponseHeaderLayer;
 
 use super::HttpDoor;
-use super::accept::preferred;
+use super::accept::{codings, preferred};
 use super::gate::Peer;
 use super::language::spoken;
 use super::problem::{Detail, Problem, in_words};
@@ -106,14 +106,8 @@ pub(super) fn guarded(routes: Router, hosts: Hosts, door: &HttpDoor) -> Router {
 /// What is there is sent whatever is accepted, so that nobody takes what was carried out for refused: who would not have it as it is gets
 /// it so all the same.
 async fn as_it_is(mut request: Request) -> Request {
-    let is_refused = |range: &str| {
-        let mut parts = range.split(';').map(str::trim);
-        let name = parts.next().unwrap_or_default();
-        let weight = parts.find_map(|part| part.strip_prefix("q=")?.trim().parse::<f32>().ok());
-        (name == "*" || name.eq_ignore_ascii_case("identity")) && weight == Some(0.0)
-    };
-    let accepted = request.headers().get_all(header::ACCEPT_ENCODING).iter().filter_map(|value| value.to_str().ok());
-    if accepted.flat_map(|value| value.split(',')).any(is_refused) {
+    let is_refused = |(name, quality): (&str, f32)| quality == 0.0 && (name == "*" || name.eq_ignore_ascii_case("identity"));
+    if codings(request.headers()).any(is_refused) {
         request.headers_mut().remove(header::ACCEPT_ENCODING);
     }
     request

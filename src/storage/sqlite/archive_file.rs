@@ -20,7 +20,7 @@ use sha2::{Digest, Sha256};
 use super::check::{Findings, check, check_entries};
 use super::cut::{Bound, Cut, cuts};
 use super::fault::{Fault, Then, count, whole};
-use super::folder::{Folder, sync_parent};
+use super::folder::{Folder, JOURNAL, sync_parent};
 use super::photos::{PICTURES, Pictures};
 use super::{chain, connect, head, marker, pages, project, rows, schema};
 use crate::api::journal::Picture;
@@ -124,7 +124,7 @@ pub fn is_within(data: &Path, file: &Path) -> bool {
     let folder = file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let (Ok(folder), data) = (folder.canonicalize(), data.canonicalize().ok()) else { return false };
     let mut above = folder.ancestors().take_while(|above| !above.ends_with("archives"));
-    above.any(|above| data.as_deref() == Some(above) || above.join("journal.db").exists())
+    above.any(|above| data.as_deref() == Some(above) || above.join(JOURNAL).exists())
 }
 
 /// Fails unless the journal is sound, whole and of this version. Its photos are looked at as far as they leave it, when they are copied.

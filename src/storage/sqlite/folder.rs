@@ -18,6 +18,9 @@ use crate::api::journal::Picture;
 use crate::storage::files;
 use crate::storage::small_file::SmallFile;
 
+/// The journal's file in a folder, without which that is no data folder.
+pub(super) const JOURNAL: &str = "journal.db";
+
 /// The folder, which may not be there yet; or an archive, which is one file and is only read: see `archive_file` and `unpack`.
 #[derive(Clone, Debug)]
 pub(super) struct Folder {
@@ -65,7 +68,7 @@ impl Folder {
     }
 
     pub(super) fn journal(&self) -> PathBuf {
-        if self.is_archive { self.path.clone() } else { self.path.join("journal.db") }
+        if self.is_archive { self.path.clone() } else { self.path.join(JOURNAL) }
     }
 
     pub(super) fn write_ahead_log(&self) -> PathBuf {
@@ -114,7 +117,7 @@ impl Folder {
     /// Fails when something has the name of a file of the journal that cannot be one (safety R5): SQLite would wait at a pipe for
     /// ever, and say of a folder that the disk is ill.
     pub(super) fn check_journal(&self) -> Result<(), Fault> {
-        self.check_plain(&["journal.db", "journal.db-wal", "journal.db-shm"])?;
+        self.check_plain(&[JOURNAL, "journal.db-wal", "journal.db-shm"])?;
         self.check_log()
     }
 

@@ -1,5 +1,5 @@
 //! The file `journal.head`: up to which entry the journal was kept, and the digest of its page. It is written behind each commit, into the
-//! hands of the system, without a flush: so that entries that were cut off at the end are missed. It may be behind the
+//! hands of the system, without a flush: so that it is noticed when entries were cut off at the end. It may be behind the
 //! journal, after a kill or a power cut, and is never before it.
 
 use std::io;

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use super::archive_file::{copy, digest_of, photos, refused, sound};
 use super::fault::{Fault, Then, count};
-use super::folder::Folder;
+use super::folder::{Folder, JOURNAL};
 use super::photos::Pictures;
 use super::{chain, head, pages, rows};
 use crate::api::journal::Picture;
@@ -111,8 +111,6 @@ impl Place {
         files::sync_folder(&self.data)
     }
 }
-
-const JOURNAL: &str = "journal.db";
 
 /// Builds it, photos first, up to an entry of its own; how many entries it has.
 fn built(from: &rusqlite::Connection, folder: &Folder, own: Entry) -> Result<u64, Fault> {

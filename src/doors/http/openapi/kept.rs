@@ -8,6 +8,8 @@ use axum::response::{IntoResponse, Response};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
+use super::super::accept::codings;
+
 /// A text, as it is and packed.
 pub(super) struct Kept {
     media_type: &'static str,
@@ -22,27 +24,13 @@ impl Kept {
         Kept { media_type, packed: written.expect("a list takes all that is written").into(), plain: text.into() }
     }
 
-    pub(super) fn plain(&self) -> &[u8] {
-        &self.plain
-    }
-
     /// The answer to whoever accepts this.
     pub(super) fn sent(&self, accepted: &HeaderMap) -> Response {
         let head = [(header::CONTENT_TYPE, self.media_type), (header::VARY, "accept-encoding")];
-        if accepts_gzip(accepted) {
+        if codings(accepted).any(|(name, quality)| quality > 0.0 && name.eq_ignore_ascii_case("gzip")) {
             (head, [(header::CONTENT_ENCODING, "gzip")], self.packed.clone()).into_response()
         } else {
             (head, self.plain.clone()).into_response()
         }
     }
-}
-
-fn accepts_gzip(headers: &HeaderMap) -> bool {
-    let is_it = |range: &str| {
-        let mut parts = range.split(';').map(str::trim);
-        let is_named = parts.next().is_some_and(|name| name.eq_ignore_ascii_case("gzip"));
-        is_named && !parts.any(|part| part.strip_prefix("q=").is_some_and(|weight| weight.trim().parse() == Ok(0.0)))
-    };
-    let accepted = headers.get_all(header::ACCEPT_ENCODING).iter().filter_map(|value| value.to_str().ok());
-    accepted.flat_map(|value| value.split(',')).any(is_it)
 }

@@ -7,7 +7,6 @@ mod operations;
 mod page;
 
 use std::collections::BTreeMap;
-use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::LazyLock;
 
 use axum::extract::State;
@@ -18,7 +17,7 @@ use serde_json::{Map, Value, json};
 use self::kept::Kept;
 use self::operation::{Operation, Subject, problem};
 use super::HttpDoor;
-use super::etag::conditional;
+use super::etag::{conditional, tag_of};
 use super::routes::{Row, table};
 use crate::access::Access;
 use crate::api::problem::{ProblemJson, ProblemKind};
@@ -56,10 +55,8 @@ fn at(door: &HttpDoor) -> &'static Description {
 
 impl Description {
     fn of(asks: bool) -> Description {
-        let json = Kept::new("application/json", document(asks).to_string());
-        let mut hasher = DefaultHasher::new();
-        json.plain().hash(&mut hasher);
-        Description { tag: format!("W/\"{:016x}\"", hasher.finish()), json }
+        let text = document(asks).to_string();
+        Description { tag: tag_of(&text), json: Kept::new("application/json", text) }
     }
 }
 

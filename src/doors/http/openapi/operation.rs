@@ -51,7 +51,7 @@ impl Subject {
     }
 }
 
-/// One operation.
+/// What a program can ask for at one route.
 pub(super) struct Operation {
     pub(super) method: Method,
     pub(super) path: Cow<'static, str>,
@@ -171,7 +171,10 @@ impl Operation {
     /// The same as OpenAPI has it; `asks` whether anybody is asked for a key.
     pub(super) fn written(&self, need: Need, asks: bool) -> Value {
         let (subject, _) = self.subject.named();
-        let parameter = |(place, name, what, schema)| json!({"name": name, "in": place, "required": place == "path", "description": what, "schema": schema});
+        let parameter = |(place, name, what, schema)| {
+            let is_needed = place == "path";
+            json!({"name": name, "in": place, "required": is_needed, "description": what, "schema": schema})
+        };
         let parameters: Vec<Value> = self.parameters().into_iter().map(parameter).collect();
         let mut operation = json!({
             "operationId": self.id,
