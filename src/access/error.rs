@@ -24,7 +24,10 @@ pub enum AccessError {
         /// What is wrong, with the line where there is one.
         problem: String,
     },
-    #[error("the keys cannot be kept in {}: {error}; name a folder that can be written with --data DIR", .path.display())]
+    #[error(
+        "the keys cannot be kept in {}: {error}; let the user who runs hallsweep write to that folder, or name another with \
+         --data DIR", .path.display()
+    )]
     Unwritable { path: PathBuf, error: std::io::Error },
     #[error("{0:?} cannot be the name of a key: take 1 to 32 letters, digits, - and _")]
     Name(String),

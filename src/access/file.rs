@@ -1,5 +1,5 @@
-//! What stands in the file of the keys: TOML that a person can read, and that nobody but its owner may. How it is read and replaced
-//! is said in `storage::small_file`, what keys are in `keys`.
+//! What stands in the file of the keys: TOML that a person can read. Who may read it, and how it is replaced, is said in
+//! `storage::private_file`, what keys are in `keys`.
 
 use std::fs;
 use std::io;
@@ -11,7 +11,7 @@ use super::error::AccessError;
 use super::keys::{Key, Keys};
 use super::role::Role;
 use super::token::Token;
-use crate::storage::small_file::PrivateFile;
+use crate::storage::private_file::{PrivateFile, Readers};
 
 pub const FILE: &str = "access.toml";
 
@@ -58,13 +58,19 @@ impl KeyFile {
 
     /// The keys in it; `None` when there is no such file yet.
     pub fn read(&self) -> Result<Option<Keys>, AccessError> {
+        Ok(self.read_with_readers()?.map(|(keys, _)| keys))
+    }
+
+    /// The same, and who else may read them.
+    pub(super) fn read_with_readers(&self) -> Result<Option<(Keys, Readers)>, AccessError> {
         let unreadable = |error| AccessError::Unreadable { path: self.path().to_owned(), error };
-        let Some((bytes, mode)) = self.0.read(LARGEST).map_err(unreadable)? else { return Ok(None) };
-        if mode & 0o077 != 0 {
+        let Some((bytes, readers)) = self.0.read(LARGEST).map_err(unreadable)? else { return Ok(None) };
+        if let Readers::Others(mode) = readers {
             return Err(AccessError::Exposed { path: self.path().to_owned(), mode });
         }
         let garbled = |_| AccessError::Malformed { path: self.path().to_owned(), problem: "it is no text".to_owned() };
-        self.understood(std::str::from_utf8(&bytes).map_err(garbled)?).map(Some)
+        let keys = self.understood(std::str::from_utf8(&bytes).map_err(garbled)?)?;
+        Ok(Some((keys, readers)))
     }
 
     /// Replaces the file, and is done when that has reached the disk; when it fails the old one is as it was. The folder is made

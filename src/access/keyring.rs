@@ -9,6 +9,7 @@ use super::error::AccessError;
 use super::file::{KeyFile, Stamp, written};
 use super::keys::{Keys, SignedIn};
 use super::session;
+use crate::storage::private_file::Readers;
 
 /// How often the file is looked at: a key that was taken away is good for no longer than this.
 const GLANCE: Duration = Duration::from_millis(250);
@@ -32,10 +33,13 @@ impl Keyring {
         let file = KeyFile::within(folder);
         // Looked at before it is read: whatever changes in between is read once more.
         let seen = file.stamp().ok();
-        let kept = file.read();
+        let kept = file.read_with_readers();
         let is_new = matches!(kept, Ok(None));
         let (keys, unusable) = match kept {
-            Ok(Some(keys)) => (keys, None),
+            Ok(Some((keys, readers))) => {
+                say_who_else(&file, readers);
+                (keys, None)
+            }
             Ok(None) => {
                 let keys = Keys::first()?;
                 file.write(&keys)?;
@@ -92,6 +96,18 @@ impl Keyring {
     pub fn still_knows(&self, signed_in: &SignedIn, now_s: i64) -> bool {
         let lasts = signed_in.until_s.is_none_or(|until_s| now_s < until_s);
         lasts && self.keys().named(&signed_in.name).is_ok_and(|key| key.holder(signed_in.until_s) == *signed_in)
+    }
+}
+
+/// Says who else can read the keys, where that is as it must be.
+fn say_who_else(file: &KeyFile, readers: Readers) {
+    let file = file.path().display();
+    match readers {
+        Readers::Owner | Readers::Others(_) => {}
+        Readers::Group => tracing::info!(%file, "the group of the data folder, which may write there, can read the keys"),
+        Readers::OfVolume => {
+            tracing::warn!(%file, "the volume gives every file the same mode: whoever else reaches it can read the keys");
+        }
     }
 }
 

@@ -90,24 +90,37 @@ pub(crate) fn sync_folder(path: &Path) -> io::Result<()> {
     if cfg!(unix) { File::open(path)?.sync_all() } else { Ok(()) }
 }
 
-/// Gives the group what the owner has, where the folder in which it stands is the group's to write to: what the mask of the
-/// process says is no matter then.
+/// The folder in which a file stands.
+pub(super) fn above(path: &Path) -> &Path {
+    path.parent().filter(|above| !above.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Whether the group of this folder does with its files as the owner does: puts others in their place, too.
 #[cfg(unix)]
-fn share(path: &Path, made: &File) -> io::Result<()> {
+pub(super) fn is_the_groups(folder: &fs::Metadata) -> bool {
     use std::os::unix::fs::PermissionsExt;
     const GROUP_WRITES: u32 = 0o020;
-    let above = path.parent().filter(|above| !above.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if fs::metadata(above)?.permissions().mode() & GROUP_WRITES == 0 {
+    const OWN_FILES_ONLY: u32 = 0o1000;
+    folder.permissions().mode() & (GROUP_WRITES | OWN_FILES_ONLY) == GROUP_WRITES
+}
+
+/// Gives the group what the owner has, where the folder in which it stands is the group's: what the mask of the process says is no
+/// matter then.
+#[cfg(unix)]
+pub(super) fn share(path: &Path, made: &File) -> io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    if !is_the_groups(&fs::metadata(above(path))?) {
         return Ok(());
     }
-    let owner = made.metadata()?.permissions().mode() & 0o700;
-    made.set_permissions(fs::Permissions::from_mode(owner | owner >> 3))
+    // That a folder hands its group on to what is made in it stays as it is.
+    let mode = made.metadata()?.permissions().mode() & 0o7700;
+    made.set_permissions(fs::Permissions::from_mode(mode | (mode & 0o700) >> 3))
 }
 
 /// Elsewhere a file has the rights of its folder.
 #[cfg(not(unix))]
 #[expect(clippy::unnecessary_wraps, reason = "it has the shape of the one that shares")]
-fn share(_: &Path, _: &File) -> io::Result<()> {
+pub(super) fn share(_: &Path, _: &File) -> io::Result<()> {
     Ok(())
 }
 
@@ -123,7 +136,7 @@ mod tests {
     use crate::storage::scratch::Scratch;
 
     fn mode(path: &Path) -> u32 {
-        fs::metadata(path).expect("it is there").permissions().mode() & 0o777
+        fs::metadata(path).expect("it is there").permissions().mode() & 0o7777
     }
 
     /// Safety R5.
@@ -148,7 +161,9 @@ mod tests {
     #[test]
     fn what_is_made_is_private_or_the_groups_where_the_folder_is() {
         let scratch = Scratch::new();
-        for (folder, file, inner) in [(0o755, 0o600, 0o700), (0o700, 0o600, 0o700), (0o770, 0o660, 0o770), (0o2775, 0o660, 0o770)]
+        let (own, shared) = ((0o600, 0o700), (0o660, 0o770));
+        for (folder, (file, inner)) in
+            [(0o755, own), (0o700, own), (0o1770, own), (0o770, shared), (0o2775, (0o660, 0o2770)), (0o2770, (0o660, 0o2770))]
         {
             let above = scratch.0.join(format!("{folder:o}"));
             fs::create_dir(&above).unwrap();

@@ -2,6 +2,7 @@
 //! beside it; and how files of the data folder are made, opened and written, for all that keeps something there.
 
 pub(crate) mod files;
+pub(crate) mod private_file;
 #[cfg(test)]
 pub(crate) mod scratch;
 pub(crate) mod small_file;

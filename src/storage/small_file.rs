@@ -1,15 +1,15 @@
 //! The one way in which the small files of the data folder are read and written: what remembers a STOP, where the simulated robot
-//! stands, what was said to be lost, the keys. Each says itself what stands in it and when it is written; how the files of the
-//! folder are made and opened at all is said in `files`.
+//! stands, what was said to be lost. Each says itself what stands in it and when it is written; how the files of the folder are made
+//! and opened at all is said in `files`, and how secrets are kept in `private_file`.
 //!
 //! ```text
-//!   make        beside it, fsync, rename     whole or not at all, and it lasts: the first writing, and each of a private file
+//!   make        beside it, fsync, rename     whole or not at all, and it lasts: the first writing
 //!   swap        beside it, rename            whole or not at all, in the system's hands at once
 //!   write_at    in place, nothing flushed    in the system's hands at once, so that it outlives `kill -9`; needs no room
 //! ```
 
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::fs::{self, File};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use super::files;
@@ -91,67 +91,4 @@ impl SmallFile {
             Ok(()) | Err(_) => {}
         }
     }
-}
-
-/// A file that its owner alone may read, whatever folder it stands in, and that is replaced as a whole at each writing.
-#[derive(Clone, Debug)]
-pub(crate) struct PrivateFile(PathBuf);
-
-impl PrivateFile {
-    pub(crate) fn within(dir: &Path, name: &str) -> PrivateFile {
-        PrivateFile(dir.join(name))
-    }
-
-    pub(crate) fn path(&self) -> &Path {
-        &self.0
-    }
-
-    /// What stands in it up to `most` bytes, and who may read it as the mode of the file; `None` where there is no such file. Where
-    /// there are no modes the folder of the user keeps others out, and its mode is 0.
-    pub(crate) fn read(&self, most: u64) -> io::Result<Option<(Vec<u8>, u32)>> {
-        files::check_plain(&self.0)?;
-        let file = match File::open(&self.0) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-            opened => opened?,
-        };
-        let mode = mode(&file.metadata()?);
-        let mut bytes = Vec::new();
-        file.take(most).read_to_end(&mut bytes)?;
-        Ok(Some((bytes, mode)))
-    }
-
-    /// Replaces it, and is done when that has reached the disk. The folder is made when it is not there.
-    pub(crate) fn replace(&self, bytes: &[u8]) -> io::Result<()> {
-        let folder = self.0.parent().unwrap_or(Path::new("."));
-        files::make_folder(folder)?;
-        // Two programs may write it at once.
-        let fresh = self.0.with_extension(format!("{}.new", std::process::id()));
-        // One that a crash left behind may be anybody's: it is not written into.
-        let _ = fs::remove_file(&fresh);
-        let written = write_private(&fresh, bytes).and_then(|()| fs::rename(&fresh, &self.0));
-        if written.is_err() {
-            let _ = fs::remove_file(&fresh);
-        }
-        written.and_then(|()| files::sync_folder(folder))
-    }
-}
-
-fn write_private(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut options = OpenOptions::new();
-    options.write(true).create_new(true);
-    #[cfg(unix)]
-    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
-    let mut file = options.open(path)?;
-    file.write_all(bytes)?;
-    file.sync_all()
-}
-
-#[cfg(unix)]
-fn mode(metadata: &fs::Metadata) -> u32 {
-    std::os::unix::fs::PermissionsExt::mode(&metadata.permissions()) & 0o777
-}
-
-#[cfg(not(unix))]
-fn mode(_: &fs::Metadata) -> u32 {
-    0
 }

@@ -1,0 +1,159 @@
+//! A small file that holds secrets: which programs of this machine may read it, and how it is replaced.
+//!
+//! ```text
+//!   its owner alone                 it is made so, in a folder that is its owner's alone to write to
+//!   the group of its folder         who may put another file in its place learns nothing by reading it
+//!   whoever the volume lets         some volumes give every file the same mode, whatever is asked for
+//!   anybody else                    what stands in it may be known already
+//! ```
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+
+use super::files;
+
+#[derive(Clone, Debug)]
+pub(crate) struct PrivateFile(PathBuf);
+
+/// Who may read a file, or write to it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Readers {
+    Owner,
+    Group,
+    /// Those whom the volume lets, which makes every file so.
+    OfVolume,
+    /// By this mode, as in `chmod`.
+    Others(u32),
+}
+
+impl PrivateFile {
+    pub(crate) fn within(dir: &Path, name: &str) -> PrivateFile {
+        PrivateFile(dir.join(name))
+    }
+
+    pub(crate) fn path(&self) -> &Path {
+        &self.0
+    }
+
+    /// What stands in it up to `most` bytes, and who may read it; `None` where there is no such file. Where there are no modes the
+    /// folder of the user keeps others out.
+    pub(crate) fn read(&self, most: u64) -> io::Result<Option<(Vec<u8>, Readers)>> {
+        files::check_plain(&self.0)?;
+        let file = match File::open(&self.0) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            opened => opened?,
+        };
+        let readers = readers(&file.metadata()?, files::above(&self.0))?;
+        let mut bytes = Vec::new();
+        file.take(most).read_to_end(&mut bytes)?;
+        Ok(Some((bytes, readers)))
+    }
+
+    /// Replaces it, and is done when that has reached the disk. The folder is made when it is not there.
+    pub(crate) fn replace(&self, bytes: &[u8]) -> io::Result<()> {
+        let folder = files::above(&self.0);
+        files::make_folder(folder)?;
+        // Two programs may write it at once.
+        let fresh = self.0.with_extension(format!("{}.new", std::process::id()));
+        // One that a crash left behind may be anybody's: it is not written into.
+        let _ = fs::remove_file(&fresh);
+        let written = write(&fresh, bytes).and_then(|()| fs::rename(&fresh, &self.0));
+        if written.is_err() {
+            let _ = fs::remove_file(&fresh);
+        }
+        written.and_then(|()| files::sync_folder(folder))
+    }
+}
+
+fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut file = make(path)?;
+    files::share(path, &file)?;
+    file.write_all(bytes)?;
+    file.sync_all()
+}
+
+/// Makes one for its owner alone, where nothing has this name.
+fn make(path: &Path) -> io::Result<File> {
+    let mut options = OpenOptions::new();
+    options.write(true).create_new(true);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+    options.open(path)
+}
+
+#[cfg(unix)]
+fn readers(file: &fs::Metadata, folder: &Path) -> io::Result<Readers> {
+    use std::os::unix::fs::MetadataExt;
+    let beside_owner = |mode: u32| mode & 0o077;
+    let open = beside_owner(file.mode());
+    if open == 0 {
+        return Ok(Readers::Owner);
+    }
+    let there = fs::metadata(folder)?;
+    if open & 0o007 == 0 && files::is_the_groups(&there) && there.gid() == file.gid() {
+        return Ok(Readers::Group);
+    }
+    // Nothing tells of what a volume does but a file that is made on it.
+    let tried = folder.join(format!("hallsweep-{}.mode", std::process::id()));
+    let made = make(&tried).and_then(|made| made.metadata()).map_or(0, |made| beside_owner(made.mode()));
+    let _ = fs::remove_file(&tried);
+    Ok(if made & open == open { Readers::OfVolume } else { Readers::Others(file.mode() & 0o777) })
+}
+
+#[cfg(not(unix))]
+#[expect(clippy::unnecessary_wraps, reason = "it has the shape of the one that looks")]
+fn readers(_: &fs::Metadata, _: &Path) -> io::Result<Readers> {
+    Ok(Readers::Owner)
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use std::os::unix::fs::{MetadataExt, PermissionsExt, chown};
+
+    use super::*;
+    use crate::storage::scratch::Scratch;
+
+    fn set(path: &Path, mode: u32) {
+        fs::set_permissions(path, fs::Permissions::from_mode(mode)).expect("it is ours");
+    }
+
+    fn readers_of(file: &PrivateFile) -> Readers {
+        file.read(9).expect("it can be read").expect("it is there").1
+    }
+
+    /// As a cluster makes a volume, and all that is on it, at each start (`fsGroup`). Safety A1.
+    #[test]
+    fn who_may_put_another_file_in_its_place_may_read_it_and_nobody_else() {
+        let scratch = Scratch::new();
+        let folder = scratch.0.join("shared");
+        fs::create_dir_all(&folder).unwrap();
+        set(&folder, 0o2770);
+        let file = PrivateFile::within(&folder, "secret");
+        file.replace(b"secret").unwrap();
+        assert_eq!((fs::metadata(file.path()).unwrap().mode() & 0o777, readers_of(&file)), (0o660, Readers::Group));
+        for (mode, expect) in [
+            (0o600, Readers::Owner),
+            (0o640, Readers::Group),
+            (0o664, Readers::Others(0o664)),
+            (0o602, Readers::Others(0o602)),
+            (0o666, Readers::Others(0o666)),
+        ] {
+            set(file.path(), mode);
+            assert_eq!(readers_of(&file), expect, "{mode:o}");
+        }
+        set(file.path(), 0o660);
+        // The group may do nothing there; or it may add files, and leaves those of others alone.
+        for folder_mode in [0o700, 0o750, 0o1770] {
+            set(&folder, folder_mode);
+            assert_eq!(readers_of(&file), Readers::Others(0o660), "in a folder {folder_mode:o}");
+        }
+        set(&folder, 0o2770);
+        // Only root gives a file to a group that it is not in.
+        let stranger = fs::metadata(&folder).unwrap().gid() + 1;
+        if chown(file.path(), None, Some(stranger)).is_ok() {
+            assert_eq!(readers_of(&file), Readers::Others(0o660), "of another group than the folder");
+        }
+        assert_eq!(fs::read_dir(&folder).unwrap().count(), 1, "what was tried is gone");
+    }
+}
