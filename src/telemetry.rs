@@ -1,10 +1,16 @@
 //! Log lines on standard error, as many as the setting `log.filter` asks for.
 //! What an operator must see is not here: that is the log of the state, which the console shows.
 
+use std::fmt;
 use std::io::IsTerminal;
 use std::panic;
 
 use tracing_subscriber::EnvFilter;
+use tracing_subscriber::fmt::format::Writer;
+use tracing_subscriber::fmt::time::FormatTime;
+
+use crate::api::time::rfc3339;
+use crate::runtime::clock::Clock;
 
 const RUMQTTD: &str = "rumqttd";
 
@@ -16,11 +22,21 @@ pub fn start(filter: &str) {
     let filter = EnvFilter::builder().parse_lossy(without_router(filter));
     let coloured = std::io::stderr().is_terminal();
     let lines = tracing_subscriber::fmt().compact().with_env_filter(filter).with_ansi(coloured).with_writer(std::io::stderr);
+    let lines = lines.with_timer(WallClock(Clock::default()));
     if lines.try_init().is_err() {
         tracing::debug!("log lines were being written already");
         return;
     }
     note_panics_of_router();
+}
+
+/// The time of day as everything else of this program writes it: in the zone of this machine, or that of `TZ`.
+struct WallClock(Clock);
+
+impl FormatTime for WallClock {
+    fn format_time(&self, line: &mut Writer<'_>) -> fmt::Result {
+        line.write_str(&rfc3339(self.0.now().wall))
+    }
 }
 
 /// The thread of the MQTT router ends in a panic, and in no other way, whenever it ends: that is a line of the log, as its restart is. Every

@@ -4,7 +4,7 @@
 //! ```text
 //!   main → cli, app → { doors, robots, storage, runtime, config, telemetry }
 //!   doors → access, runtime, api, phrases, report     report → api, phrases, runtime     storage → runtime, api     robots → config, runtime, storage     one door ↛ another
-//!   access → storage             api → access, runtime     runtime, config, telemetry → themselves
+//!   access → storage             api → access, runtime     telemetry → api, runtime     runtime, config → themselves
 //! ```
 //! Only `robots` makes a robot out of its settings: `app` knows no kind of them. `access` names of `storage` only how a small file is written: the keys lie in the data folder like everything that is kept there.
 
@@ -109,7 +109,8 @@ const RULES: [Rule; 13] = [
         modules: &[],
         crates: &["figment", "hallsweep_core", "serde", "serde_json", "thiserror", "toml", "tracing_subscriber"],
     },
-    Rule { module: "telemetry", modules: &[], crates: &["tracing", "tracing_subscriber"] },
+    // A line of the log begins with the time as it is written everywhere.
+    Rule { module: "telemetry", modules: &["api", "runtime"], crates: &["tracing", "tracing_subscriber"] },
     Rule {
         module: "app",
         modules: &["access", "config", "doors", "robots", "storage", "runtime"],
