@@ -1,43 +1,150 @@
-# Builds hallsweep, then keeps only the program.
-#   docker build -t hallsweep .
-#   docker run --name hallsweep -p 8080:8080 -v hallsweep:/data hallsweep
-#   docker logs hallsweep             the first start prints a link there to sign in with
-#   docker exec hallsweep hallsweep token          shows it again, and makes keys for others
-# What passes through the port is not encrypted: on a network with strangers put a certificate into the container
-# (HALLSWEEP__HTTP__TLS_CERTIFICATE, HALLSWEEP__HTTP__TLS_KEY), or publish on loopback and let a proxy encrypt.
+# syntax=docker/dockerfile:1
+# Builds an image that holds the program, what it needs of Debian, and nothing else. How it is run: docs/container.md.
+#
+#   docker build -t hallsweep .                               the image
+#   docker build -t hallsweep --build-arg VARIANT=debug .     with a shell (busybox), and backtraces that name files and lines
+#   docker buildx build --platform linux/amd64,linux/arm64 .  for both processors, on one machine and without an emulator
+#
+#   tools ─► dependencies ─┬─► program ─┬─► files ─► the image
+#                          └─► papers ──┘
 
-FROM rust:1-slim-bookworm AS build
+# The present stable Debian. Its tag moves with Debian's own repairs, and a digest would keep them out: whoever must build the
+# same image again gives one, as --build-arg DEBIAN=docker.io/library/debian@sha256:….
+ARG DEBIAN=docker.io/library/debian:trixie-slim
+
+# Rust; C, in which SQLite and ring are written; and what the program takes from Debian, for the processor that it is built for.
+FROM --platform=$BUILDPLATFORM $DEBIAN AS tools
+# Where Rust comes from: that of the stable Debian itself is too old.
+ARG BACKPORTS=trixie-backports
+ARG TARGETARCH=amd64
+ENV CARGO_HOME=/cargo
 WORKDIR /build
+RUN set -e; \
+    case $TARGETARCH in \
+      amd64) rust=x86_64-unknown-linux-gnu; gnu=x86_64-linux-gnu ;; \
+      arm64) rust=aarch64-unknown-linux-gnu; gnu=aarch64-linux-gnu ;; \
+      *) echo "hallsweep is built for amd64 and arm64, not for $TARGETARCH" >&2; exit 1 ;; \
+    esac; \
+    debian=$(grep -horE -m 1 'https?://[^ ]+/debian' /etc/apt/sources.list* | head -n 1); \
+    echo "deb $debian $BACKPORTS main" >/etc/apt/sources.list.d/backports.list; \
+    dpkg --add-architecture $TARGETARCH; \
+    apt-get update; \
+    apt-get install -y --no-install-recommends ca-certificates tzdata gcc libc6-dev gcc-$(echo $gnu | tr _ -) libc6-dev:$TARGETARCH; \
+    apt-get install -y --no-install-recommends -t $BACKPORTS cargo rustc libstd-rust-dev:$TARGETARCH; \
+    rm -rf /var/lib/apt/lists/*; \
+    mkdir .cargo; \
+    { echo "[build]"; \
+      echo "target = '$rust'"; \
+      # Of the folders here nothing is to be in the program.
+      echo "rustflags = ['--remap-path-prefix=/build/=', '--remap-path-prefix=/cargo/registry/src/=']"; \
+      echo "[target.$rust]"; \
+      echo "linker = '$gnu-gcc'"; \
+    } >.cargo/config.toml
+
+# What others wrote. None of our sources is here yet, so it is built anew only when Cargo.lock or a manifest changes. Tests and
+# benches are no part of the image: the manifests do without them.
+FROM tools AS dependencies
 COPY Cargo.toml Cargo.lock build.rs ./
-COPY benches ./benches
-# Named in Cargo.toml too, so cargo wants to see it.
-COPY tests ./tests
+COPY crates/coap/Cargo.toml crates/coap/
+COPY crates/core/Cargo.toml crates/core/
+COPY crates/drivers/Cargo.toml crates/drivers/
+COPY crates/evaluation/Cargo.toml crates/evaluation/
+COPY crates/mqtt/Cargo.toml crates/mqtt/
+COPY crates/sim/Cargo.toml crates/sim/
+RUN sed -i '/^\[\[\(test\|bench\)\]\]$/,/^$/d' Cargo.toml crates/*/Cargo.toml \
+ && for package in . crates/*; do mkdir -p $package/src && touch $package/src/lib.rs || exit 1; done \
+ && echo 'fn main() {}' >src/main.rs \
+ && cargo build --release --locked --bin hallsweep
+
+# What goes with a program that holds the work of others: their licences in full, and the list of its parts (SBOM).
+FROM dependencies AS papers
+# Both are used once: compiling them well would take longer than it saves.
+RUN export CARGO_PROFILE_DEV_DEBUG=false CARGO_BUILD_TARGET=$(rustc --print host-tuple) \
+ && CARGO_PROFILE_DEV_OPT_LEVEL=1 cargo install --locked --debug --root /usr/local --features cli cargo-about@0.9.3 \
+ && cargo install --locked --debug --root /usr/local cargo-cyclonedx@0.5.9 \
+ && cargo fetch --locked
+COPY config/container/licences.toml config/container/licences.hbs /tmp/
+RUN mkdir /papers \
+ && cargo about generate --frozen --fail --config /tmp/licences.toml --output-file /papers/licences.txt /tmp/licences.hbs \
+ && cargo cyclonedx --format json --spec-version 1.5 --no-build-deps --override-filename sbom.cdx \
+ && mv sbom.cdx.json /papers/
+
+FROM dependencies AS program
 COPY config ./config
 COPY templates ./templates
 COPY static ./static
-COPY src ./src
 COPY crates ./crates
-RUN cargo build --release --locked --bin hallsweep
+COPY src ./src
+# The real sources are older than what was made of the empty ones, and cargo goes by that.
+RUN sed -i '/^\[\[\(test\|bench\)\]\]$/,/^$/d' crates/*/Cargo.toml \
+ && find src crates -name '*.rs' -exec touch {} + \
+ && cargo build --release --locked --bin hallsweep \
+ && mv target/*/release/hallsweep /hallsweep
 
-FROM debian:bookworm-slim
-# The times on photos and in the log are shown in the zone of TZ, as `-e TZ=Europe/Rome`; the zones come from here.
-RUN apt-get update \
- && apt-get install -y --no-install-recommends tzdata \
- && rm -rf /var/lib/apt/lists/* \
- && useradd --system --no-create-home --shell /usr/sbin/nologin hallsweep \
- && install -d -o hallsweep -g hallsweep -m 0700 /data
-COPY --from=build /build/target/release/hallsweep /usr/local/bin/hallsweep
-USER hallsweep
+# Everything that stands in the image.
+FROM program AS files
+ARG TARGETARCH=amd64
+ARG VARIANT=plain
+COPY LICENSE-APACHE LICENSE-MIT static/vendor/idiomorph.LICENSE /papers/
+COPY --from=papers /papers /papers
+RUN set -e; \
+    umask 022; \
+    case $TARGETARCH in \
+      # Where a program looks for what loads its libraries is said in it, and differs.
+      amd64) gnu=x86_64-linux-gnu; loads=/image/usr/lib64 ;; \
+      *) gnu=aarch64-linux-gnu; loads=/image/usr/lib ;; \
+    esac; \
+    mkdir -p /image && cd /image; \
+    mkdir -p etc/ssl/certs tmp usr/bin usr/lib/$gnu usr/lib64 usr/share/doc var/lib/dpkg/status.d; \
+    chmod 1777 tmp; \
+    ln -s usr/bin usr/lib usr/lib64 .; \
+    cp /usr/lib/$gnu/libc.so.6 /usr/lib/$gnu/libm.so.6 /usr/lib/$gnu/libgcc_s.so.1 usr/lib/$gnu/; \
+    cp /usr/lib/$gnu/ld-linux-* $loads/; \
+    cp /etc/ssl/certs/ca-certificates.crt etc/ssl/certs/; \
+    cp -r /usr/share/zoneinfo usr/share/; \
+    cp -r /papers usr/share/doc/hallsweep; \
+    for package in libc6:$TARGETARCH libgcc-s1:$TARGETARCH tzdata ca-certificates; do \
+      name=${package%:*}; \
+      dpkg-query --status $package >var/lib/dpkg/status.d/$name; \
+      install -D -m 644 /usr/share/doc/$name/copyright usr/share/doc/$name/copyright; \
+    done; \
+    echo 'hallsweep:x:65532:0:hallsweep:/data:/usr/sbin/nologin' >etc/passwd; \
+    echo 'root:x:0:' >etc/group; \
+    echo 'hosts: files dns' >etc/nsswitch.conf; \
+    # Everything that outlives a container. It is the group's too: a cluster may make up any user, with the group 0.
+    install -d -o 65532 -g 0 -m 2770 data; \
+    if [ $VARIANT = debug ]; then \
+      cp /hallsweep usr/bin/; \
+      apt-get update; \
+      cd /tmp && apt-get download busybox-static:$TARGETARCH && dpkg-deb -x busybox-static_* busybox; \
+      dpkg-deb --field busybox-static_* >/image/var/lib/dpkg/status.d/busybox-static; \
+      install -D -m 644 busybox/usr/share/doc/busybox-static/copyright /image/usr/share/doc/busybox-static/copyright; \
+      cp busybox/usr/bin/busybox /image/usr/bin/; \
+      ln -s busybox /image/usr/bin/sh; \
+    else \
+      $gnu-strip -o usr/bin/hallsweep /hallsweep; \
+    fi
+
+FROM scratch
+ARG REVISION=unknown
+LABEL org.opencontainers.image.title=hallsweep \
+      org.opencontainers.image.description="A robot searches an evacuated airport hall for dangerous luggage; an operator watches, decides and can always stop it." \
+      org.opencontainers.image.version=0.1.0 \
+      org.opencontainers.image.revision=$REVISION \
+      org.opencontainers.image.licenses="MIT OR Apache-2.0"
+COPY --from=files /image/ /
+ENV PATH=/usr/bin
 # Keys, records and photos; a container without a volume of its own here forgets them with itself.
 ENV HALLSWEEP__STORE__FOLDER=/data
 VOLUME /data
-# 5683/udp is CoAP, and off for others by default: it listens on the container's own loopback, so that publishing the port alone
-# opens nothing. With HALLSWEEP__COAP__BIND=0.0.0.0:5683 and HALLSWEEP__COAP__OPEN_TO_OTHERS=true everybody who reaches the published
-# port can read everything, unencrypted, and command nothing (docs/settings.md).
-# So it is with 1883, MQTT; with HALLSWEEP__MQTT__BIND=0.0.0.0:1883 whoever comes shows a key's name and token (docs/mqtt.md).
+WORKDIR /data
+# Every address of the container, since nobody but itself reaches its loopback: whoever comes is asked for a key. It stands here
+# and not in a flag, so that the health check and `hallsweep token` know of whatever it is set to.
+ENV HALLSWEEP__HTTP__BIND=0.0.0.0:8080
+# 1883 is MQTT and 5683/udp is CoAP: both listen on the container's loopback, and publishing their ports opens nothing, until they
+# are given another address, as docs/container.md says.
 EXPOSE 8080 1883 5683/udp
+# By its number, so that a cluster can see that it is not root.
+USER 65532:0
 HEALTHCHECK --interval=10s --timeout=5s --start-period=5s --retries=3 CMD ["hallsweep", "healthcheck"]
 ENTRYPOINT ["hallsweep"]
-# Inside the container nobody but the container itself reaches its loopback, so it listens on every address of the container,
-# and asks whoever comes for a key.
-CMD ["serve", "--http", "0.0.0.0:8080"]

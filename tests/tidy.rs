@@ -104,7 +104,7 @@ fn no_path_of_a_machine_is_written_anywhere() {
 fn everything_the_container_copies_is_there() {
     let recipe = whole::text("Dockerfile");
     let mut findings = whole::container_paths(&recipe);
-    findings.extend(whole::container_targets(&whole::text("Cargo.toml"), &recipe));
+    findings.extend(whole::container_manifests(&recipe));
     assert!(findings.is_empty(), "\n{}\n", findings.join("\n"));
 }
 

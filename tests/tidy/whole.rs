@@ -55,12 +55,12 @@ fn dead_links_in(document: &str, text: &str) -> Vec<String> {
         .collect()
 }
 
-/// Folders whose programs the manifest names and the container's recipe does not copy: cargo would not build without them.
-pub(crate) fn container_targets(manifest: &str, recipe: &str) -> Vec<String> {
-    let targets = [("[[bench]]", "benches"), ("[[test]]", "tests"), ("[[example]]", "examples")];
-    let copied = |folder: &str| recipe.lines().any(|line| line.starts_with("COPY ") && line.contains(folder));
-    let missing = targets.into_iter().filter(|(target, folder)| manifest.contains(target) && !copied(folder));
-    missing.map(|(target, folder)| format!("Cargo.toml has {target}, so the Dockerfile must copy {folder}")).collect()
+/// Packages whose manifests the container's recipe does not copy: cargo would not build without them.
+pub(crate) fn container_manifests(recipe: &str) -> Vec<String> {
+    let packages = std::fs::read_dir(root().join("crates")).expect("the project has crates");
+    let manifests = packages.map(|package| name(&package.expect("it can be read").path().join("Cargo.toml")));
+    let missing = manifests.filter(|manifest| !recipe.contains(&format!("COPY {manifest} ")));
+    missing.map(|manifest| format!("the Dockerfile must copy {manifest} by itself")).collect()
 }
 
 /// Lines of a lock file that say where something was once downloaded from.
@@ -92,9 +92,9 @@ mod tests {
     }
 
     #[test]
-    fn a_container_without_a_folder_that_cargo_wants_is_found() {
-        assert_eq!(container_targets("[[bench]]\nname = \"a\"", "COPY src ./src").len(), 1);
-        assert_eq!(container_targets("[[bench]]\nname = \"a\"", "COPY benches ./benches").len(), 0);
+    fn a_container_without_the_manifest_of_a_package_is_found() {
+        let packages = container_manifests("").len();
+        assert_eq!(container_manifests("COPY crates/core/Cargo.toml crates/core/").len(), packages - 1);
     }
 
     #[test]
