@@ -1,0 +1,156 @@
+//! How the image is reached: the link of the first start, the address, the names, a whole mission, and a broker by TLS.
+
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+
+use crate::engine::{Engine, engine, text, until, unused};
+use crate::visitor::{Visitor, phase};
+
+/// What takes from a container all that hallsweep does not need, as README.md has it.
+pub(crate) const HARDENED: &str = "--read-only --cap-drop all --security-opt no-new-privileges --memory 256m";
+
+pub(crate) fn hardened() -> Vec<&'static str> {
+    HARDENED.split(' ').collect()
+}
+
+/// A port of this machine that the engine chooses.
+const ON_LOOPBACK: &str = "--publish=127.0.0.1::8080";
+
+const QUICK: &str = "--env=HALLSWEEP__ROBOT__SPEED=max";
+
+#[test]
+fn hardened_as_the_readme_says_it_prints_a_link_is_healthy_and_searches_a_whole_hall() {
+    let readme = include_str!("../../README.md");
+    assert!(readme.contains(HARDENED), "the command of the README is the one that is tried here");
+    let Some(engine) = engine() else { return };
+    let volume = engine.volume();
+    let at_data = volume.at_data();
+    let options = [hardened(), vec![ON_LOOPBACK, QUICK, &at_data]].concat();
+    let container = engine.serve(&options, &["--hall", "seed"]);
+    let logs = container.until_logged("/sign-in?token=");
+    assert!(logs.contains("Sign in as operator: http://127.0.0.1:8080/sign-in?token="), "{logs}");
+    container.until_healthy();
+    let visitor = Visitor::of(&container);
+    let (status, page) = visitor.look("/", None);
+    assert!(status == 200 && page.contains("STOP"), "{status}");
+    let state = visitor.search_the_hall();
+    assert!(!state["luggage"].as_array().expect("a list").is_empty(), "{state}");
+    let report = container.exec(&["hallsweep", "report", "1", "-o", "-"]);
+    assert!(report.status.success() && text(&report.stdout).starts_with("<!DOCTYPE html>"), "{}", text(&report.stderr));
+    let check = container.exec(&["hallsweep", "journal", "check"]);
+    assert!(check.status.success(), "{check:?}");
+    assert_eq!(container.end(&["stop"]), "0");
+}
+
+/// The health check that the image brings, as the engine runs it.
+fn healthcheck(engine: &Engine, name: &str) -> bool {
+    engine.ask(&["healthcheck", "run", name]).status.success()
+}
+
+#[test]
+fn address_and_arguments_are_followed_by_the_health_check() {
+    let Some(engine) = engine() else { return };
+    let other = ["--publish=127.0.0.1::9000", "--env=HALLSWEEP__HTTP__BIND=0.0.0.0:9000"];
+    let container = engine.serve(&other, &["--hall", "seed"]);
+    container.until_healthy();
+    let visitor = Visitor::at(container.published("9000/tcp"), "none");
+    assert_eq!(visitor.look("/healthz", None).0, 200);
+    assert_eq!(visitor.look("/api/v1/state", None).0, 401, "a key is asked for");
+    if engine.ask(&["healthcheck", "--help"]).status.success() {
+        assert!(healthcheck(&engine, &container.name));
+    }
+    let link = text(&container.exec(&["hallsweep", "token"]).stdout);
+    assert!(link.contains("http://127.0.0.1:9000/sign-in?token="), "{link}");
+}
+
+#[test]
+fn it_is_reached_by_addresses_and_by_the_names_that_it_was_given() {
+    let Some(engine) = engine() else { return };
+    let container = engine.serve(&[ON_LOOPBACK, r#"--env=HALLSWEEP__HTTP__HOSTS=["hallsweep"]"#], &[]);
+    let visitor = Visitor::of(&container);
+    for (host, expect) in [("hallsweep:8080", 200), ("10.88.0.7:8080", 200), ("localhost", 200), ("hall.example", 421)] {
+        assert_eq!(visitor.look("/healthz", Some(host)).0, expect, "{host}");
+    }
+}
+
+#[test]
+fn the_log_has_the_time_of_the_zone_that_is_asked_for() {
+    let Some(engine) = engine() else { return };
+    for (zone, expect) in [("Asia/Kathmandu", "+05:45 "), ("XYZ-4:30", "+04:30 ")] {
+        let container = engine.serve(&[&format!("--env=TZ={zone}")], &[]);
+        container.until_healthy();
+        let logs = container.logs();
+        let serving = logs.lines().find(|line| line.contains("serving"));
+        assert!(serving.is_some_and(|line| line.contains(expect)), "{zone}: {logs}");
+    }
+}
+
+struct Broker(Child);
+
+impl Drop for Broker {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// A root of the system is one that stands in the file of the image; a site has its own put there.
+#[test]
+fn a_broker_is_believed_by_the_roots_of_the_system_and_by_no_others() {
+    let Some(engine) = engine() else { return };
+    let mosquitto = ["/usr/sbin/mosquitto", "/usr/bin/mosquitto"].into_iter().find(|path| Path::new(path).exists());
+    let Some(mosquitto) = mosquitto else {
+        assert!(std::env::var("HALLSWEEP_REQUIRE_CLIENTS").is_err(), "this test needs mosquitto");
+        eprintln!("left out: it needs mosquitto");
+        return;
+    };
+    let folder = std::env::temp_dir().join(unused("broker"));
+    std::fs::create_dir_all(&folder).expect("the folder is ours");
+    let of_tests = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/service/tls").join(name);
+    let port = std::net::TcpListener::bind("127.0.0.1:0").and_then(|free| free.local_addr()).expect("a free port").port();
+    let (certificate, key) = (of_tests("test-only-certificate.pem"), of_tests("test-only-key.pem"));
+    let log = folder.join("broker.log");
+    let settings = format!(
+        "listener {port} 127.0.0.1\nallow_anonymous true\nuser root\ncertfile {}\nkeyfile {}\nlog_dest file {}\n",
+        certificate.display(),
+        key.display(),
+        log.display()
+    );
+    std::fs::write(folder.join("broker.conf"), settings).expect("the folder is ours");
+    let mut broker = Command::new(mosquitto);
+    broker.arg("-c").arg(folder.join("broker.conf")).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    let _broker = Broker(broker.spawn().expect("the broker starts"));
+    until("the broker listens", || std::net::TcpStream::connect(("127.0.0.1", port)).ok());
+
+    // What the image believes without being told otherwise, and the test's own beside that.
+    let copied = engine.serve(&[], &[]);
+    let roots = folder.join("roots.pem");
+    engine.run(&["cp", &format!("{}:/etc/ssl/certs/ca-certificates.crt", copied.name), roots.to_str().expect("text")]);
+    let believed = std::fs::read_to_string(&roots).expect("text");
+    assert!(believed.matches("BEGIN CERTIFICATE").count() > 100, "the roots of Debian");
+    std::fs::write(&roots, believed + &std::fs::read_to_string(certificate).expect("text")).expect("text");
+
+    let address = format!("--env=HALLSWEEP__MQTT__BROKER=mqtts://127.0.0.1:{port}");
+    // On this machine's own network, since the broker of a test listens on loopback alone; so the doors take ports that are free.
+    let here = ["--network=host", "--env=HALLSWEEP__HTTP__BIND=127.0.0.1:0", "--env=HALLSWEEP__COAP__BIND=none", &address];
+    let stranger = engine.serve(&here, &[]);
+    stranger.until_logged("UnknownIssuer");
+    let own = format!("--volume={}:/etc/ssl/certs/ca-certificates.crt:ro", roots.display());
+    let has_come = || std::fs::read_to_string(&log).is_ok_and(|log| log.contains("New client connected"));
+    assert!(!has_come(), "nobody who does not believe the broker");
+    let _believer = engine.serve(&[&here[..], &[&own]].concat(), &[]);
+    until("the broker has a client", || has_come().then_some(()));
+    std::fs::remove_dir_all(&folder).expect("the folder is ours");
+}
+
+#[test]
+fn from_outside_nothing_is_done_without_a_key() {
+    let Some(engine) = engine() else { return };
+    let container = engine.serve(&[ON_LOOPBACK], &[]);
+    container.until_healthy();
+    let stranger = Visitor::at(container.published("8080/tcp"), &"ab".repeat(32));
+    for path in ["/api/v1/state", "/metrics", "/api/v1/luggage/1/photo"] {
+        assert_eq!(stranger.look(path, None).0, 401, "{path}");
+    }
+    assert_eq!(phase(&Visitor::of(&container).state()), "idle");
+}

@@ -1,0 +1,186 @@
+//! The engine as its command line: containers and volumes that are gone when the test ends.
+
+use std::io::Write;
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::process::{Command, Output, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// How long anything is waited for: far longer than it takes.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+const GLANCE: Duration = Duration::from_millis(20);
+
+/// docker or podman, and what it runs.
+pub(crate) struct Engine {
+    program: String,
+    /// The image, and the one with a shell in it.
+    pub(crate) image: String,
+    pub(crate) debug: String,
+}
+
+/// A container, which is gone with this.
+pub(crate) struct Container<'a> {
+    engine: &'a Engine,
+    pub(crate) name: String,
+}
+
+/// A volume of the engine, which is gone with this.
+pub(crate) struct Volume<'a> {
+    engine: &'a Engine,
+    pub(crate) name: String,
+}
+
+/// The engine; `None` where there is none, which is said, or fails where it must be there.
+pub(crate) fn engine() -> Option<Engine> {
+    let told = |name: &str| std::env::var(name).ok();
+    let found = told("HALLSWEEP_ENGINE").zip(told("HALLSWEEP_IMAGE")).zip(told("HALLSWEEP_IMAGE_DEBUG"));
+    let Some(((program, image), debug)) = found else {
+        let required = told("HALLSWEEP_REQUIRE_CLIENTS").is_some_and(|value| value == "1");
+        assert!(!required, "the tests of the image need an engine: run them by .ci/image");
+        // Written past the test harness, which would keep it to itself.
+        let said = writeln!(std::io::stderr(), "a test of the image is left out: it needs an engine, as .ci/image finds one");
+        said.expect("standard error is open");
+        return None;
+    };
+    Some(Engine { program, image, debug })
+}
+
+/// Waits until something is there.
+#[expect(clippy::disallowed_methods, reason = "a test bounds its own patience by the real clock")]
+pub(crate) fn until<T>(wanted: &str, look: impl Fn() -> Option<T>) -> T {
+    let begun = Instant::now();
+    loop {
+        if let Some(found) = look() {
+            return found;
+        }
+        assert!(begun.elapsed() < PATIENCE, "never came to be: {wanted}");
+        sleep(GLANCE);
+    }
+}
+
+/// A name that no other test of this run has.
+pub(crate) fn unused(what: &str) -> String {
+    static NEXT: AtomicU32 = AtomicU32::new(0);
+    format!("hallsweep-{what}-{}-{}", std::process::id(), NEXT.fetch_add(1, Ordering::Relaxed))
+}
+
+pub(crate) fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).trim_end().to_owned()
+}
+
+impl Engine {
+    pub(crate) fn is_docker(&self) -> bool {
+        self.program.ends_with("docker")
+    }
+
+    /// Runs a command of the engine to its end, whatever that is.
+    pub(crate) fn ask(&self, arguments: &[&str]) -> Output {
+        Command::new(&self.program).args(arguments).stdin(Stdio::null()).output().expect("the engine can be run")
+    }
+
+    /// The same for one that must end well; what it prints.
+    pub(crate) fn run(&self, arguments: &[&str]) -> String {
+        let output = self.ask(arguments);
+        assert!(output.status.success(), "{arguments:?}: {}{}", text(&output.stdout), text(&output.stderr));
+        text(&output.stdout)
+    }
+
+    /// Runs the program in a container of its own to its end, with these options of the engine and arguments of its own.
+    pub(crate) fn once(&self, options: &[&str], arguments: &[&str]) -> Output {
+        self.ask(&[&["run", "--rm"], options, &[&self.image], arguments].concat())
+    }
+
+    /// A container of the image that serves.
+    pub(crate) fn serve(&self, options: &[&str], arguments: &[&str]) -> Container<'_> {
+        self.serve_image(&self.image, options, arguments)
+    }
+
+    pub(crate) fn serve_image(&self, image: &str, options: &[&str], arguments: &[&str]) -> Container<'_> {
+        let name = unused("container");
+        let container = Container { engine: self, name: name.clone() };
+        self.run(&[&["run", "--detach", "--name", &name], options, &[image], arguments].concat());
+        container
+    }
+
+    /// One that is there and was not started yet.
+    pub(crate) fn create(&self, options: &[&str], arguments: &[&str]) -> Container<'_> {
+        let name = unused("container");
+        self.run(&[&["create", "--name", &name], options, &[&self.image], arguments].concat());
+        Container { engine: self, name }
+    }
+
+    pub(crate) fn volume(&self) -> Volume<'_> {
+        let name = unused("volume");
+        self.run(&["volume", "create", &name]);
+        Volume { engine: self, name }
+    }
+}
+
+impl Container<'_> {
+    /// Where this machine reaches a port of it.
+    pub(crate) fn published(&self, port: &str) -> SocketAddr {
+        let said = self.engine.run(&["port", &self.name, port]);
+        said.lines().next().and_then(|line| line.parse().ok()).unwrap_or_else(|| panic!("{port} is published: {said}"))
+    }
+
+    /// Runs a command in it.
+    pub(crate) fn exec(&self, command: &[&str]) -> Output {
+        self.engine.ask(&[&["exec", &self.name], command].concat())
+    }
+
+    /// What it has written, on both ways.
+    pub(crate) fn logs(&self) -> String {
+        let output = self.engine.ask(&["logs", &self.name]);
+        format!("{}\n{}", text(&output.stdout), text(&output.stderr))
+    }
+
+    /// Waits for words in its log, and returns all that is there by then.
+    pub(crate) fn until_logged(&self, words: &str) -> String {
+        until(words, || Some(self.logs()).filter(|logs| logs.contains(words)))
+    }
+
+    /// Waits until it serves.
+    pub(crate) fn until_healthy(&self) {
+        until("it is healthy", || self.exec(&["hallsweep", "healthcheck"]).status.success().then_some(()));
+    }
+
+    /// Its end by a command of the engine, as `stop`; its exit code.
+    pub(crate) fn end(&self, how: &[&str]) -> String {
+        self.engine.run(&[how, &[&self.name]].concat());
+        self.engine.run(&["wait", &self.name])
+    }
+
+    pub(crate) fn start_again(&self) {
+        self.engine.run(&["start", &self.name]);
+    }
+}
+
+impl Drop for Container<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            eprintln!("{} said:\n{}", self.name, self.logs());
+        }
+        self.engine.ask(&["rm", "--force", &self.name]);
+    }
+}
+
+impl Volume<'_> {
+    /// As an option of the engine: where the image keeps everything.
+    pub(crate) fn at_data(&self) -> String {
+        format!("--volume={}:/data", self.name)
+    }
+
+    /// Where this machine finds it.
+    pub(crate) fn folder(&self) -> PathBuf {
+        self.engine.run(&["volume", "inspect", "--format", "{{.Mountpoint}}", &self.name]).into()
+    }
+}
+
+impl Drop for Volume<'_> {
+    fn drop(&mut self) {
+        self.engine.ask(&["volume", "rm", "--force", &self.name]);
+    }
+}

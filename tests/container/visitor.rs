@@ -1,0 +1,85 @@
+//! Somebody with a key at the published port of a container: looks, commands, and says what each piece is.
+
+use std::net::SocketAddr;
+use std::time::Duration;
+
+use serde_json::Value;
+
+use crate::engine::{Container, text, until};
+
+pub(crate) struct Visitor {
+    address: SocketAddr,
+    token: String,
+    agent: ureq::Agent,
+}
+
+impl Visitor {
+    /// With the operator's key, as `hallsweep token` shows it in the container.
+    pub(crate) fn of(container: &Container<'_>) -> Visitor {
+        let shown = until("there is a key", || {
+            let shown = container.exec(&["hallsweep", "token"]);
+            shown.status.success().then(|| text(&shown.stdout))
+        });
+        let token = shown.lines().find_map(|line| line.trim().strip_prefix("token ")).expect("the token is shown").trim();
+        Visitor::at(container.published("8080/tcp"), token)
+    }
+
+    pub(crate) fn at(address: SocketAddr, token: &str) -> Visitor {
+        let config = ureq::Agent::config_builder().http_status_as_error(false).proxy(None).max_redirects(0);
+        let agent = config.timeout_global(Some(Duration::from_secs(60))).build().into();
+        Visitor { address, token: token.to_owned(), agent }
+    }
+
+    /// Status and body of a path, asked for under this name of the host.
+    pub(crate) fn look(&self, path: &str, host: Option<&str>) -> (u16, String) {
+        let request = self.agent.get(format!("http://{}{path}", self.address));
+        let request = request.header("authorization", format!("Bearer {}", self.token));
+        let request = if let Some(host) = host { request.header("host", host) } else { request };
+        let mut answer = request.call().expect("it answers");
+        (answer.status().as_u16(), answer.body_mut().read_to_string().expect("the answer is whole"))
+    }
+
+    pub(crate) fn state(&self) -> Value {
+        let (status, body) = self.look("/api/v1/state", None);
+        assert_eq!(status, 200, "{body}");
+        serde_json::from_str(&body).expect("JSON")
+    }
+
+    pub(crate) fn post(&self, path: &str, body: &str) {
+        let request = self.agent.post(format!("http://{}/api/v1/{path}", self.address));
+        let request =
+            request.header("authorization", format!("Bearer {}", self.token)).header("content-type", "application/json");
+        let mut answer = request.send(body).expect("it answers");
+        assert_eq!(answer.status(), 200, "{path}: {:?}", answer.body_mut().read_to_string());
+    }
+
+    pub(crate) fn until(&self, wanted: &str, is_so: impl Fn(&Value) -> bool) -> Value {
+        until(wanted, || Some(self.state()).filter(|state| is_so(state)))
+    }
+
+    /// Goes on until a piece waits for its verdict; its number.
+    pub(crate) fn until_asked(&self) -> u64 {
+        pending(&self.until("a verdict is asked for", |state| pending(state).is_some())).expect("it was there just now")
+    }
+
+    /// A whole mission from START on, in which everything is safe.
+    pub(crate) fn search_the_hall(&self) -> Value {
+        self.post("commands/start", "");
+        loop {
+            let is_over = |state: &Value| phase(state) == "explored";
+            let state = self.until("a piece, or the end", |state| pending(state).is_some() || is_over(state));
+            let Some(piece) = pending(&state) else { return state };
+            self.post(&format!("luggage/{piece}/verdict"), r#"{"verdict":"safe"}"#);
+        }
+    }
+}
+
+pub(crate) fn phase(state: &Value) -> &str {
+    state["mission"]["phase"].as_str().unwrap_or_default()
+}
+
+fn pending(state: &Value) -> Option<u64> {
+    let asks = phase(state) == "inspecting";
+    let pieces = state["luggage"].as_array().filter(|_| asks)?.iter();
+    pieces.filter(|piece| piece["verdict"] == "pending").find_map(|piece| piece["id"].as_u64())
+}

@@ -1,0 +1,231 @@
+//! Volumes as those who run containers make them: of any user, given to a group at each start, with one mode for all files, and of
+//! an earlier version.
+
+use std::fs;
+use std::os::unix::fs::{MetadataExt, PermissionsExt, chown};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use serde_json::Value;
+
+use crate::engine::{Engine, Volume, engine, text, unused};
+use crate::visitor::Visitor;
+
+/// Every file and folder of a volume, itself too.
+fn everything(folder: &Path) -> Vec<PathBuf> {
+    let mut found = vec![folder.to_owned()];
+    for entry in fs::read_dir(folder).expect("it can be read").map(|entry| entry.expect("it can be read").path()) {
+        if entry.is_dir() { found.extend(everything(&entry)) } else { found.push(entry) }
+    }
+    found
+}
+
+/// What a cluster does with a volume before each start (`fsGroup`): everything is the group's, which may do what the owner may, and
+/// hands itself on in folders.
+fn give_to(group: u32, folder: &Path) {
+    for path in everything(folder) {
+        chown(&path, None, Some(group)).expect("a test of volumes is root's");
+        let mode = fs::metadata(&path).expect("it is there").mode() & 0o7777;
+        let more = if path.is_dir() { 0o2070 } else { 0o060 };
+        fs::set_permissions(&path, fs::Permissions::from_mode(mode | more)).expect("the folder is ours");
+    }
+}
+
+fn operator_of(engine: &Engine, options: &[&str]) -> String {
+    let shown = engine.once(options, &["token"]);
+    assert!(shown.status.success(), "{shown:?}");
+    text(&shown.stdout)
+}
+
+/// Serves, is asked for its state with the key, and ends.
+fn serves(engine: &Engine, volume: &Volume<'_>, options: &[&str]) -> String {
+    let container = engine.serve(&[options, &["--publish=127.0.0.1::8080", &volume.at_data()]].concat(), &[]);
+    let state = Visitor::of(&container).state();
+    assert!(!state["mission"]["holds"].to_string().contains("store"), "{}", state["mission"]);
+    assert_eq!(container.end(&["stop"]), "0");
+    container.logs()
+}
+
+fn readable_by_others(folder: &Path) -> Vec<PathBuf> {
+    let mut open = everything(folder);
+    open.retain(|path| fs::metadata(path).expect("it is there").mode() & 0o007 != 0);
+    open
+}
+
+/// Safety A1.
+#[test]
+fn any_user_of_the_group_0_serves_from_a_volume_and_others_read_nothing() {
+    let Some(engine) = engine() else { return };
+    let volume = engine.volume();
+    let mut keys = Vec::new();
+    // As OpenShift gives them: another project, another number.
+    for user in ["--user=1000650000:0", "--user=1000660000:0", "--user=65532:0"] {
+        serves(&engine, &volume, &[user, "--cap-drop=all"]);
+        keys.push(operator_of(&engine, &[user, &volume.at_data()]));
+        assert_eq!(readable_by_others(&volume.folder()), Vec::<PathBuf>::new(), "{user}");
+    }
+    keys.dedup();
+    assert_eq!(keys.len(), 1, "the same keys for all of them");
+    let stranger = engine.once(&["--user=1000650000:1000650000", "--cap-drop=all", &volume.at_data()], &["token"]);
+    assert!(!stranger.status.success() && text(&stranger.stderr).contains("cannot be read"), "{stranger:?}");
+}
+
+#[test]
+fn a_volume_that_is_given_to_a_group_at_each_start_keeps_its_keys_and_missions() {
+    let Some(engine) = engine() else { return };
+    let volume = engine.volume();
+    let pod = ["--user=65532:65532", "--group-add=2000", "--cap-drop=all", "--read-only"];
+    let mut keys = Vec::new();
+    for start in 1..=3 {
+        give_to(2000, &volume.folder());
+        let logs = serves(&engine, &volume, &pod);
+        assert_eq!(logs.contains("can read the keys"), start > 1, "start {start} of a file that is the group's: {logs}");
+        keys.push(operator_of(&engine, &[&pod[..], &[&volume.at_data()]].concat()));
+    }
+    keys.dedup();
+    assert_eq!(keys.len(), 1);
+    assert_eq!(readable_by_others(&volume.folder()), Vec::<PathBuf>::new());
+    // The mode that was never anybody's intention is still refused, and the robot held.
+    fs::set_permissions(volume.folder().join("access.toml"), fs::Permissions::from_mode(0o664)).expect("the folder is ours");
+    let exposed = engine.once(&[&pod[..], &[&volume.at_data()]].concat(), &["token"]);
+    assert!(text(&exposed.stderr).contains("chmod 600"), "{exposed:?}");
+}
+
+/// A folder seen through a driver that gives every file one mode, whatever is asked for.
+struct OneMode(PathBuf);
+
+impl OneMode {
+    fn over(folder: &Path) -> OneMode {
+        let seen = std::env::temp_dir().join(unused("one-mode"));
+        fs::create_dir(&seen).expect("the folder is ours");
+        let rules = ["--force-user=65532", "--perms=0777", "--chmod-ignore", "--chown-ignore", "-o", "allow_other"];
+        let mounted = Command::new("bindfs").args(rules).arg(folder).arg(&seen).status();
+        assert!(mounted.is_ok_and(|status| status.success()), "bindfs can be run");
+        OneMode(seen)
+    }
+}
+
+impl Drop for OneMode {
+    fn drop(&mut self) {
+        let _ = Command::new("umount").arg(&self.0).status();
+        let _ = fs::remove_dir(&self.0);
+    }
+}
+
+#[test]
+fn a_volume_that_forces_a_mode_on_every_file_is_used_with_a_word() {
+    let Some(engine) = engine() else { return };
+    let bindfs = Command::new("bindfs").arg("--version").stdout(Stdio::null()).status();
+    if bindfs.is_err() {
+        assert!(std::env::var("HALLSWEEP_REQUIRE_CLIENTS").is_err(), "this test needs bindfs");
+        eprintln!("left out: it needs bindfs");
+        return;
+    }
+    let behind = std::env::temp_dir().join(unused("behind"));
+    fs::create_dir(&behind).expect("the folder is ours");
+    let volume = OneMode::over(&behind);
+    let at_data = format!("--volume={}:/data", volume.0.display());
+    let mut keys = Vec::new();
+    for start in 1..=2 {
+        let container = engine.serve(&["--publish=127.0.0.1::8080", "--cap-drop=all", &at_data], &[]);
+        let state = Visitor::of(&container).state();
+        assert!(!state["mission"]["holds"].to_string().contains("store"), "{}", state["mission"]);
+        assert_eq!(container.end(&["stop"]), "0");
+        let said = container.logs().contains("gives every file the same mode");
+        assert_eq!(said, start > 1, "start {start}: {}", container.logs());
+        keys.push(operator_of(&engine, &[&at_data]));
+    }
+    keys.dedup();
+    assert_eq!(keys.len(), 1);
+    drop(volume);
+    fs::remove_dir_all(&behind).expect("the folder is ours");
+}
+
+#[test]
+fn a_folder_that_its_user_may_not_write_to_is_said_with_what_to_do() {
+    let Some(engine) = engine() else { return };
+    let folder = std::env::temp_dir().join(unused("roots"));
+    fs::create_dir(&folder).expect("the folder is ours");
+    let refused = engine.once(&[&format!("--volume={}:/data", folder.display())], &[]);
+    assert_eq!(refused.status.code(), Some(1), "{refused:?}");
+    let said = text(&refused.stderr);
+    assert!(said.contains("/data") && said.contains("let the user who runs hallsweep write to that folder"), "{said}");
+    chown(&folder, Some(65532), None).expect("the folder is ours");
+    fs::set_permissions(&folder, fs::Permissions::from_mode(0o700)).expect("the folder is ours");
+    let container = engine.serve(&[&format!("--volume={}:/data", folder.display())], &[]);
+    container.until_healthy();
+    drop(container);
+    fs::remove_dir_all(&folder).expect("the folder is ours");
+}
+
+#[test]
+fn a_folder_of_the_host_is_used_by_whoever_owns_it() {
+    let Some(engine) = engine() else { return };
+    let folder = std::env::temp_dir().join(unused("own"));
+    fs::create_dir(&folder).unwrap();
+    chown(&folder, Some(4321), Some(4321)).unwrap();
+    fs::set_permissions(&folder, fs::Permissions::from_mode(0o700)).unwrap();
+    let own = ["--user=4321:4321", "--cap-drop=all", &format!("--volume={}:/data", folder.display())];
+    for _ in 0..2 {
+        let container = engine.serve(&own, &[]);
+        container.until_healthy();
+        assert_eq!(container.end(&["stop"]), "0");
+        assert!(!container.logs().contains("can read the keys"), "{}", container.logs());
+    }
+    let keys = fs::metadata(folder.join("access.toml")).unwrap();
+    assert_eq!((keys.uid(), keys.mode() & 0o777), (4321, 0o600));
+    fs::remove_dir_all(&folder).unwrap();
+}
+
+/// What was found and said on a volume, and how far the mission was.
+fn kept(state: &Value) -> Value {
+    let mission = &state["mission"];
+    serde_json::json!({
+        "mission": { "id": mission["id"], "phase": mission["phase"] },
+        "luggage": state["luggage"],
+        "rows": state["map"]["rows"],
+    })
+}
+
+/// Safety R1.
+#[test]
+fn a_volume_of_an_earlier_version_stands_as_it_was_and_goes_on() {
+    let Some(engine) = engine() else { return };
+    let earlier = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/container/earlier");
+    let volume = engine.volume();
+    let mut tar = Command::new("tar");
+    tar.args(["--numeric-owner", "-xpzf"]).arg(earlier.join("volume.tar.gz")).arg("-C").arg(volume.folder());
+    assert!(tar.status().unwrap().success());
+    let options = ["--publish=127.0.0.1::8080", &volume.at_data(), "--env=HALLSWEEP__ROBOT__SPEED=max"];
+    let container = engine.serve(&options, &["--hall", "seed"]);
+    let visitor = Visitor::of(&container);
+    let then: Value = serde_json::from_slice(&fs::read(earlier.join("shown.json")).unwrap()).unwrap();
+    assert_eq!(kept(&visitor.state()), then);
+    assert!(text(&container.exec(&["hallsweep", "token"]).stdout).contains("lobby (viewer)"));
+    let check = container.exec(&["hallsweep", "journal", "check"]);
+    assert!(check.status.success(), "{}", text(&check.stdout));
+    visitor.post(&format!("luggage/{}/verdict", visitor.until_asked()), r#"{"verdict":"safe"}"#);
+    visitor.search_the_hall();
+}
+
+#[test]
+fn a_backup_of_the_volume_comes_up_as_another_container() {
+    let Some(engine) = engine() else { return };
+    let volume = engine.volume();
+    let options = ["--publish=127.0.0.1::8080", &volume.at_data(), "--env=HALLSWEEP__ROBOT__SPEED=max"];
+    let first = engine.serve(&options, &["--hall", "seed"]);
+    let before = Visitor::of(&first).search_the_hall();
+    let keys = text(&first.exec(&["hallsweep", "token"]).stdout);
+    first.end(&["stop"]);
+    let backup = std::env::temp_dir().join(unused("backup"));
+    let folder = backup.to_str().unwrap();
+    engine.run(&["cp", "--archive", &format!("{}:/data", first.name), folder]);
+
+    let again = engine.volume();
+    let second = engine.create(&["--publish=127.0.0.1::8080", &again.at_data()], &["--hall", "seed"]);
+    engine.run(&["cp", "--archive", &format!("{folder}/."), &format!("{}:/data", second.name)]);
+    second.start_again();
+    assert_eq!(kept(&Visitor::of(&second).state()), kept(&before));
+    assert_eq!(text(&second.exec(&["hallsweep", "token"]).stdout), keys);
+    fs::remove_dir_all(&backup).unwrap();
+}
