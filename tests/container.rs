@@ -4,6 +4,8 @@
 //! `.ci/image` builds the image and says which engine runs it. Without one the tests say so and pass; with
 //! `HALLSWEEP_REQUIRE_CLIENTS=1` they fail.
 
+#[path = "container/client.rs"]
+mod client;
 #[path = "container/contents.rs"]
 mod contents;
 #[path = "container/deploying.rs"]
@@ -14,7 +16,5 @@ mod doors;
 mod ends;
 #[path = "container/engine.rs"]
 mod engine;
-#[path = "container/visitor.rs"]
-mod visitor;
 #[path = "container/volumes.rs"]
 mod volumes;

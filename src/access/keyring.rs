@@ -43,6 +43,9 @@ impl Keyring {
             Ok(None) => {
                 let keys = Keys::first()?;
                 file.write(&keys)?;
+                if let Ok(Some((_, readers))) = file.read_with_readers() {
+                    say_who_else(&file, readers);
+                }
                 (keys, None)
             }
             Err(error) => {

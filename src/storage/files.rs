@@ -112,9 +112,16 @@ pub(super) fn share(path: &Path, made: &File) -> io::Result<()> {
     if !is_the_groups(&fs::metadata(above(path))?) {
         return Ok(());
     }
-    // That a folder hands its group on to what is made in it stays as it is.
-    let mode = made.metadata()?.permissions().mode() & 0o7700;
-    made.set_permissions(fs::Permissions::from_mode(mode | (mode & 0o700) >> 3))
+    let mode = made.metadata()?.permissions().mode();
+    let shared = mode | (mode & 0o700) >> 3;
+    if mode & 0o7777 == shared & 0o7777 {
+        return Ok(());
+    }
+    match made.set_permissions(fs::Permissions::from_mode(shared)) {
+        // A volume that does not let modes be chosen: what it chose must do.
+        Err(error) if error.kind() == io::ErrorKind::PermissionDenied => Ok(()),
+        set => set,
+    }
 }
 
 /// Elsewhere a file has the rights of its folder.

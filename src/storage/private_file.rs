@@ -13,17 +13,19 @@ use std::path::{Path, PathBuf};
 
 use super::files;
 
+/// A file for whoever runs hallsweep alone, which is replaced as a whole at each writing.
 #[derive(Clone, Debug)]
 pub(crate) struct PrivateFile(PathBuf);
 
-/// Who may read a file, or write to it.
+/// Who may do something with a file by its mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Readers {
     Owner,
+    /// The group of its folder too, which may put another file in its place.
     Group,
-    /// Those whom the volume lets, which makes every file so.
+    /// Those too whom the volume lets, which makes every file so.
     OfVolume,
-    /// By this mode, as in `chmod`.
+    /// Others, by this mode, as in `chmod`.
     Others(u32),
 }
 
@@ -44,7 +46,8 @@ impl PrivateFile {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             opened => opened?,
         };
-        let readers = readers(&file.metadata()?, files::above(&self.0))?;
+        let folder = files::above(&self.0);
+        let readers = readers(&file.metadata()?, folder, || mode_of_volume(folder))?;
         let mut bytes = Vec::new();
         file.take(most).read_to_end(&mut bytes)?;
         Ok(Some((bytes, readers)))
@@ -83,7 +86,7 @@ fn make(path: &Path) -> io::Result<File> {
 }
 
 #[cfg(unix)]
-fn readers(file: &fs::Metadata, folder: &Path) -> io::Result<Readers> {
+fn readers(file: &fs::Metadata, folder: &Path, made: impl FnOnce() -> u32) -> io::Result<Readers> {
     use std::os::unix::fs::MetadataExt;
     let beside_owner = |mode: u32| mode & 0o077;
     let open = beside_owner(file.mode());
@@ -94,17 +97,31 @@ fn readers(file: &fs::Metadata, folder: &Path) -> io::Result<Readers> {
     if open & 0o007 == 0 && files::is_the_groups(&there) && there.gid() == file.gid() {
         return Ok(Readers::Group);
     }
-    // Nothing tells of what a volume does but a file that is made on it.
-    let tried = folder.join(format!("hallsweep-{}.mode", std::process::id()));
-    let made = make(&tried).and_then(|made| made.metadata()).map_or(0, |made| beside_owner(made.mode()));
+    Ok(if made() & open == open { Readers::OfVolume } else { Readers::Others(file.mode() & 0o777) })
+}
+
+/// The mode of a file that was made for its owner alone in this folder: nothing else tells what the volume makes of it. 0 where none
+/// can be made.
+#[cfg(unix)]
+fn mode_of_volume(folder: &Path) -> u32 {
+    use std::hash::{BuildHasher, Hasher, RandomState};
+    use std::os::unix::fs::MetadataExt;
+    // In containers every program may have the same number, and one that was killed leaves its file behind.
+    let tried = folder.join(format!("hallsweep-{:016x}.mode", RandomState::new().build_hasher().finish()));
+    let made = make(&tried).and_then(|made| made.metadata()).map_or(0, |made| made.mode());
     let _ = fs::remove_file(&tried);
-    Ok(if made & open == open { Readers::OfVolume } else { Readers::Others(file.mode() & 0o777) })
+    made
 }
 
 #[cfg(not(unix))]
 #[expect(clippy::unnecessary_wraps, reason = "it has the shape of the one that looks")]
-fn readers(_: &fs::Metadata, _: &Path) -> io::Result<Readers> {
+fn readers(_: &fs::Metadata, _: &Path, _: impl FnOnce() -> u32) -> io::Result<Readers> {
     Ok(Readers::Owner)
+}
+
+#[cfg(not(unix))]
+fn mode_of_volume(_: &Path) -> u32 {
+    0
 }
 
 #[cfg(all(test, unix))]
@@ -155,5 +172,24 @@ mod tests {
             assert_eq!(readers_of(&file), Readers::Others(0o660), "of another group than the folder");
         }
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 1, "what was tried is gone");
+    }
+
+    #[test]
+    fn what_a_volume_makes_of_every_file_is_told_from_what_somebody_did_to_one() {
+        let scratch = Scratch::new();
+        let file = PrivateFile::within(&scratch.0, "secret");
+        file.replace(b"secret").unwrap();
+        for (mode, made, expect) in [
+            (0o777, 0o100_777, Readers::OfVolume),
+            (0o644, 0o100_644, Readers::OfVolume),
+            (0o755, 0o100_777, Readers::OfVolume),
+            (0o777, 0o100_755, Readers::Others(0o777)),
+            (0o644, 0o100_600, Readers::Others(0o644)),
+            (0o606, 0, Readers::Others(0o606)),
+        ] {
+            set(file.path(), mode);
+            let readers = readers(&fs::metadata(file.path()).unwrap(), &scratch.0, || made);
+            assert_eq!(readers.unwrap(), expect, "{mode:o} where {made:o} is made");
+        }
     }
 }

@@ -2,29 +2,22 @@
 
 use serde_json::Value;
 
-use crate::engine::{Container, engine, text};
-use crate::visitor::{Visitor, phase};
-
-const ON_LOOPBACK: &str = "--publish=127.0.0.1::8080";
+use crate::client::{Client, kept, phase};
+use crate::engine::{Container, ON_LOOPBACK, engine, text};
 
 /// In the middle of a mission: one piece judged, and another waiting.
 fn until_in_a_mission(container: &Container<'_>) -> Value {
-    let visitor = Visitor::of(container);
-    visitor.post("commands/start", "");
-    let first = visitor.until_asked();
-    visitor.post(&format!("luggage/{first}/verdict"), r#"{"verdict":"safe"}"#);
-    visitor.until_asked();
-    visitor.state()
-}
-
-/// What was found and said, and how far the mission was.
-fn kept(state: &Value) -> Value {
-    serde_json::json!([state["mission"]["id"], state["mission"]["phase"], state["luggage"], state["map"]["rows"]])
+    let client = Client::of(container);
+    client.post("commands/start", "");
+    let first = client.until_asked();
+    client.post(&format!("luggage/{first}/verdict"), r#"{"verdict":"safe"}"#);
+    client.until_asked();
+    client.state()
 }
 
 fn held_as_it_was(container: &Container<'_>, before: &Value) {
-    let visitor = Visitor::of(container);
-    let state = visitor.state();
+    let client = Client::of(container);
+    let state = client.state();
     assert_eq!(kept(&state), kept(before));
     assert!(state["mission"]["holds"].to_string().contains("restart"), "it waits for a START: {}", state["mission"]);
 }
@@ -37,8 +30,11 @@ fn ended_by_sigterm_or_killed_in_mid_mission_it_stands_as_it_was_when_it_is_star
     let container = engine.serve(&options, &["--hall", "airport"]);
     let before = until_in_a_mission(&container);
 
-    // Well within the time after which an engine kills.
+    // Somebody looks on; and the time is shorter than the usual one, after which an engine kills.
+    let onlooker = Client::of(&container);
+    let followed = std::thread::spawn(move || onlooker.follow());
     assert_eq!(container.end(&["stop", "--time=8"]), "0");
+    followed.join().expect("the stream ends too");
     assert!(container.logs().contains("SIGTERM"), "{}", container.logs());
     container.start_again();
     held_as_it_was(&container, &before);
@@ -46,10 +42,10 @@ fn ended_by_sigterm_or_killed_in_mid_mission_it_stands_as_it_was_when_it_is_star
     assert_eq!(container.end(&["kill", "--signal=KILL"]), "137");
     container.start_again();
     held_as_it_was(&container, &before);
-    let visitor = Visitor::of(&container);
-    visitor.post(&format!("luggage/{}/verdict", visitor.until_asked()), r#"{"verdict":"danger"}"#);
-    visitor.post("commands/start", "");
-    visitor.until("the robot is home", |state| phase(state) == "bombLocated");
+    let client = Client::of(&container);
+    client.post(&format!("luggage/{}/verdict", client.until_asked()), r#"{"verdict":"danger"}"#);
+    client.post("commands/start", "");
+    client.until("the robot is home", |state| phase(state) == "bombLocated");
 }
 
 #[test]

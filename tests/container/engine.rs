@@ -14,7 +14,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 const GLANCE: Duration = Duration::from_millis(20);
 
 /// docker or podman, and what it runs.
-pub(crate) struct Engine {
+pub(crate) struct ContainerEngine {
     program: String,
     /// The image, and the one with a shell in it.
     pub(crate) image: String,
@@ -23,29 +23,40 @@ pub(crate) struct Engine {
 
 /// A container, which is gone with this.
 pub(crate) struct Container<'a> {
-    engine: &'a Engine,
+    engine: &'a ContainerEngine,
     pub(crate) name: String,
 }
 
 /// A volume of the engine, which is gone with this.
 pub(crate) struct Volume<'a> {
-    engine: &'a Engine,
+    engine: &'a ContainerEngine,
     pub(crate) name: String,
 }
 
+/// A port of this machine, which the engine chooses, for the console.
+pub(crate) const ON_LOOPBACK: &str = "--publish=127.0.0.1::8080";
+
+/// Says that a test is left out, and why; fails instead where everything must be there.
+pub(crate) fn left_out(missing: &str) {
+    let required = std::env::var("HALLSWEEP_REQUIRE_CLIENTS").is_ok_and(|value| value == "1");
+    assert!(!required, "the tests of the image need {missing}");
+    say(&format!("a test of the image is left out: it needs {missing}"));
+}
+
+/// Written past the test harness, which would keep it to itself.
+pub(crate) fn say(words: &str) {
+    writeln!(std::io::stderr(), "{words}").expect("standard error is open");
+}
+
 /// The engine; `None` where there is none, which is said, or fails where it must be there.
-pub(crate) fn engine() -> Option<Engine> {
+pub(crate) fn engine() -> Option<ContainerEngine> {
     let told = |name: &str| std::env::var(name).ok();
     let found = told("HALLSWEEP_ENGINE").zip(told("HALLSWEEP_IMAGE")).zip(told("HALLSWEEP_IMAGE_DEBUG"));
     let Some(((program, image), debug)) = found else {
-        let required = told("HALLSWEEP_REQUIRE_CLIENTS").is_some_and(|value| value == "1");
-        assert!(!required, "the tests of the image need an engine: run them by .ci/image");
-        // Written past the test harness, which would keep it to itself.
-        let said = writeln!(std::io::stderr(), "a test of the image is left out: it needs an engine, as .ci/image finds one");
-        said.expect("standard error is open");
+        left_out("an engine, as .ci/image finds one");
         return None;
     };
-    Some(Engine { program, image, debug })
+    Some(ContainerEngine { program, image, debug })
 }
 
 /// Waits until something is there.
@@ -67,11 +78,16 @@ pub(crate) fn unused(what: &str) -> String {
     format!("hallsweep-{what}-{}-{}", std::process::id(), NEXT.fetch_add(1, Ordering::Relaxed))
 }
 
+/// Whether files may be given to anybody.
+pub(crate) fn is_root() -> bool {
+    rustix::process::geteuid().is_root()
+}
+
 pub(crate) fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).trim_end().to_owned()
 }
 
-impl Engine {
+impl ContainerEngine {
     pub(crate) fn is_docker(&self) -> bool {
         self.program.ends_with("docker")
     }
@@ -103,13 +119,6 @@ impl Engine {
         let container = Container { engine: self, name: name.clone() };
         self.run(&[&["run", "--detach", "--name", &name], options, &[image], arguments].concat());
         container
-    }
-
-    /// One that is there and was not started yet.
-    pub(crate) fn create(&self, options: &[&str], arguments: &[&str]) -> Container<'_> {
-        let name = unused("container");
-        self.run(&[&["create", "--name", &name], options, &[&self.image], arguments].concat());
-        Container { engine: self, name }
     }
 
     pub(crate) fn volume(&self) -> Volume<'_> {
@@ -163,7 +172,7 @@ impl Drop for Container<'_> {
         if std::thread::panicking() {
             eprintln!("{} said:\n{}", self.name, self.logs());
         }
-        self.engine.ask(&["rm", "--force", &self.name]);
+        self.engine.ask(&["rm", "--force", "--volumes", &self.name]);
     }
 }
 
@@ -173,9 +182,14 @@ impl Volume<'_> {
         format!("--volume={}:/data", self.name)
     }
 
-    /// Where this machine finds it.
-    pub(crate) fn folder(&self) -> PathBuf {
-        self.engine.run(&["volume", "inspect", "--format", "{{.Mountpoint}}", &self.name]).into()
+    /// Where this machine finds it; `None`, with a word, where that is not for us to touch.
+    pub(crate) fn folder(&self) -> Option<PathBuf> {
+        let folder = PathBuf::from(self.engine.run(&["volume", "inspect", "--format", "{{.Mountpoint}}", &self.name]));
+        let is_ours = is_root() && folder.is_dir();
+        if !is_ours {
+            left_out("root, and an engine on this very machine");
+        }
+        is_ours.then_some(folder)
     }
 }
 

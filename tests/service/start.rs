@@ -83,6 +83,9 @@ fn a_variable_that_only_looks_like_a_setting_is_reported() {
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{said}");
     assert!(said.contains("the variable for robot.speed is HALLSWEEP__ROBOT__SPEED"), "{said}");
+    let zoned = hallsweep(&["explore", "--hall", "empty-8x8"]).env("TZ", "XYZ-4:30").env("HALLSWEEP_ELSE", "1").output();
+    let said = String::from_utf8_lossy(&zoned.expect("the program starts").stderr).into_owned();
+    assert!(said.contains("+04:30") && said.contains("HALLSWEEP_ELSE"), "the log has the time of the zone: {said}");
     let output = run("HALLSWEEP_SERVICE_HOST");
     assert!(output.status.success() && String::from_utf8_lossy(&output.stderr).contains("HALLSWEEP_SERVICE_HOST"), "{output:?}");
     let output = run("HALLSWEEP_REQUIRE_CLIENTS");

@@ -7,27 +7,27 @@ use serde_json::Value;
 
 use crate::engine::{Container, text, until};
 
-pub(crate) struct Visitor {
+pub(crate) struct Client {
     address: SocketAddr,
     token: String,
     agent: ureq::Agent,
 }
 
-impl Visitor {
+impl Client {
     /// With the operator's key, as `hallsweep token` shows it in the container.
-    pub(crate) fn of(container: &Container<'_>) -> Visitor {
+    pub(crate) fn of(container: &Container<'_>) -> Client {
         let shown = until("there is a key", || {
             let shown = container.exec(&["hallsweep", "token"]);
             shown.status.success().then(|| text(&shown.stdout))
         });
         let token = shown.lines().find_map(|line| line.trim().strip_prefix("token ")).expect("the token is shown").trim();
-        Visitor::at(container.published("8080/tcp"), token)
+        Client::at(container.published("8080/tcp"), token)
     }
 
-    pub(crate) fn at(address: SocketAddr, token: &str) -> Visitor {
+    pub(crate) fn at(address: SocketAddr, token: &str) -> Client {
         let config = ureq::Agent::config_builder().http_status_as_error(false).proxy(None).max_redirects(0);
         let agent = config.timeout_global(Some(Duration::from_secs(60))).build().into();
-        Visitor { address, token: token.to_owned(), agent }
+        Client { address, token: token.to_owned(), agent }
     }
 
     /// Status and body of a path, asked for under this name of the host.
@@ -45,12 +45,27 @@ impl Visitor {
         serde_json::from_str(&body).expect("JSON")
     }
 
+    /// Commands, which must be accepted.
     pub(crate) fn post(&self, path: &str, body: &str) {
+        let (status, said) = self.send(path, body);
+        assert_eq!(status, 200, "{path}: {said}");
+    }
+
+    /// Status and body of what is said to a command.
+    pub(crate) fn send(&self, path: &str, body: &str) -> (u16, String) {
         let request = self.agent.post(format!("http://{}/api/v1/{path}", self.address));
         let request =
             request.header("authorization", format!("Bearer {}", self.token)).header("content-type", "application/json");
         let mut answer = request.send(body).expect("it answers");
-        assert_eq!(answer.status(), 200, "{path}: {:?}", answer.body_mut().read_to_string());
+        (answer.status().as_u16(), answer.body_mut().read_to_string().expect("the answer is whole"))
+    }
+
+    /// Reads what changes until the connection ends; how much that was.
+    pub(crate) fn follow(&self) -> u64 {
+        let request = self.agent.get(format!("http://{}/api/v1/events", self.address));
+        let request = request.header("authorization", format!("Bearer {}", self.token));
+        let mut events = request.call().expect("it answers").into_body().into_reader();
+        std::io::copy(&mut events, &mut std::io::sink()).unwrap_or(0)
     }
 
     pub(crate) fn until(&self, wanted: &str, is_so: impl Fn(&Value) -> bool) -> Value {
@@ -72,6 +87,16 @@ impl Visitor {
             self.post(&format!("luggage/{piece}/verdict"), r#"{"verdict":"safe"}"#);
         }
     }
+}
+
+/// How far the mission is, and what was found and said.
+pub(crate) fn kept(state: &Value) -> Value {
+    let mission = &state["mission"];
+    serde_json::json!({
+        "mission": { "id": mission["id"], "phase": mission["phase"] },
+        "luggage": state["luggage"],
+        "rows": state["map"]["rows"],
+    })
 }
 
 pub(crate) fn phase(state: &Value) -> &str {
