@@ -145,15 +145,16 @@ LABEL org.opencontainers.image.title=hallsweep \
       org.opencontainers.image.licenses="MIT OR Apache-2.0"
 COPY --from=files /image/ /
 ENV PATH=/usr/bin
-# Keys, records and photos; a container without a volume of its own here forgets them with itself.
+# Keys, records and photos: a container is given a volume of its own here.
 ENV HALLSWEEP__STORE__FOLDER=/data
 VOLUME /data
 WORKDIR /data
 # Every address of the container, since nobody but itself reaches its loopback: whoever comes is asked for a key. It stands here
 # and not in a flag, so that the health check and `hallsweep token` know of whatever it is set to.
 ENV HALLSWEEP__HTTP__BIND=0.0.0.0:8080
-# 1883 is MQTT and 5683/udp is CoAP: both listen on the container's loopback, and publishing their ports opens nothing, until they
-# are given another address, as docs/container.md says.
+# 1883 is MQTT, which listens on the container's loopback until it is given another address. Others may share that loopback, as in
+# a pod, so that everybody is asked for a key there too. 5683/udp is CoAP, which has no keys, and is not there until it is asked for.
+ENV HALLSWEEP__MQTT__REQUIRE_PASSWORD=true HALLSWEEP__COAP__BIND=none
 EXPOSE 8080 1883 5683/udp
 # By its number, so that a cluster can see that it is not root.
 USER 65532:0

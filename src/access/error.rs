@@ -25,7 +25,7 @@ pub enum AccessError {
         problem: String,
     },
     #[error(
-        "the keys cannot be kept in {}: {error}; let the user who runs hallsweep write to that folder, or name another with \
+        "the keys cannot be kept in {}: {error}; see that the user who runs hallsweep can write to that folder, or name another with \
          --data DIR", .path.display()
     )]
     Unwritable { path: PathBuf, error: std::io::Error },

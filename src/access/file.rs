@@ -73,6 +73,11 @@ impl KeyFile {
         Ok(Some((keys, readers)))
     }
 
+    /// Keeps other programs that change the keys waiting until what is given back is dropped.
+    pub fn alone(&self) -> Option<fs::File> {
+        self.0.alone()
+    }
+
     /// Replaces the file, and is done when that has reached the disk; when it fails the old one is as it was. The folder is made
     /// when it is not there.
     pub fn write(&self, keys: &Keys) -> Result<(), AccessError> {

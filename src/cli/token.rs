@@ -54,6 +54,8 @@ enum Part {
 pub fn run(asked: &Keyrings) -> Result<(), Failure> {
     let settings = super::settings(&asked.sources())?;
     let file = file(&settings)?;
+    // Of two that change the keys at once, the second sees what the first has done.
+    let _alone = file.alone();
     let kept = file.read()?;
     let is_new = kept.is_none();
     let what = asked.what.as_ref().unwrap_or(&What::Show);

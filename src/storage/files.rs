@@ -95,26 +95,40 @@ pub(super) fn above(path: &Path) -> &Path {
     path.parent().filter(|above| !above.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Whether the group of this folder does with its files as the owner does: puts others in their place, too.
+/// Whether the group of this folder does with its files as the owner does: puts others in their place, too. Where there is an access
+/// list (ACL), the mode does not say who the group is.
 #[cfg(unix)]
-pub(super) fn is_the_groups(folder: &fs::Metadata) -> bool {
+pub(super) fn is_the_groups(folder: &Path) -> io::Result<bool> {
     use std::os::unix::fs::PermissionsExt;
     const GROUP_WRITES: u32 = 0o020;
     const OWN_FILES_ONLY: u32 = 0o1000;
-    folder.permissions().mode() & (GROUP_WRITES | OWN_FILES_ONLY) == GROUP_WRITES
+    let mode = fs::metadata(folder)?.permissions().mode();
+    Ok(mode & (GROUP_WRITES | OWN_FILES_ONLY) == GROUP_WRITES && !has_access_list(folder))
+}
+
+/// Whether others are named for a file or folder beside its mode, or for what is made in it.
+#[cfg(target_os = "linux")]
+pub(super) fn has_access_list(path: &Path) -> bool {
+    let lists = ["system.posix_acl_access", "system.posix_acl_default"];
+    // Of how many bytes it is shows without room for any.
+    let mut none: [u8; 0] = [];
+    lists.into_iter().any(|list| rustix::fs::getxattr(path, list, &mut none[..]).is_ok_and(|bytes| bytes > 0))
+}
+
+#[cfg(all(unix, not(target_os = "linux")))]
+pub(super) fn has_access_list(_: &Path) -> bool {
+    false
 }
 
 /// Gives the group what the owner has, where the folder in which it stands is the group's: what the mask of the process says is no
 /// matter then.
 #[cfg(unix)]
 pub(super) fn share(path: &Path, made: &File) -> io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    if !is_the_groups(&fs::metadata(above(path))?) {
-        return Ok(());
-    }
-    let mode = made.metadata()?.permissions().mode();
-    let shared = mode | (mode & 0o700) >> 3;
-    if mode & 0o7777 == shared & 0o7777 {
+    use std::os::unix::fs::{MetadataExt, PermissionsExt};
+    let (folder, there) = (above(path), made.metadata()?);
+    let shared = there.mode() | (there.mode() & 0o700) >> 3;
+    // It has the group of whoever made it, unless the folder hands on its own.
+    if shared == there.mode() || fs::metadata(folder)?.gid() != there.gid() || !is_the_groups(folder)? {
         return Ok(());
     }
     match made.set_permissions(fs::Permissions::from_mode(shared)) {

@@ -42,15 +42,21 @@ impl PrivateFile {
     /// folder of the user keeps others out.
     pub(crate) fn read(&self, most: u64) -> io::Result<Option<(Vec<u8>, Readers)>> {
         files::check_plain(&self.0)?;
-        let file = match File::open(&self.0) {
+        let file = match open(&self.0) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             opened => opened?,
         };
-        let folder = files::above(&self.0);
-        let readers = readers(&file.metadata()?, folder, || mode_of_volume(folder))?;
+        let readers = readers(&self.0, &file.metadata()?, || mode_of_volume(files::above(&self.0)))?;
         let mut bytes = Vec::new();
         file.take(most).read_to_end(&mut bytes)?;
         Ok(Some((bytes, readers)))
+    }
+
+    /// Keeps other programs that call this waiting until what is given back is dropped, so that what is written follows from what was
+    /// read. Where a folder cannot be locked nobody is kept waiting.
+    pub(crate) fn alone(&self) -> Option<File> {
+        let folder = File::open(files::above(&self.0)).ok()?;
+        folder.lock().is_ok().then_some(folder)
     }
 
     /// Replaces it, and is done when that has reached the disk. The folder is made when it is not there.
@@ -76,6 +82,16 @@ fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     file.sync_all()
 }
 
+/// Opens what was a plain file just now: a pipe that has its place since then is not waited for.
+fn open(path: &Path) -> io::Result<File> {
+    let mut options = OpenOptions::new();
+    options.read(true);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, rustix::fs::OFlags::NONBLOCK.bits().cast_signed());
+    let file = options.open(path)?;
+    if file.metadata()?.is_file() { Ok(file) } else { Err(io::Error::other("it is no plain file")) }
+}
+
 /// Makes one for its owner alone, where nothing has this name.
 fn make(path: &Path) -> io::Result<File> {
     let mut options = OpenOptions::new();
@@ -86,15 +102,16 @@ fn make(path: &Path) -> io::Result<File> {
 }
 
 #[cfg(unix)]
-fn readers(file: &fs::Metadata, folder: &Path, made: impl FnOnce() -> u32) -> io::Result<Readers> {
+fn readers(path: &Path, file: &fs::Metadata, made: impl FnOnce() -> u32) -> io::Result<Readers> {
     use std::os::unix::fs::MetadataExt;
     let beside_owner = |mode: u32| mode & 0o077;
     let open = beside_owner(file.mode());
     if open == 0 {
         return Ok(Readers::Owner);
     }
-    let there = fs::metadata(folder)?;
-    if open & 0o007 == 0 && files::is_the_groups(&there) && there.gid() == file.gid() {
+    let folder = files::above(path);
+    let is_its_group = fs::metadata(folder)?.gid() == file.gid() && files::is_the_groups(folder)?;
+    if open & 0o007 == 0 && is_its_group && !files::has_access_list(path) {
         return Ok(Readers::Group);
     }
     Ok(if made() & open == open { Readers::OfVolume } else { Readers::Others(file.mode() & 0o777) })
@@ -115,7 +132,7 @@ fn mode_of_volume(folder: &Path) -> u32 {
 
 #[cfg(not(unix))]
 #[expect(clippy::unnecessary_wraps, reason = "it has the shape of the one that looks")]
-fn readers(_: &fs::Metadata, _: &Path, _: impl FnOnce() -> u32) -> io::Result<Readers> {
+fn readers(_: &Path, _: &fs::Metadata, _: impl FnOnce() -> u32) -> io::Result<Readers> {
     Ok(Readers::Owner)
 }
 
@@ -166,10 +183,35 @@ mod tests {
             assert_eq!(readers_of(&file), Readers::Others(0o660), "in a folder {folder_mode:o}");
         }
         set(&folder, 0o2770);
+        // A user that is named beside the mode, where the system knows such lists: version 2, the owner, user 1, group, mask, others.
+        #[cfg(target_os = "linux")]
+        {
+            let entry =
+                |tag: u16, rights: u16, who: u32| [&tag.to_le_bytes()[..], &rights.to_le_bytes(), &who.to_le_bytes()].concat();
+            let nobody = u32::MAX;
+            let entries = [(1, 6, nobody), (2, 6, 1), (4, 0, nobody), (16, 6, nobody), (32, 0, nobody)];
+            let list = entries.map(|(tag, rights, who)| entry(tag, rights, who)).concat();
+            let list = [&2_u32.to_le_bytes()[..], &list].concat();
+            let name = "system.posix_acl_access";
+            if rustix::fs::setxattr(file.path(), name, &list, rustix::fs::XattrFlags::empty()).is_ok() {
+                assert_eq!(readers_of(&file), Readers::Others(0o660), "with an access list");
+                rustix::fs::removexattr(file.path(), name).unwrap();
+                assert_eq!(readers_of(&file), Readers::Group);
+                rustix::fs::setxattr(&folder, name, &list, rustix::fs::XattrFlags::empty()).unwrap();
+                assert_eq!(readers_of(&file), Readers::Others(0o660), "in a folder with an access list");
+                rustix::fs::removexattr(&folder, name).unwrap();
+                set(&folder, 0o2770);
+            }
+        }
         // Only root gives a file to a group that it is not in.
         let stranger = fs::metadata(&folder).unwrap().gid() + 1;
         if chown(file.path(), None, Some(stranger)).is_ok() {
             assert_eq!(readers_of(&file), Readers::Others(0o660), "of another group than the folder");
+            // Where the folder does not hand on its group, what is made is ours alone.
+            chown(&folder, None, Some(stranger)).unwrap();
+            set(&folder, 0o770);
+            file.replace(b"secret").unwrap();
+            assert_eq!(readers_of(&file), Readers::Owner);
         }
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 1, "what was tried is gone");
     }
@@ -188,7 +230,7 @@ mod tests {
             (0o606, 0, Readers::Others(0o606)),
         ] {
             set(file.path(), mode);
-            let readers = readers(&fs::metadata(file.path()).unwrap(), &scratch.0, || made);
+            let readers = readers(file.path(), &fs::metadata(file.path()).unwrap(), || made);
             assert_eq!(readers.unwrap(), expect, "{mode:o} where {made:o} is made");
         }
     }

@@ -114,7 +114,7 @@ fn compose_brings_it_up_hardened_and_keeps_its_volume() {
     assert!(client.state()["mission"].is_object());
     let logs = composed.ask(&["logs", "hallsweep"]);
     let logs = text(&logs.stdout) + &text(&logs.stderr);
-    assert!(logs.contains("/sign-in?token=") && logs.contains("+05:45"), "{logs}");
+    assert!(logs.contains("http://localhost:8080/sign-in?token=") && logs.contains("+05:45"), "{logs}");
     let id = text(&composed.ask(&["ps", "--quiet"]).stdout);
     let inspected = engine.run(&["inspect", id.lines().next().expect("it runs")]);
     let inspected: serde_json::Value = serde_json::from_str(&inspected).expect("JSON");

@@ -142,6 +142,23 @@ fn a_broker_is_believed_by_the_roots_of_the_system_and_by_no_others() {
     std::fs::remove_dir_all(&folder).expect("the folder is ours");
 }
 
+/// As the containers of a pod do.
+#[test]
+fn whoever_shares_the_loopback_of_the_container_finds_no_door_without_a_key() {
+    let Some(engine) = engine() else { return };
+    let container = engine.serve(&[], &[]);
+    container.until_healthy();
+    let beside = |command: &str| {
+        let shared = format!("--network=container:{}", container.name);
+        engine.run(&["run", "--rm", "--entrypoint=sh", &shared, &engine.debug, "-c", command])
+    };
+    let listening = beside("busybox netstat -tuln");
+    assert!(listening.contains(":1883 ") && listening.contains(":8080 ") && !listening.contains(":5683"), "{listening}");
+    // CONNECT without a name; the answer is CONNACK 5, not authorised.
+    let connect = r"printf '\020\014\000\004MQTT\004\002\000\074\000\000' | busybox nc 127.0.0.1 1883 | busybox od -An -tx1";
+    assert_eq!(beside(connect).trim(), "20 02 00 05");
+}
+
 #[test]
 fn from_outside_nothing_is_done_without_a_key() {
     let Some(engine) = engine() else { return };

@@ -158,7 +158,7 @@ fn a_folder_that_its_user_may_not_write_to_is_said_with_what_to_do() {
     let refused = engine.once(&[&format!("--volume={}:/data", folder.display())], &[]);
     assert_eq!(refused.status.code(), Some(1), "{refused:?}");
     let said = text(&refused.stderr);
-    assert!(said.contains("/data") && said.contains("let the user who runs hallsweep write to that folder"), "{said}");
+    assert!(said.contains("/data") && said.contains("see that the user who runs hallsweep can write to that folder"), "{said}");
     chown(&folder, Some(65532), None).expect("the folder is ours");
     fs::set_permissions(&folder, fs::Permissions::from_mode(0o700)).expect("the folder is ours");
     let container = engine.serve(&[&format!("--volume={}:/data", folder.display())], &[]);

@@ -102,7 +102,7 @@ const RULES: [Rule; 13] = [
     Rule {
         module: "storage",
         modules: &["runtime", "api"],
-        crates: &["hallsweep_core", "jiff", "rusqlite", "serde", "serde_json", "sha2", "thiserror", "tokio", "tracing"],
+        crates: &["hallsweep_core", "jiff", "rusqlite", "rustix", "serde", "serde_json", "sha2", "thiserror", "tokio", "tracing"],
     },
     Rule {
         module: "config",
