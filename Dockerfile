@@ -79,6 +79,7 @@ RUN . ./target-of-build \
  && cp /usr/share/doc/libstd-rust-dev/copyright /papers/rust-standard-library.txt
 
 FROM dependencies AS program
+ARG COMPILE=build
 COPY config/default.toml config/
 COPY config/behaviours config/behaviours
 COPY config/halls config/halls
