@@ -110,9 +110,12 @@ pub(super) fn is_the_groups(folder: &Path) -> io::Result<bool> {
 #[cfg(target_os = "linux")]
 pub(super) fn has_access_list(path: &Path) -> bool {
     let lists = ["system.posix_acl_access", "system.posix_acl_default"];
-    // Of how many bytes it is shows without room for any.
-    let mut none: [u8; 0] = [];
-    lists.into_iter().any(|list| rustix::fs::getxattr(path, list, &mut none[..]).is_ok_and(|bytes| bytes > 0))
+    let mut room = [0; 256];
+    lists.into_iter().any(|list| match rustix::fs::getxattr(path, list, &mut room[..]) {
+        Ok(bytes) => bytes > 0,
+        // One that is longer is one all the same.
+        Err(error) => error == rustix::io::Errno::RANGE,
+    })
 }
 
 #[cfg(all(unix, not(target_os = "linux")))]
