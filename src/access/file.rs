@@ -73,7 +73,7 @@ impl KeyFile {
         Ok(Some((keys, readers)))
     }
 
-    /// Keeps other programs that change the keys waiting until what is given back is dropped.
+    /// Keeps other programs that change the keys waiting until what is given back is dropped, for two seconds at most.
     pub fn alone(&self) -> Option<fs::File> {
         self.0.alone()
     }

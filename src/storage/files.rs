@@ -6,9 +6,10 @@ use std::fs::{self, DirBuilder, File, OpenOptions};
 use std::io::{self, Read};
 use std::path::Path;
 
+const SPECIAL: &str = "it is no plain file, but a pipe or a device";
+
 /// Fails, with the reason in a few words, when something else than a plain file has this name. That nothing has it is none.
 pub(crate) fn check_plain(path: &Path) -> io::Result<()> {
-    const SPECIAL: &str = "it is no plain file, but a pipe or a device";
     check(path, |there| (!there.is_file()).then(|| if there.is_dir() { "it is a folder" } else { SPECIAL }))
 }
 
@@ -30,9 +31,8 @@ fn check(path: &Path, wrong: impl Fn(&fs::Metadata) -> Option<&'static str>) -> 
 
 /// The bytes of a plain file, and one more than `most` when it has more than that.
 pub(crate) fn read(path: &Path, most: usize) -> io::Result<Vec<u8>> {
-    check_plain(path)?;
     let mut bytes = Vec::new();
-    File::open(path)?.take(most as u64 + 1).read_to_end(&mut bytes)?;
+    open(path, File::options().read(true))?.take(most as u64 + 1).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 
@@ -47,7 +47,15 @@ pub(crate) fn read_if_there(path: &Path, most: usize) -> io::Result<Option<Vec<u
 /// Opens a plain file as `options` say; one that is made by that is private.
 pub(crate) fn open(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     check_plain(path)?;
-    open_unchecked(path, options)
+    open_at_once(path, options)
+}
+
+/// The same without looking before: a pipe that takes the place of a plain file in between is not waited for either.
+fn open_at_once(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::custom_flags(options, rustix::fs::OFlags::NONBLOCK.bits().cast_signed());
+    let file = open_unchecked(path, options)?;
+    if file.metadata()?.is_file() { Ok(file) } else { Err(io::Error::other(SPECIAL)) }
 }
 
 /// Makes a file anew, for one that is still to be given its name; it is waited for whatever has this name.
@@ -176,6 +184,10 @@ mod tests {
             let said = read(&at(name), 9).unwrap_err();
             assert!(said.to_string().contains(words), "{name}: {said}");
             assert!(open(&at(name), OpenOptions::new().write(true)).is_err(), "{name}");
+        }
+        // As when the pipe has taken the place of a file that was looked at just before.
+        for mut options in [File::options().read(true).clone(), File::options().write(true).clone()] {
+            assert!(open_at_once(&at("pipe"), &mut options).is_err());
         }
         assert_eq!(read(&at("none"), 9).unwrap_err().kind(), io::ErrorKind::NotFound);
         assert_eq!((read(&at("file"), 9).unwrap(), read(&at("good-link"), 2).unwrap()), (b"four".to_vec(), b"fou".to_vec()));

@@ -7,11 +7,16 @@
 //!   anybody else                    what stands in it may be known already
 //! ```
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use super::files;
+
+/// How often it is looked whether the folder is free, and how many times: two seconds together.
+const GLANCE: Duration = Duration::from_millis(20);
+const GLANCES: u32 = 100;
 
 /// A file for whoever runs hallsweep alone, which is replaced as a whole at each writing.
 #[derive(Clone, Debug)]
@@ -41,8 +46,7 @@ impl PrivateFile {
     /// What stands in it up to `most` bytes, and who may read it; `None` where there is no such file. Where there are no modes the
     /// folder of the user keeps others out.
     pub(crate) fn read(&self, most: u64) -> io::Result<Option<(Vec<u8>, Readers)>> {
-        files::check_plain(&self.0)?;
-        let file = match open(&self.0) {
+        let file = match files::open(&self.0, File::options().read(true)) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             opened => opened?,
         };
@@ -53,10 +57,17 @@ impl PrivateFile {
     }
 
     /// Keeps other programs that call this waiting until what is given back is dropped, so that what is written follows from what was
-    /// read. Where a folder cannot be locked nobody is kept waiting.
+    /// read. Not for ever, since whoever may look into the folder can lock it; and where it cannot be locked nobody waits.
     pub(crate) fn alone(&self) -> Option<File> {
         let folder = File::open(files::above(&self.0)).ok()?;
-        folder.lock().is_ok().then_some(folder)
+        (0..GLANCES).find_map(|_| match folder.try_lock() {
+            Err(TryLockError::WouldBlock) => {
+                std::thread::sleep(GLANCE);
+                None
+            }
+            locked => Some(locked.is_ok()),
+        })?;
+        Some(folder)
     }
 
     /// Replaces it, and is done when that has reached the disk. The folder is made when it is not there.
@@ -80,16 +91,6 @@ fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     files::share(path, &file)?;
     file.write_all(bytes)?;
     file.sync_all()
-}
-
-/// Opens what was a plain file just now: a pipe that has its place since then is not waited for.
-fn open(path: &Path) -> io::Result<File> {
-    let mut options = OpenOptions::new();
-    options.read(true);
-    #[cfg(unix)]
-    std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, rustix::fs::OFlags::NONBLOCK.bits().cast_signed());
-    let file = options.open(path)?;
-    if file.metadata()?.is_file() { Ok(file) } else { Err(io::Error::other("it is no plain file")) }
 }
 
 /// Makes one for its owner alone, where nothing has this name.

@@ -1,5 +1,6 @@
 //! Somebody with a key at the published port of a container: looks, commands, and says what each piece is.
 
+use std::io::Read;
 use std::net::SocketAddr;
 use std::time::Duration;
 
@@ -60,12 +61,13 @@ impl Client {
         (answer.status().as_u16(), answer.body_mut().read_to_string().expect("the answer is whole"))
     }
 
-    /// Reads what changes until the connection ends; how much that was.
-    pub(crate) fn follow(&self) -> u64 {
+    /// Everything that changes, until the connection ends; it has begun.
+    pub(crate) fn events(&self) -> impl Read + use<> {
         let request = self.agent.get(format!("http://{}/api/v1/events", self.address));
         let request = request.header("authorization", format!("Bearer {}", self.token));
         let mut events = request.call().expect("it answers").into_body().into_reader();
-        std::io::copy(&mut events, &mut std::io::sink()).unwrap_or(0)
+        events.read_exact(&mut [0]).expect("what stands comes first");
+        events
     }
 
     pub(crate) fn until(&self, wanted: &str, is_so: impl Fn(&Value) -> bool) -> Value {

@@ -1,7 +1,7 @@
 //! What is in the image: little, nothing of how it was built, and the papers of everything that others wrote.
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
 use flate2::write::GzEncoder;
@@ -99,7 +99,7 @@ fn it_says_what_it_is_and_runs_as_a_user_that_a_cluster_can_see_is_not_root() {
         assert_eq!(label("version").as_deref(), Some(env!("CARGO_PKG_VERSION")));
         assert_eq!(label("licenses").as_deref(), Some("MIT OR Apache-2.0"));
         assert!(label("revision").is_some_and(|revision| revision != "unknown") && label("description").is_some());
-        let version = engine.run(&["run", "--rm", image, "--version"]);
+        let (_, version) = engine.once(image, &[], &["--version"]);
         assert_eq!(version, concat!("hallsweep ", env!("CARGO_PKG_VERSION")));
     }
 }
@@ -137,14 +137,14 @@ fn the_papers_name_everything_that_others_wrote_with_its_licence() {
 #[test]
 fn the_debuggable_one_has_a_shell_and_the_lines_of_our_sources() {
     let Some(engine) = engine() else { return };
-    let container = engine.serve_image(&engine.debug, &["--env=HALLSWEEP__ROBOT__SPEED=max"], &["--hall", "seed"]);
+    let container = engine.start(&engine.debug, &["--env=HALLSWEEP__ROBOT__SPEED=max"], &["--hall", "seed"]);
     container.until_healthy();
     let shell = container.exec(&["sh", "-c", "cat /proc/1/comm"]);
     assert_eq!(text(&shell.stdout), "hallsweep", "{shell:?}");
     let (files, _) = Files::of(&engine, &engine.debug);
-    let program = Path::new(&files.0).join("usr/bin/hallsweep");
+    let program = files.0.join("usr/bin/hallsweep");
     let lines = Command::new("readelf").arg("--debug-dump=rawline").arg(program).stderr(Stdio::null()).output();
     let lines = lines.expect("readelf is where a C compiler is").stdout;
-    assert!(String::from_utf8_lossy(&lines).contains("telemetry.rs"), "of our own sources");
+    assert!(String::from_utf8_lossy(&lines).contains("kept_halls.rs"), "a source that is ours");
     assert_eq!(container.end(&["stop"]), "0");
 }

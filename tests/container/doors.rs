@@ -150,7 +150,7 @@ fn whoever_shares_the_loopback_of_the_container_finds_no_door_without_a_key() {
     container.until_healthy();
     let beside = |command: &str| {
         let shared = format!("--network=container:{}", container.name);
-        engine.run(&["run", "--rm", "--entrypoint=sh", &shared, &engine.debug, "-c", command])
+        engine.once(&engine.debug, &["--entrypoint=sh", &shared], &["-c", command]).1
     };
     let listening = beside("busybox netstat -tuln");
     assert!(listening.contains(":1883 ") && listening.contains(":8080 ") && !listening.contains(":5683"), "{listening}");

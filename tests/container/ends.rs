@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::client::{Client, kept, phase};
-use crate::engine::{Container, ON_LOOPBACK, engine, text};
+use crate::engine::{Container, ON_LOOPBACK, engine};
 
 /// In the middle of a mission: one piece judged, and another waiting.
 fn until_in_a_mission(container: &Container<'_>) -> Value {
@@ -31,10 +31,10 @@ fn ended_by_sigterm_or_killed_in_mid_mission_it_stands_as_it_was_when_it_is_star
     let before = until_in_a_mission(&container);
 
     // Somebody looks on; and the time is shorter than the usual one, after which an engine kills.
-    let onlooker = Client::of(&container);
-    let followed = std::thread::spawn(move || onlooker.follow());
+    let mut events = Client::of(&container).events();
     assert_eq!(container.end(&["stop", "--time=8"]), "0");
-    followed.join().expect("the stream ends too");
+    // However it ended, it has.
+    let _ = std::io::copy(&mut events, &mut std::io::sink());
     assert!(container.logs().contains("SIGTERM"), "{}", container.logs());
     container.start_again();
     held_as_it_was(&container, &before);
@@ -54,8 +54,7 @@ fn a_second_container_on_one_volume_is_refused_with_the_reason() {
     let volume = engine.volume();
     let first = engine.serve(&[ON_LOOPBACK, &volume.at_data()], &[]);
     first.until_healthy();
-    let second = engine.once(&[&volume.at_data()], &[]);
-    assert_eq!(second.status.code(), Some(1));
-    assert!(text(&second.stderr).contains("another hallsweep"), "{second:?}");
+    let (code, said) = engine.once(&engine.image, &[&volume.at_data()], &[]);
+    assert!(code == "1" && said.contains("another hallsweep"), "{code}: {said}");
     first.until_healthy();
 }

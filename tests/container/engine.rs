@@ -78,11 +78,6 @@ pub(crate) fn unused(what: &str) -> String {
     format!("hallsweep-{what}-{}-{}", std::process::id(), NEXT.fetch_add(1, Ordering::Relaxed))
 }
 
-/// Whether files may be given to anybody.
-pub(crate) fn is_root() -> bool {
-    rustix::process::geteuid().is_root()
-}
-
 pub(crate) fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).trim_end().to_owned()
 }
@@ -104,17 +99,19 @@ impl ContainerEngine {
         text(&output.stdout)
     }
 
-    /// Runs the program in a container of its own to its end, with these options of the engine and arguments of its own.
-    pub(crate) fn once(&self, options: &[&str], arguments: &[&str]) -> Output {
-        self.ask(&[&["run", "--rm"], options, &[&self.image], arguments].concat())
+    /// Runs an image to its end, with these options of the engine and arguments of its own: its exit code, and all that it said. Its
+    /// log is read for that, since of what is soon over an engine does not always pass on all.
+    pub(crate) fn once(&self, image: &str, options: &[&str], arguments: &[&str]) -> (String, String) {
+        let container = self.start(image, options, arguments);
+        (self.run(&["wait", &container.name]), container.logs().trim().to_owned())
     }
 
     /// A container of the image that serves.
     pub(crate) fn serve(&self, options: &[&str], arguments: &[&str]) -> Container<'_> {
-        self.serve_image(&self.image, options, arguments)
+        self.start(&self.image, options, arguments)
     }
 
-    pub(crate) fn serve_image(&self, image: &str, options: &[&str], arguments: &[&str]) -> Container<'_> {
+    pub(crate) fn start(&self, image: &str, options: &[&str], arguments: &[&str]) -> Container<'_> {
         let name = unused("container");
         let container = Container { engine: self, name: name.clone() };
         self.run(&[&["run", "--detach", "--name", &name], options, &[image], arguments].concat());
@@ -185,7 +182,7 @@ impl Volume<'_> {
     /// Where this machine finds it; `None`, with a word, where that is not for us to touch.
     pub(crate) fn folder(&self) -> Option<PathBuf> {
         let folder = PathBuf::from(self.engine.run(&["volume", "inspect", "--format", "{{.Mountpoint}}", &self.name]));
-        let is_ours = is_root() && folder.is_dir();
+        let is_ours = rustix::process::geteuid().is_root() && folder.is_dir();
         if !is_ours {
             left_out("root, and an engine on this very machine");
         }

@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 use serde_json::Value;
 
 use crate::client::{Client, kept};
-use crate::engine::{ContainerEngine, ON_LOOPBACK, Volume, engine, is_root, left_out, text, unused};
+use crate::engine::{ContainerEngine, ON_LOOPBACK, Volume, engine, left_out, text, unused};
 
 /// Every file and folder of a volume, itself too.
 fn everything(folder: &Path) -> Vec<PathBuf> {
@@ -31,10 +31,11 @@ fn give_to(group: u32, folder: &Path) {
     }
 }
 
-fn operator_of(engine: &ContainerEngine, options: &[&str]) -> String {
-    let shown = engine.once(options, &["token"]);
-    assert!(shown.status.success(), "{shown:?}");
-    text(&shown.stdout)
+/// The keys that there are, as the command shows them.
+fn keys_of(engine: &ContainerEngine, options: &[&str]) -> String {
+    let (code, shown) = engine.once(&engine.image, options, &["token"]);
+    assert_eq!(code, "0", "{shown}");
+    shown
 }
 
 /// Serves, is asked for its state with the key, and ends.
@@ -62,13 +63,14 @@ fn any_user_of_the_group_0_serves_from_a_volume_and_others_read_nothing() {
     // As OpenShift gives them: another project, another number.
     for user in ["--user=1000650000:0", "--user=1000660000:0", "--user=65532:0"] {
         serves(&engine, &volume, &[user, "--cap-drop=all"]);
-        keys.push(operator_of(&engine, &[user, &volume.at_data()]));
+        keys.push(keys_of(&engine, &[user, &volume.at_data()]));
         assert_eq!(readable_by_others(&folder), Vec::<PathBuf>::new(), "{user}");
     }
     keys.dedup();
     assert_eq!(keys.len(), 1, "the same keys for all of them");
-    let stranger = engine.once(&["--user=1000650000:1000650000", "--cap-drop=all", &volume.at_data()], &["token"]);
-    assert!(!stranger.status.success() && text(&stranger.stderr).contains("cannot be read"), "{stranger:?}");
+    let stranger = ["--user=1000650000:1000650000", "--cap-drop=all", &volume.at_data()];
+    let (code, said) = engine.once(&engine.image, &stranger, &["token"]);
+    assert!(code == "1" && said.contains("cannot be read"), "{code}: {said}");
 }
 
 #[test]
@@ -82,15 +84,15 @@ fn a_volume_that_is_given_to_a_group_at_each_start_keeps_its_keys_and_missions()
         give_to(2000, &folder);
         let logs = serves(&engine, &volume, &pod);
         assert!(logs.contains("can read the keys"), "start {start}: {logs}");
-        keys.push(operator_of(&engine, &[&pod[..], &[&volume.at_data()]].concat()));
+        keys.push(keys_of(&engine, &[&pod[..], &[&volume.at_data()]].concat()));
     }
     keys.dedup();
     assert_eq!(keys.len(), 1);
     assert_eq!(readable_by_others(&folder), Vec::<PathBuf>::new());
     // The mode that was never anybody's intention is still refused, and the robot held.
     fs::set_permissions(folder.join("access.toml"), fs::Permissions::from_mode(0o664)).expect("the folder is ours");
-    let exposed = engine.once(&[&pod[..], &[&volume.at_data()]].concat(), &["token"]);
-    assert!(text(&exposed.stderr).contains("chmod 600"), "{exposed:?}");
+    let (code, said) = engine.once(&engine.image, &[&pod[..], &[&volume.at_data()]].concat(), &["token"]);
+    assert!(code == "1" && said.contains("chmod 600"), "{code}: {said}");
 }
 
 /// A folder seen through a driver that gives every file one mode, whatever is asked for.
@@ -140,53 +142,69 @@ fn a_volume_that_forces_a_mode_on_every_file_is_used_with_a_word() {
             assert_eq!(container.end(&["stop"]), "0");
             let logs = container.logs();
             assert!(logs.contains("gives every file the same mode"), "start {start} with {rules:?}: {logs}");
-            keys.push(operator_of(&engine, &[&at_data]));
+            keys.push(keys_of(&engine, &[&at_data]));
         }
         keys.dedup();
         assert_eq!(keys.len(), 1);
     }
 }
 
-#[test]
-fn a_folder_that_its_user_may_not_write_to_is_said_with_what_to_do() {
-    let Some(engine) = engine() else { return };
-    if !is_root() {
-        return left_out("root, to make folders of other users");
+/// A folder of this machine in the place of a volume, which is gone with this.
+struct HostFolder(PathBuf);
+
+impl HostFolder {
+    /// For this user alone; `None`, with a word, where folders cannot be given to others.
+    fn of(user: u32) -> Option<HostFolder> {
+        let folder = HostFolder(std::env::temp_dir().join(unused("folder")));
+        fs::create_dir(&folder.0).expect("there is room");
+        fs::set_permissions(&folder.0, fs::Permissions::from_mode(0o700)).expect("the folder is ours");
+        if chown(&folder.0, Some(user), Some(user)).is_ok() {
+            return Some(folder);
+        }
+        left_out("root, to make folders of other users");
+        None
     }
-    let folder = std::env::temp_dir().join(unused("roots"));
-    fs::create_dir(&folder).expect("the folder is ours");
-    let refused = engine.once(&[&format!("--volume={}:/data", folder.display())], &[]);
-    assert_eq!(refused.status.code(), Some(1), "{refused:?}");
-    let said = text(&refused.stderr);
-    assert!(said.contains("/data") && said.contains("see that the user who runs hallsweep can write to that folder"), "{said}");
-    chown(&folder, Some(65532), None).expect("the folder is ours");
-    fs::set_permissions(&folder, fs::Permissions::from_mode(0o700)).expect("the folder is ours");
-    let container = engine.serve(&[&format!("--volume={}:/data", folder.display())], &[]);
-    container.until_healthy();
-    drop(container);
-    fs::remove_dir_all(&folder).expect("the folder is ours");
+
+    fn at_data(&self) -> String {
+        format!("--volume={}:/data", self.0.display())
+    }
+}
+
+impl Drop for HostFolder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn a_folder_that_its_user_may_not_use_is_said_with_what_to_do() {
+    let Some(engine) = engine() else { return };
+    let Some(folder) = HostFolder::of(0) else { return };
+    for (mode, code, words) in [
+        (0o700, "2", "see that the user who runs hallsweep can read the data folder"),
+        (0o755, "1", "see that the user who runs hallsweep can write to that folder"),
+    ] {
+        fs::set_permissions(&folder.0, fs::Permissions::from_mode(mode)).unwrap();
+        let (ended, said) = engine.once(&engine.image, &["--user=4321:4321", &folder.at_data()], &[]);
+        assert!(ended == code && said.contains("/data") && said.contains(words), "{ended}: {said}");
+    }
 }
 
 #[test]
 fn a_folder_of_the_host_is_used_by_whoever_owns_it() {
     let Some(engine) = engine() else { return };
-    if !is_root() {
-        return left_out("root, to make folders of other users");
+    for user in [65532, 4321] {
+        let Some(folder) = HostFolder::of(user) else { return };
+        let own = [&format!("--user={user}:{user}"), "--cap-drop=all", &folder.at_data()];
+        for _ in 0..2 {
+            let container = engine.serve(&own, &[]);
+            container.until_healthy();
+            assert_eq!(container.end(&["stop"]), "0");
+            assert!(!container.logs().contains("can read the keys"), "{}", container.logs());
+        }
+        let keys = fs::metadata(folder.0.join("access.toml")).unwrap();
+        assert_eq!((keys.uid(), keys.mode() & 0o777), (user, 0o600));
     }
-    let folder = std::env::temp_dir().join(unused("own"));
-    fs::create_dir(&folder).unwrap();
-    chown(&folder, Some(4321), Some(4321)).unwrap();
-    fs::set_permissions(&folder, fs::Permissions::from_mode(0o700)).unwrap();
-    let own = ["--user=4321:4321", "--cap-drop=all", &format!("--volume={}:/data", folder.display())];
-    for _ in 0..2 {
-        let container = engine.serve(&own, &[]);
-        container.until_healthy();
-        assert_eq!(container.end(&["stop"]), "0");
-        assert!(!container.logs().contains("can read the keys"), "{}", container.logs());
-    }
-    let keys = fs::metadata(folder.join("access.toml")).unwrap();
-    assert_eq!((keys.uid(), keys.mode() & 0o777), (4321, 0o600));
-    fs::remove_dir_all(&folder).unwrap();
 }
 
 /// Safety R1.
@@ -235,8 +253,9 @@ fn a_backup_of_the_volume_comes_up_as_another_container() {
     fs::create_dir(&backup).unwrap();
     let at_backup = format!("--volume={}:/backup", backup.display());
     let tar = |volume: &Volume<'_>, how: &str| {
-        let run = ["run", "--rm", "--user=0", "--entrypoint=busybox", &at_backup, &volume.at_data(), &engine.debug];
-        engine.run(&[&run[..], &["tar", "-C", "/data", how, "/backup/hallsweep.tar", "."]].concat());
+        let as_root = ["--user=0", "--entrypoint=busybox", &at_backup, &volume.at_data()];
+        let (code, said) = engine.once(&engine.debug, &as_root, &["tar", "-C", "/data", how, "/backup/hallsweep.tar", "."]);
+        assert_eq!(code, "0", "{said}");
     };
     tar(&volume, "-cf");
     let again = engine.volume();

@@ -355,3 +355,24 @@ fn what_strangers_ask_for_is_in_the_log_alone() {
     let lines = crate::journal::journal(&folder, &["export"]).1;
     assert!(!lines.contains("\"kind\":\"command\""), "{lines}");
 }
+
+#[test]
+fn of_keys_that_are_changed_at_once_none_is_lost_and_who_locks_the_folder_keeps_nobody_from_it() {
+    let folder = Folder::new("at-once");
+    folder.token(&["add", "first", "--role", "operator"]);
+    std::thread::scope(|scope| {
+        for number in 0..8 {
+            let folder = &folder;
+            scope.spawn(move || folder.token(&["add", &format!("key-{number}"), "--role", "viewer"]));
+        }
+    });
+    let shown = folder.token(&[]);
+    for number in 0..8 {
+        assert!(shown.contains(&format!("key-{number} (viewer)")), "{shown}");
+    }
+    // Anybody who may look into the folder can do this, and a key must be taken away all the same.
+    let held = std::fs::File::open(&folder.0).expect("the folder is there");
+    held.lock().expect("nobody else has it");
+    folder.token(&["remove", "key-3"]);
+    assert!(!folder.token(&[]).contains("key-3"));
+}
