@@ -73,9 +73,11 @@ try {
   page.on('load', () => console.log(`${name}: on ${new URL(page.url()).pathname}`));
   const picture = async (what) => {
     const path = `${shots}/${name}-${++shot}-${what}.png`;
-    // On a busy machine Chromium now and then has no picture to give.
-    await page.screenshot({ path }).catch(() => page.screenshot({ path }));
-    console.log(`${name}: ${what}`);
+    // On a busy machine Chromium now and then has no picture to give, once not within two minutes. Pictures are for whoever looks at
+    // them later: what holds of a page, the scenarios ask the page.
+    const taken = () => page.screenshot({ path, timeout: 20_000 });
+    const isThere = await taken().catch(taken).then(() => true, () => false);
+    console.log(`${name}: ${what}${isThere ? '' : ', of which there is no picture'}`);
   };
   /** Another way to the program, which can be cut. */
   const network = async () => {
