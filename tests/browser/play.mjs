@@ -75,8 +75,12 @@ try {
     const path = `${shots}/${name}-${++shot}-${what}.png`;
     // On a busy machine Chromium now and then has no picture to give, once not within two minutes. Pictures are for whoever looks at
     // them later: what holds of a page, the scenarios ask the page.
-    const taken = () => page.screenshot({ path, timeout: 20_000 });
-    const isThere = await taken().catch(taken).then(() => true, () => false);
+    const taken = () => page.screenshot({ path, timeout: 20_000 }).then(() => true);
+    const late = (error) => {
+      if (error.name !== 'TimeoutError') throw error;
+      return false;
+    };
+    const isThere = await taken().catch(taken).catch(late);
     console.log(`${name}: ${what}${isThere ? '' : ', of which there is no picture'}`);
   };
   /** Another way to the program, which can be cut. */
