@@ -31,6 +31,12 @@ RUN set -e; \
     dpkg --add-architecture $arch; \
     apt-get update; \
     apt-get install -y --no-install-recommends ca-certificates tzdata gcc libc6-dev gcc-$(echo $gnu | tr _ -) libc6-dev:$arch; \
+    # Rust's compiler takes the library of its own version alone, and Debian may have a new Rust for one processor days before the other.
+    newest() { apt-cache -t $BACKPORTS policy $1 | sed -n 's/^ *Candidate: //p'; }; \
+    if [ "$(newest rustc)" != "$(newest libstd-rust-dev:$arch)" ]; then \
+      echo "Debian has Rust $(newest rustc) for $(dpkg --print-architecture), and $(newest libstd-rust-dev:$arch) for $arch: until they are the same, build on $arch itself" >&2; \
+      exit 75; \
+    fi; \
     apt-get install -y --no-install-recommends -t $BACKPORTS cargo rustc libstd-rust-dev:$arch; \
     rm -rf /var/lib/apt/lists/*; \
     mkdir .cargo; \
