@@ -112,9 +112,8 @@ async fn serve_hall(
     let resources = || Resources::new(handle.clone(), reader.clone(), settings.old_clients.manual_driving);
     let coap = coap::open(coap, &threads.coap, resources, (secret, handle.watch(), ending.subscribe()))?;
     let mqtt_ports = listeners(mqtt, &threads.mqtt)?;
-    let mqtt_at = doors.mqtt.map(|place| place.at);
-    let mqtt_ways = (mqtt_ports, mqtt_at, mqtt_access, (&threads, room));
-    let mqtt = Mqtt::open(settings, mqtt_ways, handle.clone(), reader.clone(), ending.subscribe()).await?;
+    let mqtt_ways = (mqtt_ports, mqtt_access, (&threads, room));
+    let mqtt = Mqtt::open(settings, mqtt_ways, handle.clone(), reader.clone(), ending.subscribe())?;
     let http = listeners(http, &threads.http)?;
     let door = HttpDoor::new(handle, reader, &hall, access).with_cells_of(cell_m).with_robots(set).with_settings(settings.core);
     let door = door.with_evacuation_of(settings.evacuation_m);

@@ -26,7 +26,7 @@ pub use bind::{At, Bind, from_here};
 pub use error::SettingsError;
 pub use key::{KEYS, Key, Kind};
 pub use layers::{DEFAULTS, Flag, Sources};
-pub use mqtt::{Broker, Login, MqttSettings, OtherBroker};
+pub use mqtt::{Broker, Login, MqttRouter, MqttSettings, OtherBroker};
 pub use robot_address::RobotAddress;
 pub use robots::{MOST_ROBOTS, RobotKind};
 

@@ -1,5 +1,5 @@
-//! The bare router, rumqttd, in a process of its own and with nothing before it: this program calls itself for it. It is set up as
-//! hallsweep sets it up; no client but the load may ever reach it.
+//! rumqttd in a process of its own and with nothing before it: this program calls itself for it. No client but the load may ever reach
+//! it.
 
 use std::collections::HashMap;
 use std::net::SocketAddr;

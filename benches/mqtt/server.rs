@@ -21,10 +21,14 @@ const LOOK: Duration = Duration::from_millis(50);
 /// Who is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
-    /// hallsweep's public port: gate and router.
+    /// hallsweep's public port.
     Hallsweep,
-    /// The router alone.
+    /// The same where rumqttd routes.
+    Linked,
+    /// rumqttd alone.
     Bare,
+    /// Two bare sockets with one thread between them.
+    Bound,
     /// mosquitto, as Debian has it.
     Mosquitto,
 }
@@ -34,7 +38,9 @@ impl Kind {
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Kind::Hallsweep => "hallsweep",
-            Kind::Bare => "bare router",
+            Kind::Linked => "by rumqttd",
+            Kind::Bare => "rumqttd",
+            Kind::Bound => "bound",
             Kind::Mosquitto => "mosquitto",
         }
     }
@@ -76,7 +82,7 @@ impl Server {
     /// Reads where it is, unless it was told.
     fn announced(&mut self) -> bool {
         let output = BufReader::new(self.child.stdout.take().expect("its output is piped"));
-        if self.kind != Kind::Hallsweep {
+        if !matches!(self.kind, Kind::Hallsweep | Kind::Linked) {
             return true;
         }
         let (say, said) = channel();
@@ -134,21 +140,23 @@ impl Drop for Server {
 
 fn command(kind: Kind, port: u16, folder: &Path) -> Command {
     match kind {
-        Kind::Hallsweep => hallsweep(folder),
-        Kind::Bare => {
+        Kind::Hallsweep => hallsweep(folder, "own"),
+        Kind::Linked => hallsweep(folder, "rumqttd"),
+        Kind::Bare | Kind::Bound => {
             let mut command = Command::new(std::env::current_exe().expect("the system knows which program this is"));
-            command.args(["bare", &port.to_string()]);
+            command.args([kind.name(), &port.to_string()]);
             command
         }
         Kind::Mosquitto => mosquitto(port, folder),
     }
 }
 
-fn hallsweep(folder: &Path) -> Command {
+fn hallsweep(folder: &Path, router: &str) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_hallsweep"));
     for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("HALLSWEEP_")) {
         command.env_remove(name);
     }
+    command.env("HALLSWEEP__MQTT__ROUTER", router);
     let free = "127.0.0.1:0";
     command.args(["serve", "--http", free, "--coap", free, "--mqtt", free, "--data"]).arg(folder.join("data"));
     command

@@ -1,25 +1,19 @@
-//! A connection between a client that sends anything, in pieces of any size, and a router that is itself or not. Whatever they do:
-//! nothing breaks, and what reaches the router are whole packets of the few kinds that cannot hurt it, on topics and filters that
-//! cannot, with acknowledgements of what it waits for in its order. Whether what reaches the client is right is tested elsewhere.
+//! A connection with a client that sends anything, in pieces of any size, takes what comes when it likes, and comes back now and then.
+//! Whatever it does: nothing breaks, what it gets are whole packets, what it is to acknowledge is bounded, and what others get of it are
+//! messages on topics that are some. Whether what reaches the client is right is tested elsewhere.
 #![no_main]
 
-use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
 
-use bytes::{Buf, BytesMut};
+use bytes::{Buf, Bytes, BytesMut};
 use libfuzzer_sys::fuzz_target;
-use mqtt_gate::limits::{CLIENT_PACKET, CLIENT_ROOM, FILTERS, UNRELEASED};
+use mqtt_gate::limits::{ANSWER_ROOM, CLIENT_PACKET, FILTERS, UNRELEASED};
 use mqtt_gate::packet::connect::{self, Connect};
-use mqtt_gate::packet::filters::Filters;
-use mqtt_gate::packet::{Qos, ack, publish, write};
+use mqtt_gate::packet::{Qos, publish, write};
 use mqtt_gate::{
-    Broker, ClientConnection, CommandDecision, Ended, Epoch, Frame, Kind, Listener, Principal, Rights, Session, Terms, Tier,
-    filter, frame,
+    Broker, ClientConnection, CommandDecision, Ended, Epoch, Kind, Listener, Rights, Session, Terms, Tier, filter, frame,
 };
-
-/// The ids that the router gives, one after the other, and no more at once.
-const ROUTER_IDS: u16 = 100;
 
 fuzz_target!(|bytes: &[u8]| {
     let [first, length, bytes @ ..] = bytes else { return };
@@ -50,11 +44,9 @@ impl Listener for TestListener {
 }
 
 /// As a robot's topics may be: commands on `h/d/command`, on names below it, and on those below `q`; the rest of `h/d` is the program's
-/// own, and nobody but the program sees the pulse.
+/// own.
 #[derive(Debug)]
 struct TestRights;
-
-const PULSE: &str = "broker-pulse";
 
 impl Rights for TestRights {
     fn is_for_commands(&self, topic: &str) -> bool {
@@ -62,88 +54,51 @@ impl Rights for TestRights {
         topic == "h/d/command" || is_name_below("h/d/command/") || is_name_below("q/")
     }
 
-    fn may_publish(&self, who: Principal, topic: &str) -> bool {
-        let is_own = topic == "h/d" || topic.starts_with("h/d/") || topic == PULSE;
-        who == Principal::Program || self.is_for_commands(topic) || who == Principal::Client(Tier::Full) && !is_own
-    }
-
-    fn may_subscribe(&self, who: Principal, filter: &str) -> bool {
-        who == Principal::Program || filter != PULSE
-    }
-
-    fn may_see(&self, who: Principal, topic: &[u8]) -> bool {
-        who == Principal::Program || topic != PULSE.as_bytes()
+    fn may_publish(&self, who: Tier, topic: &str) -> bool {
+        let is_own = topic == "h/d" || topic.starts_with("h/d/");
+        self.is_for_commands(topic) || who == Tier::Full && !is_own
     }
 }
 
 struct Play {
     connection: ClientConnection,
     broker: Arc<Broker>,
-    /// Reads everything: what nobody reads does not reach the router.
-    _reader: ClientConnection,
+    tier: Tier,
+    /// Reads everything, and takes it at once.
+    reader: ClientConnection,
     now: Duration,
     from_client: BytesMut,
-    from_router: BytesMut,
-    /// What the router waits for; `None` when it was not itself.
-    outstanding: Option<VecDeque<u16>>,
-    last_id: u16,
-    /// What the router was asked and has not answered.
-    answers: BytesMut,
+    /// Of what comes for the client, what was taken and is not a whole packet yet.
+    taken: BytesMut,
     ended: Option<Ended>,
 }
 
 impl Play {
     fn new(first: u8, connect: Option<Connect>) -> Play {
-        let principal =
-            [Principal::Program, Principal::Client(Tier::Full), Principal::Client(Tier::Limited)][usize::from(first) % 3];
+        let tier = [Tier::Full, Tier::Limited][usize::from(first) % 2];
         let broker = Arc::new(Broker::new(TestRights));
-        let keep_alive_s = connect.as_ref().map_or(0, |connect| connect.keep_alive_s);
-        let will = connect.and_then(|connect| connect.will);
-        let terms = Terms {
-            principal,
-            name: "fuzz".into(),
-            has_key: first & 4 != 0,
-            listener: Arc::new(TestListener),
-            keep_alive_s,
-            will,
-            session: Session::default(),
-        };
-        let mut reader = ClientConnection::new(
-            Terms {
-                principal: Principal::Program,
-                name: "reader".into(),
-                has_key: false,
-                listener: Arc::new(TestListener),
-                keep_alive_s: 0,
-                will: None,
-                session: Session::default(),
-            },
-            Arc::clone(&broker),
-            Duration::ZERO,
-        );
-        let mut everything = BytesMut::new();
         for n in 0..200_u8 {
-            write::publish(
-                &mut everything,
-                format!("k/{n}").as_bytes(),
-                &vec![n; usize::from(first) * 16 + 1],
-                Qos::One,
-                1,
-                true,
-            );
+            broker.publish(&format!("k/{n}"), &vec![n; usize::from(first) * 16 + 1], true);
         }
-        write::subscribe(&mut everything, 1, &[("#", Qos::Zero)]);
+        let keep_alive_s = connect.as_ref().map_or(0, |connect| connect.keep_alive_s);
+        let terms = Terms {
+            has_key: first & 4 != 0,
+            keep_alive_s,
+            will: connect.and_then(|connect| connect.will),
+            ..terms(tier, Session::default())
+        };
+        let mut reader = ClientConnection::new(self::terms(Tier::Full, Session::default()), Arc::clone(&broker), Duration::ZERO);
+        let mut everything = BytesMut::new();
+        write::subscribe(&mut everything, 1, &[("#", Qos::Two)]);
         reader.handle_client(&mut everything, Duration::ZERO).expect("it may");
         Play {
-            _reader: reader,
             connection: ClientConnection::new(terms, Arc::clone(&broker), Duration::ZERO),
+            reader,
             broker,
+            tier,
             now: Duration::ZERO,
             from_client: BytesMut::new(),
-            from_router: BytesMut::new(),
-            outstanding: Some(VecDeque::new()),
-            last_id: 0,
-            answers: BytesMut::new(),
+            taken: BytesMut::new(),
             ended: None,
         }
     }
@@ -159,18 +114,9 @@ impl Play {
                 self.client();
                 rest = after;
             }
-            4 => {
-                let (piece, after) = rest.split_at(usize::from(*how).min(rest.len()));
-                self.from_router.extend_from_slice(piece);
-                self.outstanding = None;
-                self.router();
-                rest = after;
-            }
-            5 => self.message(*how),
-            6 => {
-                self.from_router.unsplit(self.answers.split());
-                self.router();
-            }
+            4 => drop(self.broker.publish("a", &[*how; 3], how & 1 != 0)),
+            5 => self.connection.handle_come(),
+            6 => self.come_back(),
             _ => self.pass(*how),
         }
         self.look();
@@ -183,25 +129,15 @@ impl Play {
         assert!(self.ended.is_some() || self.from_client.len() < 16 * CLIENT_PACKET, "what is there whole is taken");
     }
 
-    fn router(&mut self) {
-        let outcome = self.connection.handle_router(&mut self.from_router);
-        let is_itself = self.outstanding.is_some();
-        assert!(!is_itself || outcome.is_ok(), "a router that is itself was sent away: {outcome:?}");
-        self.ended = outcome.err();
-    }
-
-    /// The router sends a message.
-    fn message(&mut self, how: u8) {
-        let Some(outstanding) = &mut self.outstanding else { return };
-        let is_full = outstanding.len() >= usize::from(ROUTER_IDS);
-        let qos = if how & 1 == 0 || is_full { Qos::Zero } else { Qos::One };
-        if qos == Qos::One {
-            self.last_id = self.last_id % ROUTER_IDS + 1;
-            outstanding.push_back(self.last_id);
-        }
-        let topic: &[u8] = if how & 2 == 0 { b"a" } else { b"broker-pulse" };
-        write::publish(&mut self.from_router, topic, &[how; 3], qos, self.last_id, false);
-        self.router();
+    /// The connection breaks, and the client comes again.
+    fn come_back(&mut self) {
+        let terms = terms(self.tier, Session::default());
+        let new = ClientConnection::new(terms, Arc::clone(&self.broker), self.now);
+        let session = std::mem::replace(&mut self.connection, new).into_session();
+        assert!(session.filters().count() <= FILTERS && session.unreleased() <= UNRELEASED);
+        self.connection = ClientConnection::new(self::terms(self.tier, session), Arc::clone(&self.broker), self.now);
+        self.from_client.clear();
+        self.taken.clear();
     }
 
     /// Time goes on, and the client takes some of what is for it.
@@ -209,62 +145,62 @@ impl Play {
         self.now += Duration::from_secs(u64::from(how));
         self.ended = self.connection.handle_timeout(self.now).err();
         let out = self.connection.to_client();
-        let taken = out.len() * usize::from(how % 5) / 4;
-        out.advance(taken.min(out.len()));
+        let length = out.len() * usize::from(how % 5) / 4;
+        self.taken.extend_from_slice(&out.copy_to_bytes(length));
         self.connection.handle_drained();
+        while let Some(frame) = frame(&self.taken, usize::MAX).expect("only packets reach the client") {
+            if frame.kind == Kind::Publish {
+                publish::read(&frame, &self.taken[..frame.length]).expect("it is a PUBLISH");
+            }
+            self.taken.advance(frame.length);
+        }
     }
 
     fn end(mut self, why: Ended) {
         self.connection.handle_end(self.ended.unwrap_or(why));
         self.look();
-        let session = self.connection.into_session();
-        assert!(session.filters().count() <= FILTERS && session.unreleased() <= UNRELEASED);
+        drop(self.connection.into_session());
     }
 
-    /// Looks at everything that reaches the router.
+    /// Looks at everything that others get.
     fn look(&mut self) {
-        let out = std::mem::take(self.connection.to_router());
-        let mut rest = &out[..];
-        while let Some(frame) = frame(rest, usize::MAX).expect("only packets reach the router") {
+        assert!(self.connection.to_client().len() < ANSWER_ROOM + 16 * CLIENT_PACKET);
+        self.reader.handle_come();
+        let waiting = self.reader.to_client().len();
+        let got = self.reader.to_client().copy_to_bytes(waiting);
+        self.reader.handle_drained();
+        let (mut rest, mut answers) = (&got[..], BytesMut::new());
+        while let Some(frame) = frame(rest, usize::MAX).expect("only packets reach others") {
             let (packet, after) = rest.split_at(frame.length);
-            let body = &packet[frame.head..];
-            match frame.kind {
-                Kind::Publish => {
-                    assert!(matches!(packet[0], 0x30 | 0x38), "only QoS 0, padded or not, and nothing to be kept");
-                    // The flag of a duplicate marks what is padded.
-                    let publish = publish::read(&Frame { flags: frame.flags & 7, ..frame }, packet).expect("it is a PUBLISH");
-                    let topic = std::str::from_utf8(publish.topic).expect("topics are UTF-8");
-                    assert!(!topic.is_empty() && !topic.contains(['+', '#', '\0']), "{topic:?}");
-                    assert_eq!(filter::topic(topic), Ok(()), "{topic:?}");
+            if frame.kind == Kind::Publish {
+                let publish = publish::read(&frame, packet).expect("it is a PUBLISH");
+                let topic = std::str::from_utf8(publish.topic).expect("topics are UTF-8");
+                assert!(!topic.is_empty() && !topic.contains(['+', '#', '\0']), "{topic:?}");
+                assert_eq!(filter::topic(topic), Ok(()), "{topic:?}");
+                match publish.qos {
+                    Qos::Zero => {}
+                    Qos::One => write::ack(&mut answers, Kind::Puback, publish.id),
+                    Qos::Two => write::ack(&mut answers, Kind::Pubrec, publish.id),
                 }
-                Kind::Subscribe | Kind::Unsubscribe => self.asked(frame.kind, body),
-                Kind::Puback => {
-                    let id = ack::read(body).expect("it is a PUBACK");
-                    let expected = self.outstanding.as_mut().map(|outstanding| outstanding.pop_front());
-                    assert!(expected.is_none_or(|expected| expected == Some(id)), "{id} is acknowledged, not {expected:?}");
-                }
-                Kind::Pingreq => self.answers.extend_from_slice(&write::PINGRESP),
-                kind => panic!("a {kind:?} reaches the router"),
+            } else if frame.kind == Kind::Pubrel {
+                answers.extend_from_slice(&[Kind::Pubcomp.first_byte(), 2, packet[2], packet[3]]);
             }
             rest = after;
         }
-        assert!(rest.is_empty(), "only whole packets reach the router");
-        assert!(self.connection.to_client().len() < CLIENT_ROOM + 16 * CLIENT_PACKET);
-        assert!(!self.broker.is_exhausted());
+        assert!(rest.is_empty(), "only whole packets reach others");
+        self.reader.handle_client(&mut answers, Duration::ZERO).expect("it may");
     }
+}
 
-    /// The router is asked something, and will answer as it does.
-    fn asked(&mut self, kind: Kind, body: &[u8]) {
-        let is_subscribe = kind == Kind::Subscribe;
-        let read = if is_subscribe { Filters::of_subscribe(body) } else { Filters::of_unsubscribe(body) };
-        let filters = read.expect("it is a packet of its kind");
-        for (name, qos) in filters {
-            assert!(filter::filter(name) == Ok(()) && qos < Qos::Two, "{name:?}");
-        }
-        if is_subscribe {
-            write::suback(&mut self.answers, filters.id, &filters.map(|(_, qos)| qos as u8).collect::<Vec<_>>());
-        } else {
-            filters.for_each(|_| write::ack(&mut self.answers, Kind::Unsuback, filters.id));
-        }
+fn terms(tier: Tier, session: Session) -> Terms {
+    Terms {
+        tier,
+        name: "fuzz".into(),
+        has_key: false,
+        listener: Arc::new(TestListener),
+        keep_alive_s: 0,
+        will: None,
+        session,
+        greeting: Bytes::new(),
     }
 }

@@ -24,8 +24,6 @@ pub enum AppError {
     Tls(#[from] TlsError),
     #[error(transparent)]
     MqttTls(#[from] mqtt::session::TlsError),
-    #[error(transparent)]
-    Mqtt(#[from] mqtt::RouterError),
     #[error("cannot listen on {address} for {}: {error}; {}", .port.name(), what_to_do(*.port, .error))]
     Bind { port: Port, address: SocketAddr, error: std::io::Error },
     #[error(transparent)]

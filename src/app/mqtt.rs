@@ -1,24 +1,25 @@
 //! The MQTT door, joined: our own session, and the broker it speaks to, which is our own or somebody else's. What is said and heard
 //! there is the door's business.
 
-use std::net::SocketAddr;
+use std::sync::Arc;
 
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
 
 use super::AppError;
 use super::threads::Threads;
-use crate::access::{self, Access, Token};
-use crate::config::{Broker, MqttSettings, OtherBroker, Settings, from_here};
+use crate::access::{self, Access};
+use crate::config::{self, MqttRouter, MqttSettings, OtherBroker, Settings};
 use crate::doors::http;
 use crate::doors::listeners::Listeners;
 use crate::doors::mqtt::commands::{ANSWERS, Answer, Commands};
-use crate::doors::mqtt::session::{Health, Hearing, Link, Parts, Session, Times, believing};
+use crate::doors::mqtt::session::{Link, OwnSession, Parts, Session, Times, believing};
 use crate::doors::mqtt::topics::Topics;
-use crate::doors::mqtt::{Clients, Embedded, IncomingConnection, OWN_SESSION, Origin, Ways};
+use crate::doors::mqtt::{Clients, IncomingConnection, Origin, RumqttdRouter, Ways, serve};
 use crate::doors::room::Room;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::handle::Handle;
+use mqtt_gate::Broker;
 
 /// Web clients that wait to be received: the broker is never busy for long.
 const WEB_CLIENTS: usize = 16;
@@ -40,11 +41,11 @@ struct Common {
 }
 
 impl Mqtt {
-    /// Opens the door, if there is to be one: at these ports, of which the first has the address `at`, where it is our own broker's; what
-    /// clients say there is heard on `hearing`.
-    pub(super) async fn open(
+    /// Opens the door, if there is to be one: at these ports, where it is our own broker's; what clients say there is heard on a thread of
+    /// its own.
+    pub(super) fn open(
         settings: &Settings,
-        (listeners, at, access, inner): (Listeners, Option<SocketAddr>, Access, (&Threads, Room)),
+        (listeners, access, inner): (Listeners, Access, (&Threads, Room)),
         handle: Handle,
         archive: Reader,
         ending: watch::Receiver<bool>,
@@ -53,10 +54,10 @@ impl Mqtt {
         let topics = Topics::new(prefix, id, old_prefix);
         let (home_assistant, manual_driving) = (*home_assistant, settings.old_clients.manual_driving);
         let common = Common { topics, home_assistant, handle, archive, manual_driving, ending };
-        match (broker, at) {
-            (None, _) | (Some(Broker::Own { .. }), None) => Ok(None),
-            (Some(Broker::Own { .. }), Some(at)) => own(common, (listeners, at), inner, access).await.map(Some),
-            (Some(Broker::Other(other)), _) => other_broker(common, other).map(Some),
+        match broker {
+            None => Ok(None),
+            Some(config::Broker::Own { router, .. }) => Ok(Some(own(common, (listeners, *router), inner, access))),
+            Some(config::Broker::Other(other)) => other_broker(common, other).map(Some),
         }
     }
 
@@ -80,63 +81,33 @@ impl Common {
         Commands::new(self.handle.clone(), self.topics.clone(), self.manual_driving, answers)
     }
 
-    /// The session through this link; it ends when the program does.
-    fn session(
-        self,
-        (link, hearing): (Link, Hearing),
-        answers: mpsc::Receiver<Answer>,
-        health: watch::Sender<Health>,
-    ) -> Result<JoinHandle<()>, AppError> {
-        let [a, b, c, d, e, f, g, h, ..] = access::chance()?;
-        let parts = Parts {
-            link,
-            hearing,
-            topics: self.topics,
-            home_assistant: self.home_assistant,
-            states: self.handle.watch(),
-            answers,
-            archive: self.archive,
-            health,
-            seed: u64::from_be_bytes([a, b, c, d, e, f, g, h]),
-            times: Times::default(),
-        };
-        let mut ending = self.ending;
-        let shutdown = async move { drop(ending.wait_for(|ending| *ending).await) };
-        Ok(tokio::spawn(Session::new(parts).run(shutdown)))
+    /// Waits until the program ends.
+    fn shutdown(&self) -> impl Future<Output = ()> + use<> {
+        let mut ending = self.ending.clone();
+        async move { drop(ending.wait_for(|ending| *ending).await) }
     }
 }
 
-async fn own(
-    common: Common,
-    (listeners, at): (Listeners, SocketAddr),
-    (threads, room): (&Threads, Room),
-    access: Access,
-) -> Result<Mqtt, AppError> {
+fn own(common: Common, (listeners, router): (Listeners, MqttRouter), (threads, room): (&Threads, Room), access: Access) -> Mqtt {
     let (answer, answers) = mpsc::channel(ANSWERS);
     let (visit, web_clients) = mpsc::channel(WEB_CLIENTS);
-    let health = watch::Sender::new(Health::Unproven);
-    let secret = Token::draw()?;
-    let link = Link {
-        host: from_here(at).ip().to_string(),
-        port: at.port(),
-        tls: None,
-        login: Some((OWN_SESSION.to_owned(), secret.reveal().to_owned())),
-        client_id: format!("hallsweep-{}", common.topics.id()),
-    };
-    let clients = Clients::with_room(mqtt_gate::Broker::new(common.topics.clone()), common.commands(answer), secret, room);
-    let broker = Embedded::start(clients).await?;
-    let hearing = threads.mqtt.handle().clone();
-    let ways = Ways { listeners, access, web_clients, hearing, health: health.subscribe() };
-    let session = common.session((link, Hearing::Own), answers, health)?;
+    let (commands, shutdown) = (common.commands(answer), common.shutdown());
+    let topics = common.topics.clone();
+    let broker = Arc::new(match router {
+        MqttRouter::Own => Broker::new(topics),
+        MqttRouter::Rumqttd => Broker::with_router(topics, RumqttdRouter::start(threads.gate.handle().clone())),
+    });
+    let clients = Clients::with_room(Arc::clone(&broker), commands, room);
+    let spoken_of = (common.topics, common.home_assistant);
+    let session = OwnSession::new(broker, spoken_of, common.handle.watch(), answers, common.archive);
     let (leave, left) = watch::channel(());
     let session = tokio::spawn(async move {
         let _leave = leave;
-        if session.await.is_err() {
-            tracing::error!("our own MQTT session has ended by a mistake of its own");
-        }
+        session.run(shutdown).await;
     });
-    let broker = threads.gate.handle().spawn(broker.serve(ways, gone(left)));
-    Ok(Mqtt { session, broker: Some(broker), hall: Some(hall(visit)) })
+    let ways = Ways { listeners, access, web_clients, hearing: threads.mqtt.handle().clone() };
+    let broker = threads.gate.handle().spawn(serve(clients, ways, gone(left)));
+    Mqtt { session, broker: Some(broker), hall: Some(hall(visit)) }
 }
 
 /// Waits until the session has taken its leave, so that its last words are passed on.
@@ -154,8 +125,20 @@ fn other_broker(common: Common, other: &OtherBroker) -> Result<Mqtt, AppError> {
         login: other.login.as_ref().map(|login| (login.name.clone(), login.password.clone())),
         client_id: format!("hallsweep-{}", common.topics.id()),
     };
-    let hearing = Hearing::Other(common.commands(answer));
-    let session = common.session((link, hearing), answers, watch::Sender::new(Health::Unproven))?;
+    let [a, b, c, d, e, f, g, h, ..] = access::chance()?;
+    let (commands, shutdown) = (common.commands(answer), common.shutdown());
+    let session = Session::new(Parts {
+        link,
+        commands,
+        topics: common.topics,
+        home_assistant: common.home_assistant,
+        states: common.handle.watch(),
+        answers,
+        archive: common.archive,
+        seed: u64::from_be_bytes([a, b, c, d, e, f, g, h]),
+        times: Times::default(),
+    });
+    let session = tokio::spawn(session.run(shutdown));
     Ok(Mqtt { session, broker: None, hall: None })
 }
 

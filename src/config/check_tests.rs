@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::*;
-use crate::config::{Broker, Flag, KEYS, Sources, Speed, load};
+use crate::config::{Broker, Flag, KEYS, MqttRouter, Sources, Speed, load};
 
 fn environment(name: &str, value: &str) -> Sources {
     Sources { environment: vec![(name.to_owned(), value.to_owned())], ..Sources::default() }
@@ -294,14 +294,23 @@ fn coap_is_for_this_machine_unless_somebody_means_otherwise() {
 #[test]
 fn our_own_broker_asks_for_passwords_beyond_loopback_and_on_it_when_that_is_wanted() {
     let broker = |sources: &Sources| load(sources).expect("good").mqtt.broker;
-    let own = |bind: &str, asks_for_keys| Some(Broker::Own { bind: chosen(bind).expect("an address"), asks_for_keys });
-    let usual = |asks_for_keys| Some(Broker::Own { bind: Bind { at: At::Localhost(1883), is_chosen: false }, asks_for_keys });
+    let router = MqttRouter::Own;
+    let own = |bind: &str, asks_for_keys| Some(Broker::Own { bind: chosen(bind).expect("an address"), asks_for_keys, router });
+    let usual =
+        |asks_for_keys| Some(Broker::Own { bind: Bind { at: At::Localhost(1883), is_chosen: false }, asks_for_keys, router });
     assert_eq!(broker(&Sources::default()), usual(false));
     assert_eq!(broker(&flag("--mqtt", "mqtt.bind", "none")), None);
     for (bind, asks) in [("[::1]:1883", false), ("0.0.0.0:1883", true), ("192.0.2.7:0", true), ("[::]:1883", true)] {
         assert_eq!(broker(&flag("--mqtt", "mqtt.bind", bind)), own(bind, asks));
     }
     assert_eq!(broker(&environment("HALLSWEEP__MQTT__REQUIRE_PASSWORD", "true")), usual(true));
+}
+
+#[test]
+fn another_router_is_chosen_by_its_name() {
+    let router = |name: &str| load(&environment("HALLSWEEP__MQTT__ROUTER", name)).map(|settings| settings.mqtt.broker);
+    assert!(matches!(router("rumqttd"), Ok(Some(Broker::Own { router: MqttRouter::Rumqttd, .. }))));
+    assert!(message(&environment("HALLSWEEP__MQTT__ROUTER", "mosquitto")).contains("write own or rumqttd"));
 }
 
 #[test]

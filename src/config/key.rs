@@ -88,7 +88,7 @@ pub(super) const ROBOTS: &str = "robots";
 pub(super) const ROBOT: &str = "robot";
 
 /// Every setting, in the order of `config/default.toml`.
-pub const KEYS: [Key; 47] = [
+pub const KEYS: [Key; 48] = [
     text("hall.file", "name a built-in hall, as airport, or the path of a .toml or .map file").set_by("--hall"),
     text("http.bind", "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080")
         .set_by("--http"),
@@ -104,6 +104,7 @@ pub const KEYS: [Key; 47] = [
     yes_no("coap.open_to_others"),
     text("mqtt.bind", MQTT_BIND).set_by("--mqtt"),
     yes_no("mqtt.require_password"),
+    text("mqtt.router", "write own or rumqttd"),
     text(
         "mqtt.broker",
         "write mqtt://HOST:PORT or mqtts://HOST:PORT, and what it knows us by in mqtt.name and mqtt.password; or nothing",

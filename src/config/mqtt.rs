@@ -37,8 +37,17 @@ pub enum Broker {
         bind: Bind,
         /// Whether name and password are asked for: always beyond loopback, and on loopback when it is wanted.
         asks_for_keys: bool,
+        router: MqttRouter,
     },
     Other(OtherBroker),
+}
+
+/// Who brings messages to those who read them, at our own broker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MqttRouter {
+    /// hallsweep itself.
+    Own,
+    Rumqttd,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -100,7 +109,12 @@ fn own(layers: &Layers) -> Result<Option<Broker>, SettingsError> {
     }
     let bind = bind(layers, "mqtt.bind")?;
     let asks_for_keys = read(layers, "mqtt.require_password")? || !bind.at.is_local();
-    Ok(Some(Broker::Own { bind, asks_for_keys }))
+    let router = match read::<String>(layers, "mqtt.router")?.as_str() {
+        "own" => MqttRouter::Own,
+        "rumqttd" => MqttRouter::Rumqttd,
+        _ => return Err(layers.wrong("mqtt.router", "there is no such router")),
+    };
+    Ok(Some(Broker::Own { bind, asks_for_keys, router }))
 }
 
 fn other(layers: &Layers, url: &str) -> Result<OtherBroker, SettingsError> {

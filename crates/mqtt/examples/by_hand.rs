@@ -1,12 +1,13 @@
-//! A client's bytes through a connection, by hand: what is heard as a command, what reaches the router, and what the client is
-//! answered. A program does the same between two sockets.
+//! A client's bytes through a connection, by hand: what is heard as a command, and what the client is answered. A program does the same
+//! behind a socket.
 #![expect(clippy::print_stdout, reason = "an example shows what comes out")]
 
 use std::{sync::Arc, time::Duration};
 
-use bytes::{Buf, BytesMut};
-use mqtt_gate::packet::{Qos, write};
-use mqtt_gate::{Broker, ClientConnection, CommandDecision, Ended, Epoch, Listener, Principal, Rights, Session, Terms, Tier};
+use bytes::{Buf, Bytes, BytesMut};
+use mqtt_gate::packet::Qos;
+use mqtt_gate::packet::write::{self, Welcome};
+use mqtt_gate::{Broker, ClientConnection, CommandDecision, Ended, Epoch, Listener, Rights, Session, Terms, Tier};
 
 /// Everybody may do everything, and commands are taken on one topic.
 #[derive(Debug)]
@@ -17,11 +18,7 @@ impl Rights for Open {
         topic == "site/robot/command"
     }
 
-    fn may_publish(&self, _: Principal, _: &str) -> bool {
-        true
-    }
-
-    fn may_subscribe(&self, _: Principal, _: &str) -> bool {
+    fn may_publish(&self, _: Tier, _: &str) -> bool {
         true
     }
 }
@@ -45,8 +42,16 @@ impl Listener for Printer {
 }
 
 fn main() -> Result<(), Ended> {
-    let (principal, listener, session) = (Principal::Client(Tier::Full), Arc::new(Printer), Session::default());
-    let terms = Terms { principal, name: "panel".into(), has_key: false, listener, keep_alive_s: 60, will: None, session };
+    let terms = Terms {
+        tier: Tier::Full,
+        name: "panel".into(),
+        has_key: false,
+        listener: Arc::new(Printer),
+        keep_alive_s: 60,
+        will: None,
+        session: Session::default(),
+        greeting: Bytes::copy_from_slice(&write::connack(Welcome::Accepted, false)),
+    };
     let mut connection = ClientConnection::new(terms, Arc::new(Broker::new(Open)), Duration::ZERO);
 
     let mut said = BytesMut::new();
@@ -54,12 +59,9 @@ fn main() -> Result<(), Ended> {
     write::subscribe(&mut said, 2, &[("site/#", Qos::One)]);
     write::publish(&mut said, b"site/robot/command", b"start", Qos::One, 3, false);
     connection.handle_client(&mut said, Duration::from_secs(1))?;
-    println!("to the router: {}", connection.to_router().split().escape_ascii());
 
-    // The router answers the SUBSCRIBE; only then the client gets the kept message.
-    let mut answer = BytesMut::new();
-    write::suback(&mut answer, 2, &[Qos::One as u8]);
-    connection.handle_router(&mut answer)?;
+    // What it has said itself comes to it, too, since it follows all of `site`.
+    connection.handle_come();
     let waiting = connection.to_client().remaining();
     println!("to the client: {}", connection.to_client().copy_to_bytes(waiting).escape_ascii());
     Ok(())

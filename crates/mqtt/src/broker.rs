@@ -1,86 +1,124 @@
 //! What all connections of a broker share. Each part looks after its own lock.
 
+use std::future::poll_fn;
+use std::hash::{BuildHasher, Hash, RandomState};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::budget::Budget;
-use crate::readers::Readers;
+use crate::limits::AWAY;
+use crate::message::Message;
+use crate::packet::Qos;
+use crate::passage::{Passage, Router};
+use crate::readers::{Reader, Readers};
 use crate::retained::Retained;
-use crate::rights::{Principal, Rights};
+use crate::rights::{Payer, Rights, Tier};
+use crate::subscriber::{Delivery, Subscriber, Subscription};
 
 /// What all connections of a broker share.
 #[derive(Debug)]
 pub struct Broker {
     pub(crate) rights: Box<dyn Rights>,
     pub(crate) retained: Retained,
-    pub(crate) budget: Budget,
     pub(crate) readers: Arc<Readers>,
-    /// How many bytes of messages the router was given of late, counted once for each who reads them.
-    pub(crate) fed: AtomicU64,
-    /// How many pieces of messages have come out of routers.
-    pub(crate) came: AtomicU64,
-    pub(crate) parcels: AtomicU64,
+    /// The bytes of all messages that anybody has.
+    alive: Arc<AtomicUsize>,
+    /// Nobody outside can know two texts of one print.
+    hasher: RandomState,
 }
 
+/// What the program itself listens to.
+#[derive(Debug)]
+pub struct OwnSubscription(Subscription);
+
 impl Broker {
-    /// A broker at which nothing was said yet.
+    /// A broker at which nothing was said yet, and which brings messages to those who read them itself.
     #[must_use]
     pub fn new(rights: impl Rights + 'static) -> Broker {
+        Broker::of(rights, None)
+    }
+
+    /// One for which this router does it.
+    #[must_use]
+    pub fn with_router(rights: impl Rights + 'static, router: impl Router + 'static) -> Broker {
+        Broker::of(rights, Some(Box::new(router)))
+    }
+
+    fn of(rights: impl Rights + 'static, router: Option<Box<dyn Router>>) -> Broker {
         Broker {
             rights: Box::new(rights),
             retained: Retained::default(),
-            budget: Budget::default(),
-            readers: Arc::default(),
-            fed: AtomicU64::default(),
-            came: AtomicU64::default(),
-            parcels: AtomicU64::default(),
+            readers: Arc::new(Readers::new(router)),
+            alive: Arc::default(),
+            hasher: RandomState::new(),
         }
     }
 
     /// Whether one may leave a will there: asked before its CONNECT is answered.
     #[must_use]
-    pub fn may_leave_will(&self, who: Principal, topic: &str) -> bool {
+    pub fn may_leave_will(&self, who: Tier, topic: &str) -> bool {
         self.rights.may_leave_will(who, topic)
     }
 
-    /// Whether the router was shown so many filters or topics that another one is needed.
+    /// The program itself says something at QoS 1, wherever it likes, and waits for nobody. What is to be kept is so, if there is room:
+    /// whether there was.
+    pub fn publish(&self, topic: &str, payload: &[u8], retain: bool) -> bool {
+        let message = self.message(Arc::from(topic), payload, Qos::One);
+        let is_kept = !retain || self.rights.is_for_commands(topic) || self.retained.keep(&Payer::Program, &message);
+        // Kept first: a newcomer that nobody knew of yet finds it there.
+        self.send(&message, &self.readers.of(topic));
+        is_kept
+    }
+
+    /// The program itself subscribes to these filters, each of which has to be a good one.
     #[must_use]
-    pub fn is_exhausted(&self) -> bool {
-        self.budget.is_exhausted()
+    pub fn subscribe(&self, filters: &[&str]) -> OwnSubscription {
+        let mut subscription = Subscription::new(&self.readers);
+        for filter in filters {
+            subscription.hold(filter, Qos::One);
+        }
+        OwnSubscription(subscription)
     }
 
-    /// How many different filters the router knows: it keeps messages for each, however many read them.
+    /// How many bytes the messages take that wait for clients and are not kept.
     #[must_use]
-    pub fn filters(&self) -> usize {
-        self.budget.filters()
+    pub fn beside(&self) -> usize {
+        let kept = self.retained.bytes();
+        self.alive.load(Ordering::Relaxed).saturating_sub(kept)
     }
 
-    /// There is another router, which knows nothing yet.
-    pub fn renew(&self) {
-        self.budget.renew();
-        self.forget_fed();
+    pub(crate) fn message(&self, topic: Arc<str>, payload: &[u8], qos: Qos) -> Arc<Message> {
+        Arc::new(Message::new(topic, payload, qos, self.retained.stamp(), &self.alive))
     }
 
-    /// How many bytes are kept, or wait for clients that have not read them, each counted once.
-    #[must_use]
-    pub fn held_bytes(&self) -> usize {
-        self.retained.bytes() + self.retained.beside()
+    /// To each of those who read it.
+    pub(crate) fn send(&self, message: &Arc<Message>, readers: &[Reader]) {
+        if let Some(router) = self.readers.router().filter(|_| !readers.is_empty()) {
+            return router.carry(Passage::begin(Arc::clone(message), readers, self.has_room_for_away()));
+        }
+        for reader in readers {
+            reader.subscriber.put(Delivery::of(message, reader.qos), || self.has_room_for_away());
+        }
     }
 
-    /// What the router was given until now is not counted any more.
-    pub fn forget_fed(&self) {
-        self.fed.store(0, Ordering::Relaxed);
+    /// Whether something may wait for one who is away: he cannot read, and may be many.
+    pub(crate) fn has_room_for_away(&self) -> bool {
+        self.beside() <= AWAY
     }
 
-    /// How many bytes of messages the router was given of late, counted once for each who reads them.
-    #[must_use]
-    pub fn fed_bytes(&self) -> u64 {
-        self.fed.load(Ordering::Relaxed)
+    pub(crate) fn print(&self, of: impl Hash) -> u64 {
+        self.hasher.hash_one(of)
     }
+}
 
-    /// How many pieces of messages have come out of routers.
-    #[must_use]
-    pub fn came(&self) -> u64 {
-        self.came.load(Ordering::Relaxed)
+impl OwnSubscription {
+    /// The next message.
+    pub async fn next(&self) -> Arc<Message> {
+        let subscriber: &Subscriber = self.0.subscriber();
+        loop {
+            poll_fn(|cx| subscriber.poll_come(true, cx)).await;
+            if let Some(delivery) = subscriber.next(true) {
+                return delivery.message;
+            }
+        }
     }
 }

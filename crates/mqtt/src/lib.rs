@@ -1,41 +1,38 @@
-//! MQTT 3.1.1 on the server's side, as arithmetic on bytes: no socket, no clock, no task is here. It stands as a gate before a router
-//! of messages that is fast and trusts everybody, and decides what of a client's bytes reaches the router, and what of the router's
-//! bytes the client.
+//! MQTT 3.1.1 on the server's side, as arithmetic on bytes: no socket, no clock, no task is here. It is a whole broker, but for what is
+//! the program's business: who is let in, and how bytes are moved.
 //!
 //! ```text
-//!   client ──► frame ──► packet ──► ClientConnection ──► router       QoS 0 PUBLISH, SUBSCRIBE, UNSUBSCRIBE, PUBACK in order, PINGREQ
-//!   client ◄──────────────────────  ClientConnection ◄── router       PUBLISH, SUBACK, UNSUBACK
-//!                                    │  Broker: rights, budget, kept messages, who reads what and who lags
-//!                                    └► Listener: commands, and what is urgent
+//!   client ──► frame ──► packet ──► ClientConnection ──► Listener: commands, and what is urgent
+//!                                    │
+//!                                    │  Broker: rights, kept messages, who reads what
+//!                                    ▼
+//!   others ◄── Outbox ◄── ClientConnection ◄── Subscriber: what waits for one, and how far he is behind
 //! ```
 //!
-//! What the router never sees, because there are routers that each of it ends or stops for everybody: a client's own id, a will, a
-//! retained message, a DISCONNECT (the connection is simply closed), QoS 1 and 2 of clients (acknowledged here), `$…` and `$share`,
-//! topics that do not begin with an ASCII character, acknowledgements it does not wait for, and more filters and topics than it can
-//! remember.
-//!
-//! Begin with [`ClientConnection`]. The program owns the sockets: it hands in what came ([`ClientConnection::handle_client`],
-//! [`ClientConnection::handle_router`]) with the time, and sends what is in [`ClientConnection::outgoing`].
+//! Begin with [`ClientConnection`]. The program owns the sockets: it hands in what came ([`ClientConnection::handle_client`]) with the
+//! time, sends what is in [`ClientConnection::to_client`], and waits for what others publish ([`Subscriber::poll_come`]).
 
 mod broker;
-mod budget;
 mod connection;
 pub mod filter;
 mod frame;
 pub mod limits;
+mod message;
 mod outbox;
 pub mod packet;
-mod parcels;
+mod passage;
 mod readers;
 mod retained;
 mod rights;
-mod subscriber_lag;
+mod subscriber;
 mod urgent_search;
 
-pub use broker::Broker;
+pub use broker::{Broker, OwnSubscription};
 pub use connection::{ClientConnection, CommandDecision, Ended, Epoch, Listener, Mark, Session, Terms};
 pub use frame::{Frame, Kind, Malformed, frame};
-pub use outbox::{Outbox, give_back};
-pub use rights::{Principal, Rights, Tier};
-pub use subscriber_lag::SubscriberLag;
+pub use message::Message;
+pub use outbox::Outbox;
+pub use passage::{Passage, Router};
+pub use rights::{Rights, Tier};
+pub use subscriber::Subscriber;
 pub use urgent_search::{PartialPublish, UrgentSearch};

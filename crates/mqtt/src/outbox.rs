@@ -125,7 +125,7 @@ impl Buf for Outbox {
 }
 
 /// Gives back the room of what has gone out, when it is much. The capacity does not say so: what has gone out is no part of it.
-pub fn give_back(gone: &mut BytesMut) {
+fn give_back(gone: &mut BytesMut) {
     if gone.is_empty() && gone.try_reclaim(ROOM + 1) {
         *gone = BytesMut::new();
     }

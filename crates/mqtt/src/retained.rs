@@ -1,43 +1,24 @@
 //! The kept messages of the whole broker: the last one of each topic that was to be kept, bounded in number and bytes, for all and for
-//! each key. The router knows none of them. Who may put one here, and how they come to a subscriber, stands in `connection`.
+//! each key. Who may put one here, and how they come to a subscriber, stands in `connection`.
 
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Bound;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use bytes::Bytes;
-
-use super::budget::Payer;
 use super::filter::{Next, look, stem};
 use super::limits::{
-    KEPT, KEPT_BYTES, KEPT_COST, KEPT_LITTLE, KEPT_LITTLE_BYTES, KEPT_RESERVE, KEPT_RESERVE_BYTES, KEPT_SHARE, KEPT_SHARE_BYTES,
+    KEPT, KEPT_BYTES, KEPT_LITTLE, KEPT_LITTLE_BYTES, KEPT_RESERVE, KEPT_RESERVE_BYTES, KEPT_SHARE, KEPT_SHARE_BYTES,
     PROGRAM_KEPT, PROGRAM_KEPT_BYTES,
 };
-use super::packet::Qos;
+use super::message::Message;
+use super::rights::Payer;
 
 #[derive(Debug, Default)]
 pub(crate) struct Retained {
     shelf: Mutex<Shelf>,
     /// That of the latest one.
     stamp: AtomicU64,
-    /// The bytes of all payloads that anybody has still.
-    alive: Arc<AtomicUsize>,
-}
-
-/// A payload, counted for as long as anybody has it.
-struct Counted {
-    payload: Box<[u8]>,
-    alive: Arc<AtomicUsize>,
-}
-
-#[derive(Debug, PartialEq, Eq)]
-pub(crate) struct RetainedMessage {
-    pub(crate) topic: Arc<str>,
-    pub(crate) payload: Bytes,
-    pub(crate) qos: Qos,
-    /// Later ones have higher ones.
-    stamp: u64,
 }
 
 /// How far what is kept for one filter was gone through. Topics that come and go meanwhile do not matter.
@@ -57,13 +38,13 @@ struct Shelf {
     shares: HashMap<Arc<str>, Used>,
     clients: Used,
     program: Used,
-    /// The bytes of all payloads here.
-    payloads: usize,
 }
 
 #[derive(Debug)]
 struct Entry {
-    kept: Arc<RetainedMessage>,
+    message: Arc<Message>,
+    /// Later ones have higher ones.
+    stamp: u64,
     payer: Payer,
 }
 
@@ -74,27 +55,21 @@ struct Used {
 }
 
 impl Retained {
-    #[cfg(test)]
-    pub(crate) fn keep(&self, payer: &Payer, topic: &str, payload: &[u8], qos: Qos) -> bool {
-        self.keep_shared(payer, topic, self.share(payload), qos)
-    }
-
-    /// Keeps a message, which others may have as well, in the place of the one that was there; an empty one takes that away. Whether
-    /// there was room: without it nothing is kept there any more, since what was is not so now.
-    pub(crate) fn keep_shared(&self, payer: &Payer, topic: &str, payload: Bytes, qos: Qos) -> bool {
+    /// Keeps a message in the place of the one that was there; an empty one takes that away. Whether there was room: without it nothing
+    /// is kept there any more, since what was is not so now.
+    pub(crate) fn keep(&self, payer: &Payer, message: &Arc<Message>) -> bool {
         let mut shelf = self.shelf();
-        shelf.remove(topic);
-        if payload.is_empty() {
+        shelf.remove(message.topic());
+        if message.payload().is_empty() {
             return true;
         }
         // Whoever reads it without the lock does so to know what came later, and that has a higher one in any case.
         let stamp = self.stamp.fetch_add(1, Ordering::AcqRel) + 1;
-        let topic: Arc<str> = Arc::from(topic);
-        shelf.put(payer, RetainedMessage { topic, payload, qos, stamp })
+        shelf.put(Entry { message: Arc::clone(message), stamp, payer: payer.clone() })
     }
 
     /// The next one of a walk, which goes on for no more steps than there are left; without one it is over, or they are used up.
-    pub(crate) fn next(&self, walk: &mut Walk, steps: &mut usize) -> Option<Arc<RetainedMessage>> {
+    pub(crate) fn next(&self, walk: &mut Walk, steps: &mut usize) -> Option<Arc<Message>> {
         let shelf = self.shelf();
         while *steps > 0 {
             let from = walk.from.take()?;
@@ -105,8 +80,8 @@ impl Retained {
                 Next::From(later) => walk.from = Some(later),
                 Next::Here => {
                     walk.from = Some(format!("{topic}\0"));
-                    if entry.kept.stamp > walk.since {
-                        return Some(Arc::clone(&entry.kept));
+                    if entry.stamp > walk.since {
+                        return Some(Arc::clone(&entry.message));
                     }
                 }
             }
@@ -124,43 +99,14 @@ impl Retained {
         self.shelf().kept.len()
     }
 
+    /// What all that is kept takes.
     pub(crate) fn bytes(&self) -> usize {
         let shelf = self.shelf();
         shelf.clients.bytes + shelf.program.bytes
     }
 
-    /// How many bytes of payloads wait for clients that have not read them, and are not kept, or not any more.
-    pub(crate) fn beside(&self) -> usize {
-        let kept = self.shelf().payloads;
-        self.alive.load(Ordering::Relaxed).saturating_sub(kept)
-    }
-
-    /// A payload that several may have; it counts until nobody has it.
-    pub(crate) fn share(&self, payload: &[u8]) -> Bytes {
-        self.alive.fetch_add(payload.len(), Ordering::Relaxed);
-        Bytes::from_owner(Counted { payload: payload.into(), alive: Arc::clone(&self.alive) })
-    }
-
     fn shelf(&self) -> MutexGuard<'_, Shelf> {
         self.shelf.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl AsRef<[u8]> for Counted {
-    fn as_ref(&self) -> &[u8] {
-        &self.payload
-    }
-}
-
-impl Drop for Counted {
-    fn drop(&mut self) {
-        self.alive.fetch_sub(self.payload.len(), Ordering::Relaxed);
-    }
-}
-
-impl RetainedMessage {
-    fn cost(&self) -> usize {
-        KEPT_COST + self.topic.len() + self.payload.len()
     }
 }
 
@@ -182,11 +128,10 @@ impl Walk {
 
 impl Shelf {
     fn remove(&mut self, topic: &str) {
-        let Some(Entry { kept, payer }) = self.kept.remove(topic) else { return };
-        let bytes = kept.cost();
-        self.payloads -= kept.payload.len();
+        let Some(Entry { message, payer, .. }) = self.kept.remove(topic) else { return };
+        let bytes = message.cost();
         self.pool(&payer).take_off(bytes);
-        if let Payer::Key { name, .. } = &payer
+        if let Payer::Key(name) = &payer
             && let Some(share) = self.shares.get_mut(name)
         {
             share.take_off(bytes);
@@ -197,35 +142,36 @@ impl Shelf {
     }
 
     /// Whether there was room in the pool, and in the payer's share of it.
-    fn put(&mut self, payer: &Payer, kept: RetainedMessage) -> bool {
-        let bytes = kept.cost();
-        let share = match payer {
+    fn put(&mut self, entry: Entry) -> bool {
+        let bytes = entry.message.cost();
+        let share = match &entry.payer {
             Payer::Program | Payer::Anybody => Used::default(),
-            Payer::Key { name, .. } => self.shares.get(name).copied().unwrap_or_default(),
+            Payer::Key(name) => self.shares.get(name).copied().unwrap_or_default(),
         };
-        let (count_most, bytes_most) = match payer {
+        let (count_most, bytes_most) = match &entry.payer {
             Payer::Program => (PROGRAM_KEPT, PROGRAM_KEPT_BYTES),
-            Payer::Key { .. } if !share.has_room(bytes, KEPT_LITTLE, KEPT_LITTLE_BYTES) => {
+            Payer::Key(_) if !share.has_room(bytes, KEPT_LITTLE, KEPT_LITTLE_BYTES) => {
                 (KEPT - KEPT_RESERVE, KEPT_BYTES - KEPT_RESERVE_BYTES)
             }
-            Payer::Anybody | Payer::Key { .. } => (KEPT, KEPT_BYTES),
+            Payer::Anybody | Payer::Key(_) => (KEPT, KEPT_BYTES),
         };
-        if !self.pool(payer).has_room(bytes, count_most, bytes_most) || !share.has_room(bytes, KEPT_SHARE, KEPT_SHARE_BYTES) {
+        if !self.pool(&entry.payer).has_room(bytes, count_most, bytes_most)
+            || !share.has_room(bytes, KEPT_SHARE, KEPT_SHARE_BYTES)
+        {
             return false;
         }
-        self.payloads += kept.payload.len();
-        self.pool(payer).add(bytes);
-        if let Payer::Key { name, .. } = payer {
+        self.pool(&entry.payer).add(bytes);
+        if let Payer::Key(name) = &entry.payer {
             self.shares.entry(Arc::clone(name)).or_default().add(bytes);
         }
-        self.kept.insert(Arc::clone(&kept.topic), Entry { kept: Arc::new(kept), payer: payer.clone() });
+        self.kept.insert(entry.message.shared_topic(), entry);
         true
     }
 
     const fn pool(&mut self, payer: &Payer) -> &mut Used {
         match payer {
             Payer::Program => &mut self.program,
-            Payer::Anybody | Payer::Key { .. } => &mut self.clients,
+            Payer::Anybody | Payer::Key(_) => &mut self.clients,
         }
     }
 }

@@ -1,32 +1,29 @@
 //! From a newcomer to a client. On the thread that hears, a client says who it is, and is heard for a STOP from then on, before anything
-//! else is decided; elsewhere it is let in or told why not, gets its way to the router, and is served by the pump. What a client may do is
-//! the gate's business.
+//! else is decided; elsewhere it is let in or told why not, and is served by the pump. What a client may do is the gate's business.
 
 use std::net::IpAddr;
 use std::pin::{Pin, pin};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::task::{Context, Poll, Waker};
 use std::time::Duration;
 
-use bytes::BytesMut;
+use bytes::{Bytes, BytesMut};
 use tokio::io::{AsyncWrite, AsyncWriteExt};
 use tokio::runtime::Handle;
-use tokio::sync::{Semaphore, oneshot};
+use tokio::sync::oneshot;
 
+use super::client_ids::{ClientIds, Name};
 use super::commands::Commands;
 use super::embedded::Running;
 use super::hearing::Hearing;
 use super::identity::{Identity, Unknown};
 use super::incoming::{IncomingConnection, Origin, Reader, Writer};
 use super::introduction::{SentAway, introduction};
-use super::limits::{CONNECT_TIME, LATE, LEAVING, PLACES, WAITING};
+use super::limits::{CONNECT_TIME, LEAVING, WAITING};
 use super::pump::{self, Ends};
 use super::read_ahead::{Left, Pool, Taker, read_ahead};
-use super::seats::{Seats, given_up};
-use super::slots::{Name, Slot, Slots};
-use super::upstream::{Upstream, enter};
-use crate::access::{Attempts, Network, Token};
+use super::seats::Seats;
+use crate::access::{Attempts, Network};
 use crate::api::door;
 use crate::doors::room::Room;
 use crate::doors::vestibule::{Vestibule, Waiting};
@@ -36,12 +33,6 @@ use mqtt_gate::packet::connect::{self, Connect};
 use mqtt_gate::packet::write::{self, Welcome};
 use mqtt_gate::{Broker, ClientConnection, Ended, Listener, Terms};
 use mqtt_gate::{Kind, frame};
-
-/// So long the router may take to answer; it takes less than a millisecond.
-const ROUTER_TIME: Duration = Duration::from_secs(5);
-
-/// After so long it is tried again to get to a router, if no other has come.
-const AGAIN: Duration = Duration::from_millis(100);
 
 /// So long a client that is sent away may take to read why.
 const FAREWELL: Duration = Duration::from_secs(1);
@@ -56,19 +47,13 @@ pub struct Clients(Arc<Rooms>);
 struct Rooms {
     broker: Arc<Broker>,
     commands: Commands,
-    /// The password of our own session.
-    secret: Token,
     /// Of those who have not said yet who they are.
     vestibule: Vestibule,
     /// Of those who are on their way out.
     leaving: Vestibule,
     seats: Seats,
     pool: Pool,
-    slots: Slots,
-    /// Ways to the router,
-    ways: Arc<Semaphore>,
-    /// and room for those who have left, and whose messages wait for one.
-    late: Arc<Semaphore>,
+    ids: ClientIds,
     attempts: Attempts,
     clock: Clock,
 }
@@ -83,23 +68,20 @@ struct IdentifiedClient {
 }
 
 impl Clients {
-    /// Nobody is here yet. Commands go to `commands`; our own session comes with the password `secret`.
-    pub fn new(broker: Broker, commands: Commands, secret: Token) -> Clients {
-        Clients::with_room(broker, commands, secret, Room::default())
+    /// Nobody is here yet. Commands go to `commands`.
+    pub fn new(broker: Arc<Broker>, commands: Commands) -> Clients {
+        Clients::with_room(broker, commands, Room::default())
     }
 
-    pub fn with_room(broker: Broker, commands: Commands, secret: Token, room: Room) -> Clients {
+    pub fn with_room(broker: Arc<Broker>, commands: Commands, room: Room) -> Clients {
         Clients(Arc::new(Rooms {
-            broker: Arc::new(broker),
+            broker,
             commands,
-            secret,
             vestibule: Vestibule::new(room.part(WAITING)),
             leaving: Vestibule::new(room.part(LEAVING)),
             seats: Seats::new(room),
             pool: Pool::default(),
-            slots: Slots::default(),
-            ways: Arc::new(Semaphore::new(room.part(PLACES))),
-            late: Arc::new(Semaphore::new(room.part(LATE))),
+            ids: ClientIds::default(),
             attempts: Attempts::default(),
             clock: Clock::default(),
         }))
@@ -115,29 +97,15 @@ impl Clients {
         self.0.vestibule.relieve()
     }
 
-    pub(super) fn broker(&self) -> &Broker {
-        &self.0.broker
-    }
-
-    /// How many bytes are kept, or wait to be taken from clients or to be read by them, which is no doing of the router's.
-    pub(super) fn held_bytes(&self) -> usize {
-        self.0.broker.held_bytes() + self.0.pool.bytes() + self.0.seats.unread_here()
-    }
-
-    /// How many have a seat.
-    pub(super) fn count(&self) -> usize {
-        self.0.seats.count()
-    }
-
     /// Listens to a newcomer to the end, on the thread that hears, while it is served on `work`.
-    pub(super) async fn attend(self, incoming: IncomingConnection, waiting: Waiting, (router, work): (Running, Handle)) {
+    pub(super) async fn attend(self, incoming: IncomingConnection, waiting: Waiting, (running, work): (Running, Handle)) {
         let from = incoming.origin.from;
-        let sent = self.converse(incoming, waiting, (router, work)).await;
+        let sent = self.converse(incoming, waiting, (running, work)).await;
         tracing::debug!(%from, why = %sent, "an MQTT connection has ended");
     }
 
     /// Why it ended.
-    async fn converse(&self, incoming: IncomingConnection, waiting: Waiting, (router, work): (Running, Handle)) -> SentAway {
+    async fn converse(&self, incoming: IncomingConnection, waiting: Waiting, (running, work): (Running, Handle)) -> SentAway {
         let IncomingConnection { mut reader, mut writer, origin } = incoming;
         let (from, mut heard) = (origin.from, BytesMut::new());
         let introduced = tokio::select! {
@@ -161,7 +129,7 @@ impl Clients {
         let greeted = self.greet(&mut writer, &known);
         // Only now, when its STOP has halted, it is asked what else is wrong. Until that is done it waits with the others.
         let (seated, has_seat) = oneshot::channel();
-        let served = work.spawn(self.clone().serve((writer, taker), (known, greeted), (listener, seated), router));
+        let served = work.spawn(self.clone().serve((writer, taker), (known, greeted), (listener, seated), running));
         let aborted = served.abort_handle();
         let mut sent = pin!(async {
             hearing.run(reader).await;
@@ -245,11 +213,11 @@ impl Clients {
     }
 
     async fn identity(&self, credentials: &connect::Credentials, origin: &Origin) -> Result<Identity, SentAway> {
-        match Identity::of(credentials, origin, &self.0.secret) {
+        match Identity::of(credentials, origin) {
             Ok(identity) => Ok(identity),
             Err(Unknown::Nothing) => Err(SentAway::Refused(Welcome::NotAllowed)),
             Err(Unknown::Wrong) => {
-                let delay = self.0.attempts.wrong(Network::of(origin.from), self.0.clock.now().since_start);
+                let delay = self.0.attempts.wrong(Network::of(origin.from), self.0.clock.since_start());
                 tracing::warn!(from = %origin.from, delay_ms = delay.as_millis(), "a wrong name or password was shown over MQTT");
                 tokio::time::sleep(delay).await;
                 Err(SentAway::Refused(Welcome::Login))
@@ -263,59 +231,49 @@ impl Clients {
         if is_nameless || connect.client_id.len() > CLIENT_ID {
             return Some(Welcome::ClientId);
         }
-        let is_allowed = |topic: &str| self.0.broker.may_leave_will(identity.principal(), topic);
+        let is_allowed = |topic: &str| self.0.broker.may_leave_will(identity.tier(), topic);
         connect.will.as_ref().filter(|will| !is_allowed(&will.topic)).map(|_| Welcome::NotAllowed)
     }
 
-    /// Serves a client to its end, and says why that came; of its greeting it was told so much already. Nothing of it waits for the
-    /// router, but what is to be done there.
+    /// Serves a client to its end, and says why that came; of its greeting it was told so much already.
     async fn serve(
         self,
-        ends: (Writer, Taker),
+        (writer, ahead): (Writer, Taker),
         (known, greeted): (IdentifiedClient, usize),
         (listener, seated): Heeded,
-        router: Running,
+        running: Running,
     ) -> SentAway {
-        let (writer, taker) = ends;
         if let Some(welcome) = self.refusal(&known) {
-            taker.leave(Left::HearsRest);
+            ahead.leave(Left::HearsRest);
             return self.tell(known.origin.from, writer, SentAway::Refused(welcome)).await;
         }
         let IdentifiedClient { connect, identity, origin } = known;
-        let now = self.0.clock.now().since_start;
-        let seat = identity.holder().map(|holder| self.0.seats.take(holder, now));
-        let _connected = seat.as_ref().map(|_| self.0.commands.figures().connected(door::MQTT));
+        let now = self.0.clock.since_start();
+        let seat = Arc::new(self.0.seats.take(identity.holder(), now));
+        let _connected = self.0.commands.figures().connected(door::MQTT);
         drop(seated);
         let name = Name { who: identity.name(), client: connect.client_id.clone() };
         // What is remembered of it is said with the greeting.
-        let remembered = if connect.clean_session {
-            None
-        } else {
-            tokio::select! {
-                biased;
-                slot = self.0.slots.take(name.clone(), true) => Some(slot),
-                () = given_up(seat.as_ref()) => return self.tell(origin.from, writer, SentAway::Ended(Ended::GaveWay)).await,
-            }
+        let (id, session) = tokio::select! {
+            biased;
+            taken = self.0.ids.take(name.clone(), !connect.clean_session) => taken,
+            () = seat.given_up() => return self.tell(origin.from, writer, SentAway::Ended(Ended::GaveWay)).await,
         };
-        let session = remembered.as_ref().and_then(|slot| slot.session.clone());
         tracing::debug!(from = %origin.from, who = %name.who, client = connect.client_id, "an MQTT client has come");
         let greeting = write::connack(Welcome::Accepted, session.is_some());
         let terms = Terms {
-            principal: identity.principal(),
+            tier: identity.tier(),
             name: identity.name(),
             has_key: identity.has_key(),
             listener,
             keep_alive_s: connect.keep_alive_s,
             will: connect.will,
             session: session.unwrap_or_default(),
+            greeting: Bytes::copy_from_slice(&greeting[greeted..]),
         };
-        let mut connection = ClientConnection::new(terms, Arc::clone(&self.0.broker), now);
-        connection.to_client().end().extend_from_slice(&greeting[greeted..]);
-        let (leaving, late) = ((self.0.leaving.clone(), origin.from), Arc::clone(&self.0.late));
-        let ends = Ends { client: writer, ahead: taker, seat, leaving, late };
-        let waits = AtomicBool::new(remembered.is_none());
-        let joining = self.clone().join((name, remembered), router, &waits);
-        SentAway::Ended(pump::run(connection, ends, (joining, &waits), (&identity, &origin.access, self.0.clock)).await)
+        let connection = ClientConnection::new(terms, Arc::clone(&self.0.broker), now);
+        let ends = Ends { client: writer, ahead, seat, id, leaving: (self.0.leaving.clone(), origin.from) };
+        SentAway::Ended(pump::run(connection, ends, running, (&identity, &origin.access, self.0.clock)).await)
     }
 
     /// Tells a client why it is sent away. Whether it listens is its own matter.
@@ -336,29 +294,6 @@ impl Clients {
         };
         let _ = tokio::time::timeout(FAREWELL, self.0.leaving.linger(from, farewell)).await;
         sent
-    }
-
-    /// A way to the router, or to the next one that lets us in. `waits` is true for as long as nothing is lost when this is dropped.
-    async fn join(self, (name, slot): (Name, Option<Slot>), mut router: Running, waits: &AtomicBool) -> Result<Upstream, Ended> {
-        let Ok(way) = Arc::clone(&self.0.ways).acquire_owned().await else { return Err(Ended::Closing) };
-        let slot = match slot {
-            Some(slot) => slot,
-            None => self.0.slots.take(name, false).await,
-        };
-        waits.store(false, Ordering::Relaxed);
-        loop {
-            let here = Arc::clone(&router.borrow_and_update());
-            match tokio::time::timeout(ROUTER_TIME, enter(&here, &slot)).await {
-                Ok(Ok(stream)) => return Ok(Upstream { stream, slot, router, way }),
-                Ok(Err(error)) => tracing::debug!(%error, "a client has no way to the MQTT router yet"),
-                // One that was left before it had answered may let nobody in again.
-                Err(_) => here.lets_nobody_in(),
-            }
-            tokio::select! {
-                changed = router.changed() => changed.map_err(|_| Ended::Closing)?,
-                () = tokio::time::sleep(AGAIN) => {}
-            }
-        }
     }
 }
 

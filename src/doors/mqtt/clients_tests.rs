@@ -4,28 +4,20 @@ use tokio::io::AsyncReadExt;
 use tokio::sync::{mpsc, watch};
 
 use super::*;
-use crate::access::{Access, Key, Keyring, Keys, OPERATOR, Role};
+use crate::access::{Access, Key, Keyring, Keys, OPERATOR, Role, Token};
 use crate::api::fixture::idle;
 use crate::doors::mqtt::identity::Identity;
 use crate::doors::mqtt::limits::CONNECTIONS;
-use crate::doors::mqtt::router::Router;
 use crate::doors::mqtt::session::testing::topics;
 use crate::runtime::obedient::{Script, obedient};
 use crate::runtime::within::within;
 use hallsweep_core::command::Command;
-use mqtt_gate::Session;
-use mqtt_gate::packet::Qos;
 
 /// What connections have in common before a loop that does as it is told; what became of commands is read by nobody.
 fn clients() -> (Clients, Script) {
     let (handle, script) = obedient(idle());
     let commands = Commands::new(handle, topics(), true, mpsc::channel(1).0);
-    (Clients::new(Broker::new(topics()), commands, Token::draw().expect("the system gives chance")), script)
-}
-
-/// A router that lets whoever comes in wait for ever, for as long as the sender is there.
-fn hanging() -> (watch::Sender<Arc<Router>>, Running) {
-    watch::channel(Arc::new(Router::hanging("127.0.0.1:9".parse().expect("an address"))))
+    (Clients::new(Arc::new(Broker::new(topics())), commands), script)
 }
 
 fn from_here(access: Access) -> Origin {
@@ -36,36 +28,36 @@ fn from_here(access: Access) -> Origin {
 #[tokio::test(start_paused = true)]
 async fn whoever_waits_for_the_name_of_another_goes_when_his_seat_is_needed() {
     let (clients, _script) = clients();
-    let (_routers, router) = hanging();
+    let (_runs, running) = watch::channel(());
     let origin = from_here(Access::Open);
 
     let mut hello = BytesMut::new();
     write::connect(&mut hello, "panel", false, 60, ("anna", "x"));
     let connect = connect::read(&hello[2..]).expect("it is one");
-    let identity = Identity::of(&connect.credentials, &origin, &clients.0.secret).expect("everybody is let in");
+    let identity = Identity::of(&connect.credentials, &origin).expect("everybody is let in");
     let name = Name { who: identity.name(), client: "panel".to_owned() };
-    let mut hangs = clients.0.slots.take(name, true).await;
+    let (mut hangs, _) = clients.0.ids.take(name, true).await;
 
     let (mut client, stream) = tokio::io::duplex(1024);
     let incoming = IncomingConnection::over(stream, origin);
     let waiting = clients.let_wait(incoming.origin.from);
-    let served = tokio::spawn(clients.clone().attend(incoming, waiting, (router, Handle::current())));
+    let served = tokio::spawn(clients.clone().attend(incoming, waiting, (running, Handle::current())));
     client.write_all(&hello).await.expect("it is taken");
     within("somebody of the same name", hangs.wanted()).await;
-    let holder = identity.holder().expect("it has a seat");
+    let holder = identity.holder();
     let _newer: Vec<_> = (0..CONNECTIONS).map(|_| clients.0.seats.take(holder.clone(), Duration::MAX)).collect();
-    tokio::time::timeout(AGAIN, served).await.expect("it waits no longer").expect("it ends in order");
+    tokio::time::timeout(Duration::from_millis(100), served).await.expect("it waits no longer").expect("it ends in order");
     assert_eq!(client.read(&mut [0]).await.ok(), Some(0));
 }
 
 /// How many STOPs these bytes of a newcomer give, and what he is answered.
 async fn says(access: Access, bytes: &[u8]) -> (usize, Vec<u8>) {
     let (clients, script) = clients();
-    let (_routers, router) = hanging();
+    let (_runs, running) = watch::channel(());
     let origin = from_here(access);
     let (mut client, stream) = tokio::io::duplex(64 * 1024);
     let waiting = clients.let_wait(origin.from);
-    let served = tokio::spawn(clients.attend(IncomingConnection::over(stream, origin), waiting, (router, Handle::current())));
+    let served = tokio::spawn(clients.attend(IncomingConnection::over(stream, origin), waiting, (running, Handle::current())));
     // What says who he is comes before the rest.
     for piece in bytes.chunks(40) {
         // Whoever is nobody may have been sent away already.
@@ -160,7 +152,7 @@ async fn whoever_waits_for_the_answer_to_a_wrong_password_makes_room_for_newer_o
     let access = Access::Keys(Keyring::of(Keys::new(vec![key]).unwrap()));
     for version in [("MQTT", 4, 0xC2), ("MQTT", 4, 0xC3), ("MQTT", 5, 0xC2)] {
         let (clients, _script) = clients();
-        let (_routers, router) = hanging();
+        let (_runs, running) = watch::channel(());
         let mut crowd = Vec::new();
         for _ in 0..WAITING + LEAVING + 100 {
             let (mut client, stream) = tokio::io::duplex(1024);
@@ -168,7 +160,7 @@ async fn whoever_waits_for_the_answer_to_a_wrong_password_makes_room_for_newer_o
             let origin = from_here(access.clone());
             let waiting = clients.let_wait(origin.from);
             let incoming = IncomingConnection::over(stream, origin);
-            crowd.push((client, tokio::spawn(clients.clone().attend(incoming, waiting, (router.clone(), Handle::current())))));
+            crowd.push((client, tokio::spawn(clients.clone().attend(incoming, waiting, (running.clone(), Handle::current())))));
         }
         let there = || crowd.iter().filter(|(_, served)| !served.is_finished()).count();
         tokio::time::sleep(Duration::from_millis(1)).await;
@@ -178,53 +170,11 @@ async fn whoever_waits_for_the_answer_to_a_wrong_password_makes_room_for_newer_o
     }
 }
 
-/// What was acknowledged waits for a way to the router, though whoever said it has left: so much of it, and so long.
-#[tokio::test(start_paused = true)]
-async fn what_clients_say_that_leave_at_once_waits_for_the_router_for_so_many_and_so_long() {
-    let (clients, _script) = clients();
-    let (_routers, router) = hanging();
-    let origin = || from_here(Access::Open);
-    let terms = Terms {
-        principal: Identity::OwnSession.principal(),
-        name: Identity::OwnSession.name(),
-        has_key: false,
-        listener: Identity::OwnSession.listener(&clients.0.commands, origin().from),
-        keep_alive_s: 0,
-        will: None,
-        session: Session::default(),
-    };
-    let mut reader = ClientConnection::new(terms, Arc::clone(&clients.0.broker), Duration::ZERO);
-    let mut everything = BytesMut::new();
-    write::subscribe(&mut everything, 1, &[("#", Qos::Zero)]);
-    reader.handle_client(&mut everything, Duration::ZERO).expect("it may");
-    let mut said = BytesMut::new();
-    write::connect(&mut said, "", true, 60, ("anna", "x"));
-    write::publish(&mut said, b"said", b"this", Qos::One, 7, false);
-    let served: Vec<_> = (0..LATE + 10)
-        .map(|_| {
-            let (mut client, stream) = tokio::io::duplex(1024);
-            let (incoming, waiting, said) =
-                (IncomingConnection::over(stream, origin()), clients.let_wait(origin().from), said.clone());
-            let served = clients.clone().attend(incoming, waiting, (router.clone(), Handle::current()));
-            tokio::spawn(async move {
-                client.write_all(&said).await.expect("it is taken");
-                client.shutdown().await.expect("it is heard");
-                served.await;
-            })
-        })
-        .collect();
-    let wait = || served.iter().filter(|served| !served.is_finished()).count();
-    tokio::time::sleep(Duration::from_millis(4900)).await;
-    assert_eq!(wait(), LATE);
-    tokio::time::sleep(Duration::from_millis(200)).await;
-    assert_eq!(wait(), 0);
-}
-
 /// Safety S7: most clients say STOP only when they were greeted. A client of which something is remembered is told so.
 #[tokio::test]
 async fn a_newcomer_is_greeted_and_heard_though_nothing_else_is_done() {
     let (clients, script) = clients();
-    let (_routers, router) = hanging();
+    let (_runs, running) = watch::channel(());
     // Nobody runs what is to be done there.
     let idle = tokio::runtime::Builder::new_current_thread().build().expect("the system gives one");
     for (flags, is_greeted) in [(0xC2, true), (0xC0, false)] {
@@ -232,7 +182,7 @@ async fn a_newcomer_is_greeted_and_heard_though_nothing_else_is_done() {
         let (mut client, stream) = tokio::io::duplex(1024);
         let waiting = clients.let_wait(origin.from);
         let served =
-            clients.clone().attend(IncomingConnection::over(stream, origin), waiting, (router.clone(), idle.handle().clone()));
+            clients.clone().attend(IncomingConnection::over(stream, origin), waiting, (running.clone(), idle.handle().clone()));
         let served = tokio::spawn(served);
         client.write_all(&hello(("MQTT", 4, flags), "anna", "x")).await.expect("it is taken");
         let mut greeting = [0; 4];

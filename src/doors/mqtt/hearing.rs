@@ -11,6 +11,7 @@ use std::time::Duration;
 use tokio::io::{AsyncRead, ReadBuf};
 use tokio::runtime::Handle;
 
+use super::desk::serving_here;
 use super::incoming::Reader;
 use super::read_ahead::{Feeder, Left, READ};
 use crate::runtime::clock::Clock;
@@ -147,12 +148,12 @@ fn hear(
     let (mut rest, came, mut halted, mut until) = (bytes, listener.epoch(), Vec::new(), None);
     while let Some(begins) = search.next(&mut rest, |said| listener.hear_urgent(said.topic, said.payload)) {
         halted.push((begins, listener.epoch()));
-        let now = clock.now().since_start;
+        let now = clock.since_start();
         if now >= *until.get_or_insert(now + TURN) {
             break;
         }
     }
-    feeder.put(&bytes[..bytes.len() - rest.len()], came, &halted);
+    serving_here(clock, || feeder.put(&bytes[..bytes.len() - rest.len()], came, &halted));
     rest.to_vec()
 }
 

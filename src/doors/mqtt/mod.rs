@@ -2,8 +2,10 @@
 //! into commands and snapshots into messages; it decides nothing about the mission.
 
 pub mod change_feed;
+mod client_ids;
 mod clients;
 pub mod commands;
+mod desk;
 mod embedded;
 mod hearing;
 pub mod home_assistant;
@@ -16,16 +18,12 @@ mod pump;
 pub mod qak;
 mod read_ahead;
 mod rights;
-mod router;
+mod rumqttd;
 mod seats;
 pub mod session;
-mod slots;
-mod suspicion;
 pub mod topics;
-mod upstream;
 
 pub use clients::Clients;
-pub use embedded::{Embedded, Ways};
-pub use identity::OWN_SESSION;
+pub use embedded::{Ways, serve};
 pub use incoming::{IncomingConnection, Origin, Reader, Writer};
-pub use router::RouterError;
+pub use rumqttd::RumqttdRouter;

@@ -1,46 +1,41 @@
-//! Moves bytes between a client, the gate and the router, for as long as all three go on. It understands none of them: what is let
-//! through, and how much may wait, is said by the gate. What the client says has been looked through for a STOP before it comes here,
-//! so that nothing here is urgent: it works in short turns, and others have theirs in between.
+//! Moves bytes between a client and the gate, for as long as both go on. It understands none of them: what is let through, and how much
+//! may wait, is said by the gate. What the client says has been looked through for a STOP before it comes here, so that nothing here is
+//! urgent: it works in short turns, and others have theirs in between. By whom it is polled is the desk's business.
 
-use std::io;
 use std::net::IpAddr;
 use std::pin::pin;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::task::{Context, Poll};
 use std::time::Duration;
 
 use bytes::BytesMut;
 use tokio::io::AsyncWriteExt;
-use tokio::sync::Semaphore;
+use tokio::task::unconstrained;
 
+use super::client_ids::ClientId;
+use super::desk::Desk;
+use super::embedded::Running;
 use super::identity::Identity;
 use super::incoming::Writer;
 use super::read_ahead::{Left, READ, Taker};
-use super::seats::{Seat, Unread, given_up};
-use super::slots::Slot;
-use super::upstream::{ToRouter, Upstream, leave, read_some, write_some};
+use super::seats::{Seat, Unread};
 use crate::access::Access;
 use crate::doors::vestibule::Vestibule;
 use crate::runtime::clock::Clock;
-use mqtt_gate::SubscriberLag;
-use mqtt_gate::give_back;
 use mqtt_gate::limits::ANSWER_ROOM;
-use mqtt_gate::{ClientConnection, Ended};
+use mqtt_gate::{ClientConnection, Ended, Outbox, Subscriber};
 
 /// After so long of one client's packets others have their turn.
 const TURN: Duration = Duration::from_millis(1);
 
-/// So much room there is for what the router sends, in bytes, while no more than that comes at once.
-const FEW: usize = 4 * 1024;
+/// Of a client who says more than this at once nothing is taken by whoever has something else to do.
+const LITTLE: usize = 2 * 1024;
 
 /// How often it is looked whether a client would be let in still: a key that was taken away is good for no longer than this.
 const GLANCE: Duration = Duration::from_millis(500);
 
-/// So long the last words of a connection may take to get to the other side,
+/// So long the last words to a client may take to get to it.
 const FAREWELL: Duration = Duration::from_secs(1);
-
-/// and so long the messages of a client that left before it had a way to the router.
-const LATE: Duration = Duration::from_secs(5);
 
 /// How often it is looked, when the program ends, whether a client was told everything.
 const BREATH: Duration = Duration::from_millis(2);
@@ -52,291 +47,274 @@ pub(super) struct Ends {
     pub(super) client: Writer,
     /// What the client has sent.
     pub(super) ahead: Taker,
-    /// Our own session has none.
-    pub(super) seat: Option<Seat>,
+    pub(super) seat: Arc<Seat>,
+    pub(super) id: ClientId,
     /// Where those are who leave, and from where this one came.
     pub(super) leaving: (Vestibule, IpAddr),
-    /// Room for those who have left and whose messages wait for a way to the router.
-    pub(super) late: Arc<Semaphore>,
 }
 
 pub(super) type Whose<'a> = (&'a Identity, &'a Access, Clock);
 
-/// The gate in the middle, and what has come from both sides.
-struct Pump<'a> {
+/// The gate, and what has come for it.
+pub(super) struct Pump {
     connection: ClientConnection,
+    subscriber: Arc<Subscriber>,
     client: Writer,
     ahead: Taker,
-    seat: Option<&'a Seat>,
-    /// Not before the router has let us in.
-    router: Option<ToRouter>,
+    seat: Arc<Seat>,
     clock: Clock,
     from_client: BytesMut,
-    /// Whole packets of the client may be there that were not taken in the last turn;
+    /// Whole packets of the client may be there that were not taken in the last turn.
     is_cut: bool,
-    /// others have their turn first.
-    is_long: bool,
-    from_router: BytesMut,
+    /// There is more to do, and others have their turn first.
+    wants_turn: bool,
     /// When the client had last taken much, or all, of what waited for it, and how much since then.
     read_at: Duration,
     taken: usize,
     /// The client has published in a flood, and these subscribers do not keep up.
     waiting: Option<LagWait>,
+    /// It has come to its end.
+    ended: Option<Ended>,
 }
 
-#[derive(Clone)]
 struct LagWait {
-    behind: Arc<[Arc<SubscriberLag>]>,
+    behind: Vec<Arc<Subscriber>>,
     until: Duration,
 }
 
-/// Runs until it has to end, and says why. The client is served although `joining`, which finds the way to the router, takes long; for
-/// a client that is gone it is not waited for while it only `waits`, unless what it published is there and has room.
-pub(super) async fn run(
-    connection: ClientConnection,
-    Ends { client, ahead, seat, leaving, late }: Ends,
-    (joining, waits): (impl Future<Output = Result<Upstream, Ended>>, &AtomicBool),
-    whose: Whose<'_>,
-) -> Ended {
-    let mut pump = Pump::new(connection, (client, ahead, seat.as_ref()), whose.2);
-    let (mut joining, mut shut_out) = (pin!(joining), pin!(shut_out(whose, seat.as_ref())));
-    let joined = tokio::select! {
-        ended = pump.flow() => Err(ended),
-        joined = &mut joining => Ok(joined),
-        ended = &mut shut_out => Err(ended),
-    };
-    let has_not_joined = joined.is_err();
-    let is_joining = has_not_joined && !waits.load(Ordering::Relaxed);
-    let (ended, slot, way) = match joined.and_then(|joined| joined) {
-        Err(ended) => (ended, None, None),
-        Ok(Upstream { stream, mut slot, mut router, way }) => {
-            pump.router = Some(stream.into_split());
-            let ended = tokio::select! {
-                ended = pump.flow() => ended,
-                () = slot.wanted() => Ended::TakenOver,
-                changed = router.changed() => if changed.is_ok() { Ended::RouterGone } else { Ended::Closing },
-                ended = &mut shut_out => ended,
-            };
-            (ended, Some(slot), Some(way))
-        }
-    };
-    let ended = if ended == Ended::Closing { pump.see_out().await } else { ended };
-    if let Some(seat) = &seat {
-        seat.give_back();
+/// A desk that is closed when nobody serves there any more: whoever would wake it has it, too.
+struct OpenDesk(Arc<Desk>);
+
+impl Drop for OpenDesk {
+    fn drop(&mut self) {
+        drop(self.0.close());
     }
-    pump.ahead.leave(left(ended));
-    pump.connection.handle_end(ended);
+}
+
+/// For how long somebody serves a client before he does something else.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Spell {
+    Short,
+    Long,
+}
+
+/// Whether there was something to do.
+type Did = Result<bool, Ended>;
+
+/// Runs until it has to end, and says why.
+pub(super) async fn run(connection: ClientConnection, ends: Ends, mut running: Running, whose: Whose<'_>) -> Ended {
+    let Ends { client, ahead, seat, mut id, leaving } = ends;
+    let subscriber = connection.subscriber();
+    let desk = OpenDesk(Desk::new(Pump::new(connection, (client, ahead, Arc::clone(&seat)), whose.2)));
+    let ended = tokio::select! {
+        ended = desk.0.serve(whose.2) => ended,
+        () = id.wanted() => Ended::TakenOver,
+        _ = running.changed() => Ended::Closing,
+        ended = shut_out(whose, &seat) => ended,
+    };
+    let ended = if ended == Ended::Closing { see_out(&desk.0, &subscriber, whose.2).await } else { ended };
+    seat.give_back();
+    let Some(Pump { mut connection, client, ahead, .. }) = desk.0.close() else { return ended };
+    ahead.leave(left(ended));
+    connection.handle_end(ended);
+    let mut to_client = std::mem::take(connection.to_client());
     if ended == Ended::GaveWay {
         // What waited for it may be why.
-        pump.connection.to_client().clear();
+        to_client.clear();
     }
-    let room = (has_not_joined && pump.connection.has_messages()).then(|| late.try_acquire_owned().ok()).flatten();
-    let patience = if room.is_some() { LATE } else { FAREWELL };
-    let joined = async { if is_joining || room.is_some() { joining.await.ok() } else { None } };
-    if let Some(slot) = pump.take_leave(ended, (joined, patience), leaving).await.or(slot) {
-        slot.remember(pump.connection.into_session());
-    }
-    drop(way);
+    id.remember(connection.into_session());
+    // Whoever wants the name need not wait for the farewell.
+    drop(id);
+    take_leave(ended, (client, to_client, ahead), leaving).await;
     ended
 }
 
-impl<'a> Pump<'a> {
-    fn new(connection: ClientConnection, (client, ahead, seat): (Writer, Taker, Option<&'a Seat>), clock: Clock) -> Pump<'a> {
+/// The program ends: serves until the client was told everything that was published for it, as that the program ends. Whoever ends
+/// connections bounds the time for this.
+async fn see_out(desk: &Arc<Desk>, subscriber: &Subscriber, clock: Clock) -> Ended {
+    let settled = async {
+        while !subscriber.is_empty() {
+            tokio::time::sleep(BREATH).await;
+        }
+    };
+    tokio::select! {
+        ended = desk.serve(clock) => ended,
+        () = settled => Ended::Closing,
+    }
+}
+
+/// Says the last words to a client, but not for long.
+async fn take_leave(
+    ended: Ended,
+    (mut client, mut to_client, ahead): (Writer, Outbox, Taker),
+    (leaving, from): (Vestibule, IpAddr),
+) {
+    let told = async {
+        // Whoever is gone already hears nothing.
+        let _ = client.write_all_buf(&mut to_client).await;
+        let _ = client.shutdown().await;
+    };
+    let farewell = async {
+        if ended != Ended::Closing {
+            return leaving.linger(from, told).await;
+        }
+        told.await;
+        // The program goes on ending when this connection is closed; what is on its way is there only when the other side has
+        // closed it, too.
+        ahead.ended().await;
+    };
+    let _ = tokio::time::timeout(FAREWELL, farewell).await;
+}
+
+impl Pump {
+    fn new(connection: ClientConnection, (client, ahead, seat): (Writer, Taker, Arc<Seat>), clock: Clock) -> Pump {
         Pump {
+            subscriber: connection.subscriber(),
             connection,
             client,
             ahead,
             seat,
-            router: None,
             clock,
             from_client: BytesMut::new(),
             is_cut: false,
-            is_long: false,
-            from_router: BytesMut::new(),
-            read_at: clock.now().since_start,
+            wants_turn: false,
+            read_at: clock.since_start(),
             taken: 0,
             waiting: None,
+            ended: None,
         }
     }
 
-    /// The program ends: moves bytes until the client was told everything that was published for it, as that the program ends. Whoever
-    /// ends connections bounds the time for this.
-    async fn see_out(&mut self) -> Ended {
-        let lag = self.connection.lag();
-        let settled = async {
-            while !lag.is_settled() {
-                tokio::time::sleep(BREATH).await;
+    /// Does what there is to do, for as long as one turn is; ready with why there is an end to it.
+    pub(super) fn poll(&mut self, spell: Spell, cx: &mut Context<'_>) -> Poll<Ended> {
+        let began = self.clock.since_start();
+        self.wants_turn = false;
+        while self.ended.is_none() && !self.wants_turn {
+            match self.step(spell, cx) {
+                Ok(false) => break,
+                Ok(true) => self.wants_turn |= spell == Spell::Short || self.clock.since_start() >= began + TURN,
+                Err(ended) => self.ended = Some(ended),
             }
-        };
-        tokio::select! {
-            ended = self.flow() => ended,
-            () = settled => Ended::Closing,
         }
+        self.note_held();
+        self.ended.map_or(Poll::Pending, Poll::Ready)
     }
 
-    /// Says the last words to both sides. The router is left only after it has let us in: one that was left before that may let nobody
-    /// in again. So a way to it that comes late is taken, and with it the slot that it was for.
-    async fn take_leave(
-        &mut self,
-        ended: Ended,
-        (late, patience): (impl Future<Output = Option<Upstream>>, Duration),
-        (leaving, from): (Vestibule, IpAddr),
-    ) -> Option<Slot> {
-        let (to_router, to_client) = self.connection.outgoing();
-        let told = async {
-            // Whoever is gone already hears nothing.
-            let _ = self.client.write_all_buf(to_client).await;
-            let _ = self.client.shutdown().await;
-        };
-        let to_client = async {
-            if ended != Ended::Closing {
-                return leaving.linger(from, told).await;
-            }
-            told.await;
-            // The program goes on ending when this connection is closed; what is on its way is there only when the other side has
-            // closed it, too.
-            self.ahead.ended().await;
-        };
-        let to_router = async {
-            match self.router.take() {
-                Some(mut router) => {
-                    leave(&mut router, to_router).await;
-                    None
-                }
-                None => {
-                    let Upstream { stream, slot, .. } = late.await?;
-                    leave(&mut stream.into_split(), to_router).await;
-                    Some(slot)
-                }
-            }
-        };
-        let (to_client, to_router) = (tokio::time::timeout(FAREWELL, to_client), tokio::time::timeout(patience, to_router));
-        tokio::join!(to_client, to_router).1.ok().flatten()
+    /// Whether there is more to do, though nobody wakes whoever serves.
+    pub(super) const fn wants_turn(&self) -> bool {
+        self.wants_turn
     }
 
-    async fn flow(&mut self) -> Ended {
-        let (mut outcome, mut read) = (Ok(()), 0);
-        loop {
-            if let Err(ended) = outcome {
-                return ended;
-            }
-            let behind = self.behind();
-            let hears_client = behind.is_none() && self.connection.wants_client();
-            let (is_unread, hears_router) =
-                (self.connection.is_unread(), self.connection.wants_router() && self.router.is_some());
-            let silent_until = self.connection.poll_timeout();
-            self.note_held();
-            if hears_router {
-                make_room(&mut self.from_router, read);
-            }
-            let has_more = self.connection.wants_turn();
-            let (for_router, for_client) = self.connection.outgoing();
-            let tells_router = !for_router.is_empty() && self.router.is_some();
-            let (router, to_router) = self.router.as_mut().map(|(read, write)| (read, write)).unzip();
-            outcome = tokio::select! {
-                biased;
-                written = write_some(to_router, for_router), if tells_router => {
-                    give_back(for_router);
-                    went(written, Ended::RouterGone)
-                }
-                written = self.client.write_buf(for_client), if !for_client.is_empty() => {
-                    self.handle_read(&written);
-                    went(written, Ended::Gone)
-                }
-                has_ended = said(&self.ahead, self.is_cut || self.is_long, self.is_cut), if hears_client => {
-                    if has_ended { Err(Ended::Gone) } else { self.client_said() }
-                }
-                () = self.ahead.full(), if is_unread => Err(Ended::TooMuch { what: "bytes of answers unread", most: ANSWER_ROOM }),
-                came = read_some(router, &mut self.from_router), if hears_router => {
-                    read = came.as_ref().copied().unwrap_or_default();
-                    went(came, Ended::RouterGone).and_then(|()| self.connection.handle_router(&mut self.from_router))
-                }
-                in_vain = caught_up(behind.as_ref(), self.clock) => {
-                    self.waiting = None;
-                    if in_vain {
-                        self.connection.handle_waited(self.clock.now().since_start);
-                    }
-                    Ok(())
-                }
-                () = tokio::task::yield_now(), if has_more => {
-                    self.connection.handle_drained();
-                    Ok(())
-                }
-                () = self.clock.reach(Some(silent_until)) => self.connection.handle_timeout(self.clock.now().since_start),
-            };
+    /// Whether there is too much to do for somebody who serves in between, or somebody is waited for.
+    pub(super) fn wants_task(&self) -> bool {
+        self.waiting.is_some() || self.ended.is_some() || self.is_cut || self.ahead.bytes() > LITTLE
+    }
+
+    /// By when it is to be polled again, whatever happens.
+    pub(super) fn due(&self) -> Duration {
+        let silent_until = self.connection.poll_timeout();
+        self.waiting.as_ref().map_or(silent_until, |waiting| waiting.until.min(silent_until))
+    }
+
+    /// Does one thing of each kind; whether there was any.
+    fn step(&mut self, spell: Spell, cx: &mut Context<'_>) -> Did {
+        let is_held_up = self.is_held_up(cx);
+        let heard = !is_held_up && self.hear_client(spell, cx)?;
+        let came = self.connection.reads() && self.subscriber.poll_come(self.connection.has_window(), cx).is_ready();
+        let goes_on = self.connection.wants_turn();
+        if came || goes_on {
+            self.connection.handle_come();
         }
+        // What others are to read goes out before it is acknowledged.
+        let told = !(heard && spell == Spell::Short) && self.tell_client(cx)?;
+        self.connection.handle_timeout(self.clock.since_start())?;
+        Ok(told || heard || came || goes_on)
     }
 
-    /// The client has taken some of what waits for it.
-    fn handle_read(&mut self, written: &io::Result<usize>) {
-        self.taken += written.as_ref().copied().unwrap_or_default();
+    fn tell_client(&mut self, cx: &mut Context<'_>) -> Did {
+        if self.connection.to_client().is_empty() {
+            return Ok(false);
+        }
+        // Turns have their own bound here.
+        let written = match pin!(unconstrained(self.client.write_buf(self.connection.to_client()))).poll(cx) {
+            Poll::Pending => return Ok(false),
+            Poll::Ready(Ok(written @ 1..)) => written,
+            Poll::Ready(Ok(0) | Err(_)) => return Err(Ended::Gone),
+        };
+        self.taken += written;
         if self.taken >= MUCH {
-            (self.read_at, self.taken) = (self.clock.now().since_start, 0);
+            (self.read_at, self.taken) = (self.clock.since_start(), 0);
         }
         self.connection.handle_drained();
         self.moves();
+        Ok(true)
+    }
+
+    /// Takes some of what the client has said.
+    fn hear_client(&mut self, spell: Spell, cx: &Context<'_>) -> Did {
+        if self.connection.is_unread() {
+            let is_full = self.ahead.poll_full(cx).is_ready();
+            let unread = Ended::TooMuch { what: "bytes of answers unread", most: ANSWER_ROOM };
+            return if is_full { Err(unread) } else { Ok(false) };
+        }
+        let before = self.from_client.len();
+        if !self.is_cut {
+            match self.ahead.poll_come(cx) {
+                Poll::Pending => return Ok(false),
+                Poll::Ready(true) => return Err(Ended::Gone),
+                Poll::Ready(false) if spell == Spell::Short && self.wants_task() => return Ok(false),
+                Poll::Ready(false) => {}
+            }
+            let connection = &mut self.connection;
+            self.ahead.take(&mut self.from_client, |mark| connection.handle_mark(mark));
+            // Whoever has said much lets others have their turn first.
+            self.wants_turn |= self.from_client.len() - before >= READ / 2;
+        }
+        self.is_cut = self.connection.handle_turn(&mut self.from_client, self.clock.since_start())?;
+        self.moves();
+        Ok(true)
+    }
+
+    /// Whether nothing is taken from the client, because others do not keep up with what it publishes.
+    fn is_held_up(&mut self, cx: &Context<'_>) -> bool {
+        let now = self.clock.since_start();
+        if let Some(LagWait { behind, until }) = &self.waiting {
+            let is_over = behind.iter().all(|subscriber| subscriber.poll_relieved(cx).is_ready());
+            if !is_over && now < *until {
+                self.connection.note_room(now);
+                return true;
+            }
+            self.waiting = None;
+            if !is_over {
+                self.connection.handle_waited(now);
+            }
+        }
+        let behind = self.connection.poll_behind(now);
+        if behind.is_empty() {
+            return false;
+        }
+        let until = self.connection.waits_until(now);
+        // Whoever catches up in this moment is seen to have done so.
+        let is_over = behind.iter().all(|subscriber| subscriber.poll_relieved(cx).is_ready());
+        self.waiting = (!is_over).then_some(LagWait { behind, until });
+        !is_over
     }
 
     /// Says how much waits here, for the client and of it.
     fn note_held(&mut self) {
-        let here = self.connection.held() + self.from_client.len() + self.from_router.len();
-        self.ahead.hold(here, self.connection.wants_router());
-        let (shared, at_router) = self.connection.elsewhere();
+        let here = self.connection.held() + self.from_client.len();
+        self.ahead.hold(here, self.connection.reads());
         if self.connection.to_client().is_empty() {
-            (self.read_at, self.taken) = (self.clock.now().since_start, 0);
+            (self.read_at, self.taken) = (self.clock.since_start(), 0);
         }
-        if let Some(seat) = self.seat {
-            seat.note_unread(Unread { here, at_router, shared }, self.read_at, || self.connection.beside());
-        }
-    }
-
-    /// For whom nothing is taken from the client, and until when.
-    fn behind(&mut self) -> Option<LagWait> {
-        let now = self.clock.now().since_start;
-        if self.waiting.is_none() {
-            let behind = self.connection.poll_behind(now);
-            let until = self.connection.waits_until(now);
-            self.waiting = (!behind.is_empty()).then(|| LagWait { behind: behind.into(), until });
-        } else {
-            self.connection.note_room(now);
-        }
-        self.waiting.clone()
-    }
-
-    /// Takes some of what the client has said, for no longer than a turn.
-    fn client_said(&mut self) -> Result<(), Ended> {
-        let now = self.clock.now().since_start;
-        let before = self.from_client.len();
-        if !self.is_cut {
-            let connection = &mut self.connection;
-            self.ahead.take(&mut self.from_client, |mark| connection.handle_mark(mark));
-        }
-        self.is_long = self.from_client.len() - before >= READ / 2;
-        loop {
-            self.is_cut = self.connection.handle_turn(&mut self.from_client, now)?;
-            let is_over = self.clock.now().since_start >= now + TURN;
-            if !self.is_cut || is_over || !self.connection.wants_client() || self.behind().is_some() {
-                break;
-            }
-        }
-        self.moves();
-        Ok(())
+        let unread = Unread { here, shared: self.connection.shared() };
+        self.seat.note_unread(unread, self.read_at, || self.connection.beside());
     }
 
     /// The client has said something, or read something.
     fn moves(&self) {
-        if let Some(seat) = self.seat {
-            seat.moves(self.clock.now().since_start);
-        }
+        self.seat.moves(self.clock.since_start());
     }
-}
-
-/// Whether nothing more is said by the client; else there is something to take. Whoever has said much lets others have their turn first.
-async fn said(ahead: &Taker, is_long: bool, is_there: bool) -> bool {
-    if is_long {
-        tokio::task::yield_now().await;
-    }
-    if is_there { false } else { ahead.come().await }
 }
 
 /// What is heard of a client from whom nothing more is taken.
@@ -350,38 +328,8 @@ fn left(ended: Ended) -> Left {
     }
 }
 
-/// Room for what is read at once, more of it while much comes; what one long message or a burst took is given back.
-fn make_room(buffer: &mut BytesMut, read: usize) {
-    let room = if read < FEW { FEW } else { READ };
-    if buffer.is_empty() && buffer.capacity() > 4 * room {
-        *buffer = BytesMut::new();
-    }
-    buffer.reserve(room);
-}
-
-/// Waits until all subscribers have caught up, or it is time to look who does not read: whether the latter. For ever without any.
-async fn caught_up(waiting: Option<&LagWait>, clock: Clock) -> bool {
-    let Some(LagWait { behind, until }) = waiting else { return std::future::pending().await };
-    let all_relieved = async {
-        for lag in behind.iter() {
-            lag.relieved().await;
-        }
-    };
-    tokio::select! {
-        () = all_relieved => false,
-        () = clock.reach(Some(*until)) => true,
-    }
-}
-
-fn went(moved: io::Result<usize>, else_: Ended) -> Result<(), Ended> {
-    match moved {
-        Ok(1..) => Ok(()),
-        Ok(0) | Err(_) => Err(else_),
-    }
-}
-
 /// Waits until whoever was let in has to go: its key is not known any more, or its seat is somebody else's.
-async fn shut_out((identity, access, clock): Whose<'_>, seat: Option<&Seat>) -> Ended {
+async fn shut_out((identity, access, clock): Whose<'_>, seat: &Seat) -> Ended {
     let unknown = async {
         while identity.is_known(access, clock.now().wall.unix_ms.div_euclid(1000)) {
             tokio::time::sleep(GLANCE).await;
@@ -389,6 +337,6 @@ async fn shut_out((identity, access, clock): Whose<'_>, seat: Option<&Seat>) -> 
     };
     tokio::select! {
         () = unknown => Ended::NotKnown,
-        () = given_up(seat) => Ended::GaveWay,
+        () = seat.given_up() => Ended::GaveWay,
     }
 }

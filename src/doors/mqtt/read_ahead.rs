@@ -2,13 +2,15 @@
 //! the connection's own task takes it. It has two ends, and a bound for each connection and for all of them.
 
 use std::collections::VecDeque;
+use std::future::poll_fn;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::task::{Context, Poll, Waker};
 
 use bytes::BytesMut;
 use tokio::sync::Notify;
 
-use super::limits::{ALWAYS_AHEAD, CONNECTION_BYTES, READ_AHEAD, ROUTER_PART, UNREAD_PART};
+use super::limits::{ALWAYS_AHEAD, CONNECTION_BYTES, MESSAGES_PART, READ_AHEAD, UNREAD_PART};
 use mqtt_gate::{Epoch, Mark};
 
 /// So much is read at once, in bytes.
@@ -41,8 +43,6 @@ pub(super) struct Taker(Arc<Shared>);
 #[derive(Debug)]
 struct Shared {
     state: Mutex<State>,
-    /// Something has come, or the end, or there is no room for more.
-    come: Notify,
     /// There is room again, or nobody takes anything any more.
     room: Notify,
     pool: Pool,
@@ -62,6 +62,8 @@ struct State {
     held: usize,
     /// The feeder waits for room. Only then it is told: to wake its thread for each packet makes every message late.
     wants_room: bool,
+    /// Who is to be woken when something has come, or the end.
+    taker: Option<Waker>,
     has_ended: bool,
     left: Option<Left>,
 }
@@ -78,7 +80,7 @@ pub(super) enum Left {
 }
 
 pub(super) fn read_ahead(pool: &Pool) -> (Feeder, Taker) {
-    let shared = Shared { state: Mutex::default(), come: Notify::new(), room: Notify::new(), pool: pool.clone() };
+    let shared = Shared { state: Mutex::default(), room: Notify::new(), pool: pool.clone() };
     let shared = Arc::new(shared);
     (Feeder(Arc::clone(&shared)), Taker(shared))
 }
@@ -142,15 +144,24 @@ impl Feeder {
         state.total += bytes.len() as u64;
         // Before anybody can take them, so that the sum is never less than nothing.
         self.0.pool.0.fetch_add(bytes.len(), Ordering::Relaxed);
-        drop(state);
-        self.0.come.notify_one();
+        wake(state);
     }
 }
 
 impl Drop for Feeder {
     fn drop(&mut self) {
-        self.0.state().has_ended = true;
-        self.0.come.notify_one();
+        let mut state = self.0.state();
+        state.has_ended = true;
+        wake(state);
+    }
+}
+
+/// Wakes whoever waits for what has come, which may look at it at once.
+fn wake(mut state: MutexGuard<'_, State>) {
+    let taker = state.taker.take();
+    drop(state);
+    if let Some(taker) = taker {
+        taker.wake();
     }
 }
 
@@ -177,17 +188,22 @@ impl Taker {
         true
     }
 
-    /// Waits until something is there, or nothing comes any more: whether the latter.
-    pub(super) async fn come(&self) -> bool {
-        self.wait(|state| (!state.pieces.is_empty()).then_some(false).or(state.has_ended.then_some(true))).await
+    /// Whether something is there, or nothing comes any more: ready with the latter.
+    pub(super) fn poll_come(&self, cx: &Context<'_>) -> Poll<bool> {
+        self.poll(cx, |state| (!state.pieces.is_empty()).then_some(false).or(state.has_ended.then_some(true)))
     }
 
-    /// Waits until there is room for no more.
-    pub(super) async fn full(&self) {
-        self.wait(|state| (self.0.room_in(state) == 0).then_some(())).await;
+    /// Whether there is room for no more.
+    pub(super) fn poll_full(&self, cx: &Context<'_>) -> Poll<()> {
+        self.poll(cx, |state| (self.0.room_in(state) == 0).then_some(()))
     }
 
-    /// So much of this client waits elsewhere, and more at the router when it does not read; what may wait here is less by that.
+    /// How many bytes wait.
+    pub(super) fn bytes(&self) -> usize {
+        self.0.state().bytes
+    }
+
+    /// So much of this client waits elsewhere, and more will when it does not read; what may wait here is less by that.
     pub(super) fn hold(&self, held: usize, reads: bool) {
         let mut state = self.0.state();
         state.held = if reads { held } else { held + UNREAD_PART };
@@ -203,22 +219,25 @@ impl Taker {
         self.0.pool.0.fetch_sub(state.bytes, Ordering::Relaxed);
         (state.pieces, state.bytes) = (VecDeque::new(), 0);
         state.left.get_or_insert(left);
+        state.taker = None;
         drop(state);
         self.0.room.notify_one();
     }
 
     /// Waits until nothing comes any more.
     pub(super) async fn ended(&self) {
-        self.wait(|state| state.has_ended.then_some(())).await;
+        poll_fn(|cx| self.poll(cx, |state| state.has_ended.then_some(()))).await;
     }
 
-    async fn wait<T>(&self, is_so: impl Fn(&State) -> Option<T>) -> T {
-        loop {
-            if let Some(so) = is_so(&self.0.state()) {
-                return so;
-            }
-            self.0.come.notified().await;
+    fn poll<T>(&self, cx: &Context<'_>, is_so: impl Fn(&State) -> Option<T>) -> Poll<T> {
+        let mut state = self.0.state();
+        if let Some(so) = is_so(&state) {
+            return Poll::Ready(so);
         }
+        if !state.taker.as_ref().is_some_and(|taker| taker.will_wake(cx.waker())) {
+            state.taker = Some(cx.waker().clone());
+        }
+        Poll::Pending
     }
 }
 
@@ -231,7 +250,7 @@ impl Drop for Taker {
 impl Shared {
     fn room_in(&self, state: &State) -> usize {
         let is_lent_out = self.pool.bytes() >= READ_AHEAD;
-        let own = CONNECTION_BYTES.saturating_sub(ROUTER_PART + state.held);
+        let own = CONNECTION_BYTES.saturating_sub(MESSAGES_PART + state.held);
         let most = if is_lent_out { ALWAYS_AHEAD } else { own.max(ALWAYS_AHEAD) };
         most.saturating_sub(state.bytes + STOP_COST * state.marks.len())
     }
@@ -245,7 +264,7 @@ impl Shared {
 mod tests {
     use std::pin::{Pin, pin};
     use std::sync::atomic::AtomicBool;
-    use std::task::{Context, Poll, Wake, Waker};
+    use std::task::Wake;
 
     use super::*;
 
@@ -274,13 +293,13 @@ mod tests {
         let (feeder, taker) = read_ahead(&Pool::default());
         feeder.put(b"ab", Epoch(0), &[(0, Epoch(1))]);
         feeder.put(b"c", Epoch(0), &[]);
-        assert!(!taker.come().await);
+        assert!(!poll_fn(|cx| taker.poll_come(cx)).await);
         assert_eq!(taken(&taker), (b"abc".to_vec(), vec![0]));
         feeder.put(b"d", Epoch(1), &[(3, Epoch(2))]);
         drop(feeder);
-        assert!(!taker.come().await, "what came before the end is taken before it");
+        assert!(!poll_fn(|cx| taker.poll_come(cx)).await, "what came before the end is taken before it");
         assert_eq!(taken(&taker), (b"d".to_vec(), vec![3]));
-        assert!(taker.come().await);
+        assert!(poll_fn(|cx| taker.poll_come(cx)).await);
     }
 
     /// Safety S4: others may press STOP between the two halves of one.
@@ -300,17 +319,17 @@ mod tests {
     async fn what_waits_here_and_elsewhere_has_one_bound() {
         let pool = Pool::default();
         let (feeder, taker) = read_ahead(&pool);
-        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ROUTER_PART - STOP_COST, "the first mark says when they came");
-        taker.full().await;
+        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - MESSAGES_PART - STOP_COST, "the first mark says when they came");
+        poll_fn(|cx| taker.poll_full(cx)).await;
         taken(&taker);
-        taker.hold(CONNECTION_BYTES - ROUTER_PART - 2 * READ, true);
+        taker.hold(CONNECTION_BYTES - MESSAGES_PART - 2 * READ, true);
         assert_eq!(fill(&feeder).await, 2 * READ);
         taken(&taker);
         taker.hold(2 * CONNECTION_BYTES, true);
         assert_eq!(fill(&feeder).await, ALWAYS_AHEAD, "something can always come");
         taken(&taker);
         taker.hold(0, false);
-        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ROUTER_PART - UNREAD_PART, "what it does not read costs elsewhere");
+        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - MESSAGES_PART - UNREAD_PART, "what it does not read costs elsewhere");
         taker.leave(Left::HearsRest);
         assert_eq!(pool.bytes(), 0);
         assert_eq!(feeder.room().await, Err(Left::HearsRest));
@@ -330,7 +349,7 @@ mod tests {
         assert_eq!(fill(&feeder).await, ALWAYS_AHEAD);
         drop(greedy);
         taken(&taker);
-        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ROUTER_PART);
+        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - MESSAGES_PART);
     }
 
     /// Safety A5: in whatever pieces it comes.
@@ -350,7 +369,7 @@ mod tests {
     async fn what_is_remembered_of_stops_counts() {
         let (feeder, _taker) = read_ahead(&Pool::default());
         feeder.put(&[7; 8], Epoch(0), &[(0, Epoch(0)); 999]);
-        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ROUTER_PART - 8 - 1000 * STOP_COST);
+        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - MESSAGES_PART - 8 - 1000 * STOP_COST);
     }
 
     /// Whether what was polled with it was woken.

@@ -51,11 +51,9 @@ struct SeatedClient {
 /// What waits for a client, in bytes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Unread {
-    /// Here,
+    /// What nobody else has,
     pub(super) here: usize,
-    /// at the router,
-    pub(super) at_router: usize,
-    /// and what others have as well.
+    /// and what others may have as well.
     pub(super) shared: usize,
 }
 
@@ -71,12 +69,8 @@ pub(super) struct Seat {
 }
 
 impl Unread {
-    const fn own(self) -> usize {
-        self.here + self.at_router
-    }
-
     const fn all(self) -> usize {
-        self.own() + self.shared
+        self.here + self.shared
     }
 }
 
@@ -85,16 +79,6 @@ impl Seats {
     pub(super) fn new(room: Room) -> Seats {
         let [most, share] = [CONNECTIONS, SHARE].map(|all| room.part(all));
         Seats(Arc::new(Mutex::new(Seating { most, share, given: 0, clients: HashMap::new() })))
-    }
-
-    /// How many bytes wait here for all of them.
-    pub(super) fn unread_here(&self) -> usize {
-        self.seating().clients.values().map(|client| client.unread.here).sum()
-    }
-
-    /// How many are taken.
-    pub(super) fn count(&self) -> usize {
-        self.seating().clients.len()
     }
 
     /// A seat for whoever comes in `now`; somebody may have to give way for it.
@@ -147,7 +131,7 @@ impl Seating {
     /// read nothing for longest. Nobody for whom but little waits.
     fn least_read(&self, replaced: usize) -> Option<u64> {
         let unread = |is_among: fn(&Holder) -> bool| {
-            self.clients.values().filter(|client| is_among(&client.holder)).map(|client| client.unread.own()).sum::<usize>()
+            self.clients.values().filter(|client| is_among(&client.holder)).map(|client| client.unread.here).sum::<usize>()
         };
         if unread(|_| true) + replaced <= UNREAD {
             return None;
@@ -220,14 +204,6 @@ impl Seat {
 impl Drop for Seat {
     fn drop(&mut self) {
         self.give_back();
-    }
-}
-
-/// Waits until this seat is somebody else's; for ever, where there is none.
-pub(super) async fn given_up(seat: Option<&Seat>) {
-    match seat {
-        Some(seat) => seat.given_up().await,
-        None => std::future::pending().await,
     }
 }
 
@@ -334,6 +310,10 @@ mod tests {
         }
     }
 
+    fn unread_here(seats: &Seats) -> usize {
+        seats.seating().clients.values().map(|client| client.unread.here).sum()
+    }
+
     const MUCH: usize = 8 * LITTLE_UNREAD;
 
     /// Safety A5, S9.
@@ -348,7 +328,8 @@ mod tests {
         assert_eq!(lost(&all[..1]), 0, "little waits for it");
         let left = seats.seating().clients.len() - 1;
         assert_eq!(lost(&all[..CONNECTIONS - left]), CONNECTIONS - left - 1, "those who read last are there still");
-        assert!(seats.unread_here() <= UNREAD && seats.unread_here() > UNREAD - 2 * MUCH, "{}", seats.unread_here());
+        let unread = unread_here(&seats);
+        assert!(unread <= UNREAD && unread > UNREAD - 2 * MUCH, "{unread}");
     }
 
     /// Safety A5, S9.
@@ -361,7 +342,7 @@ mod tests {
         viewers.iter().for_each(|viewers| pile_up(viewers, MUCH / 2));
         pile_up(&screens[..4], MUCH);
         assert_eq!(lost(&screens), 0);
-        assert!(seats.unread_here() <= UNREAD);
+        assert!(unread_here(&seats) <= UNREAD);
     }
 
     /// Safety A5: what was replaced while it was on its way counts, and what all have in common does not.
@@ -372,8 +353,7 @@ mod tests {
         let shared = Unread { shared: MUCH, ..Unread::default() };
         all.iter().for_each(|seat| seat.note_unread(shared, NOW, || 0));
         assert_eq!(lost(&all), 0);
-        let waits_at_router = Unread { at_router: MUCH, ..shared };
-        all[5].note_unread(waits_at_router, NOW + NOW, || UNREAD);
+        all[5].note_unread(Unread { here: MUCH, ..shared }, NOW + NOW, || UNREAD);
         assert_eq!((lost(&all[..1]), lost(&all)), (1, 1), "one is enough");
     }
 

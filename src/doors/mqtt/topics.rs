@@ -15,9 +15,6 @@ const EVENTS: &str = "events";
 /// Where Home Assistant says that it has started.
 pub const HOME_ASSISTANT_STATUS: &str = "homeassistant/status";
 
-/// Where the embedded broker is asked whether it is well. It lies beside our own topics, so that nobody who follows those sees it.
-pub const PULSE: &str = "hallsweep-pulse";
-
 /// The topics of one robot.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Topics {
@@ -116,7 +113,7 @@ impl Topics {
             return if name.contains('/') { TopicKind::Elsewhere } else { TopicKind::Old };
         }
         let Some(rest) = under(&self.base, topic) else {
-            let is_ours = topic == self.base || topic == self.discovery() || topic == PULSE;
+            let is_ours = topic == self.base || topic == self.discovery();
             return if is_ours { TopicKind::Ours } else { TopicKind::Elsewhere };
         };
         match rest.split_once('/') {
@@ -147,7 +144,6 @@ mod tests {
             ("hallsweep/discovery", TopicKind::Ours),
             ("homeassistant/device/discovery/config", TopicKind::Ours),
             ("homeassistant/status", TopicKind::Elsewhere),
-            (PULSE, TopicKind::Ours),
             ("unibo/qak/events", TopicKind::Old),
             ("unibo/qak/robotmind", TopicKind::Old),
             ("unibo/qak/a/b", TopicKind::Elsewhere),

@@ -1,4 +1,4 @@
-//! What ends or stops the bare router, one after the other, each through the public door: the router must never see it.
+//! What ends or stops brokers that trust their clients, one after the other, each through the public door.
 
 use super::client::{Came, Client};
 use super::packets::{
@@ -8,7 +8,7 @@ use super::packets::{
 use super::siege::Siege;
 
 #[test]
-fn client_ids_that_the_router_cannot_bear_are_as_good_as_others() {
+fn client_ids_of_whatever_characters_are_as_good_as_others() {
     let mut siege = Siege::begin();
     let long = "x".repeat(256);
     for id in ["a+", "$SYS", "#", "/", "a/b/+", "$share/a/#", "ü", "\u{feff}", " ", "slot0", "'; --", &long] {
@@ -60,7 +60,7 @@ fn nobody_shares_a_subscription_and_leaves_with_what_it_has_not_acknowledged() {
 fn whoever_asks_for_the_brokers_own_topics_is_told_no_and_stays() {
     let mut siege = Siege::begin();
     let mut explorer = siege.client("explorer");
-    for filter in ["$SYS/#", "$SYS/broker/uptime", "$", "$share/a/b", "$queue/a", "hallsweep-pulse"] {
+    for filter in ["$SYS/#", "$SYS/broker/uptime", "$", "$share/a/b", "$queue/a"] {
         assert_eq!(explorer.subscribe(filter, 0), 0x80, "{filter}");
     }
     explorer.publish("$SYS/broker/uptime", b"0");
@@ -116,13 +116,13 @@ fn whoever_lets_go_of_what_it_does_not_hold_is_answered() {
 }
 
 #[test]
-fn topics_that_the_router_cannot_take_apart_are_acknowledged_and_go_nowhere() {
+fn topics_that_are_none_here_are_acknowledged_and_go_nowhere_and_all_others_go_on() {
     let mut siege = Siege::begin();
     let mut listener = siege.client("listener");
     assert_eq!(listener.subscribe("#", 0), 0);
     let mut client = siege.client("foreigner");
     let deep = "/".repeat(400);
-    for (id, topic) in (1..).zip(["ü", "über/alles", "日本", "😀", "\u{80}", "$", "$a", "$ü", &deep]) {
+    for (id, topic) in (1..).zip(["$", "$a", "$ü", &deep]) {
         for qos in 0..3 {
             client.say(&publish(topic, b"x", qos, RETAIN, id));
         }
@@ -132,10 +132,11 @@ fn topics_that_the_router_cannot_take_apart_are_acknowledged_and_go_nowhere() {
         client.until(PUBCOMP);
         client.subscribe(topic, 1);
     }
-    client.publish("done", b"");
-    assert!(
-        std::iter::from_fn(|| Some(listener.message().topic)).find(|topic| !topic.starts_with("hallsweep")).unwrap() == "done"
-    );
+    for topic in ["ü", "über/alles", "日本", "😀", "\u{80}"] {
+        client.publish(topic, b"x");
+        let mut all = std::iter::from_fn(|| Some(listener.message().topic));
+        assert_eq!(all.find(|topic| !topic.starts_with("hallsweep")).as_deref(), Some(topic));
+    }
     siege.stands();
 }
 

@@ -60,7 +60,7 @@ impl Chance {
 }
 
 const IDS: [&str; 8] = ["a+", "$", "#", "a/b", "ü", "", "same", "\u{10FFFF}"];
-const NAMES: [&str; 14] = [
+const NAMES: [&str; 13] = [
     "ü",
     "$SYS/#",
     "$share/g/a",
@@ -74,7 +74,6 @@ const NAMES: [&str; 14] = [
     "hallsweep/discovery/state/temperature",
     "hallsweep/discovery/command/dance",
     "unibo/qak/robotmind",
-    "hallsweep-pulse",
 ];
 
 /// What one of these connections says.

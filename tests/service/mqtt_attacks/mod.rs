@@ -1,4 +1,4 @@
-//! Attacks on our own broker: everything that is known to end or stop the router behind the gate, and then everything at once.
+//! Attacks on our own broker: everything that is known to end or stop brokers, and then everything at once.
 //! Whatever is done, a screen that was there before is served still. Which client sees what, is tested elsewhere.
 
 mod churn;

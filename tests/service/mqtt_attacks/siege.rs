@@ -1,27 +1,22 @@
 //! A program under attack, with a screen that was there before: whatever is done to the broker, the screen is served as before,
-//! others get in, and neither the program nor its router had to begin anew.
+//! others get in, and the program did not have to begin anew.
 
 use std::fs::File;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::process::Command;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread::sleep;
-use std::time::Duration;
 
 use super::client::Client;
 use super::packets::{connect, connect_as};
 use crate::access::Folder;
-use crate::program::{Deadline, PATIENCE, Program, hallsweep};
+use crate::program::{Program, hallsweep};
 
 /// The program.
 const SERVE: [&str; 9] = ["serve", "--http", "127.0.0.1:0", "--seed", "1", "--hall", "empty-8x8", "--speed", "4"];
 
 /// Where the state is.
 const STATE: &str = "hallsweep/discovery/state/temperature";
-
-/// How often something is tried that may take a moment.
-const GLANCE: Duration = Duration::from_millis(20);
 
 /// Every siege has a file of its own for what its program says.
 static SIEGES: AtomicUsize = AtomicUsize::new(0);
@@ -42,6 +37,11 @@ impl Siege {
     /// Starts the program, and lets the screen come in.
     pub(crate) fn begin() -> Siege {
         Siege::of(&mut hallsweep(&SERVE), None)
+    }
+
+    /// The same with this router.
+    pub(crate) fn routed_by(router: &str) -> Siege {
+        Siege::of(hallsweep(&SERVE).env("HALLSWEEP__MQTT__ROUTER", router), None)
     }
 
     /// The same where keys are asked for, which are in this folder; the screen has that of the operator.
@@ -83,29 +83,14 @@ impl Siege {
         }
     }
 
-    /// The screen has to come again, as often as it takes.
-    pub(crate) fn screen_comes_again(&mut self) {
-        let deadline = Deadline::within(PATIENCE);
-        self.screen = loop {
-            if let Some(screen) = come(self.broker, "screen", self.key.as_ref()) {
-                break screen;
-            }
-            assert!(!deadline.has_passed(), "nobody is let in any more");
-            sleep(GLANCE);
-        };
-        assert_eq!(self.screen.subscribe(STATE, 1), 1);
-        self.is_served();
-    }
-
-    /// Nothing was lost: the screen is served still, a newcomer gets in and finds the state, the router is the one that it was, and
-    /// nothing broke.
+    /// Nothing was lost: the screen is served still, a newcomer gets in and finds the state, and nothing broke.
     pub(crate) fn stands(&mut self) {
         self.is_served();
         let mut newcomer = self.client("newcomer");
         assert_eq!(newcomer.subscribe("hallsweep/discovery/#", 0), 0);
         while newcomer.message().topic != STATE {}
         let said = self.said();
-        for word in ["anew", "panicked", "has ended"] {
+        for word in ["takes its place", "panicked", "has ended"] {
             assert!(!said.contains(word), "{said}");
         }
     }

@@ -47,7 +47,16 @@ fn flood(mut client: Client, of: usize) {
 /// Safety A5.
 #[test]
 fn those_who_read_miss_nothing_beside_those_who_do_not() {
-    let mut siege = Siege::begin();
+    miss_nothing(Siege::begin());
+}
+
+/// Safety A5.
+#[test]
+fn those_who_read_miss_nothing_beside_those_who_do_not_where_rumqttd_routes() {
+    miss_nothing(Siege::routed_by("rumqttd"));
+}
+
+fn miss_nothing(mut siege: Siege) {
     let come = |n: usize, what: &str, qos: u8| {
         let mut client = siege.client(&format!("{what}-{n}"));
         assert_eq!(client.subscribe("flood/#", qos), qos);

@@ -40,13 +40,4 @@ pub enum Ended {
     /// The program ends: wills are not published.
     #[error("the program ends")]
     Closing,
-    /// The router is gone.
-    #[error("the router is gone")]
-    RouterGone,
-    /// The router sent what it should not.
-    #[error("the router sent what it should not: {0}")]
-    Router(&'static str),
-    /// The router sent what is no packet.
-    #[error("the router sent nonsense: {0}")]
-    RouterMalformed(Malformed),
 }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::ClientConnection;
-use crate::limits::{NO_FLOOD, STILL, STILL_SHORTEST};
+use crate::limits::{CLIENT_ROOM, NO_FLOOD, STILL, STILL_SHORTEST};
 
 #[derive(Debug, Default)]
 pub(super) struct Flood {
@@ -45,7 +45,8 @@ impl Flood {
 impl ClientConnection {
     /// To be told whenever something has happened: whoever publishes for this client waits for it no longer than for one who reads.
     pub fn note_room(&self, now: Duration) {
-        self.lag_guard.lag().note_still(!self.wants_router(), !self.outstanding.has_room(), now);
+        let is_full = self.to_client.len() >= CLIENT_ROOM;
+        self.subscription.subscriber().note_still(is_full, !self.unacknowledged.has_window(), now);
     }
 
     /// Until when it waits for those of [`ClientConnection::poll_behind`], if they do not catch up before: then it is to be asked again.

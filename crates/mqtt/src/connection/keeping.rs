@@ -4,17 +4,15 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use crate::limits::{KEPT_IDS, KEPT_ROOM, KEPT_STEPS, KEPT_UNDER_WAY, SHARED};
+use super::sending::{Unacknowledged, Why};
+use crate::limits::{KEPT_ROOM, KEPT_STEPS, KEPT_UNDER_WAY};
 use crate::outbox::Outbox;
-use crate::packet::{Qos, write};
-use crate::retained::{Retained, RetainedMessage, Walk};
+use crate::packet::Qos;
+use crate::retained::{Retained, Walk};
 
 #[derive(Debug, Default)]
 pub(super) struct Deliveries {
     waiting: VecDeque<Delivery>,
-    /// The ids of those of QoS 1 that are not acknowledged, and how many ever were given.
-    under_way: Vec<u16>,
-    given: u16,
     /// Whether the next one waits for acknowledgements.
     is_held_up: bool,
 }
@@ -23,32 +21,25 @@ pub(super) struct Deliveries {
 struct Delivery {
     walk: Walk,
     qos: Qos,
-    /// Whether the client has not asked for it just now, but missed it: then it is not said that it was kept.
-    is_missed: bool,
+    why: Why,
 }
 
 impl Deliveries {
     /// All that is kept for a filter is to go out, at no more than this QoS.
     pub(super) fn start(&mut self, filter: Arc<str>, qos: Qos) {
         self.stop(&filter);
-        self.waiting.push_back(Delivery { walk: Walk::new(filter, 0), qos, is_missed: false });
+        self.waiting.push_back(Delivery { walk: Walk::new(filter, 0), qos, why: Why::Kept });
     }
 
     /// All that was kept for a filter after this stamp goes out anew, unless all of it is on its way anyhow.
     pub(super) fn repeat(&mut self, filter: Arc<str>, qos: Qos, since: u64) {
         if !self.waiting.iter().any(|delivery| delivery.walk.filter() == &*filter) {
-            self.waiting.push_back(Delivery { walk: Walk::new(filter, since), qos, is_missed: true });
+            self.waiting.push_back(Delivery { walk: Walk::new(filter, since), qos, why: Why::Missed });
         }
     }
 
     pub(super) fn stop(&mut self, filter: &str) {
         self.waiting.retain(|delivery| delivery.walk.filter() != filter);
-    }
-
-    pub(super) fn acknowledged(&mut self, id: u16) {
-        self.under_way.retain(|under_way| *under_way != id);
-        // Half of them at once, so that they are not looked up for each.
-        self.is_held_up &= self.under_way.len() > KEPT_UNDER_WAY / 2;
     }
 
     /// Whether there may be more for a client that has room.
@@ -57,44 +48,24 @@ impl Deliveries {
     }
 
     /// Puts before the client what there is room for, and what is found in one turn.
-    pub(super) fn fill(&mut self, retained: &Retained, out: &mut Outbox) {
+    pub(super) fn fill(&mut self, retained: &Retained, unacknowledged: &mut Unacknowledged, out: &mut Outbox) {
+        // Half of them at once, so that they are not looked up for each.
+        self.is_held_up &= unacknowledged.kept() > KEPT_UNDER_WAY / 2 || !unacknowledged.has_window();
         let mut steps = KEPT_STEPS;
         while steps > 0 && out.len() < KEPT_ROOM {
             let Some(delivery) = self.waiting.front_mut() else { return };
-            if delivery.qos > Qos::Zero && self.under_way.len() >= KEPT_UNDER_WAY {
-                self.is_held_up = true;
-            }
+            let has_window = unacknowledged.kept() < KEPT_UNDER_WAY && unacknowledged.has_window();
+            self.is_held_up |= delivery.qos > Qos::Zero && !has_window;
             if self.is_held_up {
                 return;
             }
-            let (qos, is_missed) = (delivery.qos, delivery.is_missed);
+            let (qos, why) = (delivery.qos, delivery.why);
             let found = retained.next(&mut delivery.walk, &mut steps);
             if delivery.walk.is_over() {
                 self.waiting.pop_front();
             }
             if let Some(kept) = found {
-                self.send(&kept, qos, is_missed, out);
-            }
-        }
-    }
-
-    fn send(&mut self, kept: &RetainedMessage, granted: Qos, is_missed: bool, out: &mut Outbox) {
-        let qos = kept.qos.min(granted);
-        let id = if qos == Qos::Zero { 0 } else { self.next_id() };
-        if kept.payload.len() < SHARED {
-            return write::publish(out.end(), kept.topic.as_bytes(), &kept.payload, qos, id, !is_missed);
-        }
-        write::publish_head(out.end(), kept.topic.as_bytes(), kept.payload.len(), (qos, id, !is_missed));
-        out.share(kept.payload.clone());
-    }
-
-    fn next_id(&mut self) -> u16 {
-        loop {
-            let id = KEPT_IDS.start() + self.given;
-            self.given = (self.given + 1) % (KEPT_IDS.end() - KEPT_IDS.start() + 1);
-            if !self.under_way.contains(&id) {
-                self.under_way.push(id);
-                return id;
+                unacknowledged.send(&kept, kept.qos().min(qos), why, out);
             }
         }
     }

@@ -1,20 +1,16 @@
-//! One connection after its CONNECT was accepted: bytes of the client go in and bytes for the router come out, and the other way
-//! round. It reads no clock and no socket; whoever pumps the bytes does, and keeps each side from piling up.
-//!
-//! Clients are acknowledged here, at QoS 1 and 2; the router gets their messages at QoS 0, which neither piles up acknowledgements
-//! in it nor ends the connection over a wrong one. A message is not safer in the router's memory than on the way to it.
+//! One connection after its CONNECT was accepted: bytes of the client go in, and bytes for it come out. It reads no clock and no socket;
+//! whoever pumps the bytes does, and keeps them from piling up.
 
 mod duplicates;
 mod ended;
 mod flood;
 mod keeping;
 mod listener;
-mod outstanding;
 mod publishing;
 mod refusals;
 mod room;
-mod router;
 mod routes;
+mod sending;
 mod subscribing;
 #[cfg(test)]
 mod tests;
@@ -23,7 +19,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
 
-use bytes::{Buf, BytesMut};
+use bytes::{Buf, Bytes, BytesMut};
 
 pub use self::ended::Ended;
 pub use self::subscribing::Session;
@@ -32,25 +28,23 @@ pub use listener::{CommandDecision, Epoch, Listener, Mark};
 use self::duplicates::Duplicates;
 use self::flood::Flood;
 use self::keeping::Deliveries;
-use self::outstanding::Outstanding;
 use self::refusals::Refusals;
 use self::routes::Routes;
-use self::subscribing::Subscriptions;
+use self::sending::{Unacknowledged, Why};
 use crate::broker::Broker;
-use crate::budget::Payer;
 use crate::frame::{Frame, Kind, Malformed, frame};
-use crate::limits::{CLIENT_PACKET, CLIENT_ROOM, KEPT_ROOM, PROGRAM_PACKET, QUIET, SILENCE, TURN};
+use crate::limits::{CLIENT_PACKET, CLIENT_ROOM, KEPT_ROOM, SILENCE, TURN};
 use crate::outbox::Outbox;
 use crate::packet::connect::Will;
 use crate::packet::{ack, write};
-use crate::rights::Principal;
-use crate::subscriber_lag::{LagGuard, SubscriberLag};
+use crate::rights::{Payer, Tier};
+use crate::subscriber::{Subscriber, Subscription};
 
 /// With whom, and on what terms.
 pub struct Terms {
-    /// Who it is.
-    pub principal: Principal,
-    /// Who that is, for the log,
+    /// What it may do.
+    pub tier: Tier,
+    /// Who it is, for the log,
     pub name: Arc<str>,
     /// and whether that is the name of a key, which has its shares.
     pub has_key: bool,
@@ -62,80 +56,66 @@ pub struct Terms {
     pub will: Option<Will>,
     /// What is remembered of it from earlier connections.
     pub session: Session,
+    /// What it is told first: the CONNACK, or the rest of it.
+    pub greeting: Bytes,
 }
 
 /// One connection.
 pub struct ClientConnection {
-    principal: Principal,
+    tier: Tier,
     payer: Payer,
     listener: Arc<dyn Listener>,
     broker: Arc<Broker>,
     will: Option<Will>,
     silence: Duration,
     heard_at: Duration,
-    /// Messages are owed to the client; when none has come until then, none will.
-    quiet_at: Option<Duration>,
-    to_router: BytesMut,
     to_client: Outbox,
     routes: Routes,
     flood: Flood,
-    /// It publishes in a flood, and did so then.
-    flooding: Option<Duration>,
     /// How many bytes of the client were taken since its CONNECT,
     taken: u64,
     /// what is known of some packets to come, in order,
     marks: VecDeque<Mark>,
     /// and in which epoch the one came that is taken just now.
     arrived: Option<Epoch>,
-    lag_guard: LagGuard,
     duplicates: Duplicates,
-    subscriptions: Subscriptions,
-    outstanding: Outstanding,
+    subscription: Subscription,
+    unacknowledged: Unacknowledged,
     deliveries: Deliveries,
-    /// Whether the router is to answer a PINGREQ.
-    is_pinged: bool,
     refusals: Refusals,
 }
 
 impl ClientConnection {
-    /// A connection that was just accepted, `now` on the clock of all later calls. A remembered session is subscribed again at once:
-    /// a new router does not know of it, and the old one would not end such a subscription otherwise.
+    /// A connection that was just accepted, `now` on the clock of all later calls. What waited for a remembered session comes at once.
     #[must_use]
     pub fn new(terms: Terms, broker: Arc<Broker>, now: Duration) -> ClientConnection {
         let one_and_a_half = Duration::from_millis(1500 * u64::from(terms.keep_alive_s));
-        let lag_guard = LagGuard::open(&broker.readers);
-        let payer = match terms.principal {
-            Principal::Program => Payer::Program,
-            Principal::Client(tier) if terms.has_key => Payer::Key { name: Arc::clone(&terms.name), tier },
-            Principal::Client(_) => Payer::Anybody,
-        };
-        let mut connection = ClientConnection {
-            lag_guard,
-            flood: Flood::default(),
-            flooding: None,
-            taken: 0,
-            marks: VecDeque::new(),
-            arrived: None,
-            principal: terms.principal,
-            payer,
+        let Session { subscription, unreleased, unacknowledged } = terms.session;
+        let subscription = subscription.unwrap_or_else(|| Subscription::new(&broker.readers));
+        subscription.come_back();
+        let mut to_client = Outbox::default();
+        to_client.end().extend_from_slice(&terms.greeting);
+        unacknowledged.resend(&mut to_client);
+        ClientConnection {
+            tier: terms.tier,
+            payer: if terms.has_key { Payer::Key(Arc::clone(&terms.name)) } else { Payer::Anybody },
             listener: terms.listener,
             broker,
             will: terms.will,
             silence: if one_and_a_half.is_zero() { SILENCE } else { one_and_a_half.min(SILENCE) },
             heard_at: now,
-            quiet_at: None,
-            to_router: BytesMut::new(),
-            to_client: Outbox::default(),
+            to_client,
             routes: Routes::default(),
-            duplicates: Duplicates::default(),
-            subscriptions: Subscriptions::default(),
-            outstanding: Outstanding::default(),
+            flood: Flood::default(),
+            taken: 0,
+            marks: VecDeque::new(),
+            arrived: None,
+            duplicates: Duplicates::resumed(unreleased),
+            subscription,
+            unacknowledged,
             deliveries: Deliveries::default(),
-            is_pinged: false,
             refusals: Refusals::new(terms.name),
-        };
-        connection.resume(terms.session);
-        connection
+        }
     }
 
     /// To be told in order, before the packet is taken that begins there.
@@ -145,12 +125,12 @@ impl ClientConnection {
         self.marks.push_back(mark);
     }
 
-    /// Takes all whole packets from the head of what the client sent, until the router is asked more than it has answered.
+    /// Takes all whole packets from the head of what the client sent.
     ///
     /// # Errors
     /// When the connection has come to its end; what was before that is done.
     pub fn handle_client(&mut self, bytes: &mut BytesMut, now: Duration) -> Result<(), Ended> {
-        while self.handle_turn(bytes, now)? && !self.subscriptions.has_asked_much() {}
+        while self.handle_turn(bytes, now)? {}
         Ok(())
     }
 
@@ -159,13 +139,12 @@ impl ClientConnection {
     /// # Errors
     /// When the connection has come to its end; what was before that is done.
     pub fn handle_turn(&mut self, bytes: &mut BytesMut, now: Duration) -> Result<bool, Ended> {
-        let limit = if self.principal == Principal::Program { PROGRAM_PACKET } else { CLIENT_PACKET };
         let (mut read, mut packets) = (0, 0);
         let outcome = loop {
-            if packets == TURN || self.routes.take_piece() || self.subscriptions.has_asked_much() {
+            if packets == TURN || self.routes.take_piece() {
                 break Ok(true);
             }
-            match frame(&bytes[read..], limit) {
+            match frame(&bytes[read..], CLIENT_PACKET) {
                 Ok(None) => break Ok(false),
                 Err(wrong) => break Err(wrong.into()),
                 Ok(Some(frame)) => {
@@ -188,14 +167,9 @@ impl ClientConnection {
         outcome
     }
 
-    /// Takes all whole packets from the head of what the router sent.
-    ///
-    /// # Errors
-    /// When the router is not itself.
-    pub fn handle_router(&mut self, bytes: &mut BytesMut) -> Result<(), Ended> {
-        let outcome = self.router_packets(bytes);
+    /// Something has come for the client: [`Subscriber::poll_come`].
+    pub fn handle_come(&mut self) {
         self.deliver();
-        outcome
     }
 
     /// Something of [`ClientConnection::to_client`] was taken: there may be more for it now.
@@ -214,23 +188,15 @@ impl ClientConnection {
     /// # Errors
     /// `Ended::Idle` when the client was silent for too long.
     pub fn handle_timeout(&mut self, now: Duration) -> Result<(), Ended> {
-        if self.quiet_at.is_some_and(|quiet_at| now >= quiet_at) {
-            self.catch_up();
-        }
         if now >= self.heard_at + self.silence { Err(Ended::Idle) } else { Ok(()) }
     }
 
-    /// The connection has ended: a will that was left is put before the router, if it still can be. When the program ends, nobody is
-    /// to read it, and the client is not the one who has gone.
+    /// The connection has ended: a will that was left is published. When the program ends, nobody is to read it, and the client is not
+    /// the one who has gone.
     pub fn handle_end(&mut self, why: Ended) {
         if let Some(will) = self.will.take().filter(|_| !matches!(why, Ended::Left | Ended::Closing)) {
             self.publish_will(&will);
         }
-    }
-
-    /// What is for the router.
-    pub const fn to_router(&mut self) -> &mut BytesMut {
-        &mut self.to_router
     }
 
     /// What is for the client.
@@ -238,22 +204,12 @@ impl ClientConnection {
         &mut self.to_client
     }
 
-    /// What is for the router, and what is for the client. All that is for the router is to be sent before the connection to it is
-    /// closed, with nothing in front of that: a DISCONNECT could end the router.
-    pub const fn outgoing(&mut self) -> (&mut BytesMut, &mut Outbox) {
-        (&mut self.to_router, &mut self.to_client)
-    }
-
     /// To be asked whenever something has happened, with the time: the subscribers whom this client has to wait for before anything
-    /// more of it is taken; none, when it has not published in a flood. The program itself waits for nobody.
-    pub fn poll_behind(&mut self, now: Duration) -> Vec<Arc<SubscriberLag>> {
+    /// more of it is taken; none, when it has not published in a flood.
+    pub fn poll_behind(&mut self, now: Duration) -> Vec<Arc<Subscriber>> {
         self.note_room(now);
-        let is_owed = !self.lag_guard.lag().is_even() && self.wants_router() && self.outstanding.has_room();
-        self.quiet_at = is_owed.then(|| self.quiet_at.unwrap_or(now + QUIET));
         let passed = self.routes.take_passed();
-        let is_flood = self.flood.handle_passed(passed, now) && self.principal != Principal::Program;
-        self.flooding = is_flood.then_some(now);
-        if !is_flood {
+        if !self.flood.handle_passed(passed, now) {
             return Vec::new();
         }
         let still = self.flood.still(now);
@@ -264,33 +220,37 @@ impl ClientConnection {
         behind
     }
 
-    /// What was published for this client and has not come yet.
+    /// What was published for this client and has not gone out yet.
     #[must_use]
-    pub fn lag(&self) -> Arc<SubscriberLag> {
-        self.lag_guard.lag()
+    pub fn subscriber(&self) -> Arc<Subscriber> {
+        Arc::clone(self.subscription.subscriber())
     }
 
-    /// When the client was silent for too long, or the router for so long that nothing more will come, if they stay so.
+    /// When the client was silent for too long, if it stays so.
     #[must_use]
     pub fn poll_timeout(&self) -> Duration {
-        let idle_at = self.heard_at + self.silence;
-        self.quiet_at.map_or(idle_at, |quiet_at| quiet_at.min(idle_at))
+        self.heard_at + self.silence
     }
 
     /// What is to be remembered of it, when it wants to be remembered.
     #[must_use]
-    pub fn into_session(self) -> Session {
-        self.subscriptions.into_session(self.duplicates, self.outstanding, self.lag_guard)
+    pub fn into_session(mut self) -> Session {
+        let has_room = self.broker.has_room_for_away();
+        self.subscription.leave(has_room);
+        if !has_room && let Some(stamp) = self.unacknowledged.clear() {
+            self.subscription.subscriber().miss(stamp);
+        }
+        let unreleased = self.duplicates.into_unreleased();
+        Session { subscription: Some(self.subscription), unreleased, unacknowledged: self.unacknowledged }
     }
 
     fn client_packet(&mut self, frame: &Frame, packet: &[u8]) -> Result<(), Ended> {
         let body = &packet[frame.head..];
         match frame.kind {
             Kind::Publish => self.publish(frame, packet)?,
-            Kind::Puback => self.acknowledged(ack::read(body)?),
+            Kind::Puback | Kind::Pubcomp => self.unacknowledged.acknowledged(ack::read(body)?, frame.kind),
+            Kind::Pubrec => self.unacknowledged.received(ack::read(body)?, &mut self.to_client),
             Kind::Pubrel => self.released(ack::read(body)?),
-            // Nothing goes out at QoS 2, so that these answer nothing.
-            Kind::Pubrec | Kind::Pubcomp => drop(ack::read(body)?),
             Kind::Subscribe => self.subscribe(body)?,
             Kind::Unsubscribe => self.unsubscribe(body)?,
             Kind::Pingreq => self.ping(body)?,
@@ -302,32 +262,38 @@ impl ClientConnection {
         Ok(())
     }
 
-    /// The client is answered here, at once; the router gets one at a time, that it may know that somebody is there.
     fn ping(&mut self, body: &[u8]) -> Result<(), Ended> {
         empty(body)?;
         // Whoever reads none of many answers does not miss one.
         if self.to_client.len() < CLIENT_ROOM {
             self.to_client.end().extend_from_slice(&write::PINGRESP);
         }
-        if !self.is_pinged {
-            self.to_router.extend_from_slice(&write::PINGREQ);
-            self.is_pinged = true;
-        }
         Ok(())
     }
 
-    /// What of its messages was lost is known now: of each topic it gets the newest that is kept, as somebody who was here all the time.
-    fn catch_up(&mut self) {
-        self.quiet_at = None;
-        let Some(since) = self.lag_guard.lag().settle() else { return };
-        for (filter, qos) in self.subscriptions.held() {
-            self.deliveries.repeat(Arc::clone(filter), qos, since);
+    /// Puts before the client what there is room for: first what is kept and was asked for, then what was published, and when nothing of
+    /// that is left, of what he has missed the newest that is kept.
+    fn deliver(&mut self) {
+        self.deliveries.fill(&self.broker.retained, &mut self.unacknowledged, &mut self.to_client);
+        while self.to_client.len() < CLIENT_ROOM {
+            let Some(next) = self.subscription.subscriber().next(self.unacknowledged.has_window()) else { break };
+            self.unacknowledged.send(&next.message, next.qos, Why::Published, &mut self.to_client);
         }
-        self.deliver();
+        self.catch_up();
     }
 
-    fn deliver(&mut self) {
-        self.deliveries.fill(&self.broker.retained, &mut self.to_client);
+    /// Whoever has got all that waited gets of each topic on which he has missed something the newest that is kept, as somebody who was
+    /// here all the time.
+    fn catch_up(&mut self) {
+        let subscriber = self.subscription.subscriber();
+        if !subscriber.is_empty() {
+            return;
+        }
+        let Some(since) = subscriber.take_missed() else { return };
+        for (filter, qos) in self.subscription.held() {
+            self.deliveries.repeat(Arc::clone(filter), *qos, since);
+        }
+        self.deliveries.fill(&self.broker.retained, &mut self.unacknowledged, &mut self.to_client);
     }
 }
 

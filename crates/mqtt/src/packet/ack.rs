@@ -1,4 +1,4 @@
-//! Packets that are nothing but the id of another: PUBACK, PUBREC, PUBREL, PUBCOMP, UNSUBACK; and SUBACK, as the router writes it.
+//! Packets that are nothing but the id of another: PUBACK, PUBREC, PUBREL, PUBCOMP, UNSUBACK.
 
 use super::Fields;
 use crate::frame::Malformed;
@@ -14,10 +14,8 @@ pub fn read(body: &[u8]) -> Result<u16, Malformed> {
 }
 
 /// The id and the codes of a SUBACK.
-///
-/// # Errors
-/// When there is no id.
-pub fn read_suback(body: &[u8]) -> Result<(u16, &[u8]), Malformed> {
+#[cfg(test)]
+pub(crate) fn read_suback(body: &[u8]) -> Result<(u16, &[u8]), Malformed> {
     let mut fields = Fields::new(body);
     Ok((fields.id()?, fields.rest()))
 }

@@ -2,7 +2,6 @@
 
 use super::{Fields, Qos};
 use crate::frame::{Frame, Malformed};
-use crate::parcels::Label;
 
 /// A PUBLISH.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,39 +34,6 @@ pub fn read<'a>(frame: &Frame, packet: &'a [u8]) -> Result<Publish<'a>, Malforme
     let topic = fields.bytes("topic")?;
     let id = if qos == Qos::Zero { 0 } else { fields.id()? };
     Ok(Publish { topic, payload: fields.rest(), qos, id, is_duplicate, retain: frame.flags & 1 != 0 })
-}
-
-/// The flag of a PUBLISH that is padded on its way through the router, which takes it for that of a duplicate and passes it on.
-pub(crate) const PADDED: u8 = 8;
-
-/// So many bytes a label has at least, with its mark.
-pub(crate) const LABEL: usize = 8 + 8 + 4 + 1;
-
-/// Reads a PUBLISH of the router, without its padding. With a label it has no payload of its own.
-pub(crate) fn read_padded<'a>(frame: &Frame, packet: &'a [u8]) -> Result<(Publish<'a>, Option<Label>), Malformed> {
-    let is_padded = frame.flags & PADDED != 0;
-    let mut publish = read(&Frame { flags: frame.flags & !PADDED, ..*frame }, packet)?;
-    let mut label = None;
-    if is_padded {
-        let padding = publish.payload.last().map_or(0, |padding| usize::from(*padding));
-        let length = match padding {
-            0 => {
-                label = Some(read_label(publish.payload).ok_or(Malformed::Short("label"))?);
-                0
-            }
-            _ => publish.payload.len().checked_sub(padding).ok_or(Malformed::Short("padding"))?,
-        };
-        publish.payload = &publish.payload[..length];
-    }
-    Ok((publish, label))
-}
-
-fn read_label(bytes: &[u8]) -> Option<Label> {
-    let (number, rest) = bytes.split_first_chunk()?;
-    let (stamp, rest) = rest.split_first_chunk()?;
-    let (length, _) = rest.split_first_chunk()?;
-    let (number, stamp) = (u64::from_be_bytes(*number), u64::from_be_bytes(*stamp));
-    Some(Label { number, stamp, length: u32::from_be_bytes(*length) })
 }
 
 #[cfg(test)]

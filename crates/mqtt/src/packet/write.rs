@@ -3,12 +3,7 @@
 use bytes::{BufMut, BytesMut};
 
 use super::Qos;
-use super::publish::{LABEL, PADDED, Publish};
 use crate::frame::Kind;
-use crate::parcels::Label;
-
-/// PINGREQ.
-pub const PINGREQ: [u8; 2] = [Kind::Pingreq.first_byte(), 0];
 
 /// PINGRESP.
 pub const PINGRESP: [u8; 2] = [Kind::Pingresp.first_byte(), 0];
@@ -43,7 +38,7 @@ pub const fn connack(welcome: Welcome, session_present: bool) -> [u8; 4] {
     [Kind::Connack.first_byte(), 2, session_present as u8, welcome as u8]
 }
 
-/// A CONNECT to the router: an id, by what it lets us in, and nothing that it could stumble over.
+/// A CONNECT with this client id, name and password, and without a will.
 pub fn connect(out: &mut BytesMut, client_id: &str, clean_session: bool, keep_alive_s: u16, (name, password): (&str, &str)) {
     head(out, Kind::Connect.first_byte(), 16 + client_id.len() + name.len() + password.len());
     text(out, "MQTT");
@@ -54,60 +49,40 @@ pub fn connect(out: &mut BytesMut, client_id: &str, clean_session: bool, keep_al
 
 /// A PUBLISH; `id` is of no matter at QoS 0.
 pub fn publish(out: &mut BytesMut, topic: &[u8], payload: &[u8], qos: Qos, id: u16, retain: bool) {
-    out.reserve(5 + 2 + topic.len() + 2 + payload.len());
-    publish_head(out, topic, payload.len(), (qos, id, retain));
-    out.put_slice(payload);
+    PublishHead { topic, qos, id, retain, is_duplicate: false }.with(out, payload);
 }
 
-/// All of a PUBLISH that was read that comes before its payload, which has so many bytes, and whether it may have been sent before.
-pub(crate) fn publish_head_again(out: &mut BytesMut, publish: &Publish<'_>, payload: usize, is_duplicate: bool) {
-    let start = out.len();
-    publish_head(out, publish.topic, payload, (publish.qos, publish.id, publish.retain));
-    if is_duplicate {
-        out[start] |= DUPLICATE;
+/// All of a PUBLISH but its payload.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PublishHead<'a> {
+    pub(crate) topic: &'a [u8],
+    pub(crate) qos: Qos,
+    /// 0 at QoS 0.
+    pub(crate) id: u16,
+    pub(crate) retain: bool,
+    /// Whether it may have been sent before.
+    pub(crate) is_duplicate: bool,
+}
+
+impl PublishHead<'_> {
+    pub(crate) fn with(self, out: &mut BytesMut, payload: &[u8]) {
+        out.reserve(5 + 2 + self.topic.len() + 2 + payload.len());
+        self.before(out, payload.len());
+        out.put_slice(payload);
     }
-}
 
-/// All of a PUBLISH that comes before its payload, which has so many bytes.
-pub(crate) fn publish_head(out: &mut BytesMut, topic: &[u8], payload: usize, (qos, id, retain): (Qos, u16, bool)) {
-    let id_length = if qos == Qos::Zero { 0 } else { 2 };
-    let first = Kind::Publish.first_byte() | (qos as u8) << 1 | u8::from(retain);
-    head(out, first, 2 + topic.len() + id_length + payload);
-    bytes(out, topic);
-    if qos != Qos::Zero {
-        out.put_u16(id);
+    /// What comes before a payload of so many bytes.
+    pub(crate) fn before(self, out: &mut BytesMut, payload: usize) {
+        let PublishHead { topic, qos, id, retain, is_duplicate } = self;
+        let id_length = if qos == Qos::Zero { 0 } else { 2 };
+        let again = if is_duplicate && qos > Qos::Zero { DUPLICATE } else { 0 };
+        let first = Kind::Publish.first_byte() | again | (qos as u8) << 1 | u8::from(retain);
+        head(out, first, 2 + topic.len() + id_length + payload);
+        bytes(out, topic);
+        if qos != Qos::Zero {
+            out.put_u16(id);
+        }
     }
-}
-
-/// A PUBLISH that was read, and whether it may have been sent before.
-pub(crate) fn publish_again(out: &mut BytesMut, publish: &Publish<'_>, is_duplicate: bool) {
-    publish_head_again(out, publish, publish.payload.len(), is_duplicate);
-    out.put_slice(publish.payload);
-}
-
-/// A PUBLISH of QoS 0 for the router; a short one is padded to so many bytes of payload, and marked as what no client can send.
-pub(crate) fn publish_padded(out: &mut BytesMut, topic: &[u8], payload: &[u8], length: usize) {
-    let Some(padding) = length.checked_sub(payload.len()).and_then(|padding| u8::try_from(padding).ok()).filter(|it| *it > 0)
-    else {
-        return publish(out, topic, payload, Qos::Zero, 0, false);
-    };
-    head(out, Kind::Publish.first_byte() | PADDED, 2 + topic.len() + length);
-    bytes(out, topic);
-    out.put_slice(payload);
-    out.put_bytes(0, usize::from(padding) - 1);
-    out.put_u8(padding);
-}
-
-/// The PUBLISH that goes through the router in the place of a long one: at least so long as a padded one, and marked likewise; what
-/// stands in the place of the padding's length is none.
-pub(crate) fn label(out: &mut BytesMut, topic: &[u8], label: Label, length: usize) {
-    let padding = length.saturating_sub(LABEL);
-    head(out, Kind::Publish.first_byte() | PADDED, 2 + topic.len() + LABEL + padding);
-    bytes(out, topic);
-    out.put_u64(label.number);
-    out.put_u64(label.stamp);
-    out.put_u32(label.length);
-    out.put_bytes(0, padding + 1);
 }
 
 /// PUBACK, PUBREC, PUBREL, PUBCOMP or UNSUBACK.

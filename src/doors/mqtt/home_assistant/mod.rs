@@ -11,6 +11,9 @@ use hallsweep_core::mission::{Hold, PhaseName};
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::snapshot::Snapshot;
 
+/// What Home Assistant says when it has started.
+pub const BIRTH: &[u8] = b"online";
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct State {
     pub activity: Activity,

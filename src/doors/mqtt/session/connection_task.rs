@@ -6,16 +6,14 @@ use std::time::Duration;
 use rumqttc::{Event, Outgoing, Packet, Publish, SubscribeReasonCode};
 
 use super::super::commands::IncomingMessage;
+use super::super::home_assistant::BIRTH;
 use super::super::publication::Publication;
-use super::super::topics::{HOME_ASSISTANT_STATUS, PULSE};
+use super::super::topics::HOME_ASSISTANT_STATUS;
+use super::Session;
 use super::conversation::Conversation;
 use super::lost::Lost;
 use super::photos::{self, Reading};
 use super::transport::Transport;
-use super::{Hearing, Session};
-
-/// What Home Assistant says when it has started.
-const BIRTH: &[u8] = b"online";
 
 pub(super) struct ConnectionTask<'a> {
     session: &'a mut Session,
@@ -27,8 +25,7 @@ pub(super) struct ConnectionTask<'a> {
 impl ConnectionTask<'_> {
     pub(super) fn begin(session: &mut Session) -> ConnectionTask<'_> {
         let transport = Transport::new(session.link.options(session.offline(), &session.times), &session.times);
-        let nonce = matches!(session.hearing, Hearing::Own).then(|| session.chance.number());
-        let conversation = Conversation::new(&session.times, nonce, session.clock.now().since_start);
+        let conversation = Conversation::new(&session.times, session.clock.now().since_start);
         ConnectionTask { session, transport, conversation, reading: Reading::default() }
     }
 
@@ -74,9 +71,6 @@ impl ConnectionTask<'_> {
 
     /// Publishes what is new, as long as there is room for it: what finds none is asked for later, and is newer then.
     fn speak(&mut self) {
-        if let Some(beat) = self.conversation.poll_beat(self.now()) {
-            self.give(beat);
-        }
         if self.conversation.is_open() {
             self.reading.begin(&mut self.session.changes, &self.session.archive);
         }
@@ -102,8 +96,7 @@ impl ConnectionTask<'_> {
     }
 
     fn handle_timeout(&mut self) -> Result<(), Lost> {
-        let is_missed = self.conversation.handle_timeout(self.now())?;
-        if is_missed && self.session.health.handle_miss() { Err(Lost::NoEcho) } else { Ok(()) }
+        self.conversation.handle_timeout(self.now())
     }
 
     fn handle_event(&mut self, event: Event) -> Result<(), Lost> {
@@ -127,13 +120,13 @@ impl ConnectionTask<'_> {
                 return Err(Lost::Broken("no topic can be called so".to_owned()));
             }
         } else if let Packet::SubAck(answer) = packet {
-            self.open(&answer.return_codes, now);
+            self.open(&answer.return_codes);
         }
         Ok(())
     }
 
-    fn open(&mut self, answers: &[SubscribeReasonCode], now: Duration) {
-        if !self.conversation.handle_subscribed(now) {
+    fn open(&mut self, answers: &[SubscribeReasonCode]) {
+        if !self.conversation.handle_subscribed() {
             return;
         }
         let filters = self.session.filters();
@@ -151,19 +144,15 @@ impl ConnectionTask<'_> {
             return;
         }
         let session = &mut *self.session;
-        match (topic, &session.hearing) {
-            (HOME_ASSISTANT_STATUS, _) if payload == BIRTH => session.changes.handle_birth(),
-            (PULSE, Hearing::Own) if self.conversation.handle_echo(payload) => session.health.handle_proof(),
-            (topic, Hearing::Other(commands)) => {
-                let heard = IncomingMessage { topic, payload, arrived: None, is_again: false };
-                // What became of it is published by the commands themselves.
-                if is_repeated {
-                    let _ = commands.halts(topic.as_bytes(), payload, &session.publisher);
-                } else {
-                    let _ = commands.take(&heard, &session.publisher);
-                }
-            }
-            (_, Hearing::Own) => {}
+        if (topic, payload) == (HOME_ASSISTANT_STATUS, BIRTH) {
+            return session.changes.handle_birth();
+        }
+        let heard = IncomingMessage { topic, payload, arrived: None, is_again: false };
+        // What became of it is published by the commands themselves.
+        if is_repeated {
+            let _ = session.commands.halts(topic.as_bytes(), payload, &session.publisher);
+        } else {
+            let _ = session.commands.take(&heard, &session.publisher);
         }
     }
 

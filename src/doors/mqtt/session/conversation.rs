@@ -5,10 +5,8 @@ use std::collections::HashMap;
 use std::hash::{BuildHasher, RandomState};
 use std::time::Duration;
 
-use super::super::publication::Publication;
 use super::inflight::Inflight;
 use super::lost::Lost;
-use super::pulse::Pulse;
 use super::times::Times;
 
 #[derive(Debug)]
@@ -19,9 +17,6 @@ pub(super) struct Conversation {
     /// What was heard last under each packet id, of which there are not many, and how it is told from other things.
     heard: HashMap<u16, u64>,
     marks: RandomState,
-    /// From what its beats count on, and they themselves; only with our own broker.
-    nonce: Option<u64>,
-    pulse: Option<Pulse>,
 }
 
 /// How far it has come; a stage that waits, until when.
@@ -33,16 +28,14 @@ enum Stage {
 }
 
 impl Conversation {
-    /// A connection that is about to be made; with beats that count on from `nonce`.
-    pub(super) fn new(times: &Times, nonce: Option<u64>, now: Duration) -> Conversation {
+    /// A connection that is about to be made.
+    pub(super) fn new(times: &Times, now: Duration) -> Conversation {
         Conversation {
             stage: Stage::Greeting(now + times.greeting),
             times: *times,
             inflight: Inflight::default(),
             heard: HashMap::new(),
             marks: RandomState::new(),
-            nonce,
-            pulse: None,
         }
     }
 
@@ -60,11 +53,10 @@ impl Conversation {
     }
 
     /// The broker has answered our subscription; whether that was waited for.
-    pub(super) fn handle_subscribed(&mut self, now: Duration) -> bool {
+    pub(super) fn handle_subscribed(&mut self) -> bool {
         let is_due = matches!(self.stage, Stage::Subscribing(_));
         if is_due {
             self.stage = Stage::Open;
-            self.pulse = self.nonce.map(|nonce| Pulse::new(&self.times, nonce, now));
         }
         is_due
     }
@@ -77,19 +69,11 @@ impl Conversation {
         id != 0 && self.heard.insert(id, mark) == Some(mark) && is_duplicate
     }
 
-    pub(super) fn poll_beat(&mut self, now: Duration) -> Option<Publication> {
-        self.pulse.as_mut()?.poll_beat(now)
-    }
-
-    pub(super) fn handle_echo(&mut self, payload: &[u8]) -> bool {
-        self.pulse.as_mut().is_some_and(|pulse| pulse.handle_echo(payload))
-    }
-
-    /// Whether a beat has not come back in time.
+    /// The time of [`Conversation::poll_timeout`] may have come.
     ///
     /// # Errors
     /// When the broker has been silent for too long.
-    pub(super) fn handle_timeout(&mut self, now: Duration) -> Result<bool, Lost> {
+    pub(super) fn handle_timeout(&mut self, now: Duration) -> Result<(), Lost> {
         match self.stage {
             Stage::Greeting(until) | Stage::Subscribing(until) if now >= until => {
                 return Err(Lost::NoGreeting(self.times.greeting));
@@ -99,7 +83,7 @@ impl Conversation {
         if self.settling_until().is_some_and(|until| now >= until) {
             return Err(Lost::NoAcknowledgement(self.times.acknowledgement));
         }
-        Ok(self.pulse.as_mut().is_some_and(|pulse| pulse.handle_timeout(now)))
+        Ok(())
     }
 
     pub(super) fn poll_timeout(&self) -> Option<Duration> {
@@ -107,8 +91,7 @@ impl Conversation {
             Stage::Greeting(until) | Stage::Subscribing(until) => Some(until),
             Stage::Open => None,
         };
-        let pulse = self.pulse.as_ref().map(Pulse::poll_timeout);
-        [stage, self.settling_until(), pulse].into_iter().flatten().min()
+        [stage, self.settling_until()].into_iter().flatten().min()
     }
 
     fn settling_until(&self) -> Option<Duration> {
@@ -119,25 +102,26 @@ impl Conversation {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::doors::mqtt::publication::Publication;
 
     const START: Duration = Duration::from_secs(50);
 
-    fn conversation(nonce: Option<u64>) -> (Conversation, Times) {
+    fn conversation() -> (Conversation, Times) {
         let times = Times::default();
-        (Conversation::new(&times, nonce, START), times)
+        (Conversation::new(&times, START), times)
     }
 
-    fn open(nonce: Option<u64>) -> (Conversation, Times) {
-        let (mut conversation, times) = conversation(nonce);
+    fn open() -> (Conversation, Times) {
+        let (mut conversation, times) = conversation();
         conversation.handle_greeted(START);
-        assert!(conversation.handle_subscribed(START));
-        assert!(!conversation.handle_subscribed(START), "once");
+        assert!(conversation.handle_subscribed());
+        assert!(!conversation.handle_subscribed(), "once");
         (conversation, times)
     }
 
     #[test]
     fn a_broker_that_does_not_greet_or_does_not_answer_the_subscription_is_given_up() {
-        let (mut waiting, times) = conversation(None);
+        let (mut waiting, times) = conversation();
         let late = START + times.greeting;
         assert_eq!(waiting.poll_timeout(), Some(late));
         assert!(waiting.handle_timeout(late - Duration::from_millis(1)).is_ok());
@@ -145,14 +129,14 @@ mod tests {
         waiting.handle_greeted(late - Duration::from_millis(1));
         assert!(waiting.handle_timeout(late).is_ok() && !waiting.has_room());
         assert!(matches!(waiting.handle_timeout(late + times.greeting), Err(Lost::NoGreeting(_))));
-        assert!(waiting.handle_subscribed(late));
+        assert!(waiting.handle_subscribed());
         assert!(waiting.has_room() && waiting.poll_timeout().is_none());
         assert!(waiting.handle_timeout(late + 9 * times.greeting).is_ok());
     }
 
     #[test]
     fn a_broker_that_acknowledges_nothing_is_given_up_and_one_that_acknowledges_slowly_is_not() {
-        let (mut conversation, times) = open(None);
+        let (mut conversation, times) = open();
         for id in 1..=3 {
             conversation.inflight.handle_given(Publication::passing("a".to_owned(), "1"), START);
             conversation.inflight.handle_sent(id);
@@ -168,21 +152,12 @@ mod tests {
 
     #[test]
     fn only_a_duplicate_of_what_was_heard_is_repeated() {
-        let (mut conversation, _) = open(None);
+        let (mut conversation, _) = open();
         let (start, stop) = (("command", &b"start"[..]), ("command", &b"stop"[..]));
         assert!(!conversation.is_repeated(7, true, start), "it was lost the first time");
         assert!(conversation.is_repeated(7, true, start));
         assert!(!conversation.is_repeated(7, false, start), "the id is used again");
         assert!(!conversation.is_repeated(7, true, stop), "something else is said");
         assert!(!conversation.is_repeated(0, true, start) && !conversation.is_repeated(0, true, start), "without an id");
-    }
-
-    #[test]
-    fn there_are_beats_with_our_own_broker_only_and_only_once_it_is_open() {
-        assert!(open(None).0.poll_beat(START).is_none());
-        assert!(conversation(Some(1)).0.poll_beat(START).is_none());
-        let (mut open, times) = open(Some(1));
-        assert!(open.poll_beat(START).is_some());
-        assert!(open.handle_timeout(START + times.echo).is_ok_and(|is_missed| is_missed));
     }
 }

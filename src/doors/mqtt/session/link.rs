@@ -6,11 +6,8 @@ use std::sync::Arc;
 use rumqttc::{LastWill, MqttOptions, QoS, TlsConfiguration, Transport};
 use rustls::ClientConfig;
 
-use super::super::publication::Publication;
+use super::super::publication::{LARGEST, Publication};
 use super::times::Times;
-
-/// No message is larger, in either direction: a photo with some room. At rumqttc's own 10 KiB the first map ends a connection.
-pub(super) const LARGEST: usize = 2 << 20;
 
 /// So many publications wait for the broker's acknowledgement: over a line of 200 ms three hundred a second, more than happen.
 pub(super) const IN_FLIGHT: usize = 64;

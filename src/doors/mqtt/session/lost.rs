@@ -15,8 +15,6 @@ pub(super) enum Lost {
     NoGreeting(Duration),
     #[error("it has acknowledged nothing for {} s", .0.as_secs_f32())]
     NoAcknowledgement(Duration),
-    #[error("what is sent to it does not come back")]
-    NoEcho,
 }
 
 impl From<ConnectionError> for Lost {

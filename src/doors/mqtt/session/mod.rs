@@ -1,16 +1,15 @@
-//! Our own MQTT client: it says what is new, hears commands at somebody else's broker, and comes back whenever the connection is
-//! lost, for as long as the program runs. What is said is decided in `change_feed`, what is heard in `commands`.
+//! How the program says what is new: at its own broker in the same process (`own`), and at somebody else's as a client, which hears commands
+//! there, and comes back whenever the connection is lost, for as long as the program runs. What is said is decided in `change_feed`, what
+//! is heard in `commands`.
 
 mod backoff;
 mod connection_task;
 mod conversation;
-mod health;
-mod hearing;
 mod inflight;
 mod link;
 mod lost;
+mod own;
 mod photos;
-mod pulse;
 #[cfg(test)]
 pub(super) mod testing;
 #[cfg(test)]
@@ -19,9 +18,8 @@ mod times;
 mod tls;
 mod transport;
 
-pub use health::Health;
-pub use hearing::Hearing;
 pub use link::Link;
+pub use own::OwnSession;
 pub use times::Times;
 pub use tls::{TlsError, believing};
 
@@ -31,37 +29,36 @@ use std::sync::Arc;
 use tokio::sync::{mpsc, watch};
 
 use super::change_feed::{ChangeFeed, OFFLINE};
-use super::commands::{Answer, Publisher};
+use super::commands::{Answer, Commands, Publisher};
 use super::publication::Publication;
-use super::topics::{PULSE, Topics};
+use super::topics::{HOME_ASSISTANT_STATUS, Topics};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
 use backoff::Backoff;
 use connection_task::ConnectionTask;
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::world::snapshot::Snapshot;
-use health::HealthTracker;
 use lost::Lost;
 
 pub struct Parts {
     pub link: Link,
-    pub hearing: Hearing,
+    /// Where what is said on the topics of commands goes.
+    pub commands: Commands,
     pub topics: Topics,
     pub home_assistant: bool,
     pub states: watch::Receiver<Arc<Snapshot>>,
     pub answers: mpsc::Receiver<Answer>,
     pub archive: Reader,
-    pub health: watch::Sender<Health>,
-    /// Where the spread of pauses and the words of the pulse come from.
+    /// Where the spread of pauses comes from.
     pub seed: u64,
     pub times: Times,
 }
 
-/// A client that keeps its connection to a broker.
+/// A client that keeps its connection to somebody else's broker.
 pub struct Session {
     link: Link,
-    hearing: Hearing,
-    /// Whoever speaks at somebody else's broker.
+    commands: Commands,
+    /// Whoever speaks there.
     publisher: Publisher,
     topics: Topics,
     home_assistant: bool,
@@ -73,9 +70,7 @@ pub struct Session {
     again: VecDeque<Publication>,
     /// How many old messages may not have arrived.
     unacknowledged: u64,
-    health: HealthTracker,
     backoff: Backoff,
-    chance: RandomStream,
     clock: Clock,
     times: Times,
     is_lost: bool,
@@ -88,7 +83,7 @@ impl Session {
             changes: ChangeFeed::new(parts.topics.clone(), parts.home_assistant),
             publisher: Publisher::Unknown { broker: parts.link.host.as_str().into() },
             link: parts.link,
-            hearing: parts.hearing,
+            commands: parts.commands,
             topics: parts.topics,
             home_assistant: parts.home_assistant,
             states: parts.states,
@@ -96,9 +91,7 @@ impl Session {
             archive: parts.archive,
             again: VecDeque::new(),
             unacknowledged: 0,
-            health: HealthTracker::new(parts.health),
             backoff: Backoff::new(&parts.times, RandomStream::new(parts.seed, "mqtt pauses")),
-            chance: RandomStream::new(parts.seed, "mqtt pulse"),
             clock: Clock::default(),
             times: parts.times,
             is_lost: false,
@@ -133,7 +126,8 @@ impl Session {
     }
 
     fn filters(&self) -> Vec<String> {
-        self.hearing.filters(&self.topics, self.home_assistant)
+        let status = self.home_assistant.then(|| HOME_ASSISTANT_STATUS.to_owned());
+        self.topics.commands().into_iter().chain(status).collect()
     }
 
     fn poll_publication(&mut self) -> Option<Publication> {
@@ -144,9 +138,6 @@ impl Session {
     fn handle_open(&mut self) {
         if std::mem::take(&mut self.is_lost) {
             tracing::info!(broker = %self.link, "the MQTT broker is back");
-        }
-        if matches!(self.hearing, Hearing::Other(_)) {
-            self.health.handle_proof();
         }
         self.learn();
         self.changes.renew(std::mem::take(&mut self.unacknowledged));
@@ -160,10 +151,9 @@ impl Session {
     /// One line in the log when it is lost, and none for the attempts after that. What may not have arrived is said again: what a
     /// broker keeps, because all of that is said anew; the rest as it was.
     fn handle_lost(&mut self, lost: &Lost, was_open: bool, unacknowledged: Vec<Publication>) {
-        self.health.handle_lost();
         let (numbered, others): (Vec<_>, Vec<_>) = unacknowledged.into_iter().partition(|said| self.changes.is_numbered(said));
         self.unacknowledged += numbered.len() as u64;
-        self.again.extend(others.into_iter().filter(|said| !said.retain && said.topic != PULSE));
+        self.again.extend(others.into_iter().filter(|said| !said.retain));
         if std::mem::replace(&mut self.is_lost, true) {
             tracing::debug!(broker = %self.link, reason = %lost, "the MQTT broker still cannot be reached");
         } else {

@@ -11,13 +11,13 @@ use rumqttc::{
 };
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::{mpsc, oneshot, watch};
+use tokio::sync::{mpsc, oneshot};
 use tokio::task::JoinHandle;
 
 use super::super::commands::Commands;
+use super::super::publication::LARGEST;
 use super::super::topics::Topics;
-use super::link::LARGEST;
-use super::{Health, Hearing, Link, Parts, Session, Times};
+use super::{Link, Parts, Session, Times};
 use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::obedient::{Script, obedient};
@@ -28,16 +28,9 @@ use hallsweep_core::units::{LuggageId, MissionId, Seq};
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::snapshot::Snapshot;
 
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Whose {
-    Own,
-    Others,
-}
-
 /// A session that runs, and all that it is told.
 pub(super) struct TestApp {
     pub(super) script: Script,
-    pub(super) health: watch::Receiver<Health>,
     shutdown: Option<oneshot::Sender<()>>,
     session: JoinHandle<()>,
 }
@@ -63,10 +56,9 @@ pub(in super::super) fn publish(topic: &str, payload: &str, id: u16) -> Publish 
 
 impl TestApp {
     /// Runs a session with this broker. Must be called inside a runtime.
-    pub(super) fn run(snapshot: Snapshot, broker: SocketAddr, whose: Whose, times: Times) -> TestApp {
+    pub(super) fn run(snapshot: Snapshot, broker: SocketAddr, times: Times) -> TestApp {
         let (handle, script) = obedient(snapshot);
         let (give, answers) = mpsc::channel(16);
-        let (told, health) = watch::channel(Health::Unproven);
         let commands = Commands::new(handle, topics(), true, give);
         let session = Session::new(Parts {
             link: Link {
@@ -76,13 +68,12 @@ impl TestApp {
                 login: Some(("robot".to_owned(), "secret".to_owned())),
                 client_id: "hallsweep-discovery".to_owned(),
             },
-            hearing: if whose == Whose::Own { Hearing::Own } else { Hearing::Other(commands) },
+            commands,
             topics: topics(),
             home_assistant: true,
             states: script.publish.subscribe(),
             answers,
             archive: Reader::new(Arc::new(Album)),
-            health: told,
             seed: 1,
             times,
         });
@@ -90,7 +81,7 @@ impl TestApp {
         let session = tokio::spawn(session.run(async {
             let _ = ended.await;
         }));
-        TestApp { script, health, shutdown: Some(shutdown), session }
+        TestApp { script, shutdown: Some(shutdown), session }
     }
 
     pub(super) fn shut_down(&mut self) {
@@ -100,10 +91,6 @@ impl TestApp {
 
     pub(super) async fn ended(self) {
         within("its end", self.session).await.expect("it did not panic");
-    }
-
-    pub(super) async fn finds(&mut self, wanted: Health) {
-        within(&format!("{wanted:?}"), self.health.wait_for(|health| *health == wanted)).await.expect("it runs");
     }
 }
 
@@ -213,17 +200,6 @@ impl Peer {
                 Some(Packet::Publish(publish)) if is_it(&publish) => return publish,
                 Some(_) => {}
                 None => panic!("the connection has ended"),
-            }
-        }
-    }
-
-    /// Acknowledges everything, and brings back what was sent on this topic, until the connection ends.
-    pub(super) async fn echoes(&mut self, topic: &str) {
-        while let Some(packet) = self.hears().await {
-            let Packet::Publish(publish) = packet else { continue };
-            self.says(Packet::PubAck(PubAck::new(publish.pkid))).await;
-            if publish.topic == topic {
-                self.says(Packet::Publish(publish)).await;
             }
         }
     }

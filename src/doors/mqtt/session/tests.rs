@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use rumqttc::{ConnectReturnCode, Packet, PubAck};
 
-use super::super::topics::{HOME_ASSISTANT_STATUS, PULSE};
-use super::testing::{TestApp, TestBroker, Whose, publish, topics};
-use super::{Health, Times};
+use super::super::topics::HOME_ASSISTANT_STATUS;
+use super::Times;
+use super::testing::{TestApp, TestBroker, publish, topics};
 use crate::api::fixture::{idle, searching, touch};
 use hallsweep_core::command::Command;
 use hallsweep_core::world::resource::Resource;
@@ -15,7 +15,7 @@ use hallsweep_core::world::resource::Resource;
 const SHORT: Duration = Duration::from_millis(50);
 
 fn others(broker: &TestBroker) -> TestApp {
-    TestApp::run(idle(), broker.address(), Whose::Others, Times::default())
+    TestApp::run(idle(), broker.address(), Times::default())
 }
 
 #[tokio::test]
@@ -107,7 +107,7 @@ fn number(message: &[u8]) -> u64 {
 async fn a_broker_that_does_not_greet_us_is_tried_again() {
     let broker = TestBroker::open().await;
     let times = Times { greeting: SHORT, ..Times::default() };
-    let _app = TestApp::run(idle(), broker.address(), Whose::Others, times);
+    let _app = TestApp::run(idle(), broker.address(), times);
     let mut mute = broker.peer().await;
     mute.is_left().await;
     let mut half = broker.peer().await;
@@ -120,56 +120,11 @@ async fn a_broker_that_does_not_greet_us_is_tried_again() {
 async fn a_broker_that_acknowledges_nothing_is_left_for_a_new_connection() {
     let broker = TestBroker::open().await;
     let times = Times { acknowledgement: SHORT, ..Times::default() };
-    let _app = TestApp::run(idle(), broker.address(), Whose::Others, times);
+    let _app = TestApp::run(idle(), broker.address(), times);
     let (mut mute, ..) = broker.principal().await;
     mute.is_left().await;
     let (mut peer, ..) = broker.principal().await;
     peer.until(&topics().availability()).await;
-}
-
-#[tokio::test]
-async fn our_own_broker_is_well_when_it_brings_back_what_it_is_sent() {
-    let broker = TestBroker::open().await;
-    let mut app = TestApp::run(idle(), broker.address(), Whose::Own, Times::default());
-    let (mut peer, _, filters) = broker.principal().await;
-    assert_eq!(filters, [PULSE, HOME_ASSISTANT_STATUS], "commands are heard at the gate");
-    assert_eq!(*app.health.borrow(), Health::Unproven);
-    let beat = peer.until(PULSE).await;
-    peer.says(Packet::Publish(beat)).await;
-    app.finds(Health::Well).await;
-}
-
-#[tokio::test]
-async fn our_own_broker_is_ill_when_it_brings_nothing_back_and_then_it_is_tried_again() {
-    let broker = TestBroker::open().await;
-    let times = Times { beat: SHORT, echo: SHORT, ..Times::default() };
-    let mut app = TestApp::run(idle(), broker.address(), Whose::Own, times);
-    let (mut peer, ..) = broker.principal().await;
-    let beat = peer.until(PULSE).await;
-    assert_ne!(peer.until(PULSE).await.payload, beat.payload);
-    app.finds(Health::Ill).await;
-    let echo = async {
-        loop {
-            broker.principal().await.0.echoes(PULSE).await;
-        }
-    };
-    tokio::select! {
-        () = app.finds(Health::Well) => {}
-        () = echo => {}
-    }
-}
-
-#[tokio::test]
-async fn a_broker_that_lets_us_not_in_three_times_is_ill() {
-    let broker = TestBroker::open().await;
-    let mut app = TestApp::run(idle(), broker.address(), Whose::Own, Times::default());
-    for _ in 0..3 {
-        assert_eq!(*app.health.borrow(), Health::Unproven);
-        let mut peer = broker.peer().await;
-        let connect = peer.answers(ConnectReturnCode::BadUserNamePassword).await;
-        assert_eq!(connect.login.map(|login| (login.username, login.password)), Some(("robot".into(), "secret".into())));
-    }
-    app.finds(Health::Ill).await;
 }
 
 #[tokio::test]
@@ -202,7 +157,7 @@ async fn the_end_does_not_wait_for_a_broker_that_is_not_there() {
 #[tokio::test]
 async fn home_assistant_is_shown_the_last_photo_and_told_of_the_robot_when_it_starts() {
     let broker = TestBroker::open().await;
-    let _app = TestApp::run(searching(), broker.address(), Whose::Others, Times::default());
+    let _app = TestApp::run(searching(), broker.address(), Times::default());
     let (mut peer, ..) = broker.principal().await;
     let photo = peer.until(&topics().photo()).await;
     assert_eq!((&photo.payload[..], photo.retain), (&b"\x89PNG"[..], true));

@@ -15,10 +15,6 @@ pub struct Times {
     pub shortest_pause: Duration,
     /// and the longest. A connection that lasted shorter than this counts as one that failed.
     pub longest_pause: Duration,
-    /// How often the embedded broker is asked whether it is well,
-    pub beat: Duration,
-    /// and how soon that must have come back.
-    pub echo: Duration,
     pub farewell: Duration,
 }
 
@@ -35,10 +31,6 @@ impl Default for Times {
             shortest_pause: Duration::from_millis(100),
             // and after hours it is found within these and a greeting: in less than 5 s.
             longest_pause: Duration::from_secs(3),
-            // With one miss forgiven, a broker that hangs is found within 15 s: one pause and two echoes that do not come.
-            beat: Duration::from_secs(5),
-            // On loopback it takes a millisecond; on a machine with far too much to do, a flood at every door, seconds.
-            echo: Duration::from_secs(5),
             // The program has ended within two seconds, and others take leave as well.
             farewell: Duration::from_secs(1),
         }

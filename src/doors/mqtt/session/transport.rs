@@ -7,15 +7,12 @@ use futures_util::stream::{self, Stream, StreamExt};
 use rumqttc::{AsyncClient, ConnectionError, Event, MqttOptions, NetworkOptions, QoS, SubscribeFilter};
 
 use super::super::publication::Publication;
-use super::link::{IN_FLIGHT, LARGEST};
+use super::link::IN_FLIGHT;
 use super::lost::Lost;
 use super::times::Times;
 
 /// Beside what is in flight, room for a subscription, a beat and two last words.
 const BESIDE: usize = 8;
-
-/// A publication's headers are never longer than this, its topic aside.
-const HEADERS: usize = 16;
 
 pub(super) struct Transport {
     client: AsyncClient,
@@ -52,11 +49,9 @@ impl Transport {
         self.client.try_subscribe_many(filters).is_ok()
     }
 
-    /// Whether this goes out. What no broker would take does not, and the log says so: sent, it would end every connection anew.
+    /// Whether this goes out.
     pub(super) fn publish(&self, publication: &Publication) -> bool {
-        let size = publication.topic.len() + publication.payload.len() + HEADERS;
-        if size > LARGEST {
-            tracing::warn!(topic = publication.topic, size_bytes = size, "a message is not published, because it is too large");
+        if !publication.fits() {
             return false;
         }
         let (topic, payload) = (publication.topic.as_str(), Vec::from(publication.payload.clone()));

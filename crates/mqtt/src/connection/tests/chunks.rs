@@ -4,25 +4,24 @@ use bytes::BytesMut;
 use proptest::prelude::*;
 use std::time::Duration;
 
-use super::scene::{OPERATOR, STOP, Scene, in_words, packets, publish, subscribe, taken, unsubscribe};
+use super::scene::{OPERATOR, STOP, Scene, in_words, publish, subscribe, taken, unsubscribe};
 use crate::Ended;
-use crate::filter;
-use crate::frame::Kind;
 use crate::packet::Qos;
-use crate::packet::filters::Filters;
 
 /// What came of a client's bytes.
 #[derive(Debug, PartialEq)]
 struct Outcome {
     ended: Option<Ended>,
     heard: Vec<String>,
-    to_router: Vec<u8>,
-    to_client: Vec<u8>,
+    to_others: Vec<String>,
+    /// Messages and answers, each in their order; which of them comes first is not said.
+    to_client: (Vec<String>, Vec<String>),
 }
 
 /// Gives a connection these pieces, one after the other.
 fn outcome<'a>(pieces: impl Iterator<Item = &'a [u8]>) -> Outcome {
     let mut scene = Scene::of(OPERATOR);
+    let mut everybody = scene.everybody();
     let mut unread = BytesMut::new();
     let mut ended = None;
     for piece in pieces {
@@ -33,12 +32,15 @@ fn outcome<'a>(pieces: impl Iterator<Item = &'a [u8]>) -> Outcome {
         }
     }
     let heard = scene.heard();
-    Outcome { ended, heard, to_router: scene.connection.to_router().to_vec(), to_client: taken(scene.connection.to_client()) }
+    scene.connection.handle_come();
+    let to_client = in_words(&taken(scene.connection.to_client()));
+    let to_client = to_client.into_iter().partition(|words| words.starts_with("Publish"));
+    Outcome { ended, heard, to_others: everybody.got(), to_client }
 }
 
 fn packet() -> impl Strategy<Value = Vec<u8>> {
     let topic = prop::sample::select(vec!["a", "a/b", STOP, "é", "$SYS/a", "site/robot/event", "old/x", "#", ""]);
-    let filter = prop::sample::select(vec!["a", "#", "a/+", "$SYS/#", "b#", "broker-pulse"]);
+    let filter = prop::sample::select(vec!["a", "#", "a/+", "$SYS/#", "b#"]);
     let qos = prop::sample::select(vec![Qos::Zero, Qos::One, Qos::Two]);
     prop_oneof![
         8 => (topic, 0_u8..16, "[a-c]{0,200}", 0_u16..5)
@@ -50,24 +52,6 @@ fn packet() -> impl Strategy<Value = Vec<u8>> {
         2 => (prop::sample::select(vec![0x40, 0x50, 0x62, 0x70_u8]), 1_u8..5).prop_map(|(first, id)| vec![first, 2, 0, id]),
         1 => Just(vec![0xC0, 0]),
     ]
-}
-
-/// What may reach the router, and nothing else.
-fn is_harmless(bytes: &[u8]) -> bool {
-    in_words(bytes);
-    packets(bytes).into_iter().all(|(kind, body)| {
-        if kind == Kind::Publish {
-            let length = usize::from(u16::from_be_bytes([body[0], body[1]]));
-            return filter::topic(std::str::from_utf8(&body[2..2 + length]).unwrap()).is_ok();
-        }
-        if kind == Kind::Subscribe {
-            return Filters::of_subscribe(body).unwrap().all(|(name, qos)| filter::filter(name).is_ok() && qos < Qos::Two);
-        }
-        if kind == Kind::Unsubscribe {
-            return Filters::of_unsubscribe(body).unwrap().all(|(name, _)| filter::filter(name).is_ok());
-        }
-        kind == Kind::Pingreq
-    })
 }
 
 proptest! {
@@ -82,6 +66,5 @@ proptest! {
         cuts.sort_unstable();
         prop_assert_eq!(&whole, &outcome(cuts.windows(2).map(|cut| &script[cut[0]..cut[1]])));
         prop_assert_eq!(&whole, &outcome(script.chunks(1)));
-        prop_assert!(is_harmless(&whole.to_router));
     }
 }

@@ -3,32 +3,35 @@
 use std::collections::BTreeSet;
 
 use super::scene::{OPERATOR, Scene, publish, subscribe, unsubscribe};
-use crate::budget::Payer;
-use crate::limits::{CLIENT_PACKET, KEPT_ROOM, KEPT_UNDER_WAY};
+use crate::frame::Kind;
+use crate::limits::{CLIENT_PACKET, KEPT_ROOM, KEPT_UNDER_WAY, WINDOW_BYTES};
 use crate::packet::Qos;
+use crate::rights::Payer;
 
 fn scene_with(count: usize, payload: &str, qos: Qos) -> Scene {
     let scene = Scene::of(OPERATOR);
     for n in 0..count {
-        assert!(scene.broker.retained.keep(&Payer::Anybody, &format!("a/{n:04}/b"), payload.as_bytes(), qos));
+        assert!(keep(&scene, &format!("a/{n:04}/b"), payload, qos));
     }
     scene
+}
+
+fn keep(scene: &Scene, topic: &str, payload: &str, qos: Qos) -> bool {
+    scene.broker.retained.keep(&Payer::Anybody, &scene.broker.message(topic.into(), payload.as_bytes(), qos))
 }
 
 /// What a client gets that acknowledges everything, and the most that it had to acknowledge at once.
 fn all_that_comes(scene: &mut Scene) -> (BTreeSet<String>, usize) {
     let (mut all, mut most) = (BTreeSet::new(), 0);
     loop {
-        let got = scene.client_got();
+        let got = scene.got();
         if got.is_empty() {
             return (all, most);
         }
         let ids: Vec<u16> = got.iter().filter_map(|words| words.split_once('#')?.1.split(' ').next()?.parse().ok()).collect();
         most = most.max(ids.len());
         for id in ids {
-            assert!((1001..=2000).contains(&id), "{id}");
-            let [high, low] = id.to_be_bytes();
-            scene.client(&[0x40, 2, high, low]).unwrap();
+            scene.acknowledge(Kind::Puback, id);
         }
         all.extend(got.iter().map(|words| words.split(" q").next().unwrap().to_owned()));
     }
@@ -38,7 +41,6 @@ fn all_that_comes(scene: &mut Scene) -> (BTreeSet<String>, usize) {
 fn five_thousand_kept_topics_on_one_wildcard_all_arrive_at_qos_0() {
     let mut scene = scene_with(5000, "x", Qos::One);
     scene.client(&subscribe(1, &[("a/#", Qos::Zero)])).unwrap();
-    scene.router_answers();
     let (all, at_once) = all_that_comes(&mut scene);
     assert_eq!((all.len(), at_once), (5001, 0));
     assert!(all.contains("Publish a/0000/b=x") && all.contains("Publish a/4999/b=x"));
@@ -48,21 +50,16 @@ fn five_thousand_kept_topics_on_one_wildcard_all_arrive_at_qos_0() {
 fn five_thousand_kept_topics_on_one_wildcard_all_arrive_at_qos_1() {
     let mut scene = scene_with(5000, "x", Qos::One);
     scene.client(&subscribe(1, &[("#", Qos::One)])).unwrap();
-    scene.router_answers();
     let (all, at_once) = all_that_comes(&mut scene);
     assert_eq!((all.len(), at_once), (5001, KEPT_UNDER_WAY));
-    assert!(scene.router_got().is_empty(), "the router does not hear of it");
 }
 
 #[test]
 fn the_lesser_qos_counts_and_kept_messages_say_that_they_are() {
     let mut scene = Scene::of(OPERATOR);
-    assert!(
-        scene.broker.retained.keep(&Payer::Anybody, "a", b"0", Qos::Zero)
-            && scene.broker.retained.keep(&Payer::Anybody, "b", b"2", Qos::Two)
-    );
-    let got = scene.subscribe(&[("+", Qos::Two)]);
-    assert_eq!(got, ["Suback (1, [1])", "Publish a=0 q0 kept", "Publish b=2 q1 #1001 kept"]);
+    assert!(keep(&scene, "a", "0", Qos::Zero) && keep(&scene, "b", "2", Qos::Two));
+    assert_eq!(scene.subscribe(&[("+", Qos::One)]), ["Suback (1, [1])", "Publish a=0 q0 kept", "Publish b=2 q1 #1 kept"]);
+    assert_eq!(scene.subscribe(&[("b", Qos::Two)])[1..], ["Publish b=2 q2 #2 kept"]);
     assert_eq!(scene.subscribe(&[("b", Qos::Zero)])[1..], ["Publish b=2 q0 kept"]);
 }
 
@@ -78,13 +75,12 @@ fn a_client_that_takes_nothing_is_not_drowned() {
     let payload = "x".repeat(1000);
     let mut scene = scene_with(2000, &payload, Qos::Zero);
     scene.client(&subscribe(1, &[("#", Qos::Zero), ("a/#", Qos::Zero)])).unwrap();
-    scene.router_answers();
     let waiting = scene.connection.to_client().len();
-    assert!((KEPT_ROOM..KEPT_ROOM + 2000).contains(&waiting) && scene.connection.wants_router(), "{waiting}");
-    assert!(scene.connection.wants_client(), "it may be about to say something urgent");
+    assert!((KEPT_ROOM..KEPT_ROOM + 2000).contains(&waiting) && scene.connection.reads(), "{waiting}");
+    assert!(!scene.connection.is_unread(), "it may be about to say something urgent");
     let mut got = 0;
     loop {
-        let some = scene.client_got().len();
+        let some = scene.got().len();
         got += some;
         if some == 0 {
             break;
@@ -99,12 +95,11 @@ fn a_long_kept_message_is_not_copied_for_those_who_wait_for_it() {
     let payload = "x".repeat(CLIENT_PACKET / 2);
     let mut scene = scene_with(20, &payload, Qos::Zero);
     scene.client(&subscribe(1, &[("#", Qos::Zero)])).unwrap();
-    scene.router_answers();
     let outbox = scene.connection.to_client();
     assert!(outbox.len() > payload.len() && outbox.own() < 100, "{} bytes of its own", outbox.own());
     let mut got = BTreeSet::new();
     while !scene.connection.to_client().is_empty() {
-        got.extend(scene.client_got());
+        got.extend(scene.got());
     }
     assert_eq!(got.len(), 21);
     assert!(got.iter().filter(|got| got.starts_with("Publish")).all(|got| got.contains(&*payload)));
@@ -116,12 +111,9 @@ fn what_changes_while_they_are_on_their_way_arrives_as_it_is_then() {
     let got = scene.subscribe(&[("a/#", Qos::One)]);
     assert_eq!(got.len(), 1 + KEPT_UNDER_WAY);
     scene.client(&[publish(0x31, "a/0049/b", "new", 0), publish(0x31, "a/0048/b", "", 0)].concat()).unwrap();
-    for id in 1001..=1020_u16 {
-        let [high, low] = id.to_be_bytes();
-        scene.client(&[0x40, 2, high, low]).unwrap();
-    }
+    (1..=20).for_each(|id| scene.acknowledge(Kind::Puback, id));
     let (all, _) = all_that_comes(&mut scene);
-    assert_eq!(all.len(), 29);
+    assert_eq!(all.len(), 30, "those that are kept still, and what has changed, as it did");
     assert!(all.contains("Publish a/0049/b=new"));
 }
 
@@ -130,10 +122,17 @@ fn nothing_more_comes_of_a_filter_that_was_let_go() {
     let mut scene = scene_with(50, "x", Qos::One);
     scene.subscribe(&[("a/#", Qos::One)]);
     scene.client(&unsubscribe(2, &["a/#"])).unwrap();
-    scene.router_answers();
-    for id in 1001..=1020_u16 {
-        let [high, low] = id.to_be_bytes();
-        scene.client(&[0x40, 2, high, low]).unwrap();
-    }
-    assert_eq!(scene.client_got(), ["Unsuback 2"]);
+    (1..=20).for_each(|id| scene.acknowledge(Kind::Puback, id));
+    assert_eq!(scene.got(), ["Unsuback 2"]);
+}
+
+/// However many a client may leave unacknowledged, their bytes have an end, too.
+#[test]
+fn long_kept_messages_wait_for_acknowledgements() {
+    let payload = "x".repeat(WINDOW_BYTES / 4);
+    let mut scene = scene_with(10, &payload, Qos::One);
+    scene.client(&subscribe(1, &[("#", Qos::One)])).unwrap();
+    let (all, at_once) = all_that_comes(&mut scene);
+    assert_eq!(all.len(), 11);
+    assert!(at_once <= 4, "{at_once} at once");
 }

@@ -1,10 +1,12 @@
-//! Tests of a whole connection: what a client says, what reaches the router, and what comes back.
+//! Tests of a whole connection: what a client says, what others hear of it, and what comes back.
 
 mod chunks;
 mod ends;
 mod flooding;
 mod kept;
+mod model;
+mod passages;
 mod publishing;
-mod router_side;
 mod scene;
+mod sessions;
 mod subscribing;

@@ -1,24 +1,21 @@
-//! A connection with somebody at each side: packets go in as bytes, and come out as words. The router is played by a few lines here.
+//! A connection with a client at one side and others at the same broker: packets go in as bytes, and come out as words.
 
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use bytes::{Buf, BytesMut};
+use bytes::{Buf, Bytes, BytesMut};
 
-use crate::frame::{Frame, Kind, frame};
+use crate::frame::{Kind, frame};
 use crate::outbox::Outbox;
 use crate::packet::filters::Filters;
 use crate::packet::{Qos, ack, publish, write};
-use crate::rights::{Principal, Rights, Tier};
+use crate::rights::{Rights, Tier};
 use crate::{Broker, ClientConnection, CommandDecision, Ended, Epoch, Listener, Session, Terms};
 
-pub(super) const OPERATOR: Principal = Principal::Client(Tier::Full);
-pub(super) const VIEWER: Principal = Principal::Client(Tier::Limited);
+pub(super) const OPERATOR: Tier = Tier::Full;
+pub(super) const VIEWER: Tier = Tier::Limited;
 pub(super) const START: &str = "site/robot/command/start";
 pub(super) const STOP: &str = "site/robot/command/stop";
-
-/// What only the program reads.
-pub(super) const PULSE: &str = "broker-pulse";
 
 /// Commands are taken on `site/robot/command`, on the names below it, and on those below `old`; all else of `site/robot` and
 /// `directory/robot` is the program's own, and what is left is for clients with full rights.
@@ -27,7 +24,7 @@ pub(super) struct TestRights;
 
 impl TestRights {
     fn is_own(topic: &str) -> bool {
-        topic.starts_with("site/robot/") || ["site/robot", "directory/robot", PULSE].contains(&topic)
+        topic.starts_with("site/robot/") || ["site/robot", "directory/robot"].contains(&topic)
     }
 }
 
@@ -37,16 +34,8 @@ impl Rights for TestRights {
         topic == "site/robot/command" || is_name_below("site/robot/command/") || is_name_below("old/")
     }
 
-    fn may_publish(&self, who: Principal, topic: &str) -> bool {
-        who == Principal::Program || self.is_for_commands(topic) || who == OPERATOR && !TestRights::is_own(topic)
-    }
-
-    fn may_subscribe(&self, who: Principal, filter: &str) -> bool {
-        who == Principal::Program || filter != PULSE
-    }
-
-    fn may_see(&self, who: Principal, topic: &[u8]) -> bool {
-        who == Principal::Program || topic != PULSE.as_bytes()
+    fn may_publish(&self, who: Tier, topic: &str) -> bool {
+        self.is_for_commands(topic) || who == OPERATOR && !TestRights::is_own(topic)
     }
 }
 
@@ -82,35 +71,45 @@ pub(super) struct Scene {
 }
 
 pub(super) fn broker() -> Arc<Broker> {
-    let broker = Broker::new(TestRights);
-    // Somebody reads everything: what nobody reads goes nowhere.
-    broker.readers.enter(&Arc::from("#"), &Arc::default(), false);
-    Arc::new(broker)
+    Arc::new(Broker::new(TestRights))
 }
 
-pub(super) fn terms(principal: Principal, listener: Arc<TestListener>) -> Terms {
+fn terms(tier: Tier, listener: Arc<TestListener>) -> Terms {
     Terms {
-        principal,
+        tier,
         name: Arc::from("tests"),
         has_key: false,
         listener,
         keep_alive_s: 60,
         will: None,
         session: Session::default(),
+        greeting: Bytes::new(),
     }
 }
 
 impl Scene {
-    pub(super) fn of(principal: Principal) -> Scene {
-        Scene::at_broker(&broker(), principal, |_| {})
+    pub(super) fn of(tier: Tier) -> Scene {
+        Scene::at_broker(&broker(), tier, |_| {})
     }
 
-    pub(super) fn at_broker(broker: &Arc<Broker>, principal: Principal, change: impl FnOnce(&mut Terms)) -> Scene {
+    pub(super) fn at_broker(broker: &Arc<Broker>, tier: Tier, change: impl FnOnce(&mut Terms)) -> Scene {
         let listener = Arc::new(TestListener::default());
-        let mut terms = terms(principal, Arc::clone(&listener));
+        let mut terms = terms(tier, Arc::clone(&listener));
         change(&mut terms);
         let connection = ClientConnection::new(terms, Arc::clone(broker), Duration::ZERO);
         Scene { connection, broker: Arc::clone(broker), listener }
+    }
+
+    /// Somebody else at the same broker, who holds these filters.
+    pub(super) fn reader(&self, filters: &[(&str, Qos)]) -> Scene {
+        let mut reader = Scene::at_broker(&self.broker, OPERATOR, |_| {});
+        reader.subscribe(filters);
+        reader
+    }
+
+    /// Somebody who reads everything, as it was published.
+    pub(super) fn everybody(&self) -> Scene {
+        self.reader(&[("#", Qos::Two)])
     }
 
     pub(super) fn client(&mut self, bytes: &[u8]) -> Result<(), Ended> {
@@ -118,25 +117,9 @@ impl Scene {
         self.connection.handle_client(&mut bytes, Duration::from_secs(1))
     }
 
-    pub(super) fn router(&mut self, bytes: &[u8]) -> Result<(), Ended> {
-        self.connection.handle_router(&mut BytesMut::from(bytes))
-    }
-
-    /// The router answers all that it got.
-    pub(super) fn router_answers(&mut self) {
-        let questions = std::mem::take(self.connection.to_router());
-        let mut answers = BytesMut::new();
-        for (kind, body) in packets(&questions) {
-            answer(kind, body, &mut answers);
-        }
-        self.connection.handle_router(&mut answers).unwrap();
-    }
-
-    pub(super) fn router_got(&mut self) -> Vec<String> {
-        in_words(&std::mem::take(self.connection.to_router()))
-    }
-
-    pub(super) fn client_got(&mut self) -> Vec<String> {
+    /// What the client gets now, and takes.
+    pub(super) fn got(&mut self) -> Vec<String> {
+        self.connection.handle_come();
         let got = in_words(&taken(self.connection.to_client()));
         self.connection.handle_drained();
         while self.connection.wants_turn() {
@@ -145,36 +128,33 @@ impl Scene {
         got
     }
 
+    /// What was published for it now, without ids.
+    pub(super) fn read(&mut self) -> Vec<String> {
+        let said = |words: String| Some(words.strip_prefix("Publish ")?.split(" #").next()?.to_owned());
+        self.got().into_iter().filter_map(said).collect()
+    }
+
     pub(super) fn heard(&self) -> Vec<String> {
         std::mem::take(&mut self.listener.0.lock().unwrap())
     }
 
-    /// A SUBSCRIBE that the router answers; what the client gets of it.
+    /// A SUBSCRIBE; what the client gets of it.
     pub(super) fn subscribe(&mut self, filters: &[(&str, Qos)]) -> Vec<String> {
         self.client(&subscribe(1, filters)).unwrap();
-        self.router_answers();
-        self.client_got()
+        self.got()
+    }
+
+    /// The client acknowledges this.
+    pub(super) fn acknowledge(&mut self, kind: Kind, id: u16) {
+        let mut out = BytesMut::new();
+        write::ack(&mut out, kind, id);
+        self.client(&out).unwrap();
     }
 }
 
 /// All that waits for a client, which takes it.
 pub(super) fn taken(outbox: &mut Outbox) -> Vec<u8> {
     outbox.copy_to_bytes(outbox.len()).into()
-}
-
-/// As the router answers: an UNSUBACK for each filter.
-fn answer(kind: Kind, body: &[u8], out: &mut BytesMut) {
-    if kind == Kind::Subscribe {
-        let filters = Filters::of_subscribe(body).unwrap();
-        write::suback(out, filters.id, &filters.map(|(_, qos)| qos as u8).collect::<Vec<_>>());
-    }
-    if kind == Kind::Unsubscribe {
-        let filters = Filters::of_unsubscribe(body).unwrap();
-        filters.for_each(|_| write::ack(out, Kind::Unsuback, filters.id));
-    }
-    if kind == Kind::Pingreq {
-        out.extend_from_slice(&write::PINGRESP);
-    }
 }
 
 /// A PUBLISH; `first` is its first byte.
@@ -197,16 +177,6 @@ pub(super) fn unsubscribe(id: u16, filters: &[&str]) -> BytesMut {
     out
 }
 
-pub(super) fn packets(mut bytes: &[u8]) -> Vec<(Kind, &[u8])> {
-    let mut packets = Vec::new();
-    while let Some(frame) = frame(bytes, usize::MAX).unwrap() {
-        packets.push((frame.kind, &bytes[frame.head..frame.length]));
-        bytes = &bytes[frame.length..];
-    }
-    assert!(bytes.is_empty(), "only whole packets come out");
-    packets
-}
-
 /// Packets as `Publish a=x q1 #7`, `Puback 7`, `Suback 7 [1, 128]`.
 pub(super) fn in_words(mut bytes: &[u8]) -> Vec<String> {
     let mut words = Vec::new();
@@ -214,7 +184,7 @@ pub(super) fn in_words(mut bytes: &[u8]) -> Vec<String> {
         let (packet, rest) = bytes.split_at(frame.length);
         let body = &packet[frame.head..];
         words.push(match frame.kind {
-            Kind::Publish => publish_in_words(&read(&frame, packet)),
+            Kind::Publish => publish_in_words(&publish::read(&frame, packet).unwrap()),
             Kind::Subscribe => format!("Subscribe {:?}", Filters::of_subscribe(body).unwrap().collect::<Vec<_>>()),
             Kind::Unsubscribe => {
                 format!("Unsubscribe {:?}", Filters::of_unsubscribe(body).unwrap().map(|of| of.0).collect::<Vec<_>>())
@@ -230,11 +200,6 @@ pub(super) fn in_words(mut bytes: &[u8]) -> Vec<String> {
     }
     assert!(bytes.is_empty(), "only whole packets come out");
     words
-}
-
-/// As the router gets it or as the client does.
-fn read<'a>(frame: &Frame, packet: &'a [u8]) -> publish::Publish<'a> {
-    publish::read(frame, packet).or_else(|_| publish::read_padded(frame, packet).map(|(publish, _)| publish)).unwrap()
 }
 
 fn publish_in_words(publish: &publish::Publish<'_>) -> String {

@@ -1,0 +1,259 @@
+//! Any program of publishing, subscribing, reading, breaking off and coming back gives what a model of the standard gives, which knows
+//! nothing of queues, trees and connections.
+
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::sync::Arc;
+
+use proptest::prelude::*;
+
+use super::scene::{OPERATOR, Scene, broker, in_words, publish, subscribe, taken, unsubscribe};
+use crate::filter::matches;
+use crate::frame::Kind;
+use crate::packet::Qos;
+use crate::{Broker, Session};
+
+const CLIENTS: usize = 3;
+
+#[derive(Clone, Debug)]
+enum Act {
+    Subscribe(&'static str, Qos),
+    Unsubscribe(&'static str),
+    Publish(&'static str, Qos, bool),
+    /// Takes away what is kept there.
+    Clear(&'static str),
+    /// Reads all there is, and acknowledges it or not.
+    Read(bool),
+    /// Breaks off, and comes back some time later.
+    Break,
+}
+
+/// A message as a client gets it.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Said {
+    topic: String,
+    payload: String,
+    qos: Qos,
+}
+
+/// What one client is to get.
+#[derive(Debug, Default)]
+struct Expected {
+    held: BTreeMap<&'static str, Qos>,
+    is_here: bool,
+    /// What was published for it, in order, and whether it may be lost,
+    live: VecDeque<(Said, bool)>,
+    /// and what was kept when it subscribed.
+    kept: BTreeSet<(String, String, Qos)>,
+    /// What it has got and not acknowledged.
+    unacknowledged: Vec<Said>,
+}
+
+#[derive(Debug, Default)]
+struct Model {
+    clients: [Expected; CLIENTS],
+    kept: BTreeMap<&'static str, (String, Qos)>,
+    /// All that ever was.
+    ever: BTreeSet<(String, String)>,
+}
+
+impl Model {
+    fn publish(&mut self, topic: &'static str, payload: &str, qos: Qos, retain: bool) {
+        if retain {
+            self.ever.insert((topic.to_owned(), payload.to_owned()));
+            if payload.is_empty() {
+                self.kept.remove(topic)
+            } else {
+                self.kept.insert(topic, (payload.to_owned(), qos))
+            };
+        }
+        for client in &mut self.clients {
+            let granted = client.held.iter().filter(|(filter, _)| matches(filter, topic)).map(|(_, granted)| *granted).max();
+            let Some(qos) = granted.map(|granted| granted.min(qos)) else { continue };
+            if client.is_here || qos > Qos::Zero {
+                client.live.push_back((Said { topic: topic.to_owned(), payload: payload.to_owned(), qos }, false));
+            }
+        }
+    }
+
+    fn subscribe(&mut self, client: usize, filter: &'static str, qos: Qos) {
+        let client = &mut self.clients[client];
+        client.held.insert(filter, qos);
+        let found = self.kept.iter().filter(|(topic, _)| matches(filter, topic));
+        client.kept.extend(found.map(|(topic, (payload, kept))| ((*topic).to_owned(), payload.clone(), qos.min(*kept))));
+    }
+}
+
+/// A client as it really is: here, or what is remembered of it.
+enum Real {
+    Here(Box<Scene>),
+    Away(Session),
+}
+
+struct Play {
+    broker: Arc<Broker>,
+    model: Model,
+    real: [Option<Real>; CLIENTS],
+    said: u32,
+}
+
+impl Play {
+    fn new() -> Play {
+        let broker = broker();
+        let mut model = Model::default();
+        model.clients.iter_mut().for_each(|client| client.is_here = true);
+        let here = || Some(Real::Here(Box::new(Scene::at_broker(&broker, OPERATOR, |_| {}))));
+        Play { model, real: [here(), here(), here()], said: 0, broker: Arc::clone(&broker) }
+    }
+
+    fn here(&mut self, client: usize) -> Option<&mut Scene> {
+        match self.real[client].as_mut() {
+            Some(Real::Here(scene)) => Some(scene),
+            Some(Real::Away(_)) | None => None,
+        }
+    }
+
+    fn act(&mut self, client: usize, act: &Act) {
+        if self.here(client).is_none() && !matches!(act, Act::Break) {
+            return;
+        }
+        match *act {
+            Act::Subscribe(filter, qos) => {
+                // What was kept before is read before, so that it is known for which subscription it came.
+                self.read(client, true);
+                self.here(client).unwrap().client(&subscribe(1, &[(filter, qos)])).unwrap();
+                self.model.subscribe(client, filter, qos);
+            }
+            Act::Unsubscribe(filter) => {
+                self.read(client, true);
+                self.here(client).unwrap().client(&unsubscribe(1, &[filter])).unwrap();
+                self.model.clients[client].held.remove(filter);
+            }
+            Act::Publish(topic, qos, retain) => {
+                self.said += 1;
+                self.say(client, topic, &self.said.to_string(), qos, retain);
+            }
+            Act::Clear(topic) => self.say(client, topic, "", Qos::Zero, true),
+            Act::Read(acknowledges) => self.read(client, acknowledges),
+            Act::Break => self.break_off_or_come_back(client),
+        }
+    }
+
+    fn say(&mut self, client: usize, topic: &'static str, payload: &str, qos: Qos, retain: bool) {
+        let id = u16::from(qos > Qos::Zero) * 7;
+        let first = 0x30 | (qos as u8) << 1 | u8::from(retain);
+        let scene = self.here(client).unwrap();
+        scene.client(&publish(first, topic, payload, id)).unwrap();
+        if qos == Qos::Two {
+            scene.acknowledge(Kind::Pubrel, id);
+        }
+        self.model.publish(topic, payload, qos, retain);
+    }
+
+    fn break_off_or_come_back(&mut self, client: usize) {
+        let expected = &mut self.model.clients[client];
+        self.real[client] = Some(match self.real[client].take().unwrap() {
+            Real::Here(scene) => {
+                expected.is_here = false;
+                expected.kept.clear();
+                expected.live.iter_mut().for_each(|(said, may_be_lost)| *may_be_lost = said.qos == Qos::Zero);
+                Real::Away(scene.connection.into_session())
+            }
+            Real::Away(session) => {
+                expected.is_here = true;
+                let again = expected.unacknowledged.drain(..).map(|said| (said, false));
+                let later = std::mem::take(&mut expected.live);
+                expected.live = again.chain(later).collect();
+                Real::Here(Box::new(Scene::at_broker(&self.broker, OPERATOR, |terms| terms.session = session)))
+            }
+        });
+    }
+
+    /// Reads all, and holds it against what is expected.
+    fn read(&mut self, client: usize, acknowledges: bool) {
+        let (mut live, mut kept) = (Vec::new(), BTreeSet::new());
+        loop {
+            let scene = self.here(client).unwrap();
+            scene.connection.handle_come();
+            let got = in_words(&taken(scene.connection.to_client()));
+            scene.connection.handle_drained();
+            if got.is_empty() {
+                break;
+            }
+            for words in got {
+                let Some((said, id, is_newly_kept)) = message(&words) else {
+                    if let Some(id) = words.strip_prefix("Pubrel ") {
+                        scene.acknowledge(Kind::Pubcomp, id.parse().unwrap());
+                    }
+                    continue;
+                };
+                if acknowledges && said.qos > Qos::Zero {
+                    scene.acknowledge(if said.qos == Qos::One { Kind::Puback } else { Kind::Pubrec }, id);
+                }
+                if is_newly_kept {
+                    kept.insert((said.topic, said.payload, said.qos));
+                } else {
+                    live.push(said);
+                }
+            }
+        }
+        let Model { clients, ever, .. } = &mut self.model;
+        let expected = &mut clients[client];
+        for said in live {
+            let place = expected.live.iter().position(|(other, _)| *other == said);
+            if let Some(place) = place.filter(|place| expected.live.iter().take(*place).all(|(_, may_be_lost)| *may_be_lost)) {
+                expected.live.drain(..=place);
+            } else {
+                // Whoever has missed something gets what is kept, whether he had it or not; and of what is kept, again what he left unread.
+                assert!(ever.contains(&(said.topic.clone(), said.payload.clone())), "{said:?} was not expected: {expected:?}");
+                continue;
+            }
+            if !acknowledges && said.qos > Qos::Zero {
+                expected.unacknowledged.push(said);
+            }
+        }
+        expected.live.retain(|(_, may_be_lost)| !may_be_lost);
+        assert!(expected.live.is_empty(), "it did not get {:?}", expected.live);
+        assert!(kept.is_superset(&expected.kept), "{kept:?} is kept, and not {:?}", expected.kept);
+        expected.kept.clear();
+    }
+}
+
+/// `Publish a=x q1 #7 kept again`, taken apart.
+fn message(words: &str) -> Option<(Said, u16, bool)> {
+    let (said, marks) = words.strip_prefix("Publish ")?.split_once(" q")?;
+    let (topic, payload) = said.split_once('=')?;
+    let qos = Qos::of(marks[..1].parse().ok()?).ok()?;
+    let id = marks.split_once('#').map_or(0, |(_, rest)| rest.split(' ').next().unwrap().parse().unwrap());
+    let is_newly_kept = marks.contains("kept") && !marks.contains("again");
+    Some((Said { topic: topic.into(), payload: payload.into(), qos }, id, is_newly_kept))
+}
+
+fn act() -> impl Strategy<Value = Act> {
+    let topic = || prop::sample::select(vec!["a", "a/b", "a/c", "b", "/", "a//b"]);
+    let filter = || prop::sample::select(vec!["a", "a/b", "a/+", "a/#", "#", "+", "+/+", "b", "/#", "a/+/b"]);
+    let qos = || prop::sample::select(vec![Qos::Zero, Qos::One, Qos::Two]);
+    prop_oneof![
+        3 => (filter(), qos()).prop_map(|(filter, qos)| Act::Subscribe(filter, qos)),
+        1 => filter().prop_map(Act::Unsubscribe),
+        6 => (topic(), qos(), any::<bool>()).prop_map(|(topic, qos, retain)| Act::Publish(topic, qos, retain)),
+        1 => topic().prop_map(Act::Clear),
+        2 => any::<bool>().prop_map(Act::Read),
+        2 => Just(Act::Break),
+    ]
+}
+
+proptest! {
+    #[test]
+    fn whatever_clients_do_they_get_what_the_standard_says(script in prop::collection::vec((0..CLIENTS, act()), 0..60)) {
+        let mut play = Play::new();
+        for (client, act) in &script {
+            play.act(*client, act);
+        }
+        for client in 0..CLIENTS {
+            if play.here(client).is_none() {
+                play.break_off_or_come_back(client);
+            }
+            play.read(client, true);
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! Messages that another router carries: where they come, once, and that none is lost on the way.
+
+use std::sync::{Arc, Mutex};
+
+use super::scene::{OPERATOR, Scene, TestRights, publish};
+use crate::packet::Qos;
+use crate::{Broker, Passage, Router, Subscriber, filter};
+
+/// Holds what it is to carry, and knows who reads what.
+#[derive(Clone, Debug, Default)]
+struct TestRouter(Arc<Mutex<Held>>);
+
+#[derive(Debug, Default)]
+struct Held {
+    readers: Vec<(String, Arc<Subscriber>)>,
+    passages: Vec<Passage>,
+}
+
+impl Router for TestRouter {
+    fn subscribe(&self, filter: &str, subscriber: &Arc<Subscriber>) {
+        self.0.lock().unwrap().readers.push((filter.to_owned(), Arc::clone(subscriber)));
+    }
+
+    fn unsubscribe(&self, filter: &str, subscriber: &Arc<Subscriber>) {
+        self.0.lock().unwrap().readers.retain(|(known, reader)| known != filter || !Arc::ptr_eq(reader, subscriber));
+    }
+
+    fn carry(&self, passage: Passage) {
+        self.0.lock().unwrap().passages.push(passage);
+    }
+}
+
+fn broker() -> (Arc<Broker>, TestRouter) {
+    let router = TestRouter::default();
+    (Arc::new(Broker::with_router(TestRights, router.clone())), router)
+}
+
+#[test]
+fn a_router_is_told_who_reads_what_and_brings_each_message_once() {
+    let (broker, router) = broker();
+    let mut writer = Scene::at_broker(&broker, OPERATOR, |_| {});
+    let mut readers = [writer.reader(&[("a/#", Qos::Zero)]), writer.reader(&[("a/+", Qos::One), ("a/b", Qos::Two)])];
+    writer.client(&[publish(0x34, "a/b", "x", 7), publish(0x30, "nobody", "y", 0)].concat()).unwrap();
+    assert!(readers.iter_mut().all(|reader| reader.read().is_empty()), "it is on its way");
+    {
+        let Held { readers, passages } = &mut *router.0.lock().unwrap();
+        assert_eq!((readers.len(), passages.len(), passages[0].topic()), (3, 1, "a/b"));
+        for (_, reader) in readers.iter().filter(|(filter, _)| filter::matches(filter, "a/b")) {
+            passages[0].arrive(reader);
+        }
+        assert!(passages[0].is_over());
+        passages.clear();
+    }
+    assert_eq!(readers.each_mut().map(Scene::read), [["a/b=x q0"], ["a/b=x q2"]]);
+    drop(readers);
+    assert!(router.0.lock().unwrap().readers.is_empty(), "whoever has gone lets his filters go");
+}
+
+/// However a router ends.
+#[test]
+fn what_was_not_brought_is_when_the_passage_is_over() {
+    let (broker, router) = broker();
+    let mut writer = Scene::at_broker(&broker, OPERATOR, |_| {});
+    let mut readers = [writer.reader(&[("a", Qos::One)]), writer.reader(&[("a", Qos::One)])];
+    for payload in ["1", "2", "3"] {
+        writer.client(&publish(0x32, "a", payload, 7)).unwrap();
+    }
+    let mut passages = std::mem::take(&mut router.0.lock().unwrap().passages);
+    passages[0].arrive(&readers[1].connection.subscriber());
+    drop(passages);
+    assert_eq!(readers.each_mut().map(Scene::read), [["a=1 q1", "a=2 q1", "a=3 q1"]; 2]);
+}
+
+/// Whoever publishes in a flood waits for what is on its way, too.
+#[test]
+fn what_is_on_its_way_counts_as_what_waits_and_once() {
+    let (broker, router) = broker();
+    let mut writer = Scene::at_broker(&broker, OPERATOR, |_| {});
+    let mut reader = writer.reader(&[("a", Qos::Zero)]);
+    let lags = |reader: &Scene| reader.connection.subscriber().lags();
+    while !lags(&reader) {
+        writer.client(&publish(0x30, "a", "x", 0)).unwrap();
+    }
+    let on_their_way = std::mem::take(&mut router.0.lock().unwrap().passages);
+    let count = on_their_way.len();
+    drop(on_their_way);
+    assert!(lags(&reader));
+    assert_eq!((reader.read().len(), lags(&reader)), (count, false));
+    for _ in 0..count - 1 {
+        writer.client(&publish(0x30, "a", "x", 0)).unwrap();
+    }
+    assert!(!lags(&reader), "nothing of the first time is left");
+}

@@ -1,0 +1,592 @@
+//! What was published for one subscriber and has not gone out to its client: its queue, which it has also while it is away, and how far
+//! behind it is. Whoever publishes in a flood is made to wait for those who read. A subscriber who does not read is not waited for long,
+//! and then for a good while not at all: he alone misses messages, the oldest first, and it is noted that he did. Who reads what stands
+//! in `readers`.
+//!
+//! ```text
+//!   publisher ─ put(message) for each whose filters match ─► Subscriber ─ next() ─► its connection
+//!        waits while it is more than LAG behind, until it is no more than RELIEF, or until it is forgiven
+//! ```
+
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::task::{Context, Poll, Waker};
+use std::time::Duration;
+
+use super::limits::{
+    FORGIVEN, FORGIVEN_LONGEST, HEAVIEST, LAG, LAG_BYTES, MENDED, PATIENCE, QUEUE, QUEUE_BYTES, RELIEF, RELIEF_BYTES,
+};
+use super::message::Message;
+use super::packet::Qos;
+use super::readers::Readers;
+
+/// So much room for deliveries is kept when none waits.
+const ROOM: usize = 256;
+
+/// Nothing was missed.
+const NOTHING: u64 = u64::MAX;
+
+/// What waits for one subscriber, and since when it does not keep up.
+#[derive(Debug)]
+pub struct Subscriber {
+    queue: Mutex<Queue>,
+    /// What waits in the queue weighs so much.
+    lag: AtomicUsize,
+    /// Publishers who are to be woken when it has caught up.
+    waiting: Mutex<Vec<Waker>>,
+    /// Since when it was behind whenever somebody looked, in milliseconds on the clock of all connections; 0: it is not.
+    behind_since_ms: AtomicU64,
+    /// Since when its client keeps more from coming, on the same clock; 0: it takes what comes.
+    still_since_ms: AtomicU64,
+    /// Until then nobody waits for it;
+    forgiven_until_ms: AtomicU64,
+    /// that was for so long;
+    forgiven_for_ms: AtomicU64,
+    /// and it began then.
+    forgiven_at_ms: AtomicU64,
+    /// It did not get all messages: what was kept after this stamp it may not know.
+    missed: AtomicU64,
+}
+
+#[derive(Debug, Default)]
+struct Queue {
+    waiting: VecDeque<Delivery>,
+    /// How many bytes the messages in it take, which others may have as well.
+    bytes: usize,
+    presence: Presence,
+    /// Who is to be woken when something comes.
+    taker: Option<Waker>,
+}
+
+/// Whether somebody takes what waits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Presence {
+    #[default]
+    Here,
+    /// Nobody does now, and somebody may later.
+    Away,
+    /// Nobody ever will.
+    Gone,
+}
+
+/// A message on its way to one subscriber.
+#[derive(Clone, Debug)]
+pub(crate) struct Delivery {
+    pub(crate) message: Arc<Message>,
+    /// The lesser of that of the message and that of the subscription.
+    pub(crate) qos: Qos,
+}
+
+/// A subscriber and the filters that it holds; it is one no more when this is dropped.
+#[derive(Debug)]
+pub(crate) struct Subscription {
+    subscriber: Arc<Subscriber>,
+    readers: Arc<Readers>,
+    held: Vec<(Arc<str>, Qos)>,
+}
+
+impl Queue {
+    /// Which of the messages is lost, if it has more than it may.
+    fn too_much(&self, lag: usize) -> Option<usize> {
+        let older = self.waiting.len().checked_sub(1).filter(|older| *older > 0)?;
+        if lag > QUEUE {
+            return Some(0);
+        }
+        let mut older = self.waiting.iter().take(older);
+        if self.bytes > QUEUE_BYTES { older.position(|delivery| delivery.message.cost() > HEAVIEST) } else { None }
+    }
+}
+
+impl Delivery {
+    /// At the lesser of its own quality and that of the subscription (section 3.8.4).
+    pub(crate) fn of(message: &Arc<Message>, granted: Qos) -> Delivery {
+        Delivery { message: Arc::clone(message), qos: message.qos().min(granted) }
+    }
+
+    fn weight(&self) -> usize {
+        weight(&self.message)
+    }
+}
+
+impl Default for Subscriber {
+    fn default() -> Subscriber {
+        let zero = AtomicU64::default;
+        Subscriber {
+            queue: Mutex::default(),
+            lag: AtomicUsize::default(),
+            waiting: Mutex::default(),
+            behind_since_ms: zero(),
+            still_since_ms: zero(),
+            forgiven_until_ms: zero(),
+            forgiven_for_ms: zero(),
+            forgiven_at_ms: zero(),
+            missed: AtomicU64::new(NOTHING),
+        }
+    }
+}
+
+impl Subscriber {
+    /// A message is on its way to it, and counts as if it had come.
+    pub(crate) fn expect(&self, message: &Message) {
+        self.lag.fetch_add(weight(message), Ordering::Relaxed);
+    }
+
+    /// It is not on its way any more: it comes just now.
+    pub(crate) fn unexpect(&self, message: &Message) {
+        self.lag.fetch_sub(weight(message), Ordering::Relaxed);
+    }
+
+    /// A message for it. Of more than there is room for the oldest are lost; `has_room` says whether something may wait for one who is away.
+    pub(crate) fn put(&self, delivery: Delivery, has_room: impl FnOnce() -> bool) {
+        let stamp = delivery.message.stamp;
+        let mut queue = self.queue();
+        match queue.presence {
+            Presence::Here => {}
+            // Whoever is away cannot read, and may be many.
+            Presence::Away if delivery.qos > Qos::Zero && has_room() => {}
+            Presence::Away => {
+                self.miss(stamp);
+                return;
+            }
+            Presence::Gone => return,
+        }
+        queue.bytes += delivery.message.cost();
+        let mut lag = self.lag.fetch_add(delivery.weight(), Ordering::Relaxed) + delivery.weight();
+        queue.waiting.push_back(delivery);
+        while let Some(lost) = queue.too_much(lag).and_then(|place| queue.waiting.remove(place)) {
+            queue.bytes -= lost.message.cost();
+            lag = self.lag.fetch_sub(lost.weight(), Ordering::Relaxed) - lost.weight();
+            self.miss(lost.message.stamp);
+        }
+        let taker = queue.taker.take();
+        drop(queue);
+        if let Some(taker) = taker {
+            taker.wake();
+        }
+    }
+
+    /// The next message that goes out, if there is one; none that is to be acknowledged, when its client has acknowledged too little.
+    pub(crate) fn next(&self, has_window: bool) -> Option<Delivery> {
+        let mut queue = self.queue();
+        queue.waiting.front().filter(|next| has_window || next.qos == Qos::Zero)?;
+        let delivery = queue.waiting.pop_front()?;
+        let was_behind = self.is_unrelieved(queue.bytes);
+        queue.bytes -= delivery.message.cost();
+        self.lag.fetch_sub(delivery.weight(), Ordering::Relaxed);
+        let is_relieved = was_behind && !self.is_unrelieved(queue.bytes);
+        if queue.waiting.is_empty() && queue.waiting.capacity() > ROOM {
+            queue.waiting = VecDeque::new();
+        }
+        drop(queue);
+        if is_relieved {
+            self.relieve();
+        }
+        Some(delivery)
+    }
+
+    /// Whether more waits for it, this being its bytes, than for one who has caught up.
+    fn is_unrelieved(&self, bytes: usize) -> bool {
+        self.lag.load(Ordering::Relaxed) > RELIEF || bytes > RELIEF_BYTES
+    }
+
+    /// Whether something waits for it that can go out; `has_window` says whether that may be something to be acknowledged. Else whoever asks
+    /// is woken when it does.
+    pub fn poll_come(&self, has_window: bool, cx: &Context<'_>) -> Poll<()> {
+        let mut queue = self.queue();
+        if queue.waiting.front().is_some_and(|next| has_window || next.qos == Qos::Zero) {
+            return Poll::Ready(());
+        }
+        if !queue.taker.as_ref().is_some_and(|taker| taker.will_wake(cx.waker())) {
+            queue.taker = Some(cx.waker().clone());
+        }
+        Poll::Pending
+    }
+
+    /// How many bytes the messages take that wait for it, which others may have as well.
+    pub(crate) fn bytes(&self) -> usize {
+        self.queue().bytes
+    }
+
+    /// How many bytes it takes that they wait.
+    pub(crate) fn own_bytes(&self) -> usize {
+        self.queue().waiting.len() * size_of::<Delivery>()
+    }
+
+    /// Whether nothing waits for it.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.queue().waiting.is_empty()
+    }
+
+    /// It does not get a message before which nothing was kept after this stamp.
+    pub(crate) fn miss(&self, stamp: u64) {
+        self.missed.fetch_min(stamp, Ordering::Relaxed);
+    }
+
+    /// What it has missed is made up for: what was kept after this stamp it may not know.
+    pub(crate) fn take_missed(&self) -> Option<u64> {
+        let missed = self.missed.swap(NOTHING, Ordering::Relaxed);
+        (missed != NOTHING).then_some(missed)
+    }
+
+    pub(crate) fn is_behind(&self, now: Duration) -> bool {
+        let is_behind = self.lags() && ms(now) >= self.forgiven_until_ms.load(Ordering::Relaxed);
+        if is_behind {
+            let _ = self.behind_since_ms.compare_exchange(0, ms(now).max(1), Ordering::Relaxed, Ordering::Relaxed);
+        }
+        is_behind
+    }
+
+    /// Whether it is here, and more waits for it than for one who keeps up.
+    pub(crate) fn lags(&self) -> bool {
+        let queue = self.queue();
+        queue.presence == Presence::Here && (self.lag.load(Ordering::Relaxed) > LAG || queue.bytes > LAG_BYTES)
+    }
+
+    /// Whether it has caught up; else whoever asks is woken when it has, or nobody waits for it any more.
+    pub fn poll_relieved(&self, cx: &Context<'_>) -> Poll<()> {
+        let mut waiting = self.waiting();
+        // Looked at under the lock, so that whoever takes something off it meanwhile finds whom to wake.
+        if !self.is_unrelieved(self.bytes()) {
+            return Poll::Ready(());
+        }
+        if !waiting.iter().any(|waker| waker.will_wake(cx.waker())) {
+            waiting.push(cx.waker().clone());
+        }
+        Poll::Pending
+    }
+
+    fn wake_all(&self) {
+        let waiting = std::mem::take(&mut *self.waiting());
+        waiting.into_iter().for_each(Waker::wake);
+    }
+
+    fn waiting(&self) -> MutexGuard<'_, Vec<Waker>> {
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn queue(&self) -> MutexGuard<'_, Queue> {
+        self.queue.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Whether its client keeps more from coming: as much waits for it as may wait, however little of that it takes now and then, or
+    /// it has acknowledged nothing since it was first said so.
+    pub(crate) fn note_still(&self, is_full: bool, is_unacknowledged: bool, now: Duration) {
+        match (is_full, is_unacknowledged) {
+            (true, _) => self.still_since_ms.store(1, Ordering::Relaxed),
+            (false, true) => {
+                let _ = self.still_since_ms.compare_exchange(0, ms(now).max(1), Ordering::Relaxed, Ordering::Relaxed);
+            }
+            (false, false) => self.still_since_ms.store(0, Ordering::Relaxed),
+        }
+    }
+
+    /// Somebody waited for it, and waits `still` for one who does not read. If it was behind for so long, or for as long as anybody is
+    /// waited for, it is not waited for during a while, longer each time; one that had caught up in between is waited for again.
+    /// Whether that is so.
+    pub(crate) fn forgive(&self, now: Duration, still: Duration) -> bool {
+        let lasts = |since: u64, time: Duration| since != 0 && ms(now).saturating_sub(since) >= ms(time);
+        let behind_since = self.behind_since_ms.load(Ordering::Relaxed);
+        let is_still = lasts(self.still_since_ms.load(Ordering::Relaxed), still) && lasts(behind_since, still);
+        if !is_still && !lasts(behind_since, PATIENCE) {
+            return false;
+        }
+        let (last, at) = (self.forgiven_for_ms.load(Ordering::Relaxed), self.forgiven_at_ms.swap(ms(now), Ordering::Relaxed));
+        let is_mended = ms(now) > at + last + ms(MENDED);
+        let next = if is_mended { 0 } else { 2 * last }.clamp(ms(FORGIVEN), ms(FORGIVEN_LONGEST));
+        self.forgiven_for_ms.store(next, Ordering::Relaxed);
+        self.forgiven_until_ms.store(ms(now) + next, Ordering::Relaxed);
+        self.behind_since_ms.store(0, Ordering::Relaxed);
+        self.wake_all();
+        true
+    }
+
+    /// It has caught up. Whoever was forgiven once is waited for again at once, whoever was so several times in a while only later:
+    /// nobody is to slow others down by reading now and then.
+    fn relieve(&self) {
+        self.behind_since_ms.store(0, Ordering::Relaxed);
+        if self.forgiven_for_ms.load(Ordering::Relaxed) <= ms(FORGIVEN) {
+            self.forgiven_until_ms.store(0, Ordering::Relaxed);
+        }
+        self.wake_all();
+    }
+}
+
+impl Subscription {
+    pub(crate) fn new(readers: &Arc<Readers>) -> Subscription {
+        Subscription { subscriber: Arc::default(), readers: Arc::clone(readers), held: Vec::new() }
+    }
+
+    pub(crate) fn subscriber(&self) -> &Arc<Subscriber> {
+        &self.subscriber
+    }
+
+    /// The filters that it holds, with what was granted for each.
+    pub(crate) fn held(&self) -> &[(Arc<str>, Qos)] {
+        &self.held
+    }
+
+    pub(crate) fn holds(&self, filter: &str) -> bool {
+        self.held.iter().any(|(held, _)| &**held == filter)
+    }
+
+    /// From now on what is published there comes to it.
+    pub(crate) fn hold(&mut self, filter: &str, qos: Qos) -> Arc<str> {
+        let name = match self.held.iter_mut().find(|(held, _)| &**held == filter) {
+            Some((name, granted)) => {
+                *granted = qos;
+                Arc::clone(name)
+            }
+            None => {
+                let name: Arc<str> = Arc::from(filter);
+                self.held.push((Arc::clone(&name), qos));
+                name
+            }
+        };
+        self.readers.enter(&name, &self.subscriber, qos);
+        name
+    }
+
+    /// Lets a filter go; whether it was held.
+    pub(crate) fn strike(&mut self, filter: &str) -> bool {
+        let Some(place) = self.held.iter().position(|(held, _)| &**held == filter) else { return false };
+        self.held.remove(place);
+        self.readers.strike(filter, &self.subscriber);
+        true
+    }
+
+    /// He has gone, and comes again: what is to reach him surely waits for him, if it has room, and nobody waits until he reads it.
+    pub(crate) fn leave(&self, has_room: bool) {
+        let mut queue = self.subscriber.queue();
+        (queue.presence, queue.taker) = (Presence::Away, None);
+        if !has_room {
+            queue.waiting.drain(..).for_each(|lost| self.subscriber.miss(lost.message.stamp));
+            queue.bytes = 0;
+            self.subscriber.lag.store(0, Ordering::Relaxed);
+        }
+        drop(queue);
+        self.subscriber.wake_all();
+    }
+
+    /// He is here again.
+    pub(crate) fn come_back(&self) {
+        self.subscriber.queue().presence = Presence::Here;
+    }
+}
+
+impl Drop for Subscription {
+    fn drop(&mut self) {
+        for (filter, _) in &self.held {
+            self.readers.strike(filter, &self.subscriber);
+        }
+        // Whoever waits for him need not.
+        *self.subscriber.queue() = Queue { presence: Presence::Gone, ..Queue::default() };
+        self.subscriber.lag.store(0, Ordering::Relaxed);
+        self.subscriber.wake_all();
+    }
+}
+
+/// What a message counts while it waits for somebody: a long one is there once for all who wait for it.
+fn weight(message: &Message) -> usize {
+    message.cost().min(HEAVIEST)
+}
+
+fn ms(duration: Duration) -> u64 {
+    u64::try_from(duration.as_millis()).unwrap_or(u64::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::limits::STILL;
+
+    const NOW: Duration = Duration::from_secs(100);
+
+    /// A message that weighs so much, being long enough.
+    fn delivery(weight: usize, stamp: u64) -> Delivery {
+        let mut message = Message::new(Arc::from("a"), b"", Qos::One, stamp, &Arc::default());
+        message = Message::new(Arc::from("a"), &vec![0; weight - message.cost()], Qos::One, stamp, &Arc::default());
+        Delivery { message: Arc::new(message), qos: Qos::One }
+    }
+
+    fn owe(subscriber: &Subscriber, bytes: usize) {
+        let (whole, rest) = (bytes / HEAVIEST, bytes % HEAVIEST);
+        let weights = std::iter::repeat_n(HEAVIEST, whole - usize::from(rest > 0)).chain((rest > 0).then_some(HEAVIEST / 2));
+        let last = (rest > 0).then_some(rest + HEAVIEST / 2);
+        weights.chain(last).for_each(|weight| subscriber.put(delivery(weight, 0), || true));
+    }
+
+    /// Its client takes so much that no more than this waits.
+    fn reads_down_to(subscriber: &Subscriber, most: usize) {
+        while subscriber.lag.load(Ordering::Relaxed) > most {
+            assert!(subscriber.next(true).is_some());
+        }
+    }
+
+    /// It is behind, and was waited for as long as anybody waits, until then.
+    fn stall(subscriber: &Subscriber, until: Duration) {
+        owe(subscriber, LAG + 1);
+        assert!(subscriber.is_behind(until - PATIENCE));
+        assert!(subscriber.forgive(until, STILL));
+    }
+
+    #[tokio::test]
+    async fn whoever_lags_is_waited_for_until_he_has_caught_up() {
+        let lag = Arc::new(Subscriber::default());
+        owe(&lag, LAG);
+        assert!(!lag.is_behind(NOW));
+        lag.put(delivery(200, 0), || true);
+        assert!(lag.is_behind(NOW));
+        let waiting = tokio::spawn({
+            let lag = Arc::clone(&lag);
+            async move { std::future::poll_fn(|cx| lag.poll_relieved(cx)).await }
+        });
+        tokio::task::yield_now().await;
+        reads_down_to(&lag, RELIEF);
+        waiting.await.expect("he has caught up");
+    }
+
+    /// Long ones weigh little each.
+    #[test]
+    fn whoever_has_a_few_long_messages_before_him_is_waited_for_too() {
+        let subscriber = Subscriber::default();
+        (0..2).for_each(|_| subscriber.put(delivery(LAG_BYTES / 2, 0), || true));
+        assert!(!subscriber.is_behind(NOW));
+        subscriber.put(delivery(200, 0), || true);
+        assert!(subscriber.is_behind(NOW));
+        let cx = Context::from_waker(Waker::noop());
+        assert!(subscriber.next(true).is_some() && subscriber.poll_relieved(&cx).is_pending());
+        assert!(subscriber.next(true).is_some() && subscriber.poll_relieved(&cx).is_ready());
+    }
+
+    #[tokio::test]
+    async fn whoever_waits_for_messages_is_told_of_those_that_can_go_out() {
+        let subscriber = Arc::new(Subscriber::default());
+        let waiting = tokio::spawn({
+            let subscriber = Arc::clone(&subscriber);
+            async move { std::future::poll_fn(|cx| subscriber.poll_come(false, cx)).await }
+        });
+        tokio::task::yield_now().await;
+        subscriber.put(delivery(200, 0), || true);
+        tokio::task::yield_now().await;
+        assert!(!waiting.is_finished() && subscriber.next(false).is_none(), "this one wants to be acknowledged");
+        std::future::poll_fn(|cx| subscriber.poll_come(true, cx)).await;
+        assert!(subscriber.next(true).is_some());
+        subscriber.put(Delivery { qos: Qos::Zero, ..delivery(200, 0) }, || true);
+        waiting.await.expect("this one does not");
+    }
+
+    #[test]
+    fn whoever_does_not_read_is_not_waited_for_longer_and_longer() {
+        let lag = Subscriber::default();
+        stall(&lag, NOW);
+        assert!(!lag.is_behind(NOW + FORGIVEN - Duration::from_millis(1)));
+        stall(&lag, NOW + FORGIVEN + PATIENCE);
+        let again = NOW + FORGIVEN + PATIENCE;
+        assert!(!lag.is_behind(again + FORGIVEN) && lag.is_behind(again + 2 * FORGIVEN));
+    }
+
+    /// Several wait for several: one whose wait is over is no reason not to wait for those who read.
+    #[test]
+    fn whoever_has_caught_up_in_between_is_not_forgiven() {
+        let lag = Subscriber::default();
+        owe(&lag, LAG + 1);
+        assert!(lag.is_behind(NOW));
+        reads_down_to(&lag, 0);
+        owe(&lag, LAG + 1);
+        assert!(lag.is_behind(NOW + PATIENCE / 2) && !lag.forgive(NOW + PATIENCE, STILL));
+        assert!(lag.is_behind(NOW + PATIENCE), "it reads, and is waited for");
+        assert!(lag.forgive(NOW + PATIENCE + PATIENCE / 2, STILL));
+        assert!(!lag.is_behind(NOW + 2 * PATIENCE), "now it does not");
+    }
+
+    /// What stands behind a flood does not wait long for one who does not read, and no healthy one is taken for such a one.
+    #[test]
+    fn whoever_does_not_read_is_waited_for_only_a_moment() {
+        let behind = || {
+            let lag = Subscriber::default();
+            owe(&lag, LAG + 1);
+            assert!(lag.is_behind(NOW));
+            lag
+        };
+        let almost = NOW + STILL - Duration::from_millis(1);
+        let slow = behind();
+        assert!(!slow.forgive(NOW + STILL, STILL), "others may have much to do");
+        let full = behind();
+        full.note_still(true, false, almost);
+        assert!(!full.forgive(almost, STILL) && full.forgive(NOW + STILL, STILL), "a trickle out of a full room is no reading");
+        let silent = behind();
+        silent.note_still(false, true, NOW);
+        silent.note_still(false, true, almost);
+        assert!(!silent.forgive(almost, STILL) && silent.forgive(NOW + STILL, STILL));
+        let answering = behind();
+        answering.note_still(false, true, NOW);
+        answering.note_still(false, false, almost);
+        answering.note_still(false, true, almost);
+        assert!(!answering.forgive(NOW + STILL, STILL), "it has acknowledged some in between");
+    }
+
+    #[test]
+    fn whoever_reads_again_is_waited_for_again_unless_he_makes_a_habit_of_it() {
+        let lag = Subscriber::default();
+        stall(&lag, NOW);
+        reads_down_to(&lag, 0);
+        owe(&lag, LAG + 1);
+        assert!(lag.is_behind(NOW + PATIENCE), "he has caught up");
+        stall(&lag, NOW + 2 * PATIENCE);
+        reads_down_to(&lag, 0);
+        owe(&lag, LAG + 1);
+        assert!(!lag.is_behind(NOW + 3 * PATIENCE), "the second time in a while");
+        assert!(lag.is_behind(NOW + 3 * FORGIVEN));
+        stall(&lag, NOW + 2 * MENDED);
+        reads_down_to(&lag, 0);
+        owe(&lag, LAG + 1);
+        assert!(lag.is_behind(NOW + 2 * MENDED + PATIENCE), "a good while later");
+    }
+
+    #[test]
+    fn of_more_than_there_is_room_for_the_oldest_are_lost_and_that_is_known() {
+        let subscriber = Subscriber::default();
+        owe(&subscriber, QUEUE);
+        assert_eq!(subscriber.take_missed(), None, "nothing is lost");
+        for stamp in 7..1000 {
+            subscriber.put(delivery(HEAVIEST, stamp), || true);
+        }
+        let waiting: Vec<u64> = std::iter::from_fn(|| Some(subscriber.next(true)?.message.stamp)).collect();
+        let kept = QUEUE / HEAVIEST;
+        assert_eq!(waiting, (1000 - kept as u64..1000).collect::<Vec<_>>());
+        assert_eq!((subscriber.take_missed(), subscriber.take_missed()), (Some(0), None), "from when on it may not know it");
+        assert_eq!((subscriber.lag.load(Ordering::Relaxed), subscriber.bytes()), (0, 0));
+    }
+
+    /// Long ones weigh little each, and there is an end to their bytes; one alone may be longer, and no short one is lost for it.
+    #[test]
+    fn there_is_an_end_to_the_bytes_of_what_waits() {
+        let subscriber = Subscriber::default();
+        subscriber.put(delivery(200, 77), || true);
+        (0..9).for_each(|stamp| subscriber.put(delivery(QUEUE_BYTES / 4, stamp), || true));
+        assert_eq!((subscriber.bytes(), subscriber.take_missed()), (3 * QUEUE_BYTES / 4 + 200, Some(0)));
+        subscriber.put(delivery(2 * QUEUE_BYTES, 9), || true);
+        assert_eq!(subscriber.bytes(), 2 * QUEUE_BYTES + 200);
+        assert_eq!(subscriber.next(true).map(|first| first.message.stamp), Some(77));
+    }
+
+    /// Nobody waits for one who is not here, however much waits for him.
+    #[test]
+    fn whoever_is_away_is_not_waited_for_and_whoever_is_gone_gets_nothing() {
+        let readers = Arc::default();
+        let mut subscription = Subscription::new(&readers);
+        subscription.hold("a", Qos::One);
+        let subscriber = Arc::clone(subscription.subscriber());
+        owe(&subscriber, QUEUE);
+        assert!(subscriber.is_behind(NOW));
+        subscription.leave(true);
+        assert!(!subscriber.is_behind(NOW) && readers.of("a").len() == 1);
+        subscription.come_back();
+        assert!(subscriber.is_behind(NOW));
+        drop(subscription);
+        subscriber.put(delivery(200, 0), || true);
+        assert!(!subscriber.is_behind(NOW) && subscriber.is_empty() && readers.of("a").is_empty());
+    }
+}

@@ -1,0 +1,264 @@
+//! Client ids: of two clients of one id the later stays, and whoever wants to be remembered under his is, while he is away. What is
+//! remembered is the gate's business.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use tokio::sync::watch;
+
+use mqtt_gate::Session;
+
+/// Clients that are remembered while they are away; of more the one who has been away for longest is forgotten.
+const REMEMBERED: usize = 128;
+
+/// So long a newcomer of the same name waits for the other to leave.
+const LEAVE_TIME: Duration = Duration::from_secs(2);
+
+/// Whose client it is, and what it calls itself: nobody takes the place of somebody else's client.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Name {
+    pub(super) who: Arc<str>,
+    /// The client's own name; empty: it has none.
+    pub(super) client: String,
+}
+
+/// All client ids. Cheap to clone.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ClientIds(Arc<Mutex<Registry>>);
+
+/// The id of a client that is here; free again when it is dropped.
+#[derive(Debug)]
+pub(super) struct ClientId {
+    ids: ClientIds,
+    name: Name,
+    moment: u64,
+    leave: watch::Receiver<bool>,
+    _gone: watch::Sender<()>,
+}
+
+#[derive(Debug, Default)]
+struct Registry {
+    /// Counts whoever has come, so that one is not taken for another of the same name.
+    moments: u64,
+    present: HashMap<Name, Present>,
+    remembered: HashMap<Name, Remembered>,
+}
+
+#[derive(Debug)]
+struct Present {
+    moment: u64,
+    leave: watch::Sender<bool>,
+    gone: watch::Receiver<()>,
+}
+
+#[derive(Debug)]
+struct Remembered {
+    moment: u64,
+    session: Option<Session>,
+}
+
+impl ClientIds {
+    /// The id for a client, and what is remembered of it; one of the same id is sent away first. `wants_memory`: what happens while it is
+    /// away is kept.
+    pub(super) async fn take(&self, name: Name, wants_memory: bool) -> (ClientId, Option<Session>) {
+        let came = self.registry().next_moment();
+        loop {
+            let (moment, mut gone) = match self.enter(&name, wants_memory, came) {
+                Ok(taken) => return taken,
+                Err(present) => present,
+            };
+            // It ends when the other's end of the channel is dropped with its id; one that hangs is left to itself.
+            if tokio::time::timeout(LEAVE_TIME, gone.changed()).await.is_err() {
+                self.registry().give_up(&name, moment);
+            }
+        }
+    }
+
+    /// The id, when nobody of this name is here; else he is asked to leave, and it is said when he came and what ends when he has gone.
+    fn enter(
+        &self,
+        name: &Name,
+        wants_memory: bool,
+        came: u64,
+    ) -> Result<(ClientId, Option<Session>), (u64, watch::Receiver<()>)> {
+        let mut registry = self.registry();
+        let is_overtaken = registry.present.get(name).is_some_and(|present| present.moment > came);
+        if let Some(present) = registry.present.get(name).filter(|_| !is_overtaken) {
+            present.leave.send_replace(true);
+            return Err((present.moment, present.gone.clone()));
+        }
+        let moment = came;
+        // Whoever came later has the name. What this one has said before it left is to go its way all the same.
+        let is_named = !name.client.is_empty() && !is_overtaken;
+        let had = if is_named { registry.remembered.remove(name) } else { None };
+        let is_kept = wants_memory && is_named && registry.has_memory();
+        let session = had.filter(|_| is_kept).and_then(|had| had.session);
+        if is_kept {
+            registry.remembered.insert(name.clone(), Remembered { moment, session: None });
+        }
+        let (gone, gone_too) = watch::channel(());
+        let (leave, asked) = watch::channel(is_overtaken);
+        if is_named {
+            registry.present.insert(name.clone(), Present { moment, leave, gone: gone_too });
+        }
+        drop(registry);
+        Ok((ClientId { ids: self.clone(), name: name.clone(), moment, leave: asked, _gone: gone }, session))
+    }
+
+    fn registry(&self) -> MutexGuard<'_, Registry> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Registry {
+    fn next_moment(&mut self) -> u64 {
+        self.moments += 1;
+        self.moments
+    }
+
+    /// Whoever came then does not leave: he is not waited for, and what he has stays his until he does.
+    fn give_up(&mut self, name: &Name, moment: u64) {
+        self.present.retain(|known, present| known != name || present.moment != moment);
+        self.remembered.retain(|known, remembered| known != name || remembered.moment != moment);
+    }
+
+    /// Whether one more can be remembered; of those who are away the one who has been for longest gives way.
+    fn has_memory(&mut self) -> bool {
+        if self.remembered.len() < REMEMBERED {
+            return true;
+        }
+        let away = self.remembered.iter().filter(|(name, _)| !self.present.contains_key(*name));
+        let oldest = away.min_by_key(|(_, remembered)| remembered.moment).map(|(name, _)| name.clone());
+        oldest.is_some_and(|name| self.remembered.remove(&name).is_some())
+    }
+}
+
+impl ClientId {
+    /// Waits until somebody of the same name wants the place.
+    pub(super) async fn wanted(&mut self) {
+        if self.leave.wait_for(|leave| *leave).await.is_err() {
+            std::future::pending::<()>().await;
+        }
+    }
+
+    /// Keeps what is to be remembered of the client, for when it comes back.
+    pub(super) fn remember(&self, session: Session) {
+        let mut registry = self.ids.registry();
+        if let Some(remembered) = registry.remembered.get_mut(&self.name).filter(|remembered| remembered.moment == self.moment) {
+            remembered.session = Some(session);
+        }
+    }
+}
+
+impl Drop for ClientId {
+    fn drop(&mut self) {
+        self.ids.registry().present.retain(|_, present| present.moment != self.moment);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use futures_util::FutureExt;
+
+    use super::*;
+
+    fn name(client: &str) -> Name {
+        Name { who: Arc::from("operator"), client: client.to_owned() }
+    }
+
+    /// Whether something is remembered of whoever comes back with this name, which is remembered from now on.
+    async fn is_remembered(ids: &ClientIds, client: &str) -> bool {
+        let (id, session) = ids.take(name(client), true).await;
+        id.remember(Session::default());
+        session.is_some()
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn whoever_comes_with_a_name_that_is_present_takes_its_place_when_it_has_left() {
+        let ids = ClientIds::default();
+        let (mut old, _) = ids.take(name("panel"), false).await;
+        let leaving = tokio::spawn(async move { old.wanted().await });
+        ids.take(name("panel"), false).await;
+        assert!(leaving.await.is_ok());
+        let (hangs, _) = ids.take(name("panel"), false).await;
+        let (newer, _) = ids.take(name("panel"), false).await;
+        drop(hangs);
+        assert_eq!(ids.registry().present.len(), 1, "the newer one is there still");
+        drop(newer);
+        assert!(ids.registry().present.is_empty());
+    }
+
+    /// One that has left already, and waits for its place still to pass on what it said, sends no newer one away.
+    #[tokio::test(start_paused = true)]
+    async fn whoever_came_before_takes_the_place_of_nobody_who_came_later() {
+        let ids = ClientIds::default();
+        let (mut first, _) = ids.take(name("panel"), true).await;
+        let mut older = Box::pin(ids.take(name("panel"), true));
+        assert!(older.as_mut().now_or_never().is_none());
+        first.wanted().await;
+        drop(first);
+        let (mut newer, _) = ids.take(name("panel"), true).await;
+        let (mut older, _) = older.await;
+        older.wanted().await;
+        let is_wanted = tokio::time::timeout(Duration::from_secs(9), newer.wanted()).await;
+        assert!(is_wanted.is_err(), "nobody wants its place");
+        older.remember(Session::default());
+        drop(older);
+        assert_eq!(ids.registry().present.len(), 1);
+        drop(newer);
+        assert!(!is_remembered(&ids, "panel").await, "what it would have remembered is another's");
+    }
+
+    #[tokio::test]
+    async fn nobody_takes_the_place_of_somebody_elses_client() {
+        let ids = ClientIds::default();
+        let _theirs = ids.take(name("panel"), false).await;
+        let other = Name { who: Arc::from("viewer"), client: "panel".to_owned() };
+        assert!(ids.take(other, false).now_or_never().is_some(), "nobody was waited for");
+    }
+
+    #[tokio::test]
+    async fn who_wants_to_be_remembered_is_until_he_wants_it_no_more() {
+        let ids = ClientIds::default();
+        assert!(!is_remembered(&ids, "panel").await, "he was never here");
+        assert!(!is_remembered(&ids, "other").await);
+        assert!(is_remembered(&ids, "panel").await && is_remembered(&ids, "panel").await);
+        let (id, session) = ids.take(name("panel"), false).await;
+        id.remember(Session::default());
+        drop(id);
+        assert!(session.is_none() && !is_remembered(&ids, "panel").await);
+        assert!(!is_remembered(&ids, "").await && !is_remembered(&ids, "").await, "whoever has no name cannot be known again");
+    }
+
+    /// Safety A5.
+    #[tokio::test]
+    async fn only_so_many_are_remembered_and_whoever_has_been_away_for_longest_is_forgotten() {
+        let ids = ClientIds::default();
+        for number in 0..=REMEMBERED {
+            assert!(!is_remembered(&ids, &number.to_string()).await);
+        }
+        assert_eq!(ids.registry().remembered.len(), REMEMBERED);
+        assert!(is_remembered(&ids, "1").await);
+        assert!(!is_remembered(&ids, "0").await, "he was the first to go");
+        let here: Vec<_> =
+            futures_util::future::join_all((0..REMEMBERED).map(|n| ids.take(name(&format!("here {n}")), true))).await;
+        assert_eq!(ids.registry().remembered.len(), here.len());
+        assert!(!is_remembered(&ids, "one more").await && !is_remembered(&ids, "one more").await, "nobody is away");
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn of_two_who_come_at_once_one_is_sent_away() {
+        let ids = ClientIds::default();
+        let ((mut one, _), mut other) = (ids.take(name("panel"), true).await, None);
+        tokio::select! {
+            () = one.wanted() => drop(one),
+            id = ids.take(name("panel"), true) => other = Some(id),
+        }
+        assert!(other.is_none(), "the second waited until the first was asked to leave");
+        let hangs = ids.take(name("panel"), true).await;
+        let _newer = ids.take(name("panel"), true).await;
+        drop(hangs);
+        assert!(ids.registry().present.contains_key(&name("panel")));
+    }
+}

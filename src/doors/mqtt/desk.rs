@@ -1,0 +1,227 @@
+//! Where one client is served: by a task of its own on the gate's thread, and, while little is said, by the thread that hears, in its stead.
+//! To wake another thread takes longer than to pass a short message on. Whoever serves has the pump to himself for so long; it does the
+//! same for both.
+//!
+//! ```text
+//!   hear-mqtt  a message ─► Feeder::put wakes the publisher's desk ─► pump ─► Subscriber::put wakes a reader's desk ─► pump ─► its socket
+//!                             │ at once, while the allowance lasts           │ likewise
+//!   mqtt-gate                 └──────────── else, the task of each ──────────┘
+//! ```
+
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::future::poll_fn;
+use std::pin::{Pin, pin};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
+use std::task::{Context, Poll, Wake, Waker};
+use std::time::Duration;
+
+use futures_util::task::AtomicWaker;
+use tokio::task::yield_now;
+use tokio::time::{Sleep, sleep_until};
+
+use super::pump::{Pump, Spell};
+use crate::runtime::clock::Clock;
+use mqtt_gate::Ended;
+
+/// Of its time the thread that hears may spend one part in so many on serving (safety S7),
+const PART: u32 = 8;
+
+/// and so much in one go, when it has saved that up, with what it has begun by then.
+const MOST: Duration = Duration::from_micros(500);
+
+/// With less than this it does not begin.
+const LEAST: Duration = Duration::from_micros(100);
+
+thread_local! {
+    /// Desks that were woken and are to be served here; `None`: nobody is served here now.
+    static LINE: RefCell<Option<VecDeque<Arc<Desk>>>> = const { RefCell::new(None) };
+    static ALLOWANCE: RefCell<Allowance> = const { RefCell::new(Allowance { saved: MOST, at: Duration::ZERO }) };
+}
+
+/// Where one client is served.
+pub(super) struct Desk {
+    /// `None`: it is served no more.
+    pump: Mutex<Option<Pump>>,
+    /// Its own task.
+    task: AtomicWaker,
+}
+
+/// How long a thread may serve that has something else to do.
+#[derive(Debug)]
+struct Allowance {
+    saved: Duration,
+    at: Duration,
+}
+
+/// That this thread serves those whom it wakes. Those who were not served when this is dropped have their own tasks.
+struct Line;
+
+impl Desk {
+    pub(super) fn new(pump: Pump) -> Arc<Desk> {
+        Arc::new(Desk { pump: Mutex::new(Some(pump)), task: AtomicWaker::new() })
+    }
+
+    /// Serves until there is an end to it, and says why that came.
+    pub(super) async fn serve(self: &Arc<Desk>, clock: Clock) -> Ended {
+        let waker = Waker::from(Arc::clone(self));
+        let mut alarm = Alarm(None);
+        poll_fn(|cx| {
+            self.task.register(cx.waker());
+            let mut desk = self.pump();
+            let Some(pump) = desk.as_mut() else { return Poll::Ready(Ended::Gone) };
+            if let Poll::Ready(ended) = pump.poll(Spell::Long, &mut Context::from_waker(&waker)) {
+                return Poll::Ready(ended);
+            }
+            if pump.wants_turn() {
+                // Behind all others, those included whom another thread has woken: whoever only wakes himself again keeps these waiting.
+                let _ = pin!(yield_now()).poll(cx);
+            }
+            alarm.set(pump.due(), clock, cx);
+            Poll::Pending
+        })
+        .await
+    }
+
+    /// Ends the serving, and gives back what it was done with.
+    pub(super) fn close(&self) -> Option<Pump> {
+        self.pump().take()
+    }
+
+    /// Does one thing of each kind, in place of its task.
+    fn serve_here(self: Arc<Desk>) {
+        let waker = Waker::from(Arc::clone(&self));
+        let (wants_task, wants_turn) = match self.pump.try_lock() {
+            Ok(mut desk) => desk.as_mut().map_or((false, false), |pump| {
+                let _ = pump.poll(Spell::Short, &mut Context::from_waker(&waker));
+                (pump.wants_task(), pump.wants_turn())
+            }),
+            Err(TryLockError::WouldBlock | TryLockError::Poisoned(_)) => (true, false),
+        };
+        if wants_task {
+            self.task.wake();
+        } else if wants_turn {
+            // Behind those who were woken by what it has done.
+            waker.wake();
+        }
+    }
+
+    fn pump(&self) -> MutexGuard<'_, Option<Pump>> {
+        self.pump.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Wake for Desk {
+    fn wake(self: Arc<Desk>) {
+        let left = LINE.with_borrow_mut(|line| match line {
+            Some(line) => {
+                line.push_back(self);
+                None
+            }
+            None => Some(self),
+        });
+        if let Some(desk) = left {
+            desk.task.wake();
+        }
+    }
+}
+
+/// Does something that may wake desks, and serves these on this thread at once, as long as it is allowed to; whoever is not served has his
+/// own task.
+pub(super) fn serving_here(clock: Clock, ring: impl FnOnce()) {
+    let began = clock.since_start();
+    let Some(allowed) = ALLOWANCE.with_borrow_mut(|allowance| allowance.begin(began)) else { return ring() };
+    let _line = Line::begin();
+    ring();
+    while let Some(desk) = Line::next() {
+        if clock.since_start() >= began + allowed {
+            desk.task.wake();
+        } else {
+            desk.serve_here();
+        }
+    }
+    ALLOWANCE.with_borrow_mut(|allowance| allowance.end(began, clock.since_start()));
+}
+
+impl Line {
+    fn begin() -> Line {
+        LINE.set(Some(VecDeque::new()));
+        Line
+    }
+
+    fn next() -> Option<Arc<Desk>> {
+        LINE.with_borrow_mut(|line| line.as_mut()?.pop_front())
+    }
+}
+
+impl Drop for Line {
+    fn drop(&mut self) {
+        LINE.take().into_iter().flatten().for_each(|desk| desk.task.wake());
+    }
+}
+
+impl Allowance {
+    /// How long it may take now; `None`: it is not worth while.
+    fn begin(&mut self, now: Duration) -> Option<Duration> {
+        self.saved = (self.saved + now.saturating_sub(self.at) / PART).min(MOST);
+        self.at = now;
+        (self.saved >= LEAST).then_some(self.saved)
+    }
+
+    fn end(&mut self, began: Duration, now: Duration) {
+        self.saved = self.saved.saturating_sub(now.saturating_sub(began));
+        self.at = now;
+    }
+}
+
+/// A timer that is not touched for each message: when it rings too early, it is set anew.
+struct Alarm(Option<(Duration, Pin<Box<Sleep>>)>);
+
+impl Alarm {
+    /// The task is to be woken at this time, or before.
+    fn set(&mut self, due: Duration, clock: Clock, cx: &mut Context<'_>) {
+        if self.0.as_ref().is_none_or(|(at, _)| *at > due) {
+            self.0 = Some((due, Box::pin(sleep_until(clock.instant(due)))));
+        }
+        if let Some((_, sleep)) = &mut self.0
+            && sleep.as_mut().poll(cx).is_ready()
+        {
+            self.0 = None;
+            cx.waker().wake_by_ref();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Safety S7.
+    #[test]
+    fn no_more_than_a_part_of_the_time_is_spent_on_serving() {
+        let mut allowance = Allowance { saved: MOST, at: Duration::ZERO };
+        let (mut now, mut spent) = (Duration::from_secs(100), Duration::ZERO);
+        let until = now + Duration::from_secs(10);
+        while now < until {
+            if let Some(allowed) = allowance.begin(now) {
+                let took = allowed.min(Duration::from_micros(30));
+                allowance.end(now, now + took);
+                (now, spent) = (now + took, spent + took);
+            } else {
+                now += Duration::from_micros(7);
+            }
+        }
+        assert!(spent <= Duration::from_secs(10) / PART + MOST && spent > Duration::from_secs(1), "{spent:?}");
+    }
+
+    /// One that takes longer than it may has nothing saved for as long.
+    #[test]
+    fn what_is_saved_has_an_end_and_what_took_too_long_is_made_up_for() {
+        let mut allowance = Allowance { saved: Duration::ZERO, at: Duration::ZERO };
+        let (now, took) = (Duration::from_secs(100), Duration::from_millis(3));
+        assert_eq!(allowance.begin(now), Some(MOST));
+        allowance.end(now, now + took);
+        assert_eq!(allowance.begin(now + took + PART * LEAST - Duration::from_micros(8)), None);
+        assert_eq!(allowance.begin(now + took + PART * LEAST), Some(LEAST));
+    }
+}

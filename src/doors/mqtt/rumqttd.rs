@@ -1,0 +1,444 @@
+//! rumqttd as the router of our own broker, for whoever chooses it: driven through its links in this process, without a port. It is fast
+//! and trusts everybody, so that it sees nothing of a client: topics and filters behind a word of ours, and the numbers of messages, which
+//! stay here. Its thread may end in a panic, or stand still; then another takes its place, and everything that was on its way is brought
+//! at once to whoever it was for.
+//!
+//! ```text
+//!   carry ─► transit: number, Passage         orders ─► a thread that may be kept waiting ─► links ─► rumqttd
+//!                 ▲ arrive                                                                              │
+//!                 └──────────────── a task for each link ◄──────────────────────────────────────────────┘
+//! ```
+
+use std::collections::{BTreeSet, HashMap, HashSet, VecDeque};
+use std::hash::{BuildHasher, RandomState};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak, mpsc};
+use std::time::Duration;
+
+use bytes::Bytes;
+use rumqttd::local::{LinkBuilder, LinkRx, LinkTx};
+use rumqttd::{Notification, RouterConfig};
+use tokio::runtime::Handle;
+use tokio::task::JoinSet;
+
+use super::limits::{LINKS, SHOWN, TRANSIT};
+use crate::runtime::clock::Clock;
+use mqtt_gate::{Passage, Router, Subscriber};
+
+/// How often it is looked whether something has been on its way for too long,
+const GLANCE: Duration = Duration::from_millis(25);
+
+/// which is so long: rumqttd takes less than a millisecond, on a machine that is not busy, and a pause of 200 ms may be noticed.
+const LATE: Duration = Duration::from_millis(150);
+
+/// rumqttd keeps messages for each filter in so many pieces,
+const SEGMENTS: usize = 3;
+
+/// of so many bytes: what is under way to somebody who is waited for is less.
+const SEGMENT_BYTES: usize = 256 * 1024;
+
+/// How many messages it hands to one link before the others.
+const BATCH: u64 = 200;
+
+/// Before every topic and filter: rumqttd panics when a topic does not begin with an ASCII character.
+const WORD: &str = "t/";
+
+/// A router that is rumqttd, or the next one.
+#[derive(Clone, Debug)]
+pub struct RumqttdRouter(Arc<Mutex<State>>);
+
+#[derive(Debug)]
+struct State {
+    engine: Engine,
+    /// Who reads what, for the next engine.
+    subscribers: HashMap<usize, Reading>,
+    /// What is on its way, the oldest first, beginning with this number.
+    transit: VecDeque<(Passage, Duration)>,
+    first: u64,
+    /// What the engine was shown, which it never forgets.
+    shown: HashSet<u64>,
+    hasher: RandomState,
+    work: Handle,
+    clock: Clock,
+}
+
+#[derive(Debug)]
+struct Reading {
+    subscriber: Arc<Subscriber>,
+    filters: BTreeSet<String>,
+}
+
+/// One rumqttd, and who carries orders to it. With this its tasks end, and its threads when they hear of it.
+#[derive(Debug)]
+struct Engine {
+    orders: mpsc::SyncSender<Order>,
+    /// Which of all engines it is.
+    number: u64,
+}
+
+enum Order {
+    Subscribe(String, Arc<Subscriber>),
+    Unsubscribe(String, Arc<Subscriber>),
+    Publish(String, u64),
+    /// Ends rumqttd's thread in a panic.
+    #[cfg(test)]
+    Panic,
+    /// Waits for ever.
+    #[cfg(test)]
+    Hang,
+}
+
+impl RumqttdRouter {
+    /// Starts one; its tasks run on `work`.
+    pub fn start(work: Handle) -> RumqttdRouter {
+        RumqttdRouter(Arc::new_cyclic(|state| {
+            let engine = Engine::start(0, state, &work);
+            work.spawn(look_after(Weak::clone(state)));
+            Mutex::new(State {
+                engine,
+                subscribers: HashMap::new(),
+                transit: VecDeque::new(),
+                first: 0,
+                shown: HashSet::new(),
+                hasher: RandomState::new(),
+                work: work.clone(),
+                clock: Clock::default(),
+            })
+        }))
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        lock(&self.0)
+    }
+}
+
+impl Router for RumqttdRouter {
+    fn subscribe(&self, filter: &str, subscriber: &Arc<Subscriber>) {
+        let mut state = self.state();
+        let key = Arc::as_ptr(subscriber).addr();
+        let reading = state
+            .subscribers
+            .entry(key)
+            .or_insert_with(|| Reading { subscriber: Arc::clone(subscriber), filters: BTreeSet::new() });
+        reading.filters.insert(filter.to_owned());
+        state.order(Order::Subscribe(filter.to_owned(), Arc::clone(subscriber)), &self.0);
+    }
+
+    fn unsubscribe(&self, filter: &str, subscriber: &Arc<Subscriber>) {
+        let mut state = self.state();
+        // What is on its way to him may not come any more.
+        state.transit.iter_mut().for_each(|(passage, _)| passage.arrive(subscriber));
+        let key = Arc::as_ptr(subscriber).addr();
+        if let Some(reading) = state.subscribers.get_mut(&key) {
+            reading.filters.remove(filter);
+            if reading.filters.is_empty() {
+                state.subscribers.remove(&key);
+            }
+        }
+        state.order(Order::Unsubscribe(filter.to_owned(), Arc::clone(subscriber)), &self.0);
+    }
+
+    fn carry(&self, passage: Passage) {
+        let mut state = self.state();
+        let (number, now) = (state.first + state.transit.len() as u64, state.clock.since_start());
+        let topic = passage.topic().to_owned();
+        state.transit.push_back((passage, now));
+        state.order(Order::Publish(topic, number), &self.0);
+        // Whoever does not read is not waited for, and rumqttd may lag behind: of more than this the oldest goes past it.
+        if state.transit.len() > TRANSIT {
+            state.pass_first();
+        }
+    }
+}
+
+impl State {
+    fn order(&mut self, order: Order, itself: &Arc<Mutex<State>>) {
+        let name = match &order {
+            Order::Subscribe(name, _) | Order::Unsubscribe(name, _) | Order::Publish(name, _) => name.as_str(),
+            #[cfg(test)]
+            Order::Panic | Order::Hang => "",
+        };
+        self.shown.insert(self.hasher.hash_one(name));
+        let is_worn_out = self.shown.len() > SHOWN;
+        match self.engine.orders.try_send(order) {
+            Ok(()) if !is_worn_out => {}
+            // It has too much to do: this one, and all before it, go past it.
+            Err(mpsc::TrySendError::Full(Order::Publish(..))) => self.pass_all(),
+            Ok(()) | Err(_) => self.renew(itself),
+        }
+    }
+
+    /// Everything that is on its way is brought at once, and another engine takes the place of this one.
+    fn renew(&mut self, itself: &Arc<Mutex<State>>) {
+        self.pass_all();
+        self.shown.clear();
+        let number = self.engine.number + 1;
+        tracing::debug!(number, "another rumqttd routes MQTT messages from now on");
+        self.engine = Engine::start(number, &Arc::downgrade(itself), &self.work);
+        for Reading { subscriber, filters } in self.subscribers.values() {
+            for filter in filters {
+                let _ = self.engine.orders.try_send(Order::Subscribe(filter.clone(), Arc::clone(subscriber)));
+            }
+        }
+    }
+
+    fn pass_all(&mut self) {
+        while !self.transit.is_empty() {
+            self.pass_first();
+        }
+    }
+
+    /// Brings the oldest to whoever it has not come to.
+    fn pass_first(&mut self) {
+        if self.transit.pop_front().is_some() {
+            self.first += 1;
+        }
+    }
+
+    /// A message has come to one who reads it.
+    fn arrive(&mut self, number: u64, subscriber: &Arc<Subscriber>) {
+        let place = number.checked_sub(self.first).and_then(|place| usize::try_from(place).ok());
+        if let Some((passage, _)) = place.and_then(|place| self.transit.get_mut(place)) {
+            passage.arrive(subscriber);
+        }
+        while self.transit.front().is_some_and(|(passage, _)| passage.is_over()) {
+            self.pass_first();
+        }
+    }
+}
+
+/// Looks whether what is on its way comes, for as long as the router is there.
+async fn look_after(state: Weak<Mutex<State>>) {
+    loop {
+        tokio::time::sleep(GLANCE).await;
+        let Some(state) = state.upgrade() else { return };
+        let mut locked = lock(&state);
+        let now = locked.clock.since_start();
+        if locked.transit.front().is_some_and(|(_, since)| now >= *since + LATE) {
+            tracing::warn!("rumqttd keeps MQTT messages waiting: another one takes its place");
+            locked.renew(&state);
+        }
+    }
+}
+
+impl Engine {
+    fn start(number: u64, state: &Weak<Mutex<State>>, work: &Handle) -> Engine {
+        let (orders, ordered) = mpsc::sync_channel(TRANSIT + 2 * SHOWN);
+        let carrier = Carrier { state: Weak::clone(state), work: work.clone(), ordered };
+        let thread = std::thread::Builder::new().name("mqtt-rumqttd".to_owned());
+        // Without it nothing that is ordered is done, which is found out.
+        if let Err(error) = thread.spawn(move || carrier.run(number)) {
+            tracing::error!(%error, "rumqttd cannot be started");
+        }
+        Engine { orders, number }
+    }
+}
+
+/// Carries orders to one rumqttd, on a thread of its own: some of them wait for its answer.
+struct Carrier {
+    state: Weak<Mutex<State>>,
+    work: Handle,
+    ordered: mpsc::Receiver<Order>,
+}
+
+/// A link to rumqttd, for whoever has it just now.
+struct Link {
+    to: LinkTx,
+    subscriber: Arc<Mutex<Arc<Subscriber>>>,
+    filters: usize,
+}
+
+impl Carrier {
+    fn run(self, number: u64) {
+        let requests = rumqttd::Router::new(usize::try_from(number).unwrap_or(0), config()).spawn();
+        // rumqttd has no word to end its router's thread, which would keep all that it remembers: but it does not outlive a question for
+        // somebody who is not there.
+        let end = || LinkTx::new(rumqttd::ConnectionId::MAX, requests.clone(), Arc::default()).shadow("").is_ok();
+        let link = |name: String| LinkBuilder::new(&name, requests.clone()).build().ok().map(|(to, from, _)| (to, from));
+        let Some((mut publisher, _unread)) = link("publisher".to_owned()) else { return };
+        let (mut links, mut idle, mut made): (HashMap<usize, Link>, Vec<Link>, usize) = (HashMap::new(), Vec::new(), 0);
+        let mut coming = JoinSet::new();
+        for order in &self.ordered {
+            let done = match order {
+                #[cfg(test)]
+                Order::Panic => end(),
+                #[cfg(test)]
+                Order::Hang => loop {
+                    std::thread::park();
+                },
+                Order::Publish(topic, number) => {
+                    publisher.publish(format!("{WORD}{topic}"), Bytes::copy_from_slice(&number.to_be_bytes())).is_ok()
+                }
+                Order::Subscribe(filter, subscriber) => {
+                    let key = Arc::as_ptr(&subscriber).addr();
+                    if let std::collections::hash_map::Entry::Vacant(place) = links.entry(key) {
+                        let link = match idle.pop() {
+                            Some(link) => Some(link),
+                            None if made >= LINKS => None,
+                            None => link(format!("link{made}")).map(|(to, from)| {
+                                made += 1;
+                                let whose = Arc::new(Mutex::new(Arc::clone(&subscriber)));
+                                coming.spawn_on(come(from, Arc::clone(&whose), Weak::clone(&self.state)), &self.work);
+                                Link { to, subscriber: whose, filters: 0 }
+                            }),
+                        };
+                        let Some(link) = link else { return };
+                        *lock(&link.subscriber) = subscriber;
+                        place.insert(link);
+                    }
+                    links.get_mut(&key).is_some_and(|link| {
+                        link.filters += 1;
+                        link.to.subscribe(format!("{WORD}{filter}")).is_ok()
+                    })
+                }
+                Order::Unsubscribe(filter, subscriber) => {
+                    let key = Arc::as_ptr(&subscriber).addr();
+                    links.remove(&key).is_none_or(|mut link| {
+                        link.filters = link.filters.saturating_sub(1);
+                        let done = link.to.unsubscribe(format!("{WORD}{filter}")).is_ok();
+                        if link.filters == 0 {
+                            idle.push(link);
+                        } else {
+                            links.insert(key, link);
+                        }
+                        done
+                    })
+                }
+            };
+            if !done {
+                return;
+            }
+        }
+        end();
+    }
+}
+
+/// Takes what comes through one link to whoever it is for.
+async fn come(mut from: LinkRx, whose: Arc<Mutex<Arc<Subscriber>>>, state: Weak<Mutex<State>>) {
+    while let Ok(notification) = from.next().await {
+        match notification {
+            Some(Notification::Forward(forward)) => {
+                let Ok(number) = <[u8; 8]>::try_from(&forward.publish.payload[..]) else { continue };
+                let Some(state) = state.upgrade() else { return };
+                let subscriber = Arc::clone(&lock(&whose));
+                lock(&state).arrive(u64::from_be_bytes(number), &subscriber);
+            }
+            Some(Notification::Unschedule) => {
+                if from.wake().await.is_err() {
+                    return;
+                }
+            }
+            Some(_) | None => {}
+        }
+    }
+}
+
+fn config() -> RouterConfig {
+    RouterConfig {
+        max_connections: LINKS + 8,
+        max_outgoing_packet_count: BATCH,
+        max_segment_size: SEGMENT_BYTES,
+        max_segment_count: SEGMENTS,
+        ..RouterConfig::default()
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::doors::mqtt::session::testing::topics;
+    use crate::runtime::within::within;
+    use mqtt_gate::{Broker, OwnSubscription};
+
+    fn broker() -> (Broker, RumqttdRouter) {
+        let router = RumqttdRouter::start(Handle::current());
+        (Broker::with_router(topics(), router.clone()), router)
+    }
+
+    fn order(router: &RumqttdRouter, order: Order) {
+        router.state().order(order, &router.0);
+    }
+
+    async fn next(reader: &OwnSubscription) -> String {
+        let message = within("a message", reader.next()).await;
+        format!("{}={}", message.topic(), String::from_utf8_lossy(message.payload()))
+    }
+
+    #[tokio::test]
+    async fn messages_come_to_those_who_read_them_once_and_in_order() {
+        let (broker, _router) = broker();
+        let readers = [broker.subscribe(&["a/#", "a/+"]), broker.subscribe(&["#"]), broker.subscribe(&["b", "ü/+"])];
+        for n in 0..1000 {
+            broker.publish("a/b", n.to_string().as_bytes(), false);
+        }
+        broker.publish("ü/b", b"last", false);
+        broker.publish("b", b"last", false);
+        for n in 0..1000 {
+            assert_eq!([next(&readers[0]).await, next(&readers[1]).await], [format!("a/b={n}"), format!("a/b={n}")]);
+        }
+        for reader in &readers[1..] {
+            let both = BTreeSet::from([next(reader).await, next(reader).await]);
+            assert_eq!(both, BTreeSet::from(["b=last".to_owned(), "ü/b=last".to_owned()]));
+        }
+    }
+
+    /// Nobody misses anything of it.
+    #[tokio::test]
+    async fn when_it_dies_or_hangs_everything_comes_and_another_takes_its_place() {
+        for (deaths, last) in [(1, false), (2, true)] {
+            let (broker, router) = broker();
+            let reader = broker.subscribe(&["a/#"]);
+            for death in 1..=deaths {
+                broker.publish("a/before", b"1", false);
+                assert_eq!(next(&reader).await, "a/before=1");
+                order(&router, if last { Order::Hang } else { Order::Panic });
+                for n in 0..100 {
+                    broker.publish("a/meanwhile", n.to_string().as_bytes(), false);
+                }
+                for n in 0..100 {
+                    assert_eq!(next(&reader).await, format!("a/meanwhile={n}"));
+                }
+                within("another", async {
+                    while router.state().engine.number < death {
+                        tokio::task::yield_now().await;
+                    }
+                })
+                .await;
+            }
+            let newcomer = broker.subscribe(&["a/+"]);
+            broker.publish("a/after", b"2", false);
+            assert_eq!([next(&reader).await, next(&newcomer).await], ["a/after=2", "a/after=2"]);
+        }
+    }
+
+    /// It forgets nothing that it was ever shown.
+    #[tokio::test]
+    async fn one_that_was_shown_too_much_is_replaced_and_nobody_notices() {
+        let (broker, router) = broker();
+        let reader = broker.subscribe(&["a/#"]);
+        for n in 0..SHOWN + 100 {
+            broker.publish(&format!("a/{n}"), b"", false);
+            if n % 100 == 0 {
+                for k in n.saturating_sub(99)..=n {
+                    assert_eq!(next(&reader).await, format!("a/{k}="));
+                }
+            }
+        }
+        assert!(router.state().engine.number >= 1 && router.state().shown.len() < SHOWN);
+    }
+
+    /// A link is used again, and what was for the one before comes to nobody else.
+    #[tokio::test]
+    async fn whoever_lets_go_gets_nothing_more_and_his_link_serves_the_next() {
+        let (broker, _router) = broker();
+        let stays = broker.subscribe(&["a"]);
+        for n in 0..2 * LINKS {
+            let reader = broker.subscribe(&["a", "b"]);
+            broker.publish("a", n.to_string().as_bytes(), false);
+            assert_eq!([next(&reader).await, next(&stays).await], [format!("a={n}"), format!("a={n}")]);
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! What the program says at its own broker, which is in the same process: there is nothing to connect, to acknowledge or to lose.
+
+use std::sync::Arc;
+
+use tokio::sync::{mpsc, watch};
+
+use super::super::change_feed::{ChangeFeed, OFFLINE};
+use super::super::commands::Answer;
+use super::super::home_assistant::BIRTH;
+use super::super::publication::Publication;
+use super::super::topics::{HOME_ASSISTANT_STATUS, Topics};
+use super::photos::{self, Reading};
+use crate::runtime::archive_reader::Reader;
+use crate::runtime::clock::Clock;
+use hallsweep_core::world::snapshot::Snapshot;
+use mqtt_gate::{Broker, OwnSubscription};
+
+/// Says what is new at our own broker. Commands are heard at its gate.
+pub struct OwnSession {
+    broker: Arc<Broker>,
+    topics: Topics,
+    changes: ChangeFeed,
+    states: watch::Receiver<Arc<Snapshot>>,
+    answers: mpsc::Receiver<Answer>,
+    archive: Reader,
+    reading: Reading,
+    /// Where Home Assistant says that it has started; nothing, where it is not told of us.
+    household: OwnSubscription,
+    clock: Clock,
+}
+
+impl OwnSession {
+    /// One that has said nothing yet.
+    pub fn new(
+        broker: Arc<Broker>,
+        (topics, home_assistant): (Topics, bool),
+        states: watch::Receiver<Arc<Snapshot>>,
+        answers: mpsc::Receiver<Answer>,
+        archive: Reader,
+    ) -> OwnSession {
+        let household = broker.subscribe(if home_assistant { &[HOME_ASSISTANT_STATUS] } else { &[] });
+        let changes = ChangeFeed::new(topics.clone(), home_assistant);
+        let (reading, clock) = (Reading::default(), Clock::default());
+        OwnSession { broker, topics, changes, states, answers, archive, reading, household, clock }
+    }
+
+    /// Speaks until `shutdown`, and says then that the program is not there any more.
+    pub async fn run(mut self, shutdown: impl Future<Output = ()>) {
+        tokio::pin!(shutdown);
+        self.learn();
+        loop {
+            self.speak();
+            let due = self.changes.poll_timeout();
+            tokio::select! {
+                () = &mut shutdown => break,
+                Ok(()) = self.states.changed() => self.learn(),
+                Some(answer) = self.answers.recv() => self.say(&answer.taken()),
+                message = self.household.next() => {
+                    if message.payload() == BIRTH {
+                        self.changes.handle_birth();
+                    }
+                }
+                looked = self.reading.done() => photos::show(&mut self.changes, looked),
+                () = self.clock.reach(due) => {}
+            }
+        }
+        while let Ok(answer) = self.answers.try_recv() {
+            self.say(&answer.taken());
+        }
+        self.say(&Publication::kept(self.topics.availability(), OFFLINE));
+    }
+
+    fn learn(&mut self) {
+        let state = Arc::clone(&self.states.borrow_and_update());
+        self.changes.handle_state(state);
+    }
+
+    fn speak(&mut self) {
+        self.reading.begin(&mut self.changes, &self.archive);
+        while let Some(publication) = self.changes.poll_publication(self.clock.now().since_start) {
+            self.say(&publication);
+        }
+    }
+
+    fn say(&self, publication: &Publication) {
+        let Publication { topic, payload, retain } = publication;
+        if publication.fits() && !self.broker.publish(topic, payload, *retain) {
+            tracing::warn!(topic, "a message is not kept for whoever comes later, there being no room for it");
+        }
+    }
+}
