@@ -17,6 +17,8 @@ mod coap;
 mod course;
 #[path = "storm/figures.rs"]
 mod figures;
+#[path = "../tests/service/mqtt_attacks/five.rs"]
+mod five;
 #[path = "storm/floods.rs"]
 mod floods;
 #[path = "storm/honest.rs"]

@@ -7,6 +7,8 @@ mod ask;
 #[path = "common/coap.rs"]
 #[expect(dead_code, reason = "nothing is observed")]
 mod coap;
+#[path = "../tests/service/mqtt_attacks/five.rs"]
+mod five;
 #[path = "common/goals.rs"]
 #[expect(dead_code, reason = "nobody is compared with")]
 mod goals;

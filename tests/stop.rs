@@ -6,6 +6,8 @@ mod ask;
 #[path = "../benches/common/coap.rs"]
 #[expect(dead_code, reason = "a stop observes nothing")]
 mod coap;
+#[path = "service/mqtt_attacks/five.rs"]
+mod five;
 #[path = "service/mqtt_attacks/client.rs"]
 #[expect(dead_code, reason = "whoever presses STOP attacks nobody")]
 mod mqtt;

@@ -12,7 +12,11 @@ use std::time::{Duration, Instant};
 use hallsweep::access::{Key, KeyFile, Keys, Role, Token};
 
 use crate::course::{Course, Doors, OPERATOR, SECOND, VIEWER};
+use crate::wire;
 use crate::{floods, honest, test_app};
+
+/// Says to a sender, by being there, that it is to speak MQTT 5.
+const FIVE: &str = "HALLSWEEP_STORM_MQTT";
 
 /// The words by which the benchmark starts itself as a flood, and as those who look on.
 pub(crate) const FLOOD: &str = "flood";
@@ -126,6 +130,9 @@ impl Sender {
     }
 
     fn start(mut command: Command, doors: &Doors) -> Result<Sender, String> {
+        if wire::is_five() {
+            command.env(FIVE, "5");
+        }
         let mut child = command.args(doors.words()).spawn().map_err(|error| format!("{command:?}: {error}"))?;
         let (say, lines) = channel();
         let output = BufReader::new(child.stdout.take().expect("its output is piped"));
@@ -153,6 +160,7 @@ impl Drop for Sender {
 
 /// Is a flood, in a process of its own: prints a line when it has begun, and its tally at the end.
 pub(crate) fn flood(name: &str, doors: Doors) {
+    wire::speak_five(std::env::var_os(FIVE).is_some());
     let _ = rlimit::increase_nofile_limit(8192);
     let course = Course::new(doors);
     (floods::named(name).expect("the benchmark knows its floods").begin)(&course);
@@ -165,6 +173,7 @@ pub(crate) fn flood(name: &str, doors: Doors) {
 
 /// Is those who look on.
 pub(crate) fn look_on(doors: Doors) {
+    wire::speak_five(std::env::var_os(FIVE).is_some());
     let course = Course::new(doors);
     honest::look_on(&course);
     until_told(&course);

@@ -3,11 +3,25 @@
 
 use std::io::{self, Error, ErrorKind, Read, Write};
 use std::net::{Ipv4Addr, SocketAddr, TcpStream};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::spawn;
 use std::time::Duration;
 
+use crate::five::{bare, dressed, whole};
 use crate::http::connected;
 use crate::packets::{CONNACK, connect_with, text};
+
+/// Whether all of this process speak MQTT 5.
+static IS_FIVE: AtomicBool = AtomicBool::new(false);
+
+/// From now on all of this process speak MQTT 5, or not.
+pub(crate) fn speak_five(is_five: bool) {
+    IS_FIVE.store(is_five, Ordering::Relaxed);
+}
+
+pub(crate) fn is_five() -> bool {
+    IS_FIVE.load(Ordering::Relaxed)
+}
 
 /// A connection.
 pub(crate) struct Wire {
@@ -57,6 +71,10 @@ impl Wire {
 
     /// Sends these bytes, by WebSocket in one message.
     pub(crate) fn say(&mut self, bytes: &[u8]) -> io::Result<()> {
+        if is_five() { self.say_as_it_is(&dressed(bytes)) } else { self.say_as_it_is(bytes) }
+    }
+
+    fn say_as_it_is(&mut self, bytes: &[u8]) -> io::Result<()> {
         if !self.is_web {
             return self.stream.write_all(bytes);
         }
@@ -77,7 +95,11 @@ impl Wire {
         loop {
             if let Some((length, head)) = whole(&self.heard) {
                 let packet: Vec<u8> = self.heard.drain(..length).collect();
-                return Ok((packet[0], packet[head..].to_vec()));
+                let (first, body) = (packet[0], packet[head..].to_vec());
+                match if is_five() { bare(first, &body) } else { Some(body) } {
+                    Some(body) => return Ok((first, body)),
+                    None => continue,
+                }
             }
             let mut bytes = [0; 16 * 1024];
             match self.stream.read(&mut bytes)? {
@@ -130,17 +152,4 @@ impl Drop for Wire {
         // Whoever reads idly ends with it.
         let _ = self.stream.shutdown(std::net::Shutdown::Both);
     }
-}
-
-/// The length of the packet at the head, and where its body begins, when it is there whole.
-fn whole(bytes: &[u8]) -> Option<(usize, usize)> {
-    let mut body = 0;
-    for (place, byte) in bytes.iter().skip(1).take(4).enumerate() {
-        body |= usize::from(byte & 0x7F) << (7 * place);
-        if byte & 0x80 == 0 {
-            let (head, length) = (2 + place, 2 + place + body);
-            return (bytes.len() >= length).then_some((length, head));
-        }
-    }
-    None
 }

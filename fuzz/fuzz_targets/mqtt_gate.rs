@@ -10,9 +10,10 @@ use bytes::{Buf, Bytes, BytesMut};
 use libfuzzer_sys::fuzz_target;
 use mqtt_gate::limits::{ANSWER_ROOM, CLIENT_PACKET, FILTERS, UNRELEASED};
 use mqtt_gate::packet::connect::{self, Connect};
-use mqtt_gate::packet::{Qos, publish, write};
+use mqtt_gate::packet::{Qos, Version, publish, write};
 use mqtt_gate::{
-    Broker, ClientConnection, CommandDecision, Ended, Epoch, Kind, Listener, Rights, Session, Terms, Tier, filter, frame,
+    Announcement, Broker, ClientConnection, CommandDecision, Ended, Epoch, Kind, Listener, Rights, Said, Session, Terms, Tier, filter,
+    frame,
 };
 
 fuzz_target!(|bytes: &[u8]| {
@@ -33,13 +34,13 @@ impl Listener for TestListener {
         Epoch(0)
     }
 
-    fn hear(&self, topic: &str, payload: &[u8], _: (Option<Epoch>, bool)) -> CommandDecision {
+    fn hear(&self, topic: &str, Said { payload, .. }: Said<'_>, _: (Option<Epoch>, bool)) -> CommandDecision {
         assert!(topic.starts_with("h/d/command") || topic.starts_with("q/"), "{topic} is no place for commands");
         if payload.first() == Some(&b'f') { CommandDecision::Forbidden } else { CommandDecision::Pass }
     }
 
-    fn hear_urgent(&self, _: &[u8], payload: &[u8]) -> bool {
-        payload.first() == Some(&b's')
+    fn hear_urgent(&self, said: Said<'_>) -> bool {
+        said.payload.first() == Some(&b's')
     }
 }
 
@@ -58,12 +59,18 @@ impl Rights for TestRights {
         let is_own = topic == "h/d" || topic.starts_with("h/d/");
         self.is_for_commands(topic) || who == Tier::Full && !is_own
     }
+
+    fn may_share(&self, who: Tier, filter: &str) -> bool {
+        who == Tier::Full && !filter::overlap(filter, "h/d/#")
+    }
 }
 
 struct Play {
     connection: ClientConnection,
     broker: Arc<Broker>,
     tier: Tier,
+    /// How the client comes, each time.
+    connect: Connect,
     /// Reads everything, and takes it at once.
     reader: ClientConnection,
     now: Duration,
@@ -78,16 +85,12 @@ impl Play {
         let tier = [Tier::Full, Tier::Limited][usize::from(first) % 2];
         let broker = Arc::new(Broker::new(TestRights));
         for n in 0..200_u8 {
-            broker.publish(&format!("k/{n}"), &vec![n; usize::from(first) * 16 + 1], true);
+            let (topic, payload) = (format!("k/{n}"), vec![n; usize::from(first) * 16 + 1]);
+            broker.publish(&Announcement { retain: true, ..Announcement::passing(&topic, &payload) });
         }
-        let keep_alive_s = connect.as_ref().map_or(0, |connect| connect.keep_alive_s);
-        let terms = Terms {
-            has_key: first & 4 != 0,
-            keep_alive_s,
-            will: connect.and_then(|connect| connect.will),
-            ..terms(tier, Session::default())
-        };
-        let mut reader = ClientConnection::new(self::terms(Tier::Full, Session::default()), Arc::clone(&broker), Duration::ZERO);
+        let connect = connect.unwrap_or_default();
+        let terms = Terms { has_key: first & 4 != 0, ..terms(tier, connect.clone(), Session::default()) };
+        let mut reader = ClientConnection::new(self::terms(Tier::Full, Connect::default(), Session::default()), Arc::clone(&broker), Duration::ZERO);
         let mut everything = BytesMut::new();
         write::subscribe(&mut everything, 1, &[("#", Qos::Two)]);
         reader.handle_client(&mut everything, Duration::ZERO).expect("it may");
@@ -96,6 +99,7 @@ impl Play {
             reader,
             broker,
             tier,
+            connect,
             now: Duration::ZERO,
             from_client: BytesMut::new(),
             taken: BytesMut::new(),
@@ -114,8 +118,12 @@ impl Play {
                 self.client();
                 rest = after;
             }
-            4 => drop(self.broker.publish("a", &[*how; 3], how & 1 != 0)),
-            5 => self.connection.handle_come(),
+            4 => {
+                let payload = [*how; 3];
+                let said = Announcement { retain: how & 1 != 0, ..Announcement::passing("a", &payload) };
+                self.broker.publish(&said);
+            }
+            5 => self.connection.handle_come(self.now),
             6 => self.come_back(),
             _ => self.pass(*how),
         }
@@ -131,11 +139,12 @@ impl Play {
 
     /// The connection breaks, and the client comes again.
     fn come_back(&mut self) {
-        let terms = terms(self.tier, Session::default());
-        let new = ClientConnection::new(terms, Arc::clone(&self.broker), self.now);
-        let session = std::mem::replace(&mut self.connection, new).into_session();
+        let new = |session| ClientConnection::new(terms(self.tier, self.connect.clone(), session), Arc::clone(&self.broker), self.now);
+        let mut gone = std::mem::replace(&mut self.connection, new(Session::default()));
+        gone.handle_end(Ended::Gone, self.now);
+        let session = gone.into_session().unwrap_or_default();
         assert!(session.filters().count() <= FILTERS && session.unreleased() <= UNRELEASED);
-        self.connection = ClientConnection::new(self::terms(self.tier, session), Arc::clone(&self.broker), self.now);
+        self.connection = new(session);
         self.from_client.clear();
         self.taken.clear();
     }
@@ -147,17 +156,17 @@ impl Play {
         let out = self.connection.to_client();
         let length = out.len() * usize::from(how % 5) / 4;
         self.taken.extend_from_slice(&out.copy_to_bytes(length));
-        self.connection.handle_drained();
+        self.connection.handle_drained(self.now);
         while let Some(frame) = frame(&self.taken, usize::MAX).expect("only packets reach the client") {
             if frame.kind == Kind::Publish {
-                publish::read(&frame, &self.taken[..frame.length]).expect("it is a PUBLISH");
+                publish::read(&frame, &self.taken[..frame.length], Version::Three).expect("it is a PUBLISH");
             }
             self.taken.advance(frame.length);
         }
     }
 
     fn end(mut self, why: Ended) {
-        self.connection.handle_end(self.ended.unwrap_or(why));
+        self.connection.handle_end(self.ended.unwrap_or(why), self.now);
         self.look();
         drop(self.connection.into_session());
     }
@@ -165,15 +174,15 @@ impl Play {
     /// Looks at everything that others get.
     fn look(&mut self) {
         assert!(self.connection.to_client().len() < ANSWER_ROOM + 16 * CLIENT_PACKET);
-        self.reader.handle_come();
+        self.reader.handle_come(self.now);
         let waiting = self.reader.to_client().len();
         let got = self.reader.to_client().copy_to_bytes(waiting);
-        self.reader.handle_drained();
+        self.reader.handle_drained(self.now);
         let (mut rest, mut answers) = (&got[..], BytesMut::new());
         while let Some(frame) = frame(rest, usize::MAX).expect("only packets reach others") {
             let (packet, after) = rest.split_at(frame.length);
             if frame.kind == Kind::Publish {
-                let publish = publish::read(&frame, packet).expect("it is a PUBLISH");
+                let publish = publish::read(&frame, packet, Version::Three).expect("it is a PUBLISH");
                 let topic = std::str::from_utf8(publish.topic).expect("topics are UTF-8");
                 assert!(!topic.is_empty() && !topic.contains(['+', '#', '\0']), "{topic:?}");
                 assert_eq!(filter::topic(topic), Ok(()), "{topic:?}");
@@ -192,14 +201,13 @@ impl Play {
     }
 }
 
-fn terms(tier: Tier, session: Session) -> Terms {
+fn terms(tier: Tier, connect: Connect, session: Session) -> Terms {
     Terms {
         tier,
         name: "fuzz".into(),
         has_key: false,
         listener: Arc::new(TestListener),
-        keep_alive_s: 0,
-        will: None,
+        connect,
         session,
         greeting: Bytes::new(),
     }

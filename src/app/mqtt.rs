@@ -20,6 +20,7 @@ use crate::doors::room::Room;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::handle::Handle;
 use mqtt_gate::Broker;
+use mqtt_gate::packet::Version;
 
 /// Web clients that wait to be received: the broker is never busy for long.
 const WEB_CLIENTS: usize = 16;
@@ -119,6 +120,7 @@ fn other_broker(common: Common, other: &OtherBroker) -> Result<Mqtt, AppError> {
     let (answer, answers) = mpsc::channel(ANSWERS);
     let tls = if other.is_encrypted { Some(believing(other.certificates.as_deref())?) } else { None };
     let link = Link {
+        version: if other.is_five { Version::Five } else { Version::Three },
         host: other.host.clone(),
         port: other.port,
         tls,

@@ -307,6 +307,26 @@ fn our_own_broker_asks_for_passwords_beyond_loopback_and_on_it_when_that_is_want
 }
 
 #[test]
+fn another_version_is_spoken_with_another_broker_alone() {
+    let version = |broker: &str, version: &str| {
+        let variables = [("HALLSWEEP__MQTT__BROKER", broker), ("HALLSWEEP__MQTT__VERSION", version)];
+        load(&Sources {
+            environment: variables.map(|(name, value)| (name.to_owned(), value.to_owned())).into(),
+            ..Sources::default()
+        })
+        .map(|settings| settings.mqtt.broker)
+    };
+    for (written, is_five) in [("5", true), ("3.1.1", false)] {
+        let Ok(Some(Broker::Other(other))) = version("mqtt://broker.example", written) else { panic!("it is another broker") };
+        assert_eq!(other.is_five, is_five);
+    }
+    for (broker, written) in [("mqtt://broker.example", "4"), ("", "5"), ("", "x")] {
+        let problem = version(broker, written).unwrap_err().to_string();
+        assert!(problem.contains("mqtt.version"), "{problem}");
+    }
+}
+
+#[test]
 fn another_router_is_chosen_by_its_name() {
     let router = |name: &str| load(&environment("HALLSWEEP__MQTT__ROUTER", name)).map(|settings| settings.mqtt.broker);
     assert!(matches!(router("rumqttd"), Ok(Some(Broker::Own { router: MqttRouter::Rumqttd, .. }))));

@@ -88,7 +88,7 @@ pub(super) const ROBOTS: &str = "robots";
 pub(super) const ROBOT: &str = "robot";
 
 /// Every setting, in the order of `config/default.toml`.
-pub const KEYS: [Key; 48] = [
+pub const KEYS: [Key; 49] = [
     text("hall.file", "name a built-in hall, as airport, or the path of a .toml or .map file").set_by("--hall"),
     text("http.bind", "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080")
         .set_by("--http"),
@@ -109,6 +109,7 @@ pub const KEYS: [Key; 48] = [
         "mqtt.broker",
         "write mqtt://HOST:PORT or mqtts://HOST:PORT, and what it knows us by in mqtt.name and mqtt.password; or nothing",
     ),
+    text("mqtt.version", "write 3.1.1 or 5 (in a file between quotes), for the broker of mqtt.broker"),
     text("mqtt.name", "write the name by which the broker of mqtt.broker knows hallsweep, or nothing"),
     text("mqtt.password", "write the password that goes with mqtt.name, or nothing"),
     text(

@@ -54,6 +54,8 @@ pub enum MqttRouter {
 pub struct OtherBroker {
     pub host: String,
     pub port: u16,
+    /// Whether MQTT 5 is spoken with it, and not 3.1.1.
+    pub is_five: bool,
     pub is_encrypted: bool,
     /// By what it knows us, where it asks for that.
     pub login: Option<Login>,
@@ -104,6 +106,9 @@ fn own(layers: &Layers) -> Result<Option<Broker>, SettingsError> {
             return Err(layers.wrong_unseen(key, "it is for a broker of somebody else's, and mqtt.broker names none"));
         }
     }
+    if is_five(layers)? {
+        return Err(layers.wrong("mqtt.version", "it is for a broker of somebody else's: at our own each client chooses"));
+    }
     if read::<String>(layers, "mqtt.bind")? == "none" {
         return Ok(None);
     }
@@ -115,6 +120,14 @@ fn own(layers: &Layers) -> Result<Option<Broker>, SettingsError> {
         _ => return Err(layers.wrong("mqtt.router", "there is no such router")),
     };
     Ok(Some(Broker::Own { bind, asks_for_keys, router }))
+}
+
+fn is_five(layers: &Layers) -> Result<bool, SettingsError> {
+    match read::<String>(layers, "mqtt.version")?.as_str() {
+        "3.1.1" => Ok(false),
+        "5" => Ok(true),
+        _ => Err(layers.wrong("mqtt.version", "there is no such version")),
+    }
 }
 
 fn other(layers: &Layers, url: &str) -> Result<OtherBroker, SettingsError> {
@@ -134,7 +147,7 @@ fn other(layers: &Layers, url: &str) -> Result<OtherBroker, SettingsError> {
     if certificates.is_some() && !is_encrypted {
         return Err(layers.wrong("mqtt.certificates", "mqtt.broker is not reached by TLS"));
     }
-    Ok(OtherBroker { host, port, is_encrypted, login: login(layers)?, certificates })
+    Ok(OtherBroker { host, port, is_five: is_five(layers)?, is_encrypted, login: login(layers)?, certificates })
 }
 
 fn login(layers: &Layers) -> Result<Option<Login>, SettingsError> {

@@ -1,4 +1,4 @@
-// Speaks MQTT 3.1.1 with MQTT.js, over TCP or over WebSocket, as a test tells it; talk.py says how that is told, and what is printed.
+// Speaks MQTT 3.1.1 or 5 with MQTT.js, over TCP or over WebSocket, as a test tells it; talk.py says how that is told, and what is printed.
 
 import { createInterface } from "node:readline";
 import mqtt from "mqtt";
@@ -9,7 +9,8 @@ const at = `${hello.host}:${hello.port}`;
 let leaving = false;
 
 const client = mqtt.connect(hello.web ? `ws://${at}/mqtt` : `mqtt://${at}`, {
-  protocolVersion: 4,
+  protocolVersion: hello.five ? 5 : 4,
+  properties: hello.five ? { sessionExpiryInterval: hello.remembered ? 300 : 0 } : undefined,
   reconnectPeriod: 0,
   clientId: hello.id,
   clean: !hello.remembered,

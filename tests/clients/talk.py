@@ -1,4 +1,4 @@
-"""Speaks MQTT 3.1.1 with the library paho-mqtt, as a test tells it: the argument says in JSON how to come in and what to follow.
+"""Speaks MQTT 3.1.1 or 5 with the library paho-mqtt, as a test tells it: the argument says in JSON how to come in and what to follow.
 Each line of standard input is a message to be published, in JSON; its end is the time to leave. Prints each message that is heard as
 a line of JSON, as `mosquitto_sub -F %j` does, and beside that what becomes of the connection: `Connected`, `Refused: WHY`,
 `Subscribed: 1, 128`, `Said` for each message that was handed over (QoS 0) or acknowledged, `Closed`. It never comes back by itself."""
@@ -9,6 +9,8 @@ import sys
 import threading
 
 import paho.mqtt.client as mqtt
+from paho.mqtt.packettypes import PacketTypes
+from paho.mqtt.properties import Properties
 
 hello = json.loads(sys.argv[1])
 leaving = threading.Event()
@@ -44,10 +46,12 @@ def closed(*_):
         os._exit(0)
 
 
+five = hello["five"]
 client = mqtt.Client(
     mqtt.CallbackAPIVersion.VERSION2,
     client_id=hello["id"],
-    clean_session=not hello["remembered"],
+    clean_session=None if five else not hello["remembered"],
+    protocol=mqtt.MQTTv5 if five else mqtt.MQTTv311,
     reconnect_on_failure=False,
 )
 if hello["name"]:
@@ -61,7 +65,13 @@ client.on_disconnect = closed
 client.on_subscribe = lambda _client, _data, _id, codes, _properties: tell(
     "Subscribed: " + ", ".join(str(code.value) for code in codes))
 client.on_publish = lambda *_: tell("Said")
-client.connect(hello["host"], hello["port"], hello["keepalive_s"])
+if five:
+    lasting = Properties(PacketTypes.CONNECT)
+    lasting.SessionExpiryInterval = 300 if hello["remembered"] else 0
+    client.connect(hello["host"], hello["port"], hello["keepalive_s"],
+                   clean_start=not hello["remembered"], properties=lasting)
+else:
+    client.connect(hello["host"], hello["port"], hello["keepalive_s"])
 client.loop_start()
 for line in sys.stdin:
     say = json.loads(line)

@@ -66,7 +66,8 @@ impl Mqtt {
 
     /// Says something, and collects what is published about it.
     pub(crate) async fn say(&mut self, topic: &str, payload: &[u8], publisher: &Publisher) -> (Taken, Vec<String>) {
-        let taken = self.commands.take(&IncomingMessage { topic, payload, arrived: None, is_again: false }, publisher);
+        let taken =
+            self.commands.take(&IncomingMessage { topic, payload, arrived: None, is_again: false, answer_to: None }, publisher);
         // Everything is on this thread: loop and results get their turns.
         for _ in 0..24 {
             tokio::task::yield_now().await;

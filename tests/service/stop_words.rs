@@ -97,9 +97,16 @@ impl Doors {
 /// Safety S1, S8.
 #[test]
 fn what_is_stop_at_one_door_is_stop_at_every_other() {
+    for is_five in [false, true] {
+        what_is_stop(is_five);
+    }
+}
+
+/// In MQTT 5, or not.
+fn what_is_stop(is_five: bool) {
     let program = Program::serve("empty-8x8", "max");
     let coap = Coap::at(program.coap());
-    let mqtt = Client::try_connect(program.mqtt(), &connect("words", 0)).expect("the door opens");
+    let mqtt = Client::try_speaking(program.mqtt(), &connect("words", 0), is_five).expect("the door opens");
     let mut doors = Doors { program, coap, mqtt };
     for at in NAMED {
         doors.halts(at, "");

@@ -6,8 +6,9 @@ use std::{sync::Arc, time::Duration};
 
 use bytes::{Buf, Bytes, BytesMut};
 use mqtt_gate::packet::Qos;
+use mqtt_gate::packet::connect::Connect;
 use mqtt_gate::packet::write::{self, Welcome};
-use mqtt_gate::{Broker, ClientConnection, CommandDecision, Ended, Epoch, Listener, Rights, Session, Terms, Tier};
+use mqtt_gate::{Broker, ClientConnection, CommandDecision, Ended, Epoch, Listener, Rights, Said, Session, Terms, Tier};
 
 /// Everybody may do everything, and commands are taken on one topic.
 #[derive(Debug)]
@@ -21,18 +22,22 @@ impl Rights for Open {
     fn may_publish(&self, _: Tier, _: &str) -> bool {
         true
     }
+
+    fn may_share(&self, _: Tier, _: &str) -> bool {
+        true
+    }
 }
 
 /// Prints what it hears; `stop` is urgent.
 struct Printer;
 
 impl Listener for Printer {
-    fn hear_urgent(&self, topic: &[u8], payload: &[u8]) -> bool {
-        Open.is_for_commands(&String::from_utf8_lossy(topic)) && payload.starts_with(b"stop")
+    fn hear_urgent(&self, said: Said<'_>) -> bool {
+        Open.is_for_commands(&String::from_utf8_lossy(said.topic)) && said.payload.starts_with(b"stop")
     }
 
-    fn hear(&self, topic: &str, payload: &[u8], _: (Option<Epoch>, bool)) -> CommandDecision {
-        println!("command on {topic}: {}", payload.escape_ascii());
+    fn hear(&self, topic: &str, said: Said<'_>, _: (Option<Epoch>, bool)) -> CommandDecision {
+        println!("command on {topic}: {}", said.payload.escape_ascii());
         CommandDecision::Pass
     }
 
@@ -47,8 +52,7 @@ fn main() -> Result<(), Ended> {
         name: "panel".into(),
         has_key: false,
         listener: Arc::new(Printer),
-        keep_alive_s: 60,
-        will: None,
+        connect: Connect::default(),
         session: Session::default(),
         greeting: Bytes::copy_from_slice(&write::connack(Welcome::Accepted, false)),
     };
@@ -61,7 +65,7 @@ fn main() -> Result<(), Ended> {
     connection.handle_client(&mut said, Duration::from_secs(1))?;
 
     // What it has said itself comes to it, too, since it follows all of `site`.
-    connection.handle_come();
+    connection.handle_come(Duration::from_secs(1));
     let waiting = connection.to_client().remaining();
     println!("to the client: {}", connection.to_client().copy_to_bytes(waiting).escape_ascii());
     Ok(())

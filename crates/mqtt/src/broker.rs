@@ -4,15 +4,21 @@ use std::future::poll_fn;
 use std::hash::{BuildHasher, Hash, RandomState};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
 
+use crate::connection::refusals::Lines;
+use crate::filter;
 use crate::limits::AWAY;
-use crate::message::Message;
+use crate::message::{Draft, Message};
 use crate::packet::Qos;
+use crate::packet::connect::Will;
+use crate::packet::properties::{Property, that_go_on};
 use crate::passage::{Passage, Router};
-use crate::readers::{Reader, Readers};
+use crate::readers::{Found, Reader, Readers};
 use crate::retained::Retained;
 use crate::rights::{Payer, Rights, Tier};
-use crate::subscriber::{Delivery, Subscriber, Subscription};
+use crate::subscriber::{Delivery, Subscriber};
+use crate::subscription::{Grant, Subscription};
 
 /// What all connections of a broker share.
 #[derive(Debug)]
@@ -22,13 +28,36 @@ pub struct Broker {
     pub(crate) readers: Arc<Readers>,
     /// The bytes of all messages that anybody has.
     alive: Arc<AtomicUsize>,
+    /// What is written of refusals.
+    pub(crate) lines: Lines,
     /// Nobody outside can know two texts of one print.
     hasher: RandomState,
+}
+
+/// What the program itself says.
+#[derive(Clone, Copy, Debug)]
+pub struct Announcement<'a> {
+    /// Where: any topic.
+    pub topic: &'a str,
+    /// What.
+    pub payload: &'a [u8],
+    /// Whether it is kept, if there is room.
+    pub retain: bool,
+    /// What those of MQTT 5 are told beside it.
+    pub properties: &'a [Property<'a>],
 }
 
 /// What the program itself listens to.
 #[derive(Debug)]
 pub struct OwnSubscription(Subscription);
+
+impl<'a> Announcement<'a> {
+    /// One with nothing beside it, that is not kept.
+    #[must_use]
+    pub const fn passing(topic: &'a str, payload: &'a [u8]) -> Announcement<'a> {
+        Announcement { topic, payload, retain: false, properties: &[] }
+    }
+}
 
 impl Broker {
     /// A broker at which nothing was said yet, and which brings messages to those who read them itself.
@@ -49,6 +78,7 @@ impl Broker {
             retained: Retained::default(),
             readers: Arc::new(Readers::new(router)),
             alive: Arc::default(),
+            lines: Lines::default(),
             hasher: RandomState::new(),
         }
     }
@@ -56,16 +86,48 @@ impl Broker {
     /// Whether one may leave a will there: asked before its CONNECT is answered.
     #[must_use]
     pub fn may_leave_will(&self, who: Tier, topic: &str) -> bool {
-        self.rights.may_leave_will(who, topic)
+        filter::topic(topic).is_ok() && self.rights.may_leave_will(who, topic)
     }
 
-    /// The program itself says something at QoS 1, wherever it likes, and waits for nobody. What is to be kept is so, if there is room:
-    /// whether there was.
-    pub fn publish(&self, topic: &str, payload: &[u8], retain: bool) -> bool {
-        let message = self.message(Arc::from(topic), payload, Qos::One);
-        let is_kept = !retain || self.rights.is_for_commands(topic) || self.retained.keep(&Payer::Program, &message);
+    /// Whether one may share this filter with others: asked of those that are shared.
+    pub(crate) fn may_share(&self, who: Tier, filter: &str) -> bool {
+        self.rights.may_share(who, filter)
+    }
+
+    /// The program itself says something at QoS 1, and waits for nobody. What is to be kept is so, if there is room: whether there was.
+    pub fn publish(&self, announcement: &Announcement<'_>) -> bool {
+        let Announcement { topic, payload, retain, properties } = *announcement;
+        let properties = that_go_on(properties.iter().copied());
+        let draft = Draft {
+            topic: Arc::from(topic),
+            payload,
+            qos: Qos::One,
+            retain,
+            properties: &properties,
+            expires_at: None,
+            publisher: None,
+        };
+        let message = self.message(draft);
+        let is_kept =
+            !retain || self.rights.is_for_commands(topic) || self.retained.keep(&Payer::Program, &message, Duration::ZERO);
         // Kept first: a newcomer that nobody knew of yet finds it there.
-        self.send(&message, &self.readers.of(topic));
+        self.send(&message, &self.readers.of(topic, None));
+        is_kept
+    }
+
+    /// A will is published, `now` on the clock of all connections, for somebody who may leave it; whether it is kept, if it is to be.
+    pub(crate) fn publish_will(&self, will: &Will, payer: &Payer, now: Duration) -> bool {
+        let message = self.message(Draft {
+            topic: Arc::from(will.topic.as_str()),
+            payload: &will.payload,
+            qos: will.qos,
+            retain: will.retain,
+            properties: &will.properties,
+            expires_at: will.expiry_s.map(|seconds| now + Duration::from_secs(u64::from(seconds))),
+            publisher: None,
+        });
+        let is_kept = !will.retain || self.retained.keep(payer, &message, now);
+        self.send(&message, &self.readers.of(&will.topic, None));
         is_kept
     }
 
@@ -74,7 +136,7 @@ impl Broker {
     pub fn subscribe(&self, filters: &[&str]) -> OwnSubscription {
         let mut subscription = Subscription::new(&self.readers);
         for filter in filters {
-            subscription.hold(filter, Qos::One);
+            subscription.hold(filter, Grant::at(Qos::One));
         }
         OwnSubscription(subscription)
     }
@@ -86,18 +148,18 @@ impl Broker {
         self.alive.load(Ordering::Relaxed).saturating_sub(kept)
     }
 
-    pub(crate) fn message(&self, topic: Arc<str>, payload: &[u8], qos: Qos) -> Arc<Message> {
-        Arc::new(Message::new(topic, payload, qos, self.retained.stamp(), &self.alive))
+    pub(crate) fn message(&self, draft: Draft<'_>) -> Arc<Message> {
+        Arc::new(Message::new(draft, self.retained.stamp(), &self.alive))
     }
 
-    /// To each of those who read it.
-    pub(crate) fn send(&self, message: &Arc<Message>, readers: &[Reader]) {
-        if let Some(router) = self.readers.router().filter(|_| !readers.is_empty()) {
-            return router.carry(Passage::begin(Arc::clone(message), readers, self.has_room_for_away()));
+    /// To each of those who read it, and to one of each group. Groups are of the gate alone: no router knows of them.
+    pub(crate) fn send(&self, message: &Arc<Message>, readers: &Found) {
+        let put = |reader: &Reader| reader.subscriber.put(Delivery::of(message, reader), || self.has_room_for_away());
+        match self.readers.router().filter(|_| !readers.each.is_empty()) {
+            Some(router) => router.carry(Passage::begin(Arc::clone(message), &readers.each, self.has_room_for_away())),
+            None => readers.each.iter().for_each(put),
         }
-        for reader in readers {
-            reader.subscriber.put(Delivery::of(message, reader.qos), || self.has_room_for_away());
-        }
+        self.readers.in_turn(&readers.groups).for_each(put);
     }
 
     /// Whether something may wait for one who is away: he cannot read, and may be many.

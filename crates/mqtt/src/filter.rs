@@ -20,6 +20,54 @@ pub enum Unfit {
     /// `#` or `+` where they cannot be.
     #[error("it has `#` or `+` where they cannot be")]
     Wildcards,
+    /// `$share/…` without a name, or with nothing behind it.
+    #[error("a shared subscription is `$share/NAME/FILTER`, the name without `+` and `#`")]
+    Share,
+}
+
+/// A filter that is shared: `$share/NAME/FILTER` (MQTT 5, section 4.8.2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Shared<'a> {
+    /// Who shares it.
+    pub(crate) group: &'a str,
+    /// What.
+    pub(crate) filter: &'a str,
+}
+
+/// The parts of a filter that is shared; `None`: it is not.
+pub(crate) fn shared(filter: &str) -> Option<Shared<'_>> {
+    let (group, filter) = filter.strip_prefix("$share/")?.split_once('/')?;
+    Some(Shared { group, filter })
+}
+
+/// Whether a shared filter is taken, and its parts; `None`: it is not shared.
+///
+/// # Errors
+/// Why not.
+pub(crate) fn share(text: &str) -> Result<Option<Shared<'_>>, Unfit> {
+    if text != "$share" && !text.starts_with("$share/") {
+        return Ok(None);
+    }
+    let shared = shared(text).ok_or(Unfit::Share)?;
+    if shared.group.is_empty() || shared.group.contains(['+', '#']) || shared.filter.is_empty() {
+        return Err(Unfit::Share);
+    }
+    measure(shared.group)?;
+    filter(shared.filter).map(|()| Some(shared))
+}
+
+/// Whether there may be a topic that both filters match.
+#[must_use]
+pub fn overlap(one: &str, other: &str) -> bool {
+    let (mut one, mut other) = (one.split('/'), other.split('/'));
+    loop {
+        match (one.next(), other.next()) {
+            (Some("#"), _) | (_, Some("#")) | (None, None) => return true,
+            (Some(a), Some(b)) if a == b || a == "+" || b == "+" => {}
+            // `a/#` matches `a`, too.
+            _ => return false,
+        }
+    }
 }
 
 /// Whether a topic, not empty and without wildcards, is taken.

@@ -1,7 +1,8 @@
-//! Where packets begin and end in a stream of bytes (MQTT 3.1.1, section 2.2), and what can be wrong with one. What is in a packet
+//! Where packets begin and end in a stream of bytes (section 2.2, in both versions), and what can be wrong with one. What is in a packet
 //! is read in `packet`.
 
-use super::limits::PACKET_FILTERS;
+use super::limits::{ALIASES, PACKET_FILTERS};
+use super::packet::reason::Reason;
 
 /// The kinds of packets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +23,8 @@ pub enum Kind {
     Pingreq,
     Pingresp,
     Disconnect,
+    /// Of MQTT 5 alone.
+    Auth,
 }
 
 /// The packet at the head of a stream: its kind, and where its parts are.
@@ -84,9 +87,68 @@ pub enum Malformed {
     /// Flags of a CONNECT that contradict each other.
     #[error("the flags {0:#04x} of a CONNECT contradict each other")]
     ConnectFlags(u8),
+    /// A property that is none, or cannot stand there.
+    #[error("the property {0:#04x} is not known, or cannot stand where it does")]
+    Property(u8),
+    /// A property that stands there once, and did already.
+    #[error("the property {0:#04x} stands in a packet twice")]
+    PropertyTwice(u8),
+    /// A property that cannot say what it says.
+    #[error("the property {0:#04x} says what it cannot say")]
+    PropertyValue(u8),
+    /// Options of a subscription that do not exist.
+    #[error("{0:#04x} are no options of a subscription")]
+    Options(u8),
+    /// Whoever shares a subscription with others cannot leave out what is its own.
+    #[error("a shared subscription has the option No Local")]
+    SharedNoLocal,
+    /// A topic alias beyond those that are taken.
+    #[error("a PUBLISH has the topic alias {0}, and at most {ALIASES} are taken, from 1 on")]
+    Alias(u16),
+    /// A topic alias that stands for no topic.
+    #[error("a PUBLISH has no topic, and its topic alias stands for none")]
+    NoTopic,
+    /// A session that ended with its connection is to last now.
+    #[error("a DISCONNECT asks for a session that its CONNECT has not asked for")]
+    SessionExpiry,
+    /// A reason that there is not.
+    #[error("the packet cannot have the reason {0:#04x}")]
+    Reason(u8),
     /// A CONNECT of some other protocol.
     #[error("a CONNECT is for a protocol that is not MQTT")]
     Protocol,
+}
+
+impl Malformed {
+    /// What one of MQTT 5 is told: whether it is the form that is wrong, or what is said in it (section 4.13).
+    #[must_use]
+    pub const fn reason(self) -> Reason {
+        match self {
+            Malformed::TooLong { .. } => Reason::TooLarge,
+            Malformed::Alias(_) => Reason::TopicAlias,
+            Malformed::ManyFilters => Reason::Quota,
+            Malformed::PropertyTwice(_)
+            | Malformed::PropertyValue(_)
+            | Malformed::Duplicate
+            | Malformed::Filters
+            | Malformed::Options(_)
+            | Malformed::SharedNoLocal
+            | Malformed::NoTopic
+            | Malformed::SessionExpiry
+            | Malformed::Id => Reason::Protocol,
+            Malformed::Topic => Reason::Topic,
+            Malformed::Kind(_)
+            | Malformed::Length
+            | Malformed::Short(_)
+            | Malformed::Trailing(_)
+            | Malformed::Text(_)
+            | Malformed::Qos(_)
+            | Malformed::Property(_)
+            | Malformed::Reason(_)
+            | Malformed::ConnectFlags(_)
+            | Malformed::Protocol => Reason::Malformed,
+        }
+    }
 }
 
 impl Kind {
@@ -106,6 +168,7 @@ impl Kind {
             Kind::Pingreq,
             Kind::Pingresp,
             Kind::Disconnect,
+            Kind::Auth,
         ];
         kinds
             .get(usize::from(first >> 4).wrapping_sub(1))
@@ -188,7 +251,7 @@ mod tests {
     #[test]
     fn only_the_flags_of_the_standard_are_taken() {
         let good = (0_u8..=255).filter(|first| frame(&[*first], 100).is_ok());
-        let others = [0x10, 0x20, 0x40, 0x50, 0x62, 0x70, 0x82, 0x90, 0xA2, 0xB0, 0xC0, 0xD0, 0xE0];
+        let others = [0x10, 0x20, 0x40, 0x50, 0x62, 0x70, 0x82, 0x90, 0xA2, 0xB0, 0xC0, 0xD0, 0xE0, 0xF0];
         let mut expected: Vec<u8> = (0x30..=0x3F).chain(others).collect();
         expected.sort_unstable();
         assert_eq!(good.collect::<Vec<_>>(), expected);

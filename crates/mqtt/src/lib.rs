@@ -1,4 +1,4 @@
-//! MQTT 3.1.1 on the server's side, as arithmetic on bytes: no socket, no clock, no task is here. It is a whole broker, but for what is
+//! MQTT 3.1.1 and 5 on the server's side, as arithmetic on bytes: no socket, no clock, no task is here. It is a whole broker, but for what is
 //! the program's business: who is let in, and how bytes are moved.
 //!
 //! ```text
@@ -25,14 +25,15 @@ mod readers;
 mod retained;
 mod rights;
 mod subscriber;
+mod subscription;
 mod urgent_search;
 
-pub use broker::{Broker, OwnSubscription};
-pub use connection::{ClientConnection, CommandDecision, Ended, Epoch, Listener, Mark, Session, Terms};
+pub use broker::{Announcement, Broker, OwnSubscription};
+pub use connection::{AnswerTo, ClientConnection, CommandDecision, Ended, Epoch, LateWill, Listener, Mark, Said, Session, Terms};
 pub use frame::{Frame, Kind, Malformed, frame};
 pub use message::Message;
 pub use outbox::Outbox;
 pub use passage::{Passage, Router};
 pub use rights::{Rights, Tier};
 pub use subscriber::Subscriber;
-pub use urgent_search::{PartialPublish, UrgentSearch};
+pub use urgent_search::UrgentSearch;

@@ -17,6 +17,18 @@ pub(crate) const TOPIC: usize = 512;
 /// The most levels of a topic or filter: they are gone through level by level.
 pub(crate) const LEVELS: usize = 32;
 
+/// Topics that a client of MQTT 5 may give a short name (topic alias), and that are given one for it.
+pub const ALIASES: u16 = 10;
+
+/// A client that takes no longer packets than this is told nothing in words: no packet with some is longer, in bytes.
+pub(crate) const WITH_WORDS: u32 = 1024;
+
+/// The longest keep alive that is granted one who is told so, in seconds: its silence is then no longer than `SILENCE`.
+pub const KEEP_ALIVE_S: u16 = 57_600;
+
+/// What a client says of itself (user properties) when it publishes, in bytes, and all else that goes on with a message.
+pub(crate) const PROPERTIES: usize = 16 * 1024;
+
 /// Filters held by one connection.
 pub const FILTERS: usize = 64;
 

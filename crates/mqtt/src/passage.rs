@@ -56,7 +56,7 @@ impl Passage {
 
     fn bring(&self, reader: &Reader) {
         reader.subscriber.unexpect(&self.message);
-        reader.subscriber.put(Delivery::of(&self.message, reader.qos), || self.has_room);
+        reader.subscriber.put(Delivery::of(&self.message, reader), || self.has_room);
     }
 
     /// Whether it has come to all.

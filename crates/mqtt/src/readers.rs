@@ -3,18 +3,33 @@
 
 use std::collections::BTreeMap;
 use std::ops::Bound;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::packet::Qos;
 use super::passage::Router;
-use super::subscriber::Subscriber;
+use super::subscriber::{Subscriber, SubscriberId};
+use super::subscription::{Grant, Ids};
 
-/// Who reads something, and how surely it is to reach him at the most.
+/// Who reads something, and how.
 #[derive(Clone, Debug)]
 pub(crate) struct Reader {
     pub(crate) subscriber: Arc<Subscriber>,
+    /// How surely it is to reach him at the most.
     pub(crate) qos: Qos,
+    /// Whether he is told that it is to be kept.
+    pub(crate) as_published: bool,
+    /// The numbers of his subscriptions that match.
+    pub(crate) ids: Ids,
+}
+
+/// All who read what is published on one topic.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Found {
+    /// Each of them gets it,
+    pub(crate) each: Vec<Reader>,
+    /// and of each of these groups, who share a subscription, one.
+    pub(crate) groups: Vec<Vec<Reader>>,
 }
 
 #[derive(Debug, Default)]
@@ -22,11 +37,44 @@ pub(crate) struct Readers {
     /// Raised by every change, so that who looked before looks again.
     generation: AtomicU64,
     held: Mutex<Held>,
+    /// Raised with each message for groups, so that each of them has his turn.
+    turns: AtomicUsize,
     /// Who brings messages to them; `None`: the broker itself.
     router: Option<Box<dyn Router>>,
 }
 
-type Held = BTreeMap<Arc<str>, Vec<Reader>>;
+/// Who holds a filter, and in which group.
+#[derive(Clone, Debug)]
+struct Holder {
+    subscriber: Arc<Subscriber>,
+    group: Option<Box<str>>,
+    grant: Grant,
+}
+
+type Held = BTreeMap<Arc<str>, Vec<Holder>>;
+
+impl Found {
+    pub(crate) fn is_empty(&self) -> bool {
+        self.each.is_empty() && self.groups.is_empty()
+    }
+
+    /// All who may get it.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &Reader> {
+        self.each.iter().chain(self.groups.iter().flatten())
+    }
+}
+
+impl Holder {
+    fn is(&self, subscriber: &Arc<Subscriber>, group: Option<&str>) -> bool {
+        Arc::ptr_eq(&self.subscriber, subscriber) && self.group.as_deref() == group
+    }
+
+    fn reader(&self) -> Reader {
+        let options = self.grant.options;
+        let (subscriber, ids) = (Arc::clone(&self.subscriber), self.grant.ids());
+        Reader { subscriber, qos: options.qos, as_published: options.as_published, ids }
+    }
+}
 
 impl Readers {
     pub(crate) fn new(router: Option<Box<dyn Router>>) -> Readers {
@@ -42,25 +90,49 @@ impl Readers {
         self.generation.load(Ordering::Acquire)
     }
 
-    /// Those who get what is published on this topic: each once, at the best of his filters that match (section 3.3.5).
-    pub(crate) fn of(&self, topic: &str) -> Vec<Reader> {
+    /// Those who get what is published on this topic: each once, as well as any of his filters that match (section 3.3.5); but not its
+    /// publisher by a filter that leaves out his own.
+    pub(crate) fn of(&self, topic: &str, publisher: Option<SubscriberId>) -> Found {
         let levels: Vec<&str> = topic.split('/').collect();
-        let mut found = Vec::new();
-        collect(&self.held(), &mut String::with_capacity(topic.len() + 2), &levels, &mut found);
-        found.sort_unstable_by_key(|reader| (Arc::as_ptr(&reader.subscriber), std::cmp::Reverse(reader.qos)));
-        found.dedup_by(|one, other| Arc::ptr_eq(&one.subscriber, &other.subscriber));
+        let is_left_out = |holder: &Holder| holder.grant.options.no_local && publisher == Some(holder.subscriber.id());
+        let mut found = Found::default();
+        collect(&self.held(), &mut String::with_capacity(topic.len() + 2), &levels, &mut |holders| {
+            let mut groups: Vec<(&str, Vec<Reader>)> = Vec::new();
+            for holder in holders.iter().filter(|holder| !is_left_out(holder)) {
+                let Some(name) = holder.group.as_deref() else {
+                    found.each.push(holder.reader());
+                    continue;
+                };
+                match groups.iter_mut().find(|(known, _)| *known == name) {
+                    Some((_, group)) => group.push(holder.reader()),
+                    None => groups.push((name, vec![holder.reader()])),
+                }
+            }
+            found.groups.extend(groups.into_iter().map(|(_, group)| group));
+        });
+        merge(&mut found.each);
         found
     }
 
-    pub(crate) fn enter(&self, filter: &Arc<str>, subscriber: &Arc<Subscriber>, qos: Qos) {
+    /// Of each group the one whose turn it is: one who keeps up, if any does, else one who is here, since others cannot read.
+    pub(crate) fn in_turn<'a>(&self, groups: &'a [Vec<Reader>]) -> impl Iterator<Item = &'a Reader> {
+        let turn = if groups.is_empty() { 0 } else { self.turns.fetch_add(1, Ordering::Relaxed) };
+        groups.iter().filter_map(move |group| {
+            let in_turn = || (0..group.len()).map(|place| &group[(turn + place) % group.len()]);
+            let keeps_up = |reader: &&Reader| reader.subscriber.is_here() && !reader.subscriber.lags();
+            in_turn().find(keeps_up).or_else(|| in_turn().find(|reader| reader.subscriber.is_here())).or_else(|| in_turn().next())
+        })
+    }
+
+    pub(crate) fn enter(&self, filter: &Arc<str>, group: Option<&str>, subscriber: &Arc<Subscriber>, grant: Grant) {
         let mut held = self.held();
-        let readers = held.entry(Arc::clone(filter)).or_default();
-        match readers.iter_mut().find(|reader| Arc::ptr_eq(&reader.subscriber, subscriber)) {
-            Some(reader) if reader.qos == qos => return,
-            Some(reader) => reader.qos = qos,
+        let holders = held.entry(Arc::clone(filter)).or_default();
+        match holders.iter_mut().find(|holder| holder.is(subscriber, group)) {
+            Some(holder) if holder.grant == grant => return,
+            Some(holder) => holder.grant = grant,
             None => {
-                readers.push(Reader { subscriber: Arc::clone(subscriber), qos });
-                if let Some(router) = &self.router {
+                holders.push(Holder { subscriber: Arc::clone(subscriber), group: group.map(Box::from), grant });
+                if let Some(router) = self.router.as_ref().filter(|_| group.is_none()) {
                     router.subscribe(filter, subscriber);
                 }
             }
@@ -68,14 +140,14 @@ impl Readers {
         self.generation.fetch_add(1, Ordering::Release);
     }
 
-    pub(crate) fn strike(&self, filter: &str, subscriber: &Arc<Subscriber>) {
+    pub(crate) fn strike(&self, filter: &str, group: Option<&str>, subscriber: &Arc<Subscriber>) {
         let mut held = self.held();
-        let Some(readers) = held.get_mut(filter) else { return };
-        readers.retain(|reader| !Arc::ptr_eq(&reader.subscriber, subscriber));
-        if readers.is_empty() {
+        let Some(holders) = held.get_mut(filter) else { return };
+        holders.retain(|holder| !holder.is(subscriber, group));
+        if holders.is_empty() {
             held.remove(filter);
         }
-        if let Some(router) = &self.router {
+        if let Some(router) = self.router.as_ref().filter(|_| group.is_none()) {
             router.unsubscribe(filter, subscriber);
         }
         self.generation.fetch_add(1, Ordering::Release);
@@ -86,8 +158,23 @@ impl Readers {
     }
 }
 
+/// Those who hold several filters are one reader each.
+fn merge(readers: &mut Vec<Reader>) {
+    readers.sort_unstable_by_key(|reader| Arc::as_ptr(&reader.subscriber));
+    readers.dedup_by(|other, one| {
+        let is_same = Arc::ptr_eq(&one.subscriber, &other.subscriber);
+        if is_same {
+            one.qos = one.qos.max(other.qos);
+            one.as_published |= other.as_published;
+            let ids = one.ids.iter().chain(&other.ids).flat_map(|ids| ids.iter().copied());
+            one.ids = Some(ids.collect::<Arc<[u32]>>()).filter(|ids| !ids.is_empty());
+        }
+        is_same
+    });
+}
+
 /// Those whose filters begin with these levels, which end with a slash, and match the others of a topic.
-fn collect(held: &Held, above: &mut String, levels: &[&str], found: &mut Vec<Reader>) {
+fn collect(held: &Held, above: &mut String, levels: &[&str], found: &mut dyn FnMut(&[Holder])) {
     let Some((level, below)) = levels.split_first() else { return };
     let length = above.len();
     let is_hidden = length == 0 && level.starts_with('$');
@@ -111,20 +198,29 @@ fn collect(held: &Held, above: &mut String, levels: &[&str], found: &mut Vec<Rea
     }
 }
 
-fn add(held: &Held, above: &mut String, end: &str, found: &mut Vec<Reader>) {
+fn add(held: &Held, above: &mut String, end: &str, found: &mut dyn FnMut(&[Holder])) {
     let length = above.len();
     above.push_str(end);
-    found.extend(held.get(above.as_str()).into_iter().flatten().cloned());
+    if let Some(holders) = held.get(above.as_str()) {
+        found(holders);
+    }
     above.truncate(length);
 }
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use proptest::prelude::*;
 
     use super::*;
     use crate::filter::matches;
     use crate::filter::tests::{level, some_filter};
+    use crate::limits::LAG_BYTES;
+    use crate::message::{Draft, Message};
+    use crate::packet::filters::Options;
+    use crate::subscriber::Delivery;
+    use crate::subscription::Subscription;
 
     proptest! {
         /// Going level by level finds exactly what comparing with each finds.
@@ -136,9 +232,9 @@ mod tests {
             let (readers, topic) = (Readers::default(), levels.join("/"));
             let all: Vec<(String, Arc<Subscriber>)> = filters.into_iter().map(|filter| (filter, Arc::default())).collect();
             for (filter, subscriber) in &all {
-                readers.enter(&Arc::from(filter.as_str()), subscriber, Qos::One);
+                readers.enter(&Arc::from(filter.as_str()), None, subscriber, Grant::at(Qos::One));
             }
-            let found = readers.of(&topic);
+            let found = readers.of(&topic, None).each;
             for (filter, subscriber) in &all {
                 let count = found.iter().filter(|reader| Arc::ptr_eq(&reader.subscriber, subscriber)).count();
                 prop_assert_eq!(count, usize::from(matches(filter, &topic)), "{} {}", filter, topic);
@@ -152,16 +248,79 @@ mod tests {
         for (filter, subscriber, qos) in
             [("a/#", &one, Qos::Zero), ("a/+", &one, Qos::Zero), ("a/+", &one, Qos::One), ("b", &other, Qos::One)]
         {
-            readers.enter(&Arc::from(filter), subscriber, qos);
+            readers.enter(&Arc::from(filter), None, subscriber, Grant::at(qos));
         }
-        let best = |topic: &str| readers.of(topic).iter().map(|reader| reader.qos).collect::<Vec<_>>();
+        let best = |topic: &str| readers.of(topic, None).each.iter().map(|reader| reader.qos).collect::<Vec<_>>();
         assert_eq!(best("a/x"), [Qos::One]);
         let before = readers.generation();
-        readers.strike("a/+", &one);
+        readers.strike("a/+", None, &one);
         assert!(readers.generation() > before && best("a/x") == [Qos::Zero]);
-        readers.strike("a/#", &one);
-        assert_eq!((readers.of("a/x").len(), readers.of("b").len()), (0, 1));
-        readers.strike("b", &other);
+        readers.strike("a/#", None, &one);
+        assert_eq!((readers.of("a/x", None).each.len(), readers.of("b", None).each.len()), (0, 1));
+        readers.strike("b", None, &other);
         assert!(readers.held().is_empty());
+    }
+
+    /// Options that differ: whoever wants to know that something is to be kept is told so, and by which of his subscriptions it comes.
+    #[test]
+    fn whoever_holds_several_filters_gets_what_any_of_them_promises_and_all_their_numbers() {
+        let (readers, one): (_, Arc<Subscriber>) = (Readers::default(), Arc::default());
+        let grant =
+            |as_published, no_local, id| Grant { options: Options { as_published, no_local, ..Options::at(Qos::One) }, id };
+        for (filter, grant) in
+            [("a/#", grant(true, false, Some(7))), ("a/+", grant(false, true, None)), ("a/x", grant(false, true, Some(9)))]
+        {
+            readers.enter(&Arc::from(filter), None, &one, grant);
+        }
+        let of = |publisher| {
+            let found = readers.of("a/x", publisher).each;
+            let mut ids: Vec<u32> = found[0].ids.iter().flat_map(|ids| ids.iter().copied()).collect();
+            ids.sort_unstable();
+            (found.len(), found[0].as_published, ids)
+        };
+        assert_eq!(of(None), (1, true, vec![7, 9]));
+        assert_eq!(of(Some(one.id())), (1, true, vec![7]), "his own does not come by those that leave it out");
+        readers.strike("a/#", None, &one);
+        assert!(readers.of("a/x", Some(one.id())).is_empty() && !readers.of("a/x", None).is_empty());
+    }
+
+    #[test]
+    fn of_a_group_one_who_is_here_has_his_turn() {
+        let readers = Arc::new(Readers::default());
+        let mut members: Vec<Subscription> = (0..3).map(|_| Subscription::new(&readers)).collect();
+        members.iter_mut().for_each(|member| drop(member.hold("$share/g/a/+", Grant::at(Qos::One))));
+        members[0].hold("$share/h/a/+", Grant::at(Qos::One));
+        members[0].hold("$share/g/a/#", Grant::at(Qos::One));
+        members[0].hold("a/b", Grant::at(Qos::One));
+        let found = readers.of("a/b", None);
+        let mut sizes: Vec<usize> = found.groups.iter().map(Vec::len).collect();
+        sizes.sort_unstable();
+        assert_eq!((found.each.len(), sizes), (1, vec![1, 1, 3]));
+        let group = found.groups.iter().find(|group| group.len() == 3).unwrap();
+        let groups = [group.clone(), group.clone()];
+        let turns = |count: usize| {
+            let mut chosen = [BTreeSet::new(), BTreeSet::new()];
+            for _ in 0..count {
+                let readers = readers.in_turn(&groups).map(|reader| Arc::as_ptr(&reader.subscriber));
+                chosen.iter_mut().zip(readers).for_each(|(chosen, reader)| chosen.extend([reader]));
+            }
+            assert_eq!(chosen[0].len(), chosen[1].len(), "in every group that reads it");
+            chosen[0].len()
+        };
+        assert_eq!(turns(3), 3, "each has his turn");
+        let behind = Message::new(Draft::plain("x", &vec![0; LAG_BYTES], Qos::One), 0, &Arc::default());
+        let reader = Reader { qos: Qos::One, ..group[0].clone() };
+        let put = |reader: &Reader| reader.subscriber.put(Delivery::of(&Arc::new(behind), reader), || true);
+        put(&reader);
+        assert_eq!(turns(9), 2, "nor has who does not keep up");
+        reader.subscriber.next(true);
+        members[1].leave(true);
+        assert_eq!(turns(9), 2, "who is away has none");
+        members.iter().for_each(|member| member.leave(true));
+        assert_eq!(turns(3), 3, "all are away: it waits for one of them");
+        members[0].strike("$share/g/a/+");
+        assert_eq!(readers.of("a/b", None).groups.iter().map(Vec::len).max(), Some(2));
+        drop(members);
+        assert!(readers.of("a/b", None).is_empty());
     }
 }

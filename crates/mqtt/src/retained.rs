@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::ops::Bound;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use super::filter::{Next, look, stem};
 use super::limits::{
@@ -31,6 +32,9 @@ pub(crate) struct Walk {
     from: Option<String>,
 }
 
+/// It is not looked more often than this for what is over, among all that is kept.
+const BETWEEN_LOOKS: Duration = Duration::from_secs(1);
+
 #[derive(Debug, Default)]
 struct Shelf {
     kept: BTreeMap<Arc<str>, Entry>,
@@ -38,6 +42,10 @@ struct Shelf {
     shares: HashMap<Arc<str>, Used>,
     clients: Used,
     program: Used,
+    /// Nothing is over before this,
+    first_over: Option<Duration>,
+    /// and it is not looked for what is before that.
+    looks_at: Duration,
 }
 
 #[derive(Debug)]
@@ -57,19 +65,23 @@ struct Used {
 impl Retained {
     /// Keeps a message in the place of the one that was there; an empty one takes that away. Whether there was room: without it nothing
     /// is kept there any more, since what was is not so now.
-    pub(crate) fn keep(&self, payer: &Payer, message: &Arc<Message>) -> bool {
+    pub(crate) fn keep(&self, payer: &Payer, message: &Arc<Message>, now: Duration) -> bool {
         let mut shelf = self.shelf();
         shelf.remove(message.topic());
-        if message.payload().is_empty() {
+        if message.payload().is_empty() || message.is_over(now) {
             return true;
         }
         // Whoever reads it without the lock does so to know what came later, and that has a higher one in any case.
         let stamp = self.stamp.fetch_add(1, Ordering::AcqRel) + 1;
-        shelf.put(Entry { message: Arc::clone(message), stamp, payer: payer.clone() })
+        let entry = Entry { message: Arc::clone(message), stamp, payer: payer.clone() };
+        match shelf.put(entry) {
+            Ok(()) => true,
+            Err(entry) => shelf.clear(now) && shelf.put(entry).is_ok(),
+        }
     }
 
     /// The next one of a walk, which goes on for no more steps than there are left; without one it is over, or they are used up.
-    pub(crate) fn next(&self, walk: &mut Walk, steps: &mut usize) -> Option<Arc<Message>> {
+    pub(crate) fn next(&self, walk: &mut Walk, steps: &mut usize, now: Duration) -> Option<Arc<Message>> {
         let shelf = self.shelf();
         while *steps > 0 {
             let from = walk.from.take()?;
@@ -80,7 +92,7 @@ impl Retained {
                 Next::From(later) => walk.from = Some(later),
                 Next::Here => {
                     walk.from = Some(format!("{topic}\0"));
-                    if entry.stamp > walk.since {
+                    if entry.stamp > walk.since && !entry.message.is_over(now) {
                         return Some(Arc::clone(&entry.message));
                     }
                 }
@@ -141,8 +153,22 @@ impl Shelf {
         }
     }
 
-    /// Whether there was room in the pool, and in the payer's share of it.
-    fn put(&mut self, entry: Entry) -> bool {
+    /// Takes away what is good for nobody any more; whether there was any.
+    fn clear(&mut self, now: Duration) -> bool {
+        if now < self.looks_at || self.first_over.is_none_or(|first| first > now) {
+            return false;
+        }
+        // Looking through all is dear, and whoever has something kept that is over soon is cheap.
+        self.looks_at = now + BETWEEN_LOOKS;
+        let over: Vec<_> =
+            self.kept.values().filter(|entry| entry.message.is_over(now)).map(|entry| entry.message.shared_topic()).collect();
+        over.iter().for_each(|topic| self.remove(topic));
+        self.first_over = self.kept.values().filter_map(|entry| entry.message.expires_at()).min();
+        !over.is_empty()
+    }
+
+    /// Puts one there, when there is room in the pool, and in the payer's share of it; else it comes back.
+    fn put(&mut self, entry: Entry) -> Result<(), Entry> {
         let bytes = entry.message.cost();
         let share = match &entry.payer {
             Payer::Program | Payer::Anybody => Used::default(),
@@ -158,14 +184,15 @@ impl Shelf {
         if !self.pool(&entry.payer).has_room(bytes, count_most, bytes_most)
             || !share.has_room(bytes, KEPT_SHARE, KEPT_SHARE_BYTES)
         {
-            return false;
+            return Err(entry);
         }
+        self.first_over = [self.first_over, entry.message.expires_at()].into_iter().flatten().min();
         self.pool(&entry.payer).add(bytes);
         if let Payer::Key(name) = &entry.payer {
             self.shares.entry(Arc::clone(name)).or_default().add(bytes);
         }
         self.kept.insert(entry.message.shared_topic(), entry);
-        true
+        Ok(())
     }
 
     const fn pool(&mut self, payer: &Payer) -> &mut Used {

@@ -6,6 +6,7 @@ use super::*;
 use crate::filter::matches;
 use crate::filter::tests::{level, some_filter};
 use crate::limits::MESSAGE_COST;
+use crate::message::Draft;
 use crate::packet::Qos;
 
 const ANYBODY: Payer = Payer::Anybody;
@@ -16,14 +17,15 @@ fn key(name: &str) -> Payer {
 
 impl Retained {
     fn say(&self, payer: &Payer, topic: &str, payload: &[u8], qos: Qos) -> bool {
-        self.keep(payer, &Arc::new(Message::new(topic.into(), payload, qos, self.stamp(), &Arc::default())))
+        let message = Message::new(Draft::plain(topic, payload, qos), self.stamp(), &Arc::default());
+        self.keep(payer, &Arc::new(message), Duration::ZERO)
     }
 }
 
 fn all(retained: &Retained, filter: &str, since: u64) -> Vec<Arc<Message>> {
     let (mut walk, mut found) = (Walk::new(Arc::from(filter), since), Vec::new());
     while !walk.is_over() {
-        found.extend(retained.next(&mut walk, &mut 3));
+        found.extend(retained.next(&mut walk, &mut 3, Duration::ZERO));
     }
     found
 }
@@ -92,7 +94,7 @@ fn what_others_have_kept_costs_nobody_a_step_who_does_not_ask_for_it() {
     );
     for (filter, found) in [("state/a/x", 1), ("state/+/x", 1), ("+/b", 1), ("nothing/+/c", 0), ("nothing/#", 0), ("+", 0)] {
         let (mut walk, mut steps) = (Walk::new(Arc::from(filter), 0), 16);
-        let count = std::iter::from_fn(|| retained.next(&mut walk, &mut steps)).count();
+        let count = std::iter::from_fn(|| retained.next(&mut walk, &mut steps, Duration::ZERO)).count();
         assert!(count == found && walk.is_over(), "{filter}: {count}, {steps} steps left");
     }
 }
@@ -106,7 +108,7 @@ fn a_deep_filter_takes_a_few_steps_for_each_branch_and_no_more_in_a_turn_than_it
     let (mut walk, mut turns) = (Walk::new(Arc::from("+/".repeat(22) + "z1"), 0), 0);
     while !walk.is_over() {
         let mut steps = 100;
-        assert!(retained.next(&mut walk, &mut steps).is_none());
+        assert!(retained.next(&mut walk, &mut steps, Duration::ZERO).is_none());
         turns += 1;
     }
     assert!((KEPT / 100..4 * KEPT / 100).contains(&turns), "{turns} turns");
@@ -190,4 +192,22 @@ fn what_the_program_says_has_room_whatever_others_have_kept_and_an_end_as_well()
     assert_eq!(more, PROGRAM_KEPT - ours, "and so is their number");
     assert!(!retained.say(&ANYBODY, "a/0", &vec![0; 4 * mebibyte.len()], Qos::Zero));
     assert!(all(&retained, "a/0", 0).is_empty(), "what it said before is not so any more");
+}
+
+/// A message that is over is found by nobody, and gives its place to one that wants it.
+#[test]
+fn what_is_over_is_not_kept_for_longer() {
+    let (retained, at) = (Retained::default(), Duration::from_secs);
+    let keep = |topic: &str, expires_at, now| {
+        let draft = Draft { expires_at, ..Draft::plain(topic, b"x", Qos::Zero) };
+        retained.keep(&ANYBODY, &Arc::new(Message::new(draft, 0, &Arc::default())), now)
+    };
+    let kept = (0..KEPT as u64).filter(|n| keep(&format!("a/{n}"), (*n < 2).then(|| at(10 + n)), at(1))).count();
+    assert_eq!(kept, KEPT);
+    assert!(!keep("b", None, at(9)));
+    let found = |now| retained.next(&mut Walk::new("a/0".into(), 0), &mut 9, now).is_some();
+    assert!(found(at(9)) && !found(at(10)));
+    assert!(keep("b", None, at(10)) && !keep("c", None, at(10)), "there was one");
+    assert!(keep("c", None, at(11)) && !keep("d", None, at(100)));
+    assert_eq!((retained.count(), retained.shelf().first_over), (KEPT, None));
 }

@@ -37,4 +37,7 @@ pub trait Rights: Debug + Send + Sync {
     fn may_leave_will(&self, who: Tier, topic: &str) -> bool {
         !self.is_for_commands(topic) && self.may_publish(who, topic)
     }
+
+    /// Whether one may share this filter with others, each of whom gets then only a part of what is published there.
+    fn may_share(&self, who: Tier, filter: &str) -> bool;
 }

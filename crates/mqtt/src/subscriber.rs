@@ -19,7 +19,8 @@ use super::limits::{
 };
 use super::message::Message;
 use super::packet::Qos;
-use super::readers::Readers;
+use super::readers::Reader;
+use super::subscription::Ids;
 
 /// So much room for deliveries is kept when none waits.
 const ROOM: usize = 256;
@@ -27,9 +28,14 @@ const ROOM: usize = 256;
 /// Nothing was missed.
 const NOTHING: u64 = u64::MAX;
 
+/// Tells one subscriber from others, for as long as the program runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SubscriberId(u64);
+
 /// What waits for one subscriber, and since when it does not keep up.
 #[derive(Debug)]
 pub struct Subscriber {
+    id: SubscriberId,
     queue: Mutex<Queue>,
     /// What waits in the queue weighs so much.
     lag: AtomicUsize,
@@ -76,14 +82,10 @@ pub(crate) struct Delivery {
     pub(crate) message: Arc<Message>,
     /// The lesser of that of the message and that of the subscription.
     pub(crate) qos: Qos,
-}
-
-/// A subscriber and the filters that it holds; it is one no more when this is dropped.
-#[derive(Debug)]
-pub(crate) struct Subscription {
-    subscriber: Arc<Subscriber>,
-    readers: Arc<Readers>,
-    held: Vec<(Arc<str>, Qos)>,
+    /// Whether it comes with the flag of what is to be kept.
+    pub(crate) retain: bool,
+    /// The numbers of the subscriptions by which it comes.
+    pub(crate) ids: Ids,
 }
 
 impl Queue {
@@ -100,8 +102,13 @@ impl Queue {
 
 impl Delivery {
     /// At the lesser of its own quality and that of the subscription (section 3.8.4).
-    pub(crate) fn of(message: &Arc<Message>, granted: Qos) -> Delivery {
-        Delivery { message: Arc::clone(message), qos: message.qos().min(granted) }
+    pub(crate) fn of(message: &Arc<Message>, reader: &Reader) -> Delivery {
+        Delivery {
+            message: Arc::clone(message),
+            qos: message.qos().min(reader.qos),
+            retain: reader.as_published && message.retain(),
+            ids: reader.ids.clone(),
+        }
     }
 
     fn weight(&self) -> usize {
@@ -111,8 +118,10 @@ impl Delivery {
 
 impl Default for Subscriber {
     fn default() -> Subscriber {
+        static LAST: AtomicU64 = AtomicU64::new(0);
         let zero = AtomicU64::default;
         Subscriber {
+            id: SubscriberId(LAST.fetch_add(1, Ordering::Relaxed)),
             queue: Mutex::default(),
             lag: AtomicUsize::default(),
             waiting: Mutex::default(),
@@ -127,6 +136,35 @@ impl Default for Subscriber {
 }
 
 impl Subscriber {
+    pub(crate) const fn id(&self) -> SubscriberId {
+        self.id
+    }
+
+    /// Nobody takes what comes now, and somebody may later; without room for it nothing waits.
+    pub(crate) fn go_away(&self, has_room: bool) {
+        let mut queue = self.queue();
+        (queue.presence, queue.taker) = (Presence::Away, None);
+        if !has_room {
+            queue.waiting.drain(..).for_each(|lost| self.miss(lost.message.stamp));
+            queue.bytes = 0;
+            self.lag.store(0, Ordering::Relaxed);
+        }
+        drop(queue);
+        self.wake_all();
+    }
+
+    /// Somebody takes what comes again.
+    pub(crate) fn come_back(&self) {
+        self.queue().presence = Presence::Here;
+    }
+
+    /// Nobody ever takes anything any more: whoever waits for it need not.
+    pub(crate) fn go(&self) {
+        *self.queue() = Queue { presence: Presence::Gone, ..Queue::default() };
+        self.lag.store(0, Ordering::Relaxed);
+        self.wake_all();
+    }
+
     /// A message is on its way to it, and counts as if it had come.
     pub(crate) fn expect(&self, message: &Message) {
         self.lag.fetch_add(weight(message), Ordering::Relaxed);
@@ -211,6 +249,11 @@ impl Subscriber {
     /// How many bytes it takes that they wait.
     pub(crate) fn own_bytes(&self) -> usize {
         self.queue().waiting.len() * size_of::<Delivery>()
+    }
+
+    /// Whether somebody takes what comes for it.
+    pub(crate) fn is_here(&self) -> bool {
+        self.queue().presence == Presence::Here
     }
 
     /// Whether nothing waits for it.
@@ -313,80 +356,6 @@ impl Subscriber {
     }
 }
 
-impl Subscription {
-    pub(crate) fn new(readers: &Arc<Readers>) -> Subscription {
-        Subscription { subscriber: Arc::default(), readers: Arc::clone(readers), held: Vec::new() }
-    }
-
-    pub(crate) fn subscriber(&self) -> &Arc<Subscriber> {
-        &self.subscriber
-    }
-
-    /// The filters that it holds, with what was granted for each.
-    pub(crate) fn held(&self) -> &[(Arc<str>, Qos)] {
-        &self.held
-    }
-
-    pub(crate) fn holds(&self, filter: &str) -> bool {
-        self.held.iter().any(|(held, _)| &**held == filter)
-    }
-
-    /// From now on what is published there comes to it.
-    pub(crate) fn hold(&mut self, filter: &str, qos: Qos) -> Arc<str> {
-        let name = match self.held.iter_mut().find(|(held, _)| &**held == filter) {
-            Some((name, granted)) => {
-                *granted = qos;
-                Arc::clone(name)
-            }
-            None => {
-                let name: Arc<str> = Arc::from(filter);
-                self.held.push((Arc::clone(&name), qos));
-                name
-            }
-        };
-        self.readers.enter(&name, &self.subscriber, qos);
-        name
-    }
-
-    /// Lets a filter go; whether it was held.
-    pub(crate) fn strike(&mut self, filter: &str) -> bool {
-        let Some(place) = self.held.iter().position(|(held, _)| &**held == filter) else { return false };
-        self.held.remove(place);
-        self.readers.strike(filter, &self.subscriber);
-        true
-    }
-
-    /// He has gone, and comes again: what is to reach him surely waits for him, if it has room, and nobody waits until he reads it.
-    pub(crate) fn leave(&self, has_room: bool) {
-        let mut queue = self.subscriber.queue();
-        (queue.presence, queue.taker) = (Presence::Away, None);
-        if !has_room {
-            queue.waiting.drain(..).for_each(|lost| self.subscriber.miss(lost.message.stamp));
-            queue.bytes = 0;
-            self.subscriber.lag.store(0, Ordering::Relaxed);
-        }
-        drop(queue);
-        self.subscriber.wake_all();
-    }
-
-    /// He is here again.
-    pub(crate) fn come_back(&self) {
-        self.subscriber.queue().presence = Presence::Here;
-    }
-}
-
-impl Drop for Subscription {
-    fn drop(&mut self) {
-        for (filter, _) in &self.held {
-            self.readers.strike(filter, &self.subscriber);
-        }
-        // Whoever waits for him need not.
-        *self.subscriber.queue() = Queue { presence: Presence::Gone, ..Queue::default() };
-        self.subscriber.lag.store(0, Ordering::Relaxed);
-        self.subscriber.wake_all();
-    }
-}
-
 /// What a message counts while it waits for somebody: a long one is there once for all who wait for it.
 fn weight(message: &Message) -> usize {
     message.cost().min(HEAVIEST)
@@ -400,14 +369,17 @@ fn ms(duration: Duration) -> u64 {
 mod tests {
     use super::*;
     use crate::limits::STILL;
+    use crate::message::Draft;
+    use crate::subscription::{Grant, Subscription};
 
     const NOW: Duration = Duration::from_secs(100);
 
     /// A message that weighs so much, being long enough.
     fn delivery(weight: usize, stamp: u64) -> Delivery {
-        let mut message = Message::new(Arc::from("a"), b"", Qos::One, stamp, &Arc::default());
-        message = Message::new(Arc::from("a"), &vec![0; weight - message.cost()], Qos::One, stamp, &Arc::default());
-        Delivery { message: Arc::new(message), qos: Qos::One }
+        let draft = |payload| Draft::plain("a", payload, Qos::One);
+        let least = Message::new(draft(b""), stamp, &Arc::default()).cost();
+        let message = Message::new(draft(&vec![0; weight - least]), stamp, &Arc::default());
+        Delivery { message: Arc::new(message), qos: Qos::One, retain: false, ids: None }
     }
 
     fn owe(subscriber: &Subscriber, bytes: usize) {
@@ -577,16 +549,16 @@ mod tests {
     fn whoever_is_away_is_not_waited_for_and_whoever_is_gone_gets_nothing() {
         let readers = Arc::default();
         let mut subscription = Subscription::new(&readers);
-        subscription.hold("a", Qos::One);
+        subscription.hold("a", Grant::at(Qos::One));
         let subscriber = Arc::clone(subscription.subscriber());
         owe(&subscriber, QUEUE);
         assert!(subscriber.is_behind(NOW));
         subscription.leave(true);
-        assert!(!subscriber.is_behind(NOW) && readers.of("a").len() == 1);
+        assert!(!subscriber.is_behind(NOW) && readers.of("a", None).each.len() == 1);
         subscription.come_back();
         assert!(subscriber.is_behind(NOW));
         drop(subscription);
         subscriber.put(delivery(200, 0), || true);
-        assert!(!subscriber.is_behind(NOW) && subscriber.is_empty() && readers.of("a").is_empty());
+        assert!(!subscriber.is_behind(NOW) && subscriber.is_empty() && readers.of("a", None).is_empty());
     }
 }

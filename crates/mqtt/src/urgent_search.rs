@@ -2,20 +2,23 @@
 //! stands before it, and whatever is wrong with it. No more of a packet is read than names it, in whatever pieces it comes; what is
 //! wrong with packets is found in `frame`, `packet` and `connection`, later.
 
+use std::collections::HashMap;
+
+use super::connection::{AnswerTo, Said};
 use super::frame::{Kind, Malformed, length};
+use super::limits::{ALIASES, PROPERTIES, TOPIC};
+use super::packet::properties::Property;
+use super::packet::{Fields, Version};
 
-/// So much of a packet is looked at when it comes in pieces, in bytes: what is urgent is named at its beginning, and is to be
-/// no longer than half of this.
-const LOOKED_AT: usize = 8 * 1024;
+/// So much of a packet is looked at when it comes in pieces, in bytes: what is urgent is named at its beginning, behind its topic and, in
+/// MQTT 5, its properties, and is to be no longer than some KiB.
+const LOOKED_AT: usize = 8 * 1024 + PROPERTIES;
 
-/// A PUBLISH, as far as it can be read at all.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PartialPublish<'a> {
-    /// The bytes of its topic.
-    pub topic: &'a [u8],
-    /// What of its payload has come.
-    pub payload: &'a [u8],
-}
+/// What has come of a packet is looked at again when it is so much more, in parts of what it was.
+const MORE: usize = 16;
+
+/// The topics for which a number stands in MQTT 5 (topic alias).
+type Aliases = HashMap<u16, Box<[u8]>>;
 
 /// The search through all that one client sends after its CONNECT.
 #[derive(Debug, Default)]
@@ -26,11 +29,13 @@ pub struct UrgentSearch {
     beginning: Vec<u8>,
     /// and how much of it was looked at or passed over.
     seen: usize,
+    /// How much of its beginning was there when it was last asked what is urgent.
+    asked: usize,
     is_found: bool,
     /// It cannot be said any more where packets begin.
     is_lost: bool,
-    /// Whether MQTT 5 is spoken, in which properties stand before a payload.
-    is_five: bool,
+    /// In MQTT 5, in which properties stand before a payload, and a number may stand for a topic.
+    aliases: Option<Aliases>,
 }
 
 #[derive(Clone, Copy)]
@@ -41,15 +46,15 @@ struct Head {
 }
 
 impl UrgentSearch {
-    /// The same through what a client of MQTT 5 sends.
+    /// The search through what a client of this version sends.
     #[must_use]
-    pub fn for_mqtt5() -> UrgentSearch {
-        UrgentSearch { is_five: true, ..UrgentSearch::default() }
+    pub fn new(version: Version) -> UrgentSearch {
+        UrgentSearch { aliases: (version == Version::Five).then(Aliases::new), ..UrgentSearch::default() }
     }
 
     /// Goes on with `bytes`, which follow those before, up to the next urgent message: where in the stream its packet begins. What was
     /// looked through is taken off `bytes`; `None` when nothing is left of them. `hear` is asked what is urgent, and so hears it.
-    pub fn next(&mut self, bytes: &mut &[u8], mut hear: impl FnMut(PartialPublish<'_>) -> bool) -> Option<u64> {
+    pub fn next(&mut self, bytes: &mut &[u8], mut hear: impl FnMut(Said<'_>) -> bool) -> Option<u64> {
         while !bytes.is_empty() && !self.is_lost {
             if self.seen == 0
                 && let Ok(Some(head)) = Head::of(bytes)
@@ -59,7 +64,9 @@ impl UrgentSearch {
                 *bytes = rest;
                 let begins = self.begins;
                 self.begins += head.length as u64;
-                if head.said(packet, self.is_five).any(&mut hear) {
+                let is_urgent = head.is_urgent(packet, self.aliases.as_ref(), &mut hear);
+                head.learn(packet, self.aliases.as_mut());
+                if is_urgent {
                     return Some(begins);
                 }
                 continue;
@@ -75,7 +82,7 @@ impl UrgentSearch {
     }
 
     /// Takes a piece of a packet that is not there whole, and asks again when more of it has come.
-    fn piece(&mut self, bytes: &mut &[u8], hear: &mut impl FnMut(PartialPublish<'_>) -> bool) -> Option<u64> {
+    fn piece(&mut self, bytes: &mut &[u8], hear: &mut impl FnMut(Said<'_>) -> bool) -> Option<u64> {
         let wanted = match Head::of(&self.beginning) {
             Ok(Some(head)) => head.length,
             Ok(None) | Err(_) => self.beginning.len() + 1,
@@ -94,11 +101,18 @@ impl UrgentSearch {
             }
         };
         let (begins, is_whole) = (self.begins, self.seen >= head.length);
-        let is_asked = !self.is_found && room > 0 && (is_whole || bytes.is_empty());
-        let is_urgent = is_asked && head.said(&self.beginning, self.is_five).any(hear);
+        // Not for each byte of a long one: that would cost the more the longer it is.
+        let has_grown = self.beginning.len() >= self.asked + (self.asked / MORE).max(1) || self.asked < TOPIC * 2;
+        let is_asked = !self.is_found && room > 0 && (is_whole || bytes.is_empty() && has_grown);
+        if is_asked {
+            self.asked = self.beginning.len();
+        }
+        let is_urgent = is_asked && head.is_urgent(&self.beginning, self.aliases.as_ref(), hear);
         self.is_found |= is_urgent;
         if is_whole {
-            *self = UrgentSearch { begins: begins + head.length as u64, is_five: self.is_five, ..UrgentSearch::default() };
+            head.learn(&self.beginning, self.aliases.as_mut());
+            let aliases = self.aliases.take();
+            *self = UrgentSearch { begins: begins + head.length as u64, aliases, ..UrgentSearch::default() };
         }
         is_urgent.then_some(begins)
     }
@@ -111,25 +125,45 @@ impl Head {
         Ok(length(rest)?.map(|(body, bytes)| Head { first, head: 1 + bytes, length: 1 + bytes + body }))
     }
 
-    /// What a PUBLISH says, when its topic has come, without the properties of MQTT 5 and, if that is spoken, with them.
-    fn said(self, packet: &[u8], is_five: bool) -> impl Iterator<Item = PartialPublish<'_>> {
-        let said = self.readings(packet).into_iter().flatten();
-        said.flat_map(move |said| {
-            let payload = if is_five { behind_properties(said.payload) } else { None };
-            std::iter::once(said).chain(payload.map(|payload| PartialPublish { payload, ..said }))
+    /// Whether a PUBLISH, when its topic has come, says something urgent: without the properties of MQTT 5 and, if that is spoken, with
+    /// them.
+    fn is_urgent(self, packet: &[u8], aliases: Option<&Aliases>, hear: &mut impl FnMut(Said<'_>) -> bool) -> bool {
+        self.readings(packet).into_iter().flatten().any(|(topic, rest)| {
+            let plain = Said { topic, payload: rest, answer_to: None };
+            let Some(aliases) = aliases else { return hear(plain) };
+            let five = Five::read(rest);
+            let named = five.aliases().filter(|_| topic.is_empty()).filter_map(|alias| aliases.get(&alias));
+            named.map(|named| &**named).chain([topic]).any(|topic| {
+                five.payload.is_some_and(|payload| hear(Said { topic, payload, answer_to: five.answer_to }))
+                    || hear(Said { topic, ..plain })
+            })
         })
     }
 
-    /// There is no QoS 3, so that nobody knows whether an id follows the topic then: both are tried.
-    fn readings(self, packet: &[u8]) -> [Option<PartialPublish<'_>>; 2] {
+    /// Learns for which topic a number is to stand from now on.
+    fn learn(self, packet: &[u8], aliases: Option<&mut Aliases>) {
+        let Some(aliases) = aliases else { return };
+        for (topic, rest) in self.readings(packet).into_iter().flatten().filter(|(topic, _)| !topic.is_empty()) {
+            for alias in Five::read(rest).aliases() {
+                aliases.remove(&alias);
+                if topic.len() <= TOPIC {
+                    aliases.insert(alias, topic.into());
+                }
+            }
+        }
+    }
+
+    /// The topic of a PUBLISH, and what follows it and its id. There is no QoS 3, so that nobody knows whether an id follows then: both
+    /// are tried.
+    fn readings(self, packet: &[u8]) -> [Option<(&[u8], &[u8])>; 2] {
         let nothing = [None, None];
         if self.first >> 4 != Kind::Publish as u8 {
             return nothing;
         }
         let Some((length, rest)) = packet.get(self.head..).and_then(|body| body.split_first_chunk::<2>()) else { return nothing };
         let Some((topic, rest)) = rest.split_at_checked(usize::from(u16::from_be_bytes(*length))) else { return nothing };
-        let without_id = Some(PartialPublish { topic, payload: rest });
-        let with_id = Some(PartialPublish { topic, payload: rest.get(2..).unwrap_or_default() });
+        let without_id = Some((topic, rest));
+        let with_id = Some((topic, rest.get(2..).unwrap_or_default()));
         match self.first >> 1 & 3 {
             0 => [without_id, None],
             1 | 2 => [with_id, None],
@@ -138,10 +172,56 @@ impl Head {
     }
 }
 
-/// What follows the properties at the head of this (MQTT 5, section 3.3.2.3).
-fn behind_properties(bytes: &[u8]) -> Option<&[u8]> {
-    let (properties, own) = length(bytes).ok()??;
-    bytes.get(own + properties..)
+/// What stands behind the topic of a PUBLISH of MQTT 5, as far as it has come.
+#[derive(Default)]
+struct Five<'a> {
+    /// A bit for each topic alias that is named, of which there is to be one.
+    aliases: u16,
+    answer_to: Option<AnswerTo<'a>>,
+    /// `None`: the properties are not there whole.
+    payload: Option<&'a [u8]>,
+}
+
+/// The first byte of a topic alias.
+const ALIAS: u8 = 0x23;
+
+/// That of a number that may be one; 0: it may not.
+const fn bit(alias: u16) -> u16 {
+    if alias >= 1 && alias <= ALIASES { 1 << alias } else { 0 }
+}
+
+impl<'a> Five<'a> {
+    fn aliases(&self) -> impl Iterator<Item = u16> + use<> {
+        let named = self.aliases;
+        (1..=ALIASES).filter(move |alias| named & bit(*alias) != 0)
+    }
+
+    fn read(rest: &'a [u8]) -> Five<'a> {
+        let Ok(Some((size, own))) = length(rest) else { return Five::default() };
+        if size > PROPERTIES {
+            // A message with so many is not taken, and names no topic.
+            return Five { payload: rest.get(own + size..), ..Five::default() };
+        }
+        let payload = rest.get(own + size..);
+        let mut fields = Fields::new(rest.get(own..own + size).unwrap_or(&rest[own..]));
+        let (mut aliases, mut topic, mut correlation) = (0, None, None);
+        while let Ok(property) = Property::read(&mut fields) {
+            if let Property::TopicAlias(number) = property {
+                aliases |= bit(number);
+            } else if let Property::ResponseTopic(at) = property {
+                topic = Some(at);
+            } else if let Property::CorrelationData(data) = property {
+                correlation = Some(data);
+            }
+        }
+        // Behind what is no property nobody knows where the next one begins: whatever looks like an alias may be one.
+        for said in fields.rest().windows(3) {
+            if let [ALIAS, high, low] = said {
+                aliases |= bit(u16::from_be_bytes([*high, *low]));
+            }
+        }
+        Five { aliases, answer_to: topic.map(|topic| AnswerTo { topic, correlation }), payload }
+    }
 }
 
 #[cfg(test)]
@@ -165,7 +245,7 @@ mod tests {
     }
 
     /// On `stop` everything is urgent, and on `word` what begins so.
-    fn is_urgent(said: PartialPublish<'_>) -> bool {
+    fn is_urgent(said: Said<'_>) -> bool {
         said.topic == b"stop" || said.topic == b"word" && said.payload.starts_with(b"stop")
     }
 
@@ -196,6 +276,31 @@ mod tests {
         ]
     }
 
+    /// A PUBLISH of MQTT 5.
+    #[derive(Clone, Debug)]
+    struct PacketOfFive {
+        topic: &'static str,
+        alias: u8,
+        is_by_alias: bool,
+        /// The value of a user property before the alias.
+        padding: Vec<u8>,
+        payload: Vec<u8>,
+    }
+
+    fn any_packet_of_five() -> impl Strategy<Value = PacketOfFive> {
+        let padding =
+            prop_oneof![3 => Just(0), 2 => 0..300_usize, 1 => Just(PROPERTIES - 20)].prop_map(|length| vec![b'p'; length]);
+        let payload = prop::sample::select(vec![&b"stop"[..], b"other", b""]).prop_map(<[u8]>::to_vec);
+        let topic = prop::sample::select(vec!["stop", "word", "other"]);
+        (topic, 1..4_u8, any::<bool>(), padding, payload).prop_map(|(topic, alias, is_by_alias, padding, payload)| PacketOfFive {
+            topic,
+            alias,
+            is_by_alias,
+            padding,
+            payload,
+        })
+    }
+
     proptest! {
         /// Whatever comes before it, and in whatever pieces.
         #[test]
@@ -215,9 +320,42 @@ mod tests {
             prop_assert_eq!(&found(&mut UrgentSearch::default(), stream.chunks(1)), &expected);
         }
 
+        /// In MQTT 5, with properties and topic aliases.
+        #[test]
+        fn every_urgent_message_of_mqtt_5_is_found(
+            packets in prop::collection::vec(any_packet_of_five(), 1..12),
+            cuts in prop::collection::vec(any::<prop::sample::Index>(), 0..8),
+        ) {
+            let (mut stream, mut expected, mut aliases) = (Vec::new(), Vec::new(), HashMap::new());
+            for PacketOfFive { topic, alias, is_by_alias, padding, payload } in &packets {
+                let named = is_by_alias.then(|| aliases.get(alias).copied()).flatten();
+                if !is_by_alias {
+                    aliases.insert(*alias, *topic);
+                }
+                let meant = if *is_by_alias { named } else { Some(*topic) };
+                let is_urgent = meant == Some("stop") || meant == Some("word") && payload.starts_with(b"stop");
+                expected.extend(is_urgent.then_some(stream.len() as u64));
+                let mut properties = vec![0x26, 0, 1, b'k'];
+                properties.extend(u16::try_from(padding.len()).unwrap().to_be_bytes());
+                properties.extend(padding);
+                properties.extend([0x23, 0, *alias]);
+                let mut rest = bytes::BytesMut::new();
+                crate::packet::properties::put_variable(&mut rest, properties.len() as u32);
+                let rest = [&rest[..], &properties, payload].concat();
+                stream.extend(publish(0x30, if *is_by_alias { "" } else { topic }, &rest));
+            }
+            let mut cuts: Vec<usize> = cuts.iter().map(|cut| cut.index(stream.len() + 1)).chain([0, stream.len()]).collect();
+            cuts.sort_unstable();
+            let search = || UrgentSearch::new(Version::Five);
+            prop_assert_eq!(&found(&mut search(), [&stream[..]]), &expected);
+            prop_assert_eq!(&found(&mut search(), cuts.windows(2).map(|cut| &stream[cut[0]..cut[1]])), &expected);
+            prop_assert_eq!(&found(&mut search(), stream.chunks(7)), &expected);
+        }
+
         #[test]
         fn whatever_comes_is_borne(stream in prop::collection::vec(any::<u8>(), 0..600), piece in 1_usize..50) {
             found(&mut UrgentSearch::default(), stream.chunks(piece));
+            found(&mut UrgentSearch::new(Version::Five), stream.chunks(piece));
         }
     }
 
@@ -255,8 +393,62 @@ mod tests {
         let all = [&plain[..], &more, &long, &publish(0x30, "word", b"stop"), &publish(0x30, "word", &[0x80; 5])].concat();
         let places = vec![0, plain.len(), plain.len() + more.len(), plain.len() + more.len() + long.len()];
         let places: Vec<u64> = places.into_iter().map(|place| place as u64).collect();
-        assert_eq!(found(&mut UrgentSearch::for_mqtt5(), [&all[..]]), places);
-        assert_eq!(found(&mut UrgentSearch::for_mqtt5(), all.chunks(3)), places);
+        assert_eq!(found(&mut UrgentSearch::new(Version::Five), [&all[..]]), places);
+        assert_eq!(found(&mut UrgentSearch::new(Version::Five), all.chunks(3)), places);
         assert_eq!(found(&mut UrgentSearch::default(), [&all[..]]), places[3..], "in MQTT 3.1.1 there are none");
+    }
+
+    /// In MQTT 5 a number may stand for a topic that was named before.
+    #[test]
+    fn a_topic_is_known_by_the_number_that_stands_for_it() {
+        let named = publish(0x30, "stop", &[3, 0x23, 0, 2]);
+        let by_number = publish(0x32, "", &[0, 7, 3, 0x23, 0, 2]);
+        let by_another = publish(0x30, "", &[3, 0x23, 0, 1]);
+        let renamed = publish(0x30, "other", &[3, 0x23, 0, 2]);
+        let all = [&by_number[..], &named, &by_another, &by_number, &renamed, &by_number].concat();
+        let places = [by_number.len(), by_number.len() + named.len() + by_another.len()].map(|place| place as u64);
+        for piece in [1, 3, 7, 1000] {
+            assert_eq!(found(&mut UrgentSearch::new(Version::Five), all.chunks(piece)), places, "{piece}");
+        }
+        let mut search = UrgentSearch::new(Version::Five);
+        found(&mut search, [&publish(0x30, "stop", &[3, 0x23, 0, 11])[..], &publish(0x30, "x", &[3, 0x23, 0, 0])]);
+        assert!(search.aliases.as_ref().unwrap().is_empty(), "numbers that nobody may use cost nothing");
+        let long = publish(0x30, &"x".repeat(TOPIC + 1), &[3, 0x23, 0, 2]);
+        assert!(
+            found(&mut search, [&[&named[..], &long, &by_number].concat()[..]]) == [21],
+            "nor do long topics, and they stand there"
+        );
+        assert!(search.aliases.as_ref().unwrap().is_empty());
+        let mut many = bytes::BytesMut::new();
+        crate::packet::properties::put_variable(&mut many, u32::try_from(PROPERTIES + 4).unwrap());
+        many.extend_from_slice(
+            &[&[0x23, 0, 2, 0x26, 0, 1, b'k'][..], &(PROPERTIES as u16 - 5).to_be_bytes(), &[b'p'; PROPERTIES - 5]].concat(),
+        );
+        found(&mut search, [&publish(0x30, "stop", &many)[..]]);
+        assert!(
+            search.aliases.unwrap().is_empty(),
+            "a message that is not taken, there being too many properties, names nothing"
+        );
+    }
+
+    /// Whatever is wrong beside it.
+    #[test]
+    fn a_topic_is_known_by_its_number_among_properties_that_are_none() {
+        let named = publish(0x30, "stop", &[3, 0x23, 0, 1]);
+        for properties in [&[7, 0x7F, 0, 0, 0, 0x23, 0, 1][..], &[6, 0x23, 0, 1, 0x23, 0, 2], &[6, 0x23, 0, 2, 0x23, 0, 1]] {
+            let stream = [&named[..], &publish(0x30, "", properties)].concat();
+            assert_eq!(found(&mut UrgentSearch::new(Version::Five), [&stream[..]]), [0, named.len() as u64], "{properties:?}");
+        }
+    }
+
+    #[test]
+    fn it_is_known_where_an_answer_is_wanted() {
+        let stop = publish(0x30, "stop", &[&[12, 8, 0, 3][..], b"a/b", &[9, 0, 3], b"7", &[0, 0], b"x"].concat());
+        let (mut wanted, mut bytes) = (Vec::new(), &stop[..]);
+        UrgentSearch::new(Version::Five).next(&mut bytes, |said| {
+            wanted.push(said.answer_to.map(|to| (to.topic.to_owned(), to.correlation.map(<[u8]>::to_vec))));
+            true
+        });
+        assert_eq!(wanted, [Some(("a/b".to_owned(), Some(b"7\0\0".to_vec())))]);
     }
 }

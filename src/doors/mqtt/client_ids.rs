@@ -1,15 +1,17 @@
-//! Client ids: of two clients of one id the later stays, and whoever wants to be remembered under his is, while he is away. What is
-//! remembered is the gate's business.
+//! Client ids: of two clients of one id the later stays, and whoever wants to be remembered under his is, while he is away, for as long as he
+//! says, and as there is room. What is remembered is the gate's business.
 
+use std::cmp::Reverse;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use tokio::sync::watch;
+use tokio::sync::{Notify, watch};
 
+use crate::runtime::clock::Clock;
 use mqtt_gate::Session;
 
-/// Clients that are remembered while they are away; of more the one who has been away for longest is forgotten.
+/// Clients that are remembered while they are away; of more, of whoever has most of them the one who has been away for longest is forgotten.
 const REMEMBERED: usize = 128;
 
 /// So long a newcomer of the same name waits for the other to leave.
@@ -23,9 +25,26 @@ pub(super) struct Name {
     pub(super) client: String,
 }
 
+/// What a client wants of what is remembered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Memory {
+    /// To go on where it was.
+    pub(super) resumes: bool,
+    /// To be remembered when it has gone.
+    pub(super) wants: bool,
+}
+
 /// All client ids. Cheap to clone.
 #[derive(Clone, Debug, Default)]
-pub(super) struct ClientIds(Arc<Mutex<Registry>>);
+pub(super) struct ClientIds(Arc<Ids>);
+
+#[derive(Debug, Default)]
+struct Ids {
+    registry: Mutex<Registry>,
+    /// Somebody is remembered from now on, perhaps not for long.
+    has_gone: Notify,
+    clock: Clock,
+}
 
 /// The id of a client that is here; free again when it is dropped.
 #[derive(Debug)]
@@ -34,6 +53,8 @@ pub(super) struct ClientId {
     name: Name,
     moment: u64,
     leave: watch::Receiver<bool>,
+    /// Whether there is room to remember it when it has gone.
+    is_remembered: bool,
     _gone: watch::Sender<()>,
 }
 
@@ -48,6 +69,8 @@ struct Registry {
 #[derive(Debug)]
 struct Present {
     moment: u64,
+    /// Whether it goes on where one of its name was before.
+    resumes: bool,
     leave: watch::Sender<bool>,
     gone: watch::Receiver<()>,
 }
@@ -59,12 +82,11 @@ struct Remembered {
 }
 
 impl ClientIds {
-    /// The id for a client, and what is remembered of it; one of the same id is sent away first. `wants_memory`: what happens while it is
-    /// away is kept.
-    pub(super) async fn take(&self, name: Name, wants_memory: bool) -> (ClientId, Option<Session>) {
+    /// The id for a client, and what is remembered of it; one of the same id is sent away first.
+    pub(super) async fn take(&self, name: Name, memory: Memory) -> (ClientId, Option<Session>) {
         let came = self.registry().next_moment();
         loop {
-            let (moment, mut gone) = match self.enter(&name, wants_memory, came) {
+            let (moment, mut gone) = match self.enter(&name, memory, came) {
                 Ok(taken) => return taken,
                 Err(present) => present,
             };
@@ -76,12 +98,7 @@ impl ClientIds {
     }
 
     /// The id, when nobody of this name is here; else he is asked to leave, and it is said when he came and what ends when he has gone.
-    fn enter(
-        &self,
-        name: &Name,
-        wants_memory: bool,
-        came: u64,
-    ) -> Result<(ClientId, Option<Session>), (u64, watch::Receiver<()>)> {
+    fn enter(&self, name: &Name, memory: Memory, came: u64) -> Result<(ClientId, Option<Session>), (u64, watch::Receiver<()>)> {
         let mut registry = self.registry();
         let is_overtaken = registry.present.get(name).is_some_and(|present| present.moment > came);
         if let Some(present) = registry.present.get(name).filter(|_| !is_overtaken) {
@@ -91,23 +108,57 @@ impl ClientIds {
         let moment = came;
         // Whoever came later has the name. What this one has said before it left is to go its way all the same.
         let is_named = !name.client.is_empty() && !is_overtaken;
-        let had = if is_named { registry.remembered.remove(name) } else { None };
-        let is_kept = wants_memory && is_named && registry.has_memory();
-        let session = had.filter(|_| is_kept).and_then(|had| had.session);
-        if is_kept {
+        let mut had = if is_named { registry.remembered.remove(name) } else { None };
+        let session = had.as_mut().filter(|_| memory.resumes).and_then(|had| had.session.take());
+        let mut gives_way = None;
+        let is_remembered = memory.wants && is_named && registry.has_memory(&mut gives_way);
+        if is_remembered {
             registry.remembered.insert(name.clone(), Remembered { moment, session: None });
         }
         let (gone, gone_too) = watch::channel(());
         let (leave, asked) = watch::channel(is_overtaken);
         if is_named {
-            registry.present.insert(name.clone(), Present { moment, leave, gone: gone_too });
+            registry.present.insert(name.clone(), Present { moment, resumes: memory.resumes, leave, gone: gone_too });
         }
         drop(registry);
-        Ok((ClientId { ids: self.clone(), name: name.clone(), moment, leave: asked, _gone: gone }, session))
+        self.end(had.into_iter().chain(gives_way));
+        Ok((ClientId { ids: self.clone(), name: name.clone(), moment, leave: asked, is_remembered, _gone: gone }, session))
+    }
+
+    /// Forgets those whose time is over, and lets their wills be published, for ever.
+    pub(super) async fn keep(&self, clock: Clock) {
+        loop {
+            let due = self.registry().sessions().filter_map(Session::poll_timeout).min();
+            tokio::select! {
+                () = clock.reach(due) => {}
+                () = self.0.has_gone.notified() => {}
+            }
+            self.handle_timeout(clock.since_start());
+        }
+    }
+
+    fn handle_timeout(&self, now: Duration) {
+        let mut wills = Vec::new();
+        let mut is_over = |remembered: &mut Remembered| {
+            let Some(session) = &mut remembered.session else { return false };
+            let (is_over, will) = session.handle_timeout(now);
+            wills.extend(will);
+            is_over
+        };
+        let over: Vec<_> = self.registry().remembered.extract_if(|_, remembered| is_over(remembered)).collect();
+        // Not while others wait for the registry.
+        wills.into_iter().for_each(|will| will.publish(now));
+        self.end(over.into_iter().map(|(_, remembered)| remembered));
+    }
+
+    /// These are forgotten, and may leave wills.
+    fn end(&self, forgotten: impl IntoIterator<Item = Remembered>) {
+        let now = self.0.clock.since_start();
+        forgotten.into_iter().filter_map(|remembered| remembered.session).for_each(|session| session.end(now));
     }
 
     fn registry(&self) -> MutexGuard<'_, Registry> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.0.registry.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -123,14 +174,24 @@ impl Registry {
         self.remembered.retain(|known, remembered| known != name || remembered.moment != moment);
     }
 
-    /// Whether one more can be remembered; of those who are away the one who has been for longest gives way.
-    fn has_memory(&mut self) -> bool {
+    /// Whether one more can be remembered; of those who are away one gives way: of whoever has most of them, the one who has been away for
+    /// longest.
+    fn has_memory(&mut self, gives_way: &mut Option<Remembered>) -> bool {
         if self.remembered.len() < REMEMBERED {
             return true;
         }
+        let mut counts: HashMap<&str, usize> = HashMap::new();
+        self.remembered.keys().for_each(|name| *counts.entry(&name.who).or_default() += 1);
         let away = self.remembered.iter().filter(|(name, _)| !self.present.contains_key(*name));
-        let oldest = away.min_by_key(|(_, remembered)| remembered.moment).map(|(name, _)| name.clone());
-        oldest.is_some_and(|name| self.remembered.remove(&name).is_some())
+        let oldest =
+            away.min_by_key(|(name, remembered)| (Reverse(counts[&*name.who]), remembered.moment)).map(|(name, _)| name.clone());
+        *gives_way = oldest.and_then(|name| self.remembered.remove(&name));
+        gives_way.is_some()
+    }
+
+    /// What is remembered of those who are away.
+    fn sessions(&self) -> impl Iterator<Item = &Session> {
+        self.remembered.values().filter_map(|remembered| remembered.session.as_ref())
     }
 }
 
@@ -142,12 +203,33 @@ impl ClientId {
         }
     }
 
-    /// Keeps what is to be remembered of the client, for when it comes back.
-    pub(super) fn remember(&self, session: Session) {
+    /// Keeps what is to be remembered of the client, for when it comes back; `None`: it wants nothing to be.
+    pub(super) fn remember(&self, session: Option<Session>) {
         let mut registry = self.ids.registry();
-        if let Some(remembered) = registry.remembered.get_mut(&self.name).filter(|remembered| remembered.moment == self.moment) {
-            remembered.session = Some(session);
-        }
+        let is_ours = |remembered: &Remembered| remembered.moment == self.moment;
+        let forgotten = match registry.remembered.get_mut(&self.name).filter(|remembered| is_ours(remembered)) {
+            Some(remembered) if session.is_some() => std::mem::replace(&mut remembered.session, session),
+            Some(_) => registry.remembered.remove(&self.name).and_then(|remembered| remembered.session),
+            // Nobody remembers it. One of its name that came meanwhile and goes on is it, however long this one took to leave.
+            None => {
+                let later = registry.present.get(&self.name).filter(|present| present.moment > self.moment);
+                session.map(|mut session| {
+                    if later.is_some_and(|later| later.resumes) {
+                        session.withdraw_will();
+                    }
+                    session
+                })
+            }
+        };
+        drop(registry);
+        let moment = self.moment;
+        self.ids.end(forgotten.map(|session| Remembered { moment, session: Some(session) }));
+        self.ids.0.has_gone.notify_one();
+    }
+
+    /// Whether it will be remembered when it has gone, if it wants to be.
+    pub(super) const fn is_remembered(&self) -> bool {
+        self.is_remembered
     }
 }
 
@@ -167,22 +249,25 @@ mod tests {
         Name { who: Arc::from("operator"), client: client.to_owned() }
     }
 
+    const ANEW: Memory = Memory { resumes: false, wants: false };
+    const AGAIN: Memory = Memory { resumes: true, wants: true };
+
     /// Whether something is remembered of whoever comes back with this name, which is remembered from now on.
     async fn is_remembered(ids: &ClientIds, client: &str) -> bool {
-        let (id, session) = ids.take(name(client), true).await;
-        id.remember(Session::default());
+        let (id, session) = ids.take(name(client), AGAIN).await;
+        id.remember(Some(Session::default()));
         session.is_some()
     }
 
     #[tokio::test(start_paused = true)]
     async fn whoever_comes_with_a_name_that_is_present_takes_its_place_when_it_has_left() {
         let ids = ClientIds::default();
-        let (mut old, _) = ids.take(name("panel"), false).await;
+        let (mut old, _) = ids.take(name("panel"), ANEW).await;
         let leaving = tokio::spawn(async move { old.wanted().await });
-        ids.take(name("panel"), false).await;
+        ids.take(name("panel"), ANEW).await;
         assert!(leaving.await.is_ok());
-        let (hangs, _) = ids.take(name("panel"), false).await;
-        let (newer, _) = ids.take(name("panel"), false).await;
+        let (hangs, _) = ids.take(name("panel"), ANEW).await;
+        let (newer, _) = ids.take(name("panel"), ANEW).await;
         drop(hangs);
         assert_eq!(ids.registry().present.len(), 1, "the newer one is there still");
         drop(newer);
@@ -193,17 +278,17 @@ mod tests {
     #[tokio::test(start_paused = true)]
     async fn whoever_came_before_takes_the_place_of_nobody_who_came_later() {
         let ids = ClientIds::default();
-        let (mut first, _) = ids.take(name("panel"), true).await;
-        let mut older = Box::pin(ids.take(name("panel"), true));
+        let (mut first, _) = ids.take(name("panel"), AGAIN).await;
+        let mut older = Box::pin(ids.take(name("panel"), AGAIN));
         assert!(older.as_mut().now_or_never().is_none());
         first.wanted().await;
         drop(first);
-        let (mut newer, _) = ids.take(name("panel"), true).await;
+        let (mut newer, _) = ids.take(name("panel"), AGAIN).await;
         let (mut older, _) = older.await;
         older.wanted().await;
         let is_wanted = tokio::time::timeout(Duration::from_secs(9), newer.wanted()).await;
         assert!(is_wanted.is_err(), "nobody wants its place");
-        older.remember(Session::default());
+        older.remember(Some(Session::default()));
         drop(older);
         assert_eq!(ids.registry().present.len(), 1);
         drop(newer);
@@ -213,9 +298,9 @@ mod tests {
     #[tokio::test]
     async fn nobody_takes_the_place_of_somebody_elses_client() {
         let ids = ClientIds::default();
-        let _theirs = ids.take(name("panel"), false).await;
+        let _theirs = ids.take(name("panel"), ANEW).await;
         let other = Name { who: Arc::from("viewer"), client: "panel".to_owned() };
-        assert!(ids.take(other, false).now_or_never().is_some(), "nobody was waited for");
+        assert!(ids.take(other, ANEW).now_or_never().is_some(), "nobody was waited for");
     }
 
     #[tokio::test]
@@ -224,8 +309,8 @@ mod tests {
         assert!(!is_remembered(&ids, "panel").await, "he was never here");
         assert!(!is_remembered(&ids, "other").await);
         assert!(is_remembered(&ids, "panel").await && is_remembered(&ids, "panel").await);
-        let (id, session) = ids.take(name("panel"), false).await;
-        id.remember(Session::default());
+        let (id, session) = ids.take(name("panel"), ANEW).await;
+        id.remember(Some(Session::default()));
         drop(id);
         assert!(session.is_none() && !is_remembered(&ids, "panel").await);
         assert!(!is_remembered(&ids, "").await && !is_remembered(&ids, "").await, "whoever has no name cannot be known again");
@@ -242,22 +327,37 @@ mod tests {
         assert!(is_remembered(&ids, "1").await);
         assert!(!is_remembered(&ids, "0").await, "he was the first to go");
         let here: Vec<_> =
-            futures_util::future::join_all((0..REMEMBERED).map(|n| ids.take(name(&format!("here {n}")), true))).await;
+            futures_util::future::join_all((0..REMEMBERED).map(|n| ids.take(name(&format!("here {n}")), AGAIN))).await;
         assert_eq!(ids.registry().remembered.len(), here.len());
         assert!(!is_remembered(&ids, "one more").await && !is_remembered(&ids, "one more").await, "nobody is away");
+    }
+
+    /// Safety A5, S9.
+    #[tokio::test]
+    async fn nobody_is_forgotten_because_of_another_who_has_more() {
+        let ids = ClientIds::default();
+        assert!(!is_remembered(&ids, "panel").await);
+        for number in 0..2 * REMEMBERED {
+            let name = Name { who: Arc::from("viewer"), client: number.to_string() };
+            let (id, _) = ids.take(name, AGAIN).await;
+            assert!(id.is_remembered());
+            id.remember(Some(Session::default()));
+        }
+        assert_eq!(ids.registry().remembered.len(), REMEMBERED);
+        assert!(is_remembered(&ids, "panel").await);
     }
 
     #[tokio::test(start_paused = true)]
     async fn of_two_who_come_at_once_one_is_sent_away() {
         let ids = ClientIds::default();
-        let ((mut one, _), mut other) = (ids.take(name("panel"), true).await, None);
+        let ((mut one, _), mut other) = (ids.take(name("panel"), AGAIN).await, None);
         tokio::select! {
             () = one.wanted() => drop(one),
-            id = ids.take(name("panel"), true) => other = Some(id),
+            id = ids.take(name("panel"), AGAIN) => other = Some(id),
         }
         assert!(other.is_none(), "the second waited until the first was asked to leave");
-        let hangs = ids.take(name("panel"), true).await;
-        let _newer = ids.take(name("panel"), true).await;
+        let hangs = ids.take(name("panel"), AGAIN).await;
+        let _newer = ids.take(name("panel"), AGAIN).await;
         drop(hangs);
         assert!(ids.registry().present.contains_key(&name("panel")));
     }

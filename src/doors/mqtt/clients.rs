@@ -1,6 +1,7 @@
 //! From a newcomer to a client. On the thread that hears, a client says who it is, and is heard for a STOP from then on, before anything
 //! else is decided; elsewhere it is let in or told why not, and is served by the pump. What a client may do is the gate's business.
 
+use std::hash::{BuildHasher, Hasher, RandomState};
 use std::net::IpAddr;
 use std::pin::{Pin, pin};
 use std::sync::Arc;
@@ -12,7 +13,7 @@ use tokio::io::{AsyncWrite, AsyncWriteExt};
 use tokio::runtime::Handle;
 use tokio::sync::oneshot;
 
-use super::client_ids::{ClientIds, Name};
+use super::client_ids::{ClientIds, Memory, Name};
 use super::commands::Commands;
 use super::embedded::Running;
 use super::hearing::Hearing;
@@ -26,11 +27,13 @@ use super::seats::Seats;
 use crate::access::{Attempts, Network};
 use crate::api::door;
 use crate::doors::room::Room;
+use crate::doors::seldom::Seldom;
 use crate::doors::vestibule::{Vestibule, Waiting};
 use crate::runtime::clock::Clock;
-use mqtt_gate::limits::CONNECT;
+use mqtt_gate::limits::{CONNECT, KEEP_ALIVE_S};
+use mqtt_gate::packet::Version;
 use mqtt_gate::packet::connect::{self, Connect};
-use mqtt_gate::packet::write::{self, Welcome};
+use mqtt_gate::packet::write::{self, Connack, Welcome};
 use mqtt_gate::{Broker, ClientConnection, Ended, Listener, Terms};
 use mqtt_gate::{Kind, frame};
 
@@ -55,6 +58,8 @@ struct Rooms {
     pool: Pool,
     ids: ClientIds,
     attempts: Attempts,
+    /// Wrong passwords.
+    wrong: Seldom,
     clock: Clock,
 }
 
@@ -63,6 +68,8 @@ type Heeded = (Arc<dyn Listener>, oneshot::Sender<()>);
 
 struct IdentifiedClient {
     connect: Connect,
+    /// Whether its client id was given to it here.
+    has_new_id: bool,
     identity: Identity,
     origin: Origin,
 }
@@ -83,6 +90,7 @@ impl Clients {
             pool: Pool::default(),
             ids: ClientIds::default(),
             attempts: Attempts::default(),
+            wrong: Seldom::default(),
             clock: Clock::default(),
         }))
     }
@@ -95,6 +103,11 @@ impl Clients {
     /// Cuts some connections of strangers, when the system has no more descriptors; how many.
     pub(super) fn relieve(&self) -> usize {
         self.0.vestibule.relieve()
+    }
+
+    /// Looks after those who are away, for ever: how long each is remembered, and what he left.
+    pub(super) async fn keep(&self) {
+        self.0.ids.keep(self.0.clock).await;
     }
 
     /// Listens to a newcomer to the end, on the thread that hears, while it is served on `work`.
@@ -114,16 +127,21 @@ impl Clients {
             introduced = self.introduced(&mut reader, &mut heard, &origin) => introduced,
             () = waiting.cut() => Err(SentAway::GaveWay),
         };
-        let (connect, identity) = match introduced {
+        let (mut connect, identity) = match introduced {
             Ok(known) => known,
             Err(sent) => {
                 return self.send_away(IncomingConnection { reader, writer, origin }, &heard, waiting, (sent, work)).await;
             }
         };
-        let known = IdentifiedClient { connect, identity, origin };
+        let version = connect.version();
+        let has_new_id = version == Version::Five && connect.client_id.is_empty();
+        if has_new_id {
+            connect.client_id = new_id();
+        }
+        let known = IdentifiedClient { connect, has_new_id, identity, origin };
         let (feeder, taker) = read_ahead(&self.0.pool);
         let listener = known.identity.listener(&self.0.commands, from);
-        let mut hearing = Hearing::new(Arc::clone(&listener), feeder, self.0.clock, work.clone());
+        let mut hearing = Hearing::new(version, Arc::clone(&listener), feeder, (self.0.clock, work.clone()));
         hearing.begin(&heard).await;
         drop(heard);
         let greeted = self.greet(&mut writer, &known);
@@ -147,11 +165,14 @@ impl Clients {
     /// Greets whoever will be let in whatever is remembered of it, and says how many bytes of that it was told. Most clients say nothing
     /// before, not even STOP, and where all else is done many may be before this one (safety S7).
     fn greet(&self, writer: &mut Writer, known: &IdentifiedClient) -> usize {
-        if !known.connect.clean_session || self.refusal(known).is_some() {
+        // One of MQTT 5 that is to be remembered is told whether there is room for that.
+        let is_known =
+            known.connect.clean_start && (known.connect.version() == Version::Three || known.connect.session_expiry_s == 0);
+        if !is_known || self.refusal(known).is_some() {
             return 0;
         }
         let mut cx = Context::from_waker(Waker::noop());
-        match Pin::new(writer).poll_write(&mut cx, &write::connack(Welcome::Accepted, false)) {
+        match Pin::new(writer).poll_write(&mut cx, &known.greeting(false, true)) {
             Poll::Ready(Ok(told)) => told,
             // It is told later, or found to be gone.
             Poll::Ready(Err(_)) | Poll::Pending => 0,
@@ -174,13 +195,13 @@ impl Clients {
             // Whoever shows a wrong password makes room while he waits for his answer.
             () = waiting.cut() => return work.spawn(self.clone().tell(from, writer, SentAway::GaveWay)).await.unwrap_or(SentAway::GaveWay),
         };
-        let Some((identity, is_five)) = stranger else {
+        let Some((identity, version)) = stranger else {
             return work.spawn(self.clone().tell(from, writer, sent)).await.unwrap_or(SentAway::Ended(Ended::Gone));
         };
         let (feeder, taker) = read_ahead(&self.0.pool);
         taker.leave(Left::HearsOn);
-        let hearing = Hearing::new(identity.listener(&self.0.commands, from), feeder, self.0.clock, work.clone());
-        let mut hearing = if is_five { hearing.for_mqtt5() } else { hearing };
+        let listener = identity.listener(&self.0.commands, from);
+        let mut hearing = Hearing::new(version, listener, feeder, (self.0.clock, work.clone()));
         hearing.begin(heard).await;
         let told = work.spawn(self.clone().tell(from, writer, sent));
         tokio::select! {
@@ -190,13 +211,12 @@ impl Clients {
         told.await.unwrap_or(SentAway::Ended(Ended::Gone))
     }
 
-    /// Who somebody is whose first words are no CONNECT to go on with, and whether he speaks MQTT 5; `None`: nobody who is let in.
-    async fn stranger(&self, sent: &SentAway, heard: &[u8], origin: &Origin) -> Option<(Identity, bool)> {
+    /// Who somebody is whose first words are no CONNECT to go on with, and what he speaks; `None`: nobody who is let in.
+    async fn stranger(&self, sent: &SentAway, heard: &[u8], origin: &Origin) -> Option<(Identity, Version)> {
         let (SentAway::Unfit(_) | SentAway::Malformed(_) | SentAway::First(_)) = sent else { return None };
         let connect = frame(heard, CONNECT).ok().flatten().filter(|frame| frame.kind == Kind::Connect);
         let credentials = connect.map(|frame| connect::credentials(&heard[frame.head..frame.length])).unwrap_or_default();
-        let is_five = credentials.is_five;
-        self.identity(&credentials, origin).await.ok().map(|identity| (identity, is_five))
+        self.identity(&credentials, origin).await.ok().map(|identity| (identity, credentials.version))
     }
 
     /// Who a newcomer says it is, if that is so. Whoever shows a wrong password waits for his answer, the longer the more often.
@@ -213,21 +233,25 @@ impl Clients {
     }
 
     async fn identity(&self, credentials: &connect::Credentials, origin: &Origin) -> Result<Identity, SentAway> {
+        let version = credentials.version;
         match Identity::of(credentials, origin) {
             Ok(identity) => Ok(identity),
-            Err(Unknown::Nothing) => Err(SentAway::Refused(Welcome::NotAllowed)),
+            Err(Unknown::Nothing) => Err(SentAway::Refused(version, Welcome::NotAllowed)),
             Err(Unknown::Wrong) => {
                 let delay = self.0.attempts.wrong(Network::of(origin.from), self.0.clock.since_start());
-                tracing::warn!(from = %origin.from, delay_ms = delay.as_millis(), "a wrong name or password was shown over MQTT");
+                if let Some(shown) = self.0.wrong.one_more() {
+                    let (from, delay_ms) = (origin.from, delay.as_millis());
+                    tracing::warn!(%from, delay_ms, shown, "a wrong name or password was shown over MQTT, this being the latest");
+                }
                 tokio::time::sleep(delay).await;
-                Err(SentAway::Refused(Welcome::Login))
+                Err(SentAway::Refused(version, Welcome::Login))
             }
         }
     }
 
     /// What is wrong with the CONNECT of somebody who is known.
     fn refusal(&self, IdentifiedClient { connect, identity, .. }: &IdentifiedClient) -> Option<Welcome> {
-        let is_nameless = connect.client_id.is_empty() && !connect.clean_session;
+        let is_nameless = connect.client_id.is_empty() && !connect.clean_start;
         if is_nameless || connect.client_id.len() > CLIENT_ID {
             return Some(Welcome::ClientId);
         }
@@ -245,29 +269,30 @@ impl Clients {
     ) -> SentAway {
         if let Some(welcome) = self.refusal(&known) {
             ahead.leave(Left::HearsRest);
-            return self.tell(known.origin.from, writer, SentAway::Refused(welcome)).await;
+            return self.tell(known.origin.from, writer, SentAway::Refused(known.connect.version(), welcome)).await;
         }
-        let IdentifiedClient { connect, identity, origin } = known;
         let now = self.0.clock.since_start();
-        let seat = Arc::new(self.0.seats.take(identity.holder(), now));
+        let seat = Arc::new(self.0.seats.take(known.identity.holder(), now));
         let _connected = self.0.commands.figures().connected(door::MQTT);
         drop(seated);
-        let name = Name { who: identity.name(), client: connect.client_id.clone() };
+        let name = Name { who: known.identity.name(), client: known.connect.client_id.clone() };
+        let memory = Memory { resumes: !known.connect.clean_start, wants: known.connect.session_expiry_s > 0 };
         // What is remembered of it is said with the greeting.
         let (id, session) = tokio::select! {
             biased;
-            taken = self.0.ids.take(name.clone(), !connect.clean_session) => taken,
-            () = seat.given_up() => return self.tell(origin.from, writer, SentAway::Ended(Ended::GaveWay)).await,
+            taken = self.0.ids.take(name.clone(), memory) => taken,
+            () = seat.given_up() => return self.tell(known.origin.from, writer, SentAway::Ended(Ended::GaveWay)).await,
         };
-        tracing::debug!(from = %origin.from, who = %name.who, client = connect.client_id, "an MQTT client has come");
-        let greeting = write::connack(Welcome::Accepted, session.is_some());
+        tracing::debug!(from = %known.origin.from, who = %name.who, client = name.client, "an MQTT client has come");
+        let greeting = known.greeting(session.is_some(), id.is_remembered());
+        let keep_alive_s = known.keep_alive_s().unwrap_or(known.connect.keep_alive_s);
+        let IdentifiedClient { connect, identity, origin, .. } = known;
         let terms = Terms {
             tier: identity.tier(),
             name: identity.name(),
             has_key: identity.has_key(),
             listener,
-            keep_alive_s: connect.keep_alive_s,
-            will: connect.will,
+            connect: Connect { keep_alive_s, ..connect },
             session: session.unwrap_or_default(),
             greeting: Bytes::copy_from_slice(&greeting[greeted..]),
         };
@@ -279,8 +304,11 @@ impl Clients {
     /// Tells a client why it is sent away. Whether it listens is its own matter.
     async fn tell(self, from: IpAddr, mut writer: Writer, sent: SentAway) -> SentAway {
         let answer = match &sent {
-            SentAway::Refused(welcome) => write::connack(*welcome, false).to_vec(),
-            SentAway::Unfit(unfit) => unfit.answer().to_vec(),
+            SentAway::Refused(Version::Three, welcome) => write::connack(*welcome, false).to_vec(),
+            SentAway::Refused(Version::Five, welcome) => {
+                Connack { words: Some(welcome.in_words()), ..Connack::of(welcome.reason()) }.written(u32::MAX)
+            }
+            SentAway::Unfit(unfit) => unfit.answer(),
             SentAway::Slow
             | SentAway::GaveWay
             | SentAway::First(_)
@@ -295,6 +323,38 @@ impl Clients {
         let _ = tokio::time::timeout(FAREWELL, self.0.leaving.linger(from, farewell)).await;
         sent
     }
+}
+
+impl IdentifiedClient {
+    /// What it is told when it is let in; `is_remembered` says whether it will be when it has gone, if it wants to be.
+    fn greeting(&self, session_present: bool, is_remembered: bool) -> Vec<u8> {
+        let Connect { client_id, reception, session_expiry_s, .. } = &self.connect;
+        if self.connect.version() == Version::Three {
+            return write::connack(Welcome::Accepted, session_present).to_vec();
+        }
+        let connack = Connack {
+            session_present,
+            session_expiry_s: (*session_expiry_s > 0 && !is_remembered).then_some(0),
+            assigned_id: self.has_new_id.then_some(&**client_id),
+            keep_alive_s: self.keep_alive_s(),
+            ..Connack::of(Welcome::Accepted.reason())
+        };
+        connack.written(reception.largest)
+    }
+
+    /// The keep alive that one of MQTT 5 is told to have instead of its own: whoever wants none, or a very long one, has it all the same.
+    const fn keep_alive_s(&self) -> Option<u16> {
+        let keep_alive_s = self.connect.keep_alive_s;
+        match self.connect.version() {
+            Version::Five if keep_alive_s == 0 || keep_alive_s > KEEP_ALIVE_S => Some(KEEP_ALIVE_S),
+            Version::Five | Version::Three => None,
+        }
+    }
+}
+
+/// A client id that nobody else has.
+fn new_id() -> String {
+    format!("hallsweep-{:016x}", RandomState::new().build_hasher().finish())
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ use crate::doors::mqtt::session::testing::topics;
 use crate::runtime::obedient::{Script, obedient};
 use crate::runtime::within::within;
 use hallsweep_core::command::Command;
+use mqtt_gate::packet::connect::NoConnect;
 
 /// What connections have in common before a loop that does as it is told; what became of commands is read by nobody.
 fn clients() -> (Clients, Script) {
@@ -36,7 +37,7 @@ async fn whoever_waits_for_the_name_of_another_goes_when_his_seat_is_needed() {
     let connect = connect::read(&hello[2..]).expect("it is one");
     let identity = Identity::of(&connect.credentials, &origin).expect("everybody is let in");
     let name = Name { who: identity.name(), client: "panel".to_owned() };
-    let (mut hangs, _) = clients.0.ids.take(name, true).await;
+    let (mut hangs, _) = clients.0.ids.take(name, Memory { resumes: true, wants: true }).await;
 
     let (mut client, stream) = tokio::io::duplex(1024);
     let incoming = IncomingConnection::over(stream, origin);
@@ -81,28 +82,28 @@ fn packet(first: u8, body: &[u8]) -> Vec<u8> {
     [&[first, u8::try_from(body.len()).ok().filter(|length| *length < 128).expect("it is short")], body].concat()
 }
 
-/// A CONNECT of this protocol and level, with these flags, of somebody with this name and password.
+/// A CONNECT of this protocol and level, with these flags, of somebody with this name and password; of level 5 he wants to show in another
+/// way who he is.
 fn hello((protocol, level, flags): (&str, u8, u8), name: &str, password: &str) -> Vec<u8> {
-    let properties = if level == 5 { &[0][..] } else { &[] };
+    let properties = if level == 5 { &[4, 0x15, 0, 1, b'S'][..] } else { &[] };
     let [protocol, name, password] = [protocol, name, password].map(|text| field(text.as_bytes()));
     packet(0x10, &[&protocol, &[level, flags, 0, 60][..], properties, &field(b"old"), &name, &password].concat())
 }
 
 const VERSION: [u8; 4] = [0x20, 2, 0, 1];
-const FIVE: [u8; 5] = [0x20, 3, 0, 0x84, 0];
-
-/// Safety S8: who asks is known, and what is asked; that his version is not spoken here comes second.
+/// Safety S8: who asks is known, and what is asked; that he cannot be let in comes second.
 #[tokio::test]
 async fn a_stop_behind_a_connect_that_is_none_to_go_on_with_halts_where_everybody_may() {
     let stop = packet(0x30, &field(b"hallsweep/discovery/command/stop"));
     let word = |properties: &[u8]| packet(0x30, &[&field(b"hallsweep/discovery/command"), properties, b"stop"].concat());
     let (old, five) = (("MQIsdp", 3, 0xC2), ("MQTT", 5, 0xC2));
+    let told = NoConnect::Authentication.answer();
     for (hello, stop, answer) in [
         (hello(old, "anna", "x"), &stop, &VERSION[..]),
         (hello(old, "anna", "x"), &word(&[]), &VERSION),
-        (hello(five, "anna", "x"), &stop, &FIVE),
-        (hello(five, "anna", "x"), &word(&[0]), &FIVE),
-        (hello(five, "anna", "x"), &word(&[2, 1, 1]), &FIVE),
+        (hello(five, "anna", "x"), &stop, &told),
+        (hello(five, "anna", "x"), &word(&[0]), &told),
+        (hello(five, "anna", "x"), &word(&[2, 1, 1]), &told),
         (hello(("MQTT", 9, 0xC2), "anna", "x"), &stop, &VERSION),
         (hello(("HTTP", 4, 0xC2), "anna", "x"), &stop, &[]),
         (hello(("MQTT", 4, 0xC3), "anna", "x"), &stop, &[]),
@@ -125,8 +126,9 @@ async fn with_keys_a_stop_behind_such_a_connect_halts_for_whoever_shows_one() {
     let shown = keyring.keys().named("wall").unwrap().token.reveal().to_owned();
     let access = Access::Keys(keyring);
     let stop = packet(0x30, &field(b"hallsweep/discovery/command/stop"));
+    let told = NoConnect::Authentication.answer();
     for (version, answer) in
-        [(("MQIsdp", 3, 0xC2), &VERSION[..]), (("MQTT", 5, 0xC2), &FIVE), (("MQTT", 4, 0xC3), &[]), (("HTTP", 4, 0xC2), &[])]
+        [(("MQIsdp", 3, 0xC2), &VERSION[..]), (("MQTT", 5, 0xC2), &told), (("MQTT", 4, 0xC3), &[]), (("HTTP", 4, 0xC2), &[])]
     {
         for (name, password, halts) in [("wall", &*shown, 1), ("wall", "wrong", 0), (OPERATOR, &shown, 0), ("nobody", "", 0)] {
             let said = says(access.clone(), &[hello(version, name, password), stop.clone()].concat()).await;

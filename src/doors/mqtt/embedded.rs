@@ -42,9 +42,13 @@ pub struct Ways {
 pub async fn serve(clients: Clients, ways: Ways, shutdown: impl Future<Output = ()>) {
     let Ways { listeners, access, web_clients, hearing } = ways;
     let (runs, running) = watch::channel(());
+    let keeper = clients.clone();
     let reception = Reception { clients, access, running, work: Handle::current() };
     let reception = hearing.spawn(reception.receive(listeners, web_clients));
-    shutdown.await;
+    tokio::select! {
+        () = shutdown => {}
+        () = keeper.keep() => {}
+    }
     // Every connection is told by this that it ends.
     drop(runs);
     if reception.await.is_err() {

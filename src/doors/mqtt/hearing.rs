@@ -17,6 +17,7 @@ use super::read_ahead::{Feeder, Left, READ};
 use crate::runtime::clock::Clock;
 use mqtt_gate::Listener;
 use mqtt_gate::UrgentSearch;
+use mqtt_gate::packet::Version;
 
 /// After so long it is read what others say.
 const TURN: Duration = Duration::from_millis(2);
@@ -48,12 +49,9 @@ struct Read {
 }
 
 impl Hearing {
-    pub(super) fn new(listener: Arc<dyn Listener>, feeder: Feeder, clock: Clock, work: Handle) -> Hearing {
-        Hearing { search: UrgentSearch::default(), listener, feeder, clock, work }
-    }
-
-    pub(super) fn for_mqtt5(self) -> Hearing {
-        Hearing { search: UrgentSearch::for_mqtt5(), ..self }
+    /// Of a client that speaks this version.
+    pub(super) fn new(version: Version, listener: Arc<dyn Listener>, feeder: Feeder, (clock, work): (Clock, Handle)) -> Hearing {
+        Hearing { search: UrgentSearch::new(version), listener, feeder, clock, work }
     }
 
     /// What came together with the CONNECT.
@@ -146,7 +144,7 @@ fn hear(
 ) -> Vec<u8> {
     let _elsewhere = work.enter();
     let (mut rest, came, mut halted, mut until) = (bytes, listener.epoch(), Vec::new(), None);
-    while let Some(begins) = search.next(&mut rest, |said| listener.hear_urgent(said.topic, said.payload)) {
+    while let Some(begins) = search.next(&mut rest, |said| listener.hear_urgent(said)) {
         halted.push((begins, listener.epoch()));
         let now = clock.since_start();
         if now >= *until.get_or_insert(now + TURN) {

@@ -40,7 +40,7 @@ impl Scene {
         let commands = Commands::new(handle, topics, false, mpsc::channel(1024).0);
         let (feeder, taker) = read_ahead(&Pool::default());
         let listener = identity.listener(&commands, [127, 0, 0, 1].into());
-        Scene { hearing: Hearing::new(listener, feeder, Clock::default(), Handle::current()), taker, script }
+        Scene { hearing: Hearing::new(Version::Three, listener, feeder, (Clock::default(), Handle::current())), taker, script }
     }
 
     /// How many STOPs have come to the loop, and that nothing else has.

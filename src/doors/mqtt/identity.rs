@@ -11,7 +11,7 @@ use super::seats::Holder;
 use crate::access::{Access, Caller, Need};
 use hallsweep_core::units;
 use mqtt_gate::packet::connect;
-use mqtt_gate::{CommandDecision, Epoch, Listener, Tier};
+use mqtt_gate::{CommandDecision, Epoch, Listener, Said, Tier};
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Identity(pub(super) Caller);
@@ -76,9 +76,16 @@ struct CommandListener {
 }
 
 impl Listener for CommandListener {
-    fn hear(&self, topic: &str, payload: &[u8], (arrived, is_again): (Option<Epoch>, bool)) -> CommandDecision {
+    fn hear(&self, topic: &str, said: Said<'_>, (arrived, is_again): (Option<Epoch>, bool)) -> CommandDecision {
         let arrived = arrived.map(|Epoch(epoch)| units::Epoch(epoch));
-        match self.commands.take(&IncomingMessage { topic, payload, arrived, is_again }, &self.publisher) {
+        let heard = IncomingMessage {
+            topic,
+            payload: said.payload,
+            arrived,
+            is_again,
+            answer_to: self.commands.answer_to(said.answer_to, &self.publisher),
+        };
+        match self.commands.take(&heard, &self.publisher) {
             Taken::NotACommand | Taken::Taken => CommandDecision::Pass,
             Taken::Forbidden => CommandDecision::Forbidden,
         }
@@ -88,14 +95,17 @@ impl Listener for CommandListener {
         Epoch(self.commands.epoch().0)
     }
 
-    fn hear_urgent(&self, topic: &[u8], payload: &[u8]) -> bool {
-        self.commands.halts(topic, payload, &self.publisher)
+    fn hear_urgent(&self, Said { topic, payload, answer_to }: Said<'_>) -> bool {
+        let answer_to = self.commands.answer_to(answer_to, &self.publisher);
+        self.commands.halts((topic, payload), answer_to, &self.publisher)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use mqtt_gate::packet::Version;
+
     use crate::access::{Key, Keyring, Keys, Role, Token};
 
     struct Tokens {
@@ -118,7 +128,7 @@ mod tests {
         let credentials = connect::Credentials {
             name: login.map(|(name, _)| name.to_owned()),
             password: login.map(|(_, password)| password.to_owned().into()),
-            is_five: false,
+            version: Version::Three,
         };
         let origin = Origin { from: from.parse().unwrap(), caller: None, access: access.clone() };
         Identity::of(&credentials, &origin)

@@ -6,6 +6,7 @@ use tokio::io::AsyncReadExt;
 use super::incoming::Reader;
 use mqtt_gate::Ended;
 use mqtt_gate::limits::CONNECT;
+use mqtt_gate::packet::Version;
 use mqtt_gate::packet::connect::{self, Connect, NoConnect};
 use mqtt_gate::packet::write::Welcome;
 use mqtt_gate::{Kind, Malformed, frame};
@@ -23,8 +24,8 @@ pub(super) enum SentAway {
     Unfit(#[from] NoConnect),
     #[error(transparent)]
     Malformed(#[from] Malformed),
-    #[error("it was refused with {0:?}")]
-    Refused(Welcome),
+    #[error("it was refused with {1:?}")]
+    Refused(Version, Welcome),
     #[error("its connection broke: {0}")]
     Broken(#[from] std::io::Error),
     #[error("{0}")]

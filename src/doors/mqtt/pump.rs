@@ -116,12 +116,8 @@ pub(super) async fn run(connection: ClientConnection, ends: Ends, mut running: R
     seat.give_back();
     let Some(Pump { mut connection, client, ahead, .. }) = desk.0.close() else { return ended };
     ahead.leave(left(ended));
-    connection.handle_end(ended);
-    let mut to_client = std::mem::take(connection.to_client());
-    if ended == Ended::GaveWay {
-        // What waited for it may be why.
-        to_client.clear();
-    }
+    connection.handle_end(ended, whose.2.since_start());
+    let to_client = std::mem::take(connection.to_client());
     id.remember(connection.into_session());
     // Whoever wants the name need not wait for the farewell.
     drop(id);
@@ -223,7 +219,7 @@ impl Pump {
         let came = self.connection.reads() && self.subscriber.poll_come(self.connection.has_window(), cx).is_ready();
         let goes_on = self.connection.wants_turn();
         if came || goes_on {
-            self.connection.handle_come();
+            self.connection.handle_come(self.clock.since_start());
         }
         // What others are to read goes out before it is acknowledged.
         let told = !(heard && spell == Spell::Short) && self.tell_client(cx)?;
@@ -245,7 +241,7 @@ impl Pump {
         if self.taken >= MUCH {
             (self.read_at, self.taken) = (self.clock.since_start(), 0);
         }
-        self.connection.handle_drained();
+        self.connection.handle_drained(self.clock.since_start());
         self.moves();
         Ok(true)
     }

@@ -2,6 +2,7 @@
 
 use super::topics::{TopicKind, Topics};
 use crate::access::Role;
+use mqtt_gate::filter::overlap;
 use mqtt_gate::{Rights, Tier};
 
 /// What somebody of this role is to the gate.
@@ -27,6 +28,12 @@ impl Rights for Topics {
     /// A will is no command: nobody stands behind it when it is read.
     fn may_leave_will(&self, who: Tier, topic: &str) -> bool {
         self.kind_of(topic) == TopicKind::Elsewhere && who == Tier::Full
+    }
+
+    /// Nobody gets a part of what the program says: who reads that is to know all of it. And nobody who only looks takes a part of what
+    /// others say to each other.
+    fn may_share(&self, who: Tier, filter: &str) -> bool {
+        who == Tier::Full && !self.ours().iter().any(|ours| overlap(filter, ours))
     }
 }
 
@@ -61,6 +68,17 @@ mod tests {
         ] {
             assert_eq!(topics.may_leave_will(tier(Role::Operator), topic), is_allowed, "{topic}");
             assert!(!topics.may_leave_will(tier(Role::Viewer), topic), "{topic}");
+        }
+    }
+
+    #[test]
+    fn nobody_shares_what_the_program_says_with_others() {
+        let topics = Topics::new("hallsweep", "discovery", "unibo/qak");
+        let ours =
+            ["#", "+/#", "hallsweep/#", "hallsweep/+/state/robot", "hallsweep/discovery", "unibo/+/events", "homeassistant/#"];
+        assert_eq!(ours.map(|filter| topics.may_share(tier(Role::Operator), filter)), [false; 7]);
+        for theirs in ["sensors/#", "+/door", "hallsweep/other/#"] {
+            assert!(topics.may_share(tier(Role::Operator), theirs) && !topics.may_share(tier(Role::Viewer), theirs), "{theirs}");
         }
     }
 }

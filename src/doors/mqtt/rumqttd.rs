@@ -348,6 +348,8 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 #[cfg(test)]
 mod tests {
+    use mqtt_gate::Announcement;
+
     use super::*;
     use crate::doors::mqtt::session::testing::topics;
     use crate::runtime::within::within;
@@ -372,10 +374,10 @@ mod tests {
         let (broker, _router) = broker();
         let readers = [broker.subscribe(&["a/#", "a/+"]), broker.subscribe(&["#"]), broker.subscribe(&["b", "ü/+"])];
         for n in 0..1000 {
-            broker.publish("a/b", n.to_string().as_bytes(), false);
+            broker.publish(&Announcement::passing("a/b", n.to_string().as_bytes()));
         }
-        broker.publish("ü/b", b"last", false);
-        broker.publish("b", b"last", false);
+        broker.publish(&Announcement::passing("ü/b", b"last"));
+        broker.publish(&Announcement::passing("b", b"last"));
         for n in 0..1000 {
             assert_eq!([next(&readers[0]).await, next(&readers[1]).await], [format!("a/b={n}"), format!("a/b={n}")]);
         }
@@ -392,11 +394,11 @@ mod tests {
             let (broker, router) = broker();
             let reader = broker.subscribe(&["a/#"]);
             for death in 1..=deaths {
-                broker.publish("a/before", b"1", false);
+                broker.publish(&Announcement::passing("a/before", b"1"));
                 assert_eq!(next(&reader).await, "a/before=1");
                 order(&router, if last { Order::Hang } else { Order::Panic });
                 for n in 0..100 {
-                    broker.publish("a/meanwhile", n.to_string().as_bytes(), false);
+                    broker.publish(&Announcement::passing("a/meanwhile", n.to_string().as_bytes()));
                 }
                 for n in 0..100 {
                     assert_eq!(next(&reader).await, format!("a/meanwhile={n}"));
@@ -409,7 +411,7 @@ mod tests {
                 .await;
             }
             let newcomer = broker.subscribe(&["a/+"]);
-            broker.publish("a/after", b"2", false);
+            broker.publish(&Announcement::passing("a/after", b"2"));
             assert_eq!([next(&reader).await, next(&newcomer).await], ["a/after=2", "a/after=2"]);
         }
     }
@@ -420,7 +422,7 @@ mod tests {
         let (broker, router) = broker();
         let reader = broker.subscribe(&["a/#"]);
         for n in 0..SHOWN + 100 {
-            broker.publish(&format!("a/{n}"), b"", false);
+            broker.publish(&Announcement::passing(&format!("a/{n}"), b""));
             if n % 100 == 0 {
                 for k in n.saturating_sub(99)..=n {
                     assert_eq!(next(&reader).await, format!("a/{k}="));
@@ -437,7 +439,7 @@ mod tests {
         let stays = broker.subscribe(&["a"]);
         for n in 0..2 * LINKS {
             let reader = broker.subscribe(&["a", "b"]);
-            broker.publish("a", n.to_string().as_bytes(), false);
+            broker.publish(&Announcement::passing("a", n.to_string().as_bytes()));
             assert_eq!([next(&reader).await, next(&stays).await], [format!("a={n}"), format!("a={n}")]);
         }
     }

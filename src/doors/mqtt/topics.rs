@@ -107,6 +107,11 @@ impl Topics {
         [self.word(), self.command("+"), format!("{}/+", self.old)]
     }
 
+    /// What matches all that only the program itself says, and commands.
+    pub fn ours(&self) -> [String; 3] {
+        [format!("{}/#", self.base), format!("{}/+", self.old), self.discovery()]
+    }
+
     /// Whose business this topic is.
     pub fn kind_of<'a>(&self, topic: &'a str) -> TopicKind<'a> {
         if let Some(name) = under(&self.old, topic) {

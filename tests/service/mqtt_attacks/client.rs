@@ -5,6 +5,7 @@ use std::io::{ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::time::Duration;
 
+use super::five::{bare, dressed, whole};
 use super::packets::{CONNACK, PINGREQ, PINGRESP, SUBACK, publish, subscribe};
 
 /// How long anything is waited for: far longer than it takes, even on a busy machine.
@@ -14,6 +15,8 @@ const PATIENCE: Duration = Duration::from_secs(60);
 pub(crate) struct Client {
     stream: TcpStream,
     heard: Vec<u8>,
+    /// Whether MQTT 5 is spoken; who uses it need not know.
+    is_five: bool,
 }
 
 /// What came.
@@ -36,28 +39,38 @@ pub(crate) struct Message {
 impl Client {
     /// A connection on which nothing was said.
     pub(crate) fn silent(at: SocketAddr) -> Client {
+        Client::speaking(at, false)
+    }
+
+    /// The same in MQTT 5, or not.
+    pub(crate) fn speaking(at: SocketAddr, is_five: bool) -> Client {
         let stream = TcpStream::connect(at).expect("the broker listens");
         stream.set_read_timeout(Some(PATIENCE)).expect("a wait is more than nothing");
         stream.set_write_timeout(Some(PATIENCE)).expect("a wait is more than nothing");
         stream.set_nodelay(true).expect("a connection of this machine");
-        Client { stream, heard: Vec::new() }
+        Client { stream, heard: Vec::new(), is_five }
     }
 
     /// A client that was let in with this CONNECT, if it was.
     pub(crate) fn try_connect(at: SocketAddr, connect: &[u8]) -> Option<Client> {
-        let mut client = Client::silent(at);
+        Client::try_speaking(at, connect, false)
+    }
+
+    /// The same in MQTT 5, or not.
+    pub(crate) fn try_speaking(at: SocketAddr, connect: &[u8], is_five: bool) -> Option<Client> {
+        let mut client = Client::speaking(at, is_five);
         client.say(connect);
         (client.next() == Some(Came { first: CONNACK, body: vec![0, 0] })).then_some(client)
     }
 
     /// Sends these bytes.
     pub(crate) fn say(&mut self, bytes: &[u8]) {
-        self.stream.write_all(bytes).expect("the broker takes it");
+        assert!(self.try_say(bytes), "the broker takes it");
     }
 
     /// Sends these bytes to a broker that may have had enough already; whether it took them.
     pub(crate) fn try_say(&mut self, bytes: &[u8]) -> bool {
-        self.stream.write_all(bytes).is_ok()
+        if self.is_five { self.stream.write_all(&dressed(bytes)) } else { self.stream.write_all(bytes) }.is_ok()
     }
 
     /// Sends no more, and waits for the end of the other side.
@@ -71,7 +84,11 @@ impl Client {
         loop {
             if let Some((length, head)) = whole(&self.heard) {
                 let packet: Vec<u8> = self.heard.drain(..length).collect();
-                return Some(Came { first: packet[0], body: packet[head..].to_vec() });
+                let (first, body) = (packet[0], packet[head..].to_vec());
+                match if self.is_five { bare(first, &body) } else { Some(body) } {
+                    Some(body) => return Some(Came { first, body }),
+                    None => continue,
+                }
             }
             let mut bytes = [0; 16 * 1024];
             match self.stream.read(&mut bytes) {
@@ -136,17 +153,4 @@ impl Came {
         let after = if self.first & 6 == 0 { 2 + length } else { 4 + length };
         Some(Message { topic, payload: self.body[after..].to_vec(), is_kept: self.first & 1 == 1 })
     }
-}
-
-/// The length of the packet at the head, and where its body begins, when it is there whole.
-fn whole(bytes: &[u8]) -> Option<(usize, usize)> {
-    let mut body = 0;
-    for (place, byte) in bytes.iter().skip(1).take(4).enumerate() {
-        body |= usize::from(byte & 0x7F) << (7 * place);
-        if byte & 0x80 == 0 {
-            let (head, length) = (2 + place, 2 + place + body);
-            return (bytes.len() >= length).then_some((length, head));
-        }
-    }
-    None
 }

@@ -1,8 +1,9 @@
-//! Ten thousand connections on which something is wrong, several at a time. A failure prints its seed; `HALLSWEEP_SEED` plays it again.
+//! Ten thousand connections on which something is wrong, several at a time, half of them in MQTT 5. A failure prints its seed; `HALLSWEEP_SEED` plays it again.
 
 use std::net::SocketAddr;
 
 use super::client::Client;
+use super::five::dressed;
 use super::packets::{CONNACK, connect, connect_with, packet, publish, subscribe, text};
 use super::siege::Siege;
 
@@ -78,12 +79,14 @@ const NAMES: [&str; 13] = [
 
 /// What one of these connections says.
 fn said(chance: &mut Chance) -> Vec<u8> {
+    let is_five = chance.below(2) == 0;
+    let dress = |packet: Vec<u8>| if is_five { dressed(&packet) } else { packet };
     let id = chance.one(&IDS);
-    let hello = connect(id, u16::from(chance.byte()));
+    let hello = dress(connect(id, u16::from(chance.byte())));
     let name = chance.one(&NAMES);
     let (qos, flags) = (chance.byte() % 4, chance.byte() & 9);
-    let message = publish(name, &chance.bytes(300), qos, flags, u16::from(chance.byte()));
-    let question = subscribe(u16::from(chance.byte()), name, chance.byte() % 4);
+    let message = dress(publish(name, &chance.bytes(300), qos, flags, u16::from(chance.byte())));
+    let question = dress(subscribe(u16::from(chance.byte()), name, chance.byte() % 64));
     match chance.below(12) {
         0 => chance.bytes(400),
         1 => packet(chance.byte(), &chance.bytes(200)),

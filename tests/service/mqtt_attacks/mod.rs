@@ -5,6 +5,7 @@ mod churn;
 pub(crate) mod client;
 mod crowds;
 mod deaf;
+pub(crate) mod five;
 mod floods;
 mod kill_list;
 mod malformed;

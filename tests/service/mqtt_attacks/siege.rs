@@ -27,6 +27,8 @@ pub(crate) struct Siege {
     pub(crate) broker: SocketAddr,
     screen: Client,
     said: PathBuf,
+    /// Whether those who come speak MQTT 5.
+    pub(crate) is_five: bool,
     /// The key of the screen and of newcomers, where one is asked for.
     key: Option<(String, String)>,
     /// Degrees that were reported, each time others.
@@ -37,6 +39,22 @@ impl Siege {
     /// Starts the program, and lets the screen come in.
     pub(crate) fn begin() -> Siege {
         Siege::of(&mut hallsweep(&SERVE), None)
+    }
+
+    /// One after the other in both versions of the protocol.
+    pub(crate) fn in_both(test: impl Fn(Siege)) {
+        for is_five in [false, true] {
+            // Seen when it fails.
+            eprintln!("in MQTT {}", if is_five { "5" } else { "3.1.1" });
+            let mut siege = Siege::begin();
+            siege.is_five = is_five;
+            test(siege);
+        }
+    }
+
+    /// Somebody who has said nothing.
+    pub(crate) fn stranger(&self) -> Client {
+        Client::speaking(self.broker, self.is_five)
     }
 
     /// The same with this router.
@@ -57,16 +75,16 @@ impl Siege {
         let file = File::create(&said).expect("a file can be made");
         let program = Program::started(command.stderr(file));
         let broker = program.mqtt();
-        let mut screen = come(broker, "screen", key.as_ref()).expect("the screen is let in");
+        let mut screen = come(broker, "screen", key.as_ref(), false).expect("the screen is let in");
         assert_eq!(screen.subscribe(STATE, 1), 1);
-        let mut siege = Siege { program, broker, screen, said, key, celsius: 10 };
+        let mut siege = Siege { program, broker, screen, said, is_five: false, key, celsius: 10 };
         siege.is_served();
         siege
     }
 
     /// A client that was let in, with this id.
     pub(crate) fn client(&self, client_id: &str) -> Client {
-        come(self.broker, client_id, self.key.as_ref()).expect("a client is let in")
+        come(self.broker, client_id, self.key.as_ref(), self.is_five).expect("a client is let in")
     }
 
     /// The screen gets the next change of the state.
@@ -114,9 +132,9 @@ impl Siege {
 }
 
 /// A client that was let in, with this key where one is asked for.
-fn come(broker: SocketAddr, client_id: &str, key: Option<&(String, String)>) -> Option<Client> {
+fn come(broker: SocketAddr, client_id: &str, key: Option<&(String, String)>, is_five: bool) -> Option<Client> {
     let connect = key.map_or_else(|| connect(client_id, 60), |(name, token)| connect_as(client_id, (name, token)));
-    Client::try_connect(broker, &connect)
+    Client::try_speaking(broker, &connect, is_five)
 }
 
 impl Drop for Siege {

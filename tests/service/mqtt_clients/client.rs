@@ -19,25 +19,71 @@ pub(crate) enum Client {
     MqttJs,
     /// The same over WebSocket.
     MqttJsWeb,
+    /// The same in MQTT 5.
+    MosquittoFive,
+    PahoFive,
+    MqttJsFive,
+    MqttJsWebFive,
+}
+
+/// What a client is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Library {
+    Mosquitto,
+    Paho,
+    MqttJs,
 }
 
 impl Client {
     /// All of them.
-    pub(crate) const ALL: [Client; 4] = [Client::Mosquitto, Client::Paho, Client::MqttJs, Client::MqttJsWeb];
+    pub(crate) const ALL: [Client; 8] = [
+        Client::Mosquitto,
+        Client::Paho,
+        Client::MqttJs,
+        Client::MqttJsWeb,
+        Client::MosquittoFive,
+        Client::PahoFive,
+        Client::MqttJsFive,
+        Client::MqttJsWebFive,
+    ];
+
+    /// What it is made of.
+    pub(crate) const fn library(self) -> Library {
+        match self {
+            Client::Mosquitto | Client::MosquittoFive => Library::Mosquitto,
+            Client::Paho | Client::PahoFive => Library::Paho,
+            Client::MqttJs | Client::MqttJsFive | Client::MqttJsWeb | Client::MqttJsWebFive => Library::MqttJs,
+        }
+    }
+
+    /// Whether it speaks MQTT 5.
+    pub(crate) const fn is_five(self) -> bool {
+        matches!(self, Client::MosquittoFive | Client::PahoFive | Client::MqttJsFive | Client::MqttJsWebFive)
+    }
+
+    /// Whether it comes by WebSocket.
+    pub(crate) const fn is_web(self) -> bool {
+        matches!(self, Client::MqttJsWeb | Client::MqttJsWebFive)
+    }
+
+    /// Whether it is mosquitto's command.
+    pub(crate) fn is_mosquitto(self) -> bool {
+        self.library() == Library::Mosquitto
+    }
 
     /// Whether it is there. When it is not, a word says what to install, or the test fails under `HALLSWEEP_REQUIRE_CLIENTS=1`.
     pub(crate) fn is_here(self) -> bool {
-        let (here, missing) = match self {
-            Client::Mosquitto => (
+        let (here, missing) = match self.library() {
+            Library::Mosquitto => (
                 // Both commands end with 1 after they have shown how they are used.
                 [SUB, PUB].iter().all(|name| Command::new(name).arg("--help").stdin(Stdio::null()).output().is_ok()),
                 "mosquitto_sub and mosquitto_pub (apt-get install mosquitto-clients)",
             ),
-            Client::Paho => (
+            Library::Paho => (
                 runs(python().args(["-c", "import paho.mqtt.client"])),
                 "paho-mqtt (python3 -m pip install --target tests/clients/python_modules -r tests/clients/requirements.txt)",
             ),
-            Client::MqttJs | Client::MqttJsWeb => (
+            Library::MqttJs => (
                 folder().join("node_modules/mqtt").exists() && runs(Command::new("node").arg("--version")),
                 "MQTT.js (apt-get install nodejs npm; npm --prefix tests/clients ci)",
             ),
@@ -47,18 +93,18 @@ impl Client {
 
     /// Where it comes to: by WebSocket on the port of the console.
     pub(super) fn door(self, program: &Program) -> SocketAddr {
-        if self == Client::MqttJsWeb { program.address() } else { program.mqtt() }
+        if self.is_web() { program.address() } else { program.mqtt() }
     }
 
     /// What starts it, so that it comes in as told and prints what it hears.
     pub(super) fn command(self, door: SocketAddr, hello: &Hello) -> Command {
-        let mut command = match self {
-            Client::Mosquitto => return mosquitto_sub(door, hello),
-            Client::Paho => python(),
-            Client::MqttJs | Client::MqttJsWeb => Command::new("node"),
+        let (mut command, script) = match self.library() {
+            Library::Mosquitto => return mosquitto_sub(door, hello, self.is_five()),
+            Library::Paho => (python(), "talk.py"),
+            Library::MqttJs => (Command::new("node"), "talk.mjs"),
         };
-        let script = if self == Client::Paho { "talk.py" } else { "talk.mjs" };
-        command.arg(folder().join(script)).arg(hello.json(door, self == Client::MqttJsWeb).to_string());
+        let told = hello.json(door, self.is_web(), self.is_five());
+        command.arg(folder().join(script)).arg(told.to_string());
         command
     }
 }
@@ -67,9 +113,9 @@ const SUB: &str = "mosquitto_sub";
 const PUB: &str = "mosquitto_pub";
 
 /// Publishes one message with mosquitto's command, and returns what that printed; fails when it does.
-pub(super) fn mosquitto_pub(door: SocketAddr, hello: &Hello, say: Say) -> String {
+pub(super) fn mosquitto_pub(door: SocketAddr, hello: &Hello, say: Say, is_five: bool) -> String {
     let mut command = Command::new(PUB);
-    at(&mut command, door, hello);
+    at(&mut command, door, hello, is_five);
     command.args(["-d", "-t", say.topic, "-q", &say.qos.to_string()]);
     if say.retain {
         command.arg("-r");
@@ -85,11 +131,19 @@ pub(super) fn mosquitto_pub(door: SocketAddr, hello: &Hello, say: Say) -> String
     said
 }
 
-fn mosquitto_sub(door: SocketAddr, hello: &Hello) -> Command {
+/// Commands there, and waits for the answer there, with mosquitto's command: the answer, with its properties.
+pub(crate) fn mosquitto_rr(port: u16, command: &str, answer: &str) -> serde_json::Value {
+    let mut asked = Command::new("mosquitto_rr");
+    asked.args(["-h", "127.0.0.1", "-p", &port.to_string(), "-V", "mqttv5", "-t", command, "-e", answer, "-n", "-F", "%j"]);
+    let output = patiently(&asked).output().expect("it comes with the others");
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {output:?}"))
+}
+
+fn mosquitto_sub(door: SocketAddr, hello: &Hello, is_five: bool) -> Command {
     // Its words about the connection would wait in the pipe otherwise.
     let mut command = Command::new("stdbuf");
     command.args(["-oL", SUB]);
-    at(&mut command, door, hello);
+    at(&mut command, door, hello, is_five);
     command.args(["-d", "-F", "%j", "-k", &hello.keepalive_s.to_string()]);
     let qos = hello.follow.iter().map(|(_, qos)| *qos).max().unwrap_or_default();
     command.args(["-q", &qos.to_string()]);
@@ -101,6 +155,9 @@ fn mosquitto_sub(door: SocketAddr, hello: &Hello) -> Command {
     }
     if hello.remembered {
         command.arg("-c");
+        if is_five {
+            command.args(["-x", "300"]);
+        }
     }
     if let Some(will) = hello.will {
         command.args(["--will-topic", will.topic, "--will-payload", will.payload, "--will-qos", &will.qos.to_string()]);
@@ -111,7 +168,8 @@ fn mosquitto_sub(door: SocketAddr, hello: &Hello) -> Command {
     command
 }
 
-fn at(command: &mut Command, door: SocketAddr, hello: &Hello) {
+fn at(command: &mut Command, door: SocketAddr, hello: &Hello, is_five: bool) {
+    command.args(["-V", if is_five { "mqttv5" } else { "mqttv311" }]);
     command.args(["-h", &door.ip().to_string(), "-p", &door.port().to_string()]);
     if let Some((name, password)) = hello.login {
         command.args(["-u", name, "-P", password]);

@@ -123,8 +123,18 @@ fn mosquitto_finds_a_bomb_over_the_json_topics() {
 }
 
 #[test]
+fn mosquitto_finds_a_bomb_over_the_json_topics_in_mqtt_5() {
+    a_bomb_is_found(Client::MosquittoFive);
+}
+
+#[test]
 fn paho_finds_a_bomb_over_the_json_topics() {
     a_bomb_is_found(Client::Paho);
+}
+
+#[test]
+fn paho_finds_a_bomb_over_the_json_topics_in_mqtt_5() {
+    a_bomb_is_found(Client::PahoFive);
 }
 
 #[test]
@@ -135,6 +145,11 @@ fn mqtt_js_finds_a_bomb_over_the_json_topics() {
 #[test]
 fn mqtt_js_in_a_browser_finds_a_bomb_over_the_json_topics() {
     a_bomb_is_found(Client::MqttJsWeb);
+}
+
+#[test]
+fn mqtt_js_in_a_browser_finds_a_bomb_over_the_json_topics_in_mqtt_5() {
+    a_bomb_is_found(Client::MqttJsWebFive);
 }
 
 /// Everything is safe, and the robot is sent home once on the way.

@@ -4,8 +4,9 @@
 //! Where a client is absent its share is left out with a word; with `HALLSWEEP_REQUIRE_CLIENTS=1` it fails.
 
 mod availability;
-mod client;
+pub(crate) mod client;
 mod doors;
+mod five;
 mod json_missions;
 mod kept;
 mod old_missions;

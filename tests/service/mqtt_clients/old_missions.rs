@@ -19,7 +19,7 @@ struct Console<'a> {
 impl Console<'_> {
     fn of(client: Client, program: &Program) -> Console<'static> {
         // As the old console did it; but what two processes publish keeps its order only if each is told that it has arrived.
-        let qos = u8::from(client == Client::Mosquitto);
+        let qos = u8::from(client.is_mosquitto());
         Console { process: RunningClient::begin(client, program, Hello::following(&[EVENTS], 0)), qos }
     }
 
@@ -97,8 +97,18 @@ fn mosquitto_finds_a_bomb_over_the_old_topics() {
 }
 
 #[test]
+fn mosquitto_finds_a_bomb_over_the_old_topics_in_mqtt_5() {
+    a_bomb_is_found(Client::MosquittoFive);
+}
+
+#[test]
 fn paho_finds_a_bomb_over_the_old_topics() {
     a_bomb_is_found(Client::Paho);
+}
+
+#[test]
+fn paho_finds_a_bomb_over_the_old_topics_in_mqtt_5() {
+    a_bomb_is_found(Client::PahoFive);
 }
 
 #[test]
@@ -109,6 +119,11 @@ fn mqtt_js_finds_a_bomb_over_the_old_topics() {
 #[test]
 fn mqtt_js_in_a_browser_finds_a_bomb_over_the_old_topics() {
     a_bomb_is_found(Client::MqttJsWeb);
+}
+
+#[test]
+fn mqtt_js_in_a_browser_finds_a_bomb_over_the_old_topics_in_mqtt_5() {
+    a_bomb_is_found(Client::MqttJsWebFive);
 }
 
 /// Everything is safe, and the robot is sent home once on the way.

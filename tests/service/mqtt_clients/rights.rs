@@ -1,7 +1,7 @@
 //! Who gets in with which key, and what he may do there. That every pair of role and topic is as it should be is tested beside the
 //! gate; here each kind of refusal reaches real clients.
 
-use super::client::Client;
+use super::client::{Client, Library};
 use super::running::RunningClient;
 use super::told::{Hello, Say};
 use super::{AVAILABILITY, OURS, command, results, with_each};
@@ -18,7 +18,7 @@ fn site(name: &str) -> Site {
 /// Clients that come by the port of MQTT itself.
 fn with_each_by_tcp(scenario: impl Fn(Client)) {
     with_each(|client| {
-        if client != Client::MqttJsWeb {
+        if !client.is_web() {
             scenario(client);
         }
     });
@@ -32,10 +32,10 @@ fn whoever_shows_no_key_or_a_wrong_one_is_told_so() {
         RunningClient::knock(client, &site.program, Hello::speaking()).until_refused(5);
         // One each: whoever goes on showing wrong keys waits longer each time.
         let wrong = format!("{}0", &site.operator[1..]);
-        let (name, password) = match client {
-            Client::Mosquitto => ("operator", &wrong),
-            Client::Paho => ("lobby", &site.operator),
-            Client::MqttJs | Client::MqttJsWeb => ("nobody", &site.operator),
+        let (name, password) = match client.library() {
+            Library::Mosquitto => ("operator", &wrong),
+            Library::Paho => ("lobby", &site.operator),
+            Library::MqttJs => ("nobody", &site.operator),
         };
         RunningClient::knock(client, &site.program, Hello::speaking().with_login(name, password)).until_refused(4);
         RunningClient::begin(client, &site.program, Hello::speaking().with_login("operator", &site.operator)).leave();
@@ -132,7 +132,10 @@ fn a_will_is_published_where_its_client_may_and_refused_elsewhere() {
         witness.until_newest("site/last", "the will", |message| message.payload == "gone");
         witness.say(Say::plain("site/end", "").at(1));
         witness.until_newest("site/end", "the end", |_| true);
-        assert!(witness.heard().iter().all(|message| message.topic != "site/left"), "who takes its leave leaves no will");
+        // In MQTT 5 mosquitto's command asks for its will when it takes its leave (reason 0x04), and that is not this question.
+        if client != Client::MosquittoFive {
+            assert!(witness.heard().iter().all(|message| message.topic != "site/left"), "who takes its leave leaves no will");
+        }
         witness.leave();
     });
 }
@@ -144,7 +147,7 @@ fn a_filter_that_cannot_be_had_is_refused_and_the_connection_lives() {
         let program = Program::serve("empty-8x8", "max");
         let filters = ["$SYS/#", OURS, "$share/group/site/#"];
         let mut process = RunningClient::begin(client, &program, Hello::following(&filters, 1));
-        assert_eq!(process.granted(), [128, 1, 128], "{client:?}");
+        assert_eq!(process.granted(), [128, 1, if client.is_five() { 1 } else { 128 }], "{client:?}");
         process.until_newest(AVAILABILITY, "it is served", |message| message.payload == "online");
         process.say(Say::plain(&command("stop"), "").at(1));
         process.until("a result", |heard| results(heard, "stop").pop());

@@ -67,8 +67,8 @@ impl<'a> RunningClient<'a> {
 
     /// Publishes messages, one behind the other.
     pub(crate) fn say_all(&mut self, all: &[Say]) {
-        if self.client == Client::Mosquitto {
-            all.iter().for_each(|say| drop(mosquitto_pub(self.door, &self.hello, *say)));
+        if self.client.is_mosquitto() {
+            all.iter().for_each(|say| drop(mosquitto_pub(self.door, &self.hello, *say, self.client.is_five())));
             return;
         }
         let lines = all.iter().map(|say| format!("{}\n", say.json())).collect();
@@ -106,16 +106,17 @@ impl<'a> RunningClient<'a> {
             other => panic!("no client has a sentence for {other} here"),
         };
         self.until_words(&format!("CONNACK {code}"), |words| {
+            let is_refusal = |word: &str| word.contains("refused") || word.contains("connection error");
             let says = |word: &String| word.to_lowercase().replace("username", "user name");
-            words.iter().map(says).find(|word| word.contains("refused") && word.contains(reason)).map(drop)
+            words.iter().map(says).find(|word| is_refusal(word) && word.contains(reason)).map(drop)
         });
     }
 
-    /// What it was granted for each filter: a QoS, or 128.
+    /// What it was granted for each filter: a QoS, or 128, whatever the reason.
     pub(crate) fn granted(&self) -> Vec<u8> {
         let word = self.until_word("Subscribed");
         let codes = word.rsplit(": ").next().expect("codes").split(", ");
-        codes.map(|code| code.parse().expect("a code")).collect()
+        codes.map(|code| code.parse::<u8>().expect("a code").min(128)).collect()
     }
 
     /// Waits until it says something of its connection that begins so, and returns that.
@@ -130,7 +131,7 @@ impl<'a> RunningClient<'a> {
 
     /// Lets it take its leave, as a user does, and waits for its end.
     pub(crate) fn leave(mut self) {
-        if self.client == Client::Mosquitto {
+        if self.client.is_mosquitto() {
             let told = Command::new("kill").args(["-INT", &self.child.id().to_string()]).status();
             assert!(told.expect("kill is there").success());
         }

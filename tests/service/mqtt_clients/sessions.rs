@@ -53,7 +53,7 @@ fn a_client_that_is_not_remembered_gets_what_is_said_from_now_on() {
 #[test]
 fn of_two_clients_with_one_id_the_later_stays() {
     // Mosquitto's command would come back at once, and send the other away in its turn.
-    for client in [Client::Paho, Client::MqttJs, Client::MqttJsWeb].into_iter().filter(|client| client.is_here()) {
+    for client in Client::ALL.into_iter().filter(|client| !client.is_mosquitto() && client.is_here()) {
         let program = Program::serve("empty-8x8", "max");
         let hello = || Hello::following(&[NEWS, AVAILABILITY], 1).called("twin");
         let first = RunningClient::begin(client, &program, hello());
@@ -69,7 +69,7 @@ fn of_two_clients_with_one_id_the_later_stays() {
 #[test]
 fn a_client_without_a_keepalive_is_served() {
     // Mosquitto's command knows no 0.
-    for client in [Client::Paho, Client::MqttJs, Client::MqttJsWeb].into_iter().filter(|client| client.is_here()) {
+    for client in Client::ALL.into_iter().filter(|client| !client.is_mosquitto() && client.is_here()) {
         let program = Program::serve("empty-8x8", "max");
         let mut silent = RunningClient::begin(client, &program, Hello { keepalive_s: 0, ..Hello::following(&[NEWS], 1) });
         silent.say(Say::plain(NEWS, "heard").at(2));

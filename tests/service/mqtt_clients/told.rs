@@ -74,12 +74,12 @@ impl<'a> Hello<'a> {
     }
 
     /// As the scripts are told it.
-    pub(super) fn json(&self, at: std::net::SocketAddr, web: bool) -> Value {
+    pub(super) fn json(&self, at: std::net::SocketAddr, web: bool, five: bool) -> Value {
         let (name, password) = self.login.unwrap_or_default();
         let headers: serde_json::Map<String, Value> =
             self.headers.iter().map(|(name, value)| ((*name).to_owned(), (*value).into())).collect();
         json!({
-            "host": at.ip().to_string(), "port": at.port(), "web": web, "headers": headers,
+            "host": at.ip().to_string(), "port": at.port(), "web": web, "five": five, "headers": headers,
             "id": self.id, "remembered": self.remembered, "name": name, "password": password,
             "keepalive_s": self.keepalive_s, "will": self.will.map(Say::json), "follow": self.follow,
         })

@@ -37,6 +37,8 @@ const KEY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/service/tls/test-o
 pub(crate) enum Kind {
     /// Debian's mosquitto, which lets everybody in.
     Mosquitto,
+    /// The same, with which MQTT 5 is spoken.
+    MosquittoFive,
     /// The same, which asks for name and password.
     MosquittoWithLogin,
     /// The same, by TLS.
@@ -65,7 +67,9 @@ impl Kind {
     fn program(self) -> &'static str {
         let (name, beside) = match self {
             Kind::Nats => ("nats-server", "/usr/sbin/nats-server"),
-            Kind::Mosquitto | Kind::MosquittoWithLogin | Kind::MosquittoByTls => ("mosquitto", "/usr/sbin/mosquitto"),
+            Kind::Mosquitto | Kind::MosquittoFive | Kind::MosquittoWithLogin | Kind::MosquittoByTls => {
+                ("mosquitto", "/usr/sbin/mosquitto")
+            }
         };
         if Path::new(beside).exists() { beside } else { name }
     }
@@ -138,7 +142,7 @@ impl Broker {
         // Started by root, mosquitto becomes somebody who may not read the folder.
         let mosquitto = format!("user root\npersistence false\nlistener {port} 127.0.0.1\n");
         match self.kind {
-            Kind::Mosquitto => format!("{mosquitto}allow_anonymous true\n"),
+            Kind::Mosquitto | Kind::MosquittoFive => format!("{mosquitto}allow_anonymous true\n"),
             Kind::MosquittoWithLogin => {
                 let mut made = Command::new("mosquitto_passwd");
                 made.args(["-b", "-c", &format!("{folder}/logins"), LOGIN.0, LOGIN.1]);

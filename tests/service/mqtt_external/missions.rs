@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use super::broker::{Broker, CERTIFICATE, Kind, LOGIN};
 use super::subscriber::TestSubscriber;
+use crate::mqtt_clients::client::{Client, mosquitto_rr};
 use crate::program::{Program, hallsweep};
 
 /// Everything of this robot.
@@ -20,6 +21,9 @@ fn serve(broker: &Broker, hall: &str, speed: &str) -> Program {
     let arguments = ["serve", "--http", "127.0.0.1:0", "--seed", "1", "--hall", hall, "--speed", speed];
     let mut command = hallsweep(&arguments);
     command.env("HALLSWEEP__MQTT__BROKER", broker.url());
+    if broker.kind() == Kind::MosquittoFive {
+        command.env("HALLSWEEP__MQTT__VERSION", "5");
+    }
     if broker.kind() == Kind::MosquittoWithLogin {
         command.env("HALLSWEEP__MQTT__NAME", LOGIN.0).env("HALLSWEEP__MQTT__PASSWORD", LOGIN.1);
     }
@@ -172,6 +176,11 @@ fn a_mission_runs_over_json_at_mosquitto() {
 }
 
 #[test]
+fn a_mission_runs_over_json_at_mosquitto_in_mqtt_5() {
+    over_json(Kind::MosquittoFive, "json-five");
+}
+
+#[test]
 fn a_mission_runs_over_json_at_mosquitto_with_a_login() {
     over_json(Kind::MosquittoWithLogin, "json-login");
 }
@@ -197,6 +206,11 @@ fn a_mission_goes_on_while_mosquitto_is_away() {
 }
 
 #[test]
+fn a_mission_goes_on_while_mosquitto_is_away_in_mqtt_5() {
+    away(Kind::MosquittoFive, "away-five");
+}
+
+#[test]
 fn a_mission_goes_on_while_nats_is_away() {
     away(Kind::Nats, "away-nats");
 }
@@ -213,4 +227,26 @@ fn the_program_takes_leave_of_a_broker_it_reached_by_tls() {
     program.signal("TERM");
     assert!(program.ended_within(Duration::from_secs(60)).is_some_and(|status| status.success()));
     broker.until_it_says("Received DISCONNECT from hallsweep-discovery");
+}
+
+/// Where its sender wants it, but not where hallsweep alone speaks; and what is said has properties.
+#[test]
+fn a_command_at_mosquitto_is_answered_where_its_sender_wants_it() {
+    if !Kind::MosquittoFive.is_here() || !Client::MosquittoFive.is_here() {
+        return;
+    }
+    let broker = Broker::start(Kind::MosquittoFive, "answer-five");
+    let _program = serve(&broker, "empty-8x8", "max");
+    let subscriber = TestSubscriber::at(&broker, OURS);
+    until_online(&subscriber);
+    let answer = mosquitto_rr(broker.port(), "hallsweep/discovery/command/stop", "site/answer");
+    assert_eq!(
+        (&answer["topic"], answer["payload"].as_str().map(|said| said.contains("\"accepted\":true"))),
+        (&json!("site/answer"), Some(true))
+    );
+    let properties = &answer["properties"];
+    assert_eq!((&properties["content-type"], &properties["user-properties"]["by"]), (&json!("application/json"), &json!("mqtt")));
+    // The one that is asked for below is the first on this topic.
+    let answer = mosquitto_rr(broker.port(), "hallsweep/discovery/command/stop", "hallsweep/discovery/command/stop/result");
+    assert_eq!(answer["topic"], "hallsweep/discovery/command/stop/result", "as it would be anyhow");
 }

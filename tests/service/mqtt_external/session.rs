@@ -16,6 +16,7 @@ use hallsweep_core::settings::Settings;
 use hallsweep_core::units::{Epoch, Revision};
 use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::snapshot::Snapshot;
+use mqtt_gate::packet::Version;
 use tokio::runtime::Runtime;
 use tokio::sync::{mpsc, oneshot, watch};
 
@@ -48,6 +49,7 @@ impl TestApp {
         let handle = Handle::new(commands, watched.clone(), Halter::new(Epoch(1)));
         let session = Session::new(Parts {
             link: Link {
+                version: if broker.kind() == Kind::MosquittoFive { Version::Five } else { Version::Three },
                 host: "127.0.0.1".to_owned(),
                 port: broker.port(),
                 tls: tls.then(|| believing(Some(CERTIFICATE.as_ref())).expect("it is a certificate")),
@@ -128,6 +130,11 @@ fn check(kind: Kind, name: &str) {
 #[test]
 fn mosquitto_is_told_the_newest_state_when_it_is_back() {
     check(Kind::Mosquitto, "session-mosquitto");
+}
+
+#[test]
+fn mosquitto_is_told_the_newest_state_in_mqtt_5_too() {
+    check(Kind::MosquittoFive, "session-five");
 }
 
 #[test]

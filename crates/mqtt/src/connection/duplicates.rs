@@ -52,7 +52,7 @@ impl Duplicates {
             }
             (Qos::Two, print) => {
                 if self.unreleased.len() >= UNRELEASED && !self.unreleased.contains_key(&publish.id) {
-                    return Err(Ended::TooMuch { what: "messages of QoS 2 that it has not released", most: UNRELEASED });
+                    return Err(Ended::Unreleased);
                 }
                 self.unreleased.insert(publish.id, print.unwrap_or(NO_COMMAND));
             }
@@ -61,7 +61,8 @@ impl Duplicates {
         Ok(())
     }
 
-    pub(super) fn released(&mut self, id: u16) {
-        self.unreleased.remove(&id);
+    /// It will not send that one again; whether it was one.
+    pub(super) fn released(&mut self, id: u16) -> bool {
+        self.unreleased.remove(&id).is_some()
     }
 }

@@ -1,6 +1,8 @@
 //! Why a connection ends. Those that only whoever moves the bytes can know are here, too, so that there is one list of them.
 
 use crate::frame::{Kind, Malformed};
+use crate::limits::UNRELEASED;
+use crate::packet::reason::Reason;
 
 /// Why a connection ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -8,6 +10,9 @@ pub enum Ended {
     /// The client took its leave: it leaves no will.
     #[error("the client took its leave")]
     Left,
+    /// The client went, and wants its will to be published.
+    #[error("the client went, and left its will")]
+    LeftWithWill,
     /// The connection is closed or broken.
     #[error("the connection is gone")]
     Gone,
@@ -20,6 +25,9 @@ pub enum Ended {
     /// Nothing was heard for too long.
     #[error("the client was silent for too long")]
     Idle,
+    /// It sends more messages of QoS 2 than it may, and releases none.
+    #[error("the client has more than {UNRELEASED} messages of QoS 2 that it has not released")]
+    Unreleased,
     /// It asks for more than there is room for.
     #[error("the client has more than {most} {what}")]
     TooMuch {
@@ -40,4 +48,23 @@ pub enum Ended {
     /// The program ends: wills are not published.
     #[error("the program ends")]
     Closing,
+}
+
+impl Ended {
+    /// What one of MQTT 5 is told of it; `None`: it is the one who has gone.
+    #[must_use]
+    pub const fn reason(self) -> Option<Reason> {
+        match self {
+            Ended::Left | Ended::LeftWithWill | Ended::Gone => None,
+            Ended::Malformed(wrong) => Some(wrong.reason()),
+            Ended::Unexpected(_) => Some(Reason::Protocol),
+            Ended::Idle => Some(Reason::KeepAlive),
+            Ended::Unreleased => Some(Reason::ReceiveMaximum),
+            Ended::TooMuch { .. } => Some(Reason::Quota),
+            Ended::TakenOver => Some(Reason::TakenOver),
+            Ended::GaveWay => Some(Reason::Busy),
+            Ended::NotKnown => Some(Reason::NotAuthorized),
+            Ended::Closing => Some(Reason::ShuttingDown),
+        }
+    }
 }

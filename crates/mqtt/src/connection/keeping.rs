@@ -3,12 +3,16 @@
 
 use std::collections::VecDeque;
 use std::sync::Arc;
+use std::time::Duration;
 
-use super::sending::{Unacknowledged, Why};
+use super::client_writer::ClientWriter;
+use super::sending::{Cause, Unacknowledged};
 use crate::limits::{KEPT_ROOM, KEPT_STEPS, KEPT_UNDER_WAY};
 use crate::outbox::Outbox;
 use crate::packet::Qos;
 use crate::retained::{Retained, Walk};
+use crate::subscriber::{self, SubscriberId};
+use crate::subscription::Grant;
 
 #[derive(Debug, Default)]
 pub(super) struct Deliveries {
@@ -20,21 +24,22 @@ pub(super) struct Deliveries {
 #[derive(Debug)]
 struct Delivery {
     walk: Walk,
-    qos: Qos,
-    why: Why,
+    grant: Grant,
+    /// The client was here when it was published, and missed it.
+    is_missed: bool,
 }
 
 impl Deliveries {
-    /// All that is kept for a filter is to go out, at no more than this QoS.
-    pub(super) fn start(&mut self, filter: Arc<str>, qos: Qos) {
+    /// All that is kept for a filter is to go out, as was granted for it.
+    pub(super) fn start(&mut self, filter: Arc<str>, grant: Grant) {
         self.stop(&filter);
-        self.waiting.push_back(Delivery { walk: Walk::new(filter, 0), qos, why: Why::Kept });
+        self.waiting.push_back(Delivery { walk: Walk::new(filter, 0), grant, is_missed: false });
     }
 
     /// All that was kept for a filter after this stamp goes out anew, unless all of it is on its way anyhow.
-    pub(super) fn repeat(&mut self, filter: Arc<str>, qos: Qos, since: u64) {
+    pub(super) fn repeat(&mut self, filter: Arc<str>, grant: Grant, since: u64) {
         if !self.waiting.iter().any(|delivery| delivery.walk.filter() == &*filter) {
-            self.waiting.push_back(Delivery { walk: Walk::new(filter, since), qos, why: Why::Missed });
+            self.waiting.push_back(Delivery { walk: Walk::new(filter, since), grant, is_missed: true });
         }
     }
 
@@ -48,24 +53,32 @@ impl Deliveries {
     }
 
     /// Puts before the client what there is room for, and what is found in one turn.
-    pub(super) fn fill(&mut self, retained: &Retained, unacknowledged: &mut Unacknowledged, out: &mut Outbox) {
+    pub(super) fn fill(
+        &mut self,
+        retained: &Retained,
+        unacknowledged: &mut Unacknowledged,
+        (writer, out): (&mut ClientWriter, &mut Outbox),
+        (whose, now): (SubscriberId, Duration),
+    ) {
         // Half of them at once, so that they are not looked up for each.
         self.is_held_up &= unacknowledged.kept() > KEPT_UNDER_WAY / 2 || !unacknowledged.has_window();
         let mut steps = KEPT_STEPS;
         while steps > 0 && out.len() < KEPT_ROOM {
             let Some(delivery) = self.waiting.front_mut() else { return };
             let has_window = unacknowledged.kept() < KEPT_UNDER_WAY && unacknowledged.has_window();
-            self.is_held_up |= delivery.qos > Qos::Zero && !has_window;
+            let Grant { options, .. } = delivery.grant;
+            self.is_held_up |= options.qos > Qos::Zero && !has_window;
             if self.is_held_up {
                 return;
             }
-            let (qos, why) = (delivery.qos, delivery.why);
-            let found = retained.next(&mut delivery.walk, &mut steps);
+            let (ids, retain) = (delivery.grant.ids(), !delivery.is_missed || options.as_published);
+            let found = retained.next(&mut delivery.walk, &mut steps, now);
             if delivery.walk.is_over() {
                 self.waiting.pop_front();
             }
-            if let Some(kept) = found {
-                unacknowledged.send(&kept, kept.qos().min(qos), why, out);
+            if let Some(message) = found.filter(|message| !(options.no_local && message.is_by(whose))) {
+                let qos = message.qos().min(options.qos);
+                unacknowledged.send(subscriber::Delivery { message, qos, retain, ids }, Cause::Kept, (writer, out), now);
             }
         }
     }

@@ -6,15 +6,35 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Epoch(pub u64);
 
+/// What a PUBLISH says, as far as it can be read at all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Said<'a> {
+    /// The bytes of its topic.
+    pub topic: &'a [u8],
+    /// What of its payload has come.
+    pub payload: &'a [u8],
+    /// Where its sender wants an answer.
+    pub answer_to: Option<AnswerTo<'a>>,
+}
+
+/// Where the sender of a message wants an answer (MQTT 5, section 4.10).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AnswerTo<'a> {
+    /// On which topic.
+    pub topic: &'a str,
+    /// By what it knows the answer.
+    pub correlation: Option<&'a [u8]>,
+}
+
 /// Whoever hears commands; one for each connection, since it knows whose they are.
 pub trait Listener: Send + Sync {
     /// Acts at once if this message is an urgent one, which must be heard ahead of everything else, whatever else is wrong with it;
     /// whether it is. No more of it need have come than names it.
-    fn hear_urgent(&self, topic: &[u8], payload: &[u8]) -> bool;
+    fn hear_urgent(&self, said: Said<'_>) -> bool;
 
     /// Any other message on the topic of a command, once, as it is sent, before anybody else gets it; the epoch in which it came, and
     /// whether it was sent before.
-    fn hear(&self, topic: &str, payload: &[u8], came: (Option<Epoch>, bool)) -> CommandDecision;
+    fn hear(&self, topic: &str, said: Said<'_>, came: (Option<Epoch>, bool)) -> CommandDecision;
 
     /// The epoch that the last urgent message has begun.
     fn epoch(&self) -> Epoch;

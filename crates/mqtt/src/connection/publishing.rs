@@ -1,88 +1,166 @@
 //! PUBLISH of a client, its will, and its acknowledgements. Which topics are whose stands in `routes`.
 
+use std::sync::Arc;
+use std::time::Duration;
+
 use super::routes::{Dropped, Route};
-use super::{ClientConnection, CommandDecision, Ended, Mark};
+use super::{AnswerTo, ClientConnection, CommandDecision, Ended, Mark, Said};
 use crate::filter;
-use crate::frame::{Frame, Kind};
+use crate::frame::{Frame, Kind, Malformed};
+use crate::limits::{ALIASES, PROPERTIES, TOPIC};
+use crate::message::Draft;
 use crate::packet::connect::Will;
+use crate::packet::properties::{Properties, Property, that_go_on};
 use crate::packet::publish::{self, Publish};
-use crate::packet::{Qos, text, write};
+use crate::packet::reason::Reason;
+use crate::packet::{Qos, Version, text};
+use crate::rights::Tier;
+
+/// What became of a message, as its sender is told: in MQTT 5, and in words.
+#[derive(Clone, Debug)]
+struct Told {
+    reason: Reason,
+    words: String,
+}
+
+/// It was taken, and that is all.
+const TAKEN: Told = Told { reason: Reason::Success, words: String::new() };
+
+/// Of what is to be kept, and cannot be.
+const NOT_KEPT: &str = "it cannot be kept, there being too many kept messages; it was passed on";
 
 impl ClientConnection {
-    /// A PUBLISH: `packet` is the whole of it. Whatever becomes of it, its sender is told that it has arrived (section 3.3.5).
+    /// A PUBLISH: `packet` is the whole of it. Whatever becomes of it, its sender is told that it has arrived (section 3.3.5), and in
+    /// MQTT 5 what became of it.
     pub(super) fn publish(&mut self, frame: &Frame, packet: &[u8]) -> Result<(), Ended> {
-        let publish = publish::read(frame, packet)?;
-        match self.routes.route(publish.topic, self.tier, &self.broker)? {
-            Route::Pass => self.pass(&publish)?,
+        let publish = publish::read(frame, packet, self.writer.version())?;
+        let named = self.named(publish)?;
+        let publish = Publish { topic: named.as_deref().unwrap_or(publish.topic), ..publish };
+        let told = match self.routes.route(publish.topic, self.tier, &self.broker)? {
             Route::Hear => self.hear(&publish)?,
             Route::Drop(why) => self.drop(&publish, why)?,
-        }
-        match publish.qos {
-            Qos::Zero => {}
-            Qos::One => write::ack(self.to_client.end(), Kind::Puback, publish.id),
-            Qos::Two => write::ack(self.to_client.end(), Kind::Pubrec, publish.id),
-        }
+            Route::Pass if publish.properties.bytes().len() > PROPERTIES => self.drop(&publish, Dropped::Properties)?,
+            Route::Pass => self.pass(&publish)?,
+        };
+        let kind = match publish.qos {
+            Qos::Zero => return Ok(()),
+            Qos::One => Kind::Puback,
+            Qos::Two => Kind::Pubrec,
+        };
+        self.writer.ack(kind, publish.id, (told.reason, &told.words), &mut self.to_client);
         Ok(())
+    }
+
+    /// The topic for which a number stands, which the client gave it before (MQTT 5, section 3.3.2.3.4); `None`: it is there itself.
+    fn named(&mut self, mut publish: Publish<'_>) -> Result<Option<Arc<[u8]>>, Malformed> {
+        // A message with more is not taken, and names no topic.
+        let is_taken = publish.properties.bytes().len() <= PROPERTIES;
+        let alias =
+            publish.properties.find_map(|property| if let Property::TopicAlias(alias) = property { Some(alias) } else { None });
+        let alias = alias.filter(|_| is_taken);
+        match (alias, publish.topic.is_empty()) {
+            (Some(alias), _) if !(1..=ALIASES).contains(&alias) => Err(Malformed::Alias(alias)),
+            (Some(alias), true) => self.aliases.get(&alias).map(Arc::clone).map(Some).ok_or(Malformed::NoTopic),
+            (Some(alias), false) => {
+                self.aliases.remove(&alias);
+                // Longer ones are not taken, and are not kept either.
+                if publish.topic.len() <= TOPIC {
+                    self.aliases.insert(alias, publish.topic.into());
+                }
+                Ok(None)
+            }
+            (None, true) if self.writer.version() == Version::Five => Err(Malformed::NoTopic),
+            (None, _) => Ok(None),
+        }
     }
 
     /// The client will not send a message of QoS 2 again.
     pub(super) fn released(&mut self, id: u16) {
-        self.duplicates.released(id);
-        write::ack(self.to_client.end(), Kind::Pubcomp, id);
+        let reason = if self.duplicates.released(id) { Reason::Success } else { Reason::UnknownId };
+        self.writer.ack(Kind::Pubcomp, id, (reason, ""), &mut self.to_client);
     }
 
-    pub(super) fn publish_will(&mut self, will: &Will) {
+    /// Whether a will may be published where it is to be; a refusal is noted.
+    pub(super) fn may_publish(&mut self, will: &Will) -> bool {
         let route = self.routes.route(will.topic.as_bytes(), self.tier, &self.broker);
-        if !self.broker.rights.may_leave_will(self.tier, &will.topic) || route != Ok(Route::Pass) {
-            self.refusals.note(will.topic.as_bytes(), "such a will");
-            return;
+        let is_allowed = self.broker.rights.may_leave_will(self.tier, &will.topic) && route == Ok(Route::Pass);
+        if !is_allowed {
+            self.refusals.note(will.topic.as_bytes(), "such a will", (&self.broker.lines, self.now));
         }
-        self.forward(&will.payload, will.qos, will.retain);
+        is_allowed
     }
 
-    fn pass(&mut self, publish: &Publish<'_>) -> Result<(), Ended> {
+    fn pass(&mut self, publish: &Publish<'_>) -> Result<Told, Ended> {
         if self.duplicates.is_unreleased(publish) {
-            return Ok(());
+            return Ok(TAKEN);
         }
         self.duplicates.handled(publish, None)?;
-        self.forward(publish.payload, publish.qos, publish.retain);
-        Ok(())
+        Ok(self.forward(publish, publish.retain))
     }
 
     /// A message on the topic of the last route goes on to whoever reads it, and is kept, if it is to be. Kept first: a newcomer that
     /// nobody knew of yet finds it there.
-    fn forward(&mut self, payload: &[u8], qos: Qos, retain: bool) {
-        if !retain && !self.routes.is_read(&self.broker) {
-            return;
+    fn forward(&mut self, publish: &Publish<'_>, retain: bool) -> Told {
+        let publisher = self.subscription.subscriber().id();
+        let is_read = self.routes.is_read(publisher, &self.broker);
+        let reason = if is_read { Reason::Success } else { Reason::NoSubscribers };
+        if !retain && !is_read {
+            return Told { reason, ..TAKEN };
         }
-        let message = self.broker.message(self.routes.topic(), payload, qos);
-        if retain && !self.broker.retained.keep(&self.payer, &message) {
-            let why = "it cannot be kept, there being too many kept messages; it was passed on";
-            self.refusals.note(message.topic().as_bytes(), why);
+        let mut expires_at = None;
+        for property in publish.properties {
+            if let Property::MessageExpiry(seconds) = property {
+                expires_at = Some(self.now + Duration::from_secs(u64::from(seconds)));
+            }
         }
-        self.routes.send(&message, &self.broker);
+        let properties = that_go_on(publish.properties);
+        let topic = self.routes.topic();
+        let (payload, qos) = (publish.payload, publish.qos);
+        let draft = Draft { topic, payload, qos, retain, properties: &properties, expires_at, publisher: Some(publisher) };
+        let message = self.broker.message(draft);
+        let is_kept = !retain || self.broker.retained.keep(&self.payer, &message, self.now);
+        self.routes.send(&message, publisher, &self.broker);
+        if is_kept {
+            return Told { reason, ..TAKEN };
+        }
+        self.refusals.note(message.topic().as_bytes(), NOT_KEPT, (&self.broker.lines, self.now));
+        Told { reason, words: NOT_KEPT.to_owned() }
     }
 
     /// What may be a command is heard before anything can go wrong with it: what is urgent is heard even when there is no room left for it.
-    fn hear(&mut self, publish: &Publish<'_>) -> Result<(), Ended> {
+    fn hear(&mut self, publish: &Publish<'_>) -> Result<Told, Ended> {
         let topic = text(publish.topic, "topic")?;
         let print = self.broker.print((publish.topic, publish.payload));
-        let is_urgent = self.heard_ahead() || self.listener.hear_urgent(publish.topic, publish.payload);
+        let said = Said { topic: publish.topic, payload: publish.payload, answer_to: answer_to(publish) };
+        let is_urgent = self.heard_ahead() || self.listener.hear_urgent(said);
         if !is_urgent && self.duplicates.was_heard(publish, print) {
-            return Ok(());
+            return Ok(TAKEN);
         }
         let came = (self.arrived, publish.is_duplicate);
-        let heard = if is_urgent { CommandDecision::Pass } else { self.listener.hear(topic, publish.payload, came) };
+        let heard = if is_urgent { CommandDecision::Pass } else { self.listener.hear(topic, said, came) };
         let is_unreleased = self.duplicates.is_unreleased(publish);
-        self.duplicates.handled(publish, Some(print))?;
-        match heard {
-            CommandDecision::Forbidden => self.refusals.note(publish.topic, Dropped::Forbidden),
-            CommandDecision::Pass if is_unreleased => {}
-            CommandDecision::Pass => match filter::topic(topic) {
-                Ok(()) => self.forward(publish.payload, publish.qos, false),
-                Err(unfit) => self.refusals.note(publish.topic, unfit),
-            },
+        if !self.need_not_be_released(publish, heard == CommandDecision::Forbidden) {
+            self.duplicates.handled(publish, Some(print))?;
         }
+        let refused = match heard {
+            CommandDecision::Forbidden => Some(Dropped::Forbidden),
+            CommandDecision::Pass if is_unreleased => None,
+            CommandDecision::Pass => self.pass_on(publish, topic).err(),
+        };
+        let told = refused.filter(|_| heard == CommandDecision::Forbidden).map_or(TAKEN, Dropped::told);
+        refused.into_iter().for_each(|why| self.refusals.note(publish.topic, why, (&self.broker.lines, self.now)));
+        Ok(told)
+    }
+
+    /// What was heard goes on to whoever reads it, if it can.
+    fn pass_on(&mut self, publish: &Publish<'_>, topic: &str) -> Result<(), Dropped> {
+        filter::topic(topic).map_err(Dropped::Unfit)?;
+        if publish.properties.bytes().len() > PROPERTIES {
+            return Err(Dropped::Properties);
+        }
+        // What somebody says beside it who may only stop, nobody needs to know.
+        let properties = if self.tier == Tier::Full { publish.properties } else { Properties::default() };
+        self.forward(&Publish { properties, ..*publish }, false);
         Ok(())
     }
 
@@ -104,11 +182,36 @@ impl ClientConnection {
         Some(mark)
     }
 
-    fn drop(&mut self, publish: &Publish<'_>, why: Dropped) -> Result<(), Ended> {
+    fn drop(&mut self, publish: &Publish<'_>, why: Dropped) -> Result<Told, Ended> {
         if !self.duplicates.is_unreleased(publish) {
-            self.duplicates.handled(publish, None)?;
-            self.refusals.note(publish.topic, why);
+            if !self.need_not_be_released(publish, true) {
+                self.duplicates.handled(publish, None)?;
+            }
+            self.refusals.note(publish.topic, why, (&self.broker.lines, self.now));
         }
-        Ok(())
+        Ok(why.told())
     }
+
+    /// Of a message of QoS 2 that is refused its sender is told so in MQTT 5: it is over then (section 4.3.3).
+    fn need_not_be_released(&self, publish: &Publish<'_>, is_refused: bool) -> bool {
+        is_refused && publish.qos == Qos::Two && self.writer.version() == Version::Five
+    }
+}
+
+impl Dropped {
+    fn told(self) -> Told {
+        Told { reason: self.reason(), words: self.to_string() }
+    }
+}
+
+fn answer_to<'a>(publish: &Publish<'a>) -> Option<AnswerTo<'a>> {
+    let (mut at, mut correlation) = (None, None);
+    for property in publish.properties {
+        if let Property::ResponseTopic(topic) = property {
+            at = Some(topic);
+        } else if let Property::CorrelationData(data) = property {
+            correlation = Some(data);
+        }
+    }
+    at.map(|topic| AnswerTo { topic, correlation })
 }

@@ -1,10 +1,22 @@
-//! What a client was refused, for the log: the first, and then ever fewer of them, since a client may go on for ever.
+//! What a client was refused, for the log: the first, and then ever fewer of them, since a client may go on for ever, and come again as often
+//! as it likes.
 
 use std::fmt::Display;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 /// How many characters of a client's text stand in the log.
 const SHOWN: usize = 80;
+
+/// So many lines are written of all clients,
+const LINES: u32 = 20;
+
+/// in so long.
+const PERIOD: Duration = Duration::from_secs(10);
+
+/// How many lines were written of all clients.
+#[derive(Debug, Default)]
+pub(crate) struct Lines(Mutex<(Duration, u32)>);
 
 #[derive(Debug)]
 pub(super) struct Refusals {
@@ -12,16 +24,41 @@ pub(super) struct Refusals {
     count: u64,
 }
 
+impl Lines {
+    /// Whether one more is written.
+    fn admit(&self, now: Duration) -> bool {
+        let mut lines = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if now >= lines.0 {
+            *lines = (now + PERIOD, 0);
+        }
+        lines.1 = lines.1.saturating_add(1);
+        lines.1 <= LINES
+    }
+}
+
 impl Refusals {
     pub(super) const fn new(name: Arc<str>) -> Refusals {
         Refusals { name, count: 0 }
     }
 
-    pub(super) fn note(&mut self, topic: &[u8], why: impl Display) {
+    pub(super) fn note(&mut self, topic: &[u8], why: impl Display, (lines, now): (&Lines, Duration)) {
         self.count += 1;
-        if self.count.is_power_of_two() {
+        if self.count.is_power_of_two() && lines.admit(now) {
             let topic: String = String::from_utf8_lossy(topic).chars().take(SHOWN).collect();
             tracing::warn!(client = %self.name, topic, refused = self.count, "refused over MQTT, this being the latest: {why}");
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Safety A5: however many come, and however often.
+    #[test]
+    fn so_many_lines_are_written_in_a_while_and_no_more() {
+        let (lines, at) = (Lines::default(), Duration::from_secs);
+        assert_eq!((0..1000).filter(|_| lines.admit(at(5))).count(), LINES as usize);
+        assert!(!lines.admit(at(14)) && lines.admit(at(15)));
     }
 }

@@ -7,12 +7,13 @@ use super::Ended;
 use crate::Broker;
 use crate::filter::{self, Unfit};
 use crate::frame::Malformed;
-use crate::limits::{LONG, PIECE};
+use crate::limits::{LONG, PIECE, PROPERTIES};
 use crate::message::Message;
+use crate::packet::reason::Reason;
 use crate::packet::text;
-use crate::readers::Reader;
+use crate::readers::Found;
 use crate::rights::Tier;
-use crate::subscriber::Subscriber;
+use crate::subscriber::{Subscriber, SubscriberId};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Route {
@@ -29,6 +30,19 @@ pub(super) enum Dropped {
     Forbidden,
     #[error(transparent)]
     Unfit(Unfit),
+    #[error("its properties are longer than {PROPERTIES} bytes")]
+    Properties,
+}
+
+impl Dropped {
+    /// What its sender is told, in MQTT 5.
+    pub(super) const fn reason(self) -> Reason {
+        match self {
+            Dropped::Forbidden => Reason::NotAuthorized,
+            Dropped::Unfit(_) => Reason::Topic,
+            Dropped::Properties => Reason::Quota,
+        }
+    }
 }
 
 /// The topic before, since many clients have but one, and what became of it.
@@ -37,7 +51,7 @@ pub(super) struct Routes {
     topic: Arc<str>,
     route: Option<Route>,
     /// Who reads it, as of this generation of readers;
-    readers: Vec<Reader>,
+    readers: Found,
     generation: Option<u64>,
     /// something was sent to them, and it was not looked yet who is behind.
     is_unsettled: bool,
@@ -53,7 +67,7 @@ impl Default for Routes {
         Routes {
             topic: Arc::from(""),
             route: None,
-            readers: Vec::new(),
+            readers: Found::default(),
             generation: None,
             is_unsettled: false,
             passed: 0,
@@ -80,23 +94,23 @@ impl Routes {
         Arc::clone(&self.topic)
     }
 
-    /// Whether somebody reads it now.
-    pub(super) fn is_read(&mut self, broker: &Broker) -> bool {
+    /// Whether somebody reads now what this one publishes there.
+    pub(super) fn is_read(&mut self, publisher: SubscriberId, broker: &Broker) -> bool {
         let generation = broker.readers.generation();
         if self.generation != Some(generation) {
             self.settle();
-            (self.readers, self.generation) = (broker.readers.of(&self.topic), Some(generation));
+            (self.readers, self.generation) = (broker.readers.of(&self.topic, Some(publisher)), Some(generation));
         }
         !self.readers.is_empty()
     }
 
     /// Sends a message on it to those who read it.
-    pub(super) fn send(&mut self, message: &Arc<Message>, broker: &Broker) {
-        if !self.is_read(broker) {
+    pub(super) fn send(&mut self, message: &Arc<Message>, publisher: SubscriberId, broker: &Broker) {
+        if !self.is_read(publisher, broker) {
             return;
         }
         broker.send(message, &self.readers);
-        self.passed += 1 + (message.payload().len() / LONG) as u64;
+        self.passed += 1 + ((message.payload().len() + message.properties().len()) / LONG) as u64;
         self.piece += message.cost();
         self.is_unsettled = true;
     }
@@ -106,7 +120,7 @@ impl Routes {
         if !std::mem::take(&mut self.is_unsettled) {
             return;
         }
-        for reader in self.readers.iter().filter(|reader| reader.subscriber.lags()) {
+        for reader in self.readers.all().filter(|reader| reader.subscriber.lags()) {
             if !self.behind.iter().any(|known| Arc::ptr_eq(known, &reader.subscriber)) {
                 self.behind.push(Arc::clone(&reader.subscriber));
             }

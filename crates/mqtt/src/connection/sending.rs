@@ -1,19 +1,26 @@
-//! Messages that go out to one client: how they are written, and those that it has not acknowledged yet, which go out again in the next
-//! connection of its session (section 4.4). Which go out, and when, is decided elsewhere.
+//! Messages that go out to one client, and those that it has not acknowledged yet, which go out again in the next connection of its
+//! session (section 4.4). How they are written stands in `client_writer`; which go out, and when, is decided elsewhere.
 
 use std::collections::VecDeque;
-use std::sync::Arc;
+use std::time::Duration;
 
+use super::client_writer::ClientWriter;
 use crate::frame::Kind;
-use crate::limits::{SHARED, WINDOW, WINDOW_BYTES};
-use crate::message::Message;
+use crate::limits::{WINDOW, WINDOW_BYTES};
 use crate::outbox::Outbox;
-use crate::packet::{Qos, write};
+use crate::packet::Qos;
+use crate::packet::reason::Reason;
+use crate::subscriber::Delivery;
 
 /// What a client has not acknowledged, the oldest first.
 #[derive(Debug, Default)]
 pub(super) struct Unacknowledged {
+    /// What was sent in an earlier connection, and not yet in this one,
+    unsent: VecDeque<Sent>,
+    /// and what was.
     sent: VecDeque<Sent>,
+    /// So many may be.
+    window: usize,
     last_id: u16,
     /// How many of them were sent because they were kept.
     kept: usize,
@@ -24,27 +31,33 @@ pub(super) struct Unacknowledged {
 #[derive(Debug)]
 struct Sent {
     id: u16,
+    cause: Cause,
     qos: Qos,
-    why: Why,
     /// `None`: the client has it, and is to say that it knows that (PUBCOMP).
-    message: Option<Arc<Message>>,
+    delivery: Option<Delivery>,
 }
 
 /// Why a message goes out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Why {
+pub(super) enum Cause {
     /// It was published just now.
     Published,
-    /// It is kept, and the client asked for what is; only that is marked as such.
+    /// It is kept.
     Kept,
-    /// It is kept, and the client has missed it.
-    Missed,
 }
 
 impl Unacknowledged {
+    /// A new connection begins, whose client leaves so many unacknowledged: all goes out again.
+    pub(super) fn begin(&mut self, receive_maximum: u16) {
+        self.window = WINDOW.min(usize::from(receive_maximum));
+        // What was sent again before is older than what was not yet.
+        self.sent.append(&mut self.unsent);
+        std::mem::swap(&mut self.sent, &mut self.unsent);
+    }
+
     /// Whether more may go out that is to be acknowledged.
     pub(super) fn has_window(&self) -> bool {
-        self.sent.len() < WINDOW && self.bytes < WINDOW_BYTES
+        self.unsent.is_empty() && self.sent.len() < self.window && self.bytes < WINDOW_BYTES
     }
 
     /// How many bytes the messages take, which others may have as well.
@@ -55,7 +68,8 @@ impl Unacknowledged {
     /// Gives them all up; the stamp of the oldest, if there was one.
     pub(super) fn clear(&mut self) -> Option<u64> {
         let given_up = std::mem::take(self);
-        given_up.sent.iter().filter_map(|sent| Some(sent.message.as_ref()?.stamp)).min()
+        let all = given_up.unsent.iter().chain(&given_up.sent);
+        all.filter_map(|sent| Some(sent.delivery.as_ref()?.message.stamp)).min()
     }
 
     /// How many of those that were sent because they were kept are not acknowledged.
@@ -63,23 +77,38 @@ impl Unacknowledged {
         self.kept
     }
 
-    pub(super) fn send(&mut self, message: &Arc<Message>, qos: Qos, why: Why, out: &mut Outbox) {
-        let id = if qos == Qos::Zero { 0 } else { self.next_id() };
-        write(message, (qos, id), why, false, out);
-        if qos > Qos::Zero {
-            self.kept += usize::from(why != Why::Published);
-            self.bytes += message.cost();
-            self.sent.push_back(Sent { id, qos, why, message: Some(Arc::clone(message)) });
+    /// Sends a message; what its client would not take is as good as sent (MQTT 5, section 3.1.2.11.4).
+    pub(super) fn send(
+        &mut self,
+        delivery: Delivery,
+        cause: Cause,
+        (writer, out): (&mut ClientWriter, &mut Outbox),
+        now: Duration,
+    ) {
+        let id = if delivery.qos == Qos::Zero { 0 } else { self.next_id() };
+        let is_said = writer.publish(&delivery, (id, false), now, out);
+        if is_said && delivery.qos > Qos::Zero {
+            self.kept += usize::from(cause == Cause::Kept);
+            self.bytes += delivery.message.cost();
+            self.sent.push_back(Sent { id, qos: delivery.qos, cause, delivery: Some(delivery) });
         }
     }
 
-    /// In a new connection all goes out again.
-    pub(super) fn resend(&self, out: &mut Outbox) {
-        for Sent { id, qos, why, message } in &self.sent {
-            match message {
-                Some(message) => write(message, (*qos, *id), *why, true, out),
-                None => write::ack(out.end(), Kind::Pubrel, *id),
+    /// Sends again what was sent in an earlier connection, as far as the client lets it.
+    pub(super) fn resend(&mut self, writer: &mut ClientWriter, out: &mut Outbox, now: Duration) {
+        while let Some(next) = self.unsent.front() {
+            match &next.delivery {
+                Some(_) if self.sent.len() >= self.window => return,
+                Some(delivery) => {
+                    let is_over = delivery.message.is_over(now);
+                    if is_over || !writer.publish(delivery, (next.id, true), now, out) {
+                        self.unsent.pop_front().into_iter().for_each(|sent| self.forget(sent));
+                        continue;
+                    }
+                }
+                None => writer.ack(Kind::Pubrel, next.id, (Reason::Success, ""), out),
             }
+            self.sent.extend(self.unsent.pop_front());
         }
     }
 
@@ -87,55 +116,60 @@ impl Unacknowledged {
     pub(super) fn acknowledged(&mut self, id: u16, kind: Kind) {
         let is_meant = |sent: &Sent| sent.id == id && (kind == Kind::Puback) == (sent.qos == Qos::One);
         if let Some(sent) = self.sent.iter().position(is_meant).and_then(|place| self.sent.remove(place)) {
-            self.kept -= usize::from(sent.why != Why::Published);
-            self.bytes -= sent.message.map_or(0, |message| message.cost());
+            self.forget(sent);
         }
     }
 
-    /// The client has this one of QoS 2, and is told that it need not remember that any longer.
-    pub(super) fn received(&mut self, id: u16, out: &mut Outbox) {
-        if let Some(sent) = self.sent.iter_mut().find(|sent| sent.id == id && sent.qos == Qos::Two) {
-            self.bytes -= sent.message.take().map_or(0, |message| message.cost());
+    /// The client has this one of QoS 2, and is told that it need not remember that any longer; one that it does not want is over.
+    pub(super) fn received(&mut self, id: u16, is_refused: bool, (writer, out): (&mut ClientWriter, &mut Outbox)) {
+        if is_refused {
+            return self.acknowledged(id, Kind::Pubcomp);
         }
-        write::ack(out.end(), Kind::Pubrel, id);
+        let sent = self.sent.iter_mut().find(|sent| sent.id == id && sent.qos == Qos::Two);
+        let reason = if sent.is_some() { Reason::Success } else { Reason::UnknownId };
+        if let Some(sent) = sent {
+            self.bytes -= sent.delivery.take().map_or(0, |delivery| delivery.message.cost());
+        }
+        writer.ack(Kind::Pubrel, id, (reason, ""), out);
+    }
+
+    fn forget(&mut self, sent: Sent) {
+        self.kept -= usize::from(sent.cause == Cause::Kept);
+        self.bytes -= sent.delivery.map_or(0, |delivery| delivery.message.cost());
     }
 
     /// The next id that no other message has.
     fn next_id(&mut self) -> u16 {
         loop {
             self.last_id = self.last_id % u16::MAX + 1;
-            if self.sent.iter().all(|sent| sent.id != self.last_id) {
+            if self.sent.iter().chain(&self.unsent).all(|sent| sent.id != self.last_id) {
                 return self.last_id;
             }
         }
     }
 }
 
-fn write(message: &Arc<Message>, (qos, id): (Qos, u16), why: Why, is_duplicate: bool, out: &mut Outbox) {
-    let (topic, payload) = (message.topic().as_bytes(), message.payload());
-    let head = write::PublishHead { topic, qos, id, retain: why == Why::Kept, is_duplicate };
-    if payload.len() < SHARED {
-        return head.with(out.end(), payload);
-    }
-    head.before(out.end(), payload.len());
-    out.share(message.shared_payload());
-}
-
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
+    use crate::message::{Draft, Message};
 
     #[test]
     fn an_id_that_is_in_use_is_not_given_twice() {
-        let (mut unacknowledged, mut out) = (Unacknowledged::default(), Outbox::default());
-        let message = Arc::new(Message::new(Arc::from("a"), b"x", Qos::One, 0, &Arc::default()));
-        for _ in 0..3 {
-            unacknowledged.send(&message, Qos::One, Why::Published, &mut out);
-        }
+        let (mut unacknowledged, mut writer, mut out) = (Unacknowledged::default(), ClientWriter::default(), Outbox::default());
+        unacknowledged.begin(u16::MAX);
+        let message = Arc::new(Message::new(Draft::plain("a", b"x", Qos::One), 0, &Arc::default()));
+        let delivery = Delivery { message, qos: Qos::One, retain: false, ids: None };
+        let mut send = |unacknowledged: &mut Unacknowledged| {
+            unacknowledged.send(delivery.clone(), Cause::Published, (&mut writer, &mut out), Duration::ZERO);
+        };
+        (0..3).for_each(|_| send(&mut unacknowledged));
         unacknowledged.acknowledged(2, Kind::Puback);
         unacknowledged.last_id = u16::MAX;
         for expected in [2, 4] {
-            unacknowledged.send(&message, Qos::One, Why::Published, &mut out);
+            send(&mut unacknowledged);
             assert_eq!(unacknowledged.last_id, expected);
         }
     }

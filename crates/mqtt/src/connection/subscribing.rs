@@ -1,93 +1,130 @@
-//! SUBSCRIBE and UNSUBSCRIBE: which filters a client holds, and what is remembered of it between its connections.
+//! SUBSCRIBE and UNSUBSCRIBE: which filters a client holds.
 
 use std::collections::BTreeMap;
-use std::fmt::Display;
 use std::sync::Arc;
 
-use super::sending::Unacknowledged;
 use super::{ClientConnection, Ended};
-use crate::filter;
+use crate::filter::{self, Shared, Unfit};
 use crate::frame::{Kind, Malformed};
 use crate::limits::FILTERS;
-use crate::packet::filters::Filters;
-use crate::packet::{Qos, write};
-use crate::subscriber::Subscription;
+use crate::packet::filters::{Filters, Options, RetainHandling};
+use crate::packet::reason::Reason;
+use crate::packet::{Version, write};
+use crate::subscription::Grant;
 
-/// What is remembered of a client between its connections. While it is away, what is to reach it surely waits for it here.
-#[derive(Debug, Default)]
-pub struct Session {
-    /// Its filters, and its queue; `None`: it was never here.
-    pub(crate) subscription: Option<Subscription>,
-    /// The ids of its messages of QoS 2 that it has not released, and by what such a message is known.
-    pub(crate) unreleased: BTreeMap<u16, u64>,
-    /// Messages that were sent and that it has not acknowledged.
-    pub(super) unacknowledged: Unacknowledged,
+/// Why a filter is not taken.
+#[derive(Clone, Copy, Debug, thiserror::Error)]
+enum NotTaken {
+    #[error(transparent)]
+    Unfit(#[from] Unfit),
+    #[error("one connection holds at most {FILTERS} filters")]
+    Many,
+    #[error("only those of MQTT 5 share subscriptions")]
+    Shared,
+    #[error("this is not to be shared, or not by this client")]
+    Ours,
 }
 
-impl Session {
-    /// The filters it holds.
-    pub fn filters(&self) -> impl Iterator<Item = &str> {
-        self.subscription.iter().flat_map(Subscription::held).map(|(filter, _)| &**filter)
-    }
-
-    /// How many messages of QoS 2 it has not released.
-    #[must_use]
-    pub fn unreleased(&self) -> usize {
-        self.unreleased.len()
+impl NotTaken {
+    const fn reason(self) -> Reason {
+        match self {
+            NotTaken::Unfit(_) => Reason::Filter,
+            NotTaken::Many => Reason::Quota,
+            NotTaken::Shared | NotTaken::Ours => Reason::SharedSubscriptions,
+        }
     }
 }
 
 impl ClientConnection {
     pub(super) fn subscribe(&mut self, body: &[u8]) -> Result<(), Ended> {
-        let filters = self.few(Filters::of_subscribe(body))?;
-        let (mut codes, mut accepted) = (Vec::new(), BTreeMap::new());
-        for (filter, qos) in filters {
-            match self.accept(filter, qos) {
-                Ok(name) => {
-                    accepted.insert(name, qos);
-                    codes.push(qos as u8);
+        let filters = self.few(Filters::of_subscribe(body, self.writer.version()))?;
+        let (mut codes, mut accepted, mut words) = (Vec::new(), BTreeMap::new(), String::new());
+        for (filter, options) in filters {
+            let was_held = self.subscription.holds(filter);
+            let grant = Grant { options, id: filters.subscription_id };
+            match self.accept(filter, grant) {
+                Ok((name, is_shared)) => {
+                    if wants_kept(options, was_held) && !is_shared {
+                        accepted.insert(name, grant);
+                    }
+                    codes.push(options.qos as u8);
                 }
                 Err(why) => {
-                    self.refusals.note(filter.as_bytes(), why);
-                    codes.push(write::REFUSED);
+                    self.refusals.note(filter.as_bytes(), why, (&self.broker.lines, self.now));
+                    codes.push(match self.writer.version() {
+                        Version::Three => write::REFUSED,
+                        Version::Five => why.reason() as u8,
+                    });
+                    words = why.to_string();
                 }
             }
         }
         // What was published before goes out before, and what is kept at once, so that it does not matter what came in the same piece.
         self.deliver();
-        write::suback(self.to_client.end(), filters.id, &codes);
-        for (filter, qos) in accepted {
-            self.deliveries.start(filter, qos);
+        match self.writer.version() {
+            Version::Three => write::suback(self.to_client.end(), filters.id, &codes),
+            Version::Five => {
+                let words = self.writer.words(&words);
+                write::codes_five(self.to_client.end(), Kind::Suback, filters.id, &codes, words);
+            }
+        }
+        for (filter, grant) in accepted {
+            self.deliveries.start(filter, grant);
         }
         self.deliver();
         Ok(())
     }
 
     pub(super) fn unsubscribe(&mut self, body: &[u8]) -> Result<(), Ended> {
-        let filters = self.few(Filters::of_unsubscribe(body))?;
+        let filters = self.few(Filters::of_unsubscribe(body, self.writer.version()))?;
+        let mut codes = Vec::new();
         for (filter, _) in filters {
-            if self.subscription.strike(filter) {
+            let was_held = self.subscription.strike(filter);
+            if was_held {
                 self.deliveries.stop(filter);
             }
+            let is_good = filter::share(filter).is_ok_and(|shared| shared.is_some() || filter::filter(filter).is_ok());
+            codes.push(match (was_held, is_good) {
+                (true, _) => Reason::Success,
+                (false, true) => Reason::NoSubscription,
+                (false, false) => Reason::Filter,
+            } as u8);
         }
-        write::ack(self.to_client.end(), Kind::Unsuback, filters.id);
+        match self.writer.version() {
+            Version::Three => write::ack(self.to_client.end(), Kind::Unsuback, filters.id),
+            Version::Five => write::codes_five(self.to_client.end(), Kind::Unsuback, filters.id, &codes, None),
+        }
         Ok(())
     }
 
     /// A packet with more filters than are taken ends the connection, and that is said.
     fn few<'a>(&mut self, filters: Result<Filters<'a>, Malformed>) -> Result<Filters<'a>, Ended> {
         if let Err(wrong @ Malformed::ManyFilters) = filters {
-            self.refusals.note(b"", wrong);
+            self.refusals.note(b"", wrong, (&self.broker.lines, self.now));
         }
         Ok(filters?)
     }
 
-    /// Takes a filter, or says why not. When it is held at another QoS, that is changed.
-    fn accept(&mut self, filter: &str, qos: Qos) -> Result<Arc<str>, Box<dyn Display>> {
-        filter::filter(filter).map_err(|unfit| Box::new(unfit) as Box<dyn Display>)?;
-        if self.subscription.held().len() >= FILTERS && !self.subscription.holds(filter) {
-            return Err(Box::new(format!("one connection holds at most {FILTERS} filters")));
+    /// Takes a filter, and says whether it is shared, or says why not. When it is held with other options, those are changed.
+    fn accept(&mut self, filter: &str, grant: Grant) -> Result<(Arc<str>, bool), NotTaken> {
+        let shared = filter::share(filter)?;
+        match shared {
+            None => filter::filter(filter)?,
+            Some(_) if self.writer.version() == Version::Three => return Err(NotTaken::Shared),
+            Some(Shared { filter, .. }) if !self.broker.may_share(self.tier, filter) => return Err(NotTaken::Ours),
+            Some(_) => {}
         }
-        Ok(self.subscription.hold(filter, qos))
+        if self.subscription.held().len() >= FILTERS && !self.subscription.holds(filter) {
+            return Err(NotTaken::Many);
+        }
+        Ok((self.subscription.hold(filter, grant), shared.is_some()))
+    }
+}
+
+const fn wants_kept(options: Options, was_held: bool) -> bool {
+    match options.kept {
+        RetainHandling::Always => true,
+        RetainHandling::New => !was_held,
+        RetainHandling::Never => false,
     }
 }

@@ -2,22 +2,46 @@
 
 use bytes::Bytes;
 
-use super::{Fields, Qos};
+use super::properties::{Place, Properties, Property, that_go_on};
+use super::reason::Reason;
+use super::write::{Connack, Welcome, connack};
+use super::{Fields, Qos, Version};
 use crate::frame::Malformed;
+use crate::limits::PROPERTIES;
 
-/// A CONNECT of MQTT 3.1.1.
-#[derive(Clone, PartialEq, Eq)]
+/// A session that lasts for ever.
+pub const FOR_EVER_S: u32 = u32::MAX;
+
+/// A CONNECT.
+#[derive(Clone, Default, PartialEq, Eq)]
 pub struct Connect {
     /// By what name it calls itself; may be empty.
     pub client_id: String,
-    /// Whether nothing is remembered of it.
-    pub clean_session: bool,
+    /// Whether it begins anew, whatever is remembered of it.
+    pub clean_start: bool,
+    /// How long it is to be remembered when it has gone, in seconds; [`FOR_EVER_S`]: for ever.
+    pub session_expiry_s: u32,
     /// Its longest silence in seconds; 0: it may be silent for ever.
     pub keep_alive_s: u16,
     /// What is published when it goes without a word.
     pub will: Option<Will>,
+    /// How it wants to be told things.
+    pub reception: Reception,
     /// By what its sender can be known.
     pub credentials: Credentials,
+}
+
+/// How a client wants to be told things.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reception {
+    /// So many messages it may leave unacknowledged.
+    pub receive_maximum: u16,
+    /// It takes no longer packet than this, in bytes.
+    pub largest: u32,
+    /// So many topics may have a short name.
+    pub aliases: u16,
+    /// Whether it wants to be told in words why.
+    pub wants_words: bool,
 }
 
 /// A last will.
@@ -31,31 +55,54 @@ pub struct Will {
     pub qos: Qos,
     /// Whether it is kept.
     pub retain: bool,
+    /// So long its client may take to come back, in seconds, before it is published.
+    pub delay_s: u32,
+    /// So long it is good for, in seconds.
+    pub expiry_s: Option<u32>,
+    /// What goes on with it, written as the properties of MQTT 5.
+    pub properties: Bytes,
 }
 
 /// Why a CONNECT is not one to go on with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoConnect {
-    /// It speaks MQTT 5.
-    #[error("it speaks MQTT 5, and only 3.1.1 is spoken here")]
-    Five,
     /// It speaks some other version.
-    #[error("it speaks level {0} of the protocol, and only 4, which is MQTT 3.1.1, is spoken here")]
+    #[error("it speaks level {0} of the protocol, and only 4 and 5, which are MQTT 3.1.1 and 5, are spoken here")]
     Level(u8),
     /// It is malformed.
-    #[error(transparent)]
-    Malformed(#[from] Malformed),
+    #[error("{1}")]
+    Malformed(Version, Malformed),
+    /// It wants to show who it is in some other way (enhanced authentication).
+    #[error("it wants to show in several steps who it is, and only a name and a password are taken")]
+    Authentication,
 }
 
 impl NoConnect {
-    /// What the client is told before the connection is closed; of MQTT 5, in MQTT 5.
+    /// What the client is told before the connection is closed; in its own version.
     #[must_use]
-    pub const fn answer(self) -> &'static [u8] {
+    pub fn answer(self) -> Vec<u8> {
+        let five = |reason: Reason| Connack { words: Some(&self.to_string()), ..Connack::of(reason) }.written(u32::MAX);
         match self {
-            NoConnect::Five => &[0x20, 3, 0, 0x84, 0],
-            NoConnect::Level(_) => &[0x20, 2, 0, 1],
-            NoConnect::Malformed(_) => &[],
+            NoConnect::Level(_) => connack(Welcome::Version, false).to_vec(),
+            NoConnect::Malformed(Version::Three, _) => Vec::new(),
+            NoConnect::Malformed(Version::Five, wrong) => five(wrong.reason()),
+            NoConnect::Authentication => five(Reason::AuthenticationMethod),
         }
+    }
+}
+
+impl Default for Reception {
+    /// Whatever there is.
+    fn default() -> Reception {
+        Reception { receive_maximum: u16::MAX, largest: u32::MAX, aliases: 0, wants_words: true }
+    }
+}
+
+impl Connect {
+    /// What it speaks.
+    #[must_use]
+    pub const fn version(&self) -> Version {
+        self.credentials.version
     }
 }
 
@@ -72,16 +119,50 @@ impl std::fmt::Debug for Connect {
 /// When it is of another version, or wrong.
 pub fn read(body: &[u8]) -> Result<Connect, NoConnect> {
     let mut fields = Fields::new(body);
-    version(&mut fields)?;
-    let flags = flags(fields.byte("flags")?)?;
+    let version = version(&mut fields)?;
+    let connect = read_of(version, &mut fields).map_err(|wrong| NoConnect::Malformed(version, wrong))?;
+    connect.ok_or(NoConnect::Authentication)
+}
+
+/// `None`: it wants to show in some other way who it is.
+fn read_of(version: Version, fields: &mut Fields<'_>) -> Result<Option<Connect>, Malformed> {
+    let flags = flags(fields.byte("flags")?, version)?;
+    let clean_start = flags & 2 != 0;
     let keep_alive_s = fields.number("keep alive")?;
+    let (mut session_expiry_s, mut reception, mut is_known) = (0, Reception::default(), true);
+    match version {
+        Version::Three => session_expiry_s = if clean_start { 0 } else { FOR_EVER_S },
+        Version::Five => {
+            let (mut has_data, mut has_method) = (false, false);
+            for property in Properties::read(fields, Place::Connect)? {
+                if let Property::SessionExpiry(seconds) = property {
+                    session_expiry_s = seconds;
+                } else if let Property::ReceiveMaximum(most) = property {
+                    reception.receive_maximum = most;
+                } else if let Property::MaximumPacket(largest) = property {
+                    reception.largest = largest;
+                } else if let Property::TopicAliasMaximum(most) = property {
+                    reception.aliases = most;
+                } else if let Property::RequestProblem(flag) = property {
+                    reception.wants_words = flag == 1;
+                }
+                has_method |= matches!(property, Property::AuthenticationMethod(_));
+                has_data |= matches!(property, Property::AuthenticationData(_));
+            }
+            if has_data && !has_method {
+                return Err(Malformed::PropertyValue(0x16));
+            }
+            is_known = !has_method;
+        }
+    }
     let client_id = fields.text("client id")?.to_owned();
-    let will = if flags & 4 == 0 { None } else { Some(will(&mut fields, flags)?) };
+    let will = if flags & 4 == 0 { None } else { Some(will(fields, flags, version)?) };
     let name = if flags & 0x80 == 0 { None } else { Some(fields.text("name")?.to_owned()) };
     let password = if flags & 0x40 == 0 { None } else { Some(Bytes::copy_from_slice(fields.bytes("password")?)) };
     fields.end()?;
-    let credentials = Credentials { name, password, is_five: false };
-    Ok(Connect { client_id, clean_session: flags & 2 != 0, keep_alive_s, will, credentials })
+    let credentials = Credentials { name, password, version };
+    let connect = Connect { client_id, clean_start, session_expiry_s, keep_alive_s, will, reception, credentials };
+    Ok(is_known.then_some(connect))
 }
 
 /// By what the sender of a CONNECT can be known, as far as that can be read of one that is wrong, or of another version.
@@ -91,14 +172,14 @@ pub struct Credentials {
     pub name: Option<String>,
     /// Its password.
     pub password: Option<Bytes>,
-    /// Whether it speaks MQTT 5.
-    pub is_five: bool,
+    /// What it speaks; 3.1.1, if that is neither.
+    pub version: Version,
 }
 
 impl std::fmt::Debug for Credentials {
     /// Without name and password, which are in no log.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Credentials").field("is_five", &self.is_five).finish_non_exhaustive()
+        f.debug_struct("Credentials").field("version", &self.version).finish_non_exhaustive()
     }
 }
 
@@ -112,13 +193,15 @@ pub fn credentials(body: &[u8]) -> Credentials {
 
 fn read_credentials(fields: &mut Fields<'_>, credentials: &mut Credentials) -> Result<(), Malformed> {
     fields.bytes("protocol")?;
-    credentials.is_five = fields.byte("level")? == 5;
+    if fields.byte("level")? == 5 {
+        credentials.version = Version::Five;
+    }
     let flags = fields.byte("flags")?;
     fields.number("keep alive")?;
-    skip_properties(fields, credentials.is_five)?;
+    skip_properties(fields, credentials.version)?;
     fields.bytes("client id")?;
     if flags & 4 != 0 {
-        skip_properties(fields, credentials.is_five)?;
+        skip_properties(fields, credentials.version)?;
         fields.bytes("topic of the will")?;
         fields.bytes("will")?;
     }
@@ -132,9 +215,9 @@ fn read_credentials(fields: &mut Fields<'_>, credentials: &mut Credentials) -> R
 }
 
 /// What MQTT 5 has before some fields (section 2.2.2).
-fn skip_properties(fields: &mut Fields<'_>, is_five: bool) -> Result<(), Malformed> {
+fn skip_properties(fields: &mut Fields<'_>, version: Version) -> Result<(), Malformed> {
     let mut length = 0;
-    for place in 0..if is_five { 4 } else { 0 } {
+    for place in 0..if version == Version::Five { 4 } else { 0 } {
         let byte = fields.byte("properties")?;
         length |= usize::from(byte & 0x7F) << (7 * place);
         if byte & 0x80 == 0 {
@@ -144,33 +227,56 @@ fn skip_properties(fields: &mut Fields<'_>, is_five: bool) -> Result<(), Malform
     (0..length).try_for_each(|_| fields.byte("properties").map(drop))
 }
 
-fn version(fields: &mut Fields<'_>) -> Result<(), NoConnect> {
-    let protocol = fields.bytes("protocol")?;
-    if protocol != b"MQTT" && protocol != b"MQIsdp" {
-        return Err(Malformed::Protocol.into());
-    }
-    match (protocol, fields.byte("level")?) {
-        (b"MQTT", 4) => Ok(()),
-        (b"MQTT", 5) => Err(NoConnect::Five),
-        (_, level) => Err(NoConnect::Level(level)),
+fn version(fields: &mut Fields<'_>) -> Result<Version, NoConnect> {
+    let mut begin = || Ok((fields.bytes("protocol")?, fields.byte("level")?));
+    let (protocol, level) = begin().map_err(|wrong| NoConnect::Malformed(Version::Three, wrong))?;
+    match (protocol, level) {
+        (b"MQTT", 4) => Ok(Version::Three),
+        (b"MQTT", 5) => Ok(Version::Five),
+        (b"MQTT" | b"MQIsdp", level) => Err(NoConnect::Level(level)),
+        _ => Err(NoConnect::Malformed(Version::Three, Malformed::Protocol)),
     }
 }
 
 /// The flags, when they do not contradict each other.
-fn flags(flags: u8) -> Result<u8, Malformed> {
+fn flags(flags: u8, version: Version) -> Result<u8, Malformed> {
     let will_without_a_will = flags & 4 == 0 && flags & 0x38 != 0;
-    let password_without_a_name = flags & 0x80 == 0 && flags & 0x40 != 0;
+    let password_without_a_name = version == Version::Three && flags & 0x80 == 0 && flags & 0x40 != 0;
     let is_wrong = flags & 1 != 0 || flags & 0x18 == 0x18 || will_without_a_will || password_without_a_name;
     if is_wrong { Err(Malformed::ConnectFlags(flags)) } else { Ok(flags) }
 }
 
-fn will(fields: &mut Fields<'_>, flags: u8) -> Result<Will, Malformed> {
+fn will(fields: &mut Fields<'_>, flags: u8, version: Version) -> Result<Will, Malformed> {
+    let properties = match version {
+        Version::Three => Properties::default(),
+        Version::Five => Properties::read(fields, Place::Will)?,
+    };
     let topic = fields.text("topic of the will")?;
     if topic.is_empty() || topic.contains(['+', '#']) {
         return Err(Malformed::Topic);
     }
     let payload = Bytes::copy_from_slice(fields.bytes("will")?);
-    Ok(Will { topic: topic.to_owned(), payload, qos: Qos::of(flags >> 3 & 3)?, retain: flags & 0x20 != 0 })
+    let length = properties.bytes().len();
+    if length > PROPERTIES {
+        return Err(Malformed::TooLong { length, limit: PROPERTIES });
+    }
+    let (mut delay_s, mut expiry_s) = (0, None);
+    for property in properties {
+        if let Property::WillDelay(seconds) = property {
+            delay_s = seconds;
+        } else if let Property::MessageExpiry(seconds) = property {
+            expiry_s = Some(seconds);
+        }
+    }
+    Ok(Will {
+        topic: topic.to_owned(),
+        payload,
+        qos: Qos::of(flags >> 3 & 3)?,
+        retain: flags & 0x20 != 0,
+        delay_s,
+        expiry_s,
+        properties: that_go_on(properties).freeze(),
+    })
 }
 
 #[cfg(test)]
@@ -187,41 +293,109 @@ mod tests {
     #[test]
     fn all_of_a_connect_is_read() {
         let connect = read(&body("MQTT", 4, 0xEC, &[b"id", b"a/b", b"gone", b"me", &[0xFF]])).unwrap();
-        assert_eq!((&*connect.client_id, connect.clean_session, connect.keep_alive_s), ("id", false, 60));
-        let will = Will { topic: "a/b".to_owned(), payload: Bytes::from("gone"), qos: Qos::One, retain: true };
-        assert_eq!((connect.will, connect.credentials.name.as_deref()), (Some(will), Some("me")));
+        assert_eq!((&*connect.client_id, connect.clean_start, connect.keep_alive_s), ("id", false, 60));
+        let will = connect.will.unwrap();
+        assert_eq!((&*will.topic, &*will.payload, will.qos, will.retain), ("a/b", &b"gone"[..], Qos::One, true));
+        assert_eq!((connect.credentials.name.as_deref(), connect.session_expiry_s), (Some("me"), FOR_EVER_S));
         assert_eq!(connect.credentials.password.as_deref(), Some(&[0xFF][..]));
-        assert!(read(&body("MQTT", 4, 2, &[b""])).unwrap().clean_session);
+        let clean = read(&body("MQTT", 4, 2, &[b""])).unwrap();
+        assert_eq!((clean.clean_start, clean.session_expiry_s, clean.version()), (true, 0, Version::Three));
+    }
+
+    /// A body of MQTT 5 with these properties, before the client id and in the will, which has flags and all.
+    fn five(flags: u8, properties: &[Property<'_>], of_will: &[Property<'_>]) -> Vec<u8> {
+        let mut out = bytes::BytesMut::from(&body("MQTT", 5, flags, &[])[..]);
+        let put = |out: &mut bytes::BytesMut, properties: &[Property<'_>]| {
+            let mut written = bytes::BytesMut::new();
+            properties.iter().for_each(|property| property.write(&mut written));
+            super::super::properties::put_variable(out, u32::try_from(written.len()).unwrap());
+            out.extend_from_slice(&written);
+        };
+        put(&mut out, properties);
+        out.extend_from_slice(&[0, 2, b'i', b'd']);
+        if flags & 4 != 0 {
+            put(&mut out, of_will);
+            out.extend_from_slice(&[0, 1, b'a', 0, 1, b'w']);
+        }
+        out.to_vec()
+    }
+
+    #[test]
+    fn all_of_a_connect_of_mqtt_5_is_read() {
+        let properties = [
+            Property::SessionExpiry(60),
+            Property::ReceiveMaximum(3),
+            Property::MaximumPacket(100),
+            Property::TopicAliasMaximum(5),
+            Property::RequestProblem(0),
+            Property::RequestResponse(1),
+            Property::User("a", "b"),
+            Property::User("a", "c"),
+        ];
+        let of_will = [Property::WillDelay(7), Property::MessageExpiry(9), Property::User("x", "y"), Property::PayloadFormat(1)];
+        let connect = read(&five(6, &properties, &of_will)).unwrap();
+        assert_eq!((connect.version(), connect.session_expiry_s, connect.clean_start), (Version::Five, 60, true));
+        let reception = Reception { receive_maximum: 3, largest: 100, aliases: 5, wants_words: false };
+        let will = connect.will.unwrap();
+        assert_eq!((connect.reception, will.delay_s, will.expiry_s), (reception, 7, Some(9)));
+        assert_eq!(&will.properties[..], &that_go_on([Property::User("x", "y"), Property::PayloadFormat(1)])[..]);
+        let least = read(&five(0, &[], &[])).unwrap();
+        assert_eq!((least.session_expiry_s, least.reception, least.clean_start), (0, Reception::default(), false));
+        let mut with_password = five(0x42, &[], &[]);
+        with_password.extend_from_slice(&[0, 1, b'p']);
+        assert_eq!(read(&with_password).unwrap().credentials.password.as_deref(), Some(&b"p"[..]), "a name is not needed");
     }
 
     #[test]
     fn another_version_is_told_in_its_own_words() {
-        let five = read(&body("MQTT", 5, 2, &[b"", b"x"])).unwrap_err();
-        assert_eq!((five, five.answer()), (NoConnect::Five, &[0x20, 3, 0, 0x84, 0][..]));
-        for (protocol, level) in [("MQIsdp", 3), ("MQTT", 3), ("MQTT", 6), ("MQTT", 0x84), ("MQIsdp", 4)] {
+        for (protocol, level) in [("MQIsdp", 3), ("MQTT", 3), ("MQTT", 6), ("MQTT", 0x84), ("MQIsdp", 4), ("MQIsdp", 5)] {
             let other = read(&body(protocol, level, 2, &[b"id"])).unwrap_err();
-            assert_eq!((other, other.answer()), (NoConnect::Level(level), &[0x20, 2, 0, 1][..]));
+            assert_eq!((other, &other.answer()[..]), (NoConnect::Level(level), &[0x20, 2, 0, 1][..]));
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_in_mqtt_5_is_told_with_a_reason() {
+        let method = Property::AuthenticationMethod("SCRAM");
+        let cases: [(Vec<u8>, u8); 9] = [
+            (five(2, &[method, Property::AuthenticationData(b"x")], &[]), 0x8C),
+            (five(2, &[Property::AuthenticationData(b"x")], &[]), 0x82),
+            (five(2, &[Property::ReceiveMaximum(0)], &[]), 0x82),
+            (five(2, &[Property::MaximumPacket(0)], &[]), 0x82),
+            (five(2, &[Property::SessionExpiry(1), Property::SessionExpiry(1)], &[]), 0x82),
+            (five(2, &[Property::TopicAlias(1)], &[]), 0x81),
+            (five(6, &[], &[Property::ResponseTopic("a/#")]), 0x82),
+            (five(3, &[], &[]), 0x81),
+            (five(2, &[], &[])[..10].to_vec(), 0x81),
+        ];
+        for (body, reason) in cases {
+            let answer = read(&body).unwrap_err().answer();
+            assert_eq!((answer[0], answer[2], answer[3]), (0x20, 0, reason), "{body:?}");
         }
     }
 
     /// Who asks is known whatever else is wrong.
     #[test]
     fn who_sends_a_connect_is_read_although_it_is_wrong_or_of_another_version() {
-        let me = |is_five| Credentials { name: Some("me".to_owned()), password: Some(Bytes::from("secret")), is_five };
+        let me = |version| Credentials { name: Some("me".to_owned()), password: Some(Bytes::from("secret")), version };
         let fields: [&[u8]; 5] = [b"id", b"a/b", b"gone", b"me", b"secret"];
         for (protocol, level) in [("MQTT", 4), ("MQIsdp", 3), ("MQTT", 7), ("HTTP", 4)] {
             for flags in [0xEC, 0xC7, 0xFE] {
-                assert_eq!(credentials(&body(protocol, level, flags, &fields)), me(false), "{protocol} {level} {flags:#x}");
+                assert_eq!(
+                    credentials(&body(protocol, level, flags, &fields)),
+                    me(Version::Three),
+                    "{protocol} {level} {flags:#x}"
+                );
             }
         }
         let wrong = body("MQTT", 4, 0xC2, &[&[0xC3], b"me", b"secret", b"more"]);
-        assert_eq!(credentials(&wrong), me(false));
+        assert_eq!(credentials(&wrong), me(Version::Three));
         let mut five = body("MQTT", 5, 0xC2, &[]);
         five.extend([&[5, 0x11, 0, 0, 0, 9][..], &[0, 2], b"id", &[0, 2], b"me", &[0, 6], b"secret"].concat());
-        assert_eq!(credentials(&five), me(true));
+        assert_eq!(credentials(&five), me(Version::Five));
         let mut with_will = body("MQTT", 5, 0xC6, &[]);
         with_will.extend([&[0, 0, 0][..], &[2, 1, 1], &[0, 1, b'a', 0, 0], &[0, 2], b"me", &[0, 6], b"secret"].concat());
-        assert_eq!(credentials(&with_will), me(true));
+        assert_eq!(credentials(&with_will), me(Version::Five));
         for end in 0..five.len() {
             assert_eq!(credentials(&five[..end]).password, None, "{end}");
         }
@@ -245,7 +419,7 @@ mod tests {
             (body("MQTT", 4, 0x82, &[b"id"]), Malformed::Short("name")),
         ];
         for (body, expected) in wrong {
-            assert_eq!(read(&body), Err(expected.into()), "{body:?}");
+            assert_eq!(read(&body), Err(NoConnect::Malformed(Version::Three, expected)), "{body:?}");
         }
         let whole = body("MQTT", 4, 0xEC, &[b"id", b"a/b", b"gone", b"me", b"secret"]);
         for end in 0..whole.len() {

@@ -1,13 +1,26 @@
-//! What is in a packet, read strictly by MQTT 3.1.1, and packets written. No reader allocates but that of CONNECT, none panics on any
+//! What is in a packet, read strictly by MQTT 3.1.1 and 5, and packets written. No reader allocates but that of CONNECT, none panics on any
 //! bytes; none decides what may be done.
 
 pub mod ack;
 pub mod connect;
+pub mod disconnect;
 pub mod filters;
+pub mod properties;
 pub mod publish;
+pub mod reason;
 pub mod write;
 
-use super::frame::Malformed;
+use super::frame::{Malformed, length};
+
+/// The version of the protocol that a client speaks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Version {
+    /// MQTT 3.1.1.
+    #[default]
+    Three,
+    /// MQTT 5.
+    Five,
+}
 
 /// How often a message comes (section 4.3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -38,10 +51,10 @@ impl Qos {
 
 /// The fields of a body, one after the other.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Fields<'a>(&'a [u8]);
+pub(crate) struct Fields<'a>(&'a [u8]);
 
 impl<'a> Fields<'a> {
-    pub(super) const fn new(body: &'a [u8]) -> Fields<'a> {
+    pub(crate) const fn new(body: &'a [u8]) -> Fields<'a> {
         Fields(body)
     }
 
@@ -55,6 +68,19 @@ impl<'a> Fields<'a> {
         let (&bytes, rest) = self.0.split_first_chunk().ok_or(Malformed::Short(what))?;
         self.0 = rest;
         Ok(u16::from_be_bytes(bytes))
+    }
+
+    pub(super) fn long(&mut self, what: &'static str) -> Result<u32, Malformed> {
+        let (&bytes, rest) = self.0.split_first_chunk().ok_or(Malformed::Short(what))?;
+        self.0 = rest;
+        Ok(u32::from_be_bytes(bytes))
+    }
+
+    /// A number in one to four bytes (section 1.5.5).
+    pub(super) fn variable(&mut self, what: &'static str) -> Result<u32, Malformed> {
+        let (number, own) = length(self.0)?.ok_or(Malformed::Short(what))?;
+        self.0 = &self.0[own..];
+        Ok(number as u32)
     }
 
     pub(super) fn id(&mut self) -> Result<u16, Malformed> {

@@ -1,12 +1,13 @@
 //! The head of a PUBLISH (section 3.3). Whether its topic is one, is asked apart, since senders use few topics and send much.
 
-use super::{Fields, Qos};
+use super::properties::{Place, Properties};
+use super::{Fields, Qos, Version};
 use crate::frame::{Frame, Malformed};
 
 /// A PUBLISH.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Publish<'a> {
-    /// The bytes of its topic.
+    /// The bytes of its topic; none in MQTT 5, when a topic alias stands for it.
     pub topic: &'a [u8],
     /// What is said.
     pub payload: &'a [u8],
@@ -18,13 +19,15 @@ pub struct Publish<'a> {
     pub is_duplicate: bool,
     /// Whether it is to be kept.
     pub retain: bool,
+    /// What is said beside that, in MQTT 5.
+    pub properties: Properties<'a>,
 }
 
 /// Reads a PUBLISH; `packet` is the whole of it.
 ///
 /// # Errors
 /// When it is none.
-pub fn read<'a>(frame: &Frame, packet: &'a [u8]) -> Result<Publish<'a>, Malformed> {
+pub fn read<'a>(frame: &Frame, packet: &'a [u8], version: Version) -> Result<Publish<'a>, Malformed> {
     let qos = Qos::of(frame.flags >> 1 & 3)?;
     let is_duplicate = frame.flags & 8 != 0;
     if is_duplicate && qos == Qos::Zero {
@@ -33,7 +36,11 @@ pub fn read<'a>(frame: &Frame, packet: &'a [u8]) -> Result<Publish<'a>, Malforme
     let mut fields = Fields::new(&packet[frame.head..]);
     let topic = fields.bytes("topic")?;
     let id = if qos == Qos::Zero { 0 } else { fields.id()? };
-    Ok(Publish { topic, payload: fields.rest(), qos, id, is_duplicate, retain: frame.flags & 1 != 0 })
+    let properties = match version {
+        Version::Three => Properties::default(),
+        Version::Five => Properties::read(&mut fields, Place::Publish)?,
+    };
+    Ok(Publish { topic, payload: fields.rest(), qos, id, is_duplicate, retain: frame.flags & 1 != 0, properties })
 }
 
 #[cfg(test)]
@@ -43,7 +50,11 @@ mod tests {
 
     fn check(packet: &[u8], expected: Result<(u8, u16, &[u8]), Malformed>) {
         let frame = frame(packet, 100).unwrap().unwrap();
-        assert_eq!(read(&frame, packet).map(|publish| (publish.qos as u8, publish.id, publish.payload)), expected, "{packet:?}");
+        assert_eq!(
+            read(&frame, packet, Version::Three).map(|publish| (publish.qos as u8, publish.id, publish.payload)),
+            expected,
+            "{packet:?}"
+        );
     }
 
     #[test]
@@ -56,5 +67,22 @@ mod tests {
         check(&[0x30, 3, 0, 2, b'a'], Err(Malformed::Short("topic")));
         check(&[0x30, 1, 0], Err(Malformed::Short("topic")));
         check(&[0x32, 4, 0, 1, b'a', 1], Err(Malformed::Short("packet id")));
+    }
+
+    #[test]
+    fn the_properties_of_mqtt_5_stand_before_the_payload() {
+        let packet = [0x32, 11, 0, 1, b'a', 0, 9, 5, 2, 0, 0, 0, 3, 7, 8];
+        let read = |packet: &[u8]| {
+            let frame = frame(packet, 100).unwrap().unwrap();
+            read(&frame, packet, Version::Five)
+                .map(|publish| (publish.payload.to_vec(), publish.properties.collect::<Vec<_>>().len()))
+        };
+        let mut whole = packet;
+        whole[1] = 13;
+        assert_eq!(read(&whole), Ok((vec![7, 8], 1)));
+        assert_eq!(read(&[0x30, 4, 0, 1, b'a', 0]), Ok((vec![], 0)));
+        assert_eq!(read(&[0x30, 3, 0, 1, b'a']), Err(Malformed::Short("properties")));
+        assert_eq!(read(&[0x30, 5, 0, 1, b'a', 9, 2]), Err(Malformed::Short("properties")));
+        assert_eq!(read(&[0x30, 6, 0, 1, b'a', 2, 0x0B, 1]), Err(Malformed::Property(0x0B)), "that is for the server to say");
     }
 }

@@ -3,7 +3,10 @@
 use bytes::{BufMut, BytesMut};
 
 use super::Qos;
+use super::properties::{Property, put_variable, variable_length};
+use super::reason::Reason;
 use crate::frame::Kind;
+use crate::limits::{ALIASES, CLIENT_PACKET, UNRELEASED};
 
 /// PINGRESP.
 pub const PINGRESP: [u8; 2] = [Kind::Pingresp.first_byte(), 0];
@@ -32,7 +35,85 @@ pub enum Welcome {
     NotAllowed,
 }
 
-/// A CONNACK.
+impl Welcome {
+    /// The same in words.
+    #[must_use]
+    pub const fn in_words(self) -> &'static str {
+        match self {
+            Welcome::Accepted => "it is let in",
+            Welcome::Version => "this version of the protocol is not spoken",
+            Welcome::ClientId => "the client id is too long",
+            Welcome::Unavailable => "there is no room",
+            Welcome::Login => "name and password are not known",
+            Welcome::NotAllowed => "a name and a password are asked for, or the will may not be published there",
+        }
+    }
+
+    /// The same for one of MQTT 5.
+    #[must_use]
+    pub const fn reason(self) -> Reason {
+        match self {
+            Welcome::Accepted => Reason::Success,
+            Welcome::Version => Reason::Version,
+            Welcome::ClientId => Reason::ClientId,
+            Welcome::Unavailable => Reason::Unavailable,
+            Welcome::Login => Reason::Login,
+            Welcome::NotAllowed => Reason::NotAuthorized,
+        }
+    }
+}
+
+/// A CONNACK of MQTT 5 (section 3.2.2).
+#[derive(Clone, Copy, Debug)]
+pub struct Connack<'a> {
+    /// Whether and why not it is let in.
+    pub reason: Reason,
+    /// Whether something is remembered of it.
+    pub session_present: bool,
+    /// How long it is remembered, in seconds, when that is another time than it wished.
+    pub session_expiry_s: Option<u32>,
+    /// The client id that it has got, having none.
+    pub assigned_id: Option<&'a str>,
+    /// Its keep alive, in seconds, when it is another than it wished.
+    pub keep_alive_s: Option<u16>,
+    /// The same in words.
+    pub words: Option<&'a str>,
+}
+
+impl Connack<'_> {
+    /// Nothing but this.
+    #[must_use]
+    pub const fn of(reason: Reason) -> Connack<'static> {
+        Connack { reason, session_present: false, session_expiry_s: None, assigned_id: None, keep_alive_s: None, words: None }
+    }
+
+    /// Written; with what need not be said only when the client takes so many bytes.
+    #[must_use]
+    pub fn written(self, largest: u32) -> Vec<u8> {
+        let needed = [
+            self.session_expiry_s.map(Property::SessionExpiry),
+            self.assigned_id.map(Property::AssignedClientId),
+            self.keep_alive_s.map(Property::ServerKeepAlive),
+        ];
+        let most = u16::try_from(UNRELEASED).expect("it is a few thousand");
+        let longest = u32::try_from(CLIENT_PACKET).expect("it is some kilobytes");
+        let ours = [Property::ReceiveMaximum(most), Property::MaximumPacket(longest), Property::TopicAliasMaximum(ALIASES)];
+        let of_use = ours.into_iter().filter(|_| !self.reason.is_refusal()).chain(self.words.map(Property::ReasonString));
+        let needed: Vec<_> = needed.into_iter().flatten().collect();
+        let full = self.with(&needed.iter().copied().chain(of_use).collect::<Vec<_>>());
+        if full.len() <= largest as usize { full } else { self.with(&needed) }
+    }
+
+    fn with(self, properties: &[Property<'_>]) -> Vec<u8> {
+        let (mut out, properties) = (BytesMut::new(), written(properties));
+        head(&mut out, Kind::Connack.first_byte(), 2 + properties.len());
+        out.put_slice(&[u8::from(self.session_present), self.reason as u8]);
+        out.put_slice(&properties);
+        out.to_vec()
+    }
+}
+
+/// A CONNACK of MQTT 3.1.1.
 #[must_use]
 pub const fn connack(welcome: Welcome, session_present: bool) -> [u8; 4] {
     [Kind::Connack.first_byte(), 2, session_present as u8, welcome as u8]
@@ -47,14 +128,15 @@ pub fn connect(out: &mut BytesMut, client_id: &str, clean_session: bool, keep_al
     [client_id, name, password].into_iter().for_each(|field| text(out, field));
 }
 
-/// A PUBLISH; `id` is of no matter at QoS 0.
+/// A PUBLISH of MQTT 3.1.1; `id` is of no matter at QoS 0.
 pub fn publish(out: &mut BytesMut, topic: &[u8], payload: &[u8], qos: Qos, id: u16, retain: bool) {
-    PublishHead { topic, qos, id, retain, is_duplicate: false }.with(out, payload);
+    PublishHead { topic, qos, id, retain, is_duplicate: false, properties: None }.with(out, payload);
 }
 
 /// All of a PUBLISH but its payload.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PublishHead<'a> {
+    /// Empty, when an alias stands for it.
     pub(crate) topic: &'a [u8],
     pub(crate) qos: Qos,
     /// 0 at QoS 0.
@@ -62,40 +144,108 @@ pub(crate) struct PublishHead<'a> {
     pub(crate) retain: bool,
     /// Whether it may have been sent before.
     pub(crate) is_duplicate: bool,
+    /// For one of MQTT 5.
+    pub(crate) properties: Option<PublishProperties<'a>>,
+}
+
+/// What is said beside that in MQTT 5.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PublishProperties<'a> {
+    pub(crate) expiry_s: Option<u32>,
+    pub(crate) alias: Option<u16>,
+    /// The numbers of the subscriptions by which it comes.
+    pub(crate) ids: &'a [u32],
+    /// What its publisher said, written.
+    pub(crate) others: &'a [u8],
 }
 
 impl PublishHead<'_> {
     pub(crate) fn with(self, out: &mut BytesMut, payload: &[u8]) {
-        out.reserve(5 + 2 + self.topic.len() + 2 + payload.len());
+        out.reserve(self.length(payload.len()));
         self.before(out, payload.len());
         out.put_slice(payload);
     }
 
+    /// How long it is in all with a payload of so many bytes.
+    pub(crate) fn length(&self, payload: usize) -> usize {
+        let rest = self.rest() + payload;
+        1 + variable_length(rest) + rest
+    }
+
+    fn rest(&self) -> usize {
+        let id = if self.qos == Qos::Zero { 0 } else { 2 };
+        let properties = self.properties.map_or(0, |properties| variable_length(properties.length()) + properties.length());
+        2 + self.topic.len() + id + properties
+    }
+
     /// What comes before a payload of so many bytes.
     pub(crate) fn before(self, out: &mut BytesMut, payload: usize) {
-        let PublishHead { topic, qos, id, retain, is_duplicate } = self;
-        let id_length = if qos == Qos::Zero { 0 } else { 2 };
-        let again = if is_duplicate && qos > Qos::Zero { DUPLICATE } else { 0 };
-        let first = Kind::Publish.first_byte() | again | (qos as u8) << 1 | u8::from(retain);
-        head(out, first, 2 + topic.len() + id_length + payload);
-        bytes(out, topic);
-        if qos != Qos::Zero {
-            out.put_u16(id);
+        let again = if self.is_duplicate && self.qos > Qos::Zero { DUPLICATE } else { 0 };
+        let first = Kind::Publish.first_byte() | again | (self.qos as u8) << 1 | u8::from(self.retain);
+        head(out, first, self.rest() + payload);
+        bytes(out, self.topic);
+        if self.qos != Qos::Zero {
+            out.put_u16(self.id);
+        }
+        if let Some(properties) = self.properties {
+            properties.put(out);
         }
     }
 }
 
-/// PUBACK, PUBREC, PUBREL, PUBCOMP or UNSUBACK.
+impl PublishProperties<'_> {
+    fn length(&self) -> usize {
+        let ids: usize = self.ids.iter().map(|id| 1 + variable_length(*id as usize)).sum();
+        self.expiry_s.map_or(0, |_| 5) + self.alias.map_or(0, |_| 3) + ids + self.others.len()
+    }
+
+    fn put(self, out: &mut BytesMut) {
+        put_variable(out, self.length() as u32);
+        let own = [self.expiry_s.map(Property::MessageExpiry), self.alias.map(Property::TopicAlias)];
+        own.into_iter().flatten().for_each(|property| property.write(out));
+        self.ids.iter().for_each(|id| Property::SubscriptionId(*id).write(out));
+        out.put_slice(self.others);
+    }
+}
+
+/// PUBACK, PUBREC, PUBREL or PUBCOMP, when all is well; in MQTT 3.1.1 UNSUBACK as well.
 pub fn ack(out: &mut BytesMut, kind: Kind, id: u16) {
     let [high, low] = id.to_be_bytes();
     out.put_slice(&[kind.first_byte(), 2, high, low]);
 }
 
+/// PUBACK, PUBREC, PUBREL or PUBCOMP of MQTT 5, with why, and perhaps with that in words.
+pub fn ack_with(out: &mut BytesMut, kind: Kind, id: u16, reason: Reason, words: Option<&str>) {
+    let properties = reason_string(words);
+    head(out, kind.first_byte(), 3 + properties.len());
+    out.put_u16(id);
+    out.put_u8(reason as u8);
+    out.put_slice(&properties);
+}
+
 /// A SUBACK with a code for each filter.
 pub fn suback(out: &mut BytesMut, id: u16, codes: &[u8]) {
-    head(out, Kind::Suback.first_byte(), 2 + codes.len());
+    codes_of(out, Kind::Suback, id, (&[], codes));
+}
+
+/// A SUBACK or an UNSUBACK of MQTT 5 with a code for each filter, and perhaps with why in words.
+pub fn codes_five(out: &mut BytesMut, kind: Kind, id: u16, codes: &[u8], words: Option<&str>) {
+    codes_of(out, kind, id, (&reason_string(words), codes));
+}
+
+fn codes_of(out: &mut BytesMut, kind: Kind, id: u16, (properties, codes): (&[u8], &[u8])) {
+    head(out, kind.first_byte(), 2 + properties.len() + codes.len());
     out.put_u16(id);
+    out.put_slice(properties);
     out.put_slice(codes);
+}
+
+/// A DISCONNECT of MQTT 5.
+pub fn disconnect(out: &mut BytesMut, reason: Reason, words: Option<&str>) {
+    let properties = reason_string(words);
+    head(out, Kind::Disconnect.first_byte(), 1 + properties.len());
+    out.put_u8(reason as u8);
+    out.put_slice(&properties);
 }
 
 /// A SUBSCRIBE to these filters, of which there is at least one.
@@ -117,13 +267,23 @@ pub fn unsubscribe(out: &mut BytesMut, id: u16, filters: &[&str]) {
     }
 }
 
-fn head(out: &mut BytesMut, first: u8, mut length: usize) {
+fn head(out: &mut BytesMut, first: u8, length: usize) {
     out.put_u8(first);
-    while length > 0x7F {
-        out.put_u8((length & 0x7F) as u8 | 0x80);
-        length >>= 7;
-    }
-    out.put_u8(length as u8);
+    put_variable(out, length as u32);
+}
+
+/// Properties, and before them how many bytes they are.
+fn written(properties: &[Property<'_>]) -> BytesMut {
+    let (mut out, mut all) = (BytesMut::new(), BytesMut::new());
+    properties.iter().for_each(|property| property.write(&mut all));
+    put_variable(&mut out, all.len() as u32);
+    out.put_slice(&all);
+    out
+}
+
+/// Why in words, as the properties of a packet that has no others.
+fn reason_string(words: Option<&str>) -> BytesMut {
+    words.map_or_else(|| written(&[]), |words| written(&[Property::ReasonString(words)]))
 }
 
 fn text(out: &mut BytesMut, text: &str) {
@@ -140,7 +300,12 @@ fn bytes(out: &mut BytesMut, bytes: &[u8]) {
 mod tests {
     use super::*;
     use crate::frame::frame;
-    use crate::packet::{connect, filters::Filters, publish as read};
+    use crate::packet::{
+        Version, connect,
+        filters::{Filters, Options},
+        properties::Properties,
+        publish as read,
+    };
 
     fn body(out: &BytesMut) -> &[u8] {
         let frame = frame(out, usize::MAX).unwrap().unwrap();
@@ -157,26 +322,95 @@ mod tests {
                 publish(&mut out, b"a/b", &payload, qos, id, retain);
                 let frame = frame(&out, usize::MAX).unwrap().unwrap();
                 assert_eq!(frame.length, out.len());
-                let expected = read::Publish { topic: b"a/b", payload: &payload, qos, id, is_duplicate: false, retain };
-                assert_eq!(read::read(&frame, &out), Ok(expected));
+                let expected = read::Publish {
+                    topic: b"a/b",
+                    payload: &payload,
+                    qos,
+                    id,
+                    is_duplicate: false,
+                    retain,
+                    properties: Properties::default(),
+                };
+                assert_eq!(read::read(&frame, &out, Version::Three), Ok(expected));
             }
         }
     }
 
     #[test]
-    fn questions_to_the_router_are_read_again() {
+    fn what_a_client_says_is_read_again() {
         let mut out = BytesMut::new();
         connect(&mut out, "c17", true, 65_535, ("gate", "secret"));
         let connect = connect::read(body(&out)).unwrap();
         let credentials = connect.credentials;
         assert_eq!((credentials.name.as_deref(), credentials.password.as_deref()), (Some("gate"), Some(&b"secret"[..])));
-        assert_eq!((&*connect.client_id, connect.clean_session, connect.keep_alive_s), ("c17", true, 65_535));
+        assert_eq!((&*connect.client_id, connect.clean_start, connect.keep_alive_s), ("c17", true, 65_535));
         let mut out = BytesMut::new();
         subscribe(&mut out, 7, &[("a/+", Qos::One), ("b", Qos::Zero)]);
-        assert_eq!(Filters::of_subscribe(body(&out)).unwrap().collect::<Vec<_>>(), [("a/+", Qos::One), ("b", Qos::Zero)]);
+        let expected = [("a/+", Options::at(Qos::One)), ("b", Options::at(Qos::Zero))];
+        assert_eq!(Filters::of_subscribe(body(&out), Version::Three).unwrap().collect::<Vec<_>>(), expected);
         let mut out = BytesMut::new();
         unsubscribe(&mut out, 7, &["a/+"]);
-        assert_eq!(Filters::of_unsubscribe(body(&out)).unwrap().map(|(filter, _)| filter).collect::<Vec<_>>(), ["a/+"]);
+        assert_eq!(
+            Filters::of_unsubscribe(body(&out), Version::Three).unwrap().map(|(filter, _)| filter).collect::<Vec<_>>(),
+            ["a/+"]
+        );
+    }
+
+    #[test]
+    fn a_publish_of_mqtt_5_is_read_again_and_is_as_long_as_is_said() {
+        let mut others = BytesMut::new();
+        Property::User("who", "panel").write(&mut others);
+        let properties = PublishProperties { expiry_s: Some(7), alias: Some(2), ids: &[1, 300], others: &others };
+        for properties in [PublishProperties::default(), properties] {
+            let head = PublishHead {
+                topic: b"a/b",
+                qos: Qos::One,
+                id: 9,
+                retain: false,
+                is_duplicate: false,
+                properties: Some(properties),
+            };
+            for length in [0, 100, 20_000] {
+                let mut out = BytesMut::new();
+                head.with(&mut out, &vec![7; length]);
+                let frame = frame(&out, usize::MAX).unwrap().unwrap();
+                assert_eq!((frame.length, head.length(length)), (out.len(), out.len()));
+            }
+        }
+        let mut written = BytesMut::new();
+        properties.put(&mut written);
+        let mut fields = super::super::Fields::new(&written);
+        let read: Vec<_> = Properties::of_server(&mut fields).collect();
+        let ids = [Property::SubscriptionId(1), Property::SubscriptionId(300)];
+        assert_eq!(
+            read,
+            [&[Property::MessageExpiry(7), Property::TopicAlias(2)], &ids[..], &[Property::User("who", "panel")]].concat()
+        );
+    }
+
+    #[test]
+    fn answers_of_mqtt_5_are_as_the_standard_has_them() {
+        let mut out = BytesMut::new();
+        ack_with(&mut out, Kind::Puback, 0x0102, Reason::NotAuthorized, None);
+        ack_with(&mut out, Kind::Pubrec, 3, Reason::Quota, Some("no"));
+        codes_five(&mut out, Kind::Suback, 3, &[1, 0x8F], None);
+        codes_five(&mut out, Kind::Unsuback, 3, &[0x11], None);
+        disconnect(&mut out, Reason::ShuttingDown, Some("end"));
+        let expected: [&[u8]; 5] = [
+            &[0x40, 4, 1, 2, 0x87, 0],
+            &[0x50, 9, 0, 3, 0x97, 5, 0x1F, 0, 2, b'n', b'o'],
+            &[0x90, 5, 0, 3, 0, 1, 0x8F],
+            &[0xB0, 4, 0, 3, 0, 0x11],
+            &[0xE0, 8, 0x8B, 6, 0x1F, 0, 3, b'e', b'n', b'd'],
+        ];
+        assert_eq!(out[..], expected.concat());
+        assert_eq!(Connack::of(Reason::Login).written(100), [0x20, 3, 0, 0x86, 0]);
+        let accepted = Connack { session_present: true, assigned_id: Some("id"), ..Connack::of(Reason::Success) };
+        let needed = [0x12, 0, 2, b'i', b'd'];
+        let full = [&[0x20, 19, 1, 0, 16][..], &needed, &[0x21, 0x10, 0, 0x27, 0, 4, 0, 0, 0x22, 0, 10]].concat();
+        assert_eq!(accepted.written(full.len() as u32), full);
+        let little = [&[0x20, 8, 1, 0, 5][..], &needed].concat();
+        assert_eq!(accepted.written(full.len() as u32 - 1), little, "a client that takes little is told what it has to know");
     }
 
     #[test]

@@ -23,6 +23,7 @@ use self::states::States;
 use super::publication::Publication;
 use super::qak::outgoing;
 use super::topics::Topics;
+use crate::api::resources::ResourceKind;
 use hallsweep_core::event::Photo;
 use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::snapshot::Snapshot;
@@ -93,9 +94,14 @@ impl ChangeFeed {
                 Some(Publication::kept(topics.availability(), ONLINE))
             }
             Source::Old => self.old.take(&snapshot, now).map(|message| Publication::passing(topics.old_events(), message)),
-            Source::Event => self.events.take(&snapshot).map(|line| Publication::passing(topics.event(), line)),
+            Source::Event => {
+                let line = self.events.take(&snapshot)?;
+                Some(Publication::passing(topics.event(), line).json_of(snapshot.revision.0))
+            }
             Source::State(resource) => {
-                Some(Publication::kept(topics.state(resource), self.states.take(resource, &snapshot, now)))
+                let state = self.states.take(resource, &snapshot, now);
+                let revision = ResourceKind::Of(resource).revision(&snapshot);
+                Some(Publication::kept(topics.state(resource), state).json_of(revision.0))
             }
             Source::Household => self.household.as_mut()?.take(topics, now),
         }

@@ -33,6 +33,7 @@ use hallsweep_core::mission::PhaseName;
 use hallsweep_core::units::Epoch;
 use hallsweep_core::world::luggage::PhotoState;
 use hallsweep_core::world::snapshot::Snapshot;
+use mqtt_gate::{AnswerTo, filter};
 
 /// A message that was published just now.
 #[derive(Clone, Copy, Debug)]
@@ -45,7 +46,12 @@ pub struct IncomingMessage<'a> {
     pub arrived: Option<Epoch>,
     /// Whether its sender says that it was sent before.
     pub is_again: bool,
+    /// Where its sender wants the answer, in MQTT 5.
+    pub answer_to: Option<AnswerTo<'a>>,
 }
+
+/// By no longer word than this an answer is known to whoever wants it, in bytes.
+const CORRELATION: usize = 1024;
 
 /// What became of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,6 +84,17 @@ impl Commands {
         Commands { handle, parser, results: Results::new(answers), pace, nobody, clock: Clock::default() }
     }
 
+    /// Where an answer goes that is wanted there: where its sender may say something himself, and nobody's business is here, so that nobody
+    /// makes the program say what he may not say.
+    pub fn answer_to<'a>(&self, wanted: Option<AnswerTo<'a>>, publisher: &Publisher) -> Option<AnswerTo<'a>> {
+        let is_short = |wanted: &AnswerTo<'_>| wanted.correlation.is_none_or(|data| data.len() <= CORRELATION);
+        let is_topic = |AnswerTo { topic, .. }: &AnswerTo<'_>| {
+            !topic.is_empty() && !topic.contains(['+', '#']) && filter::topic(topic).is_ok()
+        };
+        let is_theirs = |AnswerTo { topic, .. }: &AnswerTo<'_>| self.parser.is_elsewhere(topic);
+        wanted.filter(is_short).filter(is_topic).filter(is_theirs).filter(|_| publisher.may(Need::Act).is_ok())
+    }
+
     /// Where clients are counted.
     pub fn figures(&self) -> &Figures {
         self.handle.figures()
@@ -86,7 +103,7 @@ impl Commands {
     /// Takes a message. Its command is given at the call, so that commands keep the order in which they came, and a STOP has
     /// halted the robot when this returns; its result is published later. Must be called inside a runtime.
     pub fn take(&self, heard: &IncomingMessage<'_>, publisher: &Publisher) -> Taken {
-        if self.halts(heard.topic.as_bytes(), heard.payload, publisher) {
+        if self.halts((heard.topic.as_bytes(), heard.payload), heard.answer_to, publisher) {
             return Taken::Taken;
         }
         if self.parser.is_of_others(heard) {
@@ -97,6 +114,7 @@ impl Commands {
             return Taken::Forbidden;
         }
         let Some(mut parsed) = self.parser.parse(heard) else { return self.ignore(heard, publisher) };
+        parsed.reply.is_wanted(heard.answer_to);
         let wrong = || parsed.asked.as_ref().err().filter(|_| publisher.is_viewer()).cloned();
         let forbidden = publisher.may(parsed.need()).err().map(|refused| Problem::refused(&refused)).or_else(wrong);
         if let Some(problem) = forbidden {
@@ -115,13 +133,14 @@ impl Commands {
 
     /// Halts the robot if a message names STOP, whatever else is wrong with it (safety S8); whether it does. No more of it need have come
     /// than names it. Must be called inside a runtime.
-    pub fn halts(&self, topic: &[u8], payload: &[u8], publisher: &Publisher) -> bool {
+    pub fn halts(&self, (topic, payload): (&[u8], &[u8]), answer_to: Option<AnswerTo<'_>>, publisher: &Publisher) -> bool {
         if publisher.may(Need::Stop).is_err() {
             return false;
         }
-        let stop = self.parser.stop(topic, payload);
-        if let Some(reply) = &stop {
-            self.give(reply, (&Command::Stop, None), None, publisher);
+        let mut stop = self.parser.stop(topic, payload);
+        if let Some(parsed) = &mut stop {
+            parsed.reply.is_wanted(answer_to);
+            self.give(parsed, (&Command::Stop, None), None, publisher);
         }
         stop.is_some()
     }

@@ -5,7 +5,7 @@ use super::super::qak::incoming;
 use super::super::topics::{TopicKind, Topics};
 use super::IncomingMessage;
 use super::problem::Problem;
-use super::read::{Asked, Read, bare, id_of_a_stop, read, sized};
+use super::read::{Asked, Read, bare, id_in, read, sized};
 use super::results::Reply;
 use super::unknown::{UNKNOWN, Unknown};
 use crate::access::Need;
@@ -49,6 +49,11 @@ impl CommandParser {
         CommandParser { topics, manual_driving, unknown: Unknown::default() }
     }
 
+    /// Whether a topic is nobody's business here.
+    pub(super) fn is_elsewhere(&self, topic: &str) -> bool {
+        self.topics.kind_of(topic) == TopicKind::Elsewhere
+    }
+
     /// The STOP that topic and payload name, whatever else is wrong with them: no text, wildcards, levels or letters too many.
     pub(super) fn stop(&self, topic: &[u8], payload: &[u8]) -> Option<ParsedCommand> {
         let topic = String::from_utf8_lossy(topic);
@@ -60,10 +65,10 @@ impl CommandParser {
             TopicKind::Command(name) if is_halt(name) => self.reply(STOP),
             TopicKind::Command(name) if name.eq_ignore_ascii_case(MOVE) && says_halt(payload) => self.reply(MOVE),
             TopicKind::Word if says_stop(payload) => self.reply(STOP),
-            TopicKind::Old if incoming::is_stop(payload) => Reply { topic: None, id: None, explained: None },
+            TopicKind::Old if incoming::is_stop(payload) => Reply::default(),
             TopicKind::Command(_) | TopicKind::Word | TopicKind::Old | TopicKind::Ours | TopicKind::Elsewhere => return None,
         };
-        let id = if reply.topic.is_some() { id_of_a_stop(payload) } else { None };
+        let id = if reply.topic.is_some() { id_in(payload) } else { None };
         let reply = Reply { id, ..reply };
         Some(ParsedCommand { asked: Ok((Command::Stop, None)), need: Need::Stop, unread: String::new(), goes_on: false, reply })
     }
@@ -102,7 +107,8 @@ impl CommandParser {
 
     fn named(&self, name: &str, payload: &[u8]) -> ParsedCommand {
         let Some(row) = commands::named(name) else {
-            return self.unknown(self.unknown.answered_as(name), name, Problem::no_command(name));
+            let unknown = self.unknown(self.unknown.answered_as(name), name, Problem::no_command(name));
+            return ParsedCommand { reply: Reply { id: id_in(payload), ..unknown.reply }, ..unknown };
         };
         let Read { id, asked } = read(row, payload);
         let reply = Reply { id, ..self.reply(row.name) };
@@ -135,7 +141,7 @@ impl CommandParser {
         };
         let is_explained = goes_on || matches!(asked, Ok((Command::Verdict { .. }, _)));
         let explained = is_explained.then(|| self.topics.old_events());
-        Some(ParsedCommand { asked, need: Need::Act, unread, goes_on, reply: Reply { topic: None, id: None, explained } })
+        Some(ParsedCommand { asked, need: Need::Act, unread, goes_on, reply: Reply { explained, ..Reply::default() } })
     }
 
     /// Anybody who may publish here may be told that there is no such command.
@@ -145,7 +151,7 @@ impl CommandParser {
     }
 
     fn reply(&self, name: &str) -> Reply {
-        Reply { topic: Some(self.topics.result(name)), id: None, explained: None }
+        Reply { topic: Some(self.topics.result(name)), ..Reply::default() }
     }
 }
 

@@ -25,7 +25,7 @@ pub(super) struct Read {
 /// Reads the payload of a command. A STOP is one whatever its payload is.
 pub(super) fn read(row: &Row, payload: &[u8]) -> Read {
     if row.kind == CommandKind::Stop || (row.kind == CommandKind::Move && says_halt(payload)) {
-        return Read { id: id_of_a_stop(payload), asked: Ok((Command::Stop, None)) };
+        return Read { id: id_in(payload), asked: Ok((Command::Stop, None)) };
     }
     let nameless = |problem| Read { id: None, asked: Err(problem) };
     let mut fields = match sized(payload).and_then(|payload| fields_of(row, payload)) {
@@ -86,8 +86,8 @@ fn fields_of(row: &Row, payload: &[u8]) -> Result<Fields, Problem> {
     }
 }
 
-/// The name of a STOP, where it can be read.
-pub(super) fn id_of_a_stop(payload: &[u8]) -> Option<CommandId> {
+/// The name of a command of which nothing else is read, where it can be read.
+pub(super) fn id_in(payload: &[u8]) -> Option<CommandId> {
     let mut fields = fields(sized(payload).ok()?).ok()?;
     id_aside(&mut fields).ok().flatten()
 }

@@ -4,11 +4,12 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use bytes::Bytes;
 use serde::Serialize;
 use tokio::sync::mpsc;
 use tokio::sync::mpsc::error::TrySendError;
 
-use super::super::publication::Publication;
+use super::super::publication::{Beside, Publication};
 use super::super::qak::outgoing;
 use super::places::ResultPlaces;
 use super::problem::Problem;
@@ -19,6 +20,7 @@ use crate::doors::seldom::Seldom;
 use crate::doors::shares::Permit;
 use crate::runtime::carry_out::{Done, NotDone};
 use hallsweep_core::command::CommandId;
+use mqtt_gate::AnswerTo;
 
 /// Commands whose results are waited for at once: as many as the loop's queue holds. A STOP beyond them halts, and has no result.
 const UNDER_WAY: usize = 256;
@@ -52,14 +54,26 @@ pub struct Answer {
 }
 
 /// Where one result goes.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Reply {
     /// The topic; `None` for messages of the original system, which are answered by no message.
     pub(super) topic: Option<String>,
+    /// By what its sender knows it.
+    pub(super) correlation: Option<Bytes>,
     /// The command's own name.
     pub(super) id: Option<CommandId>,
     /// Where an old client is told why not.
     pub(super) explained: Option<String>,
+}
+
+impl Reply {
+    /// Its sender wants it somewhere else.
+    pub(super) fn is_wanted(&mut self, wanted: Option<AnswerTo<'_>>) {
+        if let (Some(topic), Some(wanted)) = (&mut self.topic, wanted) {
+            wanted.topic.clone_into(topic);
+            self.correlation = wanted.correlation.map(Bytes::copy_from_slice);
+        }
+    }
 }
 
 impl Results {
@@ -96,33 +110,35 @@ impl Results {
     /// Publishes why something was refused; of what has no result it is said in the program's log.
     pub(super) fn refused(&self, reply: &Reply, publisher: &Publisher, problem: &Problem) {
         match &reply.topic {
-            Some(topic) => self.publish(topic, (reply, publisher), &problem.shape()),
+            Some(topic) => self.publish(topic, (reply, publisher), (None, &problem.shape())),
             None => tracing::info!(why = problem.detail(), "a message of an old client was refused"),
         }
         if let Some(topic) = &reply.explained {
             let way_out = if problem.code() == NO_PHOTO { " (continueExplore takes it again)" } else { "" };
             let why = format!("{}{way_out}", problem.detail());
-            self.send(topic, publisher, outgoing::message(outgoing::why_not(&why), outgoing::ANSWER).into_bytes());
+            let told = outgoing::message(outgoing::why_not(&why), outgoing::ANSWER);
+            self.send(Publication::passing(topic.clone(), told), publisher);
         }
     }
 
     fn accepted(&self, reply: &Reply, publisher: &Publisher, done: &Done) {
         if let Some(topic) = &reply.topic {
-            self.publish(topic, (reply, publisher), &AnswerJson::new(done.accepted, &done.snapshot));
+            let answer = AnswerJson::new(done.accepted, &done.snapshot);
+            self.publish(topic, (reply, publisher), (Some(answer.revision), &answer));
         }
     }
 
-    fn publish(&self, topic: &str, (reply, publisher): (&Reply, &Publisher), said: &impl Serialize) {
+    fn publish(&self, topic: &str, (reply, publisher): (&Reply, &Publisher), (revision, said): (Option<u64>, &impl Serialize)) {
         let result = ResultJson { id: reply.id.as_ref().map(CommandId::text), said };
         let payload = serde_json::to_vec(&result).expect("answers and problems are texts, numbers and maps of them");
-        self.send(topic, publisher, payload);
+        let (by, correlation) = (Some(publisher.issuer().who), reply.correlation.clone());
+        let beside = Beside { is_json: true, revision, by, correlation };
+        self.send(Publication { beside, ..Publication::passing(topic.to_owned(), payload) }, publisher);
     }
 
-    fn send(&self, topic: &str, publisher: &Publisher, payload: Vec<u8>) {
-        let answer = self.waiting.take(publisher).map(|place| {
-            let publication = Publication::passing(topic.to_owned(), payload);
-            Answer { publication, _place: place }
-        });
+    fn send(&self, publication: Publication, publisher: &Publisher) {
+        let topic = publication.topic.clone();
+        let answer = self.waiting.take(publisher).map(|place| Answer { publication, _place: place });
         // When nobody takes any more, the program is ending.
         let is_lost = answer.map_or(true, |answer| matches!(self.answers.try_send(answer), Err(TrySendError::Full(_))));
         if is_lost && let Some(lost) = self.lost.one_more() {

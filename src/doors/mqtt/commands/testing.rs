@@ -75,7 +75,10 @@ fn with_key(name: &str, role: Role) -> Publisher {
 /// A message on a topic: under our own prefix, but for those of the original system.
 pub(super) fn say(commands: &Commands, topic: &str, payload: impl AsRef<[u8]>, publisher: &Publisher) -> Taken {
     let topic = if topic.starts_with("unibo/") { topic.to_owned() } else { format!("{BASE}{topic}") };
-    commands.take(&IncomingMessage { topic: &topic, payload: payload.as_ref(), arrived: None, is_again: false }, publisher)
+    commands.take(
+        &IncomingMessage { topic: &topic, payload: payload.as_ref(), arrived: None, is_again: false, answer_to: None },
+        publisher,
+    )
 }
 
 /// The next result: its topic without the prefix, and what it says.

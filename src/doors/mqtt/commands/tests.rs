@@ -411,7 +411,8 @@ async fn whatever_is_no_command_is_left_alone() {
     for topic in ["state/robot", "event", "availability", "command/start/result", "commands", "command/start/now"] {
         assert_eq!(app.say(topic, "start"), Taken::NotACommand, "{topic}");
     }
-    let elsewhere = IncomingMessage { topic: "somebody/else/command/start", payload: b"", arrived: None, is_again: false };
+    let elsewhere =
+        IncomingMessage { topic: "somebody/else/command/start", payload: b"", arrived: None, is_again: false, answer_to: None };
     assert_eq!(app.commands.take(&elsewhere, &here()), Taken::NotACommand);
     assert_eq!(app.say(OLD, "msg(sonar,event,basicrobot,none,sonar(12),9)"), Taken::NotACommand);
     assert_eq!(app.given().await, 0);
@@ -425,5 +426,40 @@ async fn no_result_is_itself_a_command() {
     for topic in ["command/start", "command/dance", "command/unknown", "command/result", "command"] {
         let (result, _) = app.ask(topic, "start").await;
         assert_eq!(app.say(&result, "{}"), Taken::NotACommand, "{result}");
+    }
+}
+
+/// Safety A4: whoever wants an answer elsewhere makes the program say nothing that he could not say himself, and nothing that is no topic.
+#[tokio::test]
+async fn an_answer_goes_where_it_is_wanted_when_its_sender_may_say_something_there() {
+    let mut app = app(searching());
+    let wanted = |topic| Some(AnswerTo { topic, correlation: Some(&b"7"[..]) });
+    for topic in [
+        "",
+        "panel/#",
+        "panel/+/x",
+        "+",
+        "$SYS/x",
+        "hallsweep/discovery/state/robot",
+        "unibo/qak/events",
+        "homeassistant/device/discovery/config",
+    ] {
+        assert_eq!(app.commands.answer_to(wanted(topic), &here()), None, "{topic}");
+    }
+    assert_eq!(app.commands.answer_to(wanted("panel/answers"), &viewer()), None);
+    let long = AnswerTo { topic: "panel/answers", correlation: Some(&[0; 1025]) };
+    assert_eq!(app.commands.answer_to(Some(long), &here()), None);
+    let answer_to = app.commands.answer_to(wanted("panel/answers"), &here());
+    assert!(answer_to.is_some());
+    for (topic, payload) in
+        [("hallsweep/discovery/command/start", &b"{}"[..]), ("hallsweep/discovery/command/dance", b"{\"id\":\"k\"}")]
+    {
+        app.commands.take(&IncomingMessage { topic, payload, arrived: None, is_again: false, answer_to }, &here());
+    }
+    assert!(app.commands.halts((b"hallsweep/discovery/command", b"stop"), answer_to, &here()));
+    for _ in 0..3 {
+        let told = app.told().await;
+        assert_eq!((&*told.topic, told.beside.correlation.as_deref()), ("panel/answers", Some(&b"7"[..])));
+        assert_eq!(told.beside.by.as_deref(), Some("operator"));
     }
 }

@@ -3,8 +3,6 @@
 
 use std::time::Duration;
 
-use rumqttc::{Event, Outgoing, Packet, Publish, SubscribeReasonCode};
-
 use super::super::commands::IncomingMessage;
 use super::super::home_assistant::BIRTH;
 use super::super::publication::Publication;
@@ -13,7 +11,8 @@ use super::Session;
 use super::conversation::Conversation;
 use super::lost::Lost;
 use super::photos::{self, Reading};
-use super::transport::Transport;
+use super::transport::{Event, Heard, Transport};
+use mqtt_gate::AnswerTo;
 
 pub(super) struct ConnectionTask<'a> {
     session: &'a mut Session,
@@ -24,7 +23,7 @@ pub(super) struct ConnectionTask<'a> {
 
 impl ConnectionTask<'_> {
     pub(super) fn begin(session: &mut Session) -> ConnectionTask<'_> {
-        let transport = Transport::new(session.link.options(session.offline(), &session.times), &session.times);
+        let transport = Transport::new(&session.link, session.offline(), &session.times);
         let conversation = Conversation::new(&session.times, session.clock.now().since_start);
         ConnectionTask { session, transport, conversation, reading: Reading::default() }
     }
@@ -85,10 +84,13 @@ impl ConnectionTask<'_> {
         [self.conversation.poll_timeout(), news].into_iter().flatten().min()
     }
 
-    fn give(&mut self, publication: Publication) {
-        if self.transport.publish(&publication) {
+    /// Whether it goes out.
+    fn give(&mut self, publication: Publication) -> bool {
+        let is_given = self.transport.publish(&publication);
+        if is_given {
             self.conversation.inflight.handle_given(publication, self.now());
         }
+        is_given
     }
 
     fn now(&self) -> Duration {
@@ -100,46 +102,47 @@ impl ConnectionTask<'_> {
     }
 
     fn handle_event(&mut self, event: Event) -> Result<(), Lost> {
-        match event {
-            Event::Incoming(packet) => self.handle_packet(packet)?,
-            Event::Outgoing(Outgoing::Publish(id)) => self.conversation.inflight.handle_sent(id),
-            Event::Outgoing(_) => {}
-        }
-        Ok(())
-    }
-
-    fn handle_packet(&mut self, packet: Packet) -> Result<(), Lost> {
         let now = self.now();
-        if let Packet::Publish(publish) = packet {
-            self.hear(&publish);
-        } else if let Packet::PubAck(acknowledged) = packet {
-            self.conversation.inflight.handle_acknowledged(acknowledged.pkid, now);
-        } else if let Packet::ConnAck(_) = packet {
-            self.conversation.handle_greeted(now);
-            if !self.transport.subscribe(self.session.filters()) {
-                return Err(Lost::Broken("no topic can be called so".to_owned()));
+        match event {
+            Event::Heard(said) => self.hear(&said),
+            Event::Acknowledged { id, is_refused } => {
+                let said = self.conversation.inflight.handle_acknowledged(id, now);
+                if let Some(said) = said.filter(|_| is_refused)
+                    && let Some(refused) = self.session.refused.one_more()
+                {
+                    let topic = said.topic;
+                    tracing::warn!(broker = %self.session.link, topic, refused, "the MQTT broker refuses what we say, this being the latest");
+                }
             }
-        } else if let Packet::SubAck(answer) = packet {
-            self.open(&answer.return_codes);
+            Event::Sent(id) => self.conversation.inflight.handle_sent(id),
+            Event::Greeted { receive_maximum, .. } => {
+                self.conversation.inflight.handle_greeted(receive_maximum);
+                self.conversation.handle_greeted(now);
+                if !self.transport.subscribe(self.session.filters()) {
+                    return Err(Lost::Broken("no topic can be called so".to_owned()));
+                }
+            }
+            Event::Subscribed(granted) => self.open(&granted),
+            Event::HungUp | Event::Other => {}
         }
         Ok(())
     }
 
-    fn open(&mut self, answers: &[SubscribeReasonCode]) {
+    fn open(&mut self, granted: &[bool]) {
         if !self.conversation.handle_subscribed() {
             return;
         }
         let filters = self.session.filters();
-        for (filter, _) in filters.iter().zip(answers).filter(|(_, code)| **code == SubscribeReasonCode::Failure) {
+        for (filter, _) in filters.iter().zip(granted).filter(|(_, is_granted)| !**is_granted) {
             tracing::warn!(broker = %self.session.link, filter, "the MQTT broker does not let us hear what is said there");
         }
         self.session.handle_open();
     }
 
     /// Only what is said now, and once: what a broker has kept was said to somebody before us. A STOP is taken as often as it comes.
-    fn hear(&mut self, said: &Publish) {
+    fn hear(&mut self, said: &Heard) {
         let (topic, payload) = (said.topic.as_str(), &said.payload[..]);
-        let is_repeated = self.conversation.is_repeated(said.pkid, said.dup, (topic, payload));
+        let is_repeated = self.conversation.is_repeated(said.id, said.is_duplicate, (topic, payload));
         if said.retain {
             return;
         }
@@ -147,10 +150,12 @@ impl ConnectionTask<'_> {
         if (topic, payload) == (HOME_ASSISTANT_STATUS, BIRTH) {
             return session.changes.handle_birth();
         }
-        let heard = IncomingMessage { topic, payload, arrived: None, is_again: false };
+        let wanted = said.answer_to.as_ref().map(|(topic, correlation)| AnswerTo { topic, correlation: correlation.as_deref() });
+        let answer_to = session.commands.answer_to(wanted, &session.publisher);
+        let heard = IncomingMessage { topic, payload, arrived: None, is_again: false, answer_to };
         // What became of it is published by the commands themselves.
         if is_repeated {
-            let _ = session.commands.halts(topic.as_bytes(), payload, &session.publisher);
+            let _ = session.commands.halts((topic.as_bytes(), payload), answer_to, &session.publisher);
         } else {
             let _ = session.commands.take(&heard, &session.publisher);
         }
@@ -160,21 +165,25 @@ impl ConnectionTask<'_> {
         while let Some(answer) = self.conversation.has_room().then(|| self.session.answers.try_recv().ok()).flatten() {
             self.give(answer.taken());
         }
-        self.give(self.session.offline());
+        let is_said = self.give(self.session.offline());
         while !self.conversation.inflight.is_settled() {
             let event = self.transport.next().await?;
             self.handle_last(event);
         }
+        if !is_said {
+            // The broker says it, when we are gone without a word.
+            return Ok(());
+        }
         self.transport.hang_up();
-        while self.transport.next().await? != Event::Outgoing(Outgoing::Disconnect) {}
+        while self.transport.next().await? != Event::HungUp {}
         Ok(())
     }
 
     /// Nothing is heard any more; only what has arrived is counted.
     fn handle_last(&mut self, event: Event) {
-        if let Event::Incoming(Packet::PubAck(acknowledged)) = event {
-            self.conversation.inflight.handle_acknowledged(acknowledged.pkid, self.now());
-        } else if let Event::Outgoing(Outgoing::Publish(id)) = event {
+        if let Event::Acknowledged { id, .. } = event {
+            let _ = self.conversation.inflight.handle_acknowledged(id, self.now());
+        } else if let Event::Sent(id) = event {
             self.conversation.inflight.handle_sent(id);
         }
     }

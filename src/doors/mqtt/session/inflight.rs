@@ -14,15 +14,22 @@ pub(super) struct Inflight {
     open: VecDeque<(Option<u16>, Publication)>,
     /// When it was last acknowledged, or when the first was given.
     since: Duration,
+    /// So many the broker leaves unacknowledged, if it says so.
+    most: Option<usize>,
 }
 
 impl Inflight {
     pub(super) fn has_room(&self) -> bool {
-        self.open.len() < IN_FLIGHT
+        self.open.len() < self.most.map_or(IN_FLIGHT, |most| most.min(IN_FLIGHT))
     }
 
     pub(super) fn is_settled(&self) -> bool {
         self.open.is_empty()
+    }
+
+    /// The broker says how many messages it leaves unacknowledged.
+    pub(super) fn handle_greeted(&mut self, receive_maximum: Option<u16>) {
+        self.most = receive_maximum.map(usize::from);
     }
 
     /// Something was given to the client, which sends in the same order.
@@ -40,11 +47,11 @@ impl Inflight {
         }
     }
 
-    pub(super) fn handle_acknowledged(&mut self, id: u16, now: Duration) {
-        if let Some(place) = self.open.iter().position(|(under, _)| *under == Some(id)) {
-            self.open.remove(place);
-            self.since = now;
-        }
+    /// The broker has this one, or will not have it: which that is.
+    pub(super) fn handle_acknowledged(&mut self, id: u16, now: Duration) -> Option<Publication> {
+        let place = self.open.iter().position(|(under, _)| *under == Some(id))?;
+        self.since = now;
+        self.open.remove(place).map(|(_, publication)| publication)
     }
 
     /// Since when the broker has owed us an acknowledgement; `None`: it owes none.

@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use rumqttc::{ConnectReturnCode, ConnectionError};
+use rumqttc::v5::mqttbytes::v5::ConnectReturnCode as Code;
+use rumqttc::{ConnectReturnCode, ConnectionError, v5};
 
 #[derive(Debug, thiserror::Error)]
 pub(super) enum Lost {
@@ -32,6 +33,21 @@ impl From<ConnectionError> for Lost {
     }
 }
 
+impl From<v5::ConnectionError> for Lost {
+    fn from(error: v5::ConnectionError) -> Lost {
+        match error {
+            v5::ConnectionError::ConnectionRefused(code)
+            | v5::ConnectionError::MqttState(v5::StateError::ConnFail { reason: code }) => Lost::Refused(in_words_of_five(code)),
+            v5::ConnectionError::MqttState(_)
+            | v5::ConnectionError::Timeout(_)
+            | v5::ConnectionError::Tls(_)
+            | v5::ConnectionError::Io(_)
+            | v5::ConnectionError::NotConnAck(_)
+            | v5::ConnectionError::RequestsDone => Lost::Broken(root(&error)),
+        }
+    }
+}
+
 /// What is at the bottom of an error: the layers above only say through which hands it went.
 fn root(error: &dyn std::error::Error) -> String {
     let mut deepest = error;
@@ -43,13 +59,36 @@ fn root(error: &dyn std::error::Error) -> String {
 
 fn in_words(code: ConnectReturnCode) -> &'static str {
     match code {
-        ConnectReturnCode::RefusedProtocolVersion => "it does not speak MQTT 3.1.1",
+        ConnectReturnCode::RefusedProtocolVersion => "it does not speak MQTT 3.1.1; see mqtt.version",
         ConnectReturnCode::BadClientId => "it does not take our client id",
         ConnectReturnCode::ServiceUnavailable => "it is not ready",
         ConnectReturnCode::BadUserNamePassword => "it knows no such name and password; see mqtt.name and mqtt.password",
         ConnectReturnCode::NotAuthorized => "it lets in only whom it knows; see mqtt.name and mqtt.password, and its own rules",
         ConnectReturnCode::Success => "it answered CONNECT out of turn",
     }
+}
+
+fn in_words_of_five(code: Code) -> &'static str {
+    let three = match code {
+        Code::RefusedProtocolVersion | Code::UnsupportedProtocolVersion => return "it does not speak MQTT 5; see mqtt.version",
+        Code::BadClientId | Code::ClientIdentifierNotValid => ConnectReturnCode::BadClientId,
+        Code::ServiceUnavailable | Code::ServerUnavailable | Code::ServerBusy => ConnectReturnCode::ServiceUnavailable,
+        Code::BadUserNamePassword => ConnectReturnCode::BadUserNamePassword,
+        Code::NotAuthorized | Code::Banned => ConnectReturnCode::NotAuthorized,
+        Code::Success => ConnectReturnCode::Success,
+        Code::TopicNameInvalid | Code::PayloadFormatInvalid | Code::PacketTooLarge | Code::RetainNotSupported => {
+            return "it does not take our last will";
+        }
+        Code::UseAnotherServer | Code::ServerMoved => return "it says that another broker is to be used",
+        Code::QuotaExceeded | Code::ConnectionRateExceeded => return "it has too much to do with us",
+        Code::UnspecifiedError
+        | Code::MalformedPacket
+        | Code::ProtocolError
+        | Code::ImplementationSpecificError
+        | Code::BadAuthenticationMethod
+        | Code::QoSNotSupported => return "it does not say why",
+    };
+    in_words(three)
 }
 
 #[cfg(test)]

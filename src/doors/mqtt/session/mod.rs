@@ -5,6 +5,7 @@
 mod backoff;
 mod connection_task;
 mod conversation;
+mod five;
 mod inflight;
 mod link;
 mod lost;
@@ -14,6 +15,7 @@ mod photos;
 pub(super) mod testing;
 #[cfg(test)]
 mod tests;
+mod three;
 mod times;
 mod tls;
 mod transport;
@@ -32,6 +34,7 @@ use super::change_feed::{ChangeFeed, OFFLINE};
 use super::commands::{Answer, Commands, Publisher};
 use super::publication::Publication;
 use super::topics::{HOME_ASSISTANT_STATUS, Topics};
+use crate::doors::seldom::Seldom;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
 use backoff::Backoff;
@@ -74,6 +77,8 @@ pub struct Session {
     clock: Clock,
     times: Times,
     is_lost: bool,
+    /// What the broker did not take.
+    refused: Seldom,
 }
 
 impl Session {
@@ -95,6 +100,7 @@ impl Session {
             clock: Clock::default(),
             times: parts.times,
             is_lost: false,
+            refused: Seldom::default(),
         }
     }
 

@@ -10,10 +10,12 @@ use super::super::home_assistant::BIRTH;
 use super::super::publication::Publication;
 use super::super::topics::{HOME_ASSISTANT_STATUS, Topics};
 use super::photos::{self, Reading};
+use crate::doors::seldom::Seldom;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
 use hallsweep_core::world::snapshot::Snapshot;
-use mqtt_gate::{Broker, OwnSubscription};
+use mqtt_gate::packet::properties::Property;
+use mqtt_gate::{Announcement, Broker, OwnSubscription};
 
 /// Says what is new at our own broker. Commands are heard at its gate.
 pub struct OwnSession {
@@ -26,6 +28,8 @@ pub struct OwnSession {
     reading: Reading,
     /// Where Home Assistant says that it has started; nothing, where it is not told of us.
     household: OwnSubscription,
+    /// What was too large.
+    left_out: Seldom,
     clock: Clock,
 }
 
@@ -41,7 +45,7 @@ impl OwnSession {
         let household = broker.subscribe(if home_assistant { &[HOME_ASSISTANT_STATUS] } else { &[] });
         let changes = ChangeFeed::new(topics.clone(), home_assistant);
         let (reading, clock) = (Reading::default(), Clock::default());
-        OwnSession { broker, topics, changes, states, answers, archive, reading, household, clock }
+        OwnSession { broker, topics, changes, states, answers, archive, reading, household, left_out: Seldom::default(), clock }
     }
 
     /// Speaks until `shutdown`, and says then that the program is not there any more.
@@ -83,8 +87,14 @@ impl OwnSession {
     }
 
     fn say(&self, publication: &Publication) {
-        let Publication { topic, payload, retain } = publication;
-        if publication.fits() && !self.broker.publish(topic, payload, *retain) {
+        let Publication { topic, payload, retain, beside } = publication;
+        let publish =
+            |properties: &[Property<'_>]| self.broker.publish(&Announcement { topic, payload, retain: *retain, properties });
+        if !publication.fits(None) {
+            if let Some(left_out) = self.left_out.one_more() {
+                tracing::warn!(topic, left_out, "messages are not published, because they are too large, this being the latest");
+            }
+        } else if !beside.with_properties(publish) {
             tracing::warn!(topic, "a message is not kept for whoever comes later, there being no room for it");
         }
     }

@@ -27,6 +27,7 @@ use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{LuggageId, MissionId, Seq};
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::snapshot::Snapshot;
+use mqtt_gate::packet::Version;
 
 /// A session that runs, and all that it is told.
 pub(super) struct TestApp {
@@ -62,6 +63,7 @@ impl TestApp {
         let commands = Commands::new(handle, topics(), true, give);
         let session = Session::new(Parts {
             link: Link {
+                version: Version::Three,
                 host: broker.ip().to_string(),
                 port: broker.port(),
                 tls: None,

@@ -1,36 +1,88 @@
 //! One connection to a broker, made anew each time: rumqttc can stay mute for ever after a lost one. What is said on it and what
-//! follows from its end are not here.
+//! follows from its end are not here; how it is done in each version of the protocol stands in `three` and `five`.
 
 use std::pin::Pin;
 
-use futures_util::stream::{self, Stream, StreamExt};
-use rumqttc::{AsyncClient, ConnectionError, Event, MqttOptions, NetworkOptions, QoS, SubscribeFilter};
+use bytes::Bytes;
+use futures_util::stream::{Stream, StreamExt};
 
 use super::super::publication::Publication;
-use super::link::IN_FLIGHT;
+use super::five::Five;
+use super::link::Link;
 use super::lost::Lost;
+use super::three::Three;
 use super::times::Times;
-
-/// Beside what is in flight, room for a subscription, a beat and two last words.
-const BESIDE: usize = 8;
+use crate::doors::seldom::Seldom;
+use mqtt_gate::packet::Version;
 
 pub(super) struct Transport {
-    client: AsyncClient,
-    /// rumqttc's own loop must not be dropped halfway, or it forgets what it was about to write; so it lives here between looks.
-    events: Pin<Box<dyn Stream<Item = Result<Event, ConnectionError>> + Send>>,
+    client: Client,
+    events: Pin<Box<dyn Stream<Item = Result<Event, Lost>> + Send>>,
+    /// The longest packet that the broker takes, in bytes, as far as it has said so.
+    largest: Option<u32>,
+    /// What was not published.
+    left_out: Seldom,
+}
+
+enum Client {
+    Three(Three),
+    Five(Five),
+}
+
+/// What happens on a connection.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Event {
+    /// We are let in.
+    Greeted {
+        /// The longest packet that the broker takes, in bytes, if it says so,
+        largest: Option<u32>,
+        /// and how many messages it leaves unacknowledged.
+        receive_maximum: Option<u16>,
+    },
+    /// Whether each of our filters was granted.
+    Subscribed(Vec<bool>),
+    /// The broker has the publication of this id.
+    Acknowledged {
+        id: u16,
+        /// It says that it does not take it.
+        is_refused: bool,
+    },
+    /// Somebody has said something.
+    Heard(Heard),
+    /// A publication is on its way under this id.
+    Sent(u16),
+    /// Our farewell is on its way.
+    HungUp,
+    /// What nobody needs to know.
+    Other,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Heard {
+    pub(super) topic: String,
+    pub(super) payload: Bytes,
+    /// 0 at QoS 0.
+    pub(super) id: u16,
+    pub(super) is_duplicate: bool,
+    pub(super) retain: bool,
+    /// Where an answer is wanted, and by what it is known.
+    pub(super) answer_to: Option<(String, Option<Bytes>)>,
 }
 
 impl Transport {
     /// Nothing is connected before the first event is waited for.
-    pub(super) fn new(options: MqttOptions, times: &Times) -> Transport {
-        let (client, mut events) = AsyncClient::new(options, IN_FLIGHT + BESIDE);
-        let mut network = NetworkOptions::new();
-        network.set_tcp_nodelay(true);
-        // Its own bounds lie above ours.
-        network.set_connection_timeout((times.greeting * 2).as_secs().max(1));
-        events.set_network_options(network);
-        let events = stream::unfold(events, async |mut events| Some((events.poll().await, events)));
-        Transport { client, events: Box::pin(events) }
+    pub(super) fn new(link: &Link, will: Publication, times: &Times) -> Transport {
+        let (client, events): (_, Pin<Box<dyn Stream<Item = _> + Send>>) = match link.version {
+            Version::Three => {
+                let (client, events) = Three::begin(link, will, times);
+                (Client::Three(client), Box::pin(events))
+            }
+            Version::Five => {
+                let (client, events) = Five::begin(link, will, times);
+                (Client::Five(client), Box::pin(events))
+            }
+        };
+        Transport { client, events, largest: None, left_out: Seldom::default() }
     }
 
     /// What happens next. May be dropped while it waits.
@@ -38,32 +90,42 @@ impl Transport {
     /// # Errors
     /// When the connection has ended; there is no use in asking again.
     pub(super) async fn next(&mut self) -> Result<Event, Lost> {
-        match self.events.next().await {
-            Some(event) => Ok(event?),
-            None => Err(Lost::Broken("the connection has ended".to_owned())),
+        let Some(event) = self.events.next().await else { return Err(Lost::Broken("the connection has ended".to_owned())) };
+        let event = event?;
+        if let Event::Greeted { largest, .. } = event {
+            self.largest = largest;
         }
+        Ok(event)
     }
 
     pub(super) fn subscribe(&self, filters: Vec<String>) -> bool {
-        let filters = filters.into_iter().map(|path| SubscribeFilter { path, qos: QoS::AtLeastOnce });
-        self.client.try_subscribe_many(filters).is_ok()
+        match &self.client {
+            Client::Three(client) => client.subscribe(filters),
+            Client::Five(client) => client.subscribe(filters),
+        }
     }
 
     /// Whether this goes out.
     pub(super) fn publish(&self, publication: &Publication) -> bool {
-        if !publication.fits() {
-            return false;
+        let fits = publication.fits(self.largest);
+        let is_given = fits
+            && match &self.client {
+                Client::Three(client) => client.publish(publication),
+                Client::Five(client) => client.publish(publication),
+            };
+        if !is_given && let Some(left_out) = self.left_out.one_more() {
+            let (topic, largest) = (&publication.topic, self.largest);
+            let why = if fits { "there is no room for them" } else { "they are too large for the broker" };
+            tracing::warn!(topic, largest, left_out, "messages are not published, because {why}, this being the latest");
         }
-        let (topic, payload) = (publication.topic.as_str(), Vec::from(publication.payload.clone()));
-        let given = self.client.try_publish(topic, QoS::AtLeastOnce, publication.retain, payload);
-        if given.is_err() {
-            tracing::warn!(topic, "a message is not published, because there is no room for it");
-        }
-        given.is_ok()
+        is_given
     }
 
     /// Takes leave, so that the broker does not speak our last will.
     pub(super) fn hang_up(&self) -> bool {
-        self.client.try_disconnect().is_ok()
+        match &self.client {
+            Client::Three(client) => client.hang_up(),
+            Client::Five(client) => client.hang_up(),
+        }
     }
 }

@@ -32,7 +32,7 @@ fn outcome<'a>(pieces: impl Iterator<Item = &'a [u8]>) -> Outcome {
         }
     }
     let heard = scene.heard();
-    scene.connection.handle_come();
+    scene.connection.handle_come(scene.now);
     let to_client = in_words(&taken(scene.connection.to_client()));
     let to_client = to_client.into_iter().partition(|words| words.starts_with("Publish"));
     Outcome { ended, heard, to_others: everybody.got(), to_client }

@@ -14,8 +14,9 @@ use crate::retained::Walk;
 use crate::rights::Tier;
 
 fn with_will(tier: Tier, topic: &str) -> Scene {
-    let will = Will { topic: topic.to_owned(), payload: Bytes::from("gone"), qos: Qos::One, retain: true };
-    Scene::at_broker(&broker(), tier, |terms| terms.will = Some(will))
+    let (topic, payload) = (topic.to_owned(), Bytes::from("gone"));
+    let will = Will { topic, payload, qos: Qos::One, retain: true, delay_s: 0, expiry_s: None, properties: Bytes::new() };
+    Scene::at_broker(&broker(), tier, |terms| terms.connect.will = Some(will))
 }
 
 #[test]
@@ -32,7 +33,7 @@ fn a_client_is_given_one_and_a_half_of_its_time() {
 #[test]
 fn a_client_that_may_be_silent_for_ever_may_be_for_a_day() {
     for keep_alive_s in [0, u16::MAX] {
-        let scene = Scene::at_broker(&broker(), OPERATOR, |terms| terms.keep_alive_s = keep_alive_s);
+        let scene = Scene::at_broker(&broker(), OPERATOR, |terms| terms.connect.keep_alive_s = keep_alive_s);
         assert_eq!(scene.connection.poll_timeout(), SILENCE);
     }
 }
@@ -42,9 +43,9 @@ fn a_will_is_published_and_kept_when_its_client_goes_without_a_word() {
     for why in [Ended::Gone, Ended::Idle, Ended::TakenOver, Ended::Malformed(Malformed::Length)] {
         let mut scene = with_will(OPERATOR, "a/will");
         let mut everybody = scene.everybody();
-        scene.connection.handle_end(why);
+        scene.connection.handle_end(why, scene.now);
         assert_eq!(everybody.read(), ["a/will=gone q1"], "{why}");
-        assert_eq!(scene.broker.retained.next(&mut Walk::new("a/will".into(), 0), &mut 9).unwrap().qos(), Qos::One);
+        assert_eq!(scene.broker.retained.next(&mut Walk::new("a/will".into(), 0), &mut 9, scene.now).unwrap().qos(), Qos::One);
     }
 }
 
@@ -53,7 +54,7 @@ fn a_client_that_takes_its_leave_has_no_will() {
     let mut scene = with_will(OPERATOR, "a/will");
     let mut everybody = scene.everybody();
     assert_eq!(scene.client(&[0xE0, 0]), Err(Ended::Left));
-    scene.connection.handle_end(Ended::Left);
+    scene.connection.handle_end(Ended::Left, scene.now);
     assert!(everybody.got().is_empty());
 }
 
@@ -61,7 +62,7 @@ fn a_client_that_takes_its_leave_has_no_will() {
 fn when_the_program_ends_no_will_is_published() {
     let mut scene = with_will(OPERATOR, "a/will");
     let mut everybody = scene.everybody();
-    scene.connection.handle_end(Ended::Closing);
+    scene.connection.handle_end(Ended::Closing, scene.now);
     assert!(everybody.got().is_empty() && scene.broker.retained.count() == 0);
 }
 
@@ -71,7 +72,7 @@ fn a_forbidden_will_goes_nowhere() {
     {
         let mut scene = with_will(tier, topic);
         let mut everybody = scene.everybody();
-        scene.connection.handle_end(Ended::Gone);
+        scene.connection.handle_end(Ended::Gone, scene.now);
         assert!(everybody.got().is_empty() && scene.heard().is_empty(), "{topic}");
         assert_eq!(scene.broker.retained.count(), 0);
     }
@@ -79,14 +80,15 @@ fn a_forbidden_will_goes_nowhere() {
 
 #[test]
 fn packets_that_no_client_sends_end_its_connection() {
-    let cases: [(&[u8], Ended); 12] = [
+    let cases: [(&[u8], Ended); 13] = [
         (&[0x10, 0], Ended::Unexpected(Kind::Connect)),
         (&[0x20, 2, 0, 0], Ended::Unexpected(Kind::Connack)),
         (&[0x90, 3, 0, 1, 0], Ended::Unexpected(Kind::Suback)),
         (&[0xB0, 2, 0, 1], Ended::Unexpected(Kind::Unsuback)),
         (&[0xD0, 0], Ended::Unexpected(Kind::Pingresp)),
         (&[0x00], Ended::Malformed(Malformed::Kind(0))),
-        (&[0xF0, 0], Ended::Malformed(Malformed::Kind(0xF0))),
+        (&[0xF0, 0], Ended::Unexpected(Kind::Auth)),
+        (&[0xF1, 0], Ended::Malformed(Malformed::Kind(0xF1))),
         (&[0x80, 0], Ended::Malformed(Malformed::Kind(0x80))),
         (&[0xC0, 1, 0], Ended::Malformed(Malformed::Trailing(1))),
         (&[0xE0, 1, 0], Ended::Malformed(Malformed::Trailing(1))),

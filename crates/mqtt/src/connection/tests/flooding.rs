@@ -35,11 +35,11 @@ fn waited(crowd: usize, every: usize) -> Duration {
         sender.connection.handle_turn(&mut said, now).unwrap();
         turns += 1;
         for (n, reader) in readers.iter_mut().enumerate() {
-            reader.connection.handle_come();
+            reader.connection.handle_come(reader.now);
             if turns <= n * every {
                 while !reader.connection.to_client().is_empty() {
                     reader.connection.to_client().clear();
-                    reader.connection.handle_drained();
+                    reader.connection.handle_drained(reader.now);
                 }
             }
             reader.connection.note_room(now);

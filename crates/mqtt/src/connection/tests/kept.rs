@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use super::scene::{OPERATOR, Scene, publish, subscribe, unsubscribe};
 use crate::frame::Kind;
 use crate::limits::{CLIENT_PACKET, KEPT_ROOM, KEPT_UNDER_WAY, WINDOW_BYTES};
+use crate::message::Draft;
 use crate::packet::Qos;
 use crate::rights::Payer;
 
@@ -17,7 +18,8 @@ fn scene_with(count: usize, payload: &str, qos: Qos) -> Scene {
 }
 
 fn keep(scene: &Scene, topic: &str, payload: &str, qos: Qos) -> bool {
-    scene.broker.retained.keep(&Payer::Anybody, &scene.broker.message(topic.into(), payload.as_bytes(), qos))
+    let message = scene.broker.message(Draft::plain(topic, payload.as_bytes(), qos));
+    scene.broker.retained.keep(&Payer::Anybody, &message, scene.now)
 }
 
 /// What a client gets that acknowledges everything, and the most that it had to acknowledge at once.

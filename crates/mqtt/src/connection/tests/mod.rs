@@ -2,6 +2,8 @@
 
 mod chunks;
 mod ends;
+mod five;
+mod five_sessions;
 mod flooding;
 mod kept;
 mod model;

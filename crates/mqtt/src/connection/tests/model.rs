@@ -1,22 +1,26 @@
-//! Any program of publishing, subscribing, reading, breaking off and coming back gives what a model of the standard gives, which knows
-//! nothing of queues, trees and connections.
+//! Any program of publishing, subscribing, reading, breaking off and coming back, of clients of both versions, gives what a model of the
+//! standard gives, which knows nothing of queues, trees and connections.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 
 use proptest::prelude::*;
 
-use super::scene::{OPERATOR, Scene, broker, in_words, publish, subscribe, taken, unsubscribe};
+use super::scene::{OPERATOR, Scene, broker, five, in_words, publish, subscribe, taken, unsubscribe};
 use crate::filter::matches;
 use crate::frame::Kind;
 use crate::packet::Qos;
-use crate::{Broker, Session};
+use crate::{Broker, Session, Terms};
 
-const CLIENTS: usize = 3;
+const CLIENTS: usize = 4;
+
+/// From this one on they speak MQTT 5.
+const FIVE: usize = 2;
 
 #[derive(Clone, Debug)]
 enum Act {
-    Subscribe(&'static str, Qos),
+    /// And whether what the client says itself is left out, which only those of MQTT 5 can want.
+    Subscribe(&'static str, Qos, bool),
     Unsubscribe(&'static str),
     Publish(&'static str, Qos, bool),
     /// Takes away what is kept there.
@@ -38,7 +42,7 @@ struct Said {
 /// What one client is to get.
 #[derive(Debug, Default)]
 struct Expected {
-    held: BTreeMap<&'static str, Qos>,
+    held: BTreeMap<&'static str, (Qos, bool)>,
     is_here: bool,
     /// What was published for it, in order, and whether it may be lost,
     live: VecDeque<(Said, bool)>,
@@ -51,42 +55,46 @@ struct Expected {
 #[derive(Debug, Default)]
 struct Model {
     clients: [Expected; CLIENTS],
-    kept: BTreeMap<&'static str, (String, Qos)>,
+    /// And by whom.
+    kept: BTreeMap<&'static str, (String, Qos, usize)>,
     /// All that ever was.
     ever: BTreeSet<(String, String)>,
 }
 
 impl Model {
-    fn publish(&mut self, topic: &'static str, payload: &str, qos: Qos, retain: bool) {
+    fn publish(&mut self, by: usize, topic: &'static str, (payload, qos, retain): (&str, Qos, bool)) {
         if retain {
             self.ever.insert((topic.to_owned(), payload.to_owned()));
             if payload.is_empty() {
                 self.kept.remove(topic)
             } else {
-                self.kept.insert(topic, (payload.to_owned(), qos))
+                self.kept.insert(topic, (payload.to_owned(), qos, by))
             };
         }
-        for client in &mut self.clients {
-            let granted = client.held.iter().filter(|(filter, _)| matches(filter, topic)).map(|(_, granted)| *granted).max();
-            let Some(qos) = granted.map(|granted| granted.min(qos)) else { continue };
+        for (number, client) in self.clients.iter_mut().enumerate() {
+            let matching =
+                client.held.iter().filter(|(filter, (_, no_local))| matches(filter, topic) && !(*no_local && number == by));
+            let Some(granted) = matching.map(|(_, (granted, _))| *granted).max() else { continue };
+            let qos = granted.min(qos);
             if client.is_here || qos > Qos::Zero {
                 client.live.push_back((Said { topic: topic.to_owned(), payload: payload.to_owned(), qos }, false));
             }
         }
     }
 
-    fn subscribe(&mut self, client: usize, filter: &'static str, qos: Qos) {
+    fn subscribe(&mut self, client: usize, filter: &'static str, (qos, no_local): (Qos, bool)) {
+        let number = client;
         let client = &mut self.clients[client];
-        client.held.insert(filter, qos);
-        let found = self.kept.iter().filter(|(topic, _)| matches(filter, topic));
-        client.kept.extend(found.map(|(topic, (payload, kept))| ((*topic).to_owned(), payload.clone(), qos.min(*kept))));
+        client.held.insert(filter, (qos, no_local));
+        let found = self.kept.iter().filter(|(topic, (_, _, by))| matches(filter, topic) && !(no_local && *by == number));
+        client.kept.extend(found.map(|(topic, (payload, kept, _))| ((*topic).to_owned(), payload.clone(), qos.min(*kept))));
     }
 }
 
 /// A client as it really is: here, or what is remembered of it.
 enum Real {
     Here(Box<Scene>),
-    Away(Session),
+    Away(Box<Session>),
 }
 
 struct Play {
@@ -101,8 +109,8 @@ impl Play {
         let broker = broker();
         let mut model = Model::default();
         model.clients.iter_mut().for_each(|client| client.is_here = true);
-        let here = || Some(Real::Here(Box::new(Scene::at_broker(&broker, OPERATOR, |_| {}))));
-        Play { model, real: [here(), here(), here()], said: 0, broker: Arc::clone(&broker) }
+        let real = std::array::from_fn(|client| Some(Real::Here(Box::new(come(&broker, client, Session::default())))));
+        Play { model, real, said: 0, broker }
     }
 
     fn here(&mut self, client: usize) -> Option<&mut Scene> {
@@ -117,15 +125,22 @@ impl Play {
             return;
         }
         match *act {
-            Act::Subscribe(filter, qos) => {
+            Act::Subscribe(filter, qos, no_local) => {
+                let no_local = no_local && client >= FIVE;
                 // What was kept before is read before, so that it is known for which subscription it came.
                 self.read(client, true);
-                self.here(client).unwrap().client(&subscribe(1, &[(filter, qos)])).unwrap();
-                self.model.subscribe(client, filter, qos);
+                let packet = if client < FIVE {
+                    subscribe(1, &[(filter, qos)])
+                } else {
+                    five::subscribe_with(filter, qos as u8 | u8::from(no_local) << 2, &[])
+                };
+                self.here(client).unwrap().client(&packet).unwrap();
+                self.model.subscribe(client, filter, (qos, no_local));
             }
             Act::Unsubscribe(filter) => {
                 self.read(client, true);
-                self.here(client).unwrap().client(&unsubscribe(1, &[filter])).unwrap();
+                let packet = if client < FIVE { unsubscribe(1, &[filter]) } else { five::unsubscribe_from(filter) };
+                self.here(client).unwrap().client(&packet).unwrap();
                 self.model.clients[client].held.remove(filter);
             }
             Act::Publish(topic, qos, retain) => {
@@ -142,11 +157,13 @@ impl Play {
         let id = u16::from(qos > Qos::Zero) * 7;
         let first = 0x30 | (qos as u8) << 1 | u8::from(retain);
         let scene = self.here(client).unwrap();
-        scene.client(&publish(first, topic, payload, id)).unwrap();
+        let packet =
+            if client < FIVE { publish(first, topic, payload, id) } else { five::publish_with(first, topic, payload, id, &[]) };
+        scene.client(&packet).unwrap();
         if qos == Qos::Two {
             scene.acknowledge(Kind::Pubrel, id);
         }
-        self.model.publish(topic, payload, qos, retain);
+        self.model.publish(client, topic, (payload, qos, retain));
     }
 
     fn break_off_or_come_back(&mut self, client: usize) {
@@ -156,14 +173,14 @@ impl Play {
                 expected.is_here = false;
                 expected.kept.clear();
                 expected.live.iter_mut().for_each(|(said, may_be_lost)| *may_be_lost = said.qos == Qos::Zero);
-                Real::Away(scene.connection.into_session())
+                Real::Away(Box::new(scene.connection.into_session().unwrap()))
             }
             Real::Away(session) => {
                 expected.is_here = true;
                 let again = expected.unacknowledged.drain(..).map(|said| (said, false));
                 let later = std::mem::take(&mut expected.live);
                 expected.live = again.chain(later).collect();
-                Real::Here(Box::new(Scene::at_broker(&self.broker, OPERATOR, |terms| terms.session = session)))
+                Real::Here(Box::new(come(&self.broker, client, *session)))
             }
         });
     }
@@ -173,9 +190,10 @@ impl Play {
         let (mut live, mut kept) = (Vec::new(), BTreeSet::new());
         loop {
             let scene = self.here(client).unwrap();
-            scene.connection.handle_come();
-            let got = in_words(&taken(scene.connection.to_client()));
-            scene.connection.handle_drained();
+            scene.connection.handle_come(scene.now);
+            let got = taken(scene.connection.to_client());
+            let got = if client < FIVE { in_words(&got) } else { five::in_words(&got) };
+            scene.connection.handle_drained(scene.now);
             if got.is_empty() {
                 break;
             }
@@ -218,6 +236,12 @@ impl Play {
     }
 }
 
+/// A client that comes, in its own version.
+fn come(broker: &Arc<Broker>, client: usize, session: Session) -> Scene {
+    let resume = |terms: &mut Terms| terms.session = session;
+    if client < FIVE { Scene::at_broker(broker, OPERATOR, resume) } else { five::scene(broker, resume) }
+}
+
 /// `Publish a=x q1 #7 kept again`, taken apart.
 fn message(words: &str) -> Option<(Said, u16, bool)> {
     let (said, marks) = words.strip_prefix("Publish ")?.split_once(" q")?;
@@ -233,7 +257,7 @@ fn act() -> impl Strategy<Value = Act> {
     let filter = || prop::sample::select(vec!["a", "a/b", "a/+", "a/#", "#", "+", "+/+", "b", "/#", "a/+/b"]);
     let qos = || prop::sample::select(vec![Qos::Zero, Qos::One, Qos::Two]);
     prop_oneof![
-        3 => (filter(), qos()).prop_map(|(filter, qos)| Act::Subscribe(filter, qos)),
+        3 => (filter(), qos(), any::<bool>()).prop_map(|(filter, qos, no_local)| Act::Subscribe(filter, qos, no_local)),
         1 => filter().prop_map(Act::Unsubscribe),
         6 => (topic(), qos(), any::<bool>()).prop_map(|(topic, qos, retain)| Act::Publish(topic, qos, retain)),
         1 => topic().prop_map(Act::Clear),

@@ -4,7 +4,7 @@ use super::scene::{OPERATOR, START, STOP, Scene, VIEWER, publish, taken};
 use crate::frame::Kind;
 use crate::limits::{CLIENT_PACKET, HANDLED, UNRELEASED};
 use crate::packet::Qos;
-use crate::{Ended, Epoch, Mark};
+use crate::{Announcement, Ended, Epoch, Mark};
 
 const NONE: [&str; 0] = [];
 
@@ -78,7 +78,8 @@ fn a_command_is_heard_before_it_goes_on_and_never_kept() {
 fn the_program_itself_says_what_it_likes_and_keeps_all_but_commands() {
     let scene = Scene::of(OPERATOR);
     let mut everybody = scene.everybody();
-    assert!(scene.broker.publish("site/robot/state/robot", b"x", true) && scene.broker.publish("old/events", b"y", true));
+    let announce = |topic, payload| scene.broker.publish(&Announcement { topic, payload, retain: true, properties: &[] });
+    assert!(announce("site/robot/state/robot", b"x") && announce("old/events", b"y"));
     assert_eq!(everybody.read(), ["site/robot/state/robot=x q1", "old/events=y q1"]);
     assert_eq!((scene.broker.retained.count(), scene.heard().len()), (1, 0));
 }
@@ -134,7 +135,7 @@ fn a_command_of_qos_2_is_known_again_in_the_next_connection_of_a_session() {
     let mut scene = Scene::of(OPERATOR);
     scene.client(&publish(0x34, START, "a", 7)).unwrap();
     let broker = scene.broker.clone();
-    let session = scene.connection.into_session();
+    let session = scene.connection.into_session().unwrap();
     let mut scene = Scene::at_broker(&broker, OPERATOR, |terms| terms.session = session);
     scene.client(&publish(0x3C, START, "a", 7)).unwrap();
     assert_eq!((scene.heard().len(), scene.got()), (0, vec!["Pubrec 7".to_owned()]));
@@ -196,7 +197,7 @@ fn nobody_leaves_too_much_unreleased_and_a_stop_is_heard_all_the_same() {
         scene.client(&publish(0x34, "a", "x", id)).unwrap();
     }
     let ended = scene.client(&publish(0x34, STOP, "", 60_000));
-    assert!(matches!(ended, Err(Ended::TooMuch { most: UNRELEASED, .. })), "{ended:?}");
+    assert_eq!(ended, Err(Ended::Unreleased));
     assert_eq!(scene.heard().len(), 1);
 }
 
@@ -218,7 +219,7 @@ fn a_long_message_is_there_once_for_all_who_wait_for_it() {
     writer.client(&publish(0x33, "a", &payload, 9)).unwrap();
     assert_eq!(writer.broker.beside(), 0, "what is kept is the same");
     for (reader, first) in readers.iter_mut().zip([0x30, 0x32]) {
-        reader.connection.handle_come();
+        reader.connection.handle_come(reader.now);
         assert!(reader.connection.held() < 100 && reader.connection.shared() >= payload.len());
         assert_eq!(taken(reader.connection.to_client()), publish(first, "a", &payload, 1));
     }

@@ -5,12 +5,13 @@ use std::time::Duration;
 
 use bytes::{Buf, Bytes, BytesMut};
 
+use crate::filter;
 use crate::frame::{Kind, frame};
 use crate::outbox::Outbox;
-use crate::packet::filters::Filters;
-use crate::packet::{Qos, ack, publish, write};
+use crate::packet::connect::{Connect, FOR_EVER_S};
+use crate::packet::{Qos, Version, ack, publish, write};
 use crate::rights::{Rights, Tier};
-use crate::{Broker, ClientConnection, CommandDecision, Ended, Epoch, Listener, Session, Terms};
+use crate::{Broker, ClientConnection, CommandDecision, Ended, Epoch, Listener, Said, Session, Terms};
 
 pub(super) const OPERATOR: Tier = Tier::Full;
 pub(super) const VIEWER: Tier = Tier::Limited;
@@ -37,6 +38,10 @@ impl Rights for TestRights {
     fn may_publish(&self, who: Tier, topic: &str) -> bool {
         self.is_for_commands(topic) || who == OPERATOR && !TestRights::is_own(topic)
     }
+
+    fn may_share(&self, who: Tier, filter: &str) -> bool {
+        who == OPERATOR && !filter::overlap(filter, "site/robot/#")
+    }
 }
 
 /// Hears commands, and forbids those that say so.
@@ -48,17 +53,17 @@ impl Listener for TestListener {
         Epoch(0)
     }
 
-    fn hear(&self, topic: &str, payload: &[u8], (_, is_again): (Option<Epoch>, bool)) -> CommandDecision {
-        let payload = String::from_utf8_lossy(payload);
+    fn hear(&self, topic: &str, said: Said<'_>, (_, is_again): (Option<Epoch>, bool)) -> CommandDecision {
+        let payload = String::from_utf8_lossy(said.payload);
         let again = if is_again { " again" } else { "" };
         self.0.lock().unwrap().push(format!("{topic} {payload}{again}"));
         if payload == "forbidden" { CommandDecision::Forbidden } else { CommandDecision::Pass }
     }
 
-    fn hear_urgent(&self, topic: &[u8], payload: &[u8]) -> bool {
-        let is_urgent = topic == STOP.as_bytes();
+    fn hear_urgent(&self, said: Said<'_>) -> bool {
+        let is_urgent = said.topic == STOP.as_bytes();
         if is_urgent {
-            self.0.lock().unwrap().push(format!("{STOP} {}", String::from_utf8_lossy(payload)));
+            self.0.lock().unwrap().push(format!("{STOP} {}", String::from_utf8_lossy(said.payload)));
         }
         is_urgent
     }
@@ -68,6 +73,7 @@ pub(super) struct Scene {
     pub(super) connection: ClientConnection,
     pub(super) broker: Arc<Broker>,
     listener: Arc<TestListener>,
+    pub(super) now: Duration,
 }
 
 pub(super) fn broker() -> Arc<Broker> {
@@ -80,8 +86,7 @@ fn terms(tier: Tier, listener: Arc<TestListener>) -> Terms {
         name: Arc::from("tests"),
         has_key: false,
         listener,
-        keep_alive_s: 60,
-        will: None,
+        connect: Connect { session_expiry_s: FOR_EVER_S, keep_alive_s: 60, ..Connect::default() },
         session: Session::default(),
         greeting: Bytes::new(),
     }
@@ -97,7 +102,7 @@ impl Scene {
         let mut terms = terms(tier, Arc::clone(&listener));
         change(&mut terms);
         let connection = ClientConnection::new(terms, Arc::clone(broker), Duration::ZERO);
-        Scene { connection, broker: Arc::clone(broker), listener }
+        Scene { connection, broker: Arc::clone(broker), listener, now: Duration::from_secs(1) }
     }
 
     /// Somebody else at the same broker, who holds these filters.
@@ -114,16 +119,16 @@ impl Scene {
 
     pub(super) fn client(&mut self, bytes: &[u8]) -> Result<(), Ended> {
         let mut bytes = BytesMut::from(bytes);
-        self.connection.handle_client(&mut bytes, Duration::from_secs(1))
+        self.connection.handle_client(&mut bytes, self.now)
     }
 
     /// What the client gets now, and takes.
     pub(super) fn got(&mut self) -> Vec<String> {
-        self.connection.handle_come();
+        self.connection.handle_come(self.now);
         let got = in_words(&taken(self.connection.to_client()));
-        self.connection.handle_drained();
+        self.connection.handle_drained(self.now);
         while self.connection.wants_turn() {
-            self.connection.handle_drained();
+            self.connection.handle_drained(self.now);
         }
         got
     }
@@ -184,16 +189,12 @@ pub(super) fn in_words(mut bytes: &[u8]) -> Vec<String> {
         let (packet, rest) = bytes.split_at(frame.length);
         let body = &packet[frame.head..];
         words.push(match frame.kind {
-            Kind::Publish => publish_in_words(&publish::read(&frame, packet).unwrap()),
-            Kind::Subscribe => format!("Subscribe {:?}", Filters::of_subscribe(body).unwrap().collect::<Vec<_>>()),
-            Kind::Unsubscribe => {
-                format!("Unsubscribe {:?}", Filters::of_unsubscribe(body).unwrap().map(|of| of.0).collect::<Vec<_>>())
-            }
+            Kind::Publish => publish_in_words(&publish::read(&frame, packet, Version::Three).unwrap()),
             Kind::Suback => format!("Suback {:?}", ack::read_suback(body).unwrap()),
-            Kind::Pingreq | Kind::Pingresp => format!("{:?}", frame.kind),
-            Kind::Connect | Kind::Connack | Kind::Disconnect => format!("{:?}", frame.kind),
+            Kind::Connect | Kind::Connack | Kind::Subscribe | Kind::Unsubscribe => format!("{:?}", frame.kind),
+            Kind::Pingreq | Kind::Pingresp | Kind::Disconnect | Kind::Auth => format!("{:?}", frame.kind),
             Kind::Puback | Kind::Pubrec | Kind::Pubrel | Kind::Pubcomp | Kind::Unsuback => {
-                format!("{:?} {}", frame.kind, ack::read(body).unwrap())
+                format!("{:?} {}", frame.kind, ack::read(body, frame.kind, Version::Three).unwrap().id)
             }
         });
         bytes = rest;
@@ -209,4 +210,160 @@ fn publish_in_words(publish: &publish::Publish<'_>) -> String {
     let kept = if publish.retain { " kept" } else { "" };
     let again = if publish.is_duplicate { " again" } else { "" };
     format!("Publish {topic}={payload} q{}{id}{kept}{again}", publish.qos as u8)
+}
+
+/// A client of MQTT 5: its packets, and what comes for it in words.
+pub(super) mod five {
+    use bytes::{BufMut, BytesMut};
+
+    use super::{OPERATOR, Scene, taken};
+    use crate::frame::{Kind, frame};
+    use crate::packet::properties::{Properties, Property};
+    use crate::packet::{Fields, Version, publish, write};
+    use crate::{Broker, Terms};
+
+    pub(in super::super) fn scene(broker: &std::sync::Arc<Broker>, change: impl FnOnce(&mut Terms)) -> Scene {
+        Scene::at_broker(broker, OPERATOR, |terms| {
+            terms.connect.credentials.version = Version::Five;
+            change(terms);
+        })
+    }
+
+    fn packet(first: u8, body: &[u8]) -> BytesMut {
+        let mut out = BytesMut::from(&[first][..]);
+        crate::packet::properties::put_variable(&mut out, u32::try_from(body.len()).unwrap());
+        out.extend_from_slice(body);
+        out
+    }
+
+    fn put(out: &mut BytesMut, properties: &[Property<'_>]) {
+        let mut written = BytesMut::new();
+        properties.iter().for_each(|property| property.write(&mut written));
+        crate::packet::properties::put_variable(out, u32::try_from(written.len()).unwrap());
+        out.extend_from_slice(&written);
+    }
+
+    pub(in super::super) fn publish_with(
+        first: u8,
+        topic: &str,
+        payload: &str,
+        id: u16,
+        properties: &[Property<'_>],
+    ) -> BytesMut {
+        let mut body = BytesMut::new();
+        body.put_u16(u16::try_from(topic.len()).unwrap());
+        body.put_slice(topic.as_bytes());
+        if first & 6 != 0 {
+            body.put_u16(id);
+        }
+        put(&mut body, properties);
+        body.put_slice(payload.as_bytes());
+        packet(first, &body)
+    }
+
+    /// A SUBSCRIBE of one filter with these options.
+    pub(in super::super) fn subscribe_with(filter: &str, options: u8, properties: &[Property<'_>]) -> BytesMut {
+        let mut body = BytesMut::from(&[0, 7][..]);
+        put(&mut body, properties);
+        body.put_u16(u16::try_from(filter.len()).unwrap());
+        body.put_slice(filter.as_bytes());
+        body.put_u8(options);
+        packet(0x82, &body)
+    }
+
+    pub(in super::super) fn unsubscribe_from(filter: &str) -> BytesMut {
+        let mut body = BytesMut::from(&[0, 7, 0][..]);
+        body.put_u16(u16::try_from(filter.len()).unwrap());
+        body.put_slice(filter.as_bytes());
+        packet(0xA2, &body)
+    }
+
+    pub(in super::super) fn disconnect_with(reason: u8, properties: &[Property<'_>]) -> BytesMut {
+        let mut body = BytesMut::from(&[reason][..]);
+        put(&mut body, properties);
+        packet(0xE0, &body)
+    }
+
+    pub(in super::super) fn ack(kind: Kind, id: u16, reason: u8) -> BytesMut {
+        let [high, low] = id.to_be_bytes();
+        packet(kind.first_byte(), &[high, low, reason])
+    }
+
+    impl Scene {
+        /// A client of MQTT 5 that comes at this time.
+        pub(in super::super) fn later(
+            broker: &std::sync::Arc<Broker>,
+            now: std::time::Duration,
+            change: impl FnOnce(&mut Terms),
+        ) -> Scene {
+            let mut scene = scene(broker, |_| {});
+            let mut terms = super::terms(OPERATOR, std::sync::Arc::clone(&scene.listener));
+            terms.connect.credentials.version = Version::Five;
+            change(&mut terms);
+            scene.connection = crate::ClientConnection::new(terms, std::sync::Arc::clone(broker), now);
+            scene.now = now;
+            scene
+        }
+
+        /// What a client of MQTT 5 gets now, and takes: `Publish a=x q1 #7 [User("a", "b")]`, `Puback 7 0x87`.
+        pub(in super::super) fn told(&mut self) -> Vec<String> {
+            self.connection.handle_come(self.now);
+            let told = in_words(&taken(self.connection.to_client()));
+            self.connection.handle_drained(self.now);
+            told
+        }
+    }
+
+    pub(in super::super) fn in_words(mut bytes: &[u8]) -> Vec<String> {
+        let mut words = Vec::new();
+        while let Some(frame) = frame(bytes, usize::MAX).unwrap() {
+            let (packet, rest) = bytes.split_at(frame.length);
+            let body = &packet[frame.head..];
+            words.push(match frame.kind {
+                Kind::Publish => publish_in_words(frame.flags, body),
+                Kind::Suback | Kind::Unsuback => {
+                    let mut fields = Fields::new(&body[2..]);
+                    let why: Vec<_> = Properties::of_server(&mut fields).collect();
+                    format!("{:?} {:02x?}{}", frame.kind, fields.rest(), in_brackets(&why))
+                }
+                Kind::Puback | Kind::Pubrec | Kind::Pubrel | Kind::Pubcomp => {
+                    let reason =
+                        body.get(2).filter(|reason| **reason > 0).map_or(String::new(), |reason| format!(" {reason:#04x}"));
+                    format!("{:?} {}{reason}", frame.kind, u16::from_be_bytes([body[0], body[1]]))
+                }
+                Kind::Disconnect => format!("Disconnect {:#04x}", body[0]),
+                Kind::Connect | Kind::Connack | Kind::Subscribe | Kind::Unsubscribe => format!("{:?}", frame.kind),
+                Kind::Pingreq | Kind::Pingresp | Kind::Auth => format!("{:?}", frame.kind),
+            });
+            bytes = rest;
+        }
+        assert!(bytes.is_empty(), "only whole packets come out");
+        words
+    }
+
+    fn publish_in_words(flags: u8, body: &[u8]) -> String {
+        let mut fields = Fields::new(body);
+        let (topic, qos) = (fields.text("topic").unwrap(), flags >> 1 & 3);
+        let id = if qos == 0 { String::new() } else { format!(" #{}", fields.id().unwrap()) };
+        let properties: Vec<_> = Properties::of_server(&mut fields).collect();
+        let payload = String::from_utf8_lossy(fields.rest());
+        let kept = if flags & 1 != 0 { " kept" } else { "" };
+        let again = if flags & 8 != 0 { " again" } else { "" };
+        format!("Publish {topic}={payload} q{qos}{id}{kept}{again}{}", in_brackets(&properties))
+    }
+
+    fn in_brackets(properties: &[Property<'_>]) -> String {
+        if properties.is_empty() { String::new() } else { format!(" {properties:?}") }
+    }
+
+    /// What a client sends is what the gate reads.
+    #[test]
+    fn packets_of_these_tests_are_good_ones() {
+        let out = publish_with(0x32, "a", "x", 3, &[Property::TopicAlias(2)]);
+        let frame = frame(&out, 100).unwrap().unwrap();
+        assert_eq!(publish::read(&frame, &out, Version::Five).unwrap().payload, b"x");
+        let mut plain = BytesMut::new();
+        write::ack_with(&mut plain, Kind::Puback, 1, crate::packet::reason::Reason::Quota, None);
+        assert_eq!(in_words(&plain), ["Puback 1 0x97"]);
+    }
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::scene::{OPERATOR, Scene, broker, publish, unsubscribe};
 use crate::frame::Kind;
 use crate::limits::{AWAY, QUEUE, QUEUE_BYTES, WINDOW, WINDOW_BYTES};
+use crate::message::Draft;
 use crate::packet::Qos;
 use crate::{Broker, Session};
 
@@ -19,11 +20,11 @@ fn what_was_not_acknowledged_comes_again_in_the_next_connection() {
     let mut writer = Scene::at_broker(&broker, OPERATOR, |_| {});
     let mut scene = writer.reader(&[("a/#", Qos::Two)]);
     writer.client(&publish(0x33, "a/kept", "0", 9)).unwrap();
-    let mut session = scene.connection.into_session();
+    let mut session = scene.connection.into_session().unwrap();
     for _ in 0..2 {
         scene = back(&broker, session);
         scene.got();
-        session = scene.connection.into_session();
+        session = scene.connection.into_session().unwrap();
     }
     scene = back(&broker, session);
     assert_eq!(scene.got(), ["Publish a/kept=0 q1 #1 again"], "as often as it breaks");
@@ -32,11 +33,11 @@ fn what_was_not_acknowledged_comes_again_in_the_next_connection() {
     assert_eq!(scene.got(), ["Publish a/1=x q1 #2", "Publish a/2=y q2 #3", "Publish a/3=z q2 #4"]);
     scene.acknowledge(Kind::Pubrec, 3);
     assert_eq!(scene.got(), ["Pubrel 3"]);
-    let mut scene = back(&broker, scene.connection.into_session());
+    let mut scene = back(&broker, scene.connection.into_session().unwrap());
     assert_eq!(scene.got(), ["Publish a/1=x q1 #2 again", "Pubrel 3", "Publish a/3=z q2 #4 again"]);
     scene.acknowledge(Kind::Pubcomp, 3);
     scene.acknowledge(Kind::Puback, 2);
-    let mut scene = back(&broker, scene.connection.into_session());
+    let mut scene = back(&broker, scene.connection.into_session().unwrap());
     assert_eq!(scene.got(), ["Publish a/3=z q2 #4 again"]);
 }
 
@@ -52,7 +53,7 @@ fn an_answer_to_what_was_not_sent_does_nothing() {
     scene.acknowledge(Kind::Pubrec, 1);
     assert_eq!(scene.got(), ["Pubrel 1"], "whoever asks is answered");
     let broker = scene.broker.clone();
-    assert_eq!(back(&broker, scene.connection.into_session()).got().len(), 2);
+    assert_eq!(back(&broker, scene.connection.into_session().unwrap()).got().len(), 2);
 }
 
 #[test]
@@ -60,7 +61,7 @@ fn whoever_is_away_gets_what_is_to_reach_him_surely_and_of_the_rest_what_is_kept
     let broker = broker();
     let mut writer = Scene::at_broker(&broker, OPERATOR, |_| {});
     let scene = writer.reader(&[("a/#", Qos::One), ("b/#", Qos::Zero)]);
-    let session = scene.connection.into_session();
+    let session = scene.connection.into_session().unwrap();
     let said = [
         publish(0x32, "a/1", "x", 1),
         publish(0x30, "a/2", "lost", 0),
@@ -75,8 +76,11 @@ fn whoever_is_away_gets_what_is_to_reach_him_surely_and_of_the_rest_what_is_kept
     assert_eq!(scene.read(), ["b/2=now q0"]);
     scene.client(&unsubscribe(3, &["b/#"])).unwrap();
     assert_eq!(scene.got(), ["Unsuback 3"]);
-    assert_eq!(scene.connection.into_session().filters().collect::<Vec<_>>(), ["a/#"]);
-    assert!(broker.readers.of("a/1").is_empty() && broker.readers.of("b/1").is_empty(), "a session that is dropped is forgotten");
+    assert_eq!(scene.connection.into_session().unwrap().filters().collect::<Vec<_>>(), ["a/#"]);
+    assert!(
+        broker.readers.of("a/1", None).is_empty() && broker.readers.of("b/1", None).is_empty(),
+        "a session that is dropped is forgotten"
+    );
 }
 
 /// Safety A5: whoever is away cannot read, and may be many.
@@ -84,12 +88,12 @@ fn whoever_is_away_gets_what_is_to_reach_him_surely_and_of_the_rest_what_is_kept
 fn for_one_who_is_away_only_so_much_waits_and_the_newest() {
     let broker = broker();
     let mut writer = Scene::at_broker(&broker, OPERATOR, |_| {});
-    let session = writer.reader(&[("a/#", Qos::One)]).connection.into_session();
+    let session = writer.reader(&[("a/#", Qos::One)]).connection.into_session().unwrap();
     for n in 0..10_000 {
         writer.client(&publish(0x32, "a/b", &format!("{n:0100}"), 1)).unwrap();
     }
     assert!(broker.beside() <= QUEUE, "{} bytes", broker.beside());
-    let much = vec![broker.message("x".into(), &vec![0; AWAY + 1], Qos::One)];
+    let much = vec![broker.message(Draft::plain("x", &vec![0; AWAY + 1], Qos::One))];
     writer.client(&[publish(0x33, "a/kept", "newest", 2), publish(0x32, "a/b", "one too many", 3)].concat()).unwrap();
     drop(much);
     let mut scene = back(&broker, session);
@@ -132,8 +136,8 @@ fn there_is_an_end_to_the_bytes_of_what_is_not_acknowledged() {
     let got: usize = std::iter::from_fn(|| Some(reader.got().len()).filter(|got| *got > 0)).sum();
     assert_eq!((got, reader.connection.has_window()), (4, false));
     assert!(reader.connection.shared() > WINDOW_BYTES && broker.beside() < WINDOW_BYTES + QUEUE_BYTES);
-    let _much = broker.message("x".into(), &vec![0; AWAY], Qos::One);
-    let mut again = back(&broker, reader.connection.into_session());
+    let _much = broker.message(Draft::plain("x", &vec![0; AWAY], Qos::One));
+    let mut again = back(&broker, reader.connection.into_session().unwrap());
     let got = again.read();
     assert_eq!((got.len(), got[0].ends_with(" q1")), (1, true), "of what it has missed the newest that is kept");
 }

@@ -1,0 +1,92 @@
+//! How one client is told things: in the version that it speaks, in no longer packets than it takes, and with short names for topics, if
+//! it wants some.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use crate::frame::Kind;
+use crate::limits::{ALIASES, SHARED, WITH_WORDS};
+use crate::outbox::Outbox;
+use crate::packet::connect::Reception;
+use crate::packet::reason::Reason;
+use crate::packet::{Version, write};
+use crate::subscriber::Delivery;
+
+#[derive(Debug, Default)]
+pub(super) struct ClientWriter {
+    version: Version,
+    reception: Reception,
+    /// The topics that have a short name, which is their place, counted from 1 on.
+    aliases: Vec<Arc<str>>,
+}
+
+impl ClientWriter {
+    pub(super) const fn new(version: Version, reception: Reception) -> ClientWriter {
+        ClientWriter { version, reception, aliases: Vec::new() }
+    }
+
+    pub(super) const fn version(&self) -> Version {
+        self.version
+    }
+
+    /// A message, with its id and whether it was sent before; whether the client takes one of its length.
+    pub(super) fn publish(
+        &mut self,
+        delivery: &Delivery,
+        (id, is_duplicate): (u16, bool),
+        now: Duration,
+        out: &mut Outbox,
+    ) -> bool {
+        let Delivery { message, qos, retain, ids } = delivery;
+        let (topic, payload) = (message.topic().as_bytes(), message.payload());
+        let mut head = write::PublishHead { topic, qos: *qos, id, retain: *retain, is_duplicate, properties: None };
+        if self.version == Version::Five {
+            let known = self.aliases.iter().position(|known| **known == *message.topic());
+            let is_new = known.is_none() && self.aliases.len() < usize::from(ALIASES.min(self.reception.aliases));
+            let alias = known.or_else(|| is_new.then_some(self.aliases.len()));
+            head.properties = Some(write::PublishProperties {
+                expiry_s: message.good_for_s(now),
+                alias: alias.map(|place| place as u16 + 1),
+                ids: ids.as_deref().unwrap_or_default(),
+                others: message.properties(),
+            });
+            if known.is_some() {
+                head.topic = &[];
+            }
+            if head.length(payload.len()) > self.reception.largest as usize {
+                return false;
+            }
+            if is_new {
+                self.aliases.push(message.shared_topic());
+            }
+        }
+        if payload.len() < SHARED {
+            head.with(out.end(), payload);
+        } else {
+            head.before(out.end(), payload.len());
+            out.share(message.shared_payload());
+        }
+        true
+    }
+
+    /// PUBACK, PUBREC, PUBREL or PUBCOMP, with why, and that in words, if there are any.
+    pub(super) fn ack(&self, kind: Kind, id: u16, (reason, words): (Reason, &str), out: &mut Outbox) {
+        if self.version == Version::Three || reason == Reason::Success && words.is_empty() {
+            return write::ack(out.end(), kind, id);
+        }
+        write::ack_with(out.end(), kind, id, reason, self.words(words));
+    }
+
+    /// The last word.
+    pub(super) fn disconnect(&self, reason: Reason, words: &str, out: &mut Outbox) {
+        if self.version == Version::Five {
+            write::disconnect(out.end(), reason, self.words(words));
+        }
+    }
+
+    /// What may be said of why, to one who wants to know, and takes packets that are long enough.
+    pub(super) fn words<'a>(&self, words: &'a str) -> Option<&'a str> {
+        let is_wanted = self.reception.wants_words && self.reception.largest > WITH_WORDS;
+        (is_wanted && !words.is_empty()).then_some(words)
+    }
+}

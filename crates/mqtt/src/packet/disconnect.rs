@@ -1,0 +1,54 @@
+//! DISCONNECT (section 3.14): how a client takes its leave.
+
+use super::properties::{Place, Properties, Property};
+use super::{Fields, Version};
+use crate::frame::Malformed;
+
+/// What a client says when it goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Disconnect {
+    /// The reason code; 0: all is well, and no will is left.
+    pub reason: u8,
+    /// How long it wants to be remembered now, in seconds; `None`: as it said before.
+    pub session_expiry_s: Option<u32>,
+}
+
+/// Reads one.
+///
+/// # Errors
+/// When it is none: of MQTT 3.1.1, when there is a body.
+pub fn read(body: &[u8], version: Version) -> Result<Disconnect, Malformed> {
+    let mut fields = Fields::new(body);
+    let mut disconnect = Disconnect { reason: 0, session_expiry_s: None };
+    if version == Version::Three || body.is_empty() {
+        return fields.end().map(|()| disconnect);
+    }
+    disconnect.reason = match fields.byte("reason")? {
+        reason @ (0x00 | 0x04 | 0x80..=0x83 | 0x90 | 0x93..=0x99) => reason,
+        reason => return Err(Malformed::Reason(reason)),
+    };
+    if !fields.rest().is_empty() {
+        let mut properties = Properties::read(&mut fields, Place::Disconnect)?;
+        disconnect.session_expiry_s =
+            properties.find_map(|property| if let Property::SessionExpiry(seconds) = property { Some(seconds) } else { None });
+    }
+    fields.end().map(|()| disconnect)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_farewell_is_read_strictly() {
+        let (three, five) = (|body: &[u8]| read(body, Version::Three), |body: &[u8]| read(body, Version::Five));
+        let said = |reason, session_expiry_s| Ok(Disconnect { reason, session_expiry_s });
+        assert_eq!((three(&[]), five(&[])), (said(0, None), said(0, None)));
+        assert_eq!(three(&[0]), Err(Malformed::Trailing(1)));
+        assert_eq!(five(&[4]), said(4, None));
+        assert_eq!(five(&[0, 5, 0x11, 0, 0, 0, 9]), said(0, Some(9)));
+        assert_eq!(five(&[0x8E]), Err(Malformed::Reason(0x8E)), "that is for the server to say");
+        assert_eq!(five(&[0, 3, 0x21, 0, 1]), Err(Malformed::Property(0x21)));
+        assert_eq!(five(&[0, 0, 0]), Err(Malformed::Trailing(1)));
+    }
+}

@@ -1,0 +1,114 @@
+//! The filters that one subscriber holds, and what was granted for each. Who reads what by them stands in `readers`, what waits for him in
+//! `subscriber`.
+
+use std::sync::Arc;
+
+use super::filter::{self, Shared};
+use super::packet::Qos;
+use super::packet::filters::Options;
+use super::readers::Readers;
+use super::subscriber::Subscriber;
+
+/// Numbers of subscriptions; most have none.
+pub(crate) type Ids = Option<Arc<[u32]>>;
+
+/// What a subscriber wanted of a filter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Grant {
+    pub(crate) options: Options,
+    /// The number that he gave it.
+    pub(crate) id: Option<u32>,
+}
+
+impl Grant {
+    /// At this quality, and else as in MQTT 3.1.1.
+    pub(crate) const fn at(qos: Qos) -> Grant {
+        Grant { options: Options::at(qos), id: None }
+    }
+
+    /// Its number, alone.
+    pub(crate) fn ids(&self) -> Ids {
+        self.id.map(|id| Arc::from([id]))
+    }
+}
+
+/// A subscriber and the filters that it holds; it is one no more when this is dropped.
+#[derive(Debug)]
+pub(crate) struct Subscription {
+    subscriber: Arc<Subscriber>,
+    readers: Arc<Readers>,
+    held: Vec<(Arc<str>, Grant)>,
+}
+
+impl Subscription {
+    pub(crate) fn new(readers: &Arc<Readers>) -> Subscription {
+        Subscription { subscriber: Arc::default(), readers: Arc::clone(readers), held: Vec::new() }
+    }
+
+    pub(crate) fn subscriber(&self) -> &Arc<Subscriber> {
+        &self.subscriber
+    }
+
+    /// The filters that it holds, with what was granted for each.
+    pub(crate) fn held(&self) -> &[(Arc<str>, Grant)] {
+        &self.held
+    }
+
+    pub(crate) fn holds(&self, filter: &str) -> bool {
+        self.held.iter().any(|(held, _)| &**held == filter)
+    }
+
+    /// From now on what is published there comes to it, or, when the filter is a shared one, to it or another.
+    pub(crate) fn hold(&mut self, filter: &str, grant: Grant) -> Arc<str> {
+        let name = match self.held.iter_mut().find(|(held, _)| &**held == filter) {
+            Some((name, granted)) => {
+                *granted = grant;
+                Arc::clone(name)
+            }
+            None => {
+                let name: Arc<str> = Arc::from(filter);
+                self.held.push((Arc::clone(&name), grant));
+                name
+            }
+        };
+        match filter::shared(&name) {
+            None => self.readers.enter(&name, None, &self.subscriber, grant),
+            Some(Shared { group, filter }) => self.readers.enter(&Arc::from(filter), Some(group), &self.subscriber, grant),
+        }
+        name
+    }
+
+    /// Lets a filter go; whether it was held.
+    pub(crate) fn strike(&mut self, filter: &str) -> bool {
+        let Some(place) = self.held.iter().position(|(held, _)| &**held == filter) else { return false };
+        self.held.remove(place);
+        self.strike_out(filter);
+        true
+    }
+
+    fn strike_out(&self, filter: &str) {
+        match filter::shared(filter) {
+            None => self.readers.strike(filter, None, &self.subscriber),
+            Some(Shared { group, filter }) => self.readers.strike(filter, Some(group), &self.subscriber),
+        }
+    }
+
+    /// He has gone, and comes again: what is to reach him surely waits for him, if it has room, and nobody waits until he reads it.
+    pub(crate) fn leave(&self, has_room: bool) {
+        self.subscriber.go_away(has_room);
+    }
+
+    /// He is here again.
+    pub(crate) fn come_back(&self) {
+        self.subscriber.come_back();
+    }
+}
+
+impl Drop for Subscription {
+    fn drop(&mut self) {
+        for (filter, _) in &self.held {
+            self.strike_out(filter);
+        }
+        self.subscriber.go();
+    }
+}

@@ -1,0 +1,108 @@
+//! rumqttc's client of MQTT 5, and what it says in the words of `transport`.
+
+use bytes::Bytes;
+use futures_util::stream::{Stream, unfold};
+use rumqttc::Outgoing;
+use rumqttc::v5::mqttbytes::QoS;
+use rumqttc::v5::mqttbytes::v5::{
+    Filter, LastWill, Packet, PubAck, PubAckReason, Publish, PublishProperties, SubscribeReasonCode,
+};
+use rumqttc::v5::{AsyncClient, Event as Happened, MqttOptions};
+
+use super::super::publication::{JSON, LARGEST, Publication};
+use super::link::{BESIDE, IN_FLIGHT, IN_FLIGHT_BELOW, Link, network};
+use super::lost::Lost;
+use super::times::Times;
+use super::transport::{Event, Heard};
+
+pub(super) struct Five(AsyncClient);
+
+/// What rumqttc is told, with the last will that the broker speaks when we are lost.
+fn options(link: &Link, will: Publication, times: &Times) -> MqttOptions {
+    let mut options = MqttOptions::new(&link.client_id, &link.host, link.port);
+    options.set_clean_start(true).set_keep_alive(times.keep_alive);
+    options.set_max_packet_size(u32::try_from(LARGEST).ok()).set_outgoing_inflight_upper_limit(IN_FLIGHT_BELOW);
+    options.set_last_will(LastWill::new(will.topic, Vec::from(will.payload), QoS::AtLeastOnce, will.retain, None));
+    if let Some((name, password)) = &link.login {
+        options.set_credentials(name, password);
+    }
+    if let Some(transport) = link.transport() {
+        options.set_transport(transport);
+    }
+    options.set_network_options(network(times));
+    options
+}
+
+impl Five {
+    /// A client, and what happens to it.
+    pub(super) fn begin(
+        link: &Link,
+        will: Publication,
+        times: &Times,
+    ) -> (Five, impl Stream<Item = Result<Event, Lost>> + Send + use<>) {
+        let (client, events) = AsyncClient::new(options(link, will, times), IN_FLIGHT + BESIDE);
+        // As in `three`.
+        let events = unfold(events, async |mut events| {
+            let happened = events.poll().await.map(event).map_err(Lost::from);
+            Some((happened, events))
+        });
+        (Five(client), events)
+    }
+
+    pub(super) fn subscribe(&self, filters: Vec<String>) -> bool {
+        let filters = filters.into_iter().map(|path| Filter::new(path, QoS::AtLeastOnce));
+        self.0.try_subscribe_many(filters).is_ok()
+    }
+
+    pub(super) fn publish(&self, publication: &Publication) -> bool {
+        let Publication { topic, payload, retain, .. } = publication;
+        let properties = properties(publication);
+        self.0.try_publish_with_properties(topic, QoS::AtLeastOnce, *retain, payload.clone(), properties).is_ok()
+    }
+
+    pub(super) fn hang_up(&self) -> bool {
+        self.0.try_disconnect().is_ok()
+    }
+}
+
+fn properties(Publication { beside, .. }: &Publication) -> PublishProperties {
+    let by = beside.by.iter().map(|by| ("by".to_owned(), by.to_string()));
+    let revision = beside.revision.iter().map(|revision| ("revision".to_owned(), revision.to_string()));
+    PublishProperties {
+        payload_format_indicator: beside.is_json.then_some(1),
+        content_type: beside.is_json.then(|| JSON.to_owned()),
+        correlation_data: beside.correlation.clone(),
+        user_properties: by.chain(revision).collect(),
+        ..PublishProperties::default()
+    }
+}
+
+fn event(happened: Happened) -> Event {
+    match happened {
+        Happened::Outgoing(Outgoing::Publish(id)) => Event::Sent(id),
+        Happened::Outgoing(Outgoing::Disconnect) => Event::HungUp,
+        Happened::Incoming(Packet::ConnAck(greeting)) => {
+            let said = greeting.properties;
+            let largest = said.as_ref().and_then(|said| said.max_packet_size);
+            Event::Greeted { largest, receive_maximum: said.and_then(|said| said.receive_max) }
+        }
+        Happened::Incoming(Packet::SubAck(answer)) => {
+            Event::Subscribed(answer.return_codes.iter().map(|code| matches!(code, SubscribeReasonCode::Success(_))).collect())
+        }
+        Happened::Incoming(Packet::PubAck(PubAck { pkid, reason, .. })) => {
+            let is_refused = !matches!(reason, PubAckReason::Success | PubAckReason::NoMatchingSubscribers);
+            Event::Acknowledged { id: pkid, is_refused }
+        }
+        Happened::Incoming(Packet::Publish(said)) => heard(said),
+        Happened::Incoming(_) | Happened::Outgoing(_) => Event::Other,
+    }
+}
+
+fn heard(said: Publish) -> Event {
+    let Ok(topic) = String::from_utf8(Vec::from(said.topic)) else { return Event::Other };
+    let answer_to = said.properties.and_then(|properties| {
+        let correlation: Option<Bytes> = properties.correlation_data;
+        properties.response_topic.map(|topic| (topic, correlation))
+    });
+    Event::Heard(Heard { topic, payload: said.payload, id: said.pkid, is_duplicate: said.dup, retain: said.retain, answer_to })
+}
