@@ -115,8 +115,8 @@ impl Broker {
         is_kept
     }
 
-    /// A will is published, `now` on the clock of all connections, for somebody who may leave it; whether it is kept, if it is to be.
-    pub(crate) fn publish_will(&self, will: &Will, payer: &Payer, now: Duration) -> bool {
+    /// A will is published, `now` on the clock of all connections, for somebody who may leave it.
+    pub(crate) fn publish_will(&self, will: &Will, payer: &Payer, now: Duration) {
         let message = self.message(Draft {
             topic: Arc::from(will.topic.as_str()),
             payload: &will.payload,
@@ -126,9 +126,10 @@ impl Broker {
             expires_at: will.expiry_s.map(|seconds| now + Duration::from_secs(u64::from(seconds))),
             publisher: None,
         });
-        let is_kept = !will.retain || self.retained.keep(payer, &message, now);
+        if will.retain && !self.retained.keep(payer, &message, now) && self.lines.admit(now) {
+            tracing::warn!(topic = will.topic, "a will is not kept, there being too many kept messages");
+        }
         self.send(&message, &self.readers.of(&will.topic, None));
-        is_kept
     }
 
     /// The program itself subscribes to these filters, each of which has to be a good one.

@@ -314,9 +314,9 @@ mod tests {
         put(&reader);
         assert_eq!(turns(9), 2, "nor has who does not keep up");
         reader.subscriber.next(true);
-        members[1].leave(true);
+        members[1].subscriber().go_away(true);
         assert_eq!(turns(9), 2, "who is away has none");
-        members.iter().for_each(|member| member.leave(true));
+        members.iter().for_each(|member| member.subscriber().go_away(true));
         assert_eq!(turns(3), 3, "all are away: it waits for one of them");
         members[0].strike("$share/g/a/+");
         assert_eq!(readers.of("a/b", None).groups.iter().map(Vec::len).max(), Some(2));

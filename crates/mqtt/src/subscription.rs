@@ -92,16 +92,6 @@ impl Subscription {
             Some(Shared { group, filter }) => self.readers.strike(filter, Some(group), &self.subscriber),
         }
     }
-
-    /// He has gone, and comes again: what is to reach him surely waits for him, if it has room, and nobody waits until he reads it.
-    pub(crate) fn leave(&self, has_room: bool) {
-        self.subscriber.go_away(has_room);
-    }
-
-    /// He is here again.
-    pub(crate) fn come_back(&self) {
-        self.subscriber.come_back();
-    }
 }
 
 impl Drop for Subscription {

@@ -126,7 +126,8 @@ impl ClientIds {
     }
 
     /// Forgets those whose time is over, and lets their wills be published, for ever.
-    pub(super) async fn keep(&self, clock: Clock) {
+    pub(super) async fn keep(&self) {
+        let clock = self.0.clock;
         loop {
             let due = self.registry().sessions().filter_map(Session::poll_timeout).min();
             tokio::select! {

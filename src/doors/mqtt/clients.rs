@@ -107,7 +107,7 @@ impl Clients {
 
     /// Looks after those who are away, for ever: how long each is remembered, and what he left.
     pub(super) async fn keep(&self) {
-        self.0.ids.keep(self.0.clock).await;
+        self.0.ids.keep().await;
     }
 
     /// Listens to a newcomer to the end, on the thread that hears, while it is served on `work`.

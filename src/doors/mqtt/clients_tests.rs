@@ -4,7 +4,7 @@ use tokio::io::AsyncReadExt;
 use tokio::sync::{mpsc, watch};
 
 use super::*;
-use crate::access::{Access, Key, Keyring, Keys, OPERATOR, Role, Token};
+use crate::access::{Access, Caller, Key, Keyring, Keys, OPERATOR, Role, Token};
 use crate::api::fixture::idle;
 use crate::doors::mqtt::identity::Identity;
 use crate::doors::mqtt::limits::CONNECTIONS;
@@ -12,7 +12,7 @@ use crate::doors::mqtt::session::testing::topics;
 use crate::runtime::obedient::{Script, obedient};
 use crate::runtime::within::within;
 use hallsweep_core::command::Command;
-use mqtt_gate::packet::connect::NoConnect;
+use mqtt_gate::packet::connect::{Credentials, NoConnect};
 
 /// What connections have in common before a loop that does as it is told; what became of commands is read by nobody.
 fn clients() -> (Clients, Script) {
@@ -145,6 +145,20 @@ async fn with_keys_a_stop_behind_such_a_connect_halts_for_whoever_shows_one() {
     for nobody in [&hello(("MQTT", 5, 2), "", "")[..], &packet(0x1F, b"?"), &[]] {
         assert_eq!(says(access.clone(), &[nobody, &stop].concat()).await.0, 0);
     }
+}
+
+/// And nobody is told so who is, or who wants nothing to be.
+#[test]
+fn a_client_of_mqtt_5_that_cannot_be_remembered_is_told_so() {
+    let told = |session_expiry_s, is_remembered| {
+        let credentials = Credentials { version: Version::Five, ..Credentials::default() };
+        let connect = Connect { session_expiry_s, keep_alive_s: 60, credentials, ..Connect::default() };
+        let known =
+            IdentifiedClient { connect, has_new_id: false, identity: Identity(Caller::Here), origin: from_here(Access::Open) };
+        let greeting = known.greeting(false, is_remembered);
+        greeting.windows(5).any(|bytes| bytes == [0x11, 0, 0, 0, 0])
+    };
+    assert_eq!([told(60, false), told(60, true), told(0, false)], [true, false, false]);
 }
 
 /// Safety A5: however many show a wrong password, no more of them wait for their answer than may wait.

@@ -13,7 +13,7 @@ pub(super) const LARGEST: usize = 2 << 20;
 const HEADERS: usize = 16;
 
 /// What everything of ours is that is neither a photo nor a word.
-pub(super) const JSON: &str = "application/json";
+const JSON: &str = "application/json";
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Publication {

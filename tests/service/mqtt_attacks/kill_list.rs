@@ -1,6 +1,8 @@
 //! What ends or stops brokers that trust their clients, one after the other, each through the public door.
 
-use super::client::Came;
+use std::io::Write;
+
+use super::client::{Came, Client};
 use super::packets::{
     CONNACK, DISCONNECT, PUBACK, PUBCOMP, PUBREC, PUBREL, RETAIN, SUBACK, UNSUBACK, ack, connect, connect_with, packet, publish,
     subscribe, text, unsubscribe,
@@ -210,6 +212,31 @@ fn a_client_that_takes_its_leave_in_the_middle_of_a_burst_is_gone_and_no_more() 
         }
         siege.stands();
     });
+}
+
+/// What hears a STOP before anything is judged hears it with whatever is wrong in it.
+#[test]
+fn a_stop_that_wants_its_answer_where_no_topic_is_gets_it_where_answers_are() {
+    let mut siege = Siege::begin();
+    for wanted in ["", "panel/#", "panel/+/x", "$SYS/x", "hallsweep/discovery/state/robot"] {
+        let mut listener = siege.client("listener");
+        assert_eq!(listener.subscribe("#", 0), 0);
+        let stop = "hallsweep/discovery/command/stop";
+        let properties = [&[8][..], &text(wanted)].concat();
+        let length = u8::try_from(properties.len()).expect("it is short");
+        let said = packet(0x30, &[&text(stop)[..], &[length], &properties].concat());
+        let client = Client::try_speaking(siege.broker, &connect("asker", 60), true).expect("it is let in");
+        client.mouth().write_all(&said).expect("the broker takes it");
+        loop {
+            let message = listener.message();
+            assert!(!message.topic.is_empty() && !message.topic.contains(['+', '#']), "{message:?}");
+            if message.topic == format!("{stop}/result") {
+                break;
+            }
+        }
+        drop(client);
+    }
+    siege.stands();
 }
 
 #[test]

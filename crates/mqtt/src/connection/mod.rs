@@ -106,7 +106,7 @@ impl ClientConnection {
         // A will that waits is not published any more.
         let Session { subscription, unreleased, mut unacknowledged, .. } = terms.session;
         let subscription = subscription.unwrap_or_else(|| Subscription::new(&broker.readers));
-        subscription.come_back();
+        subscription.subscriber().come_back();
         let mut writer = ClientWriter::new(version, reception);
         let mut to_client = Outbox::default();
         to_client.end().extend_from_slice(&terms.greeting);
@@ -284,7 +284,7 @@ impl ClientConnection {
             return None;
         }
         let has_room = self.broker.has_room_for_away();
-        self.subscription.leave(has_room);
+        self.subscription.subscriber().go_away(has_room);
         if !has_room && let Some(stamp) = self.unacknowledged.clear() {
             self.subscription.subscriber().miss(stamp);
         }

@@ -26,7 +26,7 @@ pub(super) struct Refusals {
 
 impl Lines {
     /// Whether one more is written.
-    fn admit(&self, now: Duration) -> bool {
+    pub(crate) fn admit(&self, now: Duration) -> bool {
         let mut lines = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if now >= lines.0 {
             *lines = (now + PERIOD, 0);

@@ -8,7 +8,6 @@ pub enum Reason {
     Success = 0x00,
     NoSubscribers = 0x10,
     NoSubscription = 0x11,
-    Unspecified = 0x80,
     Malformed = 0x81,
     Protocol = 0x82,
     Version = 0x84,

@@ -9,11 +9,12 @@ use rumqttc::v5::mqttbytes::v5::{
 };
 use rumqttc::v5::{AsyncClient, Event as Happened, MqttOptions};
 
-use super::super::publication::{JSON, LARGEST, Publication};
+use super::super::publication::{LARGEST, Publication};
 use super::link::{BESIDE, IN_FLIGHT, IN_FLIGHT_BELOW, Link, network};
 use super::lost::Lost;
 use super::times::Times;
 use super::transport::{Event, Heard};
+use mqtt_gate::packet::properties::Property;
 
 pub(super) struct Five(AsyncClient);
 
@@ -55,8 +56,8 @@ impl Five {
     }
 
     pub(super) fn publish(&self, publication: &Publication) -> bool {
-        let Publication { topic, payload, retain, .. } = publication;
-        let properties = properties(publication);
+        let Publication { topic, payload, retain, beside } = publication;
+        let properties = beside.with_properties(properties);
         self.0.try_publish_with_properties(topic, QoS::AtLeastOnce, *retain, payload.clone(), properties).is_ok()
     }
 
@@ -65,16 +66,21 @@ impl Five {
     }
 }
 
-fn properties(Publication { beside, .. }: &Publication) -> PublishProperties {
-    let by = beside.by.iter().map(|by| ("by".to_owned(), by.to_string()));
-    let revision = beside.revision.iter().map(|revision| ("revision".to_owned(), revision.to_string()));
-    PublishProperties {
-        payload_format_indicator: beside.is_json.then_some(1),
-        content_type: beside.is_json.then(|| JSON.to_owned()),
-        correlation_data: beside.correlation.clone(),
-        user_properties: by.chain(revision).collect(),
-        ..PublishProperties::default()
+/// What is said beside a message, in rumqttc's words.
+fn properties(properties: &[Property<'_>]) -> PublishProperties {
+    let mut said = PublishProperties::default();
+    for property in properties {
+        if let Property::PayloadFormat(flag) = *property {
+            said.payload_format_indicator = Some(flag);
+        } else if let Property::ContentType(content) = *property {
+            said.content_type = Some(content.to_owned());
+        } else if let Property::CorrelationData(data) = *property {
+            said.correlation_data = Some(Bytes::copy_from_slice(data));
+        } else if let Property::User(name, value) = *property {
+            said.user_properties.push((name.to_owned(), value.to_owned()));
+        }
     }
+    said
 }
 
 fn event(happened: Happened) -> Event {
