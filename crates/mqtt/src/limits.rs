@@ -29,11 +29,14 @@ pub const KEEP_ALIVE_S: u16 = 57_600;
 /// What a client says of itself (user properties) when it publishes, in bytes, and all else that goes on with a message.
 pub(crate) const PROPERTIES: usize = 16 * 1024;
 
-/// Filters held by one connection.
-pub const FILTERS: usize = 64;
+/// Filters held by one connection: Home Assistant makes one for each topic of each of its devices.
+pub const FILTERS: usize = 1024;
 
-/// Filters in one packet: more than a connection may hold, so that each is answered, and few enough to be read at once.
-pub(crate) const PACKET_FILTERS: usize = 256;
+/// Bytes of all filters held by one connection.
+pub(crate) const FILTER_BYTES: usize = 64 * 1024;
+
+/// Filters in one packet, since a packet is answered in one turn. Home Assistant sends up to 500.
+pub(crate) const PACKET_FILTERS: usize = 512;
 
 /// Kept messages of all clients,
 pub(crate) const KEPT: usize = 10 * 1024;

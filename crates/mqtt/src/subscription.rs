@@ -1,9 +1,11 @@
 //! The filters that one subscriber holds, and what was granted for each. Who reads what by them stands in `readers`, what waits for him in
 //! `subscriber`.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::filter::{self, Shared};
+use super::limits::{FILTER_BYTES, FILTERS};
 use super::packet::Qos;
 use super::packet::filters::Options;
 use super::readers::Readers;
@@ -37,12 +39,14 @@ impl Grant {
 pub(crate) struct Subscription {
     subscriber: Arc<Subscriber>,
     readers: Arc<Readers>,
-    held: Vec<(Arc<str>, Grant)>,
+    held: BTreeMap<Arc<str>, Grant>,
+    /// Bytes of the filters held.
+    bytes: usize,
 }
 
 impl Subscription {
     pub(crate) fn new(readers: &Arc<Readers>) -> Subscription {
-        Subscription { subscriber: Arc::default(), readers: Arc::clone(readers), held: Vec::new() }
+        Subscription { subscriber: Arc::default(), readers: Arc::clone(readers), held: BTreeMap::new(), bytes: 0 }
     }
 
     pub(crate) fn subscriber(&self) -> &Arc<Subscriber> {
@@ -50,27 +54,22 @@ impl Subscription {
     }
 
     /// The filters that it holds, with what was granted for each.
-    pub(crate) fn held(&self) -> &[(Arc<str>, Grant)] {
+    pub(crate) fn held(&self) -> &BTreeMap<Arc<str>, Grant> {
         &self.held
     }
 
-    pub(crate) fn holds(&self, filter: &str) -> bool {
-        self.held.iter().any(|(held, _)| &**held == filter)
+    /// Whether it may hold this filter: one that it holds already, or one more.
+    pub(crate) fn has_room(&self, filter: &str) -> bool {
+        let (count, bytes) = (self.held.len() + 1, self.bytes + filter.len());
+        self.held.contains_key(filter) || (count <= FILTERS && bytes <= FILTER_BYTES)
     }
 
     /// From now on what is published there comes to it, or, when the filter is a shared one, to it or another.
     pub(crate) fn hold(&mut self, filter: &str, grant: Grant) -> Arc<str> {
-        let name = match self.held.iter_mut().find(|(held, _)| &**held == filter) {
-            Some((name, granted)) => {
-                *granted = grant;
-                Arc::clone(name)
-            }
-            None => {
-                let name: Arc<str> = Arc::from(filter);
-                self.held.push((Arc::clone(&name), grant));
-                name
-            }
-        };
+        let name: Arc<str> = Arc::from(filter);
+        if self.held.insert(Arc::clone(&name), grant).is_none() {
+            self.bytes += name.len();
+        }
         match filter::shared(&name) {
             None => self.readers.enter(&name, None, &self.subscriber, grant),
             Some(Shared { group, filter }) => self.readers.enter(&Arc::from(filter), Some(group), &self.subscriber, grant),
@@ -80,8 +79,10 @@ impl Subscription {
 
     /// Lets a filter go; whether it was held.
     pub(crate) fn strike(&mut self, filter: &str) -> bool {
-        let Some(place) = self.held.iter().position(|(held, _)| &**held == filter) else { return false };
-        self.held.remove(place);
+        if self.held.remove(filter).is_none() {
+            return false;
+        }
+        self.bytes -= filter.len();
         self.strike_out(filter);
         true
     }
@@ -96,7 +97,7 @@ impl Subscription {
 
 impl Drop for Subscription {
     fn drop(&mut self) {
-        for (filter, _) in &self.held {
+        for filter in self.held.keys() {
             self.strike_out(filter);
         }
         self.subscriber.go();

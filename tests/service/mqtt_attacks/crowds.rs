@@ -4,7 +4,7 @@ use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
 
 use super::client::Client;
-use super::packets::{connect, subscribe};
+use super::packets::{SUBACK, connect, subscribe, subscribe_all};
 use super::siege::Siege;
 use crate::program::{Deadline, PATIENCE};
 
@@ -122,4 +122,20 @@ fn thousands_of_names_filters_and_topics_are_borne() {
     siege.stands();
     let memory = siege.memory_mib();
     assert!(memory < 150, "{memory} MiB");
+}
+
+/// Home Assistant subscribes to the topics of all its devices in packets of 500 before it comes to hallsweep's.
+#[test]
+fn a_client_with_a_thousand_filters_is_served_on_the_last_of_them() {
+    Siege::in_both(|mut siege| {
+        let mut hub = siege.client("hub");
+        let state = "hallsweep/discovery/state/temperature".to_owned();
+        let names = (0..999).map(|n| format!("zigbee2mqtt/device {n}/availability")).chain([state.clone()]);
+        for packet in names.collect::<Vec<_>>().chunks(500) {
+            hub.say(&subscribe_all(1, packet));
+            assert_eq!(hub.until(SUBACK).body[2..], [0; 500]);
+        }
+        assert_eq!(hub.message().topic, state);
+        siege.stands();
+    });
 }

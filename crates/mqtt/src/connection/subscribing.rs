@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::{ClientConnection, Ended};
 use crate::filter::{self, Shared, Unfit};
 use crate::frame::{Kind, Malformed};
-use crate::limits::FILTERS;
+use crate::limits::{FILTER_BYTES, FILTERS};
 use crate::packet::filters::{Filters, Options, RetainHandling};
 use crate::packet::reason::Reason;
 use crate::packet::{Version, write};
@@ -17,7 +17,7 @@ use crate::subscription::Grant;
 enum NotTaken {
     #[error(transparent)]
     Unfit(#[from] Unfit),
-    #[error("one connection holds at most {FILTERS} filters")]
+    #[error("one connection holds at most {FILTERS} filters, of {FILTER_BYTES} bytes in all")]
     Many,
     #[error("only those of MQTT 5 share subscriptions")]
     Shared,
@@ -40,7 +40,7 @@ impl ClientConnection {
         let filters = self.few(Filters::of_subscribe(body, self.writer.version()))?;
         let (mut codes, mut accepted, mut words) = (Vec::new(), BTreeMap::new(), String::new());
         for (filter, options) in filters {
-            let was_held = self.subscription.holds(filter);
+            let was_held = self.subscription.held().contains_key(filter);
             let grant = Grant { options, id: filters.subscription_id };
             match self.accept(filter, grant) {
                 Ok((name, is_shared)) => {
@@ -114,7 +114,7 @@ impl ClientConnection {
             Some(Shared { filter, .. }) if !self.broker.may_share(self.tier, filter) => return Err(NotTaken::Ours),
             Some(_) => {}
         }
-        if self.subscription.held().len() >= FILTERS && !self.subscription.holds(filter) {
+        if !self.subscription.has_room(filter) {
             return Err(NotTaken::Many);
         }
         Ok((self.subscription.hold(filter, grant), shared.is_some()))

@@ -1,7 +1,7 @@
 //! What clients subscribe to: who gets what, and that each packet has one answer.
 
 use super::scene::{OPERATOR, Scene, VIEWER, publish, subscribe, unsubscribe};
-use crate::limits::FILTERS;
+use crate::limits::{FILTER_BYTES, FILTERS, PACKET_FILTERS};
 use crate::packet::Qos;
 
 #[test]
@@ -47,14 +47,28 @@ fn whoever_holds_several_filters_that_match_gets_a_message_once() {
 #[test]
 fn a_connection_holds_so_many_filters() {
     let mut scene = Scene::of(OPERATOR);
-    let names: Vec<String> = (0..=FILTERS).map(|n| format!("a/{n}")).collect();
+    let names: Vec<String> = (0..FILTERS).map(|n| format!("a/{n}")).collect();
     let filters: Vec<(&str, Qos)> = names.iter().map(|name| (&**name, Qos::Zero)).collect();
-    let codes = [vec![0; FILTERS], vec![128]].concat();
-    assert_eq!(scene.subscribe(&filters), [format!("Suback (1, {codes:?})")]);
-    assert_eq!(scene.subscribe(&[("a/0", Qos::One)]), ["Suback (1, [1])"], "one of them may change");
+    for packet in filters.chunks(PACKET_FILTERS) {
+        assert_eq!(scene.subscribe(packet), [format!("Suback (1, {:?})", vec![0; packet.len()])]);
+    }
+    assert_eq!(scene.subscribe(&[("a/0", Qos::One), ("b", Qos::Zero)]), ["Suback (1, [1, 128])"], "one of them may change");
     scene.client(&unsubscribe(2, &["a/0"])).unwrap();
     scene.got();
-    assert_eq!(scene.subscribe(&[("a/64", Qos::Zero)]), ["Suback (1, [0])"]);
+    assert_eq!(scene.subscribe(&[("b", Qos::Zero)]), ["Suback (1, [0])"]);
+}
+
+#[test]
+fn the_filters_of_a_connection_have_so_many_bytes_together() {
+    let mut scene = Scene::of(OPERATOR);
+    let names: Vec<String> = (0..FILTER_BYTES / 512).map(|n| format!("{n:0>512}")).collect();
+    for name in &names {
+        assert_eq!(scene.subscribe(&[(name, Qos::Zero)]), ["Suback (1, [0])"]);
+    }
+    assert_eq!(scene.subscribe(&[("b", Qos::Zero)]), ["Suback (1, [128])"]);
+    scene.client(&unsubscribe(2, &[&names[0]])).unwrap();
+    scene.got();
+    assert_eq!(scene.subscribe(&[("b", Qos::Zero)]), ["Suback (1, [0])"]);
 }
 
 /// Section 3.8.4: a newcomer gets what is published behind his SUBSCRIBE, in its order.
