@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Read, Write};
 use std::net::{Ipv4Addr, TcpStream, UdpSocket};
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
@@ -26,8 +26,13 @@ const FORGET: &[u8] = b"\x41\x01\x00\x02T\x61\x01\x55robot";
 const CONNECT: &[u8] = b"\x10\x10\x00\x04MQTT\x04\x02\x00\x3c\x00\x04hall";
 
 fn text(program: &Program) -> String {
-    let answer = program.read("/metrics", &[]);
+    in_format(program, "text/plain")
+}
+
+fn in_format(program: &Program, media_type: &str) -> String {
+    let answer = program.read("/metrics", &[("Accept", media_type)]);
     assert_eq!(answer.status, 200, "{}", answer.text());
+    assert!(answer.header("content-type").starts_with(media_type), "{media_type}");
     answer.text()
 }
 
@@ -130,7 +135,7 @@ fn the_figures_are_what_the_interface_says() {
     assert!(at("record_seconds_count") > at("steps_total") && at("stop_seconds_count") >= 1.0, "{figures:#?}");
 }
 
-/// What Prometheus' own parsers find in the text.
+/// What Prometheus' own parsers find in the text of OpenMetrics.
 fn parsed(text: &str) -> BTreeMap<String, f64> {
     let mut parser = patiently(python().arg(folder().join("openmetrics.py")));
     let mut parser = parser.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().expect("it was there just now");
@@ -156,10 +161,29 @@ fn the_parsers_of_prometheus_read_every_figure() {
     }
     let program = Program::serve("airport", "max");
     for _ in 0..2 {
-        let text = text(&program);
+        let text = in_format(&program, "application/openmetrics-text");
         assert_eq!(parsed(&text), figures(&text));
         mission(&program);
     }
+}
+
+/// Both formats have the same series, and `promtool` finds no fault in that of Prometheus, which is the answer to `*/*`.
+#[test]
+fn promtool_finds_no_fault_in_the_text_format() {
+    let program = Program::serve("airport", "max");
+    mission(&program);
+    let open_metrics = figures(&in_format(&program, "application/openmetrics-text")).into_keys();
+    assert!(open_metrics.eq(series(&program)));
+    assert!(program.read("/metrics", &[("Accept", "*/*")]).text().contains("# TYPE hallsweep_steps_total counter\n"));
+    if !(runs(Command::new("promtool").arg("--version")) || left_out("HTTP", "promtool (apt-get install prometheus)")) {
+        return;
+    }
+    let mut promtool = patiently(Command::new("promtool").args(["check", "metrics"]));
+    let mut promtool = promtool.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it is here");
+    promtool.stdin.take().expect("it is a pipe").write_all(text(&program).as_bytes()).expect("it reads to the end");
+    let output = promtool.wait_with_output().expect("it ends");
+    let said = [output.stdout, output.stderr].concat();
+    assert!(output.status.success() && said.is_empty(), "{}", String::from_utf8_lossy(&said));
 }
 
 #[test]

@@ -1,16 +1,17 @@
-//! `GET /metrics`: the figures of the program and how the mission stands, in the text format of OpenMetrics, as Prometheus reads it. What
-//! stands is of the snapshot that every door shows: reading asks the loop for nothing, and keeps it from nothing.
+//! `GET /metrics`: the figures of the program and how the mission stands, in the text format of Prometheus or of OpenMetrics, whichever
+//! `Accept` prefers. What stands is of the snapshot that every door shows: reading asks the loop for nothing, and keeps it from nothing.
 
 use std::fmt;
 use std::sync::atomic::AtomicU64;
 
 use axum::extract::State;
-use axum::http::header;
+use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Response};
 use prometheus_client::encoding::text::encode;
 use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::registry::{Registry, Unit};
 
+use super::accept;
 use super::HttpDoor;
 use super::problem::Problem;
 use crate::runtime::figures::{Figures, Series, flag};
@@ -18,14 +19,43 @@ use hallsweep_core::mission::{Hold, PhaseName};
 use hallsweep_core::units::Celsius;
 use hallsweep_core::world::snapshot::Snapshot;
 
-const OPEN_METRICS: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
+/// The media types of both formats, the one for readers without a preference first.
+pub(super) const FORMATS: [&str; 2] = ["text/plain", "application/openmetrics-text"];
 
 /// What every name begins with.
 const PREFIX: &str = "hallsweep";
 
-pub(super) async fn metrics(State(door): State<HttpDoor>) -> Result<Response, Problem> {
+pub(super) async fn metrics(State(door): State<HttpDoor>, headers: HeaderMap) -> Result<Response, Problem> {
     let text = written(door.handle.figures(), &door.handle.snapshot()).map_err(|_| Problem::internal())?;
-    Ok(([(header::CONTENT_TYPE, OPEN_METRICS)], text).into_response())
+    // A scraper that names neither gets the older format, which all of them read.
+    let (media_type, text) = match accept::preferred(&headers, &FORMATS) {
+        Some("application/openmetrics-text") => ("application/openmetrics-text; version=1.0.0; charset=utf-8", text),
+        _ => ("text/plain; version=0.0.4; charset=utf-8", in_text_format(&text)),
+    };
+    Ok(([(header::CONTENT_TYPE, media_type), (header::VARY, "accept")], text).into_response())
+}
+
+/// OpenMetrics rewritten in the text format of Prometheus, version 0.0.4: a counter's family has the name of its samples, an info is a gauge,
+/// and units and the end are not marked.
+fn in_text_format(open_metrics: &str) -> String {
+    let mut text = String::with_capacity(open_metrics.len());
+    let mut help = "";
+    for line in open_metrics.lines() {
+        match line.split(' ').collect::<Vec<_>>()[..] {
+            ["#", "EOF"] | ["#", "UNIT", ..] => {}
+            ["#", "HELP", name, ..] => help = line.split_once(name).map_or("", |(_, help)| help),
+            ["#", "TYPE", name, kind] => {
+                let (suffix, kind) = match kind {
+                    "counter" => ("_total", kind),
+                    "info" => ("_info", "gauge"),
+                    _ => ("", kind),
+                };
+                text.push_str(&format!("# HELP {name}{suffix}{help}\n# TYPE {name}{suffix} {kind}\n"));
+            }
+            _ => text.extend([line, "\n"]),
+        }
+    }
+    text
 }
 
 fn written(figures: &Figures, snapshot: &Snapshot) -> Result<String, fmt::Error> {

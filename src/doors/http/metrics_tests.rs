@@ -66,13 +66,29 @@ fn value(text: &str, series: &str) -> Option<f64> {
 }
 
 #[tokio::test]
-async fn it_is_the_text_of_open_metrics_to_its_end() {
-    let response = app(searching()).get("/metrics").await;
-    assert_eq!(response.status(), 200);
+async fn it_is_the_text_of_open_metrics_to_its_end_for_whoever_prefers_that() {
+    // What Prometheus 3 sends.
+    let wish = "application/openmetrics-text;version=1.0.0;escaping=allow-utf-8;q=0.5,application/openmetrics-text;version=0.0.1;q=0.4,\
+                text/plain;version=1.0.0;escaping=allow-utf-8;q=0.3,text/plain;version=0.0.4;q=0.2,*/*;q=0.1";
+    let response = app(searching()).send("GET", "/metrics", &[("accept", wish)], "").await;
+    assert_eq!((response.status().as_u16(), response.headers()["vary"].as_bytes()), (200, &b"accept"[..]));
     assert_eq!(response.headers()["content-type"], "application/openmetrics-text; version=1.0.0; charset=utf-8");
     let text = text(response).await;
     assert!(text.ends_with("\n# EOF\n"), "{text}");
     assert_eq!(text.matches("# EOF").count(), 1);
+}
+
+#[tokio::test]
+async fn it_is_the_text_of_prometheus_for_everybody_else() {
+    for wish in ["*/*", "text/plain", "text/plain;version=0.0.4, application/openmetrics-text;q=0.5", "image/png"] {
+        let response = app(searching()).send("GET", "/metrics", &[("accept", wish)], "").await;
+        assert_eq!(response.headers()["content-type"], "text/plain; version=0.0.4; charset=utf-8", "{wish}");
+        let text = text(response).await;
+        for line in ["# HELP hallsweep_steps_total Cells by", "# TYPE hallsweep_steps_total counter\n", "# TYPE hallsweep_build_info gauge\n"] {
+            assert!(text.contains(line), "{line} in {text}");
+        }
+        assert!(!text.contains("# EOF") && !text.contains("# UNIT"), "{text}");
+    }
 }
 
 /// As https://prometheus.io/docs/practices/naming has it.

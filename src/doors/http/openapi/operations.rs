@@ -5,6 +5,7 @@ use axum::http::Method;
 use serde_json::{Value, json};
 
 use super::super::laboratory::asked::{LONGEST_S, MOST_FAULTS, MOST_PARCELS, USUAL_PARCELS, USUAL_S, USUAL_SEED};
+use super::super::metrics;
 use super::super::missions::{EVENTS, MISSIONS, MOST_MISSIONS};
 use super::super::query::MOST;
 use super::operation::Operation;
@@ -31,7 +32,6 @@ use hallsweep_core::command::Command;
 
 const JSON: &str = "application/json";
 const TEXT: &str = "text/plain";
-const OPEN_METRICS: &str = "application/openmetrics-text";
 
 /// All of them.
 pub(super) fn all(schemas: &mut Schemas) -> Vec<Operation> {
@@ -238,7 +238,9 @@ fn program() -> Vec<Operation> {
     let description = json!({"type": "object"});
     vec![
         get("/healthz", "getHealth", (Program, "`ok` and the revision, while the program lives")).answers(TEXT, text()),
-        get("/metrics", "getMetrics", (Program, "Its figures, as Prometheus reads them")).answers(OPEN_METRICS, text()),
+        get("/metrics", "getMetrics", (Program, "Its figures, as Prometheus reads them"))
+            .answers(metrics::FORMATS[0], text())
+            .answers(metrics::FORMATS[1], text()),
         get("/api/v1/openapi.json", "getDescription", (Program, "This description")).tagged().answers(JSON, description),
     ]
 }
