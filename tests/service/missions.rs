@@ -102,6 +102,10 @@ fn missions_are_read_back_after_a_restart() {
     let program = serve(&folder);
     check(&program, &seen);
     check_audit(&program);
+    for at in ["", "?at=9007199254740991"] {
+        let end = program.json(&format!("missions/1/moment{at}"));
+        assert_eq!((&end["luggage"], &end["map"]["rows"]), (&seen["luggage"], &seen["map"]["rows"]), "RESET emptied the hall");
+    }
     let page = program.read("/missions", &[("accept", "text/html")]).text();
     assert!(page.contains("A bomb was located; luggage #2 was left in place") && page.contains("Under way: "), "{page}");
     let state = program.json("state");

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use rusqlite::Connection;
+use rusqlite::{Connection, OptionalExtension};
 
-use super::fault::Fault;
+use super::fault::{Fault, count, whole};
 use super::recall;
 use super::rows::{self, Kinds};
 use crate::runtime::archive::{At, Moment, Sound};
@@ -34,9 +34,10 @@ pub(super) fn moments(
 ) -> Result<Vec<Moment>, Fault> {
     // All of it is read of the same journal, though somebody writes on.
     let _unchanging = connection.unchecked_transaction()?;
+    let end = end_of(connection, mission)?;
     let mut places = Vec::new();
     for at in at {
-        let Some(place) = place(connection, mission, *at)? else { return Ok(Vec::new()) };
+        let Some(place) = place(connection, mission, *at, end)? else { return Ok(Vec::new()) };
         places.push(place);
     }
     let mut oldest_first: Vec<usize> = (0..places.len()).collect();
@@ -46,24 +47,31 @@ pub(super) fn moments(
         let (seq, wall) = places[place];
         let Some(state) = stood(connection, mission, seq, before, &words)? else { return Ok(Vec::new()) };
         before = Some((seq, state.clone()));
-        moments.push((place, moment(connection, mission, (seq, wall), state)?));
+        moments.push((place, moment(connection, mission, (seq, wall), state, end)?));
     }
     moments.sort_by_key(|(place, _)| *place);
     Ok(moments.into_iter().map(|(_, moment)| moment).collect())
 }
 
-fn place(connection: &Connection, mission: MissionId, at: At) -> Result<Option<(Seq, WallTime)>, Fault> {
+/// The last entry that tells of a mission. RESET empties the hall: what stands after it is the beginning of the next mission.
+fn end_of(connection: &Connection, mission: MissionId) -> Result<Seq, Fault> {
+    let sql = "SELECT archived_seq - 1 FROM missions WHERE id = ?1 AND archived_seq IS NOT NULL";
+    let end = connection.prepare_cached(sql)?.query_row([whole(mission.0)?], |row| row.get(0)).optional()?;
+    Ok(Seq(end.map_or(i64::MAX.unsigned_abs(), count)))
+}
+
+fn place(connection: &Connection, mission: MissionId, at: At, end: Seq) -> Result<Option<(Seq, WallTime)>, Fault> {
     match at {
-        At::Entry(seq) => rows::last_of(connection, mission, Seq(seq.0.min(i64::MAX.unsigned_abs()))),
-        At::Time(unix_ms) => by_time(connection, mission, unix_ms),
+        At::Entry(seq) => rows::last_of(connection, mission, seq.min(end)),
+        At::Time(unix_ms) => by_time(connection, mission, unix_ms, end),
     }
 }
 
 /// The last entry of a mission that is not later than this; the first, if all are. Entries are in the order of their times, as long as
 /// nobody sets the clock back: then it is one of those that were written at this time.
-fn by_time(connection: &Connection, mission: MissionId, unix_ms: i64) -> Result<Option<(Seq, WallTime)>, Fault> {
+fn by_time(connection: &Connection, mission: MissionId, unix_ms: i64, end: Seq) -> Result<Option<(Seq, WallTime)>, Fault> {
     let Some(mut found) = rows::first_of(connection, mission, Seq(0))? else { return Ok(None) };
-    let Some((last, _)) = rows::last_of(connection, mission, Seq(i64::MAX.unsigned_abs()))? else { return Ok(None) };
+    let Some((last, _)) = rows::last_of(connection, mission, end)? else { return Ok(None) };
     let mut most = last.0;
     while found.0.0 < most {
         let middle = most - (most - found.0.0) / 2;
@@ -101,6 +109,7 @@ fn moment(
     mission: MissionId,
     (seq, wall): (Seq, WallTime),
     state: Sound<PersistentState>,
+    end: Seq,
 ) -> Result<Moment, Fault> {
     let Sound { of: state, damage } = state;
     let readings = rows::latest(connection, Kinds::Temperatures, seq, READINGS, NOT_LONG)?;
@@ -116,7 +125,7 @@ fn moment(
         past: Sound { of: past, damage },
         wall,
         earlier: rows::last_of(connection, mission, Seq(seq.0.saturating_sub(1)))?.map(|(seq, _)| seq),
-        later: rows::first_of(connection, mission, seq.next())?.map(|(seq, _)| seq),
+        later: rows::first_of(connection, mission, seq.next())?.map(|(seq, _)| seq).filter(|later| *later <= end),
     })
 }
 
