@@ -103,7 +103,14 @@ pub(super) fn confirm(journal: &Reading, path: &Path) -> Result<(), Failure> {
     let archive = journal.archive();
     let Some(report) = Report::again(&*archive, claim)? else {
         let Claim { mission, until, .. } = claim;
-        return Err(refused(&format!("the journal holds no mission {mission} up to entry {until}, or is another one")));
+        let why = match journal.archive_with(mission)? {
+            Some((file, digest)) => format!(
+                "mission {mission} is in the archive {file} (SHA-256 {digest}) and no longer in the journal; \
+                 `hallsweep journal check --data FILE --report {shown}`, with the path of the archive as FILE, holds the report against it"
+            ),
+            None => format!("the journal holds no mission {mission} up to entry {until}, or is another one"),
+        };
+        return Err(refused(&why));
     };
     let mut comparison = Comparison::new(Cursor::new(beginning).chain(file));
     report.write(&mut comparison).map_err(|failure| refused(&failure))?;

@@ -98,6 +98,10 @@ fn a_mission_that_was_archived_is_reported_held_against_the_journal_and_served_a
     }
     let path = beside.path().join("report.html");
     std::fs::write(&path, &kept).expect("it can be written");
+    let output = hallsweep(&["journal", "check", "--data", folder.text(), "--report", text(&path)]).output().expect("it starts");
+    let said = String::from_utf8_lossy(&output.stderr);
+    let advice = format!("mission 1 is in the archive {}", archive.file_name().expect("a file").to_string_lossy());
+    assert!(!output.status.success() && said.contains(&advice) && said.contains("--data FILE --report"), "{said}");
     let output = hallsweep(&["journal", "check", "--data", text(&archive), "--report", text(&path)]).output().expect("it starts");
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success() && said.contains("is confirmed"), "{said}");

@@ -11,7 +11,7 @@ use super::check::{self, Findings};
 use super::fault::{Fault, Then};
 use super::folder::Folder;
 use super::rows::{self, EntryFilter};
-use super::together::{self, Together};
+use super::together::{self, Records, Together};
 use super::{connect, project};
 use crate::api::journal::Line;
 use crate::runtime::archive::{Archive, Unreadable};
@@ -63,6 +63,12 @@ impl Reading {
     /// Holds these archives against the journal, and one another.
     pub fn check_archives(&self, archives: &[PathBuf]) -> Result<Together, Unreadable> {
         together::held_together(&self.connection, &self.folder, archives)
+    }
+
+    /// The archive that holds this mission, when it was written out of the journal: its file's name and SHA-256.
+    pub fn archive_with(&self, mission: MissionId) -> Result<Option<(String, String)>, Unreadable> {
+        let records = Records::of(&self.connection).map_err(|fault| unreadable(&self.folder, &fault))?;
+        Ok(records.with_mission(mission).map(|record| (record.file.clone(), record.digest.clone())))
     }
 
     pub fn check(&self) -> Result<Findings, Unreadable> {

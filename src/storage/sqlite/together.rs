@@ -21,7 +21,7 @@ use super::{chain, connect};
 use crate::api::journal::Line;
 use crate::runtime::archive::{Head, Unreadable};
 use hallsweep_core::effect::{Entry, Fact, Unpacked, WrittenOut};
-use hallsweep_core::units::Seq;
+use hallsweep_core::units::{MissionId, Seq};
 
 /// What was found between a journal and archives.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -62,6 +62,11 @@ impl Records {
     /// What was written out last, if that was all up to this entry.
     pub(super) fn written_out(&self, until: Seq) -> Option<&WrittenOut> {
         self.written_out.iter().rfind(|record| record.until == until)
+    }
+
+    /// What was written out with this mission in it.
+    pub(super) fn with_mission(&self, mission: MissionId) -> Option<&WrittenOut> {
+        self.written_out.iter().find(|record| (record.missions.0..=record.missions.1).contains(&mission))
     }
 
     /// What was unpacked, if it begins here.
