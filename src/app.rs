@@ -63,7 +63,7 @@ const LEFT_BEHIND: Duration = Duration::from_millis(200);
 /// So long the robot is waited for before requests are answered.
 const FIRST_LINK: Duration = Duration::from_secs(2);
 
-/// Serves until SIGINT or SIGTERM. `announce` is told where, with the real ports, and how one gets in, as soon as requests are
+/// Serves until SIGINT, SIGTERM or SIGHUP. `announce` is told where, with the real ports, and how one gets in, as soon as requests are
 /// answered.
 pub fn serve(settings: &Settings, announce: impl FnOnce(Doors, &Entry)) -> Result<(), AppError> {
     serve_with(settings, None, announce)

@@ -4,6 +4,7 @@
 use std::io::Write;
 use std::net::SocketAddr;
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
@@ -46,7 +47,7 @@ pub struct Cli {
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub enum Task {
-    /// Run the robot, the console, the API, the CoAP resources and the MQTT topics until SIGINT or SIGTERM (the default).
+    /// Run the robot, the console, the API, the CoAP resources and the MQTT topics until SIGINT, SIGTERM or SIGHUP (the default).
     Serve(Serve),
     /// Run one mission without doors at full speed, and print the map and what it came to.
     Explore(explore::Explore),
@@ -68,7 +69,7 @@ pub enum Task {
     Tree(tree::Trees),
     /// Run the Roomba of the laboratory, as state machine and as behaviour tree, and print what it came to.
     Roomba(roomba::Roomba),
-    /// Play a robot that speaks the line protocol, over TCP or a serial device: the simulated one, until SIGINT or SIGTERM.
+    /// Play a robot that speaks the line protocol, over TCP or a serial device: the simulated one, until SIGINT, SIGTERM or SIGHUP.
     RobotEmulator(robot_emulator::RobotEmulator),
     /// Find weights for the search by walks through random halls, and write them to a file.
     Tune(tune::Tune),
@@ -218,6 +219,31 @@ fn settings(sources: &Sources) -> Result<Settings, Failure> {
 /// `hallsweep table`: prints the mission table as it is in the program, as markdown for the documentation.
 pub fn print_table() -> Result<(), Failure> {
     print(table_markdown().trim_end())
+}
+
+/// The end of every command: says why it failed, if it did.
+pub fn end(ended: Result<(), Failure>) -> ExitCode {
+    let code = ended.map_or_else(
+        |failure| {
+            telemetry::say(format_args!("hallsweep: {failure}"));
+            failure.exit_code()
+        },
+        |()| ExitCode::SUCCESS,
+    );
+    telemetry::end();
+    code
+}
+
+/// Prints where a program is that goes on running. A thread of its own does so: standard output may be full, and never taken from.
+fn announce(text: String) {
+    let printing = std::thread::Builder::new().name("announcement".to_owned()).spawn(move || {
+        if let Err(failure) = print(&text) {
+            telemetry::warn_of_unannounced(&failure);
+        }
+    });
+    if let Err(error) = printing {
+        telemetry::warn_of_unannounced(&error);
+    }
 }
 
 /// Prints a text and a line break: the one place that writes to standard output.

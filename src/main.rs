@@ -4,18 +4,12 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use hallsweep::cli::{
-    Cli, Failure, Task, evaluate, explore, hall, healthcheck, journal, pallet, print_table, report, robot_emulator, roomba,
+    Cli, Failure, Task, end, evaluate, explore, hall, healthcheck, journal, pallet, print_table, report, robot_emulator, roomba,
     serve, token, tree, tune,
 };
 
 fn main() -> ExitCode {
-    match run(Cli::parse().task()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            eprintln!("hallsweep: {failure}");
-            failure.exit_code()
-        }
-    }
+    end(run(Cli::parse().task()))
 }
 
 fn run(task: Task) -> Result<(), Failure> {

@@ -1,9 +1,12 @@
 //! Log lines on standard error, as many as the setting `log.filter` asks for.
 //! What an operator must see is not here: that is the log of the state, which the console shows.
 
+use std::backtrace::{Backtrace, BacktraceStatus};
 use std::fmt;
-use std::io::IsTerminal;
+use std::io::{self, IsTerminal, Write};
 use std::panic;
+use std::sync::{Arc, OnceLock};
+use std::time::Duration;
 
 use tracing_subscriber::EnvFilter;
 use tracing_subscriber::fmt::format::Writer;
@@ -11,23 +14,73 @@ use tracing_subscriber::fmt::time::FormatTime;
 
 use crate::api::time::rfc3339;
 use crate::runtime::clock::Clock;
+use queue::Queue;
+
+mod queue;
 
 const RUMQTTD: &str = "rumqttd";
 
 /// How the thread of the MQTT router is called, before its number.
 const ROUTER: &str = "router-";
 
+/// How long the end of the program waits for lines that are not written yet.
+const LAST_LINES: Duration = Duration::from_secs(1);
+
+/// Where lines for standard error go in a program that must not wait for it; without a queue they are written at once.
+static QUEUE: OnceLock<Arc<Queue>> = OnceLock::new();
+
+/// From now on no thread waits for standard error, or panics because of it (safety S11). For programs that run until they are ended.
+pub fn queue_lines() {
+    // A system that has no thread for this has none for the doors either, and the start ends there.
+    let Ok(queue) = Queue::start(io::stderr()) else { return };
+    if QUEUE.set(queue).is_ok() {
+        panic::set_hook(Box::new(note_panic));
+    }
+}
+
+/// Writes a line to standard error, in its turn behind the lines of the log.
+pub fn say(line: impl fmt::Display) {
+    put(format!("{line}\n").as_bytes());
+}
+
+/// Waits until everything that was said is written, but not long.
+pub fn end() {
+    if let Some(queue) = QUEUE.get() {
+        queue.end(LAST_LINES);
+    }
+}
+
+fn put(text: &[u8]) {
+    match QUEUE.get() {
+        Some(queue) => queue.put(text),
+        // Nobody is left to be told.
+        None => drop(io::stderr().write_all(text)),
+    }
+}
+
+/// The writer for the lines of the log. It never fails: the formatter would say so on standard error itself, and panic.
+struct Lines;
+
+impl Write for Lines {
+    fn write(&mut self, text: &[u8]) -> io::Result<usize> {
+        put(text);
+        Ok(text.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
 /// Starts writing log lines that pass `filter`, which `crate::config` has checked. A second call changes nothing.
 pub fn start(filter: &str) {
     let filter = EnvFilter::builder().parse_lossy(without_router(filter));
-    let coloured = std::io::stderr().is_terminal();
-    let lines = tracing_subscriber::fmt().compact().with_env_filter(filter).with_ansi(coloured).with_writer(std::io::stderr);
+    let coloured = io::stderr().is_terminal();
+    let lines = tracing_subscriber::fmt().compact().with_env_filter(filter).with_ansi(coloured).with_writer(|| Lines);
     let lines = lines.with_timer(WallClock(Clock::default()));
     if lines.try_init().is_err() {
         tracing::debug!("log lines were being written already");
-        return;
     }
-    note_panics_of_router();
 }
 
 /// The time of day as everything else of this program writes it: in the zone of this machine, or that of `TZ`.
@@ -39,17 +92,21 @@ impl FormatTime for WallClock {
     }
 }
 
-/// The thread of the MQTT router ends in a panic, and in no other way, whenever it ends: that is a line of the log, as its restart is. Every
-/// other panic is told as ever.
-fn note_panics_of_router() {
-    let told = panic::take_hook();
-    panic::set_hook(Box::new(move |panicked| {
-        if std::thread::current().name().is_some_and(|name| name.starts_with(ROUTER)) {
-            tracing::debug!(%panicked, "the thread of the MQTT router has ended");
-        } else {
-            told(panicked);
-        }
-    }));
+/// Says that a thread has panicked. The hook of the standard library writes to standard error itself, and may block there. The thread
+/// of the MQTT router ends in a panic, and in no other way, whenever it ends: that is a line of the log, as its restart is.
+fn note_panic(panicked: &panic::PanicHookInfo<'_>) {
+    let thread = std::thread::current();
+    let name = thread.name().unwrap_or("<unnamed>");
+    if name.starts_with(ROUTER) {
+        tracing::debug!(%panicked, "the thread of the MQTT router has ended");
+        return;
+    }
+    say(format_args!("thread '{name}' {panicked}"));
+    // Only where `RUST_BACKTRACE` asks for it.
+    let backtrace = Backtrace::capture();
+    if backtrace.status() == BacktraceStatus::Captured {
+        say(backtrace);
+    }
 }
 
 /// The filter without the lines of the MQTT router, unless it asks for them by name: they speak of connections by numbers of its
@@ -63,6 +120,11 @@ pub fn warn_of_ignored(variables: &[&str]) {
     for variable in variables {
         tracing::warn!(variable, "this environment variable is no setting: settings are written HALLSWEEP__SECTION__KEY");
     }
+}
+
+/// Warns that standard output did not take what was announced there. The text itself is not repeated: it may have a key in it.
+pub fn warn_of_unannounced(error: &dyn fmt::Display) {
+    tracing::warn!(%error, "the addresses and the link to sign in were not announced; `hallsweep token` shows keys that are kept");
 }
 
 /// Warns of settings that mean nothing for the robots that there are.
@@ -79,5 +141,49 @@ mod tests {
         assert_eq!(without_router("info"), "info,rumqttd=off");
         assert_eq!(without_router("info,rumqttd=warn"), "info,rumqttd=warn");
         assert!(EnvFilter::builder().parse(without_router("warn,hallsweep=debug")).is_ok());
+    }
+
+    /// Whoever runs the tests without it is not the child.
+    const CHILD: &str = "HALLSWEEP_PANICKING_CHILD";
+
+    #[test]
+    fn panics_and_ends() {
+        if std::env::var_os(CHILD).is_none() {
+            return;
+        }
+        queue_lines();
+        let panicking = std::thread::Builder::new().name("unlucky".to_owned()).spawn(|| panic!("the roof is on fire"));
+        assert!(panicking.unwrap().join().is_err());
+        end();
+    }
+
+    /// Safety S11. The hook is of a whole process, so this test starts itself again.
+    #[cfg(unix)]
+    #[test]
+    fn a_panic_is_said_without_waiting_for_whoever_reads() {
+        use rustix::fs::{OFlags, fcntl_setfl};
+        use std::io::Read;
+        use std::process::{Command, Stdio};
+        for is_full in [false, true] {
+            let (mut reader, mut writer) = io::pipe().unwrap();
+            if is_full {
+                fcntl_setfl(&writer, OFlags::NONBLOCK).unwrap();
+                while writer.write(b".").is_ok() {}
+                fcntl_setfl(&writer, OFlags::empty()).unwrap();
+            }
+            let ended = Command::new(std::env::current_exe().unwrap())
+                .args(["--exact", "telemetry::tests::panics_and_ends", "--nocapture"])
+                .env(CHILD, "1")
+                .env_remove("RUST_BACKTRACE")
+                .stdout(Stdio::null())
+                .stderr(writer)
+                .status();
+            assert!(ended.unwrap().success());
+            let mut said = String::new();
+            reader.read_to_string(&mut said).unwrap();
+            let told = said.trim_start_matches('.');
+            let expect = "thread 'unlucky' panicked at src/telemetry.rs:";
+            assert!(is_full || (told.starts_with(expect) && told.ends_with(":\nthe roof is on fire\n")), "{told}");
+        }
     }
 }

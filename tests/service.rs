@@ -35,6 +35,8 @@ mod kill;
 mod last_word;
 #[path = "service/line_robots/mod.rs"]
 mod line_robots;
+#[path = "service/log.rs"]
+mod log;
 #[path = "service/malformed.rs"]
 mod malformed;
 #[path = "service/map_files.rs"]

@@ -1,4 +1,4 @@
-//! Plays a robot on the wire until SIGINT or SIGTERM, without doors and without a store.
+//! Plays a robot on the wire until SIGINT, SIGTERM or SIGHUP, without doors and without a store.
 
 use super::{AppError, LEFT_BEHIND, signals, threads};
 use crate::config::Settings;

@@ -9,12 +9,29 @@ pub(super) fn listen() -> io::Result<impl Future<Output = &'static str>> {
     use tokio::signal::unix::{SignalKind, signal};
     let mut terminate = signal(SignalKind::terminate())?;
     let mut interrupt = signal(SignalKind::interrupt())?;
+    let hang_up = if ignores_hang_up() { None } else { Some(signal(SignalKind::hangup())?) };
+    let hung_up = async move {
+        match hang_up {
+            Some(mut hang_up) => hang_up.recv().await,
+            None => std::future::pending().await,
+        }
+    };
     Ok(async move {
         tokio::select! {
             _ = terminate.recv() => "SIGTERM",
             _ = interrupt.recv() => "SIGINT",
+            _ = hung_up => "SIGHUP",
         }
     })
+}
+
+/// Whether the program was started with SIGHUP ignored, as by `nohup`. Linux alone says so.
+#[cfg(unix)]
+fn ignores_hang_up() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
+    // The signal of number 1 is the lowest bit.
+    ignored.is_some_and(|ignored| ignored & 1 == 1)
 }
 
 /// The same where there is only Ctrl-C.

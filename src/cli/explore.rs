@@ -15,6 +15,7 @@ use crate::api::{journal_words, map_text};
 use crate::app::AppError;
 use crate::config::{self, Flag, Sources};
 use crate::robots::{Unusable, sim};
+use crate::telemetry;
 use hallsweep_core::effect::Entry;
 use hallsweep_core::world::snapshot::Snapshot;
 use hallsweep_sim::headless::{self, Figures, Verdicts};
@@ -86,7 +87,7 @@ pub fn run(flags: &Explore) -> Result<(), Failure> {
     if let Some(map) = map {
         let line = map.write(&Export::explored(hall.name(), hall.cell_m(), &figures.state))?;
         // Of JSON there is one object and nothing else.
-        if flags.json { eprintln!("{line}") } else { super::print(&line)? }
+        if flags.json { telemetry::say(line) } else { super::print(&line)? }
     }
     figures.stuck.map_or(Ok(()), |why| Err(Failure::Run(format!("the mission could not end: {why}"))))
 }

@@ -9,6 +9,7 @@ use super::{Failure, sources};
 use crate::app;
 use crate::config::Flag;
 use crate::robots::emulator::{Emulation, End, Faults, MOST_BYTES, RobotName};
+use crate::telemetry;
 
 /// The flags of `robot-emulator`. What is not said of the hall and the robot is as in the settings.
 #[derive(Args, Clone, Debug)]
@@ -66,12 +67,12 @@ struct At {
     serial: Option<String>,
 }
 
-/// Plays it until SIGINT or SIGTERM.
+/// Plays it until SIGINT, SIGTERM or SIGHUP.
 pub fn run(flags: &RobotEmulator) -> Result<(), Failure> {
+    telemetry::queue_lines();
     let settings = super::settings(&sources(None, flags.settings()))?;
     app::emulate(&settings, flags.emulation()?, |place| {
-        // Whoever closed standard output does not want to know.
-        let _ = super::print(&format!("The robot {} is at {place}: {}", flags.name, flags.hint(place)));
+        super::announce(format!("The robot {} is at {place}: {}", flags.name, flags.hint(place)));
     })?;
     Ok(())
 }

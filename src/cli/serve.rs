@@ -6,6 +6,7 @@ use crate::config::{Broker, HttpSettings, Settings, from_here};
 use crate::telemetry;
 
 pub fn run(flags: &Serve) -> Result<(), Failure> {
+    telemetry::queue_lines();
     let settings = super::settings(&flags.sources())?;
     if let Some(archive) = settings.store.as_ref().filter(|store| store.is_file()) {
         let words =
@@ -15,10 +16,7 @@ pub fn run(flags: &Serve) -> Result<(), Failure> {
     if let Some(idle) = without_effect(&settings) {
         telemetry::warn_of_idle(&idle);
     }
-    app::serve(&settings, |doors, entry| {
-        // Whoever closed standard output does not want to know; the program serves all the same.
-        let _ = super::print(&announcement(&settings, doors, entry));
-    })?;
+    app::serve(&settings, |doors, entry| super::announce(announcement(&settings, doors, entry)))?;
     Ok(())
 }
 

@@ -12,6 +12,7 @@ use hallsweep_core::behaviour::error::Reason;
 use hallsweep_core::behaviour::{Blackboard, Catalogue, Mocks, Status, Tree, TreeError, Value, ValueType, xml};
 
 use super::Failure;
+use crate::telemetry;
 
 mod meant;
 mod shown;
@@ -104,7 +105,7 @@ fn check(files: &[PathBuf]) -> Result<(), Failure> {
         match checked(file) {
             Ok(document) => super::print(&format!("{}: {}", file.display(), held(&document)))?,
             Err(words) => {
-                eprintln!("{words}");
+                telemetry::say(words);
                 refused += 1;
             }
         }

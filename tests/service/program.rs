@@ -91,7 +91,15 @@ impl Program {
             let line = line.ok()?;
             ANNOUNCED.iter().find_map(|words| line.strip_prefix(words))?.split(' ').next()?.parse().ok()
         });
-        let bound: SocketAddr = announced.expect("the program says where it is");
+        Program::found(child, announced.expect("the program says where it is"), lines)
+    }
+
+    /// A program that was started and listens here, and the lines that it prints from now on.
+    pub(crate) fn found(
+        child: Child,
+        bound: SocketAddr,
+        lines: impl Iterator<Item = std::io::Result<String>> + Send + 'static,
+    ) -> Program {
         let address = reached(bound);
         // The pipe stays open until the program ends, so that writing to it never fails.
         let (say, said) = mpsc::channel();

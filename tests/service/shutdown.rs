@@ -1,10 +1,11 @@
 //! Ending: soon, with a good exit code, whoever still listens.
 
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use crate::journal::{holds, journal, serve};
 use crate::kill::Folder;
-use crate::program::Program;
+use crate::program::{Program, hallsweep};
 use crate::stream::Events;
 
 /// The end takes two seconds at most; a machine without time may need more, but not the twenty that a client has for its request.
@@ -32,6 +33,27 @@ fn an_interrupt_ends_it_in_time_with_open_streams() {
 }
 
 #[test]
+fn a_terminal_that_is_closed_ends_it_in_time_with_open_streams() {
+    ends("HUP");
+}
+
+/// Linux says what was ignored at the start.
+#[cfg(target_os = "linux")]
+#[test]
+fn started_by_nohup_it_outlives_its_terminal() {
+    let mut command = Command::new("nohup");
+    let hallsweep = hallsweep(&["serve", "--http", "127.0.0.1:0", "--hall", "empty-8x8", "--speed", "max"]);
+    command.arg(hallsweep.get_program()).args(hallsweep.get_args()).stdin(Stdio::null());
+    command.envs(hallsweep.get_envs().filter_map(|(name, value)| Some((name, value?))));
+    let mut program = Program::started(&mut command);
+    program.signal("HUP");
+    program.command("start").accepted();
+    program.until_phase("explored");
+    program.signal("TERM");
+    assert!(program.ended_within(PROMISED).is_some_and(|status| status.success()));
+}
+
+#[test]
 fn a_client_that_never_finishes_its_request_does_not_keep_it() {
     use std::io::Write;
     let mut program = Program::serve("empty-8x8", "1");
@@ -55,19 +77,22 @@ fn an_mqtt_client_that_never_says_who_it_is_does_not_keep_it() {
 /// Safety R1: it is on record as what it was, and nobody is said to have pressed STOP.
 #[test]
 fn an_end_in_the_middle_of_a_mission_is_on_record_as_an_end_and_holds_the_robot_as_a_restart() {
-    let folder = Folder::new("shutdown-record");
-    let mut program = serve(&folder);
-    program.command("start").accepted();
-    let before = program.until("it is on its way", |state| state["robot"]["state"] != "stopped");
-    program.signal("TERM");
-    assert!(program.ended_within(PROMISED).is_some_and(|status| status.success()));
-    let (well, printed) = journal(&folder, &["print"]);
-    assert!(well && printed.contains("program ended by SIGTERM") && !printed.contains("stopped: epoch"), "{printed}");
+    for signal in ["TERM", "HUP"] {
+        let ended = format!("program ended by SIG{signal}");
+        let folder = Folder::new(&format!("shutdown-record-{signal}"));
+        let mut program = serve(&folder);
+        program.command("start").accepted();
+        let before = program.until("it is on its way", |state| state["robot"]["state"] != "stopped");
+        program.signal(signal);
+        assert!(program.ended_within(PROMISED).is_some_and(|status| status.success()));
+        let (well, printed) = journal(&folder, &["print"]);
+        assert!(well && printed.contains(&ended) && !printed.contains("stopped: epoch"), "{printed}");
 
-    let program = serve(&folder);
-    let state = program.json("state");
-    assert!(holds(&state, "restart") && !holds(&state, "operator"), "{state:#}");
-    assert_eq!(state["mission"]["epoch"], before["mission"]["epoch"]);
-    assert!(state["log"].to_string().contains("program ended by SIGTERM"), "{:#}", state["log"]);
-    program.command("start").accepted();
+        let program = serve(&folder);
+        let state = program.json("state");
+        assert!(holds(&state, "restart") && !holds(&state, "operator"), "{state:#}");
+        assert_eq!(state["mission"]["epoch"], before["mission"]["epoch"]);
+        assert!(state["log"].to_string().contains(&ended), "{:#}", state["log"]);
+        program.command("start").accepted();
+    }
 }

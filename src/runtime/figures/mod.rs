@@ -6,8 +6,8 @@ mod handed;
 mod latency;
 mod series;
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, LazyLock};
 use std::time::Duration;
 
 use prometheus_client::metrics::counter::Counter;
@@ -43,6 +43,9 @@ pub const COMMANDS: [&str; 12] = [
     "strategy",
     "temperature",
 ];
+
+/// Lines of the program's log that were lost. The log is one, and begins before the figures.
+pub static LOG_LINES_LOST: LazyLock<Counter> = LazyLock::new(Counter::default);
 
 /// What became of a command.
 const OUTCOMES: [&str; 2] = ["accepted", "refused"];
@@ -172,6 +175,8 @@ impl Figures {
         #[expect(clippy::cast_precision_loss, reason = "a millisecond of this century is exact")]
         started.set(self.0.started.unix_ms as f64 / 1000.0);
         to.register_with_unit("start_time", "When the program was started, in seconds since 1970", Unit::Seconds, started);
+        let lost = "Lines of the program's log that standard error did not take";
+        to.register("log_lines_lost", lost, LOG_LINES_LOST.clone());
     }
 
     fn register_mission(&self, to: &mut Registry) {

@@ -7,7 +7,7 @@ mod terminals;
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
-use std::process::{Child, ChildStdout, Stdio};
+use std::process::{Child, ChildStdout, Command, Stdio};
 use std::time::Duration;
 
 use hallsweep_drivers::line::{LineReader, framed};
@@ -19,17 +19,21 @@ use paced::{PHOTO, PacedRobot, Seen};
 use terminals::Terminals;
 
 /// A robot that is played by a process of its own.
-struct Emulator {
-    child: Child,
+pub(crate) struct Emulator {
+    pub(crate) child: Child,
     /// Where it says that it is.
-    place: String,
+    pub(crate) place: String,
     // Stays open until the process ends, so that writing to it never fails.
     _said: BufReader<ChildStdout>,
 }
 
 impl Emulator {
     fn with(arguments: &[&str]) -> Emulator {
-        let mut command = hallsweep(&[&["robot-emulator"], arguments].concat());
+        Emulator::started(&mut hallsweep(&[&["robot-emulator"], arguments].concat()))
+    }
+
+    /// Starts this command, and waits until it says where it is.
+    pub(crate) fn started(command: &mut Command) -> Emulator {
         let mut child = command.stdout(Stdio::piped()).spawn().expect("the emulator starts");
         let mut said = BufReader::new(child.stdout.take().expect("standard output is a pipe"));
         let mut line = String::new();
