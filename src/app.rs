@@ -76,17 +76,17 @@ pub fn serve_robot(settings: &Settings, robot: Adapter, announce: impl FnOnce(Do
 
 fn serve_with(settings: &Settings, robot: Option<Adapter>, announce: impl FnOnce(Doors, &Entry)) -> Result<(), AppError> {
     let robots = Robots::of(settings)?;
-    data_folder::write_out_old(settings);
+    let notes = data_folder::write_out_old(settings).into_iter().collect();
     let runtime = threads::ordinary().map_err(AppError::System)?;
-    let served = runtime.block_on(serve_hall(settings, robots, robot, announce));
+    let served = runtime.block_on(serve_hall(settings, (robots, robot), notes, announce));
     runtime.shutdown_timeout(LEFT_BEHIND);
     served
 }
 
 async fn serve_hall(
     settings: &Settings,
-    mut robots: Robots,
-    robot: Option<Adapter>,
+    (mut robots, robot): (Robots, Option<Adapter>),
+    notes: Vec<String>,
     announce: impl FnOnce(Doors, &Entry),
 ) -> Result<(), AppError> {
     let mut front = entry::front(&settings.http)?;
@@ -98,7 +98,7 @@ async fn serve_hall(
     let signalled = signals::listen().map_err(AppError::System)?;
     let secret = access::chance()?;
 
-    let kept = DataFolder::open(settings, &mut robots, entry::unusable(settings))?;
+    let kept = DataFolder::open(settings, &mut robots, entry::unusable(settings), notes)?;
     // Only now, when nothing else can refuse the start: a key that is made is also shown.
     let Opened { http: access, mqtt: mqtt_access, entry } = entry::access(settings)?;
     let halter = Halter::new(kept.epoch());
@@ -192,8 +192,8 @@ async fn start(
         threads.core.handle().spawn(stops::follow(stops, halter.clone()));
     }
     let mut engine = engine(settings, kept.recalled.take(), halter.watch().now().epoch, &clock);
-    if let Some(words) = &in_doubt {
-        tracing::warn!(words, "the robot is held");
+    for words in in_doubt.iter().chain(&kept.notes) {
+        tracing::warn!(words, "the data folder needs to be seen to");
         engine.note_damage(words, clock.now());
     }
     for further in robots.ids().skip(1) {

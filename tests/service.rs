@@ -13,6 +13,8 @@ mod coap_clients;
 mod commands;
 #[path = "service/damage.rs"]
 mod damage;
+#[path = "service/data_files.rs"]
+mod data_files;
 #[path = "service/earlier.rs"]
 mod earlier;
 #[path = "service/evaluate.rs"]

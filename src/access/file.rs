@@ -11,9 +11,8 @@ use super::error::AccessError;
 use super::keys::{Key, Keys};
 use super::role::Role;
 use super::token::Token;
+use crate::storage::names;
 use crate::storage::private_file::{PrivateFile, Readers};
-
-pub const FILE: &str = "access.toml";
 
 /// A larger file is none of ours: all keys there may be are a tenth of this.
 const LARGEST: u64 = 128 * 1024;
@@ -49,7 +48,7 @@ struct WrittenKey {
 
 impl KeyFile {
     pub fn within(folder: &Path) -> KeyFile {
-        KeyFile(PrivateFile::within(folder, FILE))
+        KeyFile(PrivateFile::within(folder, names::ACCESS))
     }
 
     pub fn path(&self) -> &Path {

@@ -234,7 +234,7 @@ mod tests {
     fn a_ruined_file_lets_nobody_in_until_it_is_mended() {
         let folder = Scratch::new();
         let token = token(&Keyring::open(&folder.0).unwrap().keyring);
-        let file = folder.0.join(super::super::FILE);
+        let file = KeyFile::within(&folder.0).path().to_owned();
         let whole = std::fs::read_to_string(&file).unwrap();
         std::fs::write(&file, "nonsense").unwrap();
         let Opened { keyring, is_new, unusable } = Keyring::open(&folder.0).unwrap();

@@ -15,7 +15,7 @@ mod token;
 pub use attempts::Attempts;
 pub use caller::{Access, Caller};
 pub use error::AccessError;
-pub use file::{FILE, KeyFile};
+pub use file::KeyFile;
 pub use keyring::{Keyring, Opened};
 pub use keys::{Key, Keys, OPERATOR, SignedIn};
 pub use network::{Network, is_this_machine};

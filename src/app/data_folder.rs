@@ -1,6 +1,7 @@
 //! What earlier runs left behind, and where this one is kept: the journal, and what robots remember beside it.
 //! What is done with what was recalled is the core's business.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use super::AppError;
@@ -9,6 +10,7 @@ use crate::robots::Robots;
 use crate::runtime::archive::Archive;
 use crate::runtime::clock::Clock;
 use crate::runtime::store::Store;
+use crate::storage::names;
 use crate::storage::sqlite::{self, Archived, MemoryStore};
 use crate::storage::stops::Stops;
 use hallsweep_core::engine::Recalled;
@@ -23,40 +25,52 @@ pub(super) struct DataFolder {
     pub(super) elsewhere: bool,
     /// What remembers a STOP also when the journal cannot be written.
     pub(super) stops: Option<Stops>,
+    /// What an operator is told of files that hold nobody up, in words that end with what to do.
+    pub(super) notes: Vec<String>,
 }
 
 impl DataFolder {
     /// Opens the folder of the settings, in which the robots also find where they were left. A file of it that cannot be read or
     /// written is no error: the store says so, and the robots are held (safety R5): so also when the keys cannot be had, which is said
-    /// by `keys`. A folder in use, or a mission in another hall, is one.
-    pub(super) fn open(settings: &Settings, robots: &mut Robots, keys: Option<String>) -> Result<DataFolder, AppError> {
+    /// by `keys`, and when a mission is under way in another hall. A folder in use is one.
+    pub(super) fn open(
+        settings: &Settings,
+        robots: &mut Robots,
+        keys: Option<String>,
+        mut notes: Vec<String>,
+    ) -> Result<DataFolder, AppError> {
         let Some(folder) = &settings.store else { return Ok(DataFolder::nowhere()) };
         robots.recall(folder);
-        let lost = robots.lost();
-        let is_any_lost = !lost.is_empty();
-        let beside: Vec<String> = lost.into_iter().chain(Stops::unusable(folder)).chain(keys).collect();
-        let beside = (!beside.is_empty()).then(|| beside.join("; and "));
-        let sqlite::Opened { store, archive, recalled, failure } = sqlite::open(folder, beside)?;
+        notes.extend(robots.note(folder));
+        let opened = |robots: &Robots| {
+            let beside: Vec<String> = robots.lost().into_iter().chain(Stops::unusable(folder)).chain(keys.clone()).collect();
+            sqlite::open(folder, (!beside.is_empty()).then(|| beside.join("; and ")))
+        };
+        let mut kept = opened(robots)?;
+        let is_on_a_mission = kept.recalled.as_ref().is_some_and(|recalled| recalled.state.phase.is_mission());
+        if let (Some(remembered), true) = (robots.other_hall(), is_on_a_mission) {
+            let words = in_another_hall(folder, remembered, &robots.hall_name());
+            robots.lose(&words);
+            // Only one has the folder at a time.
+            drop(kept);
+            kept = opened(robots)?;
+        }
+        let sqlite::Opened { store, archive, recalled, failure } = kept;
         let is_unread = failure.is_some() && recalled.is_none();
         let recalled = recalled.map(|recalled| without_lost_photos(recalled, &*archive));
-        let is_on_a_mission = recalled.as_ref().is_some_and(|recalled| recalled.state.phase.is_mission());
-        let other_hall = robots.other_hall().map(str::to_owned);
         let mut elsewhere = false;
-        match other_hall {
+        match robots.other_hall() {
             // What nobody could read may be a mission in that hall: its robots are not forgotten.
             _ if is_unread => {}
-            Some(remembered) if is_on_a_mission => {
-                return Err(AppError::OtherHall { folder: folder.clone(), remembered, given: robots.hall_name().to_owned() });
-            }
             // The robot that searches may be in a mission in the hall of the others.
-            None if is_any_lost => {}
+            None if !robots.lost().is_empty() => {}
             // Where the robot that searches is, there is the record; of the others only where they stand is.
             other_hall => {
                 elsewhere = other_hall.is_some();
                 robots.put_down();
             }
         }
-        Ok(DataFolder { store, archive, recalled, elsewhere, stops: Some(Stops::open(folder)) })
+        Ok(DataFolder { store, archive, recalled, elsewhere, stops: Some(Stops::open(folder)), notes })
     }
 
     /// The epoch that holds: that of the last stop, whether or not the journal came to know of it (safety S4).
@@ -64,7 +78,7 @@ impl DataFolder {
         let recorded = self.recalled.as_ref().map_or(Epoch::default(), |recalled| recalled.state.epoch);
         let stopped = self.stops.as_ref().map_or(Epoch::default(), Stops::epoch);
         if self.stop_in_doubt().is_some() {
-            return recorded.next();
+            return stopped.max(recorded).next();
         }
         if stopped > recorded {
             tracing::warn!(epoch = stopped.0, "the last STOP did not get into the journal: it holds the robot still");
@@ -76,33 +90,55 @@ impl DataFolder {
     pub(super) fn stop_in_doubt(&self) -> Option<String> {
         let damaged = self.stops.as_ref().and_then(Stops::damaged)?;
         Some(format!(
-            "{} was damaged and is begun anew: whether STOP was pressed last is not known, so the robot is held as by a STOP",
-            damaged.display()
+            "{} was damaged and is begun anew, what was there stands in {} beside it: whether STOP was pressed last is not known, so the \
+             robot is held as by a STOP: press START to go on",
+            damaged.display(),
+            names::STOPS_DAMAGED.written()
         ))
     }
 
     fn nowhere() -> DataFolder {
         let store = MemoryStore::new();
-        DataFolder { archive: store.archive(), store: Box::new(store), recalled: None, elsewhere: false, stops: None }
+        DataFolder {
+            archive: store.archive(),
+            store: Box::new(store),
+            recalled: None,
+            elsewhere: false,
+            stops: None,
+            notes: Vec::new(),
+        }
     }
 }
 
 /// Writes old missions out into an archive, if they are to stay for so many days only: before any door is open, since nothing that a door promises may
-/// wait for it, and not too many at once. Where that fails they stay, and the log says why.
-pub(super) fn write_out_old(settings: &Settings) {
+/// wait for it, and not too many at once. Where that fails they stay; why, is given back.
+pub(super) fn write_out_old(settings: &Settings) -> Option<String> {
     const DAY_MS: i64 = 24 * 60 * 60 * 1000;
-    let Some(folder) = settings.store.as_deref().filter(|folder| folder.is_dir() && settings.keep_days > 0) else { return };
+    let folder = settings.store.as_deref().filter(|folder| folder.is_dir() && settings.keep_days > 0)?;
     let now = Clock::default().now().wall;
     let before = WallTime { unix_ms: now.unix_ms - i64::from(settings.keep_days) * DAY_MS, ..now };
     match sqlite::write_out_at_start(folder, before, now) {
-        Ok(None) => {}
+        Ok(None) => None,
         Ok(Some(Archived { what, left, .. })) => {
             let (first, last) = what.missions;
             let file = what.file;
             tracing::info!(%first, %last, file, left, "old missions are in an archive alone now; what is left goes at the next starts");
+            None
         }
-        Err(error) => tracing::warn!(%error, "old missions stay in the journal: they could not be written out"),
+        Err(error) => Some(format!("old missions stay in the journal: they could not be written out: {error}")),
     }
+}
+
+/// What is to be done about a mission whose robots are in another hall than the one that is given.
+fn in_another_hall(folder: &Path, remembered: &str, given: &str) -> String {
+    let robot = names::SIMULATED.within(folder);
+    format!(
+        "a mission is under way in another hall: the record in {} is of {remembered}, not of {given}; start hallsweep again with --hall \
+         {remembered}, or give {given} a folder of its own with --data DIR; where that hall is no more, move {} away, start hallsweep \
+         again, and press RESET",
+        folder.display(),
+        robot.display()
+    )
 }
 
 /// A pending piece whose picture is gone cannot be judged by it: it counts as one whose photo failed (safety V2).

@@ -1,7 +1,6 @@
 //! Why the program cannot begin, or not go on: one line for whoever started it, with what to do.
 
 use std::net::SocketAddr;
-use std::path::PathBuf;
 
 use super::Port;
 use crate::access::AccessError;
@@ -28,11 +27,6 @@ pub enum AppError {
     Bind { port: Port, address: SocketAddr, error: std::io::Error },
     #[error(transparent)]
     Store(#[from] OpenError),
-    #[error(
-        "a mission is under way in another hall: the record in {} is of {remembered}, not of {given}; start with --hall {remembered} \
-         and press RESET there, or give {given} a folder of its own with --data DIR", folder.display()
-    )]
-    OtherHall { folder: PathBuf, remembered: String, given: String },
     #[error("the system does not let the program start: {0}")]
     System(std::io::Error),
     /// The loop that joins everything is gone: a mistake in the program.

@@ -8,9 +8,7 @@ use tokio::sync::watch;
 
 use super::Adapter;
 use super::external::{ExternalRobot, UnusableScene};
-use super::sim::{
-    self, ChosenHall, Controls, Ground, Remote, SimPair, SimRobot, SimulatorParts, UnusableChosenHall, UnusableHall,
-};
+use super::sim::{self, ChosenHall, Controls, Ground, Remote, SimPair, SimRobot, SimulatorParts, UnusableHall};
 use crate::config::{self, RobotKind, RobotSettings, Settings};
 use crate::runtime::clock::Clock;
 use hallsweep_core::event::RobotId;
@@ -29,6 +27,8 @@ pub struct Robots {
     speed: config::Speed,
     /// Where a hall is kept that is chosen while the program runs.
     chosen: Option<ChosenHall>,
+    /// Why the hall that was chosen cannot be had: then nobody knows in which hall the simulated robots are.
+    no_hall: Option<String>,
     /// As the settings name the hall.
     usual: String,
     /// The names of all, those of the pair last.
@@ -40,8 +40,6 @@ pub struct Robots {
 pub enum Unusable {
     #[error(transparent)]
     Hall(#[from] UnusableHall),
-    #[error(transparent)]
-    ChosenHall(#[from] UnusableChosenHall),
     #[error(transparent)]
     Scene(#[from] UnusableScene),
 }
@@ -55,10 +53,13 @@ impl Robots {
     pub fn of(settings: &Settings) -> Result<Robots, Unusable> {
         let is_simulated = settings.robots().any(|(_, robot)| robot.kind == RobotKind::Sim);
         let chosen = settings.store.as_deref().filter(|_| is_simulated).map(|folder| ChosenHall::within(folder, &settings.hall));
-        let was_chosen = chosen.as_ref().map(ChosenHall::read).transpose()?.flatten();
+        let was_chosen = chosen.as_ref().map_or(Ok(None), ChosenHall::read);
+        let no_hall = was_chosen.as_ref().err().map(ToString::to_string);
         let Ground { hall, seed } = match was_chosen {
-            Some(ground) => ground,
-            None => Ground { hall: if is_simulated { sim::hall(settings)? } else { no_hall() }, seed: settings.robot.seed },
+            Ok(Some(ground)) => ground,
+            Ok(None) | Err(_) => {
+                Ground { hall: if is_simulated { sim::hall(settings)? } else { nowhere() }, seed: settings.robot.seed }
+            }
         };
         let fetches = |id: &RobotId| settings.core.fetcher == Fetcher::Discovery && *id == RobotId::discovery();
         let robot = |(id, robot): (RobotId, &RobotSettings)| {
@@ -73,7 +74,7 @@ impl Robots {
         let ids = all.iter().map(|(id, _)| id.clone()).chain(SimPair::ids().into_iter().filter(|_| wants_pair)).collect();
         let speed = settings.robot.speed;
         let usual = settings.hall.clone();
-        Ok(Robots { hall, all, pair, wants_pair, seed, speed, chosen, usual, ids })
+        Ok(Robots { hall, all, pair, wants_pair, seed, speed, chosen, no_hall, usual, ids })
     }
 
     /// The name of the hall, or where the robot is that searches one that is not ours.
@@ -104,12 +105,29 @@ impl Robots {
                 Robot::External(robot) => robot.recall(folder),
             }
         }
+        if let Some(why) = self.no_hall.clone() {
+            self.lose(&why);
+        }
     }
 
-    /// Of each that may be anywhere, why nobody knows where it is. It will not be started.
+    /// From now on nobody knows where the simulated robots are, for this reason.
+    pub fn lose(&mut self, why: &str) {
+        self.simulated().for_each(|robot| robot.lose(why));
+        self.pair.lose(why);
+    }
+
+    /// Of each that may be anywhere, why nobody knows where it is. It will not be started. What the pair has taken away counts for the
+    /// others also where the settings want no pair.
     pub fn lost(&self) -> Vec<String> {
         let robots = self.all.iter().filter_map(|(_, robot)| robot.lost());
-        robots.chain(self.pair.lost().filter(|_| self.wants_pair)).map(str::to_owned).collect()
+        let mut lost: Vec<String> = robots.chain(self.pair.lost()).map(str::to_owned).collect();
+        lost.dedup();
+        lost
+    }
+
+    /// What is wrong in the folder and holds nobody up, in words that end with what to do.
+    pub fn note(&self, folder: &Path) -> Option<String> {
+        self.chosen.as_ref().and_then(|_| sim::unreadable_halls(folder))
     }
 
     /// The hall in which the one that searches was left, when that is not the hall of the settings.
@@ -194,6 +212,6 @@ impl Robot {
 }
 
 /// Where nothing is simulated the hall of the settings does nothing, so that it need not be there.
-fn no_hall() -> Arc<Hall> {
+fn nowhere() -> Arc<Hall> {
     Arc::new(Hall::from_rows("no hall of ours", &["S"]).expect("a hall of one cell is one"))
 }

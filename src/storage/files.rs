@@ -58,9 +58,23 @@ fn open_at_once(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     if file.metadata()?.is_file() { Ok(file) } else { Err(io::Error::other(SPECIAL)) }
 }
 
-/// Makes a file anew, for one that is still to be given its name; it is waited for whatever has this name.
+/// Makes a file anew, for one that is still to be given its name. What has this name is a leftover of a kill: it is removed, so that
+/// no pipe is waited for and no link is followed. Only a folder stays, and is an error.
 pub(crate) fn create(path: &Path) -> io::Result<File> {
-    open_unchecked(path, File::options().write(true).create(true).truncate(true))
+    let _ = fs::remove_file(path);
+    check_no_folder(path)?;
+    open_unchecked(path, File::options().write(true).create_new(true)).map_err(naming(path))
+}
+
+/// Fails when a folder keeps a file of this name from being made.
+pub(crate) fn check_no_folder(path: &Path) -> io::Result<()> {
+    let is_folder = fs::symlink_metadata(path).is_ok_and(|there| there.is_dir());
+    if is_folder { Err(naming(path)(io::Error::other("it is a folder"))) } else { Ok(()) }
+}
+
+/// Adds to an error which file it is about, so that somebody who only reads the error can see to it.
+pub(crate) fn naming(path: &Path) -> impl Fn(io::Error) -> io::Error {
+    move |error| io::Error::new(error.kind(), format!("{}: {error}", path.display()))
 }
 
 fn open_unchecked(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
@@ -87,8 +101,8 @@ pub(crate) fn make_folder_within(path: &Path) -> io::Result<()> {
     if path.is_dir() {
         return Ok(());
     }
-    make_folder(path)?;
-    share(path, &File::open(path)?)
+    let made = check_folder(path).and_then(|()| make_folder(path));
+    made.and_then(|()| share(path, &File::open(path)?)).map_err(naming(path))
 }
 
 /// Makes the names in a folder last.
@@ -190,7 +204,14 @@ mod tests {
             assert!(open_at_once(&at("pipe"), &mut options).is_err());
         }
         assert_eq!(read(&at("none"), 9).unwrap_err().kind(), io::ErrorKind::NotFound);
-        assert_eq!((read(&at("file"), 9).unwrap(), read(&at("good-link"), 2).unwrap()), (b"four".to_vec(), b"fou".to_vec()));
+        let said = create(&at("")).unwrap_err().to_string();
+        assert!(said.contains("it is a folder") && said.contains(scratch.0.to_str().unwrap()), "{said}");
+        for leftover in ["pipe", "link", "good-link"] {
+            create(&at(leftover)).unwrap();
+            assert!(fs::symlink_metadata(at(leftover)).unwrap().is_file(), "{leftover} has given way");
+        }
+        std::os::unix::fs::symlink(at("file"), at("good-link-2")).unwrap();
+        assert_eq!((read(&at("file"), 9).unwrap(), read(&at("good-link-2"), 2).unwrap()), (b"four".to_vec(), b"fou".to_vec()));
         assert!(check_folder(&at("file")).is_err() && check_folder(&at("link")).is_err() && check_folder(&at("none")).is_ok());
     }
 

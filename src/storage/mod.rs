@@ -1,7 +1,8 @@
 //! The store behind the ports `runtime::store::Store` and `runtime::archive::Archive`, on disk or in memory; what remembers a STOP
-//! beside it; and how files of the data folder are made, opened and written, for all that keeps something there.
+//! beside it; and how files of the data folder are named, made, opened and written, for all that keeps something there.
 
 pub(crate) mod files;
+pub mod names;
 pub(crate) mod private_file;
 #[cfg(test)]
 pub(crate) mod scratch;

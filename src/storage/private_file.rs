@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::files;
+use super::names::{self, Name};
 
 /// How often it is looked whether the folder is free, and how many times: two seconds together.
 const GLANCE: Duration = Duration::from_millis(20);
@@ -35,8 +36,8 @@ pub(crate) enum Readers {
 }
 
 impl PrivateFile {
-    pub(crate) fn within(dir: &Path, name: &str) -> PrivateFile {
-        PrivateFile(dir.join(name))
+    pub(crate) fn within(data: &Path, name: Name) -> PrivateFile {
+        PrivateFile(name.within(data))
     }
 
     pub(crate) fn path(&self) -> &Path {
@@ -125,7 +126,7 @@ fn mode_of_volume(folder: &Path) -> u32 {
     use std::hash::{BuildHasher, Hasher, RandomState};
     use std::os::unix::fs::MetadataExt;
     // In containers every program may have the same number, and one that was killed leaves its file behind.
-    let tried = folder.join(format!("hallsweep-{:016x}.mode", RandomState::new().build_hasher().finish()));
+    let tried = names::MODE.of(folder, &format!("{:016x}", RandomState::new().build_hasher().finish()));
     let made = make(&tried).and_then(|made| made.metadata()).map_or(0, |made| made.mode());
     let _ = fs::remove_file(&tried);
     made
@@ -164,7 +165,7 @@ mod tests {
         let folder = scratch.0.join("shared");
         fs::create_dir_all(&folder).unwrap();
         set(&folder, 0o2770);
-        let file = PrivateFile::within(&folder, "secret");
+        let file = PrivateFile::within(&folder, names::ACCESS);
         file.replace(b"secret").unwrap();
         assert_eq!((fs::metadata(file.path()).unwrap().mode() & 0o777, readers_of(&file)), (0o660, Readers::Group));
         for (mode, expect) in [
@@ -220,7 +221,7 @@ mod tests {
     #[test]
     fn what_a_volume_makes_of_every_file_is_told_from_what_somebody_did_to_one() {
         let scratch = Scratch::new();
-        let file = PrivateFile::within(&scratch.0, "secret");
+        let file = PrivateFile::within(&scratch.0, names::ACCESS);
         file.replace(b"secret").unwrap();
         for (mode, made, expect) in [
             (0o777, 0o100_777, Readers::OfVolume),

@@ -12,7 +12,16 @@ use std::fs::{self, File};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+use sha2::{Digest, Sha256};
+
 use super::files;
+use super::names::Name;
+use crate::runtime::archive::hex;
+
+/// By which a damaged text differs from what was written.
+pub(crate) fn checksum(text: &str) -> String {
+    hex(&Sha256::digest(text)[..8])
+}
 
 #[derive(Debug)]
 pub(crate) struct SmallFile {
@@ -24,9 +33,14 @@ pub(crate) struct SmallFile {
 }
 
 impl SmallFile {
-    /// The file `name` in the folder `dir`. Nothing is opened or looked at.
-    pub(crate) fn within(dir: &Path, name: &str) -> SmallFile {
-        SmallFile { path: dir.join(name), open: None, is_failing: false }
+    /// The file `name` in the data folder. Nothing is opened or looked at.
+    pub(crate) fn within(data: &Path, name: Name) -> SmallFile {
+        SmallFile::of(data, name, "")
+    }
+
+    /// One of several files of a kind: `part` tells it from the others.
+    pub(crate) fn of(data: &Path, name: Name, part: &str) -> SmallFile {
+        SmallFile { path: name.of(data, part), open: None, is_failing: false }
     }
 
     pub(crate) fn path(&self) -> &Path {
@@ -43,8 +57,7 @@ impl SmallFile {
         self.path.with_extension("new")
     }
 
-    /// Makes it anew, whole or not at all, and waits for the disk: a power cut then leaves the old one or the new one. It is waited
-    /// for whatever has the name of the unfinished one, so whoever must not wait looks at that before.
+    /// Makes it anew, whole or not at all, and waits for the disk: a power cut then leaves the old one or the new one.
     pub(crate) fn make(&mut self, bytes: &[u8]) -> io::Result<()> {
         let unfinished = self.unfinished();
         let mut file = files::create(&unfinished)?;

@@ -3,24 +3,21 @@
 //! app's business, and who stopped is on record in the journal alone.
 //!
 //! ```text
-//!   hallsweep stops 1 00000000000000000041 5d1c0a8e77f0b3c2     two lines like this; the greater one that is whole counts,
-//!   hallsweep stops 1 00000000000000000042 90b2f3a4c5d60718     and the other one is written next
+//!   hallsweep stops 1 00000000000000000041 5d1c0a8e77f0b3c2     two lines like this; the greater one counts, and the
+//!   hallsweep stops 1 00000000000000000042 90b2f3a4c5d60718     other one is written next
 //! ```
 //! The file has its full size from the first start, so that a full disk has room for every later stop. Nothing is flushed: what is
 //! written is in the system's hands at once, and only a power cut may take the last seconds of it.
 
+use std::fs;
 use std::io;
 use std::path::Path;
 use std::time::Duration;
 
-use sha2::{Digest, Sha256};
-
 use crate::runtime::halt::Halter;
-use crate::storage::files;
-use crate::storage::small_file::SmallFile;
+use crate::storage::small_file::{SmallFile, checksum};
+use crate::storage::{files, names};
 use hallsweep_core::units::Epoch;
-
-const FILE: &str = "stops";
 
 /// How a line begins: whose it is, and its version.
 const BEGINS: &str = "hallsweep stops 1 ";
@@ -53,34 +50,44 @@ struct Found {
     epoch: Epoch,
     /// Which line says so.
     line: usize,
+    /// Whether the other line is whole too. If not, it may have named a later stop.
+    is_sure: bool,
 }
 
 impl Stops {
     /// Why the file in the folder `dir` cannot be had at all, in words that end with what to do; `None` where it can, or where
     /// there is none yet. Nothing is changed.
     pub fn unusable(dir: &Path) -> Option<String> {
-        let file = SmallFile::within(dir, FILE);
+        let file = SmallFile::within(dir, names::STOPS);
         let unusable = |path: &Path, error: &io::Error| {
             format!("{} cannot be used ({error}): move it away, then start hallsweep again", path.display())
         };
         match file.read(SIZE) {
             Ok(Some(_)) => None,
-            Ok(None) => files::check_plain(&file.unfinished()).err().map(|error| unusable(&file.unfinished(), &error)),
+            Ok(None) => files::check_no_folder(&file.unfinished()).err().map(|error| unusable(&file.unfinished(), &error)),
             Err(error) => Some(unusable(file.path(), &error)),
         }
     }
 
     /// The file in the folder `dir`, made with its full size when there is none. No fault of it is an error: the log says it, and
-    /// it is tried again with the next stop. One that cannot be understood is begun anew.
+    /// it is tried again with the next stop. One of which a line cannot be understood is set aside and begun anew.
     pub fn open(dir: &Path) -> Stops {
-        let mut stops = Stops { file: SmallFile::within(dir, FILE), epoch: Epoch(0), turn: 0, was_damaged: false };
+        let mut stops = Stops { file: SmallFile::within(dir, names::STOPS), epoch: Epoch(0), turn: 0, was_damaged: false };
         match stops.file.read(SIZE) {
             Ok(Some(bytes)) => match understood(&bytes) {
-                Some(Found { epoch, line }) => {
+                Some(Found { epoch, line, is_sure: true }) => {
                     (stops.epoch, stops.turn) = (epoch, 1 - line);
                     return stops;
                 }
-                None => stops.was_damaged = true,
+                found => {
+                    stops.was_damaged = true;
+                    stops.epoch = found.map_or(Epoch(0), |found| found.epoch);
+                    // A second name for it, since a kill before the new one is there must find it still. Where the volume has none, it
+                    // is written over all the same: a STOP must find its file.
+                    let aside = names::STOPS_DAMAGED.within(dir);
+                    let _ = fs::remove_file(&aside);
+                    let _ = fs::hard_link(stops.file.path(), &aside);
+                }
             },
             Ok(None) => {}
             Err(error) => {
@@ -125,7 +132,6 @@ impl Stops {
     }
 
     fn make(&mut self) -> io::Result<()> {
-        files::check_plain(&self.file.unfinished())?;
         self.file.make(line(self.epoch).repeat(2).as_bytes())?;
         self.turn = 0;
         Ok(())
@@ -168,8 +174,10 @@ fn understood(bytes: &[u8]) -> Option<Found> {
     if bytes.len() != SIZE {
         return None;
     }
-    let found = bytes.chunks(LINE).enumerate().filter_map(|(line, bytes)| Some(Found { epoch: epoch_of(bytes)?, line }));
-    found.max_by_key(|found| found.epoch)
+    let lines: Vec<(Epoch, usize)> =
+        bytes.chunks(LINE).enumerate().filter_map(|(line, bytes)| Some((epoch_of(bytes)?, line))).collect();
+    let (epoch, line) = lines.iter().copied().max_by_key(|(epoch, _)| *epoch)?;
+    Some(Found { epoch, line, is_sure: lines.len() == SIZE / LINE })
 }
 
 /// The epoch of a line, if it is one that `line` made.
@@ -185,9 +193,7 @@ const fn place(line: usize) -> u64 {
 
 fn line(Epoch(epoch): Epoch) -> String {
     let said = format!("{BEGINS}{epoch:020}");
-    let digest = Sha256::digest(said.as_bytes());
-    let checksum: String = digest.iter().take(8).map(|byte| format!("{byte:02x}")).collect();
-    format!("{said} {checksum}\n")
+    format!("{said} {}\n", checksum(&said))
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use crate::runtime::within::within;
 use crate::storage::scratch::Scratch;
 
 fn file_in(scratch: &Scratch) -> PathBuf {
-    scratch.0.join(FILE)
+    names::STOPS.within(&scratch.0)
 }
 
 fn bytes_in(scratch: &Scratch) -> Vec<u8> {
@@ -37,7 +37,7 @@ fn the_last_stop_is_read_again() {
 }
 
 #[test]
-fn a_line_that_was_cut_short_costs_only_itself() {
+fn a_line_that_was_cut_short_costs_only_itself_and_leaves_a_doubt() {
     let scratch = Scratch::new();
     let mut stops = Stops::open(&scratch.0);
     stops.keep(Epoch(4));
@@ -50,8 +50,11 @@ fn a_line_that_was_cut_short_costs_only_itself() {
         std::fs::write(file_in(&scratch), &torn).unwrap();
         let mut stops = Stops::open(&scratch.0);
         assert_eq!(stops.epoch(), Epoch(4), "byte {cut}");
+        assert!(stops.damaged().is_some(), "byte {cut}: the line may have named a later stop");
+        assert_eq!(std::fs::read(names::STOPS_DAMAGED.within(&scratch.0)).unwrap(), torn, "what was there is set aside");
         stops.keep(Epoch(6));
-        assert_eq!(Stops::open(&scratch.0).epoch(), Epoch(6), "the torn line is the one that is written over");
+        let again = Stops::open(&scratch.0);
+        assert_eq!((again.epoch(), again.damaged()), (Epoch(6), None));
     }
     // Opened again it writes over the older line, so that a kill in the middle of that costs nothing that was there.
     for epochs in [[7, 6], [6, 7]] {
@@ -98,7 +101,7 @@ async fn what_could_not_be_written_is_written_as_soon_as_it_can_be() {
     tokio::time::sleep(10 * WRITTEN_AGAIN).await;
     std::fs::create_dir(&folder).unwrap();
     let written = async {
-        while !folder.join(FILE).exists() {
+        while !names::STOPS.within(&folder).exists() {
             tokio::time::sleep(WRITTEN_AGAIN).await;
         }
         halter.stop();
@@ -133,9 +136,9 @@ proptest! {
         prop_assert_eq!(understood(&bytes), None);
         let mut bytes: Vec<u8> = bytes.into_iter().chain(std::iter::repeat(0)).take(SIZE).collect();
         bytes[..LINE].copy_from_slice(line(Epoch(epoch)).as_bytes());
-        prop_assert_eq!(understood(&bytes), Some(Found { epoch: Epoch(epoch), line: 0 }));
+        prop_assert_eq!(understood(&bytes), Some(Found { epoch: Epoch(epoch), line: 0, is_sure: false }));
         bytes[at] ^= 1;
-        let whole = Some(Found { epoch: Epoch(epoch), line: 0 });
+        let whole = Some(Found { epoch: Epoch(epoch), line: 0, is_sure: false });
         prop_assert_eq!(understood(&bytes), if at < LINE { None } else { whole });
     }
 }

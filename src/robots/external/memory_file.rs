@@ -8,7 +8,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::storage::files;
-use crate::storage::small_file::SmallFile;
+use crate::storage::names;
+use crate::storage::small_file::{SmallFile, checksum};
 use hallsweep_core::event::RobotId;
 
 /// More than a driver ever writes.
@@ -60,8 +61,8 @@ impl MemoryFile {
     /// The file of this robot in the folder `dir`, and what stands in it; nothing when there is none yet, or when it is of another robot
     /// than `whose`. Nothing is written, and a file that cannot be read stays as it is.
     pub(super) fn open(dir: &Path, robot: &RobotId, whose: &str) -> Result<(MemoryFile, Option<String>), MemoryFileError> {
-        let file = SmallFile::within(dir, &format!("robot-{robot}.txt"));
-        let out_of_date = dir.join(format!("robot-{robot}.out-of-date"));
+        let file = SmallFile::of(dir, names::ROBOT, robot.name());
+        let out_of_date = names::ROBOT_OUT_OF_DATE.of(dir, robot.name());
         let mark = mark(&out_of_date, whose);
         if mark == Mark::Own {
             return Err(MemoryFileError::OutOfDate { path: out_of_date });
@@ -72,12 +73,11 @@ impl MemoryFile {
             None => None,
             Some(bytes) => {
                 let damaged = |fault: &str| MemoryFileError::Damaged { path: path(), fault: fault.to_owned() };
-                let text = String::from_utf8(bytes).map_err(|_| damaged("it is no text"))?;
-                let (of, memory) = text.split_once('\n').ok_or_else(|| damaged("it ends too early"))?;
+                let (of, memory) = understood(&bytes).map_err(damaged)?;
                 if of != whose {
                     tracing::warn!(file = %file.path().display(), of, robot = whose, "it is of another robot: this one is taken to stand at its start");
                 }
-                (of == whose).then(|| memory.to_owned())
+                (of == whose).then_some(memory)
             }
         };
         Ok((MemoryFile { whose: whose.to_owned(), file, is_own: memory.is_some(), out_of_date, mark, owed: None }, memory))
@@ -88,7 +88,7 @@ impl MemoryFile {
         MemoryFileError::Damaged { path: self.file.path().to_owned(), fault }
     }
 
-    /// Writes this down. When that fails, the robot goes on all the same, and the log says so once.
+    /// Writes this down, which is one line. When that fails, the robot goes on all the same, and the log says so once.
     pub(super) fn keep(&mut self, memory: String) {
         let written = self.write(&memory);
         let failing = "cannot keep where the robot stands: make room, or the folder writable";
@@ -107,10 +107,9 @@ impl MemoryFile {
         self.owed = written.is_err().then_some(memory);
     }
 
-    /// Whatever else has the name of the unfinished file would be waited for.
     fn write(&mut self, memory: &str) -> io::Result<()> {
-        files::check_plain(&self.file.unfinished())?;
-        self.file.swap(format!("{}\n{memory}", self.whose).as_bytes())
+        let said = format!("{}\n{memory}", self.whose);
+        self.file.swap(format!("{said}\n{}\n", checksum(&said)).as_bytes())
     }
 
     /// What could not be written, and is to be tried again.
@@ -120,21 +119,33 @@ impl MemoryFile {
 
     /// That needs no room. In a folder that cannot be written the file may still be: without its contents it is believed by nobody.
     fn mark_out_of_date(&self) -> io::Result<()> {
-        let anybodys = || fs::File::create(&self.out_of_date).map(drop);
+        let anybodys = || files::create(&self.out_of_date).map(drop);
         let marked = if self.is_own { fs::rename(self.file.path(), &self.out_of_date) } else { anybodys() };
         marked
             .or_else(|_| anybodys())
-            .or_else(|_| fs::OpenOptions::new().write(true).truncate(true).open(self.file.path()).map(drop))
+            .or_else(|_| files::open(self.file.path(), fs::File::options().write(true).truncate(true)).map(drop))
     }
 }
 
-/// Who is marked. An empty mark is anybody's, and so is what cannot be read.
+/// Who is marked. An empty mark is anybody's, and so is what cannot be read or understood.
 fn mark(out_of_date: &Path, whose: &str) -> Mark {
     match files::read_if_there(out_of_date, MOST) {
         Ok(None) => Mark::No,
-        Ok(Some(bytes)) if !bytes.is_empty() && !bytes.starts_with(format!("{whose}\n").as_bytes()) => Mark::OfAnother,
+        Ok(Some(bytes)) if understood(&bytes).is_ok_and(|(of, _)| of != whose) => Mark::OfAnother,
         Ok(Some(_)) | Err(_) => Mark::Own,
     }
+}
+
+/// Of which robot this is, and what is remembered of it.
+fn understood(bytes: &[u8]) -> Result<(String, String), &'static str> {
+    let text = std::str::from_utf8(bytes).map_err(|_| "it is no text")?;
+    let (whose, memory) = match text.split('\n').collect::<Vec<_>>()[..] {
+        [whose, memory, sum, ""] if sum == checksum(&format!("{whose}\n{memory}")) => (whose, memory),
+        // Earlier versions wrote no checksum.
+        [whose, memory] if memory.starts_with('{') => (whose, memory),
+        _ => return Err("it is not what was written"),
+    };
+    Ok((whose.to_owned(), memory.to_owned()))
 }
 
 #[cfg(test)]
@@ -176,11 +187,11 @@ mod tests {
     fn what_is_out_of_date_of_one_robot_is_not_of_another_in_its_place() {
         let folder = Scratch::new();
         let mark = folder.0.join("robot-discovery.out-of-date");
-        for (left, of_one, of_another) in [("one\nhere", false, true), ("", false, false)] {
+        for (left, of_one, of_another) in [("one\n{}", false, true), ("", false, false)] {
             fs::write(&mark, left).expect("the folder can be written");
             assert_eq!((open(&folder, "one").is_ok(), open(&folder, "another").is_ok()), (of_one, of_another), "{left:?}");
         }
-        fs::write(&mark, "one\nhere").expect("the folder can be written");
+        fs::write(&mark, "one\n{}").expect("the folder can be written");
         open(&folder, "another").expect("it is not of this robot").0.keep("there".to_owned());
         assert!(!mark.exists(), "what is kept since is in date");
     }
@@ -190,7 +201,7 @@ mod tests {
     fn one_whose_first_writing_fails_is_out_of_date_itself() {
         for other in ["robot-discovery.txt", "robot-discovery.out-of-date"] {
             let folder = Scratch::new();
-            fs::write(folder.0.join(other), "one\nhere").expect("the folder can be written");
+            fs::write(folder.0.join(other), "one\n{}").expect("the folder can be written");
             fs::create_dir(folder.0.join("robot-discovery.new")).expect("the folder can be written");
             open(&folder, "another").expect("it is not of this robot").0.keep("there".to_owned());
             assert!(open(&folder, "another").is_err(), "{other}");
@@ -212,30 +223,16 @@ mod tests {
         assert!(is_root || open(&folder, "one").is_err(), "it is out of date");
     }
 
-    #[cfg(unix)]
-    #[test]
-    fn what_would_be_waited_for_for_ever_is_not_written() {
-        let folder = Scratch::new();
-        let (mut file, _) = open(&folder, "one").expect("there is none yet");
-        let pipe = folder.0.join("robot-discovery.new");
-        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().expect("every Unix has it").success());
-        let kept = std::thread::spawn(move || {
-            file.keep("there".to_owned());
-            file.owed()
-        });
-        // Whoever reads lets a writer go who waits for a reader.
-        std::thread::sleep(std::time::Duration::from_millis(200));
-        if !kept.is_finished() {
-            fs::read(&pipe).expect("it is there");
-        }
-        assert_eq!(kept.join().expect("it ends").as_deref(), Some("there"));
-    }
-
     #[test]
     fn a_damaged_file_is_said_to_be_one_and_stays() {
         let folder = Scratch::new();
-        for bytes in [&b"no end of a line"[..], &[0xff, b'\n']] {
-            fs::write(folder.0.join("robot-discovery.txt"), bytes).expect("the folder can be written");
+        let (mut file, _) = open(&folder, "one").expect("there is none yet");
+        file.keep("here".to_owned());
+        let kept = fs::read(folder.0.join("robot-discovery.txt")).expect("it is there");
+        let wrong = (0..kept.len()).map(|at| kept.iter().enumerate().map(|(n, byte)| byte ^ u8::from(n == at)).collect());
+        let short = (0..kept.len()).map(|length| kept[..length].to_vec());
+        for bytes in wrong.chain(short).chain([vec![0xff, b'\n']]) {
+            fs::write(folder.0.join("robot-discovery.txt"), &bytes).expect("the folder can be written");
             let said = open(&folder, "one").expect_err("it is damaged").to_string();
             assert!(said.contains("robot-discovery.txt") && said.contains("put the robot at its start"), "{said}");
             assert_eq!(fs::read(folder.0.join("robot-discovery.txt")).expect("it stays"), bytes);

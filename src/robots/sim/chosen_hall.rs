@@ -5,10 +5,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::remote::Ground;
+use crate::storage::names;
 use crate::storage::small_file::SmallFile;
 use hallsweep_sim::{Export, Format, Hall};
-
-const FILE: &str = "simulated-hall.toml";
 
 /// Room for the largest hall that is taken, and the words about it.
 const MOST: usize = 4 << 20;
@@ -26,11 +25,11 @@ pub(in crate::robots) struct ChosenHall {
 /// The file cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "{} is the hall that was chosen in the simulator, and cannot be used: {fault}; mend it, or move it away and start again: the hall is \
-     then that of the setting hall.file",
+    "{} is the hall that was chosen in the simulator, and cannot be used: {fault}; mend it, or move it away, then start hallsweep again: \
+     the hall is then that of the setting hall.file",
     .path.display()
 )]
-pub struct UnusableChosenHall {
+pub(in crate::robots) struct UnusableChosenHall {
     path: PathBuf,
     fault: String,
 }
@@ -46,12 +45,12 @@ impl ChosenHall {
     }
 
     fn file(&self) -> SmallFile {
-        SmallFile::within(&self.folder, FILE)
+        SmallFile::within(&self.folder, names::CHOSEN_HALL)
     }
 
     /// What was chosen, if that was instead of the hall that the settings name now.
     pub(in crate::robots) fn read(&self) -> Result<Option<Ground>, UnusableChosenHall> {
-        let path = self.folder.join(FILE);
+        let path = names::CHOSEN_HALL.within(&self.folder);
         let unusable = |fault: String| UnusableChosenHall { path: path.clone(), fault };
         let unread = |error: io::Error| {
             // Then there may be no such file, and nobody to tell.
@@ -69,7 +68,7 @@ impl ChosenHall {
         }
         let seed = line(SEED).and_then(|seed| seed.parse().ok());
         let seed = seed.ok_or_else(|| unusable(format!("the line `{SEED}…` with its number is missing")))?;
-        let hall = Hall::parse(FILE, &text).map_err(|error| unusable(error.to_string()))?;
+        let hall = Hall::parse(names::CHOSEN_HALL.written(), &text).map_err(|error| unusable(error.to_string()))?;
         Ok(Some(Ground { hall: hall.into(), seed }))
     }
 
@@ -123,9 +122,9 @@ mod tests {
             ("# chosen in the simulator instead of \"seed\"\nwidth = 3\nheight = 3\n", "the line `# seed …`"),
             ("# chosen in the simulator instead of \"seed\"\n# seed 1\nwidth = 0\nheight = 3\n", ":3: "),
         ] {
-            std::fs::write(folder.0.join(FILE), text).expect("the folder can be written");
+            std::fs::write(names::CHOSEN_HALL.within(&folder.0), text).expect("the folder can be written");
             let said = chosen.read().expect_err("it is damaged").to_string();
-            assert!(said.contains(FILE) && said.contains(words) && said.contains("move it away"), "{said}");
+            assert!(said.contains("simulated-hall.toml") && said.contains(words) && said.contains("move it away"), "{said}");
         }
     }
 }

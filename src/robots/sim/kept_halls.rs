@@ -10,11 +10,9 @@ use std::sync::Mutex;
 use super::chosen_hall::file_of;
 use super::offered_halls::fitting;
 use crate::runtime::simulator::{NotSimulated, is_hall_name};
-use crate::storage::files;
 use crate::storage::small_file::SmallFile;
+use crate::storage::{files, names};
 use hallsweep_sim::Hall;
-
-const FOLDER: &str = "halls";
 
 /// So many are kept at most.
 const MOST: usize = 100;
@@ -24,17 +22,17 @@ const MOST_BYTES: usize = 1 << 20;
 
 #[derive(Debug)]
 pub(super) struct KeptHalls {
-    /// None without a data folder.
-    folder: Option<PathBuf>,
+    /// The data folder, if there is one.
+    data: Option<PathBuf>,
     names: Mutex<BTreeSet<String>>,
 }
 
 impl KeptHalls {
-    /// What is there already is found; what cannot be read of it, or is too much, is said in the log.
+    /// What is there already is found; what is too much is said in the log. A file that cannot be used is offered too, so that whoever
+    /// asks for it is told why.
     pub(super) fn within(data: Option<&Path>) -> KeptHalls {
-        let folder = data.map(|data| data.join(FOLDER));
-        let names = folder.as_deref().map(found).unwrap_or_default();
-        KeptHalls { folder, names: Mutex::new(names) }
+        let names = data.map(|data| found(&names::HALLS.within(data))).unwrap_or_default();
+        KeptHalls { data: data.map(Path::to_owned), names: Mutex::new(names) }
     }
 
     pub(super) fn names(&self) -> Vec<String> {
@@ -43,16 +41,19 @@ impl KeptHalls {
 
     /// `None` where none is kept under this name.
     pub(super) fn read(&self, name: &str) -> Option<Result<Hall, NotSimulated>> {
-        let folder = self.folder.as_deref().filter(|_| self.lock().contains(name))?;
-        let unusable = |words: String| NotSimulated::Hall(format!("the hall that is kept as {name} cannot be used: {words}"));
-        let text = match file(folder, name).read(MOST_BYTES) {
+        let file = file(self.data.as_deref().filter(|_| self.lock().contains(name))?, name);
+        let unusable = |words: String| {
+            let path = file.path().display();
+            NotSimulated::Hall(format!("the hall that is kept as {name} cannot be used: {words}; mend {path}, or move it away"))
+        };
+        let text = match file.read(MOST_BYTES) {
             Ok(Some(bytes)) if bytes.len() > MOST_BYTES => Err(unusable(format!("it is larger than {MOST_BYTES} bytes"))),
             Ok(Some(bytes)) => Ok(String::from_utf8_lossy(&bytes).into_owned()),
             Ok(None) => Err(unusable("its file is gone".to_owned())),
             Err(error) => Err(unusable(error.to_string())),
         };
         Some(
-            text.and_then(|text| Hall::parse(&file_name(name), &text).map_err(|error| unusable(error.to_string())))
+            text.and_then(|text| Hall::parse(&format!("{name}.toml"), &text).map_err(|error| unusable(error.to_string())))
                 .and_then(fitting),
         )
     }
@@ -60,9 +61,9 @@ impl KeptHalls {
     /// Keeps a hall, whole or not at all; in the place of what is there under its name only if it may replace that. Who keeps and discards
     /// takes turns.
     pub(super) fn keep(&self, name: &str, hall: &Hall, may_replace: bool) -> Result<(), NotSimulated> {
-        let folder = self.folder.as_deref().ok_or(NotSimulated::NoDataFolder)?;
+        let data = self.data.as_deref().ok_or(NotSimulated::NoDataFolder)?;
         // Somebody may have put a file there since the start.
-        if folder.join(file_name(name)).symlink_metadata().is_ok() {
+        if file(data, name).path().symlink_metadata().is_ok() {
             self.lock().insert(name.to_owned());
         }
         let kept = self.names();
@@ -72,16 +73,16 @@ impl KeptHalls {
             (false, _) if kept.len() >= MOST => return Err(NotSimulated::TooManyKept(kept.len())),
             (true, true) | (false, _) => {}
         }
-        write(folder, name, hall).map_err(|error| NotSimulated::CannotChangeKept(error.to_string()))?;
+        write(data, name, hall).map_err(|error| NotSimulated::CannotChangeKept(error.to_string()))?;
         self.lock().insert(name.to_owned());
         Ok(())
     }
 
     pub(super) fn discard(&self, name: &str) -> Result<(), NotSimulated> {
-        let Some(folder) = self.folder.as_deref().filter(|_| self.lock().contains(name)) else {
+        let Some(data) = self.data.as_deref().filter(|_| self.lock().contains(name)) else {
             return Err(NotSimulated::NotThere(name.to_owned()));
         };
-        match fs::remove_file(folder.join(file_name(name))).and_then(|()| files::sync_folder(folder)) {
+        match fs::remove_file(file(data, name).path()).and_then(|()| files::sync_folder(&names::HALLS.within(data))) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => {
                 return Err(NotSimulated::CannotChangeKept(error.to_string()));
             }
@@ -97,15 +98,8 @@ impl KeptHalls {
 }
 
 fn found(folder: &Path) -> BTreeSet<String> {
-    let entries = match fs::read_dir(folder) {
-        Ok(entries) => entries,
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return BTreeSet::new(),
-        Err(error) => {
-            tracing::warn!(folder = %folder.display(), %error, "the halls that are kept cannot be read");
-            return BTreeSet::new();
-        }
-    };
-    let files: Vec<PathBuf> = entries.filter_map(Result::ok).map(|entry| entry.path()).filter(|path| path.is_file()).collect();
+    // That it cannot be read is said by `unreadable`.
+    let files: Vec<PathBuf> = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
     let names: BTreeSet<String> = files.iter().filter_map(|file| name_of(file)).collect();
     let offered: BTreeSet<String> = names.into_iter().take(MOST).collect();
     if offered.len() < files.len() {
@@ -115,20 +109,22 @@ fn found(folder: &Path) -> BTreeSet<String> {
     offered
 }
 
+/// Why the folder of the halls that are kept cannot be read, in words that end with what to do; `None` where it can, or is not there.
+pub(in crate::robots) fn unreadable(data: &Path) -> Option<String> {
+    let folder = names::HALLS.within(data);
+    let error = files::check_folder(&folder).err()?;
+    let what = "no hall that is kept there is offered: move it away, then start hallsweep again";
+    Some(format!("{} cannot be used ({error}), so that {what}", folder.display()))
+}
+
 /// Makes the file, and its name last.
-fn write(folder: &Path, name: &str, hall: &Hall) -> io::Result<()> {
-    files::make_folder_within(folder)?;
-    let mut file = file(folder, name);
-    // What a kill left there, or a pipe that would be waited for.
-    let clear = |file: &SmallFile| fs::remove_file(file.unfinished());
-    let _ = clear(&file);
-    let made = file.make(file_of(hall).as_bytes());
-    if made.is_err() {
-        let _ = clear(&file);
-    }
-    made?;
-    files::sync_folder(folder)?;
-    folder.parent().map_or(Ok(()), files::sync_folder)
+fn write(data: &Path, name: &str, hall: &Hall) -> io::Result<()> {
+    let folder = names::HALLS.within(data);
+    files::make_folder_within(&folder)?;
+    let mut file = file(data, name);
+    file.make(file_of(hall).as_bytes()).inspect_err(|_| drop(fs::remove_file(file.unfinished())))?;
+    files::sync_folder(&folder)?;
+    files::sync_folder(data)
 }
 
 /// The name under which a file keeps a hall, if it does.
@@ -137,12 +133,8 @@ fn name_of(file: &Path) -> Option<String> {
     is_hall_name(name).then(|| name.to_owned())
 }
 
-fn file_name(name: &str) -> String {
-    format!("{name}.toml")
-}
-
-fn file(folder: &Path, name: &str) -> SmallFile {
-    SmallFile::within(folder, &file_name(name))
+fn file(data: &Path, name: &str) -> SmallFile {
+    SmallFile::of(data, names::HALL, name)
 }
 
 #[cfg(test)]
@@ -186,8 +178,8 @@ mod tests {
     #[test]
     fn what_was_put_there_by_hand_is_offered_and_said_to_be_unusable_when_it_is() {
         let folder = Scratch::new();
-        fs::create_dir(folder.0.join(FOLDER)).expect("the folder can be written");
-        let put = |name: &str, text: &str| fs::write(folder.0.join(FOLDER).join(name), text).expect("it can be written");
+        fs::create_dir(names::HALLS.within(&folder.0)).expect("the folder can be written");
+        let put = |name: &str, text: &str| fs::write(names::HALLS.within(&folder.0).join(name), text).expect("it can be written");
         put("mine.toml", "drawing = \"\"\"\nS.T\n\"\"\"\n");
         put("bad.toml", "width = 0\n");
         put("large.toml", &"#".repeat(MOST_BYTES + 1));
@@ -199,7 +191,7 @@ mod tests {
         let why = |name: &str| halls.read(name).expect("it is there").expect_err("it is unusable").to_string();
         assert!(why("bad").contains("kept as bad cannot be used: bad.toml:1"), "{}", why("bad"));
         assert!(why("large").contains("larger than"), "{}", why("large"));
-        fs::remove_file(folder.0.join(FOLDER).join("mine.toml")).expect("it is there");
+        fs::remove_file(names::HALLS.within(&folder.0).join("mine.toml")).expect("it is there");
         assert!(why("mine").contains("its file is gone"));
         put("late.toml", "drawing = \"\"\"\nS.T\n\"\"\"\n");
         assert_eq!(
@@ -215,19 +207,22 @@ mod tests {
     #[test]
     fn what_is_no_plain_file_is_not_waited_for() {
         let folder = Scratch::new();
-        fs::create_dir(folder.0.join(FOLDER)).expect("the folder can be written");
-        let pipe = folder.0.join(FOLDER).join("mine.new");
+        fs::create_dir(names::HALLS.within(&folder.0)).expect("the folder can be written");
+        let pipe = names::HALLS.within(&folder.0).join("mine.new");
         assert!(std::process::Command::new("mkfifo").arg(pipe).status().expect("mkfifo is there").success());
         let halls = KeptHalls::within(Some(&folder.0));
         halls.keep("mine", &hall("seed"), false).expect("the pipe has given way");
         let outside = folder.0.join("outside");
         fs::write(&outside, "somebody's").expect("it can be written");
-        std::os::unix::fs::symlink(&outside, folder.0.join(FOLDER).join("mine.new")).expect("it can be linked");
+        std::os::unix::fs::symlink(&outside, names::HALLS.within(&folder.0).join("mine.new")).expect("it can be linked");
         halls.keep("mine", &hall("airport"), true).expect("so has the link");
         assert_eq!(fs::read(outside).expect("it is there"), b"somebody's");
-        fs::create_dir(folder.0.join(FOLDER).join("dir.toml")).expect("the folder can be written");
+        fs::create_dir(names::HALLS.within(&folder.0).join("dir.toml")).expect("the folder can be written");
         assert!(matches!(halls.keep("dir", &hall("seed"), true), Err(NotSimulated::CannotChangeKept(_))));
-        assert!(!folder.0.join(FOLDER).join("dir.new").exists(), "nothing is left behind");
-        assert_eq!(KeptHalls::within(Some(&folder.0)).names(), ["mine"]);
+        assert!(!names::HALLS.within(&folder.0).join("dir.new").exists(), "nothing is left behind");
+        let halls = KeptHalls::within(Some(&folder.0));
+        assert_eq!(halls.names(), ["dir", "mine"]);
+        let why = halls.read("dir").expect("it is there").expect_err("it is no hall").to_string();
+        assert!(why.contains("it is a folder; mend") && why.contains("halls/dir.toml, or move it away"), "{why}");
     }
 }

@@ -16,7 +16,7 @@ mod simulator;
 mod state_file;
 
 pub(super) use chosen_hall::ChosenHall;
-pub use chosen_hall::UnusableChosenHall;
+pub(super) use kept_halls::unreadable as unreadable_halls;
 pub(super) use pair::SimPair;
 pub(super) use remote::{Controls, Ground, Remote};
 pub(super) use robot::SimRobot;

@@ -82,6 +82,10 @@ impl SimPair {
         if let Remembered::Lost(lost) = &self.remembered { Some(lost) } else { None }
     }
 
+    pub(in crate::robots) fn lose(&mut self, why: &str) {
+        self.remembered = Remembered::Lost(why.to_owned());
+    }
+
     /// Puts it down before this hall when it was left before another.
     pub(in crate::robots) fn put_down(&mut self) {
         if let Remembered::Elsewhere(folder) = &self.remembered {

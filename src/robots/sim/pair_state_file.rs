@@ -5,12 +5,11 @@
 use std::path::Path;
 
 use super::state_file::StateFileError;
+use crate::storage::names;
 use crate::storage::small_file::SmallFile;
 use hallsweep_sim::Hall;
 use hallsweep_sim::page::{Unread, Whose};
 use hallsweep_sim::pair::{PairMemory, page};
-
-const FILE: &str = "simulated-pair.txt";
 
 #[derive(Debug)]
 pub(super) struct PairStateFile {
@@ -45,7 +44,7 @@ impl PairStateFile {
 
     /// A state file for a pair that is put down anew before this hall.
     pub(super) fn begin_anew(dir: &Path, hall: &Hall) -> PairStateFile {
-        PairStateFile { file: SmallFile::within(dir, FILE), whose: Whose::of(hall), owed: None }
+        PairStateFile { file: SmallFile::within(dir, names::PAIR), whose: Whose::of(hall), owed: None }
     }
 
     /// From now on the pair is before this hall, newly put down.

@@ -58,6 +58,10 @@ impl SimRobot {
         if let Remembered::Lost(lost) = &self.remembered { Some(lost) } else { None }
     }
 
+    pub(in crate::robots) fn lose(&mut self, why: &str) {
+        self.remembered = Remembered::Lost(why.to_owned());
+    }
+
     pub(in crate::robots) fn other_hall(&self) -> Option<&str> {
         if let Remembered::Elsewhere(_, hall) = &self.remembered { Some(hall) } else { None }
     }

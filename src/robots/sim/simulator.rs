@@ -119,6 +119,7 @@ impl Simulator for InHand {
     fn put_down(self: Arc<Self>, hall: OtherHall, issuer: Issuer) -> Changing {
         Box::pin(async move {
             let mut ground = self.turn.lock().await;
+            self.must_be_recorded()?;
             let seed = hall.seed.unwrap_or(ground.seed);
             let hall = self.on_disk(move |offered| read(hall.source, offered)).await?;
             let next = Ground { hall: Arc::new(hall), seed };

@@ -9,6 +9,7 @@ use std::io;
 use std::path::Path;
 
 use crate::storage::files;
+use crate::storage::names;
 use crate::storage::small_file::SmallFile;
 use hallsweep_core::event::RobotId;
 use hallsweep_sim::Hall;
@@ -19,12 +20,10 @@ mod error;
 pub(super) use error::StateFileError;
 use hallsweep_sim::page::{self, Page, Unread, Whose};
 
-/// The name of the file of the robot that searches, in the data folder.
-const FILE: &str = "simulated-robot.txt";
-
-/// The name of a robot's file: one was there before there were several, and its file keeps its name.
-fn file_of(robot: &RobotId) -> String {
-    if *robot == RobotId::discovery() { FILE.to_owned() } else { format!("simulated-robot-{robot}.txt") }
+/// A robot's file: one was there before there were several, and its file keeps its name.
+fn file_of(data: &Path, robot: &RobotId) -> SmallFile {
+    let name = if *robot == RobotId::discovery() { names::SIMULATED } else { names::SIMULATED_FURTHER };
+    SmallFile::of(data, name, robot.name())
 }
 
 #[derive(Debug)]
@@ -53,7 +52,7 @@ impl SimStateFile {
         let Some(bytes) = state_file.file.read(page::SIZE).map_err(|error| StateFileError::Unreadable { path: path(), error })?
         else {
             let unfinished = state_file.file.unfinished();
-            return match files::check_plain(&unfinished) {
+            return match files::check_no_folder(&unfinished) {
                 Ok(()) => Ok((state_file, None)),
                 Err(error) => Err(StateFileError::Unreadable { path: unfinished, error }),
             };
@@ -77,7 +76,7 @@ impl SimStateFile {
     /// A state file for a robot that is put down anew in this hall. The first writing takes the place of whatever file there is, so
     /// it is for a folder without one, or when the robot is meant to leave the hall it was in.
     pub(super) fn begin_anew(dir: &Path, robot: &RobotId, hall: &Hall) -> SimStateFile {
-        SimStateFile { file: SmallFile::within(dir, &file_of(robot)), whose: Whose::of(hall), turn: 0, anew: true, owed: None }
+        SimStateFile { file: file_of(dir, robot), whose: Whose::of(hall), turn: 0, anew: true, owed: None }
     }
 
     /// From now on the robot is in this hall, newly put down: the next writing takes the place of what is there.

@@ -20,12 +20,12 @@ use sha2::{Digest, Sha256};
 use super::check::{Findings, check, check_entries};
 use super::cut::{Bound, Cut, cuts};
 use super::fault::{Fault, Then, count, whole};
-use super::folder::{Folder, JOURNAL, sync_parent};
+use super::folder::{Folder, sync_parent};
 use super::photos::{PICTURES, Pictures};
 use super::{chain, connect, head, marker, pages, project, rows, schema};
 use crate::api::journal::Picture;
 use crate::runtime::archive::{Head, Unreadable, hex};
-use crate::storage::files;
+use crate::storage::{files, names};
 use hallsweep_core::effect::{Entry, Fact, Page, WrittenOut};
 use hallsweep_core::units::{Seq, WallTime};
 
@@ -51,26 +51,28 @@ pub fn write_out(data: &Path, before: WallTime, now: WallTime, file: &Path) -> R
 
 /// The same into the folder `archives` of the data folder, not more than a start waits for.
 pub fn write_out_at_start(data: &Path, before: WallTime, now: WallTime) -> Result<Option<Archived>, Unreadable> {
-    let archives = data.join("archives");
+    let archives = names::ARCHIVES.within(data);
     let made = files::make_folder_within(&archives).and_then(|()| files::sync_folder(data));
-    made.and_then(|()| sweep(&archives)).map_err(|error| refused(&archives, &error.into()))?;
-    write_out_within(data, (before, now), Bound::OF_A_START, |cut| archives.join(name(cut)))
+    made.and_then(|()| sweep(&archives)).map_err(|error| {
+        Unreadable(format!("{} cannot be used ({error}): move it away, then start hallsweep again", archives.display()))
+    })?;
+    write_out_within(data, (before, now), Bound::OF_A_START, |cut| names::ARCHIVE.of(data, &stem(cut)))
 }
 
-/// Removes what kills left half done in the folder that is ours alone.
+/// Removes what kills left half done in the folder that is ours alone. A folder among that is in nobody's way.
 fn sweep(archives: &Path) -> std::io::Result<()> {
     for file in std::fs::read_dir(archives)? {
         let path = file?.path();
         if path.extension() == Some(UNFINISHED.as_ref()) {
-            std::fs::remove_file(path)?;
+            let _ = std::fs::remove_file(path);
         }
     }
     Ok(())
 }
 
 /// A name that follows from what is in it.
-fn name(Cut { missions: (first, last), last: end, .. }: &Cut) -> String {
-    format!("missions-{first}-to-{last}-{}.hallsweep", &end.hex()[..16])
+fn stem(Cut { missions: (first, last), last: end, .. }: &Cut) -> String {
+    format!("missions-{first}-to-{last}-{}", &end.hex()[..16])
 }
 
 /// Writes out as many as the bound takes, into the file that `file` says. One that is there already with just that in it, because a kill or a lock came
@@ -123,8 +125,8 @@ pub fn is_within(data: &Path, file: &Path) -> bool {
     let file = file.canonicalize().unwrap_or_else(|_| file.to_owned());
     let folder = file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let (Ok(folder), data) = (folder.canonicalize(), data.canonicalize().ok()) else { return false };
-    let mut above = folder.ancestors().take_while(|above| !above.ends_with("archives"));
-    above.any(|above| data.as_deref() == Some(above) || above.join(JOURNAL).exists())
+    let mut above = folder.ancestors().take_while(|above| !above.ends_with(names::ARCHIVES.written()));
+    above.any(|above| data.as_deref() == Some(above) || names::JOURNAL.within(above).exists())
 }
 
 /// Fails unless the journal is sound, whole and of this version. Its photos are looked at as far as they leave it, when they are copied.
@@ -175,10 +177,7 @@ fn written(folder: &Folder, journal: &Connection, cut: &Cut, file: &Path) -> Res
     let mut unfinished = file.as_os_str().to_owned();
     unfinished.push(format!(".{UNFINISHED}"));
     let unfinished = PathBuf::from(unfinished);
-    // One that a kill left behind is none of anybody's.
-    let _ = std::fs::remove_file(&unfinished);
-    let made = files::open(&unfinished, File::options().write(true).create_new(true));
-    made.map_err(|error| refused(file, &error.into()))?;
+    files::create(&unfinished).map_err(|error| refused(file, &error.into()))?;
     let named = filled(folder, journal, cut.last.seq, &unfinished).and_then(|()| {
         std::fs::rename(&unfinished, file)?;
         Ok(sync_parent(file)?)

@@ -12,6 +12,7 @@ use super::together::Records;
 use super::{chain, head, marker, project, recall, schema};
 use crate::api::journal::Picture;
 use crate::runtime::archive::Head;
+use crate::storage::names;
 use hallsweep_core::units::Seq;
 
 /// At most so many findings are listed: who has more needs a backup, not a list.
@@ -86,7 +87,7 @@ fn checked(
 fn end(connection: &Connection, head: Result<Option<Head>, Fault>, folder: &Folder, findings: &mut Findings) {
     let none = "there is no journal.head: whether entries were cut off at the end is not known; the next start makes it anew";
     let lost = head.as_ref().map_or(Ok(()), |_| head::check(folder)).and_then(|()| marker::read(folder).map(drop));
-    if let Err(fault @ Fault::Unusable("journal.lost", _)) = lost {
+    if let Err(fault @ Fault::Unusable(names::LOST, _)) = lost {
         findings.fault(fault.words(folder.path(), Then::StartAgain));
     }
     match head.and_then(|head| head.map(|head| head::is_held(connection, &head)).transpose()) {

@@ -8,6 +8,7 @@ use rusqlite::ErrorCode;
 
 use super::folder::Folder;
 use crate::api::journal::Unparsed;
+use crate::storage::names::{self, Name};
 use hallsweep_core::units::Seq;
 
 /// What belongs together: whoever moves one of these without the others has half a journal.
@@ -32,7 +33,7 @@ pub(super) enum Fault {
     /// The journal has no entry, and there are photos.
     OnlyPhotos,
     /// Something of this name cannot be the file that it should be; why.
-    Unusable(&'static str, String),
+    Unusable(Name, String),
     /// This file was deleted or replaced while it was open.
     TakenAway(&'static str),
     /// It was written by a version that knows more; its format.
@@ -136,7 +137,7 @@ impl Fault {
                 "the journal {file} has no entry, but photos are kept in {shown}; nothing is touched: put the journal that \
                  belongs to them back, or move {ALL} away together to begin anew, then start hallsweep again"
             ),
-            Fault::Unusable(name, why) => unusable(name, why, folder),
+            Fault::Unusable(name, why) => unusable(*name, why, folder),
             Fault::TakenAway(name) => format!(
                 "{name} in {shown} was deleted or replaced while hallsweep was using it; nothing is recorded any more: end \
                  hallsweep, put the journal back, then start hallsweep again"
@@ -228,15 +229,15 @@ impl Trouble {
 }
 
 /// What to do about a file that cannot be what its name says.
-fn unusable(name: &str, why: &str, folder: &Path) -> String {
-    let what = if name.starts_with("journal.db") || name == "photos" {
+fn unusable(name: Name, why: &str, folder: &Path) -> String {
+    let what = if [names::JOURNAL, names::LOG, names::LOG_INDEX, names::PHOTOS].contains(&name) {
         format!("it is left as it is: put the one that belongs there back, or move {ALL} away together to begin anew")
-    } else if name == "journal.lost" {
+    } else if name == names::LOST {
         "move it away; what stands in the journal counts then, also what may have been answered as not recorded".to_owned()
     } else {
         "move it away".to_owned()
     };
-    format!("{} cannot be used ({why}): {what}, then start hallsweep again", folder.join(name).display())
+    format!("{} cannot be used ({why}): {what}, then start hallsweep again", name.within(folder).display())
 }
 
 /// What SQLite says over several lines, as a few words.

@@ -1,12 +1,5 @@
-//! The folder in which everything is kept: the names in it, who may read it, and that only one hallsweep uses it at a time.
-//!
-//! ```text
-//!   journal.db          the journal (with journal.db-wal and journal.db-shm beside it while it is open)
-//!   journal.lock        held by the program that writes
-//!   journal.head        up to which entry it was kept, and the digest of its page
-//!   journal.lost        after which entry everything was said to be lost
-//!   photos/ab/cdef….png a photo, named by the digest of its bytes
-//! ```
+//! The folder in which everything is kept: where the files of the journal are, who may read it, and that only one hallsweep uses it at a
+//! time. The names stand in `names`.
 
 use std::fs::{File, TryLockError};
 use std::io::{self, Write};
@@ -16,10 +9,8 @@ use super::fault::Fault;
 use super::photos::Pictures;
 use crate::api::journal::Picture;
 use crate::storage::files;
+use crate::storage::names::{self, Name};
 use crate::storage::small_file::SmallFile;
-
-/// The journal's file in a folder, without which that is no data folder.
-pub(super) const JOURNAL: &str = "journal.db";
 
 /// The folder, which may not be there yet; or an archive, which is one file and is only read: see `archive_file` and `unpack`.
 #[derive(Clone, Debug)]
@@ -68,19 +59,19 @@ impl Folder {
     }
 
     pub(super) fn journal(&self) -> PathBuf {
-        if self.is_archive { self.path.clone() } else { self.path.join(JOURNAL) }
+        if self.is_archive { self.path.clone() } else { names::JOURNAL.within(&self.path) }
     }
 
     pub(super) fn write_ahead_log(&self) -> PathBuf {
-        self.path.join("journal.db-wal")
+        names::LOG.within(&self.path)
     }
 
     pub(super) fn marker(&self) -> SmallFile {
-        SmallFile::within(&self.path, "journal.lost")
+        SmallFile::within(&self.path, names::LOST)
     }
 
     pub(super) fn head(&self) -> SmallFile {
-        SmallFile::within(&self.path, "journal.head")
+        SmallFile::within(&self.path, names::HEAD)
     }
 
     /// Where a photo is, whether or not it is there.
@@ -90,11 +81,14 @@ impl Folder {
     }
 
     pub(super) fn photos(&self) -> PathBuf {
-        self.path.join("photos")
+        names::PHOTOS.within(&self.path)
     }
 
     /// Whether there is a journal: a file that is not empty. What cannot be looked at may be one.
     pub(super) fn has_journal(&self) -> Result<bool, Fault> {
+        if !self.is_archive {
+            self.check_rollback()?;
+        }
         match std::fs::metadata(self.journal()) {
             Ok(file) if file.len() > 0 => Ok(true),
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error.into()),
@@ -117,19 +111,29 @@ impl Folder {
     /// Fails when something has the name of a file of the journal that cannot be one (safety R5): SQLite would wait at a pipe for
     /// ever, and say of a folder that the disk is ill.
     pub(super) fn check_journal(&self) -> Result<(), Fault> {
-        self.check_plain(&[JOURNAL, "journal.db-wal", "journal.db-shm"])?;
+        self.check_plain(&[names::JOURNAL, names::LOG, names::LOG_INDEX])?;
         self.check_log()
     }
 
     /// The same of what is beside it, without which it can be read all the same.
     pub(super) fn check_beside(&self) -> Result<(), Fault> {
-        self.check_plain(&["journal.lock", "journal.lost", "journal.head"])?;
-        files::check_folder(&self.photos()).map_err(|error| Fault::Unusable("photos", error.to_string()))
+        self.check_plain(&[names::LOCK, names::LOST, names::HEAD])?;
+        files::check_folder(&self.photos()).map_err(|error| Fault::Unusable(names::PHOTOS, error.to_string()))
     }
 
-    fn check_plain(&self, names: &[&'static str]) -> Result<(), Fault> {
-        let unusable = |name: &'static str| move |error: io::Error| Fault::Unusable(name, error.to_string());
-        names.iter().try_for_each(|name| files::check_plain(&self.path.join(name)).map_err(unusable(name)))
+    fn check_plain(&self, names: &[Name]) -> Result<(), Fault> {
+        let unusable = |name: Name| move |error: io::Error| Fault::Unusable(name, error.to_string());
+        names.iter().try_for_each(|name| files::check_plain(&name.within(&self.path)).map_err(unusable(*name)))
+    }
+
+    /// SQLite looks into this file before it reads the journal: it would wait at a pipe, and take garbage for a change that was cut
+    /// short.
+    fn check_rollback(&self) -> Result<(), Fault> {
+        const BEGINS: [u8; 8] = [0xd9, 0xd5, 0x05, 0xf9, 0x20, 0xa1, 0x63, 0xd7];
+        self.check_plain(&[names::ROLLBACK])?;
+        let bytes = files::read_if_there(&names::ROLLBACK.within(&self.path), BEGINS.len())?.unwrap_or_default();
+        let begins = bytes.first().is_none_or(|first| *first == 0) || bytes.starts_with(&BEGINS);
+        if begins { Ok(()) } else { Err(Fault::Unusable(names::ROLLBACK, "it does not begin as it should".to_owned())) }
     }
 
     /// SQLite passes over a log that does not begin like one, and would write over the entries in it.
@@ -137,7 +141,7 @@ impl Folder {
         const BEGINS: [[u8; 4]; 2] = [0x377f_0682_u32.to_be_bytes(), 0x377f_0683_u32.to_be_bytes()];
         let bytes = files::read_if_there(&self.write_ahead_log(), BEGINS[0].len())?.unwrap_or_default();
         let begins = bytes.is_empty() || BEGINS.iter().any(|begins| bytes.starts_with(begins));
-        if begins { Ok(()) } else { Err(Fault::Unusable("journal.db-wal", "it does not begin as it should".to_owned())) }
+        if begins { Ok(()) } else { Err(Fault::Unusable(names::LOG, "it does not begin as it should".to_owned())) }
     }
 
     pub(super) fn journal_identity(&self) -> Result<Identity, Fault> {
@@ -146,7 +150,7 @@ impl Folder {
 
     /// Which file the lock is just now; `None` when there is none.
     pub(super) fn lock_identity(&self) -> Option<Identity> {
-        std::fs::metadata(self.path.join("journal.lock")).ok().map(|file| identity(&file))
+        std::fs::metadata(names::LOCK.within(&self.path)).ok().map(|file| identity(&file))
     }
 
     /// Creates what is not there yet: the folder for its owner alone, and an empty file for the journal, likewise. SQLite gives
@@ -170,10 +174,8 @@ impl Folder {
 
     /// Proves that so many bytes can be written to the folder and flushed.
     pub(super) fn prove_room(&self, bytes: usize) -> Result<(), Fault> {
-        let path = self.path.join("room.unfinished");
-        // One that a kill left behind, or a pipe that somebody put there, is none of anybody's.
-        let _ = std::fs::remove_file(&path);
-        let written = files::open(&path, File::options().write(true).create_new(true)).and_then(|mut file| {
+        let path = names::ROOM.within(&self.path);
+        let written = files::create(&path).and_then(|mut file| {
             file.write_all(&vec![0; bytes])?;
             file.sync_all()
         });
@@ -184,7 +186,7 @@ impl Folder {
 
     /// Takes the folder for this program alone. Without that nothing may be written there.
     pub(super) fn lock(&self) -> Result<Lock, Fault> {
-        let path = self.path.join("journal.lock");
+        let path = names::LOCK.within(&self.path);
         files::check_plain(&path)?;
         let opened = files::open(&path, File::options().read(true).write(true).create(true).truncate(false));
         // Where nothing can be written, a lock that is there can still be held.

@@ -13,6 +13,7 @@ use super::fault::Fault;
 use super::folder::Folder;
 use super::{chain, connect, marker, rows, schema};
 use crate::runtime::archive::Head;
+use crate::storage::names;
 use hallsweep_core::units::Seq;
 
 /// So many bytes has the file: always as many, so that each writing covers the one before.
@@ -102,7 +103,7 @@ pub(super) fn check(folder: &Folder) -> Result<(), Fault> {
     let lost_after = marker::read(folder)?;
     if lost_after.is_some_and(|kept| kept < head.seq) {
         let why = format!("it says that entries were lost that were kept, up to entry {}", head.seq);
-        return Err(Fault::Unusable("journal.lost", why));
+        return Err(Fault::Unusable(names::LOST, why));
     }
     let Some(connect::Reader { connection, .. }) = connect::reader_of_entries(folder)? else {
         return Err(if folder.has_photos() { Fault::OnlyPhotos } else { Fault::CutOff(head.seq) });
@@ -130,7 +131,7 @@ pub(super) fn read(folder: &Folder) -> Result<Option<Head>, Fault> {
     if bytes.iter().all(|byte| *byte == 0) {
         return Ok(None);
     }
-    let damaged = || Fault::Unusable("journal.head", "it is damaged".to_owned());
+    let damaged = || Fault::Unusable(names::HEAD, "it is damaged".to_owned());
     understood(&bytes).map(Some).ok_or_else(damaged)
 }
 

@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use super::fault::Fault;
 use super::folder::{Folder, Identity};
-use crate::storage::files;
+use crate::storage::{files, names};
 use hallsweep_core::units::Seq;
 
 /// So long an announcement waits for the file: a disk that hangs even for these few bytes must not keep it from being said.
@@ -77,7 +77,7 @@ pub(super) fn clear(folder: &Folder) -> Result<(), Fault> {
 /// After which entry everything was said to be lost.
 pub(super) fn read(folder: &Folder) -> Result<Option<Seq>, Fault> {
     let Some(bytes) = folder.marker().read(text(None).len())? else { return Ok(None) };
-    let damaged = || Fault::Unusable("journal.lost", "it is damaged, so that what was said to be lost is not known".to_owned());
+    let damaged = || Fault::Unusable(names::LOST, "it is damaged, so that what was said to be lost is not known".to_owned());
     understood(&bytes).ok_or_else(damaged)
 }
 

@@ -1,7 +1,6 @@
 //! Photos, named by the digest of their bytes, and held against it when they are read. Beside a journal on disk they are files,
 //! written so that a name never stands for half a photo (safety D3); in a journal in memory they are rows of a table of it.
 
-use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
 use std::sync::Arc;
@@ -77,17 +76,19 @@ fn keep_file(folder: &Folder, picture: &Picture, bytes: &[u8]) -> Result<(), Fau
     if !holds(&path, bytes) {
         [&folder.photos(), shelf].into_iter().try_for_each(files::make_folder_within)?;
         let unfinished = path.with_extension("unfinished");
-        write(&unfinished, bytes).and_then(|()| std::fs::rename(&unfinished, &path)).inspect_err(|_| {
-            // What is left of it would be in nobody's way, and the next photo of this name replaces it.
-            let _ = std::fs::remove_file(&unfinished);
-        })?;
+        write(&unfinished, bytes).and_then(|()| std::fs::rename(&unfinished, &path).map_err(files::naming(&path))).inspect_err(
+            |_| {
+                // What is left of it would be in nobody's way, and the next photo of this name replaces it.
+                let _ = std::fs::remove_file(&unfinished);
+            },
+        )?;
     }
     // Also for a photo that is there already: whoever put it there may have failed at just this.
     Ok([shelf, &folder.photos(), folder.path()].into_iter().try_for_each(files::sync_folder)?)
 }
 
 fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file = files::open(path, File::options().write(true).create(true).truncate(true))?;
+    let mut file = files::create(path)?;
     file.write_all(bytes)?;
     file.sync_all()
 }

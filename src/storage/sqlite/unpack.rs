@@ -8,12 +8,13 @@ use std::path::{Path, PathBuf};
 
 use super::archive_file::{copy, digest_of, photos, refused, sound};
 use super::fault::{Fault, Then, count};
-use super::folder::{Folder, JOURNAL};
+use super::folder::Folder;
 use super::photos::Pictures;
 use super::{chain, head, pages, rows};
 use crate::api::journal::Picture;
 use crate::runtime::archive::Unreadable;
 use crate::storage::files;
+use crate::storage::names::{self, Name};
 use hallsweep_core::effect::{Entry, Fact, Page, Unpacked};
 use hallsweep_core::units::WallTime;
 
@@ -48,9 +49,6 @@ struct Place {
     is_there: bool,
 }
 
-/// In a folder that is there, where the new one is built.
-const BUILD: &str = "hallsweep-unpack";
-
 impl Place {
     /// A place that is free: nothing is there, or an empty folder, or what a kill left of an unpacking.
     fn of(data: &Path) -> Result<Place, Unreadable> {
@@ -60,7 +58,7 @@ impl Place {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 let Some(name) = data.file_name() else { return Err(refused(&error)) };
                 let mut beside = name.to_owned();
-                beside.push(format!(".{BUILD}"));
+                beside.push(format!(".{}", names::UNPACK.written()));
                 return Ok(Place { data: data.to_owned(), build: data.with_file_name(beside), is_there: false });
             }
             Err(error) => return Err(refused(&error)),
@@ -69,9 +67,10 @@ impl Place {
         let there = there.map_err(|error| refused(&error))?;
         // A volume may have this of its own.
         let is_empty = there.iter().all(|name| name == "lost+found");
-        let was_begun = there.iter().any(|name| name == BUILD) && !there.iter().any(|name| name == JOURNAL);
+        let has = |wanted: Name| there.iter().any(|name| name == wanted.written());
+        let was_begun = has(names::UNPACK) && !has(names::JOURNAL);
         if is_empty || was_begun {
-            let build = data.join(BUILD);
+            let build = names::UNPACK.within(&data);
             Ok(Place { data, build, is_there: true })
         } else {
             Err(Unreadable(format!("{} is not empty: name another folder with --data", data.display())))
@@ -80,10 +79,10 @@ impl Place {
 
     /// Fails where something stands in the way of building that no unpacking has left.
     fn check(&self) -> Result<(), Unreadable> {
-        const LEFT: [&str; 4] = [JOURNAL, "journal.head", "journal.lock", "photos"];
+        const LEFT: [Name; 4] = [names::JOURNAL, names::HEAD, names::LOCK, names::PHOTOS];
         let is_ours = match fs::symlink_metadata(&self.build) {
             Ok(there) if there.is_dir() => fs::read_dir(&self.build).is_ok_and(|mut files| {
-                files.all(|file| file.is_ok_and(|file| LEFT.iter().any(|name| file.file_name() == *name)))
+                files.all(|file| file.is_ok_and(|file| LEFT.iter().any(|name| file.file_name() == name.written())))
             }),
             Ok(_) => false,
             Err(error) => error.kind() == io::ErrorKind::NotFound,
@@ -99,7 +98,7 @@ impl Place {
             return files::sync_folder(self.data.parent().unwrap_or(Path::new(".")));
         }
         let mut parts = fs::read_dir(&self.build)?.map(|part| Ok(part?.file_name())).collect::<io::Result<Vec<_>>>()?;
-        parts.sort_by_key(|part| part == JOURNAL);
+        parts.sort_by_key(|part| part == names::JOURNAL.written());
         for part in parts {
             let to = self.data.join(&part);
             // A kill may have left it, when it was moved here before.

@@ -63,6 +63,29 @@ fn map(program: &Program) -> String {
     program.read("/api/v1/map", &[("Accept", "text/plain")]).text().replace('r', "1")
 }
 
+/// A data folder with what is kept of such a robot, and the mark that it is out of date, since the disk could not be written.
+pub(crate) fn remembered() -> Folder {
+    let robot = VirtualRobot::standing_in(small_room(), Version::First);
+    let folder = Folder::new("virtual-robot-kept");
+    let program = serve(&robot, "virtual-tcp", Some(&folder));
+    program.until("the link is up", linked);
+    program.command("start").accepted();
+    in_mid_step(&robot);
+    let (file, mark) = (folder.path().join("robot-discovery.txt"), folder.path().join("robot-discovery.out-of-date"));
+    let kept = std::fs::read(&file).expect("it is written before it moves");
+    std::fs::create_dir(folder.path().join("robot-discovery.new")).expect("the folder is ours");
+    let deadline = Deadline::within(Duration::from_secs(60));
+    while !mark.exists() {
+        assert!(!deadline.has_passed(), "it is not marked");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    program.killer()();
+    drop(program);
+    std::fs::remove_dir(folder.path().join("robot-discovery.new")).expect("it is empty");
+    std::fs::write(file, kept).expect("the folder is ours");
+    folder
+}
+
 #[test]
 fn both_kinds_of_virtual_robot_explore_their_room_to_the_end() {
     for (kind, version) in [("virtual-tcp", Version::First), ("virtual-ws", Version::Year2021)] {

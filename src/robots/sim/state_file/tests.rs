@@ -24,7 +24,7 @@ fn a_new_folder_remembers_nothing_and_then_the_last_that_was_kept() {
     let folder = Scratch::new();
     let (mut state_file, memory) = SimStateFile::open(&folder.0, &RobotId::discovery(), &hall(), &hall()).unwrap();
     assert_eq!(memory, None);
-    assert!(!folder.0.join(FILE).exists(), "opening writes nothing");
+    assert!(!names::SIMULATED.within(&folder.0).exists(), "opening writes nothing");
     for x in [0, 1, 2, 1, 0, 1] {
         state_file.keep(at(x));
         assert_eq!(remembered(&folder), Some(at(x)));
@@ -43,7 +43,7 @@ fn a_file_of_another_hall_is_refused_and_left_alone_until_it_is_begun_anew() {
     let second = Hall::from_rows("second", &["S...."]).unwrap();
     let error = SimStateFile::open(&folder.0, &RobotId::discovery(), &second, &second).unwrap_err();
     let words = error.to_string();
-    assert!(words.contains(FILE) && words.contains("--hall first") && words.contains("--data DIR"), "{words}");
+    assert!(words.contains("simulated-robot.txt") && words.contains("--hall first") && words.contains("--data DIR"), "{words}");
     assert!(
         matches!(error, StateFileError::OtherHall { remembered, given, .. } if (&*remembered, &*given) == ("first", "second"))
     );
@@ -73,15 +73,15 @@ fn what_cannot_be_understood_is_said_with_the_file_and_left_alone() {
         (&newer, "version 7"),
     ];
     for (bytes, expect) in cases {
-        fs::write(folder.0.join(FILE), bytes).unwrap();
+        fs::write(names::SIMULATED.within(&folder.0), bytes).unwrap();
         let words = SimStateFile::open(&folder.0, &RobotId::discovery(), &hall(), &hall()).unwrap_err().to_string();
-        assert!(words.contains(expect) && words.contains(FILE) && words.contains("move"), "{words}");
-        assert_eq!(fs::read(folder.0.join(FILE)).unwrap(), bytes);
+        assert!(words.contains(expect) && words.contains("simulated-robot.txt") && words.contains("move"), "{words}");
+        assert_eq!(fs::read(names::SIMULATED.within(&folder.0)).unwrap(), bytes);
     }
-    fs::remove_file(folder.0.join(FILE)).unwrap();
-    fs::create_dir(folder.0.join(FILE)).unwrap();
+    fs::remove_file(names::SIMULATED.within(&folder.0)).unwrap();
+    fs::create_dir(names::SIMULATED.within(&folder.0)).unwrap();
     let words = SimStateFile::open(&folder.0, &RobotId::discovery(), &hall(), &hall()).unwrap_err().to_string();
-    assert!(words.starts_with("cannot read") && words.contains(FILE), "{words}");
+    assert!(words.starts_with("cannot read") && words.contains("simulated-robot.txt"), "{words}");
 }
 
 #[test]

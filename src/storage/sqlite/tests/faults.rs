@@ -359,7 +359,7 @@ fn a_marker_is_put_down_and_cleared() {
     assert_eq!(marker::read(&Folder::new(&scratch.data())).unwrap(), None);
     std::fs::write(Folder::new(&scratch.data()).marker().path(), "everything after entry 12").unwrap();
     let damaged = marker::read(&Folder::new(&scratch.data()));
-    assert!(matches!(damaged, Err(Fault::Unusable("journal.lost", _))), "{damaged:?}");
+    assert!(matches!(damaged, Err(Fault::Unusable(crate::storage::names::LOST, _))), "{damaged:?}");
 }
 
 /// The same, when the disk came back before the last step.

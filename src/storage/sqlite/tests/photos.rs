@@ -1,5 +1,8 @@
 //! Photos are files beside the journal, and every take of a piece is found.
 
+use super::super::fault::Then;
+use super::super::folder::Folder;
+use super::super::photos::Pictures;
 use super::testing::*;
 use crate::runtime::archive::{Archive, NoTake, Unreadable};
 use hallsweep_core::command::Verdict;
@@ -48,6 +51,41 @@ fn a_photo_is_a_file_named_by_its_digest() {
     assert_eq!(scribe.opened.archive.photo(LuggageId(1)), Ok(Some(photo("bag"))), "taken again it is whole");
     std::fs::remove_file(&files[0].0).unwrap();
     check_finds(&scratch, &["is not there"]);
+}
+
+/// Safety R5.
+#[cfg(unix)]
+#[test]
+fn what_stands_in_the_place_of_a_photo_gives_way_or_is_named() {
+    let (scratch, other) = (Scratch::new(), Scratch::new());
+    let mut scribe = Scribe::new(other.open());
+    scribe.keep(vec![found(1, Some(photo("bag")))]);
+    let name = bytes(&other.data().join("photos"))[0].0.strip_prefix(other.data()).unwrap().to_owned();
+    let place = scratch.data().join(name);
+    std::fs::create_dir_all(place.parent().unwrap()).unwrap();
+    for pipe in [&place, &place.with_extension("unfinished")] {
+        assert!(std::process::Command::new("mkfifo").arg(pipe).status().unwrap().success());
+    }
+    let keep =
+        || Pictures::Files(&Folder::new(&scratch.data())).keep(&rusqlite::Connection::open_in_memory().unwrap(), &photo("bag"));
+    keep().expect("both pipes have given way");
+    std::fs::remove_dir_all(scratch.data().join("photos")).unwrap();
+    let shelf = place.parent().unwrap();
+    for (named, is_folder) in [(&*place, true), (shelf, false)] {
+        std::fs::create_dir_all(named.parent().unwrap()).unwrap();
+        if is_folder {
+            std::fs::create_dir(named).unwrap()
+        } else {
+            std::fs::write(named, "").unwrap()
+        }
+        let words = keep().unwrap_err().words(&scratch.data(), Then::GoesOn);
+        assert!(words.contains(named.to_str().unwrap()) && words.contains("goes on by itself"), "{words}");
+        std::fs::remove_dir_all(scratch.data().join("photos")).unwrap();
+    }
+    let room = scratch.data().join("room.unfinished");
+    std::fs::create_dir(&room).unwrap();
+    let words = Folder::new(&scratch.data()).prove_room(9).unwrap_err().words(&scratch.data(), Then::GoesOn);
+    assert!(words.contains("room.unfinished: it is a folder"), "{words}");
 }
 
 /// What is lost for good is told from what may be read another time.

@@ -1,0 +1,63 @@
+//! The table of everything that the program itself keeps in the data folder, and the only place that spells these names. Small files
+//! are opened by a `Name` alone, so that none is missing in the table; the tests of damage and the page `docs/journal.md` go by `ALL`
+//! (safety R5).
+
+use std::path::{Path, PathBuf};
+
+/// A file or folder, by its path in the data folder. `*` stands for the part in which files of one kind differ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Name(&'static str);
+
+macro_rules! names {
+    ($($name:ident = $written:literal;)+) => {
+        $(pub(crate) const $name: Name = Name($written);)+
+        pub const ALL: &[Name] = &[$($name),+];
+    };
+}
+
+names! {
+    ACCESS = "access.toml";
+    ARCHIVE = "archives/*.hallsweep";
+    ARCHIVES = "archives";
+    CHOSEN_HALL = "simulated-hall.toml";
+    HALL = "halls/*.toml";
+    HALLS = "halls";
+    HEAD = "journal.head";
+    JOURNAL = "journal.db";
+    LOCK = "journal.lock";
+    LOG = "journal.db-wal";
+    LOG_INDEX = "journal.db-shm";
+    LOST = "journal.lost";
+    MODE = "hallsweep-*.mode";
+    PAIR = "simulated-pair.txt";
+    PHOTO = "photos/*/*";
+    PHOTOS = "photos";
+    ROBOT = "robot-*.txt";
+    ROBOT_OUT_OF_DATE = "robot-*.out-of-date";
+    ROLLBACK = "journal.db-journal";
+    ROOM = "room.unfinished";
+    SHELF = "photos/*";
+    SIMULATED = "simulated-robot.txt";
+    SIMULATED_FURTHER = "simulated-robot-*.txt";
+    STOPS = "stops";
+    STOPS_DAMAGED = "stops.damaged";
+    UNFINISHED = "*.new";
+    UNFINISHED_ARCHIVE = "archives/*.unfinished";
+    UNFINISHED_PHOTO = "photos/*/*.unfinished";
+    UNPACK = "hallsweep-unpack";
+}
+
+impl Name {
+    pub const fn written(self) -> &'static str {
+        self.0
+    }
+
+    pub(crate) fn within(self, data: &Path) -> PathBuf {
+        data.join(self.0)
+    }
+
+    /// The path of one file of its kind, which has `part` in the place of `*`.
+    pub(crate) fn of(self, data: &Path, part: &str) -> PathBuf {
+        data.join(self.0.replace('*', part))
+    }
+}
