@@ -75,6 +75,8 @@ mod shutdown;
 mod simulator;
 #[path = "service/start.rs"]
 mod start;
+#[path = "service/stop_again.rs"]
+mod stop_again;
 #[path = "service/stop_floods.rs"]
 mod stop_floods;
 #[path = "service/stop_words.rs"]

@@ -1,7 +1,8 @@
 //! A CoAP endpoint, an application that answers in every way there is, at once or late, and two peers, one on this machine and one
 //! beyond it, that send anything at any time. Whatever they do: nothing breaks, every datagram that goes out is a message and not
 //! too long, an address that proved nothing gets at most three times what came from it, what is remembered stays bounded, and a STOP
-//! from this machine is handed over once, whatever is wrong with it, and none from elsewhere (safety S8).
+//! from this machine is handed over once, and once more after what it did was undone, whatever is wrong with it, and none from
+//! elsewhere (safety S1, S8).
 //! Whether the answers are the right ones is tested elsewhere.
 #![no_main]
 
@@ -59,8 +60,9 @@ struct Play {
     may_be_proved: bool,
     /// The latest Echo that went to each peer.
     echoes: [Vec<u8>; PEERS],
-    /// The STOPs that came from this machine, and when each first did.
+    /// The STOPs that came from this machine since what they did was last undone, and when each first did.
     stops: HashMap<Vec<u8>, Duration>,
+    undone: u64,
     /// How many were handed over.
     pressed: usize,
 }
@@ -80,6 +82,7 @@ impl Play {
             may_be_proved: false,
             echoes: Default::default(),
             stops: HashMap::new(),
+            undone: 0,
             pressed: 0,
         }
     }
@@ -94,6 +97,7 @@ impl Play {
                 return Some(rest);
             }
             3 => self.pass(Duration::from_millis(1 << (how % 20))),
+            4 if how & 0x80 > 0 => self.undo(),
             4 => self.answer_late(*how),
             5 => self.change(*how),
             6 => self.at_once = (how & 0x80 == 0).then_some(*how),
@@ -148,6 +152,13 @@ impl Play {
             self.settle();
         }
         self.now = until;
+    }
+
+    /// What STOPs did is undone: each is another one when it comes again.
+    fn undo(&mut self) {
+        self.undone += 1;
+        self.endpoint.handle_undone(self.undone);
+        self.stops.clear();
     }
 
     fn answer_late(&mut self, how: u8) {

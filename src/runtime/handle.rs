@@ -1,6 +1,7 @@
 //! The driving port: how every door gives commands and sees the state. Cheap to clone; hides all channels.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use tokio::sync::mpsc::error::TrySendError;
 use tokio::sync::{mpsc, oneshot, watch};
@@ -42,6 +43,8 @@ pub struct Handle {
     snapshots: watch::Receiver<Arc<Snapshot>>,
     halter: Halter,
     overflow: OverflowIn,
+    /// How many commands were given that can let a halted robot go.
+    releases: Arc<AtomicU64>,
 }
 
 /// The loop has ended; the program is shutting down. `Display` is the sentence a person reads.
@@ -71,7 +74,7 @@ impl Handle {
         halter: Halter,
     ) -> (Handle, OverflowOut) {
         let (overflow, out) = overflow();
-        (Handle { commands, snapshots, halter, overflow }, out)
+        (Handle { commands, snapshots, halter, overflow, releases: Arc::default() }, out)
     }
 
     /// What halts the robots, for tests that raise halts by hand.
@@ -142,6 +145,12 @@ impl Handle {
         self.halter.watch().now().epoch
     }
 
+    /// How many commands were given so far, at any door, that can let a halted robot go. A door that reads it before it gives a STOP, and
+    /// the same number again later, knows that no robot was let go in between.
+    pub fn releases(&self) -> u64 {
+        self.releases.load(Ordering::SeqCst)
+    }
+
     /// What the program counts and measures of itself.
     pub fn figures(&self) -> &Figures {
         self.halter.figures()
@@ -188,6 +197,10 @@ impl Handle {
             let now = self.epoch();
             request.arrived = Some(request.arrived.map_or(now, |arrived| arrived.min(now)));
         }
+        if request.command.releases() {
+            // After the epoch was read: a STOP whose door has read a count with this one in it outdates it.
+            self.releases.fetch_add(1, Ordering::SeqCst);
+        }
         request
     }
 }
@@ -223,6 +236,24 @@ mod tests {
         match envelopes.try_recv().ok()? {
             Envelope::Command(request, _) => Some(request),
             Envelope::Refused(..) | Envelope::Simulated(..) | Envelope::PutDown(..) => panic!("nothing but commands is given"),
+        }
+    }
+
+    /// Safety S1.
+    #[tokio::test]
+    async fn what_can_let_a_robot_go_is_counted_when_it_is_given_and_at_whatever_door() {
+        let (handle, _envelopes, _) = handle();
+        let other_door = handle.clone();
+        for (command, count) in [
+            (Command::Stop, 0),
+            (Command::Start, 1),
+            (Command::ChooseStrategy(Default::default()), 1),
+            (Command::Move(Move::Forward), 2),
+            (Command::Reset, 3),
+            (Command::Stop, 3),
+        ] {
+            drop(other_door.give(request(command.clone())));
+            assert_eq!(handle.releases(), count, "{command:?}");
         }
     }
 

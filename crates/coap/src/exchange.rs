@@ -1,5 +1,6 @@
 //! Which messages came already, and what they were answered with (RFC 7252, section 4.5): a message that comes again gets the same
-//! answer and has no second effect. Retransmitting what this side sent stands in `reliable`.
+//! answer and has no second effect, unless it was urgent and what it did may have been undone since. Retransmitting what this side
+//! sent stands in `reliable`.
 
 use std::hash::{DefaultHasher, Hasher};
 use std::net::SocketAddr;
@@ -41,18 +42,28 @@ pub(super) enum KnownMessage {
 pub(super) struct Exchanges {
     reads: Table,
     commands: Table,
+    /// How often what urgent requests did may have been undone so far.
+    pub(super) undone: u64,
+}
+
+#[derive(Clone, Debug)]
+struct Entry {
+    since: Duration,
+    message: KnownMessage,
+    /// The message stands for itself only while `undone` is this.
+    good_while: Option<u64>,
 }
 
 /// Messages, oldest first, and whose they are.
 #[derive(Debug, Default)]
 struct Table {
-    messages: LinkedHashMap<MessageKey, (Duration, KnownMessage)>,
+    messages: LinkedHashMap<MessageKey, Entry>,
     shares: Shares<MessageKey>,
 }
 
 impl Table {
     fn clear(&mut self, now: Duration) {
-        while self.messages.front().is_some_and(|(_, (since, _))| is_over(*since, now)) {
+        while self.messages.front().is_some_and(|(_, entry)| is_over(entry.since, now)) {
             if let Some((key, _)) = self.messages.pop_front() {
                 self.shares.forget_oldest(key.peer);
             }
@@ -60,10 +71,14 @@ impl Table {
     }
 
     /// Remembers one more, in the place of the oldest of whoever has most when there is no room.
-    fn insert(&mut self, key: MessageKey, known: (Duration, KnownMessage)) {
-        if self.messages.insert(key, known).is_none() {
-            self.shares.add(key.peer, key);
+    fn insert(&mut self, key: MessageKey, entry: Entry) {
+        if let Some(before) = self.messages.get_mut(&key) {
+            // In its old place: `shares` has the messages of a peer in the same order.
+            *before = Entry { since: before.since, ..entry };
+            return;
         }
+        self.messages.insert(key, entry);
+        self.shares.add(key.peer, key);
         if self.messages.len() > EXCHANGES
             && let Some(oldest) = self.shares.take_from_the_largest()
         {
@@ -82,22 +97,33 @@ impl Exchanges {
         for table in [&mut self.reads, &mut self.commands] {
             table.clear(now);
         }
-        self.reads.messages.get(&key).or_else(|| self.commands.messages.get(&key)).map(|(_, known)| known)
+        let undone = self.undone;
+        let entry = self.entry(key).filter(|entry| entry.good_while.is_none_or(|good_while| good_while == undone))?;
+        Some(&entry.message)
     }
 
     /// Remembers a message that is to be answered, of which nothing was known.
     pub(super) fn open(&mut self, key: MessageKey, exchange: ExchangeId, is_command: bool, now: Duration) {
         let table = if is_command { &mut self.commands } else { &mut self.reads };
-        table.insert(key, (now, KnownMessage::Open(exchange)));
+        table.insert(key, Entry { since: now, message: KnownMessage::Open(exchange), good_while: None });
+    }
+
+    /// A message that was opened just now has to act anew when it comes again after `undone` has changed.
+    pub(super) fn acts_again_when_undone(&mut self, key: MessageKey) {
+        let undone = self.undone;
+        if let Some(entry) = self.entry(key) {
+            entry.good_while = Some(undone);
+        }
     }
 
     pub(super) fn answered(&mut self, key: MessageKey, datagram: &[u8]) {
-        for table in [&mut self.reads, &mut self.commands] {
-            if let Some((_, known)) = table.messages.get_mut(&key) {
-                *known = KnownMessage::Answered(datagram.to_vec());
-                return;
-            }
+        if let Some(entry) = self.entry(key) {
+            entry.message = KnownMessage::Answered(datagram.to_vec());
         }
+    }
+
+    fn entry(&mut self, key: MessageKey) -> Option<&mut Entry> {
+        self.reads.messages.get_mut(&key).or_else(|| self.commands.messages.get_mut(&key))
     }
 }
 

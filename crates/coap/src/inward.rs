@@ -49,11 +49,12 @@ impl Endpoint {
         }
     }
 
-    /// What breaks the grammar is rejected, and may ask for something urgent all the same, each time that it is not a repetition.
+    /// What breaks the grammar is rejected, and may ask for something urgent all the same, each time that it is not known already.
     fn take_malformed(&mut self, key: MessageKey, kind: Kind, bytes: &[u8], now: Duration) {
         let is_new = self.exchanges.known(key, now).is_none();
         if let Some(urgent) = self.urgent_in(key.peer, bytes).filter(|_| is_new) {
             let exchange = self.open_exchange(key, true, now);
+            self.exchanges.acts_again_when_undone(key);
             self.exchanges.answered(key, &[]);
             self.asked.push_back((exchange, urgent));
         }
@@ -127,6 +128,7 @@ impl Endpoint {
         let (response, asked) = match self.urgent_in(peer, bytes) {
             // What it did is for the record; that it was refused as well would be read as if it had done nothing.
             Some(urgent) => {
+                self.exchanges.acts_again_when_undone(reply_to.key);
                 self.asked.push_back((exchange, urgent));
                 let words = format!("refused: {}; {}", self.took_effect, String::from_utf8_lossy(&response.body));
                 (Response { body: words.into_bytes().into(), ..response }, None)
@@ -147,8 +149,13 @@ impl Endpoint {
         }
         let later = read.block2.filter(|block| read.block1.is_none() && block.number > 0 && !read.request.method.is_safe());
         let is_urgent = (self.is_urgent)(&read.request);
+        if is_urgent || read.block1.is_some_and(|block| block.more) {
+            // Of a body in blocks nobody knows yet whether it is urgent, and it cannot come again without those before the last.
+            self.exchanges.acts_again_when_undone(reply_to.key);
+        }
+        let undone = self.exchanges.undone;
         if let Some(block) =
-            later.filter(|block| !is_urgent || self.long_answers.is_next(&body_key(&read.request, &[]), *block, now))
+            later.filter(|block| !is_urgent || self.long_answers.is_next(&body_key(&read.request, &[]), *block, undone, now))
         {
             return self.read_on(reply_to, &read, block, now);
         }
@@ -172,6 +179,9 @@ impl Endpoint {
         let is_get = read.request.method == Method::Get;
         if is_get && read.observe == Some(0) && !self.guard.is_proved(reply_to.key.peer, now) {
             return self.challenge(reply_to, now);
+        }
+        if (self.is_urgent)(&read.request) {
+            self.exchanges.acts_again_when_undone(reply_to.key);
         }
         self.ask(reply_to, exchange, read, now);
     }
@@ -242,6 +252,7 @@ impl Endpoint {
             observe,
             request: (is_get && observe == Some(0)).then(|| Box::new(request.clone())),
             kept_as: (!request.method.is_safe()).then(|| Box::new(body_key(&request, &[]))),
+            undone: self.exchanges.undone,
             etags,
             block1: block1.filter(|_| !is_get),
             block2,

@@ -138,6 +138,8 @@ struct Open {
     request: Option<Box<Request>>,
     /// By what its answer is kept when it does not fit into one message; `None` for one that only reads.
     kept_as: Option<Box<BodyKey>>,
+    /// How often what urgent requests did had been undone when it came.
+    undone: u64,
     etags: Vec<ETag>,
     block1: Option<Block>,
     block2: Option<Block>,
@@ -177,12 +179,19 @@ impl Endpoint {
         Endpoint { observers: Observers::new(since_1970), ..self }
     }
 
-    /// With urgent requests: those that must take effect whatever is wrong with them. They are handed over once each; `is_urgent`
+    /// With urgent requests: those that must take effect whatever is wrong with them. They are handed over once each, and once more
+    /// when they come again after what they did was undone (`handle_undone`); `is_urgent`
     /// knows them by who sent them, and by as much of their method, path and payload as can be read. One that has to be refused is
     /// handed over and refused: what the application answers to it is not sent, and the refusal says first that it `took_effect`.
     #[must_use]
     pub fn with_urgent(self, is_urgent: fn(&Request) -> bool, took_effect: &'static str) -> Endpoint {
         Endpoint { is_urgent, took_effect, ..self }
+    }
+
+    /// Tells how often what urgent requests did may have been undone so far. An urgent message that comes again is answered as before
+    /// while this number is the one under which it was handed over; after that it is handed over again. Tell it before each datagram.
+    pub fn handle_undone(&mut self, count: u64) {
+        self.exchanges.undone = count;
     }
 
     /// Takes the application's answer to a request, at once or whenever it comes.

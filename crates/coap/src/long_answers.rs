@@ -21,6 +21,8 @@ struct Answered {
     answer: Arc<Response>,
     /// Where the block begins that was not read yet.
     next: usize,
+    /// How often what urgent requests did had been undone when the request came.
+    undone: u64,
 }
 
 impl LongAnswers {
@@ -30,17 +32,18 @@ impl LongAnswers {
 
     /// Keeps the answer to a request, of which this block is sent now, in the place of the one to an earlier request of the same
     /// peer for the same.
-    pub(super) fn keep(&mut self, key: BodyKey, answer: Arc<Response>, block: Block, now: Duration) {
+    pub(super) fn keep(&mut self, key: BodyKey, answer: Arc<Response>, block: Block, undone: u64, now: Duration) {
         self.0.remove(&key);
-        self.0.insert(key, Answered { since: now, answer, next: end(block) });
+        self.0.insert(key, Answered { since: now, answer, next: end(block), undone });
         while self.0.len() > ASSEMBLIES || self.0.front().is_some_and(|(_, kept)| is_over(kept.since, now)) {
             self.0.pop_front();
         }
     }
 
-    /// Whether a request for this block goes on where the last one ended: it is none that begins anew.
-    pub(super) fn is_next(&self, key: &BodyKey, block: Block, now: Duration) -> bool {
-        let kept = self.0.get(key).filter(|kept| !is_over(kept.since, now));
+    /// Whether an urgent request for this block goes on where the last one ended: it is none that begins anew, and what was done still
+    /// stands.
+    pub(super) fn is_next(&self, key: &BodyKey, block: Block, undone: u64, now: Duration) -> bool {
+        let kept = self.0.get(key).filter(|kept| kept.undone == undone && !is_over(kept.since, now));
         kept.is_some_and(|kept| kept.next == end(block) - block.size() && kept.next < kept.answer.body.len())
     }
 
@@ -75,8 +78,8 @@ mod tests {
     #[test]
     fn the_latest_answer_is_kept_for_its_lifetime() {
         let mut answers = LongAnswers::default();
-        answers.keep(key(1), answer("old"), Block::FIRST, Duration::ZERO);
-        answers.keep(key(1), answer("new"), Block::FIRST, Duration::from_secs(1));
+        answers.keep(key(1), answer("old"), Block::FIRST, 0, Duration::ZERO);
+        answers.keep(key(1), answer("new"), Block::FIRST, 0, Duration::from_secs(1));
         assert_eq!(answers.read(&key(1), Block::FIRST, EXCHANGE_LIFETIME), Some(answer("new")));
         assert_eq!(answers.read(&key(1), Block::FIRST, EXCHANGE_LIFETIME * 2), None);
         assert_eq!(answers.read(&key(2), Block::FIRST, Duration::ZERO), None);
@@ -86,13 +89,14 @@ mod tests {
     fn only_the_block_behind_the_last_one_goes_on_reading() {
         let mut answers = LongAnswers::default();
         let block = |number| Block { number, more: false, exponent: 0 };
-        let is_next = |answers: &LongAnswers, number| answers.is_next(&key(1), block(number), Duration::ZERO);
+        let is_next = |answers: &LongAnswers, number| answers.is_next(&key(1), block(number), 0, Duration::ZERO);
         assert!(!is_next(&answers, 1));
-        answers.keep(key(1), answer(&"x".repeat(40)), block(0), Duration::ZERO);
+        answers.keep(key(1), answer(&"x".repeat(40)), block(0), 0, Duration::ZERO);
         assert!(is_next(&answers, 1) && !is_next(&answers, 0) && !is_next(&answers, 2));
         assert!(answers.read(&key(1), block(1), Duration::ZERO).is_some());
         assert!(!is_next(&answers, 1) && is_next(&answers, 2));
-        assert!(!answers.is_next(&key(1), block(2), EXCHANGE_LIFETIME * 2));
+        assert!(!answers.is_next(&key(1), block(2), 1, Duration::ZERO), "what was done was undone");
+        assert!(!answers.is_next(&key(1), block(2), 0, EXCHANGE_LIFETIME * 2));
         assert!(answers.read(&key(1), block(2), Duration::ZERO).is_some());
         assert!(!is_next(&answers, 3), "there is no more");
     }
@@ -100,9 +104,9 @@ mod tests {
     #[test]
     fn no_more_answers_are_kept_than_there_is_room_for() {
         let mut answers = LongAnswers::default();
-        (0..500).for_each(|port| answers.keep(key(port), answer("x"), Block::FIRST, Duration::ZERO));
+        (0..500).for_each(|port| answers.keep(key(port), answer("x"), Block::FIRST, 0, Duration::ZERO));
         assert_eq!(answers.count(), ASSEMBLIES);
-        answers.keep(key(500), answer("x"), Block::FIRST, EXCHANGE_LIFETIME * 2);
+        answers.keep(key(500), answer("x"), Block::FIRST, 0, EXCHANGE_LIFETIME * 2);
         assert_eq!(answers.count(), 1, "the old ones are let go");
     }
 }

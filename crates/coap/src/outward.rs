@@ -29,7 +29,7 @@ impl Endpoint {
         }
         let block = open.block2.unwrap_or(Block::FIRST);
         if let Some(key) = open.kept_as.take().filter(|_| response.body.len() > block.size()) {
-            self.long_answers.keep(*key, Arc::clone(&response), block, now);
+            self.long_answers.keep(*key, Arc::clone(&response), block, open.undone, now);
         }
         let Open { reply_to, is_acknowledged, block1, block2, wants_size, .. } = open;
         let shape = ReplyOptions { block1, block2, wants_size, observe, echo: None };

@@ -112,6 +112,20 @@ impl Command {
             | Command::Temperature(_) => None,
         }
     }
+
+    /// Whether it can let a halted robot go.
+    #[must_use]
+    pub const fn releases(&self) -> bool {
+        match self {
+            Command::Start | Command::BackHome | Command::Retrieve | Command::Reset | Command::Move(_) | Command::Goto(_) => true,
+            Command::Stop
+            | Command::Verdict { .. }
+            | Command::RetakePhoto(_)
+            | Command::Acknowledge(_)
+            | Command::ChooseStrategy(_)
+            | Command::Temperature(_) => false,
+        }
+    }
 }
 
 named! {

@@ -36,6 +36,9 @@ pub trait Application: Send + 'static {
     /// small. By these it is known in a flood before it is read; one that has none of them is thinned out there like any command.
     const STOP_WORDS: &'static [[u8; 4]];
 
+    /// How many requests came so far, at any door, that may have undone what a STOP did; must not block.
+    fn undone(&self) -> u64;
+
     /// Notes what the endpoint refused without asking; must not block.
     fn note(&self, refusal: RefusedRequest);
 

@@ -108,6 +108,7 @@ impl<A: Application> Driver<A> {
                 return false;
             }
             let Some((peer, bytes)) = self.socket.read().await else { return true };
+            self.endpoint.handle_undone(self.application.undone());
             self.endpoint.handle_datagram(peer, bytes, now);
             self.settle(now);
         }
@@ -161,6 +162,7 @@ impl<A: Application> Driver<A> {
 
     fn answer(&mut self, (peer, bytes): &Datagram) {
         let now = self.clock.since_start();
+        self.endpoint.handle_undone(self.application.undone());
         self.endpoint.handle_datagram(*peer, bytes, now);
         self.settle(now);
     }

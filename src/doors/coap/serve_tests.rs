@@ -44,6 +44,10 @@ impl Application for Obedient {
 
     fn note(&self, _: RefusedRequest) {}
 
+    fn undone(&self) -> u64 {
+        0
+    }
+
     fn observed(&self) -> Connected {
         Figures::default().connected(door::COAP)
     }

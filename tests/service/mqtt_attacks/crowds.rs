@@ -23,7 +23,7 @@ fn opening(host: SocketAddr) -> String {
 }
 
 /// A web client that was let through and says nothing.
-fn web_client(host: SocketAddr) -> TcpStream {
+pub(crate) fn web_client(host: SocketAddr) -> TcpStream {
     let mut stream = TcpStream::connect(host).expect("the program listens");
     stream.set_read_timeout(Some(PATIENCE)).expect("a wait is more than nothing");
     stream.write_all(opening(host).as_bytes()).expect("the program takes it");
@@ -38,7 +38,7 @@ fn web_client(host: SocketAddr) -> TcpStream {
 }
 
 /// A message of a web client: masked with nothing, which is a mask as well.
-fn framed(bytes: &[u8]) -> Vec<u8> {
+pub(crate) fn framed(bytes: &[u8]) -> Vec<u8> {
     let length = u8::try_from(bytes.len()).ok().filter(|length| *length < 126).expect("packets of this test are short");
     [&[0x82, 0x80 | length, 0, 0, 0, 0], bytes].concat()
 }

@@ -15,3 +15,5 @@ mod siege;
 mod stalled;
 mod stops;
 mod viewers;
+
+pub(crate) use crowds::{framed, web_client};

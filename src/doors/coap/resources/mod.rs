@@ -78,6 +78,10 @@ impl Application for Resources {
 
     const STOP_WORDS: &[[u8; 4]] = stop::WORDS;
 
+    fn undone(&self) -> u64 {
+        self.handle.releases()
+    }
+
     fn observed(&self) -> Connected {
         self.handle.figures().connected(door::COAP)
     }

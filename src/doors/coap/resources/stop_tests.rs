@@ -1,4 +1,5 @@
-//! STOP from the datagram to the loop, through endpoint and resources: whatever is added to it, it halts once; and what must not
+//! STOP from the datagram to the loop, through endpoint and resources: whatever is added to it, it halts once, and once more when it
+//! is repeated after a START; and what must not
 //! halt does not, whatever it looks like.
 
 use std::net::SocketAddr;
@@ -52,6 +53,7 @@ impl Door {
     /// Takes a datagram, and everything that follows from it; what is sent back.
     fn take(&mut self, peer: SocketAddr, bytes: &[u8]) -> Vec<Transmit> {
         self.now += Duration::from_millis(1);
+        self.endpoint.handle_undone(self.app.resources.undone());
         self.endpoint.handle_datagram(peer, bytes, self.now);
         while let Some((exchange, request)) = self.endpoint.poll_request() {
             let resources = &self.app.resources;
@@ -64,6 +66,12 @@ impl Door {
             self.endpoint.handle_answer(exchange, answer, self.now);
         }
         std::iter::from_fn(|| self.endpoint.poll_transmit()).collect()
+    }
+
+    /// Somebody lets the robot go at another door.
+    fn start(&self) {
+        let start = command::Request::new(Command::Start, caller::issuer(here()));
+        assert!(self.runtime.block_on(async { self.app.resources.handle.give(start).await }).is_ok());
     }
 
     fn given(&self) -> Vec<Command> {
@@ -220,7 +228,7 @@ fn path_in_parts() -> impl Strategy<Value = (Vec<&'static str>, u8)> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2_000, ..ProptestConfig::default() })]
 
-    /// Safety S8.
+    /// Safety S1, S8.
     #[test]
     fn any_fault_that_is_added_to_a_stop_leaves_it_halting_once(which in 0..stops().len(), fault in any_fault()) {
         let Some(message) = spoilt(&stops()[which], &fault) else { return Ok(()) };
@@ -234,6 +242,12 @@ proptest! {
         prop_assert_eq!(door.refusals(), 0, "one press is on record once: {:?}", sent);
         door.take(here(), &message.bytes(2));
         prop_assert_eq!(door.given(), [Command::Stop, Command::Stop], "the next press halts again");
+        door.start();
+        door.take(here(), &message.bytes(1));
+        door.take(here(), &message.bytes(1));
+        let given = [Command::Stop, Command::Stop, Command::Start, Command::Stop];
+        prop_assert_eq!(door.given(), given, "and a repetition once more after a START");
+        prop_assert_eq!(door.refusals(), 0);
     }
 
     /// Safety S8: what halts is known in a flood, but for a bare `h` that is written unusually.

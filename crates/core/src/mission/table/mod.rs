@@ -38,6 +38,9 @@ pub(crate) const fn rules(phase: PhaseName, input: Input) -> &'static [Rule] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::command::{Command, Door, Issuer, Move};
+    use crate::mission::{Act, InputContext};
+    use crate::units::Cell;
 
     #[test]
     fn every_cell_ends_with_a_rule_that_always_applies() {
@@ -63,6 +66,30 @@ mod tests {
     fn stop_is_accepted_in_every_phase() {
         for phase in PhaseName::ALL {
             assert!(matches!(rules(phase, Input::Stop), [Rule::Go(..)]), "{phase:?}");
+        }
+    }
+
+    /// Safety S1: a STOP that comes again may be passed over only while none of these was given.
+    #[test]
+    fn what_lets_a_halted_robot_go_is_a_command_that_is_known_to() {
+        let commands = [
+            Command::Start,
+            Command::BackHome,
+            Command::Retrieve,
+            Command::Reset,
+            Command::Move(Move::Forward),
+            Command::Goto(Cell::HOME),
+        ];
+        assert!(commands.iter().all(Command::releases));
+        let known = commands.map(|command| InputContext::of(&command, &Issuer::operator(Door::LOCAL), None).0);
+        let releases = |rule: &Rule| match rule {
+            Rule::RefuseIfThen(_, acts) | Rule::When(_, _, acts) | Rule::Go(_, acts) => acts.contains(&Act::Release),
+            Rule::RefuseIf(_) | Rule::Never(_) | Rule::AsInterrupted => false,
+        };
+        for phase in PhaseName::ALL {
+            for input in Input::COMMANDS.into_iter().chain(Input::EVENTS) {
+                assert!(known.contains(&input) || !rules(phase, input).iter().any(releases), "{phase:?} × {input:?}");
+            }
         }
     }
 }
