@@ -50,6 +50,9 @@ const BYTES_A_SECOND: u64 = 40_000;
 /// Between two stops, so that nothing that the last has led to is taken for the next.
 const PAUSE: Duration = Duration::from_millis(20);
 
+/// Between two stops while no order is written: a halt that is less than 100 ms old serves the next stop, too.
+const SERVED: Duration = Duration::from_millis(120);
+
 /// How a command is answered that was accepted.
 const ACCEPTED: &str = "\"accepted\":true";
 
@@ -112,7 +115,7 @@ fn while_photos_come(http: &str, sight: &Sight, stops: usize, stop: &mut dyn FnM
         assert!(photos < stops, "a STOP comes through while a photo does");
         take_photo(http, sight);
         while took.len() < stops {
-            std::thread::sleep(PAUSE);
+            std::thread::sleep(SERVED);
             if sight.try_iter().any(|(seen, _)| seen == Seen::PhotoOver) {
                 break;
             }

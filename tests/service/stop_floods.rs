@@ -83,7 +83,7 @@ fn stops(journal: &[Value], who: &str, door: &str) -> (usize, usize) {
 }
 
 /// Sends so many requests on one connection, a hundred at a time.
-fn pipelined(program: &Program, request: &str, count: usize) {
+pub(crate) fn pipelined(program: &Program, request: &str, count: usize) {
     const AT_ONCE: usize = 100;
     const ACCEPTED: &str = "\"accepted\":true";
     let mut stream = TcpStream::connect(program.address()).expect("the program listens");

@@ -8,7 +8,7 @@ use tokio::sync::{mpsc, oneshot, watch};
 use super::super::remote::Move as Moving;
 use super::*;
 use crate::runtime::halt::Halter;
-use crate::runtime::link::{RobotLink, link};
+use crate::runtime::link::{REPORTS, RobotLink, link};
 use crate::runtime::within::within;
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::Action;
@@ -89,6 +89,21 @@ async fn while_time_stands_nothing_is_done_and_afterwards_it_goes_on() {
     robot.say(|controls| controls.is_paused = false);
     assert!(matches!(robot.next().await, RobotEvent::LinkUp(_)), "its time goes on");
     assert_eq!(robot.next().await, RobotEvent::Done(id));
+}
+
+#[tokio::test(start_paused = true)]
+async fn of_controls_that_change_while_nobody_takes_reports_the_last_are_obeyed_and_reported() {
+    let mut robot = Controlled::begin(&["S", "."]).await;
+    for number in 0..=2000 {
+        robot.say(|controls| controls.is_paused = number % 2 == 0);
+        tokio::task::yield_now().await;
+    }
+    let mut reports = Vec::new();
+    while let Ok(report) = tokio::time::timeout(Duration::from_secs(1), robot.next()).await {
+        reports.push(report);
+    }
+    assert!(reports.len() <= REPORTS + 2, "{} reports", reports.len());
+    assert_eq!(reports.last(), Some(&RobotEvent::Paused));
 }
 
 /// Safety S1, S8.

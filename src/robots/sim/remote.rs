@@ -79,7 +79,8 @@ impl Remote {
         }
     }
 
-    /// Waits for what there is to do. Another hall is asked for, and decided, only while the link has settled: nothing of it is on its way.
+    /// Waits for what there is to do, only while the link has settled: nothing of it is on its way. Of controls that change meanwhile the
+    /// last are obeyed, so that what is to be reported of each cannot pile up.
     pub(super) async fn news(&mut self, has_settled: bool) -> News {
         let Remote { controls, moves, under_way } = self;
         let is_moving = under_way.is_some();
@@ -91,7 +92,7 @@ impl Remote {
                     None
                 }))
             }
-            Ok(()) = controls.changed() => News::Controls,
+            Ok(()) = controls.changed(), if has_settled => News::Controls,
             Some(asked) = moves.recv(), if has_settled && !is_moving => {
                 *under_way = Some(asked);
                 News::Asked

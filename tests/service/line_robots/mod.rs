@@ -2,6 +2,7 @@
 //! garble bytes. What the wire does to driver and robot is tested beside them, from many seeds.
 
 mod cable;
+mod floods;
 mod paced;
 mod terminals;
 

@@ -3,9 +3,12 @@
 
 use std::fs::File;
 use std::io::{Read, Write};
-use std::thread::spawn;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::{sleep, spawn};
+use std::time::Duration;
 
 use hallsweep_core::rng::RandomStream;
+use hallsweep_drivers::line::LineReader;
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 
 pub(crate) struct Terminals {
@@ -29,6 +32,18 @@ impl Terminals {
             spawn(move || carry(from, to, chance, trouble));
         }
         Terminals { robot: robot_device, program: program_device, _held: held }
+    }
+
+    /// A good cable that carries so many bytes a second each way, and what the program says over it, line by line as it arrives.
+    pub(crate) fn slow(bytes_a_second: u32) -> (Terminals, Receiver<String>) {
+        let ((robot, robot_device), (program, program_device)) = (terminal(), terminal());
+        let held = [&robot_device, &program_device].map(|device| File::open(device).expect("the device is there"));
+        let copy = |end: &File| end.try_clone().expect("a descriptor is left");
+        let ((say, said), (nobody, _)) = (channel(), channel());
+        for (from, to, say) in [(copy(&program), copy(&robot), say), (robot, program, nobody)] {
+            spawn(move || carry_slowly(from, to, bytes_a_second, &say));
+        }
+        (Terminals { robot: robot_device, program: program_device, _held: held }, said)
     }
 }
 
@@ -56,6 +71,20 @@ fn carry(mut from: File, mut to: File, mut chance: RandomStream, trouble: f64) {
         }
         if to.write_all(&piece).is_err() {
             return;
+        }
+    }
+}
+
+fn carry_slowly(mut from: File, mut to: File, bytes_a_second: u32, say: &Sender<String>) {
+    let (mut bytes, mut lines) = ([0; 16], LineReader::default());
+    while let Ok(count @ 1..) = from.read(&mut bytes) {
+        sleep(Duration::from_secs(count as u64) / bytes_a_second);
+        if to.write_all(&bytes[..count]).is_err() {
+            return;
+        }
+        for text in bytes[..count].iter().filter_map(|byte| lines.take(*byte)) {
+            // Whoever no longer reads along has read enough.
+            let _ = say.send(text);
         }
     }
 }

@@ -170,6 +170,60 @@ fn away(kind: Kind, name: &str) {
     until_phase(&subscriber, "bombLocated");
 }
 
+/// Whatever somebody else keeps on topics of ours, or takes away, stands there as we say it a moment later, and the log says so once.
+fn replaced(kind: Kind, name: &str, larger: &[&str]) {
+    if !kind.is_here() {
+        return;
+    }
+    let broker = Broker::start(kind, name);
+    let subscriber = TestSubscriber::at(&broker, OURS);
+    let mut command = hallsweep(&["serve", "--http", "127.0.0.1:0", "--hall", "empty-8x8"]);
+    command.env("HALLSWEEP__MQTT__BROKER", broker.url()).env("HALLSWEEP__MQTT__HOME_ASSISTANT", "true");
+    if kind == Kind::MosquittoFive {
+        command.env("HALLSWEEP__MQTT__VERSION", "5");
+    }
+    let log = std::env::temp_dir().join(format!("hallsweep-replaced-{}-{name}", std::process::id()));
+    command.stderr(std::fs::File::create(&log).expect("the folder for such files can be written"));
+    let program = Program::started(&mut command);
+    until_online(&subscriber);
+    let usual = [
+        "hallsweep/discovery/availability",
+        "hallsweep/discovery/state/mission",
+        "hallsweep/discovery/state/robot",
+        "hallsweep/discovery/homeassistant",
+        "homeassistant/device/discovery/config",
+    ];
+    for topic in usual.iter().chain(larger) {
+        let there = TestSubscriber::at(&broker, topic);
+        for theirs in ["offline", ""] {
+            subscriber.keep(topic, theirs);
+            while there.next(topic).payload != theirs {}
+            while there.next(topic).payload == theirs {}
+            assert_ne!(TestSubscriber::at(&broker, topic).next(topic).payload, theirs, "{topic}");
+        }
+    }
+    drop(program);
+    let said = std::fs::read_to_string(&log).expect("the program has written it");
+    let _ = std::fs::remove_file(&log);
+    assert_eq!(said.matches("a topic of ours was overwritten").count(), usual.len() + larger.len(), "{said}");
+}
+
+#[test]
+fn what_somebody_else_keeps_on_our_topics_at_mosquitto_is_replaced() {
+    replaced(Kind::Mosquitto, "replaced-mosquitto", &[]);
+}
+
+#[test]
+fn what_somebody_else_keeps_on_our_topics_at_mosquitto_in_mqtt_5_is_replaced() {
+    let larger = ["map", "luggage", "log"].map(|name| format!("hallsweep/discovery/state/{name}"));
+    replaced(Kind::MosquittoFive, "replaced-five", &larger.each_ref().map(String::as_str));
+}
+
+#[test]
+fn what_somebody_else_keeps_on_our_topics_at_nats_is_replaced() {
+    replaced(Kind::Nats, "replaced-nats", &[]);
+}
+
 #[test]
 fn a_mission_runs_over_json_at_mosquitto() {
     over_json(Kind::Mosquitto, "json-mosquitto");

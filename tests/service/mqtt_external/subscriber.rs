@@ -95,6 +95,11 @@ impl TestSubscriber {
     pub(crate) fn say(&self, topic: &str, payload: &str) {
         self.client.publish(topic, QoS::AtLeastOnce, false, payload).expect("it is connected");
     }
+
+    /// Says something that the broker is to keep; nothing: that it is to keep nothing.
+    pub(crate) fn keep(&self, topic: &str, payload: &str) {
+        self.client.publish(topic, QoS::AtLeastOnce, true, payload).expect("it is connected");
+    }
 }
 
 impl Drop for TestSubscriber {

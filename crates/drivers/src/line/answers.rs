@@ -144,7 +144,6 @@ impl LineDriver {
     pub(super) fn develop(&mut self, now: Now) {
         let Some(picture) = self.picture.take() else { return };
         self.heard = now.since_start;
-        self.hello_at = now.since_start;
         if !picture.is_wanted {
             return;
         }

@@ -50,7 +50,11 @@ pub struct LineDriver {
     drawing: Option<(OrderId, Duration)>,
     /// The number of the last order, or the one from which orders begin.
     pub(super) seq: Seq,
+    /// The last halt line, unless an order was written after it: what it voids, and when it was written.
+    last_halt: Option<(Seq, Duration)>,
     led: bool,
+    /// A change of the LED before this waits for the next `hello`.
+    led_at: Duration,
     pub(super) off_centre: OffCentre,
     /// What it measured and nobody was told of yet, and when somebody may be.
     pub(super) sonar: Option<Option<u16>>,
@@ -118,7 +122,9 @@ impl LineDriver {
             open: None,
             drawing: None,
             seq: Seq::FIRST,
+            last_halt: None,
             led: false,
+            led_at: Duration::ZERO,
             off_centre: false,
             sonar: None,
             temperature: None,
@@ -153,8 +159,17 @@ impl LineDriver {
         let Some(open) = &mut self.open else { return };
         open.repeat_at = now.since_start + REPEATED;
         let left = millis(open.until.saturating_sub(now.since_start)).max(1);
-        let words = if open.is_halted { ToRobot::Halt(self.seq) } else { ToRobot::Order(open.task, self.seq, left) };
-        self.say(words);
+        if open.is_halted {
+            return self.say_halt(self.seq, now);
+        }
+        let order = ToRobot::Order(open.task, self.seq, left);
+        self.last_halt = None;
+        self.say(order);
+    }
+
+    fn say_halt(&mut self, voids: Seq, now: Now) {
+        self.last_halt = Some((voids, now.since_start));
+        self.say(ToRobot::Halt(voids));
     }
 
     /// What a robot with these parts is asked to do for an action, or why it is not asked.
@@ -276,7 +291,7 @@ impl Driver for LineDriver {
         self.drop_order();
         self.link = Link::Greeting(None);
         self.lines = LineReader::default();
-        (self.connected, self.heard) = (now.since_start, now.since_start);
+        (self.connected, self.heard, self.last_halt) = (now.since_start, now.since_start, None);
         // What the robot may have heard of the last program ends here.
         self.outputs.push_back(Output::Send(b"\n".to_vec()));
         self.greet(now);
@@ -315,23 +330,32 @@ impl Driver for LineDriver {
     }
 
     fn handle_halt(&mut self, now: Now) {
-        match &mut self.open {
+        let voids = match &mut self.open {
             Some(open) if open.task.is_motion() => {
                 if !open.is_halted {
                     (open.is_halted, open.until) = (true, now.since_start + UNHALTED);
                 }
-                self.repeat(now);
+                self.seq
             }
-            _ if matches!(self.link, Link::Down) => {}
+            _ if matches!(self.link, Link::Down) => return,
             // A photo goes on, and has the last number.
-            Some(_) => self.say(ToRobot::Halt(self.seq.before())),
-            None => self.say(ToRobot::Halt(self.voided())),
+            Some(_) => self.seq.before(),
+            None => self.voided(),
+        };
+        // A flood of STOPs must not fill a slow wire, on which the next order would wait behind its lines.
+        let serves = |(voided, said)| voided == voids && now.since_start.saturating_sub(said) < REPEATED;
+        if self.last_halt.is_some_and(serves) {
+            return;
         }
+        if self.open.as_ref().is_some_and(|open| open.is_halted) { self.repeat(now) } else { self.say_halt(voids, now) }
     }
 
-    fn handle_led(&mut self, blinks: bool, _: Now) {
+    fn handle_led(&mut self, blinks: bool, now: Now) {
         self.led = blinks;
-        self.say_led();
+        if self.led_at <= now.since_start {
+            self.led_at = now.since_start + REPEATED;
+            self.say_led();
+        }
     }
 
     fn handle_drawing(&mut self, order: OrderId, drawing: Photo, _: Now) {
@@ -388,6 +412,8 @@ impl Driver for LineDriver {
     }
 }
 
+#[cfg(test)]
+mod flood_tests;
 #[cfg(test)]
 pub(super) mod testing;
 #[cfg(test)]

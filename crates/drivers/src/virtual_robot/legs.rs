@@ -139,9 +139,10 @@ impl VirtualRobot {
         }
     }
 
-    /// What has not gone out by now does not go out any more.
+    /// A motion that has not gone out by now does not go out any more. An alarm does: a later STOP relies on it.
     pub(super) fn forget_unsent(&mut self) {
-        self.outputs.retain(|output| !matches!(output, Output::Send(_)));
+        let alarm = self.sending(Command::Alarm);
+        self.outputs.retain(|output| !matches!(output, Output::Send(_)) || *output == alarm);
     }
 
     /// Whether the leg was handed over to be sent, and nobody has said that it was.
@@ -235,12 +236,12 @@ impl VirtualRobot {
     pub(super) fn halt(&mut self) {
         self.forget_unsent();
         let Some(leg) = self.leg().copied() else { return };
-        // What the next program must know changes by it.
-        self.is_changed = true;
         match (leg.stage, leg.way) {
             (Stage::Sent(sent), Way::Straight { .. }) => {
                 let (lasted, until) = (self.now.saturating_sub(sent), self.now + self.margin());
                 self.send(Command::Alarm);
+                // What the next program must know changes by it.
+                self.is_changed = true;
                 if let Some(leg) = self.leg_mut() {
                     leg.stage = Stage::Halting { lasted, until };
                 }

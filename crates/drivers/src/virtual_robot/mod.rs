@@ -188,11 +188,14 @@ impl VirtualRobot {
     }
 
     fn send(&mut self, command: Command) {
-        let bytes = match self.dialect {
+        self.outputs.push_back(self.sending(command));
+    }
+
+    fn sending(&self, command: Command) -> Output {
+        Output::Send(match self.dialect {
             Dialect::Semicolons => command.between_semicolons(),
             Dialect::Messages => command.as_message(),
-        };
-        self.outputs.push_back(Output::Send(bytes));
+        })
     }
 
     fn leg(&self) -> Option<&Leg> {

@@ -9,15 +9,18 @@ use super::super::publication::Publication;
 use super::super::topics::HOME_ASSISTANT_STATUS;
 use super::Session;
 use super::conversation::Conversation;
+use super::kept::Kept;
 use super::lost::Lost;
 use super::photos::{self, Reading};
 use super::transport::{Event, Heard, Transport};
 use mqtt_gate::AnswerTo;
+use mqtt_gate::packet::Version;
 
 pub(super) struct ConnectionTask<'a> {
     session: &'a mut Session,
     transport: Transport,
     pub(super) conversation: Conversation,
+    kept: Kept,
     reading: Reading,
 }
 
@@ -25,7 +28,8 @@ impl ConnectionTask<'_> {
     pub(super) fn begin(session: &mut Session) -> ConnectionTask<'_> {
         let transport = Transport::new(&session.link, session.offline(), &session.times);
         let conversation = Conversation::new(&session.times, session.clock.now().since_start);
-        ConnectionTask { session, transport, conversation, reading: Reading::default() }
+        let kept = Kept::new(session.kept(), session.link.version == Version::Three);
+        ConnectionTask { session, transport, conversation, kept, reading: Reading::default() }
     }
 
     /// Converses until the connection is lost. May be dropped while it waits.
@@ -74,13 +78,15 @@ impl ConnectionTask<'_> {
             self.reading.begin(&mut self.session.changes, &self.session.archive);
         }
         while self.conversation.has_room() {
-            let Some(publication) = self.session.poll_publication() else { return };
+            let again = self.kept.poll_publication(self.now());
+            let Some(publication) = again.or_else(|| self.session.poll_publication()) else { return };
             self.give(publication);
         }
     }
 
     fn poll_timeout(&self) -> Option<Duration> {
-        let news = self.conversation.has_room().then(|| self.session.changes.poll_timeout()).flatten();
+        let news = || [self.session.changes.poll_timeout(), self.kept.poll_timeout()].into_iter().flatten().min();
+        let news = self.conversation.has_room().then(news).flatten();
         [self.conversation.poll_timeout(), news].into_iter().flatten().min()
     }
 
@@ -88,6 +94,7 @@ impl ConnectionTask<'_> {
     fn give(&mut self, publication: Publication) -> bool {
         let is_given = self.transport.publish(&publication);
         if is_given {
+            self.kept.handle_given(&publication);
             self.conversation.inflight.handle_given(publication, self.now());
         }
         is_given
@@ -118,7 +125,7 @@ impl ConnectionTask<'_> {
             Event::Greeted { receive_maximum, .. } => {
                 self.conversation.inflight.handle_greeted(receive_maximum);
                 self.conversation.handle_greeted(now);
-                if !self.transport.subscribe(self.session.filters()) {
+                if !self.transport.subscribe(self.session.filters(), self.session.kept()) {
                     return Err(Lost::Broken("no topic can be called so".to_owned()));
                 }
             }
@@ -132,7 +139,7 @@ impl ConnectionTask<'_> {
         if !self.conversation.handle_subscribed() {
             return;
         }
-        let filters = self.session.filters();
+        let filters = [self.session.filters(), self.session.kept()].concat();
         for (filter, _) in filters.iter().zip(granted).filter(|(_, is_granted)| !**is_granted) {
             tracing::warn!(broker = %self.session.link, filter, "the MQTT broker does not let us hear what is said there");
         }
@@ -144,6 +151,14 @@ impl ConnectionTask<'_> {
         let (topic, payload) = (said.topic.as_str(), &said.payload[..]);
         let is_repeated = self.conversation.is_repeated(said.id, said.is_duplicate, (topic, payload));
         if said.retain {
+            return;
+        }
+        let now = self.now();
+        if let Some(is_news) = self.kept.handle_heard((topic, payload), now) {
+            if is_news {
+                let broker = &self.session.link;
+                tracing::warn!(%broker, topic, "a topic of ours was overwritten at the MQTT broker; what we said there is said again");
+            }
             return;
         }
         let session = &mut *self.session;

@@ -5,7 +5,7 @@ use futures_util::stream::{Stream, unfold};
 use rumqttc::Outgoing;
 use rumqttc::v5::mqttbytes::QoS;
 use rumqttc::v5::mqttbytes::v5::{
-    Filter, LastWill, Packet, PubAck, PubAckReason, Publish, PublishProperties, SubscribeReasonCode,
+    Filter, LastWill, Packet, PubAck, PubAckReason, Publish, PublishProperties, RetainForwardRule, SubscribeReasonCode,
 };
 use rumqttc::v5::{AsyncClient, Event as Happened, MqttOptions};
 
@@ -50,9 +50,12 @@ impl Five {
         (Five(client), events)
     }
 
-    pub(super) fn subscribe(&self, filters: Vec<String>) -> bool {
+    pub(super) fn subscribe(&self, filters: Vec<String>, kept: Vec<String>) -> bool {
         let filters = filters.into_iter().map(|path| Filter::new(path, QoS::AtLeastOnce));
-        self.0.try_subscribe_many(filters).is_ok()
+        // Neither what we say ourselves nor what is kept already: nothing is heard but what others say there now.
+        let now_and_theirs =
+            |path| Filter { nolocal: true, retain_forward_rule: RetainForwardRule::Never, ..Filter::new(path, QoS::AtMostOnce) };
+        self.0.try_subscribe_many(filters.chain(kept.into_iter().map(now_and_theirs))).is_ok()
     }
 
     pub(super) fn publish(&self, publication: &Publication) -> bool {

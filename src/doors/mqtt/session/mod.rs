@@ -7,6 +7,7 @@ mod connection_task;
 mod conversation;
 mod five;
 mod inflight;
+mod kept;
 mod link;
 mod lost;
 mod own;
@@ -40,8 +41,10 @@ use crate::runtime::clock::Clock;
 use backoff::Backoff;
 use connection_task::ConnectionTask;
 use hallsweep_core::rng::RandomStream;
+use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::snapshot::Snapshot;
 use lost::Lost;
+use mqtt_gate::packet::Version;
 
 pub struct Parts {
     pub link: Link,
@@ -134,6 +137,18 @@ impl Session {
     fn filters(&self) -> Vec<String> {
         let status = self.home_assistant.then(|| HOME_ASSISTANT_STATUS.to_owned());
         self.topics.commands().into_iter().chain(status).collect()
+    }
+
+    /// What of ours the broker keeps and others may replace. In MQTT 3.1.1, in which we hear ourselves too, what can be large is left out:
+    /// a STOP would wait behind it.
+    fn kept(&self) -> Vec<String> {
+        let (topics, is_five) = (&self.topics, self.link.version == Version::Five);
+        let is_small = |resource: &Resource| !matches!(resource, Resource::Map | Resource::Luggage | Resource::Log);
+        let states =
+            Resource::ALL.into_iter().filter(|resource| is_five || is_small(resource)).map(|resource| topics.state(resource));
+        let told = self.home_assistant.then(|| [topics.home_assistant(), topics.discovery()]);
+        let photo = (self.home_assistant && is_five).then(|| topics.photo());
+        [topics.availability()].into_iter().chain(states).chain(told.into_iter().flatten()).chain(photo).collect()
     }
 
     fn poll_publication(&mut self) -> Option<Publication> {

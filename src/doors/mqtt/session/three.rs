@@ -45,9 +45,10 @@ impl Three {
         (Three(client), events)
     }
 
-    pub(super) fn subscribe(&self, filters: Vec<String>) -> bool {
+    pub(super) fn subscribe(&self, filters: Vec<String>, kept: Vec<String>) -> bool {
         let filters = filters.into_iter().map(|path| SubscribeFilter { path, qos: QoS::AtLeastOnce });
-        self.0.try_subscribe_many(filters).is_ok()
+        let kept = kept.into_iter().map(|path| SubscribeFilter { path, qos: QoS::AtMostOnce });
+        self.0.try_subscribe_many(filters.chain(kept)).is_ok()
     }
 
     pub(super) fn publish(&self, Publication { topic, payload, retain, .. }: &Publication) -> bool {

@@ -98,10 +98,11 @@ impl Transport {
         Ok(event)
     }
 
-    pub(super) fn subscribe(&self, filters: Vec<String>) -> bool {
+    /// Asks for what is to be heard, and for what others say on the topics that the broker keeps for us; whether that goes out.
+    pub(super) fn subscribe(&self, filters: Vec<String>, kept: Vec<String>) -> bool {
         match &self.client {
-            Client::Three(client) => client.subscribe(filters),
-            Client::Five(client) => client.subscribe(filters),
+            Client::Three(client) => client.subscribe(filters, kept),
+            Client::Five(client) => client.subscribe(filters, kept),
         }
     }
 

@@ -124,6 +124,7 @@ fn a_halt_goes_out_at_once_and_is_repeated_until_the_robot_stands() {
     assert_eq!(test.said(), ["w 43 2000", "h 43", "h 43"]);
     test.hears("halted 43 off");
     assert_eq!(test.events(), [RobotEvent::Halted(OrderId(7), true)]);
+    test.passes(100);
     test.driver.handle_halt(test.now);
     assert_eq!(test.said(), ["h 43"], "whatever it does, it is told");
     test.driver.handle_lost("the connection was closed", test.now);

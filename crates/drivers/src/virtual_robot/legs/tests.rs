@@ -49,6 +49,38 @@ fn a_turn_that_was_refused_is_not_tried_again_after_a_halt() {
     assert_eq!((test.robot.poll_output(), test.last_event()), (None, Some(RobotEvent::Halted(OrderId(1), false))));
 }
 
+/// Safety S1: each STOP that changed the memory would write a file.
+#[test]
+fn a_flood_of_stops_sends_one_alarm_and_is_remembered_once() {
+    for (action, alarms) in [(Action::Move(Move::Forward), 1), (Action::Move(Move::TurnLeft), 0)] {
+        let mut test = Test::connected();
+        test.begin(OrderId(1), action);
+        test.passes(Duration::from_millis(100));
+        assert!(test.robot.poll_memory().is_some());
+        let mut changes = 0;
+        for _ in 0..1000 {
+            test.robot.handle_halt(test.now);
+            changes += usize::from(test.robot.poll_memory().is_some());
+        }
+        let sent: Vec<Output> = std::iter::from_fn(|| test.robot.poll_output()).collect();
+        assert_eq!((sent, changes), (vec![Output::Send(Command::Alarm.as_message()); alarms], alarms), "{action:?}");
+    }
+}
+
+/// Safety S1: the file was still being written when the STOP came.
+#[test]
+fn a_stop_does_not_take_back_the_alarm_of_an_order_that_is_late() {
+    let mut test = Test::connected();
+    let order =
+        Order { id: OrderId(1), action: Action::Move(Move::Forward), epoch: Epoch(0), deadline: Duration::from_millis(100) };
+    test.robot.handle_order(order, test.now);
+    assert!(test.robot.poll_output().is_some());
+    test.robot.handle_sent(test.now);
+    test.passes(Duration::from_millis(100));
+    test.robot.handle_halt(test.now);
+    assert_eq!(test.robot.poll_output(), Some(Output::Send(Command::Alarm.as_message())));
+}
+
 /// Safety S6: it feels whether its step is complete, is halted, and the word of what it met comes then.
 #[test]
 fn what_is_met_in_the_moment_of_a_halt_sets_nothing_moving() {
