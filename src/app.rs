@@ -225,8 +225,9 @@ async fn start(
 /// The core as it was, or as it is at the very first start.
 fn engine(settings: &Settings, recalled: Option<Recalled>, epoch: Epoch, clock: &Clock) -> Engine {
     let now = clock.now();
-    // Tells this run's revisions from those of any other: the millisecond in which it began.
-    let run = format!("{:x}", now.wall.unix_ms).into();
+    // Tells this run's revisions from those of any other: when it began, and chance, as the clock may be set back.
+    let [a, b, c, d, ..] = access::chance().unwrap_or_default();
+    let run = format!("{:x}{:08x}", now.wall.unix_ms, u32::from_be_bytes([a, b, c, d])).into();
     let mut engine = match recalled {
         Some(recalled) => Engine::recall(settings.core, run, recalled, now),
         None => {

@@ -19,7 +19,6 @@ const root = document.documentElement;
 
 let stream = null;
 let heard = performance.now();
-let heardAt = Date.now();
 let settledAt = 0;
 
 /** Opens the stream anew; its first message holds everything, so whatever was missed is caught up with. */
@@ -46,7 +45,6 @@ async function refused() {
 function alive() {
   stopping.connected();
   heard = performance.now();
-  heardAt = Date.now();
   if (root.dataset.live !== "on") {
     root.dataset.live = "on";
     at("lost").hidden = true;
@@ -57,7 +55,7 @@ function alive() {
 function lost() {
   if (root.dataset.live !== "lost") {
     root.dataset.live = "lost";
-    at("lost-since").textContent = `${clockTime(heardAt)} (${at("zone").textContent})`;
+    at("lost-since").textContent = `${clockTime(heard)} (${at("zone").textContent})`;
     at("lost").hidden = false;
     unask();
   }
@@ -80,7 +78,7 @@ setInterval(() => {
   waits();
 }, 250);
 
-let ahead = 0; // the server's clock before this one's, in milliseconds
+let ahead = performance.timeOrigin; // what makes a moment here, which counts from when the page was opened, one of the server's clock
 
 /** A moment by this clock as the server's clock shows it, in its zone, like every other time on the page. */
 function clockTime(moment) {
@@ -92,7 +90,7 @@ function clockTime(moment) {
 function waits() {
   for (const place of document.querySelectorAll("[data-since]")) {
     if (!(root.dataset.live === "on")) continue;
-    const seconds = Math.max(0, Math.floor((Date.now() + ahead - Number(place.dataset.since)) / 1000));
+    const seconds = Math.max(0, Math.floor((performance.now() + ahead - Number(place.dataset.since)) / 1000));
     place.textContent = `${Math.floor(seconds / 60)}:${String(seconds % 60).padStart(2, "0")}`;
   }
 }
@@ -122,7 +120,7 @@ addEventListener("focus", () => openedSince >= STREAMS && join());
 
 /** Shows what changed. */
 function show(message) {
-  if (!message.then) ahead = message.now - Date.now();
+  if (!message.then) ahead = message.now - performance.now();
   const piece = at("inspect").dataset.luggage;
   const here = document.activeElement;
   for (const [id, markup] of Object.entries(message.parts)) {

@@ -11,9 +11,9 @@ const ATTEMPTS = 4; // at once: a browser has six connections for all pages of a
 
 let leaving = false;
 
-/** To the page where one signs in; it says what was not done. A later reason does not take the place of an earlier one. */
+/** To the page where one signs in; it says what was not done: a STOP before everything else, and else what was first. */
 function signIn(undone) {
-  if (!leaving) location.assign(`/sign-in?undone=${undone}`);
+  if (!leaving || undone === "stop") location.assign(`/sign-in?undone=${undone}`);
   leaving = true;
 }
 
@@ -85,10 +85,9 @@ const stopping = (() => {
     over = setTimeout(() => say(""), OVER_MS);
   }
 
-  /** Nobody is signed in any more: the page for that says that STOP was not given. */
+  /** Nobody is signed in any more: the page for that says that STOP was not given. It is remembered, and sent when somebody has signed in. */
   function giveUp() {
     open = false;
-    remember(null);
     signIn("stop");
   }
 

@@ -19,13 +19,31 @@ const time = (() => {
   let asking = false;
   let visit = 0; // each way back to now ends what was asked before
 
-  const serverNow = () => Date.now() + ahead;
+  const serverNow = () => performance.now() + ahead;
 
-  /** Where a moment is on the line, in units: while the program was off no time passes. */
-  function unitOf(moment) {
+  /** Between two leaps of the clock, which are while the program is off and when somebody sets it: from when to when, and what it is ahead of the line. */
+  function stretches() {
+    const all = [];
+    let from = line.began;
     let off = 0;
-    for (const [from, to, shown] of line.breaks) if (to <= moment) off += to - from - shown;
-    return Math.max(0, (moment - line.began - off) / line.unit);
+    for (const [leaptFrom, leaptTo, shown] of line.breaks) {
+      all.push([from, leaptFrom, off]);
+      off += leaptTo - leaptFrom - shown;
+      from = leaptTo;
+    }
+    return [...all, [from, end(), off]];
+  }
+
+  /** Where a moment is on the line, in units: where a clock that was set back showed it twice, the later of the two. */
+  function unitOf(moment) {
+    let place = 0;
+    let isFound = false;
+    for (const [index, [from, to, off]] of stretches().entries()) {
+      const isHere = from <= moment && moment <= to;
+      if (isHere || (from <= moment && !isFound)) place = (index === line.breaks.length ? moment : Math.min(moment, to)) - line.began - off;
+      isFound ||= isHere;
+    }
+    return Math.max(0, place / line.unit);
   }
 
   /** The moment at a place of the line. */
@@ -64,20 +82,19 @@ const time = (() => {
     const zone = Number(at("zone").dataset.offset) * 1000;
     const next = (moment) => Math.ceil((moment + zone) / step) * step - zone;
     const marks = [];
-    const last = Math.min(momentAt(wide), end());
     let before = -1; // where the last of them stands
-    for (let moment = next(line.began); moment <= last && marks.length <= room; moment += step) {
-      const off = line.breaks.find(([from, to]) => from < moment && moment < to);
-      if (off) moment = next(off[1]);
-      const part = unitOf(moment) / wide;
-      const fromEdge = Math.min(part, 1 - part) * track.clientWidth;
-      if (fromEdge < HOUR_PX / 3 || moment > last || (part - before) * track.clientWidth < HOUR_PX * .7) continue;
-      before = part;
-      const mark = document.createElementNS("http://www.w3.org/2000/svg", "text");
-      mark.setAttribute("x", `${100 * part}%`);
-      mark.setAttribute("y", "80%");
-      mark.textContent = step < days * 1000 ? clockTime(moment - ahead).slice(0, step < 60_000 ? 8 : 5) : new Date(moment + zone).toLocaleDateString(root.lang, { timeZone: "UTC", day: "numeric", month: "short" });
-      marks.push(mark);
+    for (const [from, to, off] of stretches()) {
+      for (let moment = next(from); moment <= to && marks.length <= room; moment += step) {
+        const part = (moment - line.began - off) / line.unit / wide;
+        const fromEdge = Math.min(part, 1 - part) * track.clientWidth;
+        if (fromEdge < HOUR_PX / 3 || (part - before) * track.clientWidth < HOUR_PX * .7) continue;
+        before = part;
+        const mark = document.createElementNS("http://www.w3.org/2000/svg", "text");
+        mark.setAttribute("x", `${100 * part}%`);
+        mark.setAttribute("y", "80%");
+        mark.textContent = step < days * 1000 ? clockTime(moment - ahead).slice(0, step < 60_000 ? 8 : 5) : new Date(moment + zone).toLocaleDateString(root.lang, { timeZone: "UTC", day: "numeric", month: "short" });
+        marks.push(mark);
+      }
     }
     at("hours").replaceChildren(...marks);
   }
@@ -122,7 +139,7 @@ const time = (() => {
 
   /** Something happens now while the past is shown: it is said, and the picture stays. */
   function meanwhile(message) {
-    ahead = message.now - Date.now();
+    ahead = message.now - performance.now();
     if (document.title !== message.title) document.title = message.title;
     present = message.line?.mission ?? present;
     if (line?.mission === message.line?.mission) line = message.line;

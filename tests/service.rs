@@ -5,6 +5,8 @@
 mod access;
 #[path = "service/archives.rs"]
 mod archives;
+#[path = "service/clock.rs"]
+mod clock;
 #[path = "service/coap.rs"]
 mod coap;
 #[path = "service/coap_clients/mod.rs"]

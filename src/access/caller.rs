@@ -8,6 +8,7 @@ use super::keyring::Keyring;
 use super::keys::{OPERATOR, SignedIn};
 use super::network::is_this_machine;
 use super::role::{Need, Role};
+use super::session::Moment;
 
 #[derive(Clone, Debug)]
 pub enum Access {
@@ -37,11 +38,11 @@ impl Access {
         }
     }
 
-    /// Whether somebody who was let in would be let in still; `now_s` in seconds since 1970.
-    pub fn still_knows(&self, caller: &Caller, now_s: i64) -> bool {
+    /// Whether somebody who was let in would be let in still.
+    pub fn still_knows(&self, caller: &Caller, now: Moment) -> bool {
         match (self, caller) {
             (Access::Open, Caller::Here) => true,
-            (Access::Keys(keyring), Caller::Known(signed_in)) => keyring.still_knows(signed_in, now_s),
+            (Access::Keys(keyring), Caller::Known(signed_in)) => keyring.still_knows(signed_in, now),
             (Access::Open, Caller::Known(_)) | (Access::Keys(_), Caller::Here) => false,
         }
     }

@@ -2,13 +2,14 @@
 //! looks whether the file has changed, so that a rotated key is worth nothing a moment later. Changing keys is not done here.
 
 use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Duration;
 
 use super::error::AccessError;
 use super::file::{KeyFile, Stamp, written};
 use super::keys::{Keys, SignedIn};
-use super::session;
+use super::session::{self, Moment};
+use super::token::{chance, hexadecimal};
 use crate::storage::private_file::Readers;
 
 /// How often the file is looked at: a key that was taken away is good for no longer than this.
@@ -16,7 +17,11 @@ const GLANCE: Duration = Duration::from_millis(250);
 
 /// The keys by which this program knows people and programs. Cheap to clone.
 #[derive(Clone, Debug)]
-pub struct Keyring(Arc<Mutex<Arc<Keys>>>);
+pub struct Keyring {
+    keys: Arc<Mutex<Arc<Keys>>>,
+    /// Tells this run of the program from all others. It is drawn, since the wall clock may say the same at two starts.
+    run: Arc<str>,
+}
 
 #[derive(Debug)]
 pub struct Opened {
@@ -53,20 +58,21 @@ impl Keyring {
                 (Keys::none(), Some(error))
             }
         };
-        let keyring = Keyring::of(keys);
-        let theirs = Arc::downgrade(&keyring.0);
+        let keyring = Keyring::of(keys)?;
+        let theirs = Arc::downgrade(&keyring.keys);
         std::thread::spawn(move || follow(&theirs, Followed { file, seen }));
         Ok(Opened { keyring, is_new, unusable })
     }
 
     /// One operator's key that is kept nowhere.
     pub fn in_memory() -> Result<Keyring, AccessError> {
-        Ok(Keyring::of(Keys::first()?))
+        Keyring::of(Keys::first()?)
     }
 
     /// These keys, followed nowhere.
-    pub fn of(keys: Keys) -> Keyring {
-        Keyring(Arc::new(Mutex::new(Arc::new(keys))))
+    pub fn of(keys: Keys) -> Result<Keyring, AccessError> {
+        let run = hexadecimal(&chance()?[..8]).into();
+        Ok(Keyring { keys: Arc::new(Mutex::new(Arc::new(keys))), run })
     }
 
     /// Whether nobody has a key, because the file of them cannot be used.
@@ -75,7 +81,7 @@ impl Keyring {
     }
 
     pub fn keys(&self) -> Arc<Keys> {
-        Arc::clone(&self.0.lock().unwrap_or_else(PoisonError::into_inner))
+        Arc::clone(&lock(&self.keys))
     }
 
     /// Whose token this is; it takes as long whatever the text is.
@@ -83,23 +89,27 @@ impl Keyring {
         self.keys().check(token)
     }
 
-    /// A session for whoever shows this token, as a cookie's value; `now_s` in seconds since 1970.
-    pub fn sign_in(&self, token: &str, now_s: i64) -> Option<String> {
+    /// A session for whoever shows this token, as a cookie's value.
+    pub fn sign_in(&self, token: &str, now: Moment) -> Option<String> {
         let keys = self.keys();
         let signed_in = keys.check(token)?;
-        keys.named(&signed_in.name).ok().map(|key| session::sealed(key, now_s))
+        keys.named(&signed_in.name).ok().map(|key| session::sealed(key, &self.run, now))
     }
 
     /// Whose session this is, by the value of its cookie.
-    pub fn session(&self, cookie: &str, now_s: i64) -> Option<SignedIn> {
-        session::opened(&self.keys(), cookie, now_s)
+    pub fn session(&self, cookie: &str, now: Moment) -> Option<SignedIn> {
+        session::opened(&self.keys(), &self.run, cookie, now)
     }
 
     /// Whether somebody who was known is known still: the key is there, with the same token and role, and the session lasts.
-    pub fn still_knows(&self, signed_in: &SignedIn, now_s: i64) -> bool {
-        let lasts = signed_in.until_s.is_none_or(|until_s| now_s < until_s);
-        lasts && self.keys().named(&signed_in.name).is_ok_and(|key| key.holder(signed_in.until_s) == *signed_in)
+    pub fn still_knows(&self, signed_in: &SignedIn, now: Moment) -> bool {
+        let lasts = signed_in.end.is_none_or(|end| end.is_ahead(now));
+        lasts && self.keys().named(&signed_in.name).is_ok_and(|key| key.holder(signed_in.end) == *signed_in)
     }
+}
+
+fn lock(keys: &Mutex<Arc<Keys>>) -> MutexGuard<'_, Arc<Keys>> {
+    keys.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Says who else can read the keys, where that is as it must be.
@@ -122,7 +132,7 @@ struct Followed {
 impl Followed {
     /// Takes over what has changed. A file that cannot be read changes nothing: it lets nobody in who was not, and takes STOP
     /// from nobody who had it.
-    fn look(&mut self, keyring: &Keyring) {
+    fn look(&mut self, current: &Mutex<Arc<Keys>>) {
         let stamp = self.file.stamp().ok();
         if stamp == self.seen {
             return;
@@ -130,9 +140,9 @@ impl Followed {
         let file = self.file.path().display();
         match self.file.read() {
             // A file that was only touched, or made by this very start, has changed nothing.
-            Ok(Some(keys)) if written(&keys) == written(&keyring.keys()) => {}
+            Ok(Some(keys)) if written(&keys) == written(&lock(current)) => {}
             Ok(Some(keys)) => {
-                *keyring.0.lock().unwrap_or_else(PoisonError::into_inner) = Arc::new(keys);
+                *lock(current) = Arc::new(keys);
                 tracing::info!(%file, "the keys have changed");
             }
             Ok(None) => tracing::error!(%file, "the file of keys is gone: those read before stay in force"),
@@ -143,11 +153,11 @@ impl Followed {
 }
 
 /// Looks again and again, until nobody has the keyring any more.
-fn follow(keyring: &Weak<Mutex<Arc<Keys>>>, mut followed: Followed) {
+fn follow(keys: &Weak<Mutex<Arc<Keys>>>, mut followed: Followed) {
     loop {
         std::thread::sleep(GLANCE);
-        let Some(keyring) = keyring.upgrade() else { return };
-        followed.look(&Keyring(keyring));
+        let Some(keys) = keys.upgrade() else { return };
+        followed.look(&keys);
     }
 }
 
@@ -157,7 +167,7 @@ mod tests {
     use crate::access::role::Role;
     use crate::storage::scratch::Scratch;
 
-    const NOW: i64 = 1_795_262_400;
+    const NOW: Moment = Moment { elapsed: Duration::from_secs(1000), unix_s: 1_795_262_400 };
 
     /// Waits for what the thread does, however busy the machine is.
     fn until(what: &str, is_so: impl Fn() -> bool) {
@@ -194,7 +204,8 @@ mod tests {
         let cookie = keyring.sign_in(&old, NOW).unwrap();
         let (by_token, by_cookie) = (keyring.check(&old).unwrap(), keyring.session(&cookie, NOW).unwrap());
         assert!(keyring.still_knows(&by_token, NOW) && keyring.still_knows(&by_cookie, NOW));
-        assert!(!keyring.still_knows(&by_cookie, NOW + session::SESSION_S), "a session ends by itself");
+        let later = Moment { elapsed: NOW.elapsed + Duration::from_secs(session::SESSION_S.unsigned_abs()), ..NOW };
+        assert!(!keyring.still_knows(&by_cookie, later), "a session ends by itself");
         let mut keys = (*keyring.keys()).clone();
         keys.rotate("operator").unwrap();
         KeyFile::within(&folder.0).write(&keys).unwrap();
@@ -218,15 +229,15 @@ mod tests {
                 Some(text) => std::fs::write(file.path(), text).unwrap(),
                 None => std::fs::remove_file(file.path()).unwrap(),
             }
-            followed.look(&keyring);
+            followed.look(&keyring.keys);
             assert!(keyring.check(&stranger).is_none() && keyring.check("").is_none());
             assert!(keyring.check(&known).is_some(), "an operator can still stop the robot");
         }
         let keys = Keys::first().unwrap();
         file.write(&keys).unwrap();
-        followed.look(&keyring);
+        followed.look(&keyring.keys);
         assert!(keyring.check(&known).is_none(), "the mended file counts");
-        assert!(keyring.check(&token(&Keyring::of(keys))).is_some());
+        assert!(keyring.check(&token(&Keyring::of(keys).unwrap())).is_some());
     }
 
     /// Safety R5: nobody is let in by a guess, and no start fails; the mended file counts at once.

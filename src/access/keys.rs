@@ -7,6 +7,7 @@ use subtle::ConstantTimeEq;
 
 use super::error::AccessError;
 use super::role::Role;
+use super::session::End;
 use super::token::Token;
 
 /// The name of the key that is made at first start.
@@ -32,8 +33,8 @@ pub struct SignedIn {
     pub role: Role,
     /// Which token of this name it was: another one after each rotation.
     pub(super) print: [u8; 32],
-    /// When this ends by itself, in seconds since 1970; a token shown with each request does not end.
-    pub(super) until_s: Option<i64>,
+    /// When the session ends by itself; a token shown with each request does not end.
+    pub(super) end: Option<End>,
 }
 
 /// All keys. There is an operator's among them always.
@@ -50,8 +51,8 @@ impl Key {
         Ok(Key { name: Arc::from(name), role, token, print })
     }
 
-    pub(super) fn holder(&self, until_s: Option<i64>) -> SignedIn {
-        SignedIn { name: Arc::clone(&self.name), role: self.role, print: self.print, until_s }
+    pub(super) fn holder(&self, end: Option<End>) -> SignedIn {
+        SignedIn { name: Arc::clone(&self.name), role: self.role, print: self.print, end }
     }
 }
 

@@ -1,9 +1,16 @@
-//! Sessions that need no table: the cookie says who and until when, and a MAC made with the key's own token says that it is
-//! true. So a restart signs nobody out, and a rotated key ends its sessions. How a cookie travels is a door's business.
+//! Sessions that need no table: the cookie says who, from when and until when, and a MAC made with the key's own token says that it
+//! is true. So a restart signs nobody out, and a rotated key ends its sessions. How a cookie travels is a door's business.
 //!
 //! ```text
-//!   night-shift.1795262400.5f0c…  =  name . expiry in seconds since 1970 . HMAC-SHA256(token, name and expiry)
+//!   night-shift.1795262400.9b1e….1234.5f0c…  =  name . expiry in seconds since 1970 . run . seconds of that run at signing in
+//!                                               . HMAC-SHA256(token, all before it)
+//!   night-shift.1795262400.5f0c…             =  the form of earlier versions, which names no run
 //! ```
+//!
+//! In the run of the program that opened it, a session lasts by elapsed time, so that nobody who sets the machine's clock takes STOP
+//! from an operator (safety S8). A later run has nothing but the expiry and the wall clock.
+
+use std::time::Duration;
 
 use hmac::{Hmac, KeyInit, Mac};
 use sha2::Sha256;
@@ -15,33 +22,80 @@ use super::token::hexadecimal;
 /// How long a session lasts, in seconds: a shift.
 pub const SESSION_S: i64 = 12 * 60 * 60;
 
-/// How far the clock may be set back without signing everybody out, in seconds.
+/// How far the wall clock may be set back without ending the sessions of earlier runs, in seconds.
 const SLACK_S: i64 = 5 * 60;
 
 /// What the MAC is about, so that no other MAC made with a token could ever be taken for it.
-const PURPOSE: &str = "hallsweep session 1";
+const PURPOSE: &str = "hallsweep session 2";
 
-/// A new session of whoever has this key, from `now_s` on, in seconds since 1970.
-pub(super) fn sealed(key: &Key, now_s: i64) -> String {
-    let until_s = now_s.saturating_add(SESSION_S);
-    format!("{}.{until_s}.{}", key.name, seal(key, until_s))
+/// The same for cookies that name no run.
+const PURPOSE_BEFORE: &str = "hallsweep session 1";
+
+/// A moment, by both clocks.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment {
+    /// Since the program started; nobody can set it.
+    pub elapsed: Duration,
+    /// By the wall clock, in seconds since 1970.
+    pub unix_s: i64,
+}
+
+/// When a session ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum End {
+    /// This run opened it.
+    Elapsed(Duration),
+    /// An earlier run opened it: in seconds since 1970.
+    Unix(i64),
+}
+
+impl End {
+    pub(super) fn is_ahead(self, now: Moment) -> bool {
+        match self {
+            End::Elapsed(end) => now.elapsed < end,
+            // A clock that was wrong, then or now, lets no session last for ever.
+            End::Unix(end_s) => end_s > now.unix_s && end_s <= now.unix_s.saturating_add(SESSION_S + SLACK_S),
+        }
+    }
+}
+
+/// A new session of whoever has this key, opened `now` in this run of the program.
+pub(super) fn sealed(key: &Key, run: &str, now: Moment) -> String {
+    let end_s = now.unix_s.saturating_add(SESSION_S);
+    let claim = format!("{}.{end_s}.{run}.{}", key.name, now.elapsed.as_secs());
+    let mac = seal(key, PURPOSE, &claim);
+    format!("{claim}.{mac}")
 }
 
 /// Whose session this is; `None` when it has ended, or was never given out.
-pub(super) fn opened(keys: &Keys, cookie: &str, now_s: i64) -> Option<SignedIn> {
-    let mut parts = cookie.splitn(3, '.');
-    let (name, until, mac) = (parts.next()?, parts.next()?, parts.next()?);
-    let until_s: i64 = until.parse().ok()?;
+pub(super) fn opened(keys: &Keys, run: &str, cookie: &str, now: Moment) -> Option<SignedIn> {
+    let (claim, mac) = cookie.rsplit_once('.')?;
+    let parts: Vec<&str> = claim.splitn(5, '.').collect();
+    let (name, end_s, begin) = match parts[..] {
+        [name, end_s, of, begin_s] => (name, end_s, Some((of, begin_s))),
+        [name, end_s] => (name, end_s, None),
+        _ => return None,
+    };
     let key = keys.named(name).ok()?;
-    let is_true = bool::from(seal(key, until_s).as_bytes().ct_eq(mac.as_bytes()));
-    // One that ends later than any given out now was sealed by a clock that was wrong, and could last for ever.
-    let is_current = until_s > now_s && until_s <= now_s.saturating_add(SESSION_S + SLACK_S);
-    (is_true && is_current).then(|| key.holder(Some(until_s)))
+    let expected = match begin {
+        Some(_) => seal(key, PURPOSE, claim),
+        None => seal(key, PURPOSE_BEFORE, &format!("{name}\n{end_s}")),
+    };
+    if !bool::from(expected.as_bytes().ct_eq(mac.as_bytes())) {
+        return None;
+    }
+    let end = match begin {
+        Some((of, begin_s)) if of == run => {
+            End::Elapsed(Duration::from_secs(begin_s.parse::<u64>().ok()?.checked_add(SESSION_S.unsigned_abs())?))
+        }
+        _ => End::Unix(end_s.parse().ok()?),
+    };
+    end.is_ahead(now).then(|| key.holder(Some(end)))
 }
 
-fn seal(key: &Key, until_s: i64) -> String {
+fn seal(key: &Key, purpose: &str, claim: &str) -> String {
     let mut mac = Hmac::<Sha256>::new_from_slice(key.token.reveal().as_bytes()).expect("HMAC takes keys of any length");
-    mac.update(format!("{PURPOSE}\n{}\n{until_s}", key.name).as_bytes());
+    mac.update(format!("{purpose}\n{claim}").as_bytes());
     hexadecimal(&mac.finalize().into_bytes())
 }
 
@@ -52,50 +106,95 @@ mod tests {
 
     const NOW: i64 = 1_795_262_400;
 
+    /// How long the run has lasted when somebody signs in.
+    const BEGAN_S: u64 = 1000;
+
+    /// So many seconds after signing in, with the clock set by so many in between.
+    fn at(elapsed_s: i64, set_s: i64) -> Moment {
+        let elapsed = Duration::from_secs(BEGAN_S.saturating_add_signed(elapsed_s));
+        Moment { elapsed, unix_s: NOW + elapsed_s + set_s }
+    }
+
     fn keys() -> Keys {
         let mut keys = Keys::first().unwrap();
         keys.add("lobby", Role::Viewer).unwrap();
         keys
     }
 
+    fn cookie(keys: &Keys) -> String {
+        sealed(keys.named("lobby").unwrap(), "run", at(0, 0))
+    }
+
+    /// As earlier versions made them.
+    fn cookie_before(keys: &Keys, end_s: i64) -> String {
+        let key = keys.named("lobby").unwrap();
+        format!("lobby.{end_s}.{}", seal(key, "hallsweep session 1", &format!("lobby\n{end_s}")))
+    }
+
+    /// Safety S8, A2.
+    #[test]
+    fn in_its_own_run_a_session_is_its_owners_for_twelve_hours_however_the_clock_is_set() {
+        let keys = keys();
+        let cookie = cookie(&keys);
+        for set_s in [0, -600, -3600, -400 * 86_400, 46_800, 30 * 86_400, i64::MIN / 2, i64::MAX / 2] {
+            for later in [0, 1, SESSION_S - 1] {
+                let signed_in = opened(&keys, "run", &cookie, at(later, set_s)).expect("it lasts");
+                assert_eq!((&*signed_in.name, signed_in.role), ("lobby", Role::Viewer));
+            }
+            assert_eq!(opened(&keys, "run", &cookie, at(SESSION_S, set_s)), None, "{set_s}");
+        }
+    }
+
     /// Safety A2.
     #[test]
-    fn a_session_is_its_owners_for_twelve_hours() {
+    fn in_a_later_run_the_wall_clock_says_when_a_session_ends_and_so_it_does_for_one_of_an_earlier_version() {
         let keys = keys();
-        let cookie = sealed(keys.named("lobby").unwrap(), NOW);
-        for later in [0, 1, SESSION_S - 1] {
-            let signed_in = opened(&keys, &cookie, NOW + later).expect("it lasts");
-            assert_eq!((&*signed_in.name, signed_in.role), ("lobby", Role::Viewer));
+        for cookie in [cookie(&keys), cookie_before(&keys, NOW + SESSION_S)] {
+            // The elapsed time of the later run says nothing.
+            let by_clock = |later: i64| {
+                let after = |elapsed| Moment { elapsed: Duration::from_secs(elapsed), unix_s: NOW + later };
+                let opened = [0, 10_000_000].map(|elapsed| opened(&keys, "later run", &cookie, after(elapsed)).is_some());
+                assert_eq!(opened[0], opened[1]);
+                opened[0]
+            };
+            assert!(by_clock(0) && by_clock(SESSION_S - 1) && !by_clock(SESSION_S));
+            assert!(by_clock(-60), "the clock was put right");
+            assert!(!by_clock(-3600), "the clock was wrong when it was made, or is wrong now");
         }
-        assert_eq!(opened(&keys, &cookie, NOW + SESSION_S), None);
-        assert!(opened(&keys, &cookie, NOW - 60).is_some(), "the clock was put right");
-        assert_eq!(opened(&keys, &cookie, NOW - 3600), None, "the clock was wrong when it was made, or is wrong now");
     }
 
     #[test]
     fn a_session_outlives_the_program_and_ends_with_the_token() {
         let mut keys = keys();
-        let cookie = sealed(keys.named("lobby").unwrap(), NOW);
-        assert!(opened(&keys.clone(), &cookie, NOW).is_some(), "nothing is remembered of it");
+        let cookies = [cookie(&keys), cookie_before(&keys, NOW + SESSION_S)];
+        let is_open = |keys: &Keys| cookies.each_ref().map(|cookie| opened(keys, "later run", cookie, at(0, 0)).is_some());
+        assert_eq!(is_open(&keys.clone()), [true; 2], "nothing is remembered of it");
         keys.rotate("lobby").unwrap();
-        assert_eq!(opened(&keys, &cookie, NOW), None);
+        assert_eq!(is_open(&keys), [false; 2]);
         keys.remove("lobby").unwrap();
-        assert_eq!(opened(&keys, &cookie, NOW), None);
+        assert_eq!(is_open(&keys), [false; 2]);
     }
 
     #[test]
     fn a_session_that_was_changed_anywhere_is_nobodys() {
         let keys = keys();
-        let cookie = sealed(keys.named("lobby").unwrap(), NOW);
-        for place in 0..cookie.len() {
-            let mut bytes = cookie.clone().into_bytes();
-            bytes[place] = if bytes[place] == b'1' { b'2' } else { b'1' };
-            let changed = String::from_utf8(bytes).unwrap();
-            assert_eq!(opened(&keys, &changed, NOW), None, "{changed}");
+        let (now, before) = (cookie(&keys), cookie_before(&keys, NOW + SESSION_S));
+        for cookie in [&now, &before] {
+            for place in 0..cookie.len() {
+                let mut bytes = cookie.clone().into_bytes();
+                bytes[place] = if bytes[place] == b'1' { b'2' } else { b'1' };
+                let changed = String::from_utf8(bytes).unwrap();
+                assert_eq!(opened(&keys, "run", &changed, at(0, 0)), None, "{changed}");
+            }
+            let promoted = cookie.replace("lobby", "operator");
+            for wrong in ["", ".", "..", "....", "lobby", "lobby..", &promoted, &format!("{cookie}.x"), &format!("{cookie}0")] {
+                assert_eq!(opened(&keys, "run", wrong, at(0, 0)), None, "{wrong}");
+            }
         }
-        let promoted = cookie.replace("lobby", "operator");
-        for wrong in ["", ".", "..", "lobby", "lobby..", &promoted, &format!("{cookie}.x"), &format!("{cookie}0")] {
-            assert_eq!(opened(&keys, wrong, NOW), None, "{wrong}");
+        // What names another run, or none, is not what was sealed.
+        let mac = now.rsplit('.').next().unwrap();
+        for claim in [format!("lobby.{}", NOW + SESSION_S), format!("lobby.{}.later.1000", NOW + SESSION_S)] {
+            assert_eq!(opened(&keys, "later", &format!("{claim}.{mac}"), at(0, 0)), None, "{claim}");
         }
     }
 }

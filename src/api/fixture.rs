@@ -116,6 +116,7 @@ pub(crate) fn piece(id: u64, cell: Cell, verdict: Option<Verdict>) -> Arc<Luggag
         verdict: verdict.map(|verdict| Decision { verdict, who: Arc::from("operator"), wall: TEN, note: None }),
         piece: None,
         secured: None,
+        clock_set_ms: 0,
     })
 }
 
@@ -166,6 +167,7 @@ fn idle_mission() -> MissionView {
         strategy: Strategy::Snail,
         epoch: Epoch(1),
         progress: Progress::default(),
+        clock_set_ms: 0,
         refusals: Refusals { back_home: Some(Refused::NotInPhase(PhaseName::Idle)), ..Refusals::default() },
     }
 }

@@ -67,10 +67,13 @@ impl RetrievalRecordJson {
             replay: ReplayJson { trees: Vec::new() },
         };
         let (trees, mut logs) = (Team::new(), <[TickLog; 3]>::default());
-        let (mut team, mut at, mut stage) = (None, Duration::ZERO, String::new());
+        let (mut team, mut at, mut stage, mut began) = (None, Duration::ZERO, String::new(), first.wall);
         for entry in entries {
-            // A clock that was put back does not put the run back.
-            at = at.max(since(first.wall, entry.wall));
+            if let Fact::ClockSet(by_ms) = entry.fact {
+                began = began.set_by(by_ms);
+            }
+            // A journal of before clocks that were set went on record may go back: the run does not.
+            at = at.max(since(began, entry.wall));
             let (told, words) = (retrieval_in(entry), words(&entry.fact));
             // An entry says how the trees stand; how far it has come is told when it is new.
             if told.is_none() || words != stage {

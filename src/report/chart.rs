@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::{Failure, Report, each};
-use hallsweep_core::effect::Fact;
+use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::units::Celsius;
 
 /// The picture in units of its own.
@@ -32,12 +32,15 @@ impl Chart {
             return Ok(None);
         };
         let mut columns = vec![None::<f64>; WIDTH];
-        let span = tally.took_ms().max(1);
+        let (span, mut set) = (tally.span_ms().max(1), 0_i64);
         each(report.archive, report.claim.mission, report.claim.until, |_, entry| {
+            if let Ok(Entry { fact: Fact::ClockSet(by_ms), .. }) = entry {
+                set = set.saturating_add(*by_ms);
+            }
             if let Ok(entry) = entry
                 && let Fact::Temperature(_, celsius) = &entry.fact
             {
-                let gone = entry.wall.unix_ms.saturating_sub(began.unix_ms).clamp(0, span);
+                let gone = entry.wall.unix_ms.saturating_sub(began.unix_ms).saturating_sub(set).clamp(0, span);
                 let column = &mut columns[column(gone, span)];
                 *column = Some(column.map_or(celsius.degrees(), |there| there.max(celsius.degrees())));
             }

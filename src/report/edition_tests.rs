@@ -163,7 +163,17 @@ fn large_hall() -> Vec<Entry> {
             PhotoState::Taken { bytes: 3, take: 1 + luggage.0 as u32 % 3 }
         };
         let taken = at(step, Fact::Led(true)).wall;
-        let record = Luggage { id: luggage, cell, pose: Pose::START, taken, photo, verdict: None, piece: None, secured: None };
+        let record = Luggage {
+            id: luggage,
+            cell,
+            pose: Pose::START,
+            taken,
+            photo,
+            verdict: None,
+            piece: None,
+            secured: None,
+            clock_set_ms: 0,
+        };
         entries.push(at(step, Fact::Mark(cell, Mark::Luggage)));
         entries.push(at(step, Fact::Luggage { record: record.into(), photo: None }));
         let verdict = if id % 5 == 0 { Verdict::Danger } else { Verdict::Safe };

@@ -81,6 +81,9 @@ impl Top<'_> {
         let end = if tally.archived.is_some() { "report-put-away" } else { "report-as-of" };
         figures.push((say(end), time(tally.archived.or(tally.last))));
         figures.push((say("report-took"), lasted(tally.took_ms())));
+        if tally.clock_sets > 0 {
+            figures.push((say("report-clock-set"), say("report-clock-sets").with("count", tally.clock_sets).to_string()));
+        }
         figures.push((say("report-zone"), self.zone.name()));
         if let Some(strategy) = tally.strategy {
             figures.push((say("report-strategy"), self.language.say_of("strategy", strategy.name()).to_string()));
@@ -203,7 +206,7 @@ impl Piece<'_> {
     }
 
     fn waited(&self, decided: &WallTime) -> String {
-        lasted(decided.unix_ms.saturating_sub(self.luggage.taken.unix_ms))
+        lasted(decided.unix_ms.saturating_sub(self.luggage.waits_since().unix_ms))
     }
 }
 

@@ -28,6 +28,13 @@ pub(super) struct Tally {
     pub(super) acknowledged: u64,
     /// How often the program was started while it went on.
     pub(super) restarts: u64,
+    /// What each run of the program measured, added up, in milliseconds.
+    measured_ms: i64,
+    /// The latest time that the clock has shown in this run, as it is set now.
+    clock_ms: Option<i64>,
+    /// How often the clock was set, or the machine slept, and by how much in all.
+    pub(super) clock_sets: u64,
+    clock_set_ms: i64,
     pub(super) readings: u64,
     pub(super) coldest: Option<(Celsius, WallTime)>,
     pub(super) hottest: Option<(Celsius, WallTime)>,
@@ -65,15 +72,21 @@ impl Tally {
         self.archived.map_or(until, |(seq, _)| Seq(seq.0.saturating_sub(1)))
     }
 
-    /// How long it took, in milliseconds of the clock.
+    /// How long it took, in milliseconds: what each run of the program measured, if the clock was set, else by the clock.
     pub(super) fn took_ms(&self) -> i64 {
+        if self.clock_sets > 0 { self.measured_ms } else { self.span_ms() }
+    }
+
+    /// From the first entry to the last, in milliseconds, as if nobody had set the clock.
+    pub(super) fn span_ms(&self) -> i64 {
         let at = |end: Option<(Seq, WallTime)>| end.map_or(0, |(_, wall)| wall.unix_ms);
-        at(self.last).saturating_sub(at(self.first))
+        at(self.last).saturating_sub(at(self.first)).saturating_sub(self.clock_set_ms)
     }
 
     fn count(&mut self, seq: Seq, Entry { wall, fact }: &Entry) {
         self.first.get_or_insert((seq, *wall));
         self.last = Some((seq, *wall));
+        self.measure(wall.unix_ms, fact);
         if let Fact::MissionBegan(_, strategy) = fact {
             self.strategy = Some(*strategy);
         } else if let Fact::MissionArchived(..) = fact {
@@ -88,9 +101,22 @@ impl Tally {
             self.acknowledged += 1;
         } else if let Fact::ProgramStarted(_) = fact {
             self.restarts += 1;
+        } else if let Fact::ClockSet(by_ms) = fact {
+            self.clock_sets += 1;
+            self.clock_set_ms = self.clock_set_ms.saturating_add(*by_ms);
         } else if let Fact::Temperature(_, celsius) = fact {
             self.read(*celsius, *wall);
         }
+    }
+
+    fn measure(&mut self, now_ms: i64, fact: &Fact) {
+        let before_ms = match (self.clock_ms, fact) {
+            (None, _) | (_, Fact::ProgramStarted(_)) => now_ms,
+            (Some(before_ms), Fact::ClockSet(by_ms)) => before_ms.saturating_add(*by_ms),
+            (Some(before_ms), _) => before_ms,
+        };
+        self.measured_ms = self.measured_ms.saturating_add(now_ms.saturating_sub(before_ms).max(0));
+        self.clock_ms = Some(now_ms.max(before_ms));
     }
 
     fn read(&mut self, celsius: Celsius, wall: WallTime) {

@@ -185,6 +185,7 @@ fn found() -> Entry {
         verdict: None,
         piece: None,
         secured: None,
+        clock_set_ms: 0,
     };
     Entry { fact: Fact::Luggage { record: record.into(), photo: None }, ..command("anna", "x") }
 }
@@ -234,4 +235,31 @@ fn what_was_said_to_be_lost_is_in_no_report_and_in_no_list() {
     assert!(Report::again(&mission, claim).unwrap().is_some());
     let whole = Claim::read(Mission::of(entries).report(Language::English).as_bytes()).unwrap();
     assert!(whole.until == Seq(4) && Report::again(&mission, whole).unwrap().is_none(), "made before that was said");
+}
+
+#[test]
+fn what_a_mission_took_is_what_each_run_measured_where_the_clock_was_set() {
+    let at = |ms: i64, fact: Option<Fact>| {
+        let entry = command("anna", "x");
+        Entry { wall: entry.wall.set_by(ms), fact: fact.unwrap_or(entry.fact) }
+    };
+    let started = || Some(Fact::ProgramStarted("1".to_owned()));
+    let by_clock = vec![at(0, None), at(10_000, None), at(10_000, None), at(45_000, started()), at(50_000, None)];
+    let page = Mission::of(by_clock).report(Language::English);
+    assert!(page.contains("<dt>Took (h:mm:ss)</dt><dd>0:00:50</dd>") && !page.contains("The clock was changed"), "{page}");
+    let set = vec![
+        at(0, None),
+        at(10_000, None),
+        // The third is the one that cannot be understood.
+        at(10_000, None),
+        at(-3_589_000, Some(Fact::ClockSet(-3_600_000))),
+        at(-3_580_000, None),
+        // What is written late, by the clock as it was before, counts once.
+        at(-3_585_000, None),
+        at(50_000_000, started()),
+        at(50_005_000, None),
+    ];
+    let page = Mission::of(set).report(Language::English);
+    assert!(page.contains("<dt>Took (h:mm:ss)</dt><dd>0:00:25</dd>"), "{page}");
+    assert!(page.contains("<dt>The clock was changed</dt><dd>1 ×"), "{page}");
 }

@@ -83,6 +83,8 @@ pub enum At {
     Entry(Seq),
     /// In milliseconds since 1970.
     Time(i64),
+    /// The same among the entries from one to another: a clock that is set back shows a time twice.
+    TimeAmong(i64, [Seq; 2]),
 }
 
 /// How a mission stood after one of its entries.

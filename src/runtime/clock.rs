@@ -11,26 +11,40 @@ use hallsweep_core::units::{Now, WallTime};
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
     start: Instant,
+    /// By the wall clock, in milliseconds since 1970.
+    start_ms: i64,
     /// By how much the machine's clock is taken to be wrong; only tests say so.
     off_ms: i64,
 }
 
 impl Default for Clock {
     fn default() -> Clock {
-        Clock { start: Instant::now(), off_ms: 0 }
+        Clock { start: Instant::now(), start_ms: jiff::Timestamp::now().as_millisecond(), off_ms: 0 }
     }
 }
 
 impl Clock {
     #[cfg(test)]
     pub(crate) fn off_by(off_ms: i64) -> Clock {
-        Clock { off_ms, ..Clock::default() }
+        Clock::default().set_by(off_ms)
+    }
+
+    /// The same clock after somebody has set it.
+    #[cfg(test)]
+    pub(crate) fn set_by(self, off_ms: i64) -> Clock {
+        Clock { off_ms, ..self }
     }
 
     pub fn now(&self) -> Now {
         let zoned = jiff::Zoned::now();
         let wall = WallTime { unix_ms: zoned.timestamp().as_millisecond() + self.off_ms, offset_s: zoned.offset().seconds() };
         Now { since_start: self.start.elapsed(), wall }
+    }
+
+    /// By how many milliseconds the wall clock stands otherwise than if nobody had set it since the start.
+    pub fn set_ms(&self, now: Now) -> i64 {
+        let elapsed = i64::try_from(now.since_start.as_millis()).unwrap_or(i64::MAX);
+        now.wall.unix_ms.saturating_sub(self.start_ms).saturating_sub(elapsed)
     }
 
     /// The same without the date, which takes longer to find out.

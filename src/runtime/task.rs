@@ -19,8 +19,11 @@ use hallsweep_core::command::{Command, Issuer, Refused};
 use hallsweep_core::effect::{Effect, Order};
 use hallsweep_core::engine::Engine;
 use hallsweep_core::event::{Event, RobotEvent, RobotId};
-use hallsweep_core::units::{Epoch, Seq, Ticket};
+use hallsweep_core::units::{Epoch, Now, Seq, Ticket};
 use hallsweep_core::world::snapshot::Snapshot;
+
+/// How long nothing may happen before the clock is looked at.
+const GLANCE: Duration = Duration::from_secs(1);
 
 pub struct Task {
     engine: Engine,
@@ -111,7 +114,8 @@ impl Task {
                 changed = course.changed() => {
                     let Course { ended_by, is_over } = *course.borrow_and_update();
                     if let Some(by) = ended_by.filter(|_| !std::mem::replace(&mut self.is_ending, true)) {
-                        self.engine.handle_end(by, self.clock.now());
+                        let now = self.now();
+                        self.engine.handle_end(by, now);
                     }
                     if is_over || changed.is_err() {
                         break;
@@ -119,9 +123,13 @@ impl Task {
                 }
                 Ok(()) = self.word.changed() => self.hear_store(),
                 // Before commands and reports: a steady flow of these must not keep a silent sensor from being noticed.
-                () = self.clock.reach(due) => self.engine.handle_timeout(self.clock.now()),
+                () = self.clock.reach(due) => {
+                    let now = self.now();
+                    self.engine.handle_timeout(now);
+                }
                 (robot, report) = self.links.report() => {
-                    self.engine.handle_event(Event::Robot(robot, report), self.clock.now());
+                    let now = self.now();
+                    self.engine.handle_event(Event::Robot(robot, report), now);
                 }
                 envelope = self.commands.recv() => match envelope {
                     Some(envelope) => self.take(envelope),
@@ -130,12 +138,17 @@ impl Task {
                 // Last, since they are heard of before any command is taken: stops without end must not keep the rest waiting.
                 _ = self.halts.raised() => {}
                 () = self.overflow.news() => {}
+                // Nothing happens: pages that show an age still want to know that the clock was set.
+                () = self.clock.reach(Some(self.clock.since_start() + GLANCE)) => {
+                    self.now();
+                }
             }
             self.hear_halts();
             self.settle();
         }
         self.take_rest();
-        self.engine.record_rest(self.clock.now());
+        let now = self.now();
+        self.engine.record_rest(now);
         self.settle();
     }
 
@@ -159,17 +172,19 @@ impl Task {
         let epoch = self.halts.now().epoch;
         if epoch > self.heard {
             self.heard = epoch;
-            self.engine.handle_halt(epoch, self.clock.now());
+            let now = self.now();
+            self.engine.handle_halt(epoch, now);
             self.figures.hear_stops();
         }
         let Overflow { stops, refusals } = self.overflow.take();
         for Counted { last, count, answers, .. } in stops.into_values() {
-            let now = self.clock.now();
+            let now = self.now();
             let given = self.engine.handle_stops(last, count, now);
             self.await_answer(given, answers, now.since_start);
         }
         for Counted { last: (issuer, asked, refused), count, .. } in refusals.into_values() {
-            self.engine.note_refused(issuer, asked, &refused, count, self.clock.now());
+            let now = self.now();
+            self.engine.note_refused(issuer, asked, &refused, count, now);
         }
     }
 
@@ -177,14 +192,17 @@ impl Task {
         self.hear_halts();
         match envelope {
             Envelope::Command(request, answer) => {
-                let now = self.clock.now();
+                let now = self.now();
                 let given = self.engine.handle_command(request, now);
                 self.await_answer(given, vec![answer], now.since_start);
             }
             Envelope::Refused(issuer, asked, refused, answer) => self.note_refused(issuer, asked, refused, answer),
-            Envelope::Simulated(issuer, words) => self.engine.note_simulated(&issuer, &words, self.clock.now()),
+            Envelope::Simulated(issuer, words) => {
+                let now = self.now();
+                self.engine.note_simulated(&issuer, &words, now);
+            }
             Envelope::PutDown(issuer, venue, robots, answer) => {
-                let now = self.clock.now();
+                let now = self.now();
                 let given = self.engine.put_down_in(venue, &robots, &issuer, now);
                 self.await_answer(given, vec![answer], now.since_start);
             }
@@ -192,7 +210,7 @@ impl Task {
     }
 
     fn note_refused(&mut self, issuer: Issuer, asked: String, refused: Refused, answer: Option<oneshot::Sender<Answer>>) {
-        let now = self.clock.now();
+        let now = self.now();
         let noted = self.engine.note_refused(issuer, asked, &refused, 1, now);
         let Some(answer) = answer else { return };
         let sender = WaitingSender { answer, since: now.since_start };
@@ -268,7 +286,7 @@ impl Task {
     }
 
     fn hear_store(&mut self) {
-        let now = self.clock.now();
+        let now = self.now();
         let word = self.word.borrow_and_update().clone();
         self.count_kept(&word, now.since_start);
         let StoreStatus { kept, failure, losses } = word;
@@ -303,14 +321,23 @@ impl Task {
         // Count and epoch are of one moment: a stop between the two would let an order begin that is from before it.
         let halts = self.links.halts(&robot);
         let answer = if order.epoch < halts.epoch && order.action.is_motion() {
-            self.engine.handle_halt(halts.epoch, self.clock.now());
+            let now = self.now();
+            self.engine.handle_halt(halts.epoch, now);
             RobotEvent::Halted(order.id, false)
         } else if self.links.send(&robot, order, halts) {
             return;
         } else {
             RobotEvent::Failed(order.id, "its adapter does not take orders".to_owned())
         };
-        self.engine.handle_event(Event::Robot(robot, answer), self.clock.now());
+        let now = self.now();
+        self.engine.handle_event(Event::Robot(robot, answer), now);
+    }
+
+    /// The time for what the core is told next. It is told first if somebody has set the clock.
+    fn now(&mut self) -> Now {
+        let now = self.clock.now();
+        self.engine.note_clock(self.clock.set_ms(now), now);
+        now
     }
 
     fn publish(&mut self) {

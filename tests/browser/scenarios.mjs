@@ -385,6 +385,18 @@ const signedIn = {
     await stop(page).click();
     await page.waitForURL(/\/sign-in\?undone=stop$/);
     await page.getByText(/^STOP was not given/).waitFor();
+
+    // It is sent when somebody has signed in again.
+    const keys = execFileSync(PROGRAM, ['token', '--data', DATA]).toString();
+    const tokenOf = (name) => keys.split(`${name} (`)[1].split('\n')[1].trim().split(/\s+/)[1];
+    const again = { authorization: `Bearer ${tokenOf('operator')}` };
+    const epoch = async () => (await (await fetch(`${url}/api/v1/state`, { headers: again })).json()).mission.epoch;
+    const before = await epoch();
+    await field.fill(tokenOf('lobby'));
+    await signIn.click();
+    await page.waitForURL(`${url}/`);
+    await page.getByText('STOP is confirmed.').waitFor();
+    must(await epoch() === before + 1, 'the STOP that was not given was not sent once');
   },
 };
 export { signedIn };

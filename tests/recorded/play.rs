@@ -127,7 +127,7 @@ async fn keys(book: &mut Book, app: &TestApp) {
     let token = || Token::draw().expect("chance is there");
     let keys =
         [("lobby", Role::Viewer), (OPERATOR, Role::Operator)].map(|(name, role)| Key::new(name, role, token()).expect("sound"));
-    let keyring = Keyring::of(Keys::new(Vec::from(keys)).expect("two keys"));
+    let keyring = Keyring::of(Keys::new(Vec::from(keys)).expect("two keys")).expect("the system gives chance");
     let shown = |name| keyring.keys().named(name).expect("it is there").token.reveal().to_owned();
     let tokens = [("a viewer", shown("lobby")), ("an operator", shown(OPERATOR))];
     let told: Vec<(&str, &str)> = tokens.iter().map(|(role, token)| (*role, token.as_str())).collect();

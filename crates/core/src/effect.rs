@@ -148,6 +148,9 @@ pub enum Fact {
     ProgramStarted(String),
     /// The program was asked to end, by this.
     ProgramEnded(String),
+    /// The machine's wall clock was set by so many milliseconds, back if negative, or the machine slept: entries before are by the
+    /// clock as it was.
+    ClockSet(i64),
     /// Where, and under which threshold, what follows happens.
     Conditions(Conditions),
     /// Everything that stands, so that nothing before needs to be read to go on.

@@ -166,6 +166,14 @@ pub struct WallTime {
     pub offset_s: i32,
 }
 
+impl WallTime {
+    /// The same moment by a clock that was set by so many milliseconds since.
+    #[must_use]
+    pub const fn set_by(self, ms: i64) -> WallTime {
+        WallTime { unix_ms: self.unix_ms.saturating_add(ms), ..self }
+    }
+}
+
 /// The time as the core is told it: it never asks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Now {

@@ -37,6 +37,7 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
     prop_oneof![
         text().prop_map(Fact::ProgramStarted),
         text().prop_map(Fact::ProgramEnded),
+        any::<i64>().prop_map(Fact::ClockSet),
         (any::<[u64; 3]>(), text(), text()).prop_map(|([first, last, until], file, digest)| {
             Fact::WrittenOut(WrittenOut { missions: (MissionId(first), MissionId(last)), until: Seq(until), file, digest })
         }),
@@ -145,6 +146,7 @@ fn state() -> impl Strategy<Value = PersistentState> {
             last_alarm: AlarmId(last_alarm),
             reading,
             conditions,
+            clock_set_ms: i64::try_from(epoch).unwrap_or(-1),
         }
     })
 }
@@ -267,8 +269,8 @@ fn luggage() -> impl Strategy<Value = Luggage> {
     let decision = (verdict(), text(), wall(), note());
     let decision = decision.prop_map(|(verdict, who, wall, note)| Decision { verdict, who: who.into(), wall, note });
     let piece = option::of(any::<u32>().prop_map(Piece));
-    (any::<u64>(), cell(), pose(), wall(), photo, option::of(decision), piece, option::of(wall())).prop_map(
-        |(id, cell, pose, taken, photo, verdict, piece, secured)| Luggage {
+    (any::<u64>(), cell(), pose(), wall(), photo, option::of(decision), piece, (option::of(wall()), any::<i64>())).prop_map(
+        |(id, cell, pose, taken, photo, verdict, piece, (secured, clock_set_ms))| Luggage {
             id: LuggageId(id),
             cell,
             pose,
@@ -277,6 +279,7 @@ fn luggage() -> impl Strategy<Value = Luggage> {
             verdict,
             piece,
             secured,
+            clock_set_ms,
         },
     )
 }

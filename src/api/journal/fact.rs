@@ -29,6 +29,9 @@ pub(super) enum Shape {
     ProgramEnded {
         by: String,
     },
+    ClockSet {
+        by_ms: i64,
+    },
     /// Missions `first` to `last`, entries up to `until`, stand in this archive alone.
     WrittenOut {
         first: u64,
@@ -169,6 +172,7 @@ pub const fn kind(fact: &Fact) -> &'static str {
     match fact {
         Fact::ProgramStarted(_) => "programStarted",
         Fact::ProgramEnded(_) => "programEnded",
+        Fact::ClockSet(_) => "clockSet",
         Fact::WrittenOut(_) => "writtenOut",
         Fact::Unpacked(_) => "unpacked",
         Fact::Conditions(_) => "conditions",
@@ -205,6 +209,7 @@ impl Shape {
         match fact {
             Fact::ProgramStarted(version) => Shape::ProgramStarted { version: version.clone() },
             Fact::ProgramEnded(by) => Shape::ProgramEnded { by: by.clone() },
+            Fact::ClockSet(by_ms) => Shape::ClockSet { by_ms: *by_ms },
             Fact::WrittenOut(WrittenOut { missions: (first, last), until, file, digest }) => {
                 Shape::WrittenOut { first: first.0, last: last.0, until: until.0, file: file.clone(), digest: digest.clone() }
             }
@@ -264,6 +269,7 @@ impl Shape {
             }
             Shape::ProgramStarted { version } => Fact::ProgramStarted(version),
             Shape::ProgramEnded { by } => Fact::ProgramEnded(by),
+            Shape::ClockSet { by_ms } => Fact::ClockSet(by_ms),
             Shape::WrittenOut { first, last, until, file, digest } => {
                 let missions = (MissionId(first), MissionId(last));
                 Fact::WrittenOut(WrittenOut { missions, until: Seq(until), file, digest })

@@ -24,6 +24,13 @@ pub(super) struct LuggageShape {
     /// When it was put into the container.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     secured: Option<Moment>,
+    #[serde(default, skip_serializing_if = "is_zero")]
+    clock_set_ms: i64,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it so")]
+pub(super) const fn is_zero(number: &i64) -> bool {
+    *number == 0
 }
 
 /// What became of a photo.
@@ -73,6 +80,7 @@ impl From<&Luggage> for LuggageShape {
             verdict: luggage.verdict.as_ref().map(DecisionShape::from),
             piece: luggage.piece.map(|piece| piece.0),
             secured: luggage.secured.map(Moment::from),
+            clock_set_ms: luggage.clock_set_ms,
         }
     }
 }
@@ -91,6 +99,7 @@ impl LuggageShape {
             verdict: self.verdict.map(DecisionShape::decision).transpose()?,
             piece: self.piece.map(Piece),
             secured: self.secured.map(Into::into),
+            clock_set_ms: self.clock_set_ms,
         })
     }
 }

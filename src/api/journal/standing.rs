@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::conditions::ConditionsShape;
-use super::luggage::{AlarmShape, LuggageShape};
+use super::luggage::{AlarmShape, LuggageShape, is_zero};
 use super::map::{self, Row};
 use super::names::SearchShape;
 use super::phase::PhaseShape;
@@ -54,6 +54,8 @@ pub(super) struct StandingShape {
     reading: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     conditions: Option<ConditionsShape>,
+    #[serde(default, skip_serializing_if = "is_zero")]
+    clock_set_ms: i64,
 }
 
 impl From<&PersistentState> for StandingShape {
@@ -82,6 +84,7 @@ impl From<&PersistentState> for StandingShape {
             last_alarm: state.last_alarm.0,
             reading: state.reading.map(hallsweep_core::units::Celsius::degrees),
             conditions: state.conditions.as_ref().map(ConditionsShape::from),
+            clock_set_ms: state.clock_set_ms,
         }
     }
 }
@@ -112,6 +115,7 @@ impl StandingShape {
             last_alarm: AlarmId(self.last_alarm),
             reading: self.reading.map(names::celsius).transpose()?,
             conditions: self.conditions.map(ConditionsShape::conditions).transpose()?,
+            clock_set_ms: self.clock_set_ms,
         })
     }
 }

@@ -16,7 +16,7 @@ use super::hearing::Pressed;
 use super::problem::{NotTaken, Problem};
 use super::scanning::KEYS;
 use super::sign_in::{Undone, sign_in_page};
-use crate::access::{Access, Caller, Need, Network};
+use crate::access::{Access, Caller, Moment, Need, Network};
 use crate::api::door;
 use crate::api::fields::in_short;
 use hallsweep_core::command::{self, Issuer, Refused};
@@ -90,17 +90,18 @@ impl<S: Send + Sync> FromRequestParts<S> for Peer {
 impl HttpDoor {
     /// Whether answers can say when they were made: no machine's clock is right before 1970.
     pub(super) fn can_date(&self) -> bool {
-        self.now_s() >= 0
+        self.moment().unix_s >= 0
     }
 
-    /// Now, in seconds since 1970, for sessions.
-    pub(super) fn now_s(&self) -> i64 {
-        self.clock.now().wall.unix_ms.div_euclid(1000)
+    /// Now, for sessions.
+    pub(super) fn moment(&self) -> Moment {
+        let now = self.clock.now();
+        Moment { elapsed: now.since_start, unix_s: now.wall.unix_ms.div_euclid(1000) }
     }
 
     /// Whether somebody who was let in would be let in still.
     pub(super) fn still_knows(&self, caller: &Caller) -> bool {
-        self.access.still_knows(caller, self.now_s())
+        self.access.still_knows(caller, self.moment())
     }
 
     /// Holds a refusal back: the longer, the more wrong keys came from there.
@@ -141,7 +142,7 @@ impl HttpDoor {
         let signed_in = match shown {
             Shown::Nothing => None,
             Shown::Token(token) => keyring.check(token),
-            Shown::Sessions(cookies) => cookies.iter().find_map(|cookie| keyring.session(cookie, self.now_s())),
+            Shown::Sessions(cookies) => cookies.iter().find_map(|cookie| keyring.session(cookie, self.moment())),
         };
         signed_in.map(Caller::Known)
     }

@@ -281,7 +281,7 @@ async fn an_operators_kept_connection_stays_whatever_strangers_and_viewers_send(
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn before_1970_it_is_said_that_the_clock_is_wrong_and_a_stop_halts_all_the_same() {
     let mut app = app(searching());
-    app.door.clock = Clock::off_by(-(app.door.now_s() + 3600) * 1000);
+    app.door.clock = Clock::off_by(-(app.door.moment().unix_s + 3600) * 1000);
     let address = served(&app, PLACES).await;
     for (asked, is_stop) in [(LOOK, false), (STOP, true)] {
         let answer = std::io::read_to_string(client(address, asked)).expect("an answer in order");

@@ -14,12 +14,16 @@ use super::gate::{LetIn, Peer};
 use super::language::Spoken;
 use super::reading::Form;
 use super::scanning::names;
-use crate::access::{Access, Network, SESSION_S};
+use crate::access::{Access, Network};
 use crate::phrases::{Language, Phrase};
 
 pub(super) fn cookie_name(port: u16) -> Arc<str> {
     format!("hallsweep-{port}").into()
 }
+
+/// How long a browser keeps the cookie, in seconds: the longest that browsers allow. They count by their machine's wall clock; when the
+/// session ends is decided here.
+const KEPT_S: u64 = 400 * 24 * 60 * 60;
 
 /// A longer way back is not remembered.
 const LONGEST_PATH: usize = 512;
@@ -132,14 +136,14 @@ pub(super) async fn sign_in(
 ) -> Response {
     let next = local(sent.next.as_deref());
     let Access::Keys(keyring) = &door.access else { return Redirect::to(next).into_response() };
-    let Some(session) = keyring.sign_in(sent.token.trim(), door.now_s()) else {
+    let Some(session) = keyring.sign_in(sent.token.trim(), door.moment()) else {
         door.hold_back(peer).await;
         let why = if keyring.is_unusable() { unusable(language) } else { language.say("sign-in-unknown").to_string() };
         let here = sign_in_page(next);
         let page = SignIn { language, next, here, why, is_in: caller.is_ok(), ..SignIn::default() };
         return shown(StatusCode::FORBIDDEN, peer, page);
     };
-    (cookie(&door, &session, SESSION_S, peer), Redirect::to(next)).into_response()
+    (cookie(&door, &session, KEPT_S, peer), Redirect::to(next)).into_response()
 }
 
 /// `POST sign-out`
@@ -176,9 +180,9 @@ fn shown(status: StatusCode, peer: Peer, page: SignIn) -> Response {
 }
 
 /// A cookie no script and no other site gets to see.
-fn cookie(door: &HttpDoor, session: &str, lasts_s: i64, peer: Peer) -> HeaderMap {
+fn cookie(door: &HttpDoor, session: &str, kept_s: u64, peer: Peer) -> HeaderMap {
     let secure = if peer.is_encrypted { "; Secure" } else { "" };
-    let cookie = format!("{}={session}; Path=/; Max-Age={lasts_s}; HttpOnly; SameSite=Strict{secure}", door.cookie());
+    let cookie = format!("{}={session}; Path=/; Max-Age={kept_s}; HttpOnly; SameSite=Strict{secure}", door.cookie());
     let cookie = HeaderValue::from_str(&cookie).expect("a session is letters, digits, dots, - and _");
     HeaderMap::from_iter([(header::SET_COOKIE, cookie)])
 }

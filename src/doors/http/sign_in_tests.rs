@@ -1,6 +1,11 @@
 //! Signing in and out as a browser does it, and what it does not let itself be talked into.
 
+use std::time::Duration;
+
+use futures_util::StreamExt;
+
 use super::*;
+use crate::access::{Keyring, Moment, SESSION_S};
 use crate::api::fixture::searching;
 use crate::doors::http::testing::{TestApp, app, guarded_app, keys, text};
 
@@ -29,7 +34,7 @@ async fn a_token_becomes_a_cookie_that_no_script_and_no_other_site_sees() {
     let response = app.send("POST", "/sign-in", &[FORM, BROWSER], &format!("token=%20{operator}%20&next=%2F")).await;
     assert_eq!((response.status().as_u16(), location(&response)), (303, "/"));
     let (cookie, set) = cookie(&response);
-    for wanted in ["; HttpOnly", "; SameSite=Strict", "; Path=/", "; Max-Age=43200"] {
+    for wanted in ["; HttpOnly", "; SameSite=Strict", "; Path=/", "; Max-Age=34560000"] {
         assert!(set.contains(wanted), "{set}");
     }
     assert!(!set.contains("Secure") && !set.contains(&operator), "{set}");
@@ -190,17 +195,46 @@ fn the_way_back_never_leads_away() {
 
 /// Safety A2.
 #[tokio::test]
-async fn an_expired_session_cookie_is_refused() {
+async fn an_expired_session_cookie_of_an_earlier_run_is_refused() {
     let (keyring, tokens) = keys();
     let app = guarded_app(searching(), Access::Keys(keyring.clone()));
+    let earlier_run = Keyring::of((*keyring.keys()).clone()).unwrap();
     for (began_s, status) in [(-SESSION_S + 60, 200), (-SESSION_S, 401), (-2 * SESSION_S, 401)] {
-        let session = keyring.sign_in(&tokens.operator, app.door.now_s() + began_s).unwrap();
+        let now = app.door.moment();
+        let session = earlier_run.sign_in(&tokens.operator, Moment { unix_s: now.unix_s + began_s, ..now }).unwrap();
         let cookie = format!("hallsweep-0={session}");
         assert_eq!(app.send("GET", "/api/v1/state", &[("cookie", &cookie)], "").await.status(), status, "{began_s} s");
         let stop = app.send("POST", "/api/v1/commands/stop", &[("cookie", &cookie)], "").await;
         assert_eq!(stop.status(), status, "{began_s} s");
     }
     assert_eq!(app.given.lock().unwrap().len(), 1, "one STOP was taken");
+}
+
+/// Safety S8, A2.
+#[tokio::test(start_paused = true)]
+async fn however_the_clock_is_set_a_session_stops_the_robot_and_looks_on_for_twelve_hours_and_not_longer() {
+    for set_s in [-600, -3600, 46_800, 30 * 86_400] {
+        let (keyring, tokens) = keys();
+        let mut app = guarded_app(searching(), Access::Keys(keyring));
+        let form = format!("token={}", tokens.viewer);
+        let (cookie, _) = cookie(&app.send("POST", "/sign-in", &[FORM], &form).await);
+        app.door.clock = app.door.clock.set_by(set_s * 1000);
+        let stream = app.send("GET", "/console/live", &[("cookie", &cookie)], "").await;
+        let mut parts = stream.into_body().into_data_stream();
+        let status = async |app: &TestApp| {
+            let stop = app.send("POST", "/api/v1/commands/stop", &[("cookie", &cookie)], "").await.status().as_u16();
+            (stop, app.send("GET", "/console/live", &[("cookie", &cookie)], "").await.status().as_u16())
+        };
+        assert_eq!(status(&app).await, (200, 200), "{set_s} s");
+        tokio::time::sleep(Duration::from_secs(SESSION_S.unsigned_abs() - 60)).await;
+        assert_eq!(status(&app).await, (200, 200), "{set_s} s");
+        assert!(parts.next().await.is_some(), "the stream that was open goes on");
+        tokio::time::sleep(Duration::from_secs(120)).await;
+        assert_eq!(status(&app).await, (401, 401), "{set_s} s");
+        while let Some(part) = parts.next().await {
+            part.expect("it ends in order");
+        }
+    }
 }
 
 #[tokio::test]

@@ -59,7 +59,7 @@ mod tests {
             keys.add(name, Role::Viewer).unwrap();
         }
         let caller = |name: &str| Caller::Known(keys.check(keys.named(name).unwrap().token.reveal()).unwrap());
-        let access = Access::Keys(Keyring::of(keys.clone()));
+        let access = Access::Keys(Keyring::of(keys.clone()).unwrap());
         let streams = Streams::new(STREAMS);
         let all = |name: &str| std::iter::from_fn(|| streams.open(&caller(name), &access)).take(1000).collect::<Vec<_>>();
         let viewers: Vec<_> = names.iter().map(|name| all(name)).collect();

@@ -139,7 +139,7 @@ pub(super) fn keys() -> (Keyring, Tokens) {
     let mut keys = Keys::first().unwrap();
     let viewer = keys.add("lobby", Role::Viewer).unwrap().token.reveal().to_owned();
     let operator = keys.named(OPERATOR).unwrap().token.reveal().to_owned();
-    (Keyring::of(keys), Tokens { operator, viewer })
+    (Keyring::of(keys).unwrap(), Tokens { operator, viewer })
 }
 
 impl TestApp {

@@ -122,7 +122,7 @@ async fn a_stop_behind_a_connect_that_is_none_to_go_on_with_halts_where_everybod
 async fn with_keys_a_stop_behind_such_a_connect_halts_for_whoever_shows_one() {
     let token = || Token::draw().expect("the system gives chance");
     let keys = [(OPERATOR, Role::Operator), ("wall", Role::Viewer)].map(|(name, role)| Key::new(name, role, token()).unwrap());
-    let keyring = Keyring::of(Keys::new(Vec::from(keys)).unwrap());
+    let keyring = Keyring::of(Keys::new(Vec::from(keys)).unwrap()).unwrap();
     let shown = keyring.keys().named("wall").unwrap().token.reveal().to_owned();
     let access = Access::Keys(keyring);
     let stop = packet(0x30, &field(b"hallsweep/discovery/command/stop"));
@@ -165,7 +165,7 @@ fn a_client_of_mqtt_5_that_cannot_be_remembered_is_told_so() {
 #[tokio::test(start_paused = true)]
 async fn whoever_waits_for_the_answer_to_a_wrong_password_makes_room_for_newer_ones() {
     let key = Key::new(OPERATOR, Role::Operator, Token::draw().expect("the system gives chance")).unwrap();
-    let access = Access::Keys(Keyring::of(Keys::new(vec![key]).unwrap()));
+    let access = Access::Keys(Keyring::of(Keys::new(vec![key]).unwrap()).unwrap());
     for version in [("MQTT", 4, 0xC2), ("MQTT", 4, 0xC3), ("MQTT", 5, 0xC2)] {
         let (clients, _script) = clients();
         let (_runs, running) = watch::channel(());

@@ -28,7 +28,7 @@ struct Scene {
 fn viewer() -> Caller {
     let token = || Token::draw().expect("the system gives chance");
     let keys = [(OPERATOR, Role::Operator), ("wall", Role::Viewer)].map(|(name, role)| Key::new(name, role, token()).unwrap());
-    let keyring = Keyring::of(Keys::new(Vec::from(keys)).unwrap());
+    let keyring = Keyring::of(Keys::new(Vec::from(keys)).unwrap()).unwrap();
     let shown = keyring.keys().named("wall").unwrap().token.reveal().to_owned();
     Caller::Known(keyring.check(&shown).unwrap())
 }

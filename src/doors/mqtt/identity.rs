@@ -8,7 +8,7 @@ use super::commands::{Commands, IncomingMessage, Publisher, Taken};
 use super::incoming::Origin;
 use super::rights;
 use super::seats::Holder;
-use crate::access::{Access, Caller, Need};
+use crate::access::{Access, Caller, Moment, Need};
 use hallsweep_core::units;
 use mqtt_gate::packet::connect;
 use mqtt_gate::{CommandDecision, Epoch, Listener, Said, Tier};
@@ -57,9 +57,10 @@ impl Identity {
         rights::tier(self.0.role())
     }
 
-    /// Whether it would be let in still; `now_s` in seconds since 1970.
-    pub(super) fn is_known(&self, access: &Access, now_s: i64) -> bool {
-        access.still_knows(&self.0, now_s)
+    /// Whether it would be let in still.
+    pub(super) fn is_known(&self, access: &Access, now: units::Now) -> bool {
+        let now = Moment { elapsed: now.since_start, unix_s: now.wall.unix_ms.div_euclid(1000) };
+        access.still_knows(&self.0, now)
     }
 
     /// Who hears its commands.
@@ -120,7 +121,7 @@ mod tests {
             Key::new("operator", Role::Operator, operator.clone()).unwrap(),
             Key::new("screen", Role::Viewer, viewer.clone()).unwrap(),
         ];
-        let access = Access::Keys(Keyring::of(Keys::new(keys).unwrap()));
+        let access = Access::Keys(Keyring::of(Keys::new(keys).unwrap()).unwrap());
         Tokens { access, operator: operator.reveal().to_owned(), viewer: viewer.reveal().to_owned() }
     }
 

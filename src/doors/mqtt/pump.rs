@@ -327,7 +327,7 @@ fn left(ended: Ended) -> Left {
 /// Waits until whoever was let in has to go: its key is not known any more, or its seat is somebody else's.
 async fn shut_out((identity, access, clock): Whose<'_>, seat: &Seat) -> Ended {
     let unknown = async {
-        while identity.is_known(access, clock.now().wall.unix_ms.div_euclid(1000)) {
+        while identity.is_known(access, clock.now()) {
             tokio::time::sleep(GLANCE).await;
         }
     };

@@ -10,6 +10,6 @@ sign-in-unusable = The file of keys, access.toml, cannot be used, so nobody can 
 
 ## What was not done.
 
-sign-in-undone-stop = STOP was not given: you are not signed in any more. Use the robot's own switch, or sign in and press STOP again.
+sign-in-undone-stop = STOP was not given: you are not signed in any more. Use the robot's own switch, or sign in: this page then sends STOP again. Press STOP yourself if you do not read that it is confirmed.
 sign-in-undone-command = What you pressed was not carried out: you are not signed in any more. Sign in, look at the robot, and press it again.
 sign-in-undone-watching = You are not signed in any more: you signed out, the session is over, or the key was replaced.

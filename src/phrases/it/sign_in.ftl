@@ -10,6 +10,6 @@ sign-in-unusable = Il file delle chiavi, access.toml, non si può usare: nessuno
 
 ## Che cosa non è stato fatto.
 
-sign-in-undone-stop = STOP non è stato dato: l'accesso non vale più. Usare l'interruttore del robot, oppure accedere e premere di nuovo STOP.
+sign-in-undone-stop = STOP non è stato dato: l'accesso non vale più. Usare l'interruttore del robot, oppure accedere: questa pagina invia allora di nuovo STOP. Premerlo di persona se non si legge che è confermato.
 sign-in-undone-command = Il comando premuto non è stato eseguito: l'accesso non vale più. Accedere, guardare il robot, e premere di nuovo.
 sign-in-undone-watching = L'accesso non vale più: si è usciti, è scaduto, oppure la chiave è stata sostituita.

@@ -3,6 +3,7 @@
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::command::Refusal;
 use hallsweep_core::effect::{Fact, Unpacked, WrittenOut};
+use hallsweep_core::mission::fact_words::hours;
 use hallsweep_core::mission::{Asked, Hold, Phase, Stage};
 use hallsweep_core::state::{Conditions, Retrieval, RetrievalStage, Venue};
 use hallsweep_core::units::LuggageId;
@@ -29,6 +30,8 @@ impl Language {
         let said = match fact {
             Fact::ProgramStarted(version) => self.say("fact-started").with("version", version),
             Fact::ProgramEnded(by) => self.say("fact-ended").with("by", by),
+            Fact::ClockSet(by @ ..0) => self.say("fact-clock-back").with("by", hours(*by)),
+            Fact::ClockSet(by) => self.say("fact-clock-forward").with("by", hours(*by)),
             Fact::WrittenOut(written) => return self.written_out(written),
             Fact::Unpacked(unpacked) => return self.unpacked(unpacked),
             Fact::Conditions(Conditions { venue: Venue { name, cell_m }, threshold }) => {

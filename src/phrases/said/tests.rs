@@ -166,12 +166,24 @@ fn the_journal() {
     let verdict = |note| Fact::Verdict { luggage: ID, verdict: Verdict::Danger, who: "anna".into(), note };
     let photographed = |photo| {
         let (pose, taken) = (Pose::START, WallTime::default());
-        let record = Arc::new(Luggage { id: ID, cell: CELL, pose, taken, photo, verdict: None, piece: None, secured: None });
+        let record = Arc::new(Luggage {
+            id: ID,
+            cell: CELL,
+            pose,
+            taken,
+            photo,
+            verdict: None,
+            piece: None,
+            secured: None,
+            clock_set_ms: 0,
+        });
         Fact::Luggage { record, photo: None }
     };
     let facts = vec![
         Fact::ProgramStarted("1".to_owned()),
         Fact::ProgramEnded("SIGTERM".to_owned()),
+        Fact::ClockSet(-600_000),
+        Fact::ClockSet(46_800_000),
         Fact::WrittenOut(WrittenOut {
             missions: (MissionId(1), MissionId(7)),
             until: Seq(4711),

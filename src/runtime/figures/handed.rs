@@ -134,6 +134,7 @@ impl CountedFact {
             Fact::AlarmRaised(..) => Some(CountedFact::Alarm),
             Fact::ProgramStarted(_)
             | Fact::ProgramEnded(_)
+            | Fact::ClockSet(_)
             | Fact::Conditions(_)
             | Fact::Holds(_)
             | Fact::Epoch(_)
@@ -249,6 +250,7 @@ mod tests {
             verdict: None,
             piece: None,
             secured: None,
+            clock_set_ms: 0,
         };
         Fact::Luggage { record: Arc::new(record), photo }
     }

@@ -63,15 +63,20 @@ fn end_of(connection: &Connection, mission: MissionId) -> Result<Seq, Fault> {
 fn place(connection: &Connection, mission: MissionId, at: At, end: Seq) -> Result<Option<(Seq, WallTime)>, Fault> {
     match at {
         At::Entry(seq) => rows::last_of(connection, mission, seq.min(end)),
-        At::Time(unix_ms) => by_time(connection, mission, unix_ms, end),
+        At::Time(unix_ms) => by_time(connection, mission, unix_ms, [Seq(0), end]),
+        At::TimeAmong(unix_ms, [least, most]) => by_time(connection, mission, unix_ms, [least, most.min(end)]),
     }
 }
 
-/// The last entry of a mission that is not later than this; the first, if all are. Entries are in the order of their times, as long as
-/// nobody sets the clock back: then it is one of those that were written at this time.
-fn by_time(connection: &Connection, mission: MissionId, unix_ms: i64, end: Seq) -> Result<Option<(Seq, WallTime)>, Fault> {
-    let Some(mut found) = rows::first_of(connection, mission, Seq(0))? else { return Ok(None) };
-    let Some((last, _)) = rows::last_of(connection, mission, end)? else { return Ok(None) };
+/// The last of some entries of a mission that is not later than this; the first, if all are. They are in the order of their times.
+fn by_time(
+    connection: &Connection,
+    mission: MissionId,
+    unix_ms: i64,
+    [least, most]: [Seq; 2],
+) -> Result<Option<(Seq, WallTime)>, Fault> {
+    let Some(mut found) = rows::first_of(connection, mission, least)? else { return Ok(None) };
+    let Some((last, _)) = rows::last_of(connection, mission, most)? else { return Ok(None) };
     let mut most = last.0;
     while found.0.0 < most {
         let middle = most - (most - found.0.0) / 2;

@@ -29,6 +29,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
         Fact::ProgramStarted(_)
         | Fact::Conditions(_)
         | Fact::ProgramEnded(_)
+        | Fact::ClockSet(_)
         | Fact::WrittenOut(_)
         | Fact::Unpacked(_)
         | Fact::Command { .. }
@@ -102,7 +103,7 @@ fn found(connection: &Connection, mission: Option<MissionId>, record: &Luggage, 
     let sql = "INSERT INTO luggage (id, mission, record, photo) VALUES (?1, ?2, ?3, ?4) ON CONFLICT (id) DO UPDATE
                SET record = excluded.record, photo = coalesce(excluded.photo, photo)";
     let mission = mission.map(|mission| whole(mission.0)).transpose()?;
-    let text = journal::record(&Luggage { verdict: None, ..record.clone() });
+    let text = journal::record(&Luggage { verdict: None, clock_set_ms: 0, ..record.clone() });
     run(connection, sql, params![whole(record.id.0)?, mission, text, picture.map(|picture| &picture.digest)])
 }
 

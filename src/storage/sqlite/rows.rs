@@ -63,14 +63,15 @@ impl Kinds {
                 Some("kind IN ('standing', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'verdict', 'secured')")
             }
             Kinds::Verdicts => Some("kind IN ('verdict', 'standing')"),
-            Kinds::Retrieval => Some("kind IN ('retrieval', 'holds', 'alarmRaised', 'alarmAcknowledged', 'secured', 'phase')"),
+            Kinds::Retrieval => Some("kind IN ('retrieval', 'holds', 'alarmRaised', 'alarmAcknowledged', 'secured', 'phase', 'clockSet')"),
             Kinds::Timeline => Some(
                 "kind IN ('missionBegan', 'missionArchived', 'phase', 'holds', 'temperature', 'luggage', 'verdict', 'secured',
-                 'alarmRaised', 'alarmAcknowledged', 'command', 'strategy', 'retrieval', 'programStarted', 'programEnded', 'conditions')",
+                 'alarmRaised', 'alarmAcknowledged', 'command', 'strategy', 'retrieval', 'programStarted', 'programEnded', 'conditions',
+                 'clockSet')",
             ),
             Kinds::Told => Some(
                 "kind IN ('command', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'verdict', 'alarmRaised',
-                 'alarmAcknowledged', 'programEnded')",
+                 'alarmAcknowledged', 'programEnded', 'clockSet')",
             ),
             Kinds::OfArchives => Some("kind IN ('writtenOut', 'unpacked')"),
             Kinds::Temperatures => Some("kind = 'temperature'"),

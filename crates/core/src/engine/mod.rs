@@ -96,6 +96,8 @@ pub struct Engine {
     /// The trees after their last tick.
     trees: Arc<TreesView>,
     is_ending: bool,
+    /// By how many milliseconds the clock was set since the start of the program, as far as it is on record.
+    clock_set_ms: i64,
     taken: Option<Arc<Snapshot>>,
 }
 
@@ -122,6 +124,7 @@ impl Engine {
             team: None,
             trees: Arc::default(),
             is_ending: false,
+            clock_set_ms: 0,
             taken: None,
         }
     }

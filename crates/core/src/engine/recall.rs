@@ -17,6 +17,9 @@ use crate::world::luggage::Luggage;
 use crate::world::said::Said;
 use crate::world::temperature::OPERATOR;
 
+/// Smaller changes of the wall clock are not put on record: a leap second, or what the machine corrects all the time.
+const CLOCK_SET_MS: i64 = 2000;
+
 /// What was read back from the store.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recalled {
@@ -46,6 +49,7 @@ impl Engine {
     #[must_use]
     pub fn recall(settings: Settings, run: Arc<str>, recalled: Recalled, now: Now) -> Engine {
         let Recalled { state, written, commands, latest } = recalled;
+        let told = latest.last().map_or(i64::MIN, |line| line.wall.unix_ms);
         let mut engine = Engine::new(settings, state.strategy, run);
         engine.outbox = Outbox::after(written);
         engine.repeats.recall(&commands);
@@ -55,6 +59,11 @@ impl Engine {
         }
         engine.take_up(state);
         engine.on_record = OnRecord::of(engine.mission_as_it_is());
+        // A clock that was set back while the program was off is known to be so; one that was set forward is not.
+        let back_ms = now.wall.unix_ms.saturating_sub(told);
+        if back_ms <= -CLOCK_SET_MS {
+            engine.record(Fact::ClockSet(back_ms));
+        }
         engine.note_start();
         engine.world.write(now.wall, Tone::Info, Said::StartedAgain);
         engine.feed(Input::Restarted, &InputContext::default());
@@ -62,6 +71,20 @@ impl Engine {
         engine.outbox.sum_up();
         engine.pump();
         engine
+    }
+
+    /// Notes by how many milliseconds the machine's clock was set since the start of the program. A change goes on record, before
+    /// anything that happened by the new clock.
+    pub fn note_clock(&mut self, set_ms: i64, now: Now) {
+        let by_ms = set_ms.saturating_sub(self.clock_set_ms);
+        if by_ms.saturating_abs() < CLOCK_SET_MS {
+            return;
+        }
+        self.clock_set_ms = set_ms;
+        self.begin(now);
+        let fact = Fact::ClockSet(by_ms);
+        self.world.write(now.wall, Tone::Warning, Said::fact(&fact));
+        self.record(fact);
     }
 
     /// The program was asked to end, by this: the robot halts and gets no order any more. What it was about stays as it is, and a

@@ -2,6 +2,7 @@
 //! shown meanwhile in `shown`.
 
 mod by_hand;
+mod clock;
 mod fetching;
 mod floods;
 mod shown;
@@ -58,6 +59,7 @@ fn sweep_in(name: PhaseName, holds: &[Hold]) -> Engine {
         verdict: None,
         piece: None,
         secured: None,
+        clock_set_ms: 0,
     };
     engine.state.luggage.insert(Arc::new(luggage));
     engine.state.last_luggage = LuggageId(1);

@@ -107,6 +107,7 @@ impl Engine {
             strategy: shown.strategy,
             epoch: self.state.epoch,
             progress: self.progress(),
+            clock_set_ms: self.state.clock_set_ms,
             refusals: self.refusals_shown(),
         }
     }

@@ -21,6 +21,8 @@ fn said(fact: &Fact) -> String {
     match fact {
         Fact::ProgramStarted(version) => format!("program started, version {version}"),
         Fact::ProgramEnded(by) => format!("program ended by {by}"),
+        Fact::ClockSet(by @ ..0) => format!("the clock was set back by {}", hours(*by)),
+        Fact::ClockSet(by) => format!("the clock went forward by {}: it was set, or the machine slept", hours(*by)),
         Fact::WrittenOut(WrittenOut { missions: (first, last), until, file, digest }) => {
             format!("missions {first} to {last}, entries up to {until}, are in the archive {file} alone, SHA-256 {digest}")
         }
@@ -73,6 +75,13 @@ fn said(fact: &Fact) -> String {
         Fact::Strategy(strategy) => format!("search order: {}", strategy.name()),
         Fact::MapEmptied(heading) => format!("map emptied, facing {}", heading.name()),
     }
+}
+
+/// A time as `13:00:05`, whichever its sign.
+#[must_use]
+pub fn hours(ms: i64) -> String {
+    let seconds = ms.unsigned_abs() / 1000;
+    format!("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60)
 }
 
 /// A command with the piece that it turned out to be about, where its sender did not name it.
@@ -184,7 +193,8 @@ mod tests {
         let (cell, pose) = (Cell::new(6, 2), Pose { cell: Cell::new(5, 2), heading: Heading::East });
         let photo = PhotoState::Taken { bytes: 4, take: 1 };
         let (id, taken) = (LuggageId(3), WallTime::default());
-        let record = Arc::new(Luggage { id, cell, pose, taken, photo, verdict: None, piece: None, secured: None });
+        let record =
+            Arc::new(Luggage { id, cell, pose, taken, photo, verdict: None, piece: None, secured: None, clock_set_ms: 0 });
         let expect = "luggage #3 at (6, 2), seen from (5, 2) facing east; photographed";
         check(Fact::Luggage { record, photo: None }, expect);
     }

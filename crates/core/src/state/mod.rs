@@ -74,6 +74,8 @@ pub struct PersistentState {
     pub reading: Option<Celsius>,
     /// Where this is; `None` where no journal said so yet.
     pub conditions: Option<Conditions>,
+    /// By how many milliseconds the clock was set since the mission began.
+    pub clock_set_ms: i64,
 }
 
 impl PersistentState {
@@ -104,6 +106,7 @@ impl PersistentState {
             last_alarm: AlarmId(0),
             reading: None,
             conditions: None,
+            clock_set_ms: 0,
         }
     }
 
@@ -127,10 +130,11 @@ impl PersistentState {
             | Fact::Obstacle(..)
             | Fact::WrittenOut(_)
             | Fact::Unpacked(_) => {}
+            Fact::ClockSet(by) => self.set_clock(*by),
             Fact::State(state) => *self = PersistentState::clone(state),
             Fact::Conditions(conditions) => self.conditions = Some(conditions.clone()),
             Fact::MissionBegan(mission, strategy) => {
-                (self.mission, self.under_way, self.strategy) = (*mission, true, *strategy);
+                (self.mission, self.under_way, self.strategy, self.clock_set_ms) = (*mission, true, *strategy, 0);
                 self.search_anew();
             }
             Fact::MissionArchived(..) => self.put_away(),
@@ -217,6 +221,15 @@ impl PersistentState {
     /// The piece is in the container; it is not met again.
     fn secure(&mut self, luggage: LuggageId, wall: WallTime) {
         self.luggage.change(luggage, |record| record.secured = Some(wall));
+    }
+
+    /// What is counted from a moment before goes on as if the clock had been as it is now.
+    fn set_clock(&mut self, by_ms: i64) {
+        self.clock_set_ms = self.clock_set_ms.saturating_add(by_ms);
+        let waiting: Vec<LuggageId> = self.luggage.iter().filter(|record| record.is_pending()).map(|record| record.id).collect();
+        for id in waiting {
+            self.luggage.change(id, |record| record.clock_set_ms = record.clock_set_ms.saturating_add(by_ms));
+        }
     }
 
     fn decide(&mut self, luggage: LuggageId, decision: Decision) {

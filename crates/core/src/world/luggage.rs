@@ -25,6 +25,8 @@ pub struct Luggage {
     pub piece: Option<Piece>,
     /// When it was put into the container.
     pub secured: Option<WallTime>,
+    /// By how many milliseconds the clock was set between the photo and the verdict, or until now.
+    pub clock_set_ms: i64,
 }
 
 /// What became of a photo.
@@ -85,6 +87,12 @@ pub struct Decision {
 }
 
 impl Luggage {
+    /// When it began to wait for its verdict, by the clock as it was at the verdict, or is now.
+    #[must_use]
+    pub const fn waits_since(&self) -> WallTime {
+        self.taken.set_by(self.clock_set_ms)
+    }
+
     /// Whether its verdict is still to be given.
     #[must_use]
     pub const fn is_pending(&self) -> bool {

@@ -204,6 +204,7 @@ mod tests {
             verdict: verdict.map(decision),
             piece: None,
             secured: None,
+            clock_set_ms: 0,
         })
     }
 

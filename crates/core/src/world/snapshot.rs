@@ -110,6 +110,8 @@ pub struct MissionView {
     pub epoch: Epoch,
     /// How far the search has come.
     pub progress: Progress,
+    /// By how many milliseconds the clock was set since the mission began.
+    pub clock_set_ms: i64,
     /// What each command would be refused with just now, if it would.
     pub refusals: Refusals,
 }

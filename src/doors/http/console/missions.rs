@@ -91,8 +91,10 @@ impl Show {
 fn is_main(fact: &Fact) -> bool {
     let found = matches!(fact, Fact::Luggage { .. } | Fact::AlarmRaised(..) | Fact::Phase(_) | Fact::Holds(_) | Fact::Secured(_));
     let done = matches!(fact, Fact::Command { .. } | Fact::Verdict { .. } | Fact::AlarmAcknowledged(..) | Fact::Strategy(_));
-    let began =
-        matches!(fact, Fact::ProgramStarted(_) | Fact::ProgramEnded(_) | Fact::MissionBegan(..) | Fact::MissionArchived(..));
+    let began = matches!(
+        fact,
+        Fact::ProgramStarted(_) | Fact::ProgramEnded(_) | Fact::ClockSet(_) | Fact::MissionBegan(..) | Fact::MissionArchived(..)
+    );
     found || done || began
 }
 

@@ -15,7 +15,7 @@ use super::super::query::{MOST, Query};
 use super::super::reading::Number;
 use super::live::{Message, Shown};
 use super::page::Page;
-use super::timeline::{Timeline, Timelines};
+use super::timeline::{LAST, Timeline, Timelines};
 use super::view::{HallInfo, Then, View, Who};
 use super::{html, who};
 use crate::phrases::Language;
@@ -56,7 +56,8 @@ pub(in crate::doors::http) async fn message(
 
 async fn differs(door: &HttpDoor, to: Reader, id: u64, query: &Query) -> Result<Message, Problem> {
     query.only(&["at", "time", "from", "shown"])?;
-    let time = |name| query.count(name, 0..=MOST).map(|time| time.map(|time| At::Time(i64::try_from(time).unwrap_or(i64::MAX))));
+    let line = Timelines::of(door, MissionId(id), to.language).await;
+    let time = |name| query.count(name, 0..=MOST).map(|time| time.map(|time| line.at(i64::try_from(time).unwrap_or(i64::MAX))));
     let wanted = time("time")?.or(at(query)?.map(At::Entry)).unwrap_or(At::Time(i64::MIN));
     let shown_at = time("shown")?.unwrap_or(wanted);
     let from = query.count("from", 1..=MOST)?.map(|seq| At::Entry(Seq(seq)));
@@ -104,7 +105,8 @@ impl About {
     fn looked_at(&self, moment: Moment, at: At) -> Looked {
         let Moment { past: Sound { of: past, .. }, wall, earlier, later } = moment;
         let unix_ms = match at {
-            At::Time(time) => time.min(self.door.clock.now().wall.unix_ms).max(wall.unix_ms),
+            At::TimeAmong(time, [_, until]) if until < LAST => time.max(wall.unix_ms),
+            At::Time(time) | At::TimeAmong(time, _) => time.min(self.door.clock.now().wall.unix_ms).max(wall.unix_ms),
             At::Entry(_) => wall.unix_ms,
         };
         let (wall, number) = (WallTime { unix_ms, ..wall }, |seq: Option<Seq>| seq.map(|seq| seq.0));

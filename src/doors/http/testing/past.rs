@@ -66,8 +66,8 @@ pub(super) fn state() -> PersistentState {
 pub(super) fn moment(at: At) -> Option<Moment> {
     let most = match at {
         At::Entry(seq) => seq,
-        At::Time(unix_ms) if unix_ms < TEN.unix_ms => Seq(1),
-        At::Time(_) => Seq(5),
+        At::Time(unix_ms) | At::TimeAmong(unix_ms, _) if unix_ms < TEN.unix_ms => Seq(1),
+        At::Time(_) | At::TimeAmong(..) => Seq(5),
     };
     let entries = entries().into_iter().filter(|(seq, _)| *seq <= most);
     let mut state = PersistentState { mission: MissionId(1), ..PersistentState::first(Strategy::Snail) };

@@ -67,7 +67,7 @@ pub(super) fn operator(name: &str) -> Publisher {
 fn with_key(name: &str, role: Role) -> Publisher {
     let token = || Token::draw().unwrap();
     let keys = [Key::new(OPERATOR, Role::Operator, token()).unwrap(), Key::new(name, role, token()).unwrap()];
-    let keyring = Keyring::of(Keys::new(Vec::from(keys)).unwrap());
+    let keyring = Keyring::of(Keys::new(Vec::from(keys)).unwrap()).unwrap();
     let shown = keyring.keys().named(name).unwrap().token.reveal().to_owned();
     Publisher::Known { caller: Caller::Known(keyring.check(&shown).unwrap()), from: "192.0.2.7".into() }
 }

@@ -169,6 +169,7 @@ pub(super) fn found(id: u64, photo: Option<Photo>) -> Fact {
         verdict: None,
         piece: None,
         secured: None,
+        clock_set_ms: 0,
     };
     Fact::Luggage { record: Arc::new(record), photo }
 }

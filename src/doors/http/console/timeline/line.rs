@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::section::{Reading, Section, id};
 use crate::api::time::Zone;
 use crate::phrases::Language;
-use crate::runtime::archive::Happened;
+use crate::runtime::archive::{At, Happened};
 use hallsweep_core::command::Verdict;
 use hallsweep_core::effect::Fact;
 use hallsweep_core::mission::{Phase, PhaseName};
@@ -31,6 +31,9 @@ const LEAST_MS: i64 = 60_000;
 /// While the program was off so much time passes in the picture, in milliseconds.
 const OFF_MS: i64 = 5_000;
 
+/// Behind all entries.
+pub(in super::super) const LAST: Seq = Seq(u64::MAX);
+
 /// What a page must know of a line to move on it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(in super::super) struct Scale {
@@ -40,7 +43,8 @@ pub(in super::super) struct Scale {
     /// The same of the last that is on the line, and its place.
     end: i64,
     last: u64,
-    /// From when to when the program was off, and how long that is in the picture.
+    /// Where the clock that stands beside the line leaps: from when to when, and how long that is in the picture. It does so while the
+    /// program is off, and when somebody sets it.
     breaks: Vec<[i64; 3]>,
     /// So long a unit is, in milliseconds.
     unit: i64,
@@ -65,7 +69,8 @@ pub(in super::super) struct Timeline {
     began: Option<i64>,
     end: i64,
     last: Seq,
-    breaks: Vec<[i64; 3]>,
+    /// Where the clock leaps, and the entries that say so.
+    leaps: Vec<(Seq, [i64; 3])>,
     entries: usize,
     is_over: bool,
 }
@@ -91,7 +96,7 @@ impl Timeline {
             began: None,
             end: 0,
             last: Seq(0),
-            breaks: Vec::new(),
+            leaps: Vec::new(),
             entries: 0,
             is_over: false,
         }
@@ -129,7 +134,7 @@ impl Timeline {
             began: self.began.unwrap_or(0),
             end: self.end,
             last: self.last.0,
-            breaks: self.breaks.clone(),
+            breaks: self.leaps.iter().map(|(_, leap)| *leap).collect(),
             unit: UNIT_MS,
             open: !self.is_complete(),
             cut: self.is_cut(),
@@ -143,13 +148,36 @@ impl Timeline {
 
     /// Where a moment is in the picture.
     pub(in super::super) fn x(&self, unix_ms: i64) -> i64 {
-        let off: i64 = self
-            .breaks
-            .iter()
-            .filter(|[_, to, _]| *to <= unix_ms)
-            .map(|[from, to, shown]| to.saturating_sub(*from).saturating_sub(*shown))
-            .fold(0, i64::saturating_add);
-        unix_ms.saturating_sub(self.began.unwrap_or(unix_ms)).saturating_sub(off).max(0) / UNIT_MS
+        let (_, shown, off) = self.stretch(unix_ms);
+        shown.saturating_sub(self.began.unwrap_or(shown)).saturating_sub(off).max(0) / UNIT_MS
+    }
+
+    /// A moment of the mission, by the clock that stands beside the line.
+    pub(in super::super) fn at(&self, unix_ms: i64) -> At {
+        let (place, ..) = self.stretch(unix_ms);
+        let least = place.checked_sub(1).map_or(Seq(0), |before| self.leaps[before].0);
+        At::TimeAmong(unix_ms, [least, self.leaps.get(place).map_or(LAST, |(seq, _)| Seq(seq.0.saturating_sub(1)))])
+    }
+
+    /// Between which leaps of the clock a moment is, at which time it is drawn, and what that is ahead of the line. Where a clock that was
+    /// set back showed it twice it is the later one; one over which the clock leapt is drawn where it leapt.
+    fn stretch(&self, unix_ms: i64) -> (usize, i64, i64) {
+        let (mut from, mut off, mut is_found) = (self.began.unwrap_or(unix_ms), 0_i64, false);
+        let mut stretch = (0, from, 0);
+        for place in 0..=self.leaps.len() {
+            let leap = self.leaps.get(place);
+            let to = leap.map_or(self.end, |(_, [to, ..])| *to);
+            let is_here = from <= unix_ms && unix_ms <= to;
+            if is_here || (from <= unix_ms && !is_found) {
+                stretch = (place, if leap.is_some() { unix_ms.min(to) } else { unix_ms }, off);
+            }
+            is_found |= is_here;
+            if let Some((_, [leapt_from, leapt_to, shown])) = leap {
+                off = off.saturating_add(leapt_to.saturating_sub(*leapt_from).saturating_sub(*shown));
+                from = *leapt_to;
+            }
+        }
+        stretch
     }
 
     /// How many sections do not change any more.
@@ -183,11 +211,16 @@ impl Timeline {
     }
 
     fn add(&mut self, wall: WallTime, fact: &Fact) {
-        let began = *self.began.get_or_insert(wall.unix_ms);
-        if matches!(fact, Fact::ProgramStarted(_)) && wall.unix_ms.saturating_sub(self.end) > OFF_MS && self.end > began {
-            self.breaks.push([self.end, wall.unix_ms, OFF_MS]);
+        if self.began.is_none() {
+            (self.began, self.end) = (Some(wall.unix_ms), wall.unix_ms);
+        } else if let Fact::ClockSet(by_ms) = fact {
+            let set = self.end.saturating_add(*by_ms).min(wall.unix_ms);
+            self.leaps.push((self.last, [self.end, set, 0]));
+            self.end = set;
+        } else if matches!(fact, Fact::ProgramStarted(_)) && wall.unix_ms.saturating_sub(self.end) > OFF_MS {
+            self.leaps.push((self.last, [self.end, wall.unix_ms, OFF_MS]));
         }
-        // A clock that is set back does not make the line go back.
+        // In journals of before that went on record, a clock that is set back does not make the line go back.
         self.end = self.end.max(wall.unix_ms);
         self.entries += 1;
         self.is_over = matches!(fact, Fact::MissionArchived(..));
@@ -257,7 +290,9 @@ fn class(fact: &Fact) -> Option<&'static str> {
         Fact::Command { refused: Some(_), .. } => "refused",
         Fact::Command { command, .. } if command.starts_with("STOP") => "stop",
         Fact::Command { .. } => "command",
-        Fact::ProgramStarted(_) | Fact::ProgramEnded(_) | Fact::WrittenOut(_) | Fact::Unpacked(_) => "program",
+        Fact::ProgramStarted(_) | Fact::ProgramEnded(_) | Fact::ClockSet(_) | Fact::WrittenOut(_) | Fact::Unpacked(_) => {
+            "program"
+        }
         Fact::MissionBegan(..)
         | Fact::MissionArchived(..)
         | Fact::Strategy(_)
@@ -419,6 +454,37 @@ mod tests {
         assert_eq!((at(10), at(36_010), at(36_020)), (100, 150, 250));
         assert_eq!(line.scale().breaks, [[TEN.unix_ms + 10_000, TEN.unix_ms + 36_010_000, 5000]]);
         assert!(drawn(&line).matches("M250 57").count() == 2, "{}", drawn(&line));
+    }
+
+    #[test]
+    fn a_clock_that_is_set_neither_stretches_the_line_nor_folds_it() {
+        let line = line([
+            (0, command("START")),
+            (100, command("STOP")),
+            (-3490, Fact::ClockSet(-3_600_000)),
+            (-3480, command("START")),
+            (-3400, command("STOP")),
+            (83_020, Fact::ClockSet(86_400_000)),
+            (83_030, command("RESET")),
+        ]);
+        let drawn = drawn(&line);
+        let x_of = |words: &str| {
+            let (before, _) = drawn.split_once(words).unwrap_or_else(|| panic!("{words} in {drawn}"));
+            before.rsplit("d=\"M").next().and_then(|d| d.split(' ').next()).and_then(|x| x.parse::<i64>().ok())
+        };
+        assert_eq!(x_of("the clock was set back by 1:00:00"), Some(1100), "{drawn}");
+        assert_eq!((x_of("the clock went forward by 24:00:00"), x_of("RESET")), (Some(2200), Some(2300)), "{drawn}");
+        let time = |second: i64| TEN.unix_ms + second * 1000;
+        for (second, x, of) in [
+            (50, 500, [Seq(0), Seq(2)]),
+            (-3485, 1150, [Seq(3), Seq(5)]),
+            // Over that it leapt.
+            (40_000, 2000, [Seq(3), Seq(5)]),
+            (83_025, 2250, [Seq(6), LAST]),
+        ] {
+            assert_eq!((line.x(time(second)), line.at(time(second))), (x, At::TimeAmong(time(second), of)), "{second}");
+        }
+        assert_eq!(line.width(), 2300);
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::api::time::Zone;
 use crate::phrases::Language;
 use crate::runtime::archive::{Archive, At, Span};
 use hallsweep_core::units::{MissionId, Seq};
-pub(super) use line::{MOST, Scale, Timeline};
+pub(super) use line::{LAST, MOST, Scale, Timeline};
 pub(super) use section::{THRESHOLD_Y, id};
 
 /// A line that has not been read to its end sooner is shown as far as it was: the page does not wait for a disk that hangs,

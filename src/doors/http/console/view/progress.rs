@@ -47,7 +47,7 @@ impl View<'_> {
             self.snapshot.mission.phase,
             PhaseName::Idle | PhaseName::BombLocated | PhaseName::BagSecured | PhaseName::Explored
         );
-        self.began.filter(|_| !is_over)
+        self.began.filter(|_| !is_over).map(|began| began.set_by(self.snapshot.mission.clock_set_ms))
     }
 }
 

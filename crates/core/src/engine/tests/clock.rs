@@ -1,0 +1,58 @@
+//! The machine's clock is set while the program runs, or while it is off.
+
+use super::*;
+use crate::engine::recall::{Recalled, Remembered};
+use crate::world::log::Tone;
+use crate::world::said::Said;
+
+/// What is put on record; all of it is kept.
+fn recorded(engine: &mut Engine) -> Vec<Fact> {
+    let mut facts = Vec::new();
+    while let Some(effect) = engine.poll_effect() {
+        if let Effect::Record(page) = effect {
+            engine.handle_event(Event::Recorded(page.last()), now(1));
+            facts.extend(page.entries.into_iter().map(|entry| entry.fact));
+        }
+    }
+    facts
+}
+
+fn waits_since(engine: &Engine) -> i64 {
+    engine.persistent_state().luggage.get(LuggageId(1)).expect("it is there").waits_since().unix_ms
+}
+
+#[test]
+fn a_clock_that_is_set_is_on_record_once_before_what_follows_and_a_piece_waits_as_long_as_it_did() {
+    let mut engine = sweep_in(PhaseName::Inspecting, &[]);
+    for small in [1999, -1999] {
+        engine.note_clock(small, now(1));
+    }
+    assert_eq!(recorded(&mut engine), []);
+    engine.note_clock(-600_000, now(1));
+    engine.note_clock(-600_000, now(1));
+    let safe = Request::new(command(Input::Safe).expect("a command"), Issuer::operator(Door("test")));
+    engine.handle_command(safe, now(1)).expect("it may be given");
+    assert_eq!(waits_since(&engine), -600_000);
+    let facts = recorded(&mut engine);
+    assert_eq!(facts[0], Fact::ClockSet(-600_000));
+    assert_eq!(facts.iter().filter(|fact| matches!(fact, Fact::ClockSet(_))).count(), 1);
+    engine.note_clock(3_000_000, now(2));
+    assert_eq!(recorded(&mut engine), [Fact::ClockSet(3_600_000)]);
+    assert_eq!(waits_since(&engine), -600_000, "it does not wait any more");
+    assert_eq!(engine.snapshot().mission.clock_set_ms, 3_000_000);
+}
+
+#[test]
+fn a_clock_that_was_set_back_while_the_program_was_off_is_on_record_before_its_start() {
+    let line = Remembered { wall: WallTime { unix_ms: 100_000, offset_s: 0 }, tone: Tone::Info, said: Said::StartedAgain };
+    let at = |unix_ms| Now { wall: WallTime { unix_ms, offset_s: 0 }, ..now(0) };
+    for (began, back) in [(40_000, Some(-60_000)), (99_000, None), (5_000_000, None)] {
+        let state = sweep_in(PhaseName::Inspecting, &[]).persistent_state();
+        let recalled = Recalled { state, written: Seq(9), commands: Vec::new(), latest: vec![line.clone()] };
+        let mut engine = Engine::recall(Settings::default(), "again".into(), recalled, at(began));
+        let facts = recorded(&mut engine);
+        let set = facts.iter().find_map(|fact| if let Fact::ClockSet(by_ms) = fact { Some(*by_ms) } else { None });
+        assert_eq!(set, back, "{began}");
+        assert!(back.is_none() || matches!(facts[..2], [Fact::ClockSet(_), Fact::ProgramStarted(_)]), "{facts:?}");
+    }
+}
