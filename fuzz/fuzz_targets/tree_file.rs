@@ -4,7 +4,7 @@
 
 use std::time::Duration;
 
-use hallsweep_fuzz::core::behaviour::{Blackboard, Catalogue, Document, Mocks, Status, Tree, TreeError, TreeState, xml};
+use hallsweep_fuzz::core::behaviour::{Blackboard, Catalogue, Document, Findings, Mocks, Status, Tree, TreeError, TreeState, xml};
 use libfuzzer_sys::fuzz_target;
 
 /// The longest sentence: it repeats a few words of the file, never the file. The longest attribute is as long as the input.
@@ -13,7 +13,14 @@ const SENTENCE: usize = 64 * 1024;
 fuzz_target!(|bytes: &[u8]| {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     match xml::read(text) {
-        Err(error) => said(&error),
+        Err(error) => {
+            said(&error);
+            let mut findings = Findings::default();
+            if let Some(document) = xml::read_with(text, &mut findings) {
+                document.check(&Catalogue::default(), &mut findings);
+            }
+            findings.faults().into_iter().chain(findings.notes()).for_each(said);
+        }
         Ok(document) => {
             let written = xml::write(&document);
             assert_eq!(xml::read(&written).expect("what is written can be read"), document);
@@ -32,9 +39,9 @@ fn run(document: &Document) {
     let mut mocks = Mocks::default();
     mocks.add("*=RUNNING*2,SUCCESS,SKIPPED,RUNNING,FAILURE,SUCCESS").expect("it is well written");
     let catalogue = mocks.catalogue(document, Catalogue::default());
-    if let Err(error) = document.check(&catalogue) {
-        said(&error);
-    }
+    let mut findings = Findings::default();
+    document.check(&catalogue, &mut findings);
+    findings.faults().into_iter().chain(findings.notes()).for_each(said);
     let mut blackboard = Blackboard::new();
     let Ok(mut tree) = Tree::build(document, None, &catalogue, &mut blackboard) else { return };
     for _ in 0..8 {

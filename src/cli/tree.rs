@@ -9,7 +9,7 @@ use std::time::Duration;
 use clap::{Args, Subcommand};
 use hallsweep_core::behaviour::document::{Document, Element};
 use hallsweep_core::behaviour::error::Reason;
-use hallsweep_core::behaviour::{Blackboard, Catalogue, Mocks, Status, Tree, TreeError, Value, ValueType, xml};
+use hallsweep_core::behaviour::{Blackboard, Catalogue, Findings, Mocks, Status, Tree, TreeError, Value, ValueType, xml};
 
 use super::Failure;
 use crate::telemetry;
@@ -28,11 +28,15 @@ pub struct Trees {
 
 #[derive(Clone, Debug, Subcommand)]
 enum What {
-    /// Say of each file what it holds, or what is wrong: `file:line:column: reason`, and exit code 1.
+    /// Say of each file what it holds, or everything that is wrong: `file:line:column: reason`, and exit code 1. What is no fault and
+    /// worth knowing is a note.
     Check {
         /// The files; `-` is standard input.
         #[arg(required = true, value_name = "FILE")]
         files: Vec<PathBuf>,
+        /// A file whose `<TreeNodesModel>` declares nodes that the others use.
+        #[arg(long, value_name = "FILE")]
+        model: Vec<PathBuf>,
     },
     /// Print a file as it is written here: the same trees, laid out in one way, without comments.
     Write {
@@ -61,6 +65,9 @@ struct Run {
     /// The tree that runs; otherwise that which the file names, or its only one.
     #[arg(long, value_name = "ID")]
     tree: Option<String>,
+    /// A file whose `<TreeNodesModel>` declares nodes that the tree uses.
+    #[arg(long, value_name = "FILE")]
+    model: Vec<PathBuf>,
     /// Stop after so many ticks.
     #[arg(long, value_name = "COUNT", default_value_t = 1000)]
     ticks: u64,
@@ -85,7 +92,7 @@ struct Run {
 
 pub fn run(asked: &Trees) -> Result<(), Failure> {
     match &asked.what {
-        What::Check { files } => check(files),
+        What::Check { files, model } => check(files, model),
         What::Write { file } => super::print(xml::write(&read(file).map_err(Failure::Run)?).trim_end()),
         What::Run(flags) => tick(flags),
     }
@@ -94,16 +101,30 @@ pub fn run(asked: &Trees) -> Result<(), Failure> {
 /// The file that is no file.
 const STANDARD_INPUT: &str = "-";
 
-/// The leaves that this program can perform.
-fn known() -> Catalogue {
-    Catalogue::default()
+/// What may be named in a file: what it declares itself, and what the files of `--model` do. This program performs no leaves of its own.
+fn known(document: &Document, models: &[Document]) -> Catalogue {
+    let mut known = Catalogue::default();
+    std::iter::once(document).chain(models).for_each(|document| known.add_models(document));
+    known
 }
 
-fn check(files: &[PathBuf]) -> Result<(), Failure> {
+/// The files of `--model`.
+fn declared(files: &[PathBuf]) -> Result<Vec<Document>, String> {
+    let declared = |file: &PathBuf| match read(file)? {
+        document if document.models.is_empty() => {
+            Err(format!("{}: there is no <TreeNodesModel> with a node in it", file.display()))
+        }
+        document => Ok(document),
+    };
+    files.iter().map(declared).collect()
+}
+
+fn check(files: &[PathBuf], models: &[PathBuf]) -> Result<(), Failure> {
+    let models = declared(models).map_err(Failure::Run)?;
     let mut refused = 0;
     for file in files {
-        match checked(file) {
-            Ok(document) => super::print(&format!("{}: {}", file.display(), held(&document)))?,
+        match checked(file, &models) {
+            Ok(words) => super::print(&words)?,
             Err(words) => {
                 telemetry::say(words);
                 refused += 1;
@@ -117,12 +138,28 @@ fn check(files: &[PathBuf]) -> Result<(), Failure> {
     }
 }
 
-fn checked(file: &Path) -> Result<Document, String> {
-    let document = read(file)?;
-    let mut catalogue = known();
-    catalogue.add_models(&document);
-    document.check(&catalogue).map_err(|error| placed(file, &error))?;
-    Ok(document)
+/// What a file holds, with its notes, or everything that is wrong in it: a line each.
+fn checked(file: &Path, models: &[Document]) -> Result<String, String> {
+    let mut findings = Findings::default();
+    let document = xml::read_with(&text(file)?, &mut findings);
+    if let Some(document) = &document {
+        document.check(&known(document, models), &mut findings);
+    }
+    let name = file.display();
+    let mut lines: Vec<String> = findings.faults().into_iter().map(|fault| placed(file, fault)).collect();
+    let is_good = lines.is_empty();
+    if is_good {
+        lines.extend(document.iter().map(|document| format!("{name}: {}", held(document))));
+    }
+    if findings.more() > 0 {
+        lines.push(format!("{name}: and {} more faults", findings.more()));
+    }
+    let is_unknown = |fault: &&TreeError| matches!(fault.reason, Reason::UnknownNode(_) | Reason::UnknownParent(_));
+    if models.is_empty() && findings.faults().iter().any(is_unknown) {
+        lines.push(format!("{name}: note: nodes that another file declares are known with --model FILE"));
+    }
+    lines.extend(findings.notes().iter().map(|note| format!("{name}:{}: note: {}", note.place, note.reason)));
+    if is_good { Ok(lines.join("\n")) } else { Err(lines.join("\n")) }
 }
 
 fn placed(file: &Path, error: &TreeError) -> String {
@@ -140,13 +177,21 @@ fn held(document: &Document) -> String {
     };
     let trees: Vec<String> = document.trees.iter().map(|tree| format!("{} ({})", tree.id, size(&tree.root))).collect();
     let main = match &document.main {
-        Some(main) if document.trees.len() > 1 => format!("; {main} runs"),
-        Some(_) | None => String::new(),
+        _ if trees.len() < 2 => String::new(),
+        Some(main) => format!("; {main} runs"),
+        None => "; none of them is the main one".to_owned(),
     };
+    if trees.is_empty() {
+        return format!("well formed: no tree, {} declared nodes", document.models.len());
+    }
     format!("well formed: {}{main}", trees.join(", "))
 }
 
 fn read(file: &Path) -> Result<Document, String> {
+    xml::read(&text(file)?).map_err(|error| placed(file, &error))
+}
+
+fn text(file: &Path) -> Result<String, String> {
     let unreadable = |error: std::io::Error| format!("{} cannot be read: {error}", file.display());
     // One byte more than may be: the reader says what is too long.
     let most = u64::try_from(xml::LONGEST_FILE).unwrap_or(u64::MAX).saturating_add(1);
@@ -158,23 +203,32 @@ fn read(file: &Path) -> Result<Document, String> {
     };
     read.map_err(unreadable)?;
     // A file that is cut may end within a letter; it is refused for its length then.
-    let text = match std::str::from_utf8(&bytes) {
-        Ok(text) => text,
-        Err(error) if bytes.len() <= xml::LONGEST_FILE => return Err(format!("{} is no UTF-8: {error}", file.display())),
-        Err(_) => return Err(format!("{}:1:1: the file is longer than {} bytes", file.display(), xml::LONGEST_FILE)),
-    };
-    xml::read(text).map_err(|error| placed(file, &error))
+    let is_cut = bytes.len() > xml::LONGEST_FILE;
+    String::from_utf8(bytes).map_err(|error| {
+        if is_cut {
+            format!("{}:1:1: the file is longer than {} bytes", file.display(), xml::LONGEST_FILE)
+        } else {
+            format!("{} is no UTF-8: {}", file.display(), error.utf8_error())
+        }
+    })
 }
 
 fn tick(flags: &Run) -> Result<(), Failure> {
     let refused = |words: String| Failure::Tree(words, 3);
     let document = read(&flags.file).map_err(refused)?;
     let (mut mocks, entries) = scripted(flags).map_err(refused)?;
-    let catalogue = mocks.catalogue(&document, known());
+    let models = declared(&flags.model).map_err(refused)?;
+    let catalogue = mocks.catalogue(&document, known(&document, &models));
     let mut blackboard = Blackboard::new();
     let built = Tree::build(&document, flags.tree.as_deref(), &catalogue, &mut blackboard);
     let mut tree = built.map_err(|error| {
-        let hint = if let Reason::UnknownNode(id) = &error.reason { mock_it(id) } else { String::new() };
+        let hint = if let Reason::UnknownNode(id) = &error.reason {
+            mock_it(id)
+        } else if matches!(error.reason, Reason::NoMain(_)) {
+            ": --tree names the one".to_owned()
+        } else {
+            String::new()
+        };
         refused(format!("{}{hint}", placed(&flags.file, &error)))
     })?;
     meant::check(&meant(flags), &document, &tree, &catalogue).map_err(refused)?;

@@ -3,7 +3,7 @@
 `Ask`), `entry NAME NUMBER` (what the blackboard holds at first), and `go TICKS`, upon which it is done and everything is forgotten. Prints
 of each tick what the root said, who does not stand IDLE afterwards, what the leaves said and who was halted in their order, and the
 blackboard: `SUCCESS | n2=RUNNING | n1:SUCCESS n3:halt | a=1.0`. Where the library does not want to, it says `refused WHY` or `fault
-WHY`; `end` follows."""
+WHY`; `end` follows. `written` instead of `go` prints the file that the library itself writes of the tree."""
 
 import os
 import re
@@ -90,6 +90,21 @@ def run(text, mocks, entries, ticks):
         events.clear()
 
 
+def written(text):
+    """The tree as the library writes it: its loggers put it in front of what they record."""
+    factory = bt.BehaviorTreeFactory()
+    leaves(factory, {}, [])
+    tree = factory.create_tree_from_text(text, bt.Blackboard.create())
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "trees.btlog")
+        logger = bt.FileLogger(tree, path)
+        del logger
+        with open(path, "rb") as log:
+            recorded = log.read()
+    end = b"</root>"
+    yield from recorded[recorded.index(b"<root"):recorded.index(end) + len(end)].decode().splitlines()
+
+
 file, mocks, entries = [], {}, []
 for line in sys.stdin:
     word, _, rest = line.rstrip("\n").partition(" ")
@@ -101,7 +116,8 @@ for line in sys.stdin:
     elif word == "entry":
         entries.append(rest.split(" "))
     else:
-        for answer in run("\n".join(file), mocks, entries, int(rest)):
+        text = "\n".join(file)
+        for answer in written(text) if word == "written" else run(text, mocks, entries, int(rest)):
             print(answer.replace("\n", " "), file=answers)
         print("end", file=answers, flush=True)
         file, mocks, entries = [], {}, []

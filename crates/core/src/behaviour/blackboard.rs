@@ -224,6 +224,19 @@ impl Blackboard {
         Ok(())
     }
 
+    /// Takes the text in this slot for a number if it is one and no port wants it otherwise: a script can count with it then.
+    pub(crate) fn take_for_number(&mut self, slot: Slot) {
+        if let Some(entry) = self.entries.get_mut(slot.index())
+            && entry.ty == ValueType::Any
+            && let Some(Value::Text(text)) = &entry.value
+            && text.starts_with(|letter: char| letter.is_ascii_digit() || letter == '-' || letter == '.')
+            && text.trim_end() == &**text
+            && let Some(number) = [ValueType::Int, ValueType::Number].into_iter().find_map(|ty| Value::parse(text, ty))
+        {
+            entry.value = Some(number);
+        }
+    }
+
     /// Takes an entry away, so far as scripts see: `=` wants it to be made again. Its slot and its type stay.
     pub(crate) fn remove(&mut self, slot: Slot) {
         self.unset(slot);

@@ -35,6 +35,25 @@ pub struct Document {
     pub trees: Vec<TreeDefinition>,
     /// What the file says of leaves and subtrees: `<TreeNodesModel>`.
     pub models: Vec<Model>,
+    /// What stands between the models and is none.
+    pub kept: Vec<Kept>,
+    /// The other files that it wants to be read: `<include>`. Such a document is written again, and neither checked nor run.
+    pub includes: Vec<Kept>,
+}
+
+/// An element that means nothing here and is written again as it was read, as `<MetadataFields>`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Kept {
+    /// Its name.
+    pub name: String,
+    /// Its attributes.
+    pub attributes: Vec<Attribute>,
+    /// What is written in it, between its children.
+    pub text: String,
+    /// The elements in it.
+    pub children: Vec<Kept>,
+    /// Where it stands.
+    pub place: Place,
 }
 
 /// One `<BehaviorTree>`.
@@ -110,6 +129,8 @@ pub struct Model {
     pub notes: Vec<Attribute>,
     /// Its ports.
     pub ports: Vec<ModelPort>,
+    /// What else stands in it, as `<MetadataFields>`.
+    pub kept: Vec<Kept>,
     /// Where it stands.
     pub place: Place,
 }

@@ -50,7 +50,13 @@ pub enum Reason {
     /// It is XML of something else.
     #[error("the file begins with <{0}>, and <root BTCPP_format=\"4\"> should be there")]
     NotTrees(String),
-    /// It is of another version, or says nothing of it.
+    /// It does not say of which version it is.
+    #[error(
+        "<root> has no BTCPP_format, as in files of format 3, and only format 4 is read here: write BTCPP_format=\"4\" if it is of \
+         format 4, else convert it (convert_v3_to_v4.py of BehaviorTree.CPP does)"
+    )]
+    NoFormat,
+    /// It is of another version.
     #[error("<root> says BTCPP_format=\"{0}\", and only version \"4\" is read here")]
     Format(String),
     /// An element where it does not belong.
@@ -106,6 +112,36 @@ pub enum Reason {
     /// A kind of node that nobody knows.
     #[error("the node {0} is not known")]
     UnknownNode(String),
+    /// A node with children that nobody knows.
+    #[error("the node {0} is not known, and has children: a <TreeNodesModel> must declare it as <Control> or <Decorator>")]
+    UnknownParent(String),
+    /// A name of the format before.
+    #[error("{written} is of format 3: in format 4 it is {now}")]
+    Format3 {
+        /// The node or attribute.
+        written: String,
+        /// What it is called now.
+        now: &'static str,
+    },
+    /// A node that a file declares and that nobody here can perform.
+    #[error(
+        "{id} is a <{form}> of the file's own: hallsweep performs only those of BehaviorTree.CPP, and a mock stands for a leaf alone, \
+         so a tree with it can be checked but not run"
+    )]
+    NotPerformed {
+        /// The node.
+        id: String,
+        /// `Control` or `Decorator`.
+        form: &'static str,
+    },
+    /// A name that is taken here, and not by the newest version of BehaviorTree.CPP.
+    #[error("BehaviorTree.CPP refuses the name {name:?} from version 4.10 on: {why}")]
+    RefusedThere {
+        /// The name.
+        name: String,
+        /// Why it does.
+        why: &'static str,
+    },
     /// An element that says the wrong thing of its node, as `<Condition ID="Sequence">`.
     #[error("{id} is written as <{written}>, and it is of another sort")]
     WrongForm {
@@ -136,7 +172,7 @@ pub enum Reason {
         port: String,
     },
     /// An attribute that looks like a condition and is none.
-    #[error("there is no condition {written}: {meant} is meant")]
+    #[error("there is no condition or setting {written}: {meant} is meant")]
     Misspelt {
         /// The attribute.
         written: String,
@@ -208,4 +244,18 @@ pub enum Reason {
     /// Too deep.
     #[error("the tree is deeper than {DEEPEST} levels, those of its subtrees counted")]
     TooDeep,
+}
+
+/// What a name of format 3 is called in format 4.
+pub(crate) fn format_4_name(name: &str) -> Option<&'static str> {
+    match name {
+        "SubTreePlus" => Some("SubTree, with _autoremap where it has __autoremap"),
+        "SequenceStar" => Some("SequenceWithMemory"),
+        "RetryUntilSuccesful" => Some("RetryUntilSuccessful"),
+        "BlackboardCheckBool" | "BlackboardCheckDouble" | "BlackboardCheckInt" | "BlackboardCheckString" => {
+            Some("Precondition, or _skipIf and _while of the node itself")
+        }
+        "__autoremap" | "__shared_blackboard" => Some("_autoremap"),
+        _ => None,
+    }
 }

@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use std::time::Duration;
 
 use super::blackboard::{Blackboard, Slot, Unfit};
-use super::document::{Document, Form, Model};
+use super::document::{Document, Form, Model, ModelPort};
 use super::kind::BuiltIn;
 use super::status::Status;
 use super::tree::{Label, NodeId};
@@ -53,6 +53,18 @@ impl Port {
         Port { name: Cow::Borrowed(name), direction: Direction::Out, ty, default: None }
     }
 
+    /// A port as a file declares it. An empty default is none, as in BehaviorTree.CPP.
+    #[must_use]
+    pub fn of_model(port: &ModelPort) -> Port {
+        let default = Model::note(&port.notes, "default").filter(|default| !default.is_empty());
+        Port {
+            name: Cow::Owned(port.name.clone()),
+            direction: port.direction,
+            ty: Model::note(&port.notes, "type").map_or(ValueType::Any, ValueType::of_model),
+            default: default.map(|default| Cow::Owned(default.to_owned())),
+        }
+    }
+
     /// The same, with a default.
     #[must_use]
     pub fn or(self, default: &'static str) -> Port {
@@ -89,13 +101,15 @@ impl LeafKind {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Catalogue {
     kinds: Vec<LeafKind>,
+    /// Control nodes and decorators that are declared and not performed, and subtrees.
+    declared: Vec<Model>,
 }
 
 impl Catalogue {
     /// These leaves. Of two with one name the first counts.
     #[must_use]
     pub const fn new(kinds: Vec<LeafKind>) -> Catalogue {
-        Catalogue { kinds }
+        Catalogue { kinds, declared: Vec::new() }
     }
 
     /// All of them.
@@ -110,26 +124,28 @@ impl Catalogue {
         self.kinds.iter().position(|kind| kind.name == name)
     }
 
-    /// With the leaves that a file declares itself, in its `<TreeNodesModel>`, unless their names are taken.
+    /// With what a file declares in its `<TreeNodesModel>`, unless the names are taken: that of the trees, or another.
     pub fn add_models(&mut self, document: &Document) {
         for model in document.models.iter().filter(|model| BuiltIn::named(&model.id).is_none()) {
-            if !matches!(model.form, Form::Action | Form::Condition) {
-                continue;
+            if matches!(model.form, Form::Action | Form::Condition) {
+                let ports = model.ports.iter().map(Port::of_model).collect();
+                let name = Cow::Owned(model.id.clone());
+                self.add(LeafKind { name, is_condition: model.form == Form::Condition, ports });
+            } else if self.place(&model.id).is_none() && self.declared(&model.id).is_none() {
+                self.declared.push(model.clone());
             }
-            let ports = model.ports.iter().map(|port| Port {
-                name: Cow::Owned(port.name.clone()),
-                direction: port.direction,
-                ty: Model::note(&port.notes, "type").map_or(ValueType::Any, ValueType::of_model),
-                default: Model::note(&port.notes, "default").map(|default| Cow::Owned(default.to_owned())),
-            });
-            let name = Cow::Owned(model.id.clone());
-            self.add(LeafKind { name, is_condition: model.form == Form::Condition, ports: ports.collect() });
         }
+    }
+
+    /// The control node, decorator or subtree of this name that a file declares.
+    #[must_use]
+    pub fn declared(&self, name: &str) -> Option<&Model> {
+        self.declared.iter().find(|model| model.id == name)
     }
 
     /// With one more at the end, unless its name is taken.
     pub fn add(&mut self, kind: LeafKind) {
-        if self.place(&kind.name).is_none() {
+        if self.place(&kind.name).is_none() && self.declared(&kind.name).is_none() {
             self.kinds.push(kind);
         }
     }

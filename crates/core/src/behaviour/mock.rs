@@ -83,7 +83,7 @@ impl Mocks {
     }
 
     fn add_leaves(&self, element: &Element, known: &mut Catalogue) {
-        if is_leaf(element) && self.stands_for(element) {
+        if is_leaf(element) && known.declared(&element.id).is_none() && self.stands_for(element) {
             let attributes = element.attributes.iter().filter(|attribute| !attribute.name.starts_with('_'));
             let ports = attributes.map(|attribute| Port {
                 name: Cow::Owned(attribute.name.clone()),

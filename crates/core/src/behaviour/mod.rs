@@ -7,7 +7,7 @@
 //!            └ xml::write ─┘         looked up)     │  └── resume ◄── state
 //!                                                   └► nodes(), log::TickLog
 //! ```
-//! `status`, `value`: what nodes say and ports hold. `blackboard`: the entries. `leaf`: the catalogue of leaves and who performs them.
+//! `findings`: all that is wrong with a file. `status`, `value`: what nodes say and ports hold. `blackboard`: the entries. `leaf`: the catalogue of leaves and who performs them.
 //! `kind`: the engine's own nodes. `build`: names, ports and scopes. `tree`: the row of nodes. `tick`: the rules. `script`: the
 //! language of conditions. `state`: going on after a restart. `log`: what each tick changed. `mock`: leaves by script.
 
@@ -15,6 +15,7 @@ pub mod blackboard;
 mod build;
 pub mod document;
 pub mod error;
+pub mod findings;
 pub mod kind;
 pub mod leaf;
 pub mod log;
@@ -30,6 +31,7 @@ pub mod xml;
 pub use self::blackboard::Blackboard;
 pub use self::document::{Document, Element};
 pub use self::error::TreeError;
+pub use self::findings::Findings;
 pub use self::leaf::{Catalogue, Direction, Leaf, LeafKind, Leaves, Port};
 pub use self::log::TickLog;
 pub use self::mock::Mocks;

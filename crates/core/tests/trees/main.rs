@@ -4,6 +4,7 @@
 
 mod beside_behaviortree_cpp;
 mod conditions;
+mod other_tools;
 mod random;
 mod reference;
 mod subtrees;

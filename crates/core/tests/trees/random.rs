@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use hallsweep_core::behaviour::document::{Attribute, Form, Model, ModelPort};
+use hallsweep_core::behaviour::document::{Attribute, Form, Kept, Model, ModelPort};
 use hallsweep_core::behaviour::kind::{BuiltIn, Family};
 use hallsweep_core::behaviour::{
     Blackboard, Catalogue, Direction, Document, Element, Leaf, LeafKind, Leaves, NodeId, Port, Status, Tree, TreeState,
@@ -259,18 +259,37 @@ fn elements() -> impl Strategy<Value = Element> {
     })
 }
 
+/// Elements that mean nothing.
+fn kept() -> impl Strategy<Value = Vec<Kept>> {
+    let of = |children: Vec<Kept>, (name, attributes, text): (String, Vec<Attribute>, String)| Kept {
+        name,
+        attributes,
+        text: text.trim().to_owned(),
+        children,
+        place: Default::default(),
+    };
+    let one = ("k[a-z]{0,3}", attributes(), texts()).boxed();
+    let leaf = one.clone().prop_map(move |said| of(Vec::new(), said)).boxed();
+    let all = leaf.prop_recursive(3, 8, 3, move |inner| {
+        (prop::collection::vec(inner, 0..3), one.clone()).prop_map(move |(children, said)| of(children, said))
+    });
+    prop::collection::vec(all, 0..3)
+}
+
 fn documents() -> impl Strategy<Value = Document> {
     let port = (select(&Direction::ALL[..]), texts(), attributes(), texts()).prop_map(|(direction, name, notes, text)| {
         ModelPort { direction, name, notes, text: text.trim().to_owned(), place: Default::default() }
     });
-    let model = (select(&Form::ALL[1..]), attributes(), prop::collection::vec(port, 0..3));
+    let model = (select(&Form::ALL[1..]), attributes(), prop::collection::vec(port, 0..3), kept());
     let models = prop::collection::btree_map(ids(), model, 0..3).prop_map(|models| {
-        let model = |(id, (form, notes, ports))| Model { form, id, notes, ports, place: Default::default() };
+        let model = |(id, (form, notes, ports, kept))| Model { form, id, notes, ports, kept, place: Default::default() };
         models.into_iter().map(model).collect::<Vec<Model>>()
     });
     let trees = prop::collection::vec((ids(), elements()), 1..4);
-    (prop::option::of(texts()), attributes(), trees, models).prop_map(|(main, notes, trees, models)| {
-        let document = Document { main, notes, models, ..Document::default() };
+    let more = (kept(), kept());
+    (prop::option::of(texts()), attributes(), trees, models, more).prop_map(|(main, notes, trees, models, (kept, files))| {
+        let includes = files.into_iter().map(|file| Kept { name: "include".to_owned(), ..file }).collect();
+        let document = Document { main, notes, models, kept, includes, ..Document::default() };
         trees.into_iter().fold(document, |document, (id, root)| document.with_tree(&id, root))
     })
 }

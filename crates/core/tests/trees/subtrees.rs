@@ -14,8 +14,12 @@ fn document(main: &str, inner: &str) -> Document {
 
 /// What the blackboard holds after a tree has been ticked once on it, by name.
 fn held(main: &str, inner: &str) -> Vec<String> {
+    after_a_tick(&document(main, inner))
+}
+
+fn after_a_tick(document: &Document) -> Vec<String> {
     let mut blackboard = Blackboard::new();
-    let mut tree = Tree::build(&document(main, inner), None, &Catalogue::default(), &mut blackboard).unwrap();
+    let mut tree = Tree::build(document, None, &Catalogue::default(), &mut blackboard).unwrap();
     let said = tree.tick(&mut blackboard, &mut Mocks::default(), Duration::ZERO).unwrap();
     assert_eq!(said, Status::Success);
     blackboard.entries().filter_map(|entry| Some(format!("{}={}", entry.name(), entry.value()?))).collect()
@@ -53,6 +57,34 @@ fn a_subtree_can_be_given_a_text() {
     let refused =
         Tree::build(&document("<SubTree ID=\"I\" n=\"x\"/>", inner), None, &Catalogue::default(), &mut Blackboard::new());
     assert_eq!(refused.unwrap_err().reason.to_string(), "the entry {M/I::1/n} is of type int and cannot hold \"x\"");
+}
+
+/// As from BehaviorTree.CPP 4.9.1 on; before, each is a text.
+#[test]
+fn a_number_that_is_given_to_a_subtree_can_be_counted_with() {
+    let given =
+        |text: &str, code: &str| held(&format!("<SubTree ID=\"I\" v=\"{text}\"/>"), &format!("<Script code=\"{code}\"/>"));
+    assert_eq!(given("2", "x := v * 2"), ["M/I::1/v=2", "M/I::1/x=4"]);
+    assert_eq!(given("-2", "v += 5"), ["M/I::1/v=3"]);
+    assert_eq!(given("0.5", "x := v * 3"), ["M/I::1/v=0.5", "M/I::1/x=1.5"]);
+    assert_eq!(given("1e2", "x := v + 1"), ["M/I::1/v=100", "M/I::1/x=101"]);
+    // What is no number as a whole is a text.
+    for text in ["1;2", "2 m", "", "two", " 2", "2 ", "+2", "0x10", "inf", "NaN", "-"] {
+        assert_eq!(given(text, "x := v .. 'm'").last(), Some(&format!("M/I::1/x={text}m")), "{text}");
+    }
+    // A port has it as it is written, with its own type.
+    let port = |kind: &str, text: &str| {
+        let inner = format!("<Sequence><{kind} queue=\"{{v}}\" value=\"{{x}}\"><AlwaysFailure/></{kind}></Sequence>");
+        held(&format!("<ForceSuccess><SubTree ID=\"I\" v=\"{text}\"/></ForceSuccess>"), &inner)
+    };
+    assert!(port("LoopString", "007").contains(&"M/I::2/x=007".to_owned()));
+    assert!(port("LoopDouble", "1.50").contains(&"M/I::2/x=1.5".to_owned()));
+    // It goes down through names, and a model's default is given in the same way.
+    let nested = "<root BTCPP_format=\"4\" main_tree_to_execute=\"M\"><BehaviorTree ID=\"M\"><SubTree ID=\"I\"/></BehaviorTree>\
+                  <BehaviorTree ID=\"I\"><SubTree ID=\"J\" w=\"{v}\"/></BehaviorTree>\
+                  <BehaviorTree ID=\"J\"><Script code=\"w *= 3\"/></BehaviorTree>\
+                  <TreeNodesModel><SubTree ID=\"I\"><input_port name=\"v\" default=\"2\"/></SubTree></TreeNodesModel></root>";
+    assert_eq!(after_a_tick(&xml::read(nested).unwrap()), ["M/I::1/v=6"]);
 }
 
 #[test]

@@ -195,4 +195,11 @@ fn a_loop_ticks_its_child_for_each_element() {
     check("LoopInt queue=1;2", &["S"], "R:S R:S S:. R:S");
     check("LoopInt queue=1;2", &["RF"], "R:R F:F");
     check("LoopString queue=a if_empty=FAILURE", &["K"], "R:K F:.");
+    for empty in ["LoopInt", "LoopBool", "LoopDouble", "LoopString"] {
+        check(&format!("{empty} queue= if_empty=FAILURE"), &["S"], "F:. F:.");
+        check(&format!("{empty} queue="), &["S"], "S:.");
+    }
+    check("LoopInt queue=1;2; if_empty=FAILURE", &["S"], "R:S R:S F:.");
+    check("LoopString queue=; if_empty=FAILURE", &["S"], "R:S F:.");
+    check("LoopString queue=a;; if_empty=FAILURE", &["S"], "R:S R:S F:.");
 }

@@ -9,8 +9,9 @@ use std::sync::Arc;
 
 use self::scope::Scopes;
 use super::blackboard::Blackboard;
-use super::document::{Document, Element, Form, Place, TreeDefinition};
-use super::error::{Reason, TreeError};
+use super::document::{Attribute, Document, Element, Form, Model, Place, TreeDefinition};
+use super::error::{Reason, TreeError, format_4_name};
+use super::findings::Findings;
 use super::kind::{BuiltIn, Family};
 use super::leaf::Catalogue;
 use super::tree::{DEEPEST, Kind, Label, Live, MOST_NODES, MOST_TEXT, Node, Shape, Tree};
@@ -25,44 +26,54 @@ impl Tree {
     /// the scope of their main trees entries of one name are one entry.
     ///
     /// # Errors
-    /// The first thing in the file that is wrong, with its place. The blackboard may have got entries by then.
+    /// What is found first to be wrong in the file, with its place. The blackboard may have got entries by then.
     pub fn build(
         document: &Document,
         main: Option<&str>,
         catalogue: &Catalogue,
         blackboard: &mut Blackboard,
     ) -> Result<Tree, TreeError> {
-        Tree::built(document, main, catalogue, blackboard).map(|(tree, _)| tree)
+        let tree = document.main_tree(main)?;
+        let mut findings = Findings::default();
+        document.whole(catalogue, &mut findings);
+        let (built, _) = Tree::built(document, tree, catalogue, blackboard, &mut findings);
+        findings.first()?;
+        // Of the notes only nodes that cannot be performed are made here.
+        findings.notes().first().map_or(Ok(built), |note| Err(note.clone()))
     }
 
-    /// The same, and how many bytes of attributes there are in it.
+    /// A tree, without what is wrong in it, and how many nodes and bytes of attributes were looked at.
     fn built(
         document: &Document,
-        main: Option<&str>,
+        tree: &TreeDefinition,
         catalogue: &Catalogue,
         blackboard: &mut Blackboard,
-    ) -> Result<(Tree, usize), TreeError> {
-        let tree = document.main_tree(main)?;
-        document.distinct(catalogue)?;
+        findings: &mut Findings,
+    ) -> (Tree, (usize, usize)) {
         let scopes = Scopes::new(&tree.id, blackboard);
         let shape = Shape { leaf_kinds: catalogue.kinds().to_vec(), ..Shape::default() };
         let mut builder = Builder {
             document,
             catalogue,
             blackboard,
+            findings,
             scopes,
             shape,
             paths: BTreeSet::new(),
             open: Vec::new(),
             depth: 0,
+            nodes: 0,
             text: 0,
             fingerprint: 0,
         };
-        builder.tree(tree, 0, "")?;
+        if let Err(fault) = builder.tree(tree, 0, "") {
+            builder.findings.fault(fault);
+        }
         let live = vec![Live::default(); builder.shape.nodes.len()];
+        let looked_at = (builder.nodes, builder.text);
         let fingerprint = builder.fingerprint;
         let built = Tree { id: Arc::from(tree.id.as_str()), shape: builder.shape, live, clock: 0, ticks: 0, fingerprint };
-        Ok((built, builder.text))
+        (built, looked_at)
     }
 }
 
@@ -81,47 +92,87 @@ impl Document {
         }
     }
 
-    /// That each tree has an ID of its own, which is not that of a kind of node.
-    fn distinct(&self, catalogue: &Catalogue) -> Result<(), TreeError> {
+    /// That each tree has an ID of its own, which is not that of a kind of node, and that none is in another file.
+    fn whole(&self, catalogue: &Catalogue, findings: &mut Findings) {
+        for include in &self.includes {
+            findings.fault(TreeError::at(include.place, Reason::Include));
+        }
         for (number, tree) in self.trees.iter().enumerate() {
-            if self.trees[..number].iter().any(|earlier| earlier.id == tree.id) {
-                return Err(TreeError::at(tree.place, Reason::TwiceId(tree.id.clone())));
+            let earlier = self.trees[..number].iter().find(|earlier| earlier.id == tree.id);
+            let is_use = |tree: &TreeDefinition| Model::note(&tree.notes, "_fullpath").is_some();
+            let is_twin = |earlier: &TreeDefinition| is_use(earlier) && is_use(tree) && is_same(&earlier.root, &tree.root);
+            if earlier.is_some_and(|earlier| !is_twin(earlier)) {
+                findings.fault(TreeError::at(tree.place, Reason::TwiceId(tree.id.clone())));
             }
             if BuiltIn::named(&tree.id).is_some() || catalogue.place(&tree.id).is_some() {
-                return Err(TreeError::at(tree.place, Reason::TakenId(tree.id.clone())));
+                findings.fault(TreeError::at(tree.place, Reason::TakenId(tree.id.clone())));
             }
         }
-        Ok(())
     }
 
-    /// Looks at all trees of the document as they would be built, also those that the main one does not use.
-    ///
-    /// # Errors
-    /// The first thing that is wrong.
-    pub fn check(&self, catalogue: &Catalogue) -> Result<(), TreeError> {
-        self.main_tree(None)?;
+    /// Looks at all trees of the document as they would be built, also those that the main one does not use. A file of several trees
+    /// needs no main one here.
+    pub fn check(&self, catalogue: &Catalogue, findings: &mut Findings) {
+        if self.main.is_some()
+            && let Err(fault) = self.main_tree(None)
+        {
+            findings.fault(fault);
+        }
+        self.whole(catalogue, findings);
+        self.names(findings);
         let (mut nodes, mut text) = (0, 0);
         for tree in &self.trees {
-            let (built, length) = Tree::built(self, Some(&tree.id), catalogue, &mut Blackboard::new())?;
-            nodes += built.shape.nodes.len();
-            text += length;
+            let (_, looked_at) = Tree::built(self, tree, catalogue, &mut Blackboard::new(), findings);
+            nodes += looked_at.0;
+            text += looked_at.1;
             let (most_nodes, most_text) = MOST_TOGETHER;
-            let refuse = |what, most| Err(TreeError::at(tree.place, Reason::TooMany { what, most }));
-            if nodes > most_nodes {
-                return refuse("nodes in the trees so far, each with its subtrees", most_nodes);
-            }
-            if text > most_text {
-                return refuse("bytes of attributes in the trees so far, each with its subtrees", most_text);
-            }
+            let too_many = match (nodes > most_nodes, text > most_text) {
+                (true, _) => ("nodes in the trees so far, each with its subtrees", most_nodes),
+                (_, true) => ("bytes of attributes in the trees so far, each with its subtrees", most_text),
+                (false, false) => continue,
+            };
+            return findings.fault(TreeError::at(tree.place, Reason::TooMany { what: too_many.0, most: too_many.1 }));
         }
-        Ok(())
     }
+
+    /// Notes the names of trees, nodes and ports that BehaviorTree.CPP refuses since version 4.10.
+    fn names(&self, findings: &mut Findings) {
+        let ids = self.trees.iter().map(|tree| (tree.place, &tree.id, false));
+        let models = self.models.iter().flat_map(|model| {
+            let ports = model.ports.iter().map(|port| (port.place, &port.name, true));
+            std::iter::once((model.place, &model.id, false)).chain(ports)
+        });
+        for (place, name, is_port) in ids.chain(models) {
+            let is_bad = |letter: char| letter.is_ascii_control() || " <>&\"'/\\:*?|.".contains(letter);
+            let why = match name.as_str() {
+                "Root" | "root" if !is_port => "it is reserved there",
+                "ID" | "name" if is_port => "it is reserved there",
+                name if name.contains(is_bad) => "it may have no blanks, and none of < > & \" ' / \\ : * ? | . in it",
+                name if is_port && name.starts_with(|letter: char| letter.is_ascii_digit()) => {
+                    "that of a port begins with a letter"
+                }
+                _ => continue,
+            };
+            findings.note(TreeError::at(place, Reason::RefusedThere { name: name.clone(), why }));
+        }
+    }
+}
+
+/// Whether two trees of one ID are one. BehaviorTree.CPP writes a tree once for each of its uses, and where each node stood in that.
+fn is_same(one: &Element, other: &Element) -> bool {
+    fn said(element: &Element) -> impl Iterator<Item = &Attribute> {
+        element.attributes.iter().filter(|said| !matches!(said.name.as_str(), "_uid" | "_fullpath"))
+    }
+    let is_alike = (&one.id, one.form, &one.name) == (&other.id, other.form, &other.name) && said(one).eq(said(other));
+    let children = one.children.iter().zip(&other.children);
+    is_alike && one.children.len() == other.children.len() && children.into_iter().all(|(one, other)| is_same(one, other))
 }
 
 struct Builder<'a> {
     document: &'a Document,
     catalogue: &'a Catalogue,
     blackboard: &'a mut Blackboard,
+    findings: &'a mut Findings,
     scopes: Scopes,
     shape: Shape,
     /// Paths that are taken.
@@ -129,12 +180,22 @@ struct Builder<'a> {
     /// The trees that the node being built is in, from the outermost.
     open: Vec<&'a str>,
     depth: usize,
+    /// The nodes so far, those that are refused included.
+    nodes: usize,
     /// The bytes of attributes so far.
     text: usize,
     /// Over everything that the nodes so far say.
     fingerprint: u64,
 }
 
+/// What an element names.
+enum Found<'a> {
+    Node(Kind),
+    /// A control node or decorator that nobody here performs.
+    Declared(&'a Model),
+}
+
+/// What is wrong goes to the findings; an error is that after which the tree cannot be looked at any further.
 impl<'a> Builder<'a> {
     fn tree(&mut self, tree: &'a TreeDefinition, scope: usize, prefix: &str) -> Result<(), TreeError> {
         self.open.push(&tree.id);
@@ -148,24 +209,37 @@ impl<'a> Builder<'a> {
         if self.depth >= DEEPEST {
             return refuse(Reason::TooDeep);
         }
-        if self.shape.nodes.len() >= MOST_NODES {
+        self.nodes += 1;
+        if self.nodes > MOST_NODES {
             return refuse(Reason::TooManyNodes);
         }
         self.text += element.attributes.iter().map(|attribute| attribute.name.len() + attribute.value.len()).sum::<usize>();
         if self.text > MOST_TEXT {
             return refuse(Reason::TooMuchText);
         }
-        let kind = self.kind(element)?;
-        let family = match kind {
-            Kind::BuiltIn(kind) => kind.family(),
-            Kind::Leaf(_) => Family::Leaf,
+        let kind = match self.kind(element) {
+            Ok(Found::Node(kind)) => kind,
+            Ok(Found::Declared(model)) => {
+                self.declared(element, model, scope);
+                return self.children(element, scope, prefix);
+            }
+            Err(reason) => {
+                self.findings.fault(TreeError::at(element.place, reason));
+                return self.children(element, scope, prefix);
+            }
         };
-        self.count_children(element, kind)?;
-        self.count_async(element, kind)?;
+        let (family, children) = match kind {
+            // The child of a subtree stands elsewhere.
+            Kind::BuiltIn(BuiltIn::SubTree) => (Family::Decorator, (0, 0)),
+            Kind::BuiltIn(kind) => (kind.family(), kind.children()),
+            Kind::Leaf(_) => (Family::Leaf, (0, 0)),
+        };
+        self.count_children(element, children);
+        self.count_async(element, kind);
         self.note(element);
         let at = self.shape.nodes.len();
         let (path, name) = self.path(element, prefix, at + 1);
-        let conditions = self.conditions(element, scope)?;
+        let conditions = self.conditions(element, scope);
         let ports = to_u32(self.shape.bindings.len());
         let label = Label {
             name: Arc::from(name),
@@ -176,40 +250,54 @@ impl<'a> Builder<'a> {
         };
         self.shape.nodes.push(Node { kind, family, end: 0, ports, port_count: 0, conditions });
         self.shape.labels.push(label);
-        self.bind(element, kind, scope, to_u32(at))?;
+        self.bind(element, kind, scope, to_u32(at));
         self.shape.nodes[at].port_count = u16::try_from(self.shape.bindings.len() - ports as usize).unwrap_or(u16::MAX);
-        self.depth += 1;
         if kind == Kind::BuiltIn(BuiltIn::SubTree) {
             self.subtree(element, scope, &path)?;
         } else {
-            for child in &element.children {
-                self.node(child, scope, prefix)?;
-            }
+            self.children(element, scope, prefix)?;
         }
-        self.depth -= 1;
         self.shape.nodes[at].end = to_u32(self.shape.nodes.len());
         Ok(())
     }
 
-    fn subtree(&mut self, element: &'a Element, scope: usize, path: &str) -> Result<(), TreeError> {
-        let refuse = |reason| TreeError::at(element.place, reason);
-        let document: &'a Document = self.document;
-        let tree = document.tree(&element.id).ok_or_else(|| refuse(Reason::UnknownTree(element.id.clone())))?;
-        if self.open.contains(&tree.id.as_str()) {
-            return Err(refuse(Reason::Recursive(tree.id.clone())));
+    fn children(&mut self, element: &'a Element, scope: usize, prefix: &str) -> Result<(), TreeError> {
+        self.depth += 1;
+        for child in &element.children {
+            self.node(child, scope, prefix)?;
         }
-        let inner = self.enter(element, scope, path)?;
-        self.tree(tree, inner, &format!("{path}/"))
+        self.depth -= 1;
+        Ok(())
     }
 
-    /// What an element names: a node of the engine, a leaf, or, by its own name, nothing else.
-    fn kind(&self, element: &Element) -> Result<Kind, TreeError> {
-        let refuse = |reason| Err(TreeError::at(element.place, reason));
-        if element.form == Form::SubTree {
-            return Ok(Kind::BuiltIn(BuiltIn::SubTree));
+    fn subtree(&mut self, element: &'a Element, scope: usize, path: &str) -> Result<(), TreeError> {
+        let document: &'a Document = self.document;
+        let reason = match document.tree(&element.id) {
+            None => Reason::UnknownTree(element.id.clone()),
+            Some(tree) if self.open.contains(&tree.id.as_str()) => Reason::Recursive(tree.id.clone()),
+            Some(tree) => {
+                let (inner, given) = self.enter(element, scope, path);
+                self.depth += 1;
+                self.tree(tree, inner, &format!("{path}/"))?;
+                self.depth -= 1;
+                given.into_iter().for_each(|slot| self.blackboard.take_for_number(slot));
+                return Ok(());
+            }
+        };
+        self.findings.fault(TreeError::at(element.place, reason));
+        Ok(())
+    }
+
+    /// What an element names: a node of the engine, a leaf, a node that a file declares, or, by its own name, nothing else.
+    fn kind(&self, element: &Element) -> Result<Found<'a>, Reason> {
+        let id = &element.id;
+        if id.is_empty() {
+            return Err(Reason::NoId(element.form.word().to_owned()));
         }
-        let wrong = || Reason::WrongForm { id: element.id.clone(), written: element.form.word() };
-        if let Some(kind) = BuiltIn::named(&element.id) {
+        if element.form == Form::SubTree {
+            return Ok(Found::Node(Kind::BuiltIn(BuiltIn::SubTree)));
+        }
+        let (found, fits) = if let Some(kind) = BuiltIn::named(id) {
             let fits = match element.form {
                 Form::Compact => true,
                 Form::Control => kind.family() == Family::Control,
@@ -218,30 +306,37 @@ impl<'a> Builder<'a> {
                 Form::Condition => kind == BuiltIn::ScriptCondition,
                 Form::SubTree => false,
             };
-            return if fits { Ok(Kind::BuiltIn(kind)) } else { refuse(wrong()) };
-        }
-        let Some(place) = self.catalogue.place(&element.id) else {
-            return refuse(Reason::UnknownNode(element.id.clone()));
+            (Found::Node(Kind::BuiltIn(kind)), fits)
+        } else if let Some(place) = self.catalogue.place(id) {
+            let is_condition = self.catalogue.kinds()[place].is_condition;
+            let form = if is_condition { Form::Condition } else { Form::Action };
+            (Found::Node(Kind::Leaf(place)), [Form::Compact, form].contains(&element.form))
+        } else if let Some(model) = self.catalogue.declared(id).filter(|model| model.form != Form::SubTree) {
+            (Found::Declared(model), [Form::Compact, model.form].contains(&element.form))
+        } else if let Some(now) = format_4_name(id) {
+            return Err(Reason::Format3 { written: id.clone(), now });
+        } else if element.children.is_empty() {
+            return Err(Reason::UnknownNode(id.clone()));
+        } else {
+            return Err(Reason::UnknownParent(id.clone()));
         };
-        let is_condition = self.catalogue.kinds()[place].is_condition;
-        let fits = match element.form {
-            Form::Compact => true,
-            Form::Action => !is_condition,
-            Form::Condition => is_condition,
-            Form::Control | Form::Decorator | Form::SubTree => false,
-        };
-        if fits { Ok(Kind::Leaf(place)) } else { refuse(wrong()) }
+        if fits { Ok(found) } else { Err(Reason::WrongForm { id: id.clone(), written: element.form.word() }) }
     }
 
-    fn count_children(&self, element: &Element, kind: Kind) -> Result<(), TreeError> {
-        let (least, most) = match kind {
-            // The child of a subtree stands elsewhere.
-            Kind::BuiltIn(BuiltIn::SubTree) | Kind::Leaf(_) => (0, 0),
-            Kind::BuiltIn(kind) => kind.children(),
-        };
+    /// A node that is declared and not performed: what is written of it is looked at like that of any other.
+    fn declared(&mut self, element: &Element, model: &Model, scope: usize) {
+        let most = if model.form == Form::Decorator { 1 } else { usize::MAX };
+        self.count_children(element, (1, most));
+        self.conditions(element, scope);
+        self.bind_declared(element, model, scope);
+        let reason = Reason::NotPerformed { id: model.id.clone(), form: model.form.word() };
+        self.findings.note(TreeError::at(element.place, reason));
+    }
+
+    fn count_children(&mut self, element: &Element, (least, most): (usize, usize)) {
         let count = element.children.len();
         if (least..=most).contains(&count) {
-            return Ok(());
+            return;
         }
         let wanted = match (least, most) {
             (0, 0) => "none".to_owned(),
@@ -249,16 +344,15 @@ impl<'a> Builder<'a> {
             (least, most) if least == most => least.to_string(),
             (least, most) => format!("{least} to {most}"),
         };
-        Err(TreeError::at(element.place, Reason::Children { id: element.id.clone(), count, wanted }))
+        self.findings.fault(TreeError::at(element.place, Reason::Children { id: element.id.clone(), count, wanted }));
     }
 
     /// As BehaviorTree.CPP has it: one asynchronous child would have the other halted in each tick.
-    fn count_async(&self, element: &Element, kind: Kind) -> Result<(), TreeError> {
+    fn count_async(&mut self, element: &Element, kind: Kind) {
         let is_async = |child: &&Element| child.id == BuiltIn::AsyncSequence.word();
         if kind == Kind::BuiltIn(BuiltIn::ReactiveSequence) && element.children.iter().filter(is_async).count() > 1 {
-            return Err(TreeError::at(element.place, Reason::TwoAsync));
+            self.findings.fault(TreeError::at(element.place, Reason::TwoAsync));
         }
-        Ok(())
     }
 
     /// Another word in a file is another tree.

@@ -1,8 +1,9 @@
 //! What is bound to the ports of a node, and the scripts round it.
 
 use super::{Builder, to_u32};
+use crate::behaviour::blackboard::Slot;
 use crate::behaviour::document::{Attribute, Element, Form, Model};
-use crate::behaviour::error::{Reason, TreeError};
+use crate::behaviour::error::{Reason, TreeError, format_4_name};
 use crate::behaviour::kind::{BuiltIn, BuiltInPort, Needed, Written};
 use crate::behaviour::leaf::{Binding, Direction, Port};
 use crate::behaviour::script::Script;
@@ -13,42 +14,62 @@ use crate::behaviour::value::{Value, ValueType};
 /// The conditions of a node, by their attributes.
 const CONDITIONS: [&str; 8] = ["_failureIf", "_successIf", "_skipIf", "_while", "_onSuccess", "_onFailure", "_onHalted", "_post"];
 
+/// Whether a subtree sees the names outside.
+const AUTOREMAP: &str = "_autoremap";
+
 /// The most parties of a barrier: each has an entry, and is looked at in every tick.
 const MOST_PARTIES: usize = 16;
 
 impl<'a> Builder<'a> {
-    pub(super) fn bind(&mut self, element: &'a Element, kind: Kind, scope: usize, node: u32) -> Result<(), TreeError> {
+    pub(super) fn bind(&mut self, element: &'a Element, kind: Kind, scope: usize, node: u32) {
         match kind {
             // What its attributes mean is settled by `enter`.
-            Kind::BuiltIn(BuiltIn::SubTree) => Ok(()),
+            Kind::BuiltIn(BuiltIn::SubTree) => {}
             Kind::BuiltIn(kind) => {
-                for attribute in given(element) {
-                    if !kind.ports().iter().any(|port| port.name == attribute.name) {
-                        return Err(unknown_port(element, attribute));
-                    }
-                }
+                self.known_ports(element, |name| kind.ports().iter().any(|port| port.name == name));
                 if kind == BuiltIn::Sync {
-                    return self.bind_barrier(element, kind);
+                    let bound = self.bind_barrier(element, kind);
+                    return self.told(bound).unwrap_or_default();
                 }
                 for port in kind.ports() {
-                    let binding = self.built_in_port(element, port, scope, node)?;
-                    fitting(element, kind, port, &binding)?;
+                    let bound = self.built_in_port(element, port, scope, node);
+                    let bound = bound.and_then(|binding| fitting(element, kind, port, &binding).map(|()| binding));
+                    let binding = self.told(bound).unwrap_or(Binding::Unset);
                     self.shape.bindings.push(binding);
                 }
-                Ok(())
             }
             Kind::Leaf(place) => {
                 let ports = &self.catalogue.kinds()[place].ports;
-                if let Some(attribute) = given(element).find(|attribute| !ports.iter().any(|port| port.name == attribute.name)) {
-                    return Err(unknown_port(element, attribute));
-                }
+                self.known_ports(element, |name| ports.iter().any(|port| port.name == name));
                 for port in ports {
-                    let binding = self.leaf_port(element, port, scope)?;
+                    let bound = self.leaf_port(element, port, scope);
+                    let binding = self.told(bound).unwrap_or(Binding::Unset);
                     self.shape.bindings.push(binding);
                 }
-                Ok(())
             }
         }
+    }
+
+    /// Looks at the ports of a node that a file declares and nobody performs.
+    pub(super) fn bind_declared(&mut self, element: &Element, model: &Model, scope: usize) {
+        let port = |name: &str| model.ports.iter().find(|port| port.name == name);
+        self.known_ports(element, |name| port(name).is_some());
+        for port in given(element).filter_map(|attribute| port(&attribute.name)) {
+            let bound = self.leaf_port(element, &Port::of_model(port), scope);
+            self.told(bound);
+        }
+    }
+
+    fn known_ports(&mut self, element: &Element, is_known: impl Fn(&str) -> bool) {
+        for attribute in given(element).filter(|attribute| !is_known(&attribute.name)) {
+            let reason = Reason::UnknownPort { id: element.id.clone(), port: attribute.name.clone() };
+            self.findings.fault(TreeError::at(attribute.place, reason));
+        }
+    }
+
+    /// Puts an error with the others.
+    fn told<T>(&mut self, result: Result<T, TreeError>) -> Option<T> {
+        result.map_err(|fault| self.findings.fault(fault)).ok()
     }
 
     fn leaf_port(&mut self, element: &Element, port: &Port, scope: usize) -> Result<Binding, TreeError> {
@@ -62,6 +83,10 @@ impl<'a> Builder<'a> {
             return slot.map(Binding::Slot).map_err(|unfit| TreeError::at(place, unfit.into()));
         }
         if port.direction == Direction::Out {
+            // BehaviorTree.CPP overlooks a default that names no entry.
+            if attribute.is_none() {
+                return Ok(Binding::Unset);
+            }
             return Err(TreeError::at(place, Reason::LiteralOutput(port.name.to_string())));
         }
         match Value::parse(text, port.ty) {
@@ -172,7 +197,7 @@ impl<'a> Builder<'a> {
     }
 
     /// The scripts round a node, if it has any.
-    pub(super) fn conditions(&mut self, element: &'a Element, scope: usize) -> Result<Option<u32>, TreeError> {
+    pub(super) fn conditions(&mut self, element: &Element, scope: usize) -> Option<u32> {
         let mut conditions = Conditions::default();
         let mut are_some = false;
         for attribute in element.attributes.iter().filter(|attribute| attribute.name.starts_with('_')) {
@@ -185,23 +210,23 @@ impl<'a> Builder<'a> {
                 "_onFailure" => &mut conditions.on_failure,
                 "_onHalted" => &mut conditions.on_halted,
                 "_post" => &mut conditions.post,
-                // A note of the editor, unless it looks like a condition: one that is overlooked would be dangerous.
-                other => match CONDITIONS.into_iter().find(|known| known.eq_ignore_ascii_case(other)) {
-                    Some(meant) => {
-                        let reason = Reason::Misspelt { written: other.to_owned(), meant };
-                        return Err(TreeError::at(attribute.place, reason));
+                // A note of the editor, unless it looks like something else: what is overlooked would be dangerous.
+                other => {
+                    if let Some(reason) = looks_like(other) {
+                        self.findings.fault(TreeError::at(attribute.place, reason));
                     }
-                    None => continue,
-                },
+                    continue;
+                }
             };
-            *place = Some(self.script(attribute, scope)?);
+            let script = self.script(attribute, scope);
+            *place = self.told(script);
             are_some = true;
         }
         if !are_some {
-            return Ok(None);
+            return None;
         }
         self.shape.conditions.push(conditions);
-        Ok(Some(to_u32(self.shape.conditions.len() - 1)))
+        Some(to_u32(self.shape.conditions.len() - 1))
     }
 
     fn script(&mut self, attribute: &Attribute, scope: usize) -> Result<Script, TreeError> {
@@ -210,46 +235,63 @@ impl<'a> Builder<'a> {
         script.map_err(|error| TreeError::at(attribute.place, Reason::Script { attribute: attribute.name.clone(), error }))
     }
 
-    /// The scope of a subtree: what its `<SubTree>` says, and what the model of the tree adds where it says nothing.
-    pub(super) fn enter(&mut self, element: &Element, scope: usize, path: &str) -> Result<usize, TreeError> {
-        let has_autoremap = match element.attribute("_autoremap") {
-            None => false,
-            Some(attribute) => match Value::parse(&attribute.value, ValueType::Bool).and_then(|value| value.as_bool()) {
-                Some(truth) => truth,
-                None => {
-                    let port = "_autoremap".to_owned();
-                    let reason = Reason::Literal { port, ty: ValueType::Bool, value: attribute.value.clone() };
-                    return Err(TreeError::at(attribute.place, reason));
-                }
-            },
-        };
+    /// The scope of a subtree: what its `<SubTree>` says, and what the model of the tree adds where it says nothing. Besides the entries
+    /// of its own that were given a text.
+    pub(super) fn enter(&mut self, element: &Element, scope: usize, path: &str) -> (usize, Vec<Slot>) {
+        let has_autoremap = element.attribute(AUTOREMAP).is_some_and(|attribute| {
+            let truth = Value::parse(&attribute.value, ValueType::Bool).and_then(|value| value.as_bool());
+            truth.unwrap_or_else(|| {
+                let reason = Reason::Literal { port: AUTOREMAP.to_owned(), ty: ValueType::Bool, value: attribute.value.clone() };
+                self.findings.fault(TreeError::at(attribute.place, reason));
+                false
+            })
+        });
         let inner = self.scopes.enter(scope, path, has_autoremap);
+        let mut texts = Vec::new();
         for attribute in given(element) {
-            self.outer(inner, attribute)?;
+            texts.extend(self.outer(inner, attribute));
         }
-        let model = self.document.models.iter().find(|model| model.form == Form::SubTree && model.id == element.id);
+        let (document, catalogue) = (self.document, self.catalogue);
+        let is_meant = |model: &&Model| model.form == Form::SubTree && model.id == element.id;
+        let model = document.models.iter().find(is_meant).or_else(|| catalogue.declared(&element.id).filter(is_meant));
         let ports = model.map_or(&[][..], |model| &model.ports);
         for port in ports.iter().filter(|port| !has_autoremap && element.attribute(&port.name).is_none()) {
-            let Some(default) = Model::note(&port.notes, "default") else {
-                let reason = Reason::MissingPort { id: element.id.clone(), port: port.name.clone() };
-                return Err(TreeError::at(element.place, reason));
-            };
-            self.outer(inner, &Attribute { place: element.place, ..Attribute::new(&port.name, default) })?;
+            match Port::of_model(port).default {
+                Some(default) => {
+                    let attribute = Attribute { place: element.place, ..Attribute::new(&port.name, &default) };
+                    texts.extend(self.outer(inner, &attribute));
+                }
+                None => {
+                    let reason = Reason::MissingPort { id: element.id.clone(), port: port.name.clone() };
+                    self.findings.fault(TreeError::at(element.place, reason));
+                }
+            }
         }
-        Ok(inner)
+        (inner, texts)
     }
 
-    /// A name of a subtree: an entry outside, or a text of its own.
-    fn outer(&mut self, inner: usize, attribute: &Attribute) -> Result<(), TreeError> {
+    /// A name of a subtree: an entry outside, or a text in an entry of its own, which is returned.
+    fn outer(&mut self, inner: usize, attribute: &Attribute) -> Option<Slot> {
         if let Some(outside) = pointer(&attribute.name, &attribute.value) {
             self.scopes.remap(inner, &attribute.name, outside);
-            return Ok(());
+            return None;
         }
         self.scopes.own(inner, &attribute.name);
         let slot = self.scopes.declare(inner, &attribute.name, ValueType::Any, self.blackboard);
-        let put = slot.and_then(|slot| self.blackboard.put(slot, Value::text(&attribute.value)));
-        put.map_err(|unfit| TreeError::at(attribute.place, unfit.into()))
+        let put = slot.and_then(|slot| self.blackboard.put(slot, Value::text(&attribute.value)).map(|()| slot));
+        self.told(put.map_err(|unfit| TreeError::at(attribute.place, unfit.into())))
     }
+}
+
+/// What an attribute that is a note of the editor looks like: a condition or `_autoremap` with other capitals or underscores, or one of
+/// the format before.
+fn looks_like(written: &str) -> Option<Reason> {
+    if let Some(now) = format_4_name(written) {
+        return Some(Reason::Format3 { written: written.to_owned(), now });
+    }
+    let letters = |name: &str| name.replace('_', "").to_ascii_lowercase();
+    let meant = CONDITIONS.into_iter().chain([AUTOREMAP]).find(|known| letters(known) == letters(written))?;
+    (meant != written).then(|| Reason::Misspelt { written: written.to_owned(), meant })
 }
 
 /// What a literal must be beyond its type: no time is negative, and the elements of a queue are of the type of the loop.
@@ -262,7 +304,7 @@ fn fitting(element: &Element, kind: BuiltIn, port: &BuiltInPort, binding: &Bindi
         }
         Binding::Literal(Value::Text(queue)) if port.name == "queue" => {
             let ty = kind.element().unwrap_or_default();
-            match queue.split(';').find(|element| Value::parse(element, ty).is_none()) {
+            match queue.split_terminator(';').find(|element| Value::parse(element, ty).is_none()) {
                 Some(wrong) => Err(TreeError::at(place, Reason::Literal { port: name(), ty, value: wrong.to_owned() })),
                 None => Ok(()),
             }
@@ -274,10 +316,6 @@ fn fitting(element: &Element, kind: BuiltIn, port: &BuiltInPort, binding: &Bindi
 /// The attributes that are ports: all but those that begin with `_`.
 fn given(element: &Element) -> impl Iterator<Item = &Attribute> {
     element.attributes.iter().filter(|attribute| !attribute.name.starts_with('_'))
-}
-
-fn unknown_port(element: &Element, attribute: &Attribute) -> TreeError {
-    TreeError::at(attribute.place, Reason::UnknownPort { id: element.id.clone(), port: attribute.name.clone() })
 }
 
 /// The entry that a text names: `{goal}`; `{=}` and `=` are the entry that is called like the port.

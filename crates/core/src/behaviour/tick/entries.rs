@@ -1,5 +1,5 @@
 //! Nodes that wait for an entry of the blackboard to be written, and loops, which go through the elements of a queue.
-//! A queue is a text with `;` between its elements; BehaviorTree.CPP has queues of their own in entries besides, which are not here.
+//! A queue is a text with `;` between its elements, or behind each; none is in an empty one. BehaviorTree.CPP has queues of their own in entries besides, which are not here.
 
 use super::{Leaves, Node, Outcome, Run, Status};
 use crate::behaviour::kind::BuiltIn;
@@ -60,7 +60,7 @@ impl<L: Leaves> Run<'_, L> {
         let Some(queue) = queue.as_text() else {
             return self.fault(at, "its port queue holds no text with ; between the elements");
         };
-        let Some(element) = queue.split(';').nth(self.live[at].count as usize) else { return Ok(None) };
+        let Some(element) = queue.split_terminator(';').nth(self.live[at].count as usize) else { return Ok(None) };
         match Value::parse(element, ty) {
             Some(value) => Ok(Some(value)),
             None => {

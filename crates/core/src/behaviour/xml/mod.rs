@@ -6,5 +6,5 @@ mod read;
 mod refusals;
 mod write;
 
-pub use self::read::{LONGEST_FILE, read};
+pub use self::read::{LONGEST_FILE, read, read_with};
 pub use self::write::write;

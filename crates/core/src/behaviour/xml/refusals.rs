@@ -1,9 +1,10 @@
 //! What is wrong with a file is said with its line, its column and a reason: a table of tests.
 
-use super::read;
+use super::{read, read_with};
 use crate::behaviour::blackboard::Blackboard;
 use crate::behaviour::document::Document;
 use crate::behaviour::error::Reason;
+use crate::behaviour::findings::Findings;
 use crate::behaviour::leaf::{Catalogue, LeafKind, Port};
 use crate::behaviour::tree::Tree;
 use crate::behaviour::value::ValueType;
@@ -14,10 +15,17 @@ fn catalogue() -> Catalogue {
     Catalogue::new(vec![LeafKind::action("Say", say), LeafKind::condition("Near", ports)])
 }
 
+/// What a file is, or all its faults, a line each.
 fn checked(text: &str) -> Result<Document, String> {
-    let document = read(text).map_err(|error| error.to_string())?;
-    document.check(&catalogue()).map_err(|error| error.to_string())?;
-    Ok(document)
+    let mut findings = Findings::default();
+    let document = read_with(text, &mut findings);
+    if let Some(document) = &document {
+        document.check(&catalogue(), &mut findings);
+    }
+    match document {
+        Some(document) if findings.faults().is_empty() => Ok(document),
+        _ => Err(findings.faults().iter().map(|fault| fault.to_string()).collect::<Vec<String>>().join("\n")),
+    }
 }
 
 /// A file with this as its one tree, beginning in line 2.
@@ -34,18 +42,23 @@ fn what_is_no_file_of_trees_is_refused() {
     refused("", "1:1: this is no XML: the document does not have a root node");
     refused("<root>\n <a></root>", "2:5: this is no XML: expected 'a' tag, not 'root'");
     refused("<html/>", "1:1: the file begins with <html>, and <root BTCPP_format=\"4\"> should be there");
-    refused("<root/>", "1:1: <root> says BTCPP_format=\"\", and only version \"4\" is read here");
-    refused("<root BTCPP_format=\"3\"/>", "1:1: <root> says BTCPP_format=\"3\", and only version \"4\" is read here");
+    refused(
+        "<root BTCPP_format=\"3\"><TreeNodesModel><Action ID=\"A\"/></TreeNodesModel></root>",
+        "1:1: <root> says BTCPP_format=\"3\", and only version \"4\" is read here",
+    );
     refused("<root BTCPP_format=\"4\"/>", "1:1: there is no <BehaviorTree> in the file");
-    refused("<root BTCPP_format=\"4\"><Sequence/></root>", "1:24: <Sequence> does not belong here");
-    refused("<root BTCPP_format=\"4\"><BehaviorTree ID=\"\"/></root>", "1:24: <BehaviorTree> has no ID");
+    refused(
+        "<root BTCPP_format=\"4\"><Sequence/></root>",
+        "1:1: there is no <BehaviorTree> in the file\n1:24: <Sequence> does not belong here",
+    );
+    refused("<root BTCPP_format=\"4\"><BehaviorTree ID=\"\"><Say/></BehaviorTree></root>", "1:24: <BehaviorTree> has no ID");
     refused(
         "<root BTCPP_format=\"4\"><include path=\"x.xml\"/></root>",
         "1:24: <include> is not read here: put all trees into one file",
     );
     refused(
         "<root BTCPP_format=\"4\"><TreeNodesModel/>\n<TreeNodesModel/></root>",
-        "2:1: there is a second <TreeNodesModel>, and only one may be",
+        "1:1: there is no <BehaviorTree> in the file\n2:1: there is a second <TreeNodesModel>, and only one may be",
     );
     refused(
         "<root BTCPP_format=\"4\"><TreeNodesModel><Action ID=\"A\"><input_port/></Action></TreeNodesModel></root>",
@@ -115,7 +128,7 @@ fn what_ports_are_not_is_refused() {
         "2:9: code is no script: at character 3 there is the end, and a value should be there",
     );
     refused(&tree("<Say _skipIf=\"\"/>"), "2:6: _skipIf is no script: it is empty");
-    refused(&tree("<Say _skipif=\"1\"/>"), "2:6: there is no condition _skipif: _skipIf is meant");
+    refused(&tree("<Say _skipif=\"1\"/>"), "2:6: there is no condition or setting _skipif: _skipIf is meant");
     refused(
         &tree("<Precondition if=\"1\" else=\"IDLE\"><Say/></Precondition>"),
         "2:22: the port else is \"IDLE\", and must be SUCCESS, FAILURE, RUNNING or SKIPPED",
@@ -134,11 +147,10 @@ fn what_ports_are_not_is_refused() {
 fn what_trees_are_not_to_each_other_is_refused() {
     let file = |main: &str, trees: &str| format!("<root BTCPP_format=\"4\"{main}>\n{trees}\n</root>");
     let two = "<BehaviorTree ID=\"A\"><SubTree ID=\"B\"/></BehaviorTree>\n<BehaviorTree ID=\"B\"><Say/></BehaviorTree>";
-    refused(&file("", two), "1:1: the file has several trees, and no main_tree_to_execute says which one runs: A, B");
     refused(&file(" main_tree_to_execute=\"C\"", two), "1:1: there is no tree C in the file");
     assert!(checked(&file(" main_tree_to_execute=\"A\"", two)).is_ok());
     let itself = two.replace("<Say/>", "<SubTree ID=\"A\"/>");
-    refused(&file(" main_tree_to_execute=\"A\"", &itself), "3:22: the tree A uses itself");
+    refused(&file(" main_tree_to_execute=\"A\"", &itself), "2:22: the tree B uses itself\n3:22: the tree A uses itself");
     refused(&tree("<SubTree ID=\"X\"/>"), "2:1: there is no tree X in the file");
     let twice = two.replace("ID=\"B\"><Say", "ID=\"A\"><Say").replace("<SubTree ID=\"B\"/>", "<Say/>");
     refused(&file(" main_tree_to_execute=\"A\"", &twice), "3:1: the ID A is taken already");

@@ -1,7 +1,8 @@
-//! From a document to the text of a file: laid out in one way, with everything in it that was read but comments.
+//! From a document to the text of a file: laid out in one way, with everything in it that was read but comments and processing
+//! instructions.
 //! Elements are named by their IDs, which must be names of XML where a document was made by hand.
 
-use crate::behaviour::document::{Attribute, Document, Element, Form, Model, ModelPort};
+use crate::behaviour::document::{Attribute, Document, Element, Form, Kept, Model, ModelPort};
 
 /// The text of a file that says what the document says; reading it gives the same document.
 #[must_use]
@@ -10,12 +11,16 @@ pub fn write(document: &Document) -> String {
     let main = document.main.iter().map(|main| ("main_tree_to_execute", main.as_str()));
     let format = [("BTCPP_format", "4")].into_iter().chain(main);
     writer.within("root", &line(format, &document.notes), |writer| {
+        document.includes.iter().for_each(|include| writer.kept(include));
         for tree in &document.trees {
             let attributes = line([("ID", tree.id.as_str())], &tree.notes);
             writer.within("BehaviorTree", &attributes, |writer| writer.element(&tree.root));
         }
-        if !document.models.is_empty() {
-            writer.within("TreeNodesModel", "", |writer| document.models.iter().for_each(|model| writer.model(model)));
+        if !document.models.is_empty() || !document.kept.is_empty() {
+            writer.within("TreeNodesModel", "", |writer| {
+                document.models.iter().for_each(|model| writer.model(model));
+                document.kept.iter().for_each(|kept| writer.kept(kept));
+            });
         }
     });
     writer.text
@@ -50,26 +55,42 @@ impl Writer {
         };
         let name = element.name.iter().map(|name| ("name", name.as_str()));
         let attributes = line(id.into_iter().chain(name), &element.attributes);
-        if element.children.is_empty() {
-            return self.line(&format!("<{tag}{attributes}/>"));
-        }
-        self.within(tag, &attributes, |writer| element.children.iter().for_each(|child| writer.element(child)));
+        self.perhaps_within(tag, &attributes, "", element.children.len(), |writer| {
+            element.children.iter().for_each(|child| writer.element(child));
+        });
     }
 
     fn model(&mut self, model: &Model) {
         let attributes = line([("ID", model.id.as_str())], &model.notes);
-        if model.ports.is_empty() {
-            return self.line(&format!("<{}{attributes}/>", model.form.word()));
-        }
-        self.within(model.form.word(), &attributes, |writer| model.ports.iter().for_each(|port| writer.port(port)));
+        self.perhaps_within(model.form.word(), &attributes, "", model.ports.len() + model.kept.len(), |writer| {
+            model.ports.iter().for_each(|port| writer.port(port));
+            model.kept.iter().for_each(|kept| writer.kept(kept));
+        });
     }
 
     fn port(&mut self, port: &ModelPort) {
-        let tag = port.direction.word();
         let attributes = line([("name", port.name.as_str())], &port.notes);
-        match port.text.as_str() {
-            "" => self.line(&format!("<{tag}{attributes}/>")),
-            text => self.line(&format!("<{tag}{attributes}>{}</{tag}>", escaped(text))),
+        self.perhaps_within(port.direction.word(), &attributes, &port.text, 0, |_| ());
+    }
+
+    fn kept(&mut self, kept: &Kept) {
+        let attributes = line([], &kept.attributes);
+        self.perhaps_within(&kept.name, &attributes, &kept.text, kept.children.len(), |writer| {
+            kept.children.iter().for_each(|child| writer.kept(child));
+        });
+    }
+
+    /// An element with a text and so many others in it; in one tag where it has none of both.
+    fn perhaps_within(&mut self, tag: &str, attributes: &str, text: &str, others: usize, inner: impl FnOnce(&mut Writer)) {
+        match (text, others) {
+            ("", 0) => self.line(&format!("<{tag}{attributes}/>")),
+            (text, 0) => self.line(&format!("<{tag}{attributes}>{}</{tag}>", escaped(text))),
+            (text, _) => self.within(tag, attributes, |writer| {
+                if !text.is_empty() {
+                    writer.line(&escaped(text));
+                }
+                inner(writer);
+            }),
         }
     }
 }

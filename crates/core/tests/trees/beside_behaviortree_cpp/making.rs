@@ -193,13 +193,14 @@ fn node(kind: &str, children: Vec<Element>, picks: &mut Picks) -> Element {
             picks.port(element, "else", &["SUCCESS", "FAILURE", "RUNNING", "SKIPPED"])
         }
         "LoopInt" | "LoopBool" | "LoopDouble" | "LoopString" => {
-            let (queue, value) = match kind {
-                "LoopInt" => ("1;2;3", "{int}"),
-                "LoopBool" => ("1;0", "{bool}"),
-                "LoopDouble" => ("1.5", "{double}"),
-                _ => ("x;y", "{text}"),
+            let (queues, value) = match kind {
+                "LoopInt" => (["1;2;3", "1;", ""], "{int}"),
+                "LoopBool" => (["1;0", "1;0;", ""], "{bool}"),
+                "LoopDouble" => (["1.5", "1.5;2;", ""], "{double}"),
+                _ => (["x;y", "x;;", ""], "{text}"),
             };
-            picks.port(one.with("queue", queue).with("value", value), "if_empty", &["SUCCESS", "FAILURE", "SKIPPED"])
+            let element = one.with("queue", picks.of(&queues)).with("value", value);
+            picks.port(element, "if_empty", &["SUCCESS", "FAILURE", "SKIPPED"])
         }
         "SkipUnlessUpdated" | "WaitValueUpdate" => {
             // Only over what never runs: before 4.9 they do not halt their child.

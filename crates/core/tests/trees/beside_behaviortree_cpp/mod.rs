@@ -11,7 +11,7 @@ mod original;
 use std::cell::{Cell, RefCell};
 use std::time::Duration;
 
-use hallsweep_core::behaviour::{Blackboard, Catalogue, Leaf, Leaves, Mocks, Status, Tree, Value, xml};
+use hallsweep_core::behaviour::{Blackboard, Catalogue, Findings, Leaf, Leaves, Mocks, Status, Tree, Value, xml};
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestError, TestRng, TestRunner};
 
 use making::Case;
@@ -134,4 +134,33 @@ fn every_node_stands_as_in_behaviortree_cpp() {
     }
     // Few are refused, and few end early with a fault.
     assert!(ticks.get() > cases as usize * TICKS * 9 / 10, "only {} ticks of {cases} trees were compared", ticks.get());
+}
+
+/// With the models of all its nodes, and a tree once for each of its uses.
+#[test]
+fn what_behaviortree_cpp_itself_writes_is_well_formed_and_written_again() {
+    if !Original::is_here() {
+        return;
+    }
+    let told = r#"file <root BTCPP_format="4" main_tree_to_execute="T"><BehaviorTree ID="T"><Sequence>
+file <SubTree ID="S" x="2" y="{z}" _autoremap="true"/><SubTree ID="S" name="two"/>
+file <Ask _skipIf="1 &lt; 0" _note="kept"/><Delay delay_msec="1"><AlwaysSuccess/></Delay></Sequence></BehaviorTree>
+file <BehaviorTree ID="S"><Script code="x := 2"/></BehaviorTree></root>
+written
+"#;
+    let written = Original::default().ask(told).unwrap().join("\n");
+    assert!(written.contains("_fullpath=\"S::2\"") && written.contains("<TreeNodesModel>"), "{written}");
+    let mut findings = Findings::default();
+    let document = xml::read_with(&written, &mut findings).unwrap();
+    let mut catalogue = Catalogue::default();
+    catalogue.add_models(&document);
+    document.check(&catalogue, &mut findings);
+    assert_eq!((findings.faults(), findings.notes()), (vec![], &[][..]), "{written}");
+    assert_eq!(xml::read(&xml::write(&document)).unwrap(), document);
+    let mut mocks = Mocks::default();
+    mocks.add("*=SUCCESS").unwrap();
+    let mut blackboard = Blackboard::new();
+    let mut tree = Tree::build(&document, Some("T"), &catalogue, &mut blackboard).unwrap();
+    let mut tick = || tree.tick(&mut blackboard, &mut mocks, Duration::from_millis(1)).unwrap();
+    assert_eq!((tick(), tick()), (Status::Running, Status::Success));
 }
