@@ -93,6 +93,8 @@ pub(crate) enum Told {
     Collision(String),
     /// A turn or a timed translation has come to its end, whether the robot was stopped before or not.
     EndOfMove(&'static str),
+    /// An alarm has stopped it, whatever it did.
+    Halted,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -201,6 +203,7 @@ impl Page {
                     self.angle = self.angle_now();
                     self.rotation = None;
                 }
+                self.told.push((self.now, Told::Halted));
             }
         }
     }
