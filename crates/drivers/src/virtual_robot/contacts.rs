@@ -107,7 +107,7 @@ impl VirtualRobot {
             self.off_centre = false;
             return self.complete(to);
         }
-        if self.is_contradicted(to.cell) {
+        if self.is_contradicted(to.cell, towards) {
             return self.stand_where_room_says(towards);
         }
         let obstacle = obstacle(self.met.as_deref());

@@ -4,6 +4,7 @@
 //! Lengths are in cells from the centre of the robot's start, columns to the east and rows to the south, and concern the robot's centre: it is
 //! a point, and things are larger by half of it on each side.
 
+use super::reckoning::DRIFT;
 use super::{Aim, VirtualRobot};
 use hallsweep_core::units::{Cell, Heading};
 
@@ -102,6 +103,18 @@ impl Room {
         self.floor.depth(at) >= -REACHED && self.things.iter().all(|thing| thing.extent.depth(at) <= REACHED)
     }
 
+    /// Whether who stands here has met this thing on the way into a cell in whose centre there is room, or nearly: the thing reaches as
+    /// far as nobody can tell from the line on which the robot drives.
+    fn is_grazed(&self, name: &str, cell: Cell, at: (f64, f64), towards: Heading) -> bool {
+        let (dx, dy) = (f64::from(towards.vector().0), f64::from(towards.vector().1));
+        let (along, across) = (dx.mul_add(at.0, dy * at.1), if dx == 0.0 { f64::from(cell.x) } else { f64::from(cell.y) });
+        let reaches = |extent: &Extent| {
+            let (from, to) = extent.across(towards);
+            (from - REACHED..=to + REACHED).contains(&across) && (extent.face(towards) - along).abs() <= DRIFT
+        };
+        self.things.iter().any(|thing| thing.name == name && reaches(&thing.extent))
+    }
+
     /// What is met here by who goes this way, when nobody has said it: nothing, where that may be a thing that moves.
     fn met(&self, at: (f64, f64), towards: Heading) -> Option<&str> {
         if !self.moving.is_empty() {
@@ -192,9 +205,9 @@ impl VirtualRobot {
 
     /// Whether what it has met cannot be what bars this cell to it: something that is known to stand elsewhere. What moves, or was not
     /// there when the file was written, may stand anywhere.
-    pub(super) fn is_contradicted(&self, cell: Cell) -> bool {
-        let stands = |room: &Room| self.met.as_deref().is_some_and(|name| room.stands(name));
-        self.room.as_ref().is_some_and(stands) && !self.is_barred(cell)
+    pub(super) fn is_contradicted(&self, cell: Cell, towards: Heading) -> bool {
+        let Some((room, met)) = self.room.as_ref().zip(self.met.as_deref()) else { return false };
+        room.stands(met) && room.is_free(cell) && !room.is_grazed(met, cell, self.reckoning.at(), towards)
     }
 
     /// It was counted into a cell in which it cannot stand, and has met nothing: on it goes, for some cells, until it does.
