@@ -215,6 +215,9 @@ impl VirtualRobot {
 
     pub(super) fn complete(&mut self, pose: Pose) {
         self.astray = self.astray.saturating_sub(1);
+        if !self.reckoning.has_stood_in(pose.cell) {
+            self.wandered = 0;
+        }
         self.reckoning.complete(pose);
         if !self.off_centre {
             self.met = None;

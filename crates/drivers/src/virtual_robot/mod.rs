@@ -122,6 +122,8 @@ pub struct VirtualRobot {
     gauged: Duration,
     /// How often it was found to stand elsewhere than was counted, by `ASTRAY`.
     astray: u8,
+    /// The same since it last came into a cell that it had not stood in.
+    wandered: u8,
     /// When it last came to the end of a step without having met anything.
     stepped: Option<Duration>,
     outputs: VecDeque<Output>,
@@ -167,6 +169,7 @@ impl VirtualRobot {
             is_gauged: false,
             gauged: Duration::ZERO,
             astray: 0,
+            wandered: 0,
             stepped: None,
             outputs: VecDeque::new(),
             events: VecDeque::new(),

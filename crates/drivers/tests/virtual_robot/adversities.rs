@@ -382,7 +382,7 @@ fn clients_from_elsewhere_disturb_nothing() {
 }
 
 /// So many a second, between the least and the most for a while, and now and then hardly any.
-fn wobbling(seed: u64, (least, most, few): (u32, u32, u32)) -> Frames {
+pub(crate) fn wobbling(seed: u64, (least, most, few): (u32, u32, u32)) -> Frames {
     let mut stream = RandomStream::new(seed, "wobbling frames");
     let (mut left, mut rate) = (0, most);
     Box::new(move || {
