@@ -15,7 +15,7 @@ use libfuzzer_sys::fuzz_target;
 const STEP: Duration = Duration::from_millis(330);
 
 /// What its servers say, so that not every message is to be found letter by letter.
-const SAID: [&str; 12] = [
+const SAID: [&str; 15] = [
     r#";{"type":"webpage-ready","arg":{}};"#,
     r#";{"type":"collision","arg":{"objectName":"wallDown"}};"#,
     r#";{"type":"collision","arg":{"objectName":"plasticBox"}};"#,
@@ -28,6 +28,9 @@ const SAID: [&str; 12] = [
     r#"{"endmove":false,"move":"moveForward_halted"}"#,
     r#"{"collision":"moveForward","target":"wallDown"}"#,
     r#"{"collision":true,"move":"unknown"}"#,
+    r#"{"endmove":"false","move":"moveForward_notallowed (asynch)"}"#,
+    r#"{"endmove":"false","move":"moveBackward-interrupted"}"#,
+    r#"{"endmove":"false","move":"moveForward-collision"}"#,
 ];
 
 const ACTIONS: [Action; 9] = [

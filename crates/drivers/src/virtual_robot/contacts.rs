@@ -29,6 +29,9 @@ const HINDERED: u8 = 2;
 const ASTRAY: u8 = 4 * FOUND;
 const FOUND: u8 = 3;
 
+/// And so often in all on ways that it has been before: else it may wander between two places for ever.
+const WANDERED: u8 = 12;
+
 /// A measurement changes the time of a step by no more than this, at once.
 const STEP_CHANGE: f64 = 0.2;
 
@@ -107,7 +110,7 @@ impl VirtualRobot {
             self.off_centre = false;
             return self.complete(to);
         }
-        if self.is_contradicted(to.cell) {
+        if self.is_contradicted(to.cell, towards) {
             return self.stand_where_room_says(towards);
         }
         let obstacle = obstacle(self.met.as_deref());
@@ -229,9 +232,9 @@ impl VirtualRobot {
 
     /// It has drifted far, and all the way through cells that are free: no map is wrong by that, and now it is known where it is.
     pub(super) fn stand_elsewhere(&mut self, cell: Cell) {
-        self.astray += FOUND;
-        if self.astray > ASTRAY {
-            self.astray = 0;
+        (self.astray, self.wandered) = (self.astray + FOUND, self.wandered + 1);
+        if self.astray > ASTRAY || self.wandered > WANDERED {
+            (self.astray, self.wandered) = (0, 0);
             return self.lose("again and again it stands elsewhere than was counted, so its scene file is not of this room, or its page is too busy");
         }
         let pose = Pose { cell, ..self.reckoning.pose() };

@@ -14,6 +14,8 @@ pub(super) struct Leg {
     pub(super) is_acknowledged: bool,
     /// Whether a halt has come that it cannot obey: a turn ends by itself, and is not begun again.
     pub(super) is_halted: bool,
+    /// When the server first refused it, and whether an alarm has been sent since to end what it believes to be under way.
+    pub(super) refused: Option<(Duration, bool)>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +43,7 @@ pub(super) enum Stage {
 
 impl Leg {
     pub(super) const fn new(way: Way, stage: Stage) -> Leg {
-        Leg { way, stage, is_acknowledged: false, is_halted: false }
+        Leg { way, stage, is_acknowledged: false, is_halted: false, refused: None }
     }
 
     pub(super) const fn command(&self) -> Command {

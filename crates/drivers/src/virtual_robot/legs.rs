@@ -34,6 +34,15 @@ const FURTHEST: f64 = 1.5;
 /// What was not begun because another motion was under way is tried again so much later.
 const AGAIN: Duration = Duration::from_millis(100);
 
+/// Nothing that was begun here is still under way so long after the first refusal: an alarm ends what the server believes in.
+const FREED: Duration = Duration::from_millis(700);
+
+/// Longest wait for a server that refuses a move, the alarm included.
+const REFUSED: Duration = Duration::from_millis(1500);
+
+/// An alarm serves every STOP of so long a time, unless something was sent behind it.
+const ALARM_SERVES: Duration = Duration::from_millis(100);
+
 /// A move that is not acknowledged so long after its end was never made.
 const UNACKNOWLEDGED: Duration = Duration::from_millis(1500);
 
@@ -89,6 +98,7 @@ impl VirtualRobot {
         match leg.stage {
             Stage::Refused(until) | Stage::Halting { until, .. } => Some(until),
             Stage::Fresh | Stage::Queued => None,
+            Stage::Sent(sent) if self.owes_alarm => Some(self.end_of(leg, sent)),
             Stage::Sent(sent) if self.awaits_word(leg) => Some(self.end_of(leg, sent) + UNACKNOWLEDGED),
             Stage::Sent(sent) => Some(self.end_of(leg, sent)),
         }
@@ -108,6 +118,9 @@ impl VirtualRobot {
         if self.task.as_ref().is_some_and(|task| task.deadline <= self.now) {
             return self.give_up();
         }
+        if self.owes_alarm && self.is_connected && self.leg_due().is_some_and(|due| due <= self.now) {
+            self.alarm();
+        }
         if self.leg_due().is_none_or(|due| due > self.now) {
             return;
         }
@@ -116,6 +129,7 @@ impl VirtualRobot {
             Stage::Refused(_) => self.queue(),
             Stage::Halting { lasted, .. } => self.halted(leg, lasted),
             Stage::Sent(_) if self.awaits_word(&leg) => {
+                self.alarm();
                 self.lose_sight("it did not say that the move has ended, so maybe its page was closed");
             }
             Stage::Sent(_) => self.ended(leg),
@@ -124,25 +138,23 @@ impl VirtualRobot {
     }
 
     fn give_up(&mut self) {
+        self.forget_unsent();
+        self.alarm();
         match self.leg().copied().filter(Leg::is_sent) {
             Some(Leg { way: Way::Turn { .. }, .. }) => self.lose_sight("it did not turn in time"),
             Some(leg) => {
                 self.cut_short(leg);
-                self.send(Command::Alarm);
                 self.off_centre = true;
                 self.fail("it did not finish in time and was halted");
             }
-            None => {
-                self.forget_unsent();
-                self.fail("it did not happen in time");
-            }
+            None => self.fail("it did not happen in time"),
         }
     }
 
-    /// A motion that has not gone out by now does not go out any more. An alarm does: a later STOP relies on it.
+    /// What has not gone out by now does not go out any more, but an alarm.
     pub(super) fn forget_unsent(&mut self) {
-        let alarm = self.sending(Command::Alarm);
-        self.outputs.retain(|output| !matches!(output, Output::Send(_)) || *output == alarm);
+        let alarm = self.written(Command::Alarm);
+        self.outputs.retain(|output| !matches!(output, Output::Send(bytes) if *bytes != alarm));
     }
 
     /// Whether the leg was handed over to be sent, and nobody has said that it was.
@@ -203,6 +215,9 @@ impl VirtualRobot {
 
     pub(super) fn complete(&mut self, pose: Pose) {
         self.astray = self.astray.saturating_sub(1);
+        if !self.reckoning.has_stood_in(pose.cell) {
+            self.wandered = 0;
+        }
         self.reckoning.complete(pose);
         if !self.off_centre {
             self.met = None;
@@ -217,7 +232,8 @@ impl VirtualRobot {
         leg.is_acknowledged |= name.is_none_or(|name| name == word);
     }
 
-    /// What was refused may have been another program's: it is ours when it is called like ours, which was sent just now.
+    /// What was refused may have been another program's: it is ours when it is called like ours, which was sent just now. The move that
+    /// the server believes in ends soon, or by an alarm, or the order fails.
     pub(super) fn refused(&mut self, name: Option<&str>) {
         let (now, soon, off_centre) = (self.now, self.margin(), self.off_centre);
         let Some(leg) = self.leg_mut() else { return };
@@ -225,34 +241,55 @@ impl VirtualRobot {
         if name.is_some_and(|name| name != leg.command().word()) || now.saturating_sub(sent) > soon {
             return;
         }
-        if leg.is_halted {
-            return self.answer(|order| RobotEvent::Halted(order, off_centre));
-        }
+        let (since, is_alarmed) = leg.refused.unwrap_or((now, false));
+        let waited = now.saturating_sub(since);
+        let is_halted = leg.is_halted;
         leg.stage = Stage::Refused(now + AGAIN);
+        leg.refused = Some((since, is_alarmed || waited >= FREED));
         self.is_changed = true;
+        if is_halted || (waited >= FREED && !is_alarmed) {
+            self.alarm();
+        }
+        if is_halted {
+            self.answer(|order| RobotEvent::Halted(order, off_centre));
+        } else if waited >= REFUSED {
+            self.fail("its server says that another move is still under way, and an alarm does not end that. Start the server again and open its page anew, so that the robot stands at its start");
+        }
     }
 
-    /// A turn cannot be halted: it ends by itself, and is answered then. A drawing is no motion.
+    /// Sends an alarm, or owes it until a connection stands.
+    pub(super) fn alarm(&mut self) {
+        self.owes_alarm = !self.is_connected;
+        let is_served = self.alarmed.is_some_and(|at| self.now.saturating_sub(at) < ALARM_SERVES);
+        if self.is_connected && !is_served {
+            self.send(Command::Alarm);
+        }
+    }
+
+    /// The alarm goes out whatever the robot is taken to do, but in a turn, which no alarm halts in some versions and which it leaves
+    /// askew in others: then it goes out when the turn is over. A drawing is no motion.
     pub(super) fn halt(&mut self) {
         self.forget_unsent();
-        let Some(leg) = self.leg().copied() else { return };
+        let Some(leg) = self.leg().copied() else { return self.alarm() };
+        // What the next program must know changes by it.
+        self.is_changed = true;
         match (leg.stage, leg.way) {
             (Stage::Sent(sent), Way::Straight { .. }) => {
                 let (lasted, until) = (self.now.saturating_sub(sent), self.now + self.margin());
-                self.send(Command::Alarm);
-                // What the next program must know changes by it.
-                self.is_changed = true;
+                self.alarm();
                 if let Some(leg) = self.leg_mut() {
                     leg.stage = Stage::Halting { lasted, until };
                 }
             }
             (Stage::Sent(_), Way::Turn { .. }) => {
+                self.owes_alarm = true;
                 if let Some(leg) = self.leg_mut() {
                     leg.is_halted = true;
                 }
             }
-            (Stage::Halting { .. }, _) => {}
+            (Stage::Halting { .. }, _) => self.alarm(),
             (Stage::Fresh | Stage::Refused(_) | Stage::Queued, _) => {
+                self.alarm();
                 let off_centre = self.off_centre;
                 self.answer(|order| RobotEvent::Halted(order, off_centre));
             }

@@ -97,6 +97,10 @@ pub struct VirtualRobot {
     is_up: bool,
     said: Option<String>,
     task: Option<Task>,
+    /// A STOP still owes its alarm: there is no connection, or a turn is under way, which an alarm would leave askew.
+    owes_alarm: bool,
+    /// When the last alarm was given to be sent, if nothing has been since.
+    alarmed: Option<Duration>,
     off_centre: OffCentre,
     /// Whether a search is under way, as far as a light would say so.
     led: bool,
@@ -118,6 +122,8 @@ pub struct VirtualRobot {
     gauged: Duration,
     /// How often it was found to stand elsewhere than was counted, by `ASTRAY`.
     astray: u8,
+    /// The same since it last came into a cell that it had not stood in.
+    wandered: u8,
     /// When it last came to the end of a step without having met anything.
     stepped: Option<Duration>,
     outputs: VecDeque<Output>,
@@ -149,6 +155,8 @@ impl VirtualRobot {
             is_up: false,
             said: None,
             task: None,
+            owes_alarm: false,
+            alarmed: None,
             off_centre: false,
             led: false,
             unheard: None,
@@ -161,6 +169,7 @@ impl VirtualRobot {
             is_gauged: false,
             gauged: Duration::ZERO,
             astray: 0,
+            wandered: 0,
             stepped: None,
             outputs: VecDeque::new(),
             events: VecDeque::new(),
@@ -182,20 +191,21 @@ impl VirtualRobot {
         match heard {
             Heard::Page => self.greeted(),
             Heard::Contact(name) => self.contact(name),
-            Heard::Ended(name) => self.acknowledged(name.as_deref()),
-            Heard::Refused(name) => self.refused(name.as_deref()),
+            Heard::Ended(name) => self.acknowledged(name),
+            Heard::Refused(name) => self.refused(name),
         }
     }
 
     fn send(&mut self, command: Command) {
-        self.outputs.push_back(self.sending(command));
+        self.alarmed = Some(self.now).filter(|_| command == Command::Alarm);
+        self.outputs.push_back(Output::Send(self.written(command)));
     }
 
-    fn sending(&self, command: Command) -> Output {
-        Output::Send(match self.dialect {
+    fn written(&self, command: Command) -> Vec<u8> {
+        match self.dialect {
             Dialect::Semicolons => command.between_semicolons(),
             Dialect::Messages => command.as_message(),
-        })
+        }
     }
 
     fn leg(&self) -> Option<&Leg> {
@@ -285,6 +295,9 @@ impl Driver for VirtualRobot {
         self.now = now.since_start;
         self.stream.begin();
         (self.is_connected, self.is_greeted, self.connected) = (true, false, self.now);
+        if self.owes_alarm {
+            self.alarm();
+        }
         match self.dialect {
             Dialect::Semicolons => self.greeting = Some(self.now + GREETING),
             // Its server does not greet; whether a page is open shows when a move ends.
@@ -295,6 +308,8 @@ impl Driver for VirtualRobot {
     fn handle_lost(&mut self, words: &str, now: Now) {
         self.now = now.since_start;
         (self.is_connected, self.is_greeted, self.greeting, self.has_server_ended) = (false, false, None, true);
+        // An alarm that was the last word may not have come.
+        self.owes_alarm |= self.alarmed.take().is_some();
         self.go_down(words);
     }
 

@@ -4,6 +4,7 @@
 //! Lengths are in cells from the centre of the robot's start, columns to the east and rows to the south, and concern the robot's centre: it is
 //! a point, and things are larger by half of it on each side.
 
+use super::reckoning::DRIFT;
 use super::{Aim, VirtualRobot};
 use hallsweep_core::units::{Cell, Heading};
 
@@ -13,8 +14,8 @@ pub(super) const REACHED: f64 = 0.15;
 /// So far before what it meets it stands free, in cells.
 const BEFORE: f64 = 0.2;
 
-/// Further beside a thing than this it cannot meet it, in cells.
-const BESIDE: f64 = 0.1;
+/// Further beside a thing than this it cannot meet it, as far as it is counted to stand there, in cells.
+const BESIDE: f64 = 0.2;
 
 /// So many cells aside it is looked for one in which it can stand.
 const ASIDE: i32 = 3;
@@ -102,6 +103,18 @@ impl Room {
         self.floor.depth(at) >= -REACHED && self.things.iter().all(|thing| thing.extent.depth(at) <= REACHED)
     }
 
+    /// Whether who stands here has met this thing on the way into a cell in whose centre there is room, or nearly: the thing reaches as
+    /// far as nobody can tell from the line on which the robot drives.
+    fn is_grazed(&self, name: &str, cell: Cell, at: (f64, f64), towards: Heading) -> bool {
+        let (dx, dy) = (f64::from(towards.vector().0), f64::from(towards.vector().1));
+        let (along, across) = (dx.mul_add(at.0, dy * at.1), if dx == 0.0 { f64::from(cell.x) } else { f64::from(cell.y) });
+        let reaches = |extent: &Extent| {
+            let (from, to) = extent.across(towards);
+            (from - REACHED..=to + REACHED).contains(&across) && (extent.face(towards) - along).abs() <= DRIFT
+        };
+        self.things.iter().any(|thing| thing.name == name && reaches(&thing.extent))
+    }
+
     /// What is met here by who goes this way, when nobody has said it: nothing, where that may be a thing that moves.
     fn met(&self, at: (f64, f64), towards: Heading) -> Option<&str> {
         if !self.moving.is_empty() {
@@ -117,14 +130,16 @@ impl Room {
             is_met.then_some(ahead.abs())
         };
         let across = if dx == 0.0 { at.0 } else { at.1 };
-        let is_ahead = |extent: &Extent| {
+        // How far beside it the robot is counted to stand.
+        let beside = |extent: &Extent| {
             let (from, to) = extent.across(towards);
-            (from - BESIDE..=to + BESIDE).contains(&across)
+            (from - across).max(across - to).max(0.0)
         };
-        let things = self.things.iter().filter(|thing| is_ahead(&thing.extent));
-        let faces = things.map(|thing| (thing.name.as_str(), thing.extent.face(towards)));
-        let all = faces.chain([(BORDER, -self.floor.face(towards.opposite()))]);
-        all.filter_map(|(name, face)| Some((name, far(face)?))).min_by(|one, other| one.1.total_cmp(&other.1)).map(|met| met.0)
+        let things = self.things.iter().map(|thing| (thing.name.as_str(), thing.extent.face(towards), beside(&thing.extent)));
+        let all = things.chain([(BORDER, -self.floor.face(towards.opposite()), 0.0)]);
+        let near =
+            all.filter(|(.., beside)| *beside <= BESIDE).filter_map(|(name, face, beside)| Some((name, far(face)? + beside)));
+        near.min_by(|one, other| one.1.total_cmp(&other.1)).map(|met| met.0)
     }
 
     /// How far it is from the start to the first thing to the south.
@@ -192,9 +207,9 @@ impl VirtualRobot {
 
     /// Whether what it has met cannot be what bars this cell to it: something that is known to stand elsewhere. What moves, or was not
     /// there when the file was written, may stand anywhere.
-    pub(super) fn is_contradicted(&self, cell: Cell) -> bool {
-        let stands = |room: &Room| self.met.as_deref().is_some_and(|name| room.stands(name));
-        self.room.as_ref().is_some_and(stands) && !self.is_barred(cell)
+    pub(super) fn is_contradicted(&self, cell: Cell, towards: Heading) -> bool {
+        let Some((room, met)) = self.room.as_ref().zip(self.met.as_deref()) else { return false };
+        room.stands(met) && room.is_free(cell) && !room.is_grazed(met, cell, self.reckoning.at(), towards)
     }
 
     /// It was counted into a cell in which it cannot stand, and has met nothing: on it goes, for some cells, until it does.
@@ -249,11 +264,13 @@ impl VirtualRobot {
         let met = room.things.iter().find(|thing| Some(thing.name.as_str()) == name && room.is_one(&thing.name));
         if let Some(Thing { extent, .. }) = met {
             let (from, to) = extent.across(towards);
-            self.reckoning.stand_across(towards, from - BESIDE, to + BESIDE);
+            self.reckoning.stand_across(towards, from, to);
         }
-        let (cell, aside) = (self.reckoning.cell(), towards.right().vector());
-        // What it has met may begin in the middle of a cell, which is not free then.
-        let before = [cell, cell.ahead(towards.opposite())];
+        let (cell, back, aside) = (self.reckoning.cell(), towards.opposite(), towards.right().vector());
+        // What it has met may begin before the centre of a cell, which it does not reach then.
+        let is_before = self.reckoning.way_to(cell, towards) > REACHED;
+        let cell = if is_before { cell.ahead(back) } else { cell };
+        let before = [cell, cell.ahead(back)];
         let beside = |by: i32| before.map(|cell| Cell::new(cell.x + aside.0 * by, cell.y + aside.1 * by));
         let near = (0..=ASIDE).flat_map(|by| [by, -by]).flat_map(beside).find(|cell| room.is_free(*cell))?;
         self.reckoning.stand_in_column(near, towards);

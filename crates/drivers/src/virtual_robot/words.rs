@@ -35,10 +35,13 @@ pub(super) enum Heard {
     /// It has met something, of this name where it says so.
     Contact(Option<String>),
     /// A move has ended, whether it has met something or not: of this name where it says so.
-    Ended(Option<String>),
+    Ended(Option<&'static str>),
     /// A move was not begun, because another one was under way: of this name where it says so.
-    Refused(Option<String>),
+    Refused(Option<&'static str>),
 }
+
+/// The names of moves. The servers write more behind them: `_notallowed`, `_Asynch_halted`, `-collision`, `_notallowed (asynch)`.
+const MOVES: [&str; 4] = ["moveForward", "moveBackward", "turnLeft", "turnRight"];
 
 impl Command {
     pub(super) const fn word(self) -> &'static str {
@@ -126,21 +129,26 @@ fn typed(message: &[u8]) -> Option<Heard> {
 }
 
 /// What is understood of a message of the server of 2021 and those after it, which differ: a collision has a target or has none, a
-/// move ends with `true` or with `"true"`, what was not begun is `"notallowed"` or has that behind its name.
+/// move ends with `true` or with `"true"`, what was not begun is `"notallowed"` or has that somewhere behind its name.
 pub(super) fn message(bytes: &[u8]) -> Option<Heard> {
     let said: Value = serde_json::from_slice(bytes.get(..bytes.len().min(LONGEST))?).ok()?;
     if said.get("collision").is_some_and(|collision| *collision != Value::Bool(false)) {
         return Some(Heard::Contact(said.get("target").and_then(name)));
     }
     let ended = said.get("endmove")?;
-    let which = said.get("move").and_then(name);
-    let is_refused = ended == "notallowed" || which.as_deref().is_some_and(|which| which.ends_with("_notallowed"));
-    if is_refused {
-        return Some(Heard::Refused(which.map(|which| which.trim_end_matches("_notallowed").to_owned())));
+    let which = said.get("move").and_then(Value::as_str).unwrap_or_default();
+    let of = MOVES.into_iter().find(|word| which.starts_with(word));
+    let says = |word| which.contains(word) || ended.as_str().is_some_and(|ended| ended.contains(word));
+    if says("notallowed") {
+        return Some(Heard::Refused(of));
     }
-    let is_cut_short = *ended == "halted" || which.as_deref().is_some_and(|which| which.ends_with("_halted"));
+    // The contact of one that has collided was heard by itself.
+    if ["halt", "interrupted", "collision"].into_iter().any(says) {
+        return None;
+    }
+    let is = |value: bool| *ended == Value::Bool(value) || *ended == value.to_string();
     // Of one that is `false` there was a collision, which was heard by itself; or another one's is blamed on it.
-    (!is_cut_short).then_some(Heard::Ended(which))
+    (is(true) || (is(false) && of.is_some())).then_some(Heard::Ended(of))
 }
 
 fn name(value: &Value) -> Option<String> {
@@ -191,15 +199,22 @@ mod tests {
     #[test]
     fn what_the_later_servers_say_is_understood_in_each_of_their_ways() {
         for (said, expect) in [
-            (r#"{"endmove":true,"move":"moveForward"}"#, Some(Heard::Ended(Some("moveForward".into())))),
-            (r#"{"endmove":"true","move":"turnLeft"}"#, Some(Heard::Ended(Some("turnLeft".into())))),
+            (r#"{"endmove":true,"move":"moveForward"}"#, Some(Heard::Ended(Some("moveForward")))),
+            (r#"{"endmove":"true","move":"turnLeft"}"#, Some(Heard::Ended(Some("turnLeft")))),
             (r#"{"endmove":true}"#, Some(Heard::Ended(None))),
-            (r#"{"endmove":false,"move":"moveForward"}"#, Some(Heard::Ended(Some("moveForward".into())))),
+            (r#"{"endmove":false,"move":"moveForward"}"#, Some(Heard::Ended(Some("moveForward")))),
             (r#"{"endmove":"halted","move":"moveForward"}"#, None),
             (r#"{"endmove":false,"move":"moveForward_halted"}"#, None),
-            (r#"{"endmove":false,"move":"moveForward_notallowed"}"#, Some(Heard::Refused(Some("moveForward".into())))),
-            (r#"{"endmove":"notallowed","move":"moveForward"}"#, Some(Heard::Refused(Some("moveForward".into())))),
+            (r#"{"endmove":false,"move":"moveForward_notallowed"}"#, Some(Heard::Refused(Some("moveForward")))),
+            (r#"{"endmove":"notallowed","move":"moveForward"}"#, Some(Heard::Refused(Some("moveForward")))),
             (r#"{"endmove":"notallowed"}"#, Some(Heard::Refused(None))),
+            (r#"{"endmove":"false","move":"moveBackward_notallowed (asynch)"}"#, Some(Heard::Refused(Some("moveBackward")))),
+            (r#"{"endmove":false,"move":"turnRight_Asynch_halted"}"#, None),
+            (r#"{"endmove":"false","move":"moveForward-interrupted"}"#, None),
+            (r#"{"endmove":"false","move":"moveForward-collision"}"#, None),
+            (r#"{"endmove":"true","move":"haltnoop"}"#, None),
+            (r#"{"endmove":"JSON error","move":"unknown"}"#, None),
+            (r#"{"endmove":true,"move":"forward"}"#, Some(Heard::Ended(None))),
             (r#"{"collision":"moveForward","target":"wallDown"}"#, Some(Heard::Contact(Some("wallDown".into())))),
             (r#"{"collision":true,"move":"unknown"}"#, Some(Heard::Contact(None))),
             (r#"{"sonarName":"sonar1","distance":1,"axis":"x"}"#, None),

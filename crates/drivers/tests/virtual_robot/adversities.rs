@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use hallsweep_core::command::{Command, LuggageRef, Verdict};
 use hallsweep_core::event::RobotEvent;
-use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::mission::{FaultCause, Hold, PhaseName};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::search::Strategy;
 use hallsweep_core::world::hall_map::Mark;
@@ -13,8 +13,6 @@ use hallsweep_core::world::hall_map::Mark;
 use super::page::{Frames, Page, Scene};
 use super::rig::{HERE, Rig};
 use super::server::{Server, Version};
-
-const VERSIONS: [Version; 4] = [Version::First, Version::Year2021, Version::Early2021, Version::Year2022];
 
 fn room() -> Scene {
     Scene::empty(27.0, 31.0)
@@ -64,7 +62,7 @@ fn assert_right_or_fault(rig: &mut Rig, end: PhaseName, what: &str) -> bool {
 fn right_of(seeds: u64, name: &str, times: u32, mut disturb: impl FnMut(&mut Rig, u64)) -> u32 {
     let mut right = 0;
     for seed in 0..seeds {
-        let version = VERSIONS[usize::try_from(seed % 4).expect("it is small")];
+        let version = Version::ALL[usize::try_from(seed % 5).expect("it is small")];
         let mut stream = RandomStream::new(seed, name);
         let mut rig = begun(version, Page::steady(), Strategy::Auto);
         let end = disturbed(&mut rig, &mut stream, times, &mut disturb);
@@ -81,12 +79,12 @@ fn stops_in_mid_step_are_gone_back_from_and_the_map_is_right() {
 
 #[test]
 fn a_link_that_is_cut_in_mid_step_holds_the_mission_and_start_goes_on() {
-    let right = right_of(24, "cuts", 8, |rig, _| {
+    let right = right_of(60, "cuts", 8, |rig, _| {
         rig.cut();
         assert!(rig.state().mission.holds.contains(&Hold::RobotLink));
     });
     // Eight times each, now and then in the very moment in which it is told to move, or while it meets something for the first time.
-    assert!(right >= 16, "{right} of 24 were explored to their end");
+    assert!(right >= 40, "{right} of 60 were explored to their end");
 }
 
 #[test]
@@ -100,7 +98,7 @@ fn a_program_that_is_killed_leaves_what_the_next_must_know() {
 fn a_program_that_is_killed_right_after_a_stop_knows_how_far_the_step_had_come() {
     let mut right = 0;
     for seed in 0..24_u64 {
-        let version = VERSIONS[usize::try_from(seed % 4).unwrap()];
+        let version = Version::ALL[usize::try_from(seed % 5).unwrap()];
         let mut stream = RandomStream::new(seed, "stopped and killed");
         let server = Server::new(version, Some(Page::open(room(), Page::steady(), Duration::ZERO)));
         let mut rig = if seed % 8 < 4 { Rig::with_scene(server, Strategy::Auto) } else { Rig::new(server, Strategy::Auto) };
@@ -133,12 +131,12 @@ fn a_server_that_dies_is_found_again() {
     assert!(right >= 4, "{right} of 8 were explored to their end");
 }
 
-/// Safety S3, S8: whatever the robot is doing for its order, feeling its way, measuring, touching, on the way back, in a turn, and however
+/// Safety S1, S3, S8: whatever the robot is doing for its order, feeling its way, measuring, touching, on the way back, in a turn, and however
 /// late its words come.
 #[test]
 fn after_a_stop_it_stands_whatever_it_was_doing() {
     for seed in 0..60_u64 {
-        let version = VERSIONS[usize::try_from(seed % 4).unwrap()];
+        let version = Version::ALL[usize::try_from(seed % 5).unwrap()];
         let mut stream = RandomStream::new(seed, "stands");
         let server = Server::new(version, Some(Page::open(room(), Page::steady(), Duration::ZERO)));
         let mut rig = if seed % 3 == 0 { Rig::with_scene(server, Strategy::Auto) } else { Rig::new(server, Strategy::Auto) };
@@ -153,8 +151,10 @@ fn after_a_stop_it_stands_whatever_it_was_doing() {
                 let _ = rig.give(Command::Start);
                 rig.wait(Duration::from_millis(stream.below(700)));
             }
+            let pressed = rig.now;
             rig.stop();
-            rig.wait(Duration::from_millis(700));
+            rig.wait(Duration::from_millis(1200));
+            assert!(rig.has_alarm_since(pressed), "{version:?} seed {seed}: {}", rig.trouble());
             let place = |rig: &Rig| rig.server.page.as_ref().map(|page| (page.at, page.angle, page.is_moving()));
             let stands = place(&rig);
             rig.wait(Duration::from_secs(2));
@@ -164,6 +164,62 @@ fn after_a_stop_it_stands_whatever_it_was_doing() {
                     .expect("a pending piece can be judged");
             }
         }
+    }
+}
+
+/// Whatever a server stops doing in mid-mission.
+#[test]
+fn every_wait_for_a_server_ends_in_words_and_a_stop_sends_its_alarm() {
+    type Fails = fn(&mut Server);
+    let failing: [(&str, Fails); 4] = [
+        ("it believes for ever that an old move is under way", |server| {
+            (server.running, server.is_stuck) = (Some("moveForward"), true);
+        }),
+        ("it says nothing any more", |server| server.is_mute = true),
+        ("its page is closed", Server::close),
+        ("it takes what is sent and does nothing", |server| (server.is_stalled, server.is_mute) = (true, true)),
+    ];
+    for (what, fail) in failing {
+        for (version, seed) in Version::ALL.into_iter().zip(0..).cycle().take(20) {
+            // The first never refuses a move, and that of early 2021 neither, which does not know whether there is a page.
+            if version == Version::First && what.contains("believes")
+                || version == Version::Early2021 && !what.contains("nothing")
+            {
+                continue;
+            }
+            let mut stream = RandomStream::new(seed, what);
+            let server = Server::new(version, Some(Page::open(room(), Page::steady(), Duration::ZERO)));
+            let mut rig = if seed % 2 == 0 { Rig::with_scene(server, Strategy::Auto) } else { Rig::new(server, Strategy::Auto) };
+            assert!(rig.until(5, |state| state.mission.holds.is_empty()), "the link is up");
+            rig.give(Command::Start).expect("an idle robot starts");
+            rig.wait(Duration::from_millis(stream.below(9000)));
+            fail(&mut rig.server);
+            let is_over = |rig: &mut Rig| {
+                rig.until(8, |state| state.mission.phase == PhaseName::Fault || state.mission.holds.contains(&Hold::RobotLink))
+            };
+            assert!(is_over(&mut rig), "{what}, {version:?}: {}", rig.trouble());
+            let (fault, trouble) = (rig.state().mission.fault.clone(), rig.trouble());
+            let is_said = !trouble.starts_with("None") && fault != Some(FaultCause::Unanswered);
+            assert!(is_said, "{what}, {version:?}: {fault:?} {trouble}");
+            let pressed = rig.now;
+            rig.stop();
+            rig.wait(Duration::from_secs(4));
+            assert!(rig.has_alarm_since(pressed), "{what}, {version:?}: {trouble}");
+        }
+    }
+}
+
+/// As after a page that was closed in mid-move: the server waits for its end for ever, and an alarm frees it.
+#[test]
+fn a_server_that_waits_for_the_end_of_an_old_move_is_freed_by_an_alarm() {
+    for version in [Version::Year2021, Version::Year2022, Version::Year2023] {
+        let server = Server::new(version, Some(Page::open(room(), Page::steady(), Duration::ZERO)));
+        let mut rig = Rig::new(server, Strategy::Auto);
+        rig.server.running = Some("turnLeft");
+        assert!(rig.until(5, |state| state.mission.holds.is_empty()), "the link is up");
+        rig.give(Command::Start).expect("an idle robot starts");
+        let end = rig.explore(300);
+        assert!(assert_right_or_fault(&mut rig, end, &format!("{version:?}")), "{version:?}: {}", rig.trouble());
     }
 }
 
@@ -208,7 +264,7 @@ fn what_another_client_steals_in_mid_step_is_found_out_in_nearly_all_cases() {
 
 #[test]
 fn words_that_come_late_are_waited_for_or_said() {
-    for version in VERSIONS {
+    for version in Version::ALL {
         for lag in [5, 20, 50, 120, 300, 700] {
             let server = Server::new(version, Some(Page::open(room(), Page::steady(), Duration::ZERO)));
             let mut rig = Rig::new(server, Strategy::Auto);
@@ -326,7 +382,7 @@ fn clients_from_elsewhere_disturb_nothing() {
 }
 
 /// So many a second, between the least and the most for a while, and now and then hardly any.
-fn wobbling(seed: u64, (least, most, few): (u32, u32, u32)) -> Frames {
+pub(crate) fn wobbling(seed: u64, (least, most, few): (u32, u32, u32)) -> Frames {
     let mut stream = RandomStream::new(seed, "wobbling frames");
     let (mut left, mut rate) = (0, most);
     Box::new(move || {
@@ -346,7 +402,7 @@ fn with_the_scene_file_a_page_that_is_now_quick_and_now_slow_makes_neither_a_fau
     let sizes = [(35.0, 35.0, 8, 8), (36.0, 36.2, 8, 8), (36.5, 32.2, 8, 7)];
     for rates in [(55, 60, 45), (45, 60, 33), (30, 60, 25)] {
         for seed in 0..40 {
-            let version = VERSIONS[usize::try_from(seed % 4).unwrap()];
+            let version = Version::ALL[usize::try_from(seed % 5).unwrap()];
             let (width, height, columns, rows) = sizes[usize::try_from(seed / 4 % 3).unwrap()];
             let page = Page::open(Scene::empty(width, height), wobbling(seed, rates), Duration::ZERO);
             let whole: Vec<(i32, i32)> = (0..columns).flat_map(|x| (0..rows).map(move |y| (x, y))).collect();
@@ -368,7 +424,7 @@ fn with_the_scene_file_a_page_that_is_now_quick_and_now_slow_makes_neither_a_fau
 fn with_the_scene_file_a_drift_to_the_side_is_set_right_too() {
     let mut turned = 0;
     for seed in 0..60_u64 {
-        let version = [Version::First, Version::Year2021, Version::Year2022][usize::try_from(seed % 3).unwrap()];
+        let version = Version::NAMING[usize::try_from(seed % 4).unwrap()];
         let mut stream = RandomStream::new(seed, "aside");
         let mut scene = Scene::empty(35.0, 35.0);
         for (name, column, row) in [("suitcase", 3, 3), ("box", 5, 1), ("chair", 1, 6)] {

@@ -13,8 +13,6 @@ use super::page::{Page, Scene};
 use super::rig::Rig;
 use super::server::{Server, Version};
 
-const VERSIONS: [Version; 4] = [Version::First, Version::Year2021, Version::Early2021, Version::Year2022];
-
 fn room() -> Scene {
     Scene::empty(27.0, 31.0)
 }
@@ -53,7 +51,7 @@ fn explores_the_rest(rig: &mut Rig, what: &str) {
 /// Cut off in the very moment in which it was told to move, it may have moved or not. Its page is opened anew, and START goes on with the map.
 #[test]
 fn a_robot_that_is_lost_is_put_at_its_start_and_the_mission_goes_on() {
-    for version in VERSIONS {
+    for version in Version::ALL {
         for is_killed in [false, true] {
             let mut rig = idle(room(), version, false);
             rig.give(Command::Start).expect("an idle robot starts");
@@ -89,7 +87,7 @@ fn a_robot_that_is_lost_is_put_at_its_start_and_the_mission_goes_on() {
 /// says even that.
 #[test]
 fn a_page_that_is_closed_in_mid_step_and_opened_anew_has_its_robot_at_its_start() {
-    for version in [Version::First, Version::Year2021, Version::Year2022] {
+    for version in Version::NAMING {
         let mut rig = idle(room(), version, false);
         rig.give(Command::Start).expect("an idle robot starts");
         assert!(rig.until(30, |state| state.robot.pose.cell.y > 3));
@@ -104,7 +102,7 @@ fn a_page_that_is_closed_in_mid_step_and_opened_anew_has_its_robot_at_its_start(
 
 #[test]
 fn a_link_that_is_cut_or_a_program_that_is_killed_while_it_gauges_its_step_does_not_make_the_step_shorter() {
-    for version in VERSIONS {
+    for version in Version::ALL {
         for is_killed in [false, true] {
             for after_ms in (100..6000).step_by(470) {
                 let what = format!("{version:?} {is_killed} after {after_ms} ms");
@@ -131,7 +129,7 @@ fn a_link_that_is_cut_or_a_program_that_is_killed_while_it_gauges_its_step_does_
 
 #[test]
 fn with_the_scene_file_a_turn_may_be_the_first_motion() {
-    for version in VERSIONS {
+    for version in Version::ALL {
         let mut rig = idle(Scene::empty(35.0, 35.0), version, true);
         rig.give(Command::Move(Move::TurnLeft)).expect("an idle robot turns");
         let is_done = |rig: &mut Rig| rig.until(60, |state| state.robot.pose.heading == Heading::East);
@@ -192,7 +190,7 @@ fn a_thing_that_was_moved_is_a_fault_until_the_next_reset_and_no_longer() {
 /// Somebody has left something in the room since its scene file was written, and the server says what was met.
 #[test]
 fn what_the_scene_file_lacks_is_found_all_the_same() {
-    for version in [Version::First, Version::Year2021, Version::Year2022] {
+    for version in Version::NAMING {
         for (column, row) in [(0, 4), (2, 2), (3, 5), (5, 1)] {
             let mut rig = idle(room(), version, true);
             rig.server.page.as_mut().expect("a page").scene.put_in_cell("suitcase", column, row);

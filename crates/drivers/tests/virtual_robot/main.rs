@@ -5,4 +5,5 @@ mod lost;
 mod missions;
 mod page;
 mod rig;
+mod rooms;
 mod server;

@@ -23,7 +23,7 @@ fn eight_by_eight() -> Vec<(i32, i32)> {
 /// The known answer of the original's room.
 #[test]
 fn an_empty_room_of_35_is_eight_by_eight_cells_and_goto_ends_at_its_last_row() {
-    for version in [Version::First, Version::Year2021, Version::Early2021, Version::Year2022] {
+    for version in Version::ALL {
         for strategy in Strategy::ALL {
             let mut rig = Rig::new(room(Scene::empty(35.0, 35.0), version), strategy);
             assert!(rig.until(5, |state| state.mission.holds.is_empty()), "{version:?}: the link is up");
@@ -46,7 +46,7 @@ fn an_empty_room_of_35_is_eight_by_eight_cells_and_goto_ends_at_its_last_row() {
 /// Where the page draws more frames a second, or fewer, the robot is quicker or slower: with the scene file its driver finds out.
 #[test]
 fn with_the_scene_file_the_map_does_not_depend_on_how_fast_the_page_is() {
-    for version in [Version::First, Version::Year2021, Version::Early2021, Version::Year2022] {
+    for version in Version::ALL {
         for frames_per_s in [24_u32, 30, 48, 60, 75, 144] {
             let frames = Box::new(move || Duration::from_secs(1) / frames_per_s);
             let server = Server::new(version, Some(Page::open(Scene::empty(35.0, 35.0), frames, Duration::ZERO)));
@@ -84,7 +84,7 @@ fn a_stop_while_it_gauges_its_step_is_gone_back_from() {
 /// Every thing that has a name is asked about once; walls are not.
 #[test]
 fn bags_are_known_by_their_names_and_walls_are_not_asked_about() {
-    for version in [Version::First, Version::Year2021, Version::Year2022] {
+    for version in Version::NAMING {
         for with_scene in [false, true] {
             let mut scene = Scene::empty(35.0, 35.0);
             scene.put_in_cell("table", 3, 3);

@@ -69,6 +69,13 @@ impl Scene {
         Room { floor: extent((-half_x, half_x), (-half_z, half_z)), things: things.collect(), moving: Vec::new() }
     }
 
+    /// How deep this point is within something or beyond the border, in units; negative where it is clear.
+    pub(crate) fn depth(&self, (x, z): (f64, f64)) -> f64 {
+        let within = |at: f64, (least, most): (f64, f64)| (at - least).min(most - at);
+        let border = (x.abs() - self.floor.0 / 2.0).max(z.abs() - self.floor.1 / 2.0);
+        self.things.iter().map(|thing| within(x, thing.x).min(within(z, thing.z))).fold(border, f64::max)
+    }
+
     fn collision(&self, (x, z): (f64, f64)) -> Option<&str> {
         if x.abs() > self.floor.0 / 2.0 || z.abs() > self.floor.1 / 2.0 {
             return Some("floor-border");
@@ -93,6 +100,8 @@ pub(crate) enum Told {
     Collision(String),
     /// A turn or a timed translation has come to its end, whether the robot was stopped before or not.
     EndOfMove(&'static str),
+    /// An alarm has stopped it, whatever it did.
+    Halted,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -201,6 +210,7 @@ impl Page {
                     self.angle = self.angle_now();
                     self.rotation = None;
                 }
+                self.told.push((self.now, Told::Halted));
             }
         }
     }

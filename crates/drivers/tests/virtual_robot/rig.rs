@@ -183,6 +183,12 @@ impl Rig {
         assert!(off < 0.4, "{off} of a cell from the centre of {cell:?}, {:?}", self.driver);
     }
 
+    /// Whether the server was sent an alarm at this time or after it, or so shortly before that it serves a STOP of this time.
+    pub(crate) fn has_alarm_since(&self, since: Duration) -> bool {
+        let serves = |(at, said): &(Duration, String)| *at + Duration::from_millis(100) >= since && said.contains("alarm");
+        self.server.heard.iter().any(serves)
+    }
+
     /// Whether the driver waits for what a motion comes to.
     pub(crate) fn is_awaiting(&mut self) -> bool {
         self.state().robot.state.name() != "stopped" && self.call.is_none()

@@ -22,6 +22,21 @@ pub(crate) enum Version {
     Early2021,
     /// The same of 2022: the page says when a move ends, of a turn at its beginning and at its end, and a halt stops a turn.
     Year2022,
+    /// The same of 2023: after a collision the move runs on until its time has passed or an alarm comes, each refusal ends in
+    /// ` (asynch)`, the end of a move that was cut short carries what cut it short, and a halt stops a turn.
+    Year2023,
+}
+
+impl Version {
+    pub(crate) const ALL: [Version; 5] =
+        [Version::First, Version::Year2021, Version::Early2021, Version::Year2022, Version::Year2023];
+
+    /// Those that say what was met.
+    pub(crate) const NAMING: [Version; 4] = [Version::First, Version::Year2021, Version::Year2022, Version::Year2023];
+
+    fn halts_turns(self) -> bool {
+        matches!(self, Version::Year2022 | Version::Year2023)
+    }
 }
 
 pub(crate) struct Server {
@@ -37,7 +52,16 @@ pub(crate) struct Server {
     pub(crate) is_dead: bool,
     /// The system takes connections, and whatever is sent, and the server does nothing with them.
     pub(crate) is_stalled: bool,
-    running: Option<&'static str>,
+    /// The move that it believes to be under way.
+    pub(crate) running: Option<&'static str>,
+    /// What has cut that short: the server of 2023 keeps it until the page says that it has ended.
+    cut_by: Option<&'static str>,
+    /// It believes for ever that a move is under way, whatever ends.
+    pub(crate) is_stuck: bool,
+    /// It says nothing any more.
+    pub(crate) is_mute: bool,
+    /// Everything that it was told.
+    pub(crate) heard: Vec<(Duration, String)>,
     to_page: Vec<(Duration, Command)>,
     from_page: Vec<(Duration, Told)>,
     timers: Vec<(Duration, &'static str)>,
@@ -48,7 +72,10 @@ pub(crate) struct Server {
 }
 
 impl Server {
-    pub(crate) fn new(version: Version, page: Option<Page>) -> Server {
+    pub(crate) fn new(version: Version, mut page: Option<Page>) -> Server {
+        if let Some(page) = &mut page {
+            page.turns_halt = version.halts_turns();
+        }
         Server {
             page,
             version,
@@ -59,6 +86,10 @@ impl Server {
             is_dead: false,
             is_stalled: false,
             running: None,
+            cut_by: None,
+            is_stuck: false,
+            is_mute: false,
+            heard: Vec::new(),
             to_page: Vec::new(),
             from_page: Vec::new(),
             timers: Vec::new(),
@@ -94,7 +125,8 @@ impl Server {
     }
 
     /// Somebody opens the page, anew or for the first time.
-    pub(crate) fn open(&mut self, page: Page) {
+    pub(crate) fn open(&mut self, mut page: Page) {
+        page.turns_halt = self.version.halts_turns();
         self.page = Some(page);
         if self.version == Version::First {
             self.tell(&json!({"type": "webpage-ready", "arg": {}}));
@@ -121,6 +153,7 @@ impl Server {
             return self.receive_message(&said);
         }
         for message in said.split(';').map(str::trim).filter(|message| !message.is_empty()) {
+            self.heard.push((self.now, message.to_owned()));
             let Some(command) = serde_json::from_str(message).ok().and_then(|value: Value| typed(&value)) else {
                 return self.die();
             };
@@ -129,16 +162,24 @@ impl Server {
     }
 
     fn receive_message(&mut self, said: &str) {
+        self.heard.push((self.now, said.to_owned()));
         let Ok(value) = serde_json::from_str::<Value>(said) else { return self.die() };
         let (Some(name), time) = (value["robotmove"].as_str(), value["time"].as_i64().unwrap_or(0)) else { return };
         let Some((name, command)) = command(name, time) else { return };
         match (self.running, &command) {
+            (Some(_), _) if self.is_stuck && command != Command::Alarm => {
+                return self.refuse(name);
+            }
+            (Some(_), Command::Alarm) if self.is_stuck => {}
+            (Some(_), Command::Alarm) if self.version == Version::Year2023 => {
+                self.cut_by = self.cut_by.or(Some("interrupted"));
+            }
             (Some(running), Command::Alarm) => {
                 self.running = None;
                 self.tell(&json!({"endmove": false, "move": format!("{running}_halted")}));
             }
             (Some(_), _) if self.version != Version::Early2021 => {
-                return self.tell(&json!({"endmove": false, "move": format!("{name}_notallowed")}));
+                return self.refuse(name);
             }
             (Some(_) | None, _) => {}
         }
@@ -152,6 +193,14 @@ impl Server {
             self.tell(&json!({"endmove": true}));
         }
         self.to_page.push((self.now + self.lag, command));
+    }
+
+    fn refuse(&mut self, name: &str) {
+        let refusal = match self.version {
+            Version::Year2023 => json!({"endmove": "false", "move": format!("{name}_notallowed (asynch)")}),
+            _ => json!({"endmove": false, "move": format!("{name}_notallowed")}),
+        };
+        self.tell(&refusal);
     }
 
     fn die(&mut self) {
@@ -192,7 +241,7 @@ impl Server {
             self.timers = later;
             let due: Vec<(Duration, &'static str)> = due;
             for (_, name) in due {
-                self.running = None;
+                self.running = self.running.filter(|_| self.is_stuck);
                 let ok = !std::mem::take(&mut self.target);
                 self.tell(&json!({"endmove": ok, "move": name}));
             }
@@ -203,6 +252,23 @@ impl Server {
     /// What the page tells it.
     fn hear(&mut self, told: Told) {
         match (self.version, told) {
+            (Version::Year2023, Told::Collision(name)) => {
+                self.cut_by = Some("collision").filter(|_| self.running.is_some());
+                self.tell(&json!({"collision": self.running, "target": name}));
+            }
+            // It says of whatever is under way that it has ended, though the page speaks of an earlier one.
+            (Version::Year2023, ended @ (Told::EndOfMove(_) | Told::Halted)) => {
+                let Some(running) = self.running else { return };
+                match self.cut_by {
+                    None => self.tell(&json!({"endmove": true, "move": running})),
+                    Some(by) => self.tell(&json!({"endmove": "false", "move": format!("{running}-{by}")})),
+                }
+                if !self.is_stuck && (ended == Told::Halted || ended == Told::EndOfMove(running)) {
+                    (self.running, self.cut_by) = (None, None);
+                }
+            }
+            (_, Told::Halted) => {}
+            (_, Told::EndOfMove(_)) if self.is_stuck => {}
             (Version::First, Told::Collision(name)) => self.tell(&json!({"type": "collision", "arg": {"objectName": name}})),
             (Version::First | Version::Early2021, Told::EndOfMove(_)) => {}
             (Version::Early2021, Told::Collision(_)) => {
@@ -210,7 +276,7 @@ impl Server {
                 self.tell(&json!({"collision": true, "move": "unknown"}));
             }
             (Version::Year2021 | Version::Year2022, Told::Collision(name)) => {
-                let running = self.running.take().unwrap_or("unknown");
+                let running = self.running.take_if(|_| !self.is_stuck).unwrap_or("unknown");
                 self.tell(&json!({"collision": running, "target": name}));
             }
             (Version::Year2021, Told::EndOfMove(name)) => {
@@ -226,6 +292,9 @@ impl Server {
     }
 
     fn tell(&mut self, message: &Value) {
+        if self.is_mute {
+            return;
+        }
         if self.version == Version::First {
             let bytes = format!(";{message};\n").into_bytes();
             self.sent.extend(self.streams.values().map(|client| (*client, bytes.clone())));

@@ -14,10 +14,44 @@ struct Test {
 
 impl Test {
     fn connected() -> Test {
-        let robot = VirtualRobot::new(Dialect::Messages, Duration::from_millis(330));
+        Test::speaking(Dialect::Messages)
+    }
+
+    fn speaking(dialect: Dialect) -> Test {
+        let robot = VirtualRobot::new(dialect, Duration::from_millis(330));
         let mut test = Test { robot, now: Now::default() };
-        test.robot.handle_connected(test.now);
+        test.connect();
         test
+    }
+
+    /// A connection stands, and its server greets, where it does.
+    fn connect(&mut self) {
+        self.robot.handle_connected(self.now);
+        if self.robot.dialect == Dialect::Semicolons {
+            self.robot.handle_received(b";{\"type\":\"webpage-ready\"};", self.now);
+        }
+    }
+
+    fn order(&mut self, action: Action) {
+        let order = Order { id: OrderId(1), action, epoch: Epoch(0), deadline: Duration::from_secs(30) };
+        self.robot.handle_order(order, self.now);
+    }
+
+    /// Everything that it sends or wants done now, each as if it were done.
+    fn sent(&mut self) -> Vec<Output> {
+        let mut all = Vec::new();
+        while let Some(output) = self.robot.poll_output() {
+            if matches!(output, Output::Send(_)) {
+                self.robot.handle_sent(self.now);
+            }
+            all.push(output);
+        }
+        all
+    }
+
+    fn alarms(&mut self) -> usize {
+        let alarm = Output::Send(self.robot.written(Command::Alarm));
+        self.sent().into_iter().filter(|output| *output == alarm).count()
     }
 
     /// Gives an order, and tells it that it was sent.
@@ -46,7 +80,9 @@ fn a_turn_that_was_refused_is_not_tried_again_after_a_halt() {
     test.robot.handle_halt(test.now);
     test.robot.handle_received(br#"{"endmove":false,"move":"turnLeft_notallowed"}"#, test.now);
     test.passes(AGAIN);
-    assert_eq!((test.robot.poll_output(), test.last_event()), (None, Some(RobotEvent::Halted(OrderId(1), false))));
+    let alarm = Some(Output::Send(Command::Alarm.as_message()));
+    assert_eq!((test.robot.poll_output(), test.robot.poll_output()), (alarm, None));
+    assert_eq!(test.last_event(), Some(RobotEvent::Halted(OrderId(1), false)));
 }
 
 /// Safety S1: each STOP that changed the memory would write a file.
@@ -106,7 +142,7 @@ fn what_has_not_gone_out_when_the_link_is_lost_never_goes_out() {
     test.robot.handle_lost("the cable was pulled", test.now);
     test.robot.handle_connected(test.now);
     test.robot.handle_halt(test.now);
-    assert_eq!(test.robot.poll_output(), None);
+    assert_eq!(test.sent(), [Output::Send(Command::Alarm.as_message())]);
     assert!(test.robot.lost.is_none() && !test.robot.off_centre, "it was not told to move");
 }
 
@@ -118,6 +154,122 @@ fn what_was_going_out_when_the_link_was_lost_may_have_come() {
     assert!(matches!(test.robot.poll_output(), Some(Output::Send(_))), "and nobody says whether it was sent");
     test.robot.handle_lost("it does not take what is sent", test.now);
     assert!(test.robot.lost.is_some());
+}
+
+const FORWARD: Action = Action::Move(Move::Forward);
+
+/// Safety S1: whatever it waits for.
+#[test]
+fn every_stop_sends_an_alarm_whatever_the_robot_does_or_waits_for() {
+    let refuse = |test: &mut Test| {
+        test.order(FORWARD);
+        test.sent();
+        test.robot.handle_received(br#"{"endmove":"false","move":"moveForward_notallowed (asynch)"}"#, test.now);
+    };
+    let states: [(&str, &dyn Fn(&mut Test)); 8] = [
+        ("nothing", &|_| {}),
+        ("a drawing", &|test| {
+            test.order(Action::Photograph(hallsweep_core::effect::Stamp { pose: Pose::START, wall: Default::default() }));
+        }),
+        ("an unsent step", &|test| test.order(FORWARD)),
+        ("a step", &|test| {
+            test.order(FORWARD);
+            test.sent();
+            test.connect();
+            test.sent();
+            test.passes(Duration::from_millis(50));
+        }),
+        ("a server that refuses", &refuse),
+        ("a halt long ago", &|test| {
+            test.robot.handle_halt(test.now);
+            test.sent();
+            test.passes(ALARM_SERVES);
+        }),
+        ("a halt, and a step behind it", &|test| {
+            test.robot.handle_halt(test.now);
+            test.sent();
+            test.order(FORWARD);
+            test.sent();
+            test.connect();
+            test.sent();
+        }),
+        ("a fault", &|test| test.robot.lose_sight("it was kicked")),
+    ];
+    for dialect in [Dialect::Semicolons, Dialect::Messages] {
+        for (what, reach) in &states {
+            let mut test = Test::speaking(dialect);
+            reach(&mut test);
+            test.sent();
+            test.robot.handle_halt(test.now);
+            let now = test.alarms();
+            // Where a new connection is being made it goes out as soon as that stands.
+            test.connect();
+            assert_eq!(now + test.alarms(), 1, "{dialect:?}: {what}");
+            test.robot.handle_halt(test.now);
+            assert_eq!(test.alarms(), 0, "{dialect:?}: {what}: one alarm serves two STOPs in a moment");
+        }
+    }
+}
+
+/// Safety S1: a STOP that comes while there is no link, or with which the link is lost.
+#[test]
+fn a_stop_that_cannot_go_out_goes_out_with_the_next_connection() {
+    for is_lost_before in [true, false] {
+        let mut test = Test::connected();
+        for step in [is_lost_before, !is_lost_before] {
+            if step {
+                test.robot.handle_lost("the cable was pulled", test.now);
+            } else {
+                test.robot.handle_halt(test.now);
+            }
+        }
+        test.sent();
+        test.passes(Duration::from_secs(5));
+        test.connect();
+        assert_eq!(test.alarms(), 1, "{is_lost_before}");
+        test.robot.handle_lost("the cable was pulled", test.now);
+    }
+}
+
+/// Safety S1: an alarm in a turn leaves the robot askew in later versions of the page.
+#[test]
+fn a_stop_in_a_turn_sends_its_alarm_when_the_turn_is_over() {
+    let mut test = Test::connected();
+    test.robot.latency = Some(LATENCY);
+    test.begin(OrderId(1), Action::Move(Move::TurnLeft));
+    test.passes(Duration::from_millis(100));
+    test.robot.handle_halt(test.now);
+    assert_eq!(test.alarms(), 0);
+    test.passes(Duration::from_millis(300));
+    assert_eq!(test.alarms(), 0, "it still turns");
+    test.passes(Duration::from_millis(300));
+    assert_eq!(test.alarms(), 1, "though the server has not said that it is over");
+}
+
+/// It is refused, however long the order would have.
+#[test]
+fn a_server_that_refuses_for_ever_is_sent_an_alarm_and_then_the_order_fails_in_words() {
+    let mut test = Test::connected();
+    test.order(FORWARD);
+    let (mut alarms, mut moves) = (0, 0);
+    for _ in 0..100 {
+        for output in test.sent() {
+            if output == Output::Send(Command::Alarm.as_message()) {
+                alarms += 1;
+            } else {
+                moves += 1;
+                test.robot.handle_received(br#"{"endmove":false,"move":"moveForward_notallowed"}"#, test.now);
+            }
+        }
+        test.passes(Duration::from_millis(100));
+    }
+    assert_eq!((alarms, moves < 20), (1, true), "{moves}");
+    let event = test.last_event();
+    assert!(
+        matches!(&event, Some(RobotEvent::Failed(_, words)) if words.contains("another move is still under way")),
+        "{event:?}"
+    );
+    assert!(test.now.since_start < Duration::from_secs(30), "the order was not overdue");
 }
 
 /// Every client hears of every refusal.
