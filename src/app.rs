@@ -103,7 +103,7 @@ async fn serve_hall(
     let Opened { http: access, mqtt: mqtt_access, entry } = entry::access(settings)?;
     let halter = Halter::new(kept.epoch());
     let reader = Reader::new(Arc::clone(&kept.archive));
-    let (hall, cell_m) = (robots.hall_name().to_owned(), robots.cell_m());
+    let (hall, cell_m, is_reckoned) = (robots.hall_name().to_owned(), robots.cell_m(), robots.is_reckoned());
     let set = set(settings, &robots);
     let (course, coursed) = watch::channel(Course::default());
     let (handle, mut task, simulator) = start(settings, (robots, robot), kept, (&halter, coursed), &threads).await;
@@ -116,7 +116,7 @@ async fn serve_hall(
     let mqtt = Mqtt::open(settings, mqtt_ways, handle.clone(), reader.clone(), ending.subscribe())?;
     let http = listeners(http, &threads.http)?;
     let door = HttpDoor::new(handle, reader, &hall, access).with_cells_of(cell_m).with_robots(set).with_settings(settings.core);
-    let door = door.with_evacuation_of(settings.evacuation_m);
+    let door = door.with_reckoning(is_reckoned).with_evacuation_of(settings.evacuation_m);
     let door = door.with_simulator(simulator);
     let door = door.with_mqtt(mqtt.as_ref().and_then(Mqtt::hall));
     announce(doors, &entry);
@@ -208,7 +208,8 @@ async fn start(
         // So that robots and map are in the same hall at the next start as well.
         robots.keep_other_hall();
     }
-    engine.note_venue(Venue { name: robots.hall_name().into(), cell_m: robots.cell_m() }, clock.now());
+    let (name, cell_m, is_reckoned) = (robots.hall_name().into(), robots.cell_m(), robots.is_reckoned());
+    engine.note_venue(Venue { name, cell_m, is_reckoned }, clock.now());
     let Adapters { all: mut adapters, mut simulator } = robots.adapters(clock);
     if let Some(other) = other {
         adapters[0] = other;

@@ -74,6 +74,9 @@ impl Top<'_> {
             if let Some(side) = conditions.venue.cell_m {
                 figures.push((say("report-cell"), format!("{} m", self.language.number(&side.to_string()))));
             }
+            if conditions.venue.is_reckoned {
+                figures.push((say("report-reckoned"), say("report-reckoned-so").to_string()));
+            }
             figures.push((say("report-threshold"), self.language.celsius(conditions.threshold)));
         }
         let time = |end: Option<(Seq, WallTime)>| end.map_or_else(String::new, |(_, wall)| report.time(wall));

@@ -90,6 +90,11 @@ impl Robots {
         matches!(self.all.first(), Some((_, Robot::Sim(_)))).then(|| self.hall.cell_m())
     }
 
+    /// Whether the one that searches counts its way by time alone.
+    pub fn is_reckoned(&self) -> bool {
+        matches!(self.all.first(), Some((_, Robot::External(robot))) if robot.reckons())
+    }
+
     /// Their names, that of the one that searches first.
     pub fn ids(&self) -> impl Iterator<Item = &RobotId> {
         self.ids.iter()

@@ -79,8 +79,10 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
 }
 
 fn conditions() -> impl Strategy<Value = Conditions> {
-    (text(), option::of(0.01..100.0), celsius())
-        .prop_map(|(hall, cell_m, threshold)| Conditions { venue: Venue { name: hall.into(), cell_m }, threshold })
+    (text(), option::of(0.01..100.0), any::<bool>(), celsius()).prop_map(|(hall, cell_m, is_reckoned, threshold)| Conditions {
+        venue: Venue { name: hall.into(), cell_m, is_reckoned },
+        threshold,
+    })
 }
 
 fn command() -> impl Strategy<Value = Fact> {

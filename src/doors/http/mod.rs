@@ -85,6 +85,8 @@ pub struct HttpDoor {
     mqtt: Option<Hall>,
     /// The side of a cell, in metres, where it is known.
     cell_m: Option<f64>,
+    /// Whether the map is counted by time alone.
+    is_reckoned: bool,
     /// How far away from a bomb people must be, in metres.
     evacuation_m: f64,
     robots: RobotsBySettings,
@@ -117,6 +119,7 @@ impl HttpDoor {
             cookie: sign_in::cookie_name(0),
             mqtt: None,
             cell_m: None,
+            is_reckoned: false,
             evacuation_m: EVACUATION_M,
             robots: RobotsBySettings::default(),
             began: Arc::default(),
@@ -164,6 +167,11 @@ impl HttpDoor {
     /// The same, of a hall whose cells have sides of this many metres, where that is known.
     pub fn with_cells_of(self, cell_m: Option<f64>) -> HttpDoor {
         HttpDoor { cell_m, ..self }
+    }
+
+    /// The same, of a hall whose map is counted by time alone, or not.
+    pub fn with_reckoning(self, is_reckoned: bool) -> HttpDoor {
+        HttpDoor { is_reckoned, ..self }
     }
 
     /// The same, with people this far away from a bomb, in metres.

@@ -220,6 +220,7 @@ doing-rotateRight = turns right
 doing-takingPhoto = takes a photo
 doing-sendingPhoto = sends the photo
 doing-movingArm = moves its arm
+hall-reckoned = No scene file: the robot counts its way by time. Walls and luggage may be a cell beside where they are shown.
 hall-in-words = { $searched } searched, { $open }; { $robot }.
 hall-robot-at = the robot at { $place }, facing { $heading }
 hall-robot-outside = the robot before the entrance

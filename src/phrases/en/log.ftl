@@ -74,6 +74,7 @@ said-put-down = the robot was put down in another hall
 fact-started = program started, version { $version }
 fact-conditions = hall: { $hall }, cells of { $side } m, too hot above { $threshold }
 fact-conditions-no-side = hall: { $hall }, too hot above { $threshold }
+fact-conditions-reckoned = hall: { $hall }, reckoned without a scene file, too hot above { $threshold }
 fact-written-out = missions { $first } to { $last }, entries up to { $until }, are in the archive { $file } alone, SHA-256 { $digest }
 fact-unpacked = unpacked from the archive { $file }, SHA-256 { $digest }; begins behind entry { $behind }, the digest of whose page is { $page }
 fact-clock-back = the clock was set back by { $by }

@@ -223,6 +223,7 @@ doing-rotateRight = gira a destra
 doing-takingPhoto = scatta una foto
 doing-sendingPhoto = invia la foto
 doing-movingArm = muove il braccio
+hall-reckoned = Nessun file della scena: il robot stima il percorso dal tempo. Pareti e bagagli possono trovarsi una cella accanto a dove sono mostrati.
 hall-in-words = Esplorate { $searched }; { $open }; { $robot }.
 hall-robot-at = il robot in { $place }, verso { $heading }
 hall-robot-outside = il robot davanti all'ingresso

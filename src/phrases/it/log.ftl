@@ -77,6 +77,7 @@ said-put-down = il robot è stato messo in un'altra sala
 fact-started = programma avviato, versione { $version }
 fact-conditions = sala: { $hall }, celle di { $side } m, troppo caldo sopra { $threshold }
 fact-conditions-no-side = sala: { $hall }, troppo caldo sopra { $threshold }
+fact-conditions-reckoned = sala: { $hall }, posizioni stimate senza file della scena, troppo caldo sopra { $threshold }
 fact-written-out = le missioni da { $first } a { $last }, voci fino a { $until }, sono solo nell'archivio { $file }, SHA-256 { $digest }
 fact-unpacked = estratto dall'archivio { $file }, SHA-256 { $digest }; comincia dopo la voce { $behind }, il digest della cui pagina è { $page }
 fact-clock-back = l'orologio è stato messo indietro di { $by }

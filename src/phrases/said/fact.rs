@@ -34,8 +34,12 @@ impl Language {
             Fact::ClockSet(by) => self.say("fact-clock-forward").with("by", hours(*by)),
             Fact::WrittenOut(written) => return self.written_out(written),
             Fact::Unpacked(unpacked) => return self.unpacked(unpacked),
-            Fact::Conditions(Conditions { venue: Venue { name, cell_m }, threshold }) => {
-                let say = self.say(if cell_m.is_some() { "fact-conditions" } else { "fact-conditions-no-side" });
+            Fact::Conditions(Conditions { venue: Venue { name, cell_m, is_reckoned }, threshold }) => {
+                let say = self.say(match (cell_m, is_reckoned) {
+                    (Some(_), _) => "fact-conditions",
+                    (None, true) => "fact-conditions-reckoned",
+                    (None, false) => "fact-conditions-no-side",
+                });
                 let say = say.with("hall", name).with("threshold", self.celsius(*threshold));
                 cell_m.map_or_else(|| say.clone(), |side| say.clone().with("side", self.number(&side.to_string())))
             }

@@ -212,8 +212,18 @@ fn the_journal() {
         Fact::Outside(RobotId::discovery(), 2),
         Fact::Retrieval(None),
         Fact::Secured(ID),
-        Fact::Conditions(Conditions { venue: Venue { name: "depot".into(), cell_m: Some(0.25) }, threshold: degrees(25.5) }),
-        Fact::Conditions(Conditions { venue: Venue { name: "depot".into(), cell_m: None }, threshold: degrees(25.5) }),
+        Fact::Conditions(Conditions {
+            venue: Venue { name: "depot".into(), cell_m: Some(0.25), is_reckoned: false },
+            threshold: degrees(25.5),
+        }),
+        Fact::Conditions(Conditions {
+            venue: Venue { name: "depot".into(), cell_m: None, is_reckoned: false },
+            threshold: degrees(25.5),
+        }),
+        Fact::Conditions(Conditions {
+            venue: Venue { name: "depot".into(), cell_m: None, is_reckoned: true },
+            threshold: degrees(25.5),
+        }),
         Fact::Led(true),
         Fact::Led(false),
         photographed(PhotoState::Taken { bytes: 4, take: 1 }),

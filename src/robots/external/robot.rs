@@ -65,6 +65,11 @@ impl ExternalRobot {
         format!("robot at {}", self.address)
     }
 
+    /// Whether it counts its way by time, and nobody has said where things stand.
+    pub(in crate::robots) fn reckons(&self) -> bool {
+        matches!(self.kind, Kind::Virtual(_)) && self.room.is_none()
+    }
+
     pub(in crate::robots) fn recall(&mut self, folder: &Path) {
         let Kind::Virtual(dialect) = self.kind else { return };
         let whose = format!("a virtual robot at {}", self.place);

@@ -229,7 +229,7 @@ impl InHand {
             }
             moves.push((decide, is_put_down));
         }
-        let venue = Venue { name: next.hall.name().into(), cell_m: Some(next.hall.cell_m()) };
+        let venue = Venue { name: next.hall.name().into(), cell_m: Some(next.hall.cell_m()), is_reckoned: false };
         self.handle.put_down(issuer, venue, self.robots.clone()).await??;
         for (decide, is_put_down) in moves {
             if decide.send(next.clone()).is_err() || is_put_down.await.is_err() {

@@ -88,7 +88,8 @@ pub(crate) fn remembered() -> Folder {
 
 #[test]
 fn both_kinds_of_virtual_robot_explore_their_room_to_the_end() {
-    for (kind, version) in [("virtual-tcp", Version::First), ("virtual-ws", Version::Year2021)] {
+    for (kind, version) in [("virtual-tcp", Version::First), ("virtual-ws", Version::Year2021), ("virtual-ws", Version::Year2023)]
+    {
         let robot = VirtualRobot::standing_in(small_room(), version);
         let program = serve(&robot, kind, None);
         program.until("the link is up", linked);
@@ -96,6 +97,56 @@ fn both_kinds_of_virtual_robot_explore_their_room_to_the_end() {
         program.until_phase("explored");
         assert_eq!(map(&program), MAP, "{kind}");
         assert_eq!(robot.cell(), (0, 0), "{kind}");
+    }
+}
+
+/// Its server waits for ever for the end of an old move.
+#[test]
+fn a_server_that_refuses_every_move_is_a_fault_in_words_and_stop_sends_it_an_alarm() {
+    let robot = VirtualRobot::standing_in(small_room(), Version::Year2023);
+    (robot.server().running, robot.server().is_stuck) = (Some("moveForward"), true);
+    let program = serve(&robot, "virtual-ws", None);
+    program.until("the link is up", linked);
+    program.command("start").accepted();
+    let state = program.until_phase("fault");
+    assert!(state["mission"]["fault"].to_string().contains("another move is still under way"), "{:#}", state["mission"]);
+    robot.server().heard.clear();
+    program.command("stop").accepted();
+    let deadline = Deadline::within(Duration::from_secs(10));
+    while !robot.server().heard.iter().any(|(_, said)| said.contains("alarm")) {
+        assert!(!deadline.has_passed(), "{:?}", robot.server().heard);
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// Nobody else can: the driver believes what it counts.
+#[test]
+fn console_and_report_say_that_a_map_was_made_without_a_scene_file_and_with_one_they_do_not() {
+    let scene = small_room();
+    let folder = Folder::new("reckoned");
+    let file = folder.path().join("scene.js");
+    std::fs::write(&file, scene_file(&scene)).expect("the folder can be written");
+    for with_scene in [false, true] {
+        let robot = VirtualRobot::standing_in(scene.clone(), Version::First);
+        let named = format!("virtual-tcp={}", robot.address());
+        let data = Folder::new("reckoned-data");
+        let mut command = hallsweep(&["serve", "--http", "127.0.0.1:0", "--robot", &named, "--data", data.text()]);
+        command.env("HALLSWEEP__ROBOT__STEP_MS", STEP_MS);
+        if with_scene {
+            command.env("HALLSWEEP__ROBOT__SCENE", &file);
+        }
+        let program = Program::started(&mut command);
+        program.until("the link is up", linked);
+        program.command("start").accepted();
+        program.until_phase("explored");
+        for (language, said) in
+            [("en", "may be a cell beside where they are shown"), ("it", "una cella accanto a dove sono mostrati")]
+        {
+            for path in ["/", &format!("/missions/1/report?language={language}")] {
+                let page = program.read(path, &[("Accept-Language", language)]).text();
+                assert_eq!(page.contains(said), !with_scene, "{path} in {language}, with the scene file: {with_scene}");
+            }
+        }
     }
 }
 

@@ -14,10 +14,13 @@ pub struct Conditions {
 }
 
 /// Where the robots are.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Venue {
     /// The name of the hall; where it is none of ours, what is known of the place, as the address of the robot in it.
     pub name: Arc<str>,
     /// The side of a cell, in metres, where it is known.
     pub cell_m: Option<f64>,
+    /// The robot that searches counts its way by time, and nobody has said where things stand: one that is met for the first time may
+    /// be shown a cell beside where it is.
+    pub is_reckoned: bool,
 }

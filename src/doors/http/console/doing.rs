@@ -109,7 +109,14 @@ mod tests {
     use hallsweep_core::world::snapshot::Snapshot;
 
     fn view(snapshot: &Snapshot) -> View<'_> {
-        let hall = HallInfo { name: "airport".into(), cell_m: Some(0.5), evacuation_m: 100.0, is_paused: false, robot: None };
+        let hall = HallInfo {
+            name: "airport".into(),
+            cell_m: Some(0.5),
+            is_reckoned: false,
+            evacuation_m: 100.0,
+            is_paused: false,
+            robot: None,
+        };
         View { snapshot, hall, began: None, who: None, language: Language::English, why: None, now: TEN, line: None, then: None }
     }
 

@@ -203,7 +203,8 @@ mod tests {
 
     fn update_while(shown: &mut Shown, snapshot: Snapshot, is_paused: bool) -> Message {
         let snapshot = Arc::new(snapshot);
-        let hall = HallInfo { name: "airport".into(), cell_m: None, evacuation_m: 100.0, is_paused, robot: None };
+        let hall =
+            HallInfo { name: "airport".into(), cell_m: None, is_reckoned: false, evacuation_m: 100.0, is_paused, robot: None };
         let view = View {
             snapshot: &snapshot,
             hall,

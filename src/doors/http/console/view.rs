@@ -20,7 +20,7 @@ use crate::phrases::{Language, Phrase};
 use hallsweep_core::command::Refused;
 use hallsweep_core::event::RobotId;
 use hallsweep_core::mission::{Hold, PhaseName};
-use hallsweep_core::state::Conditions;
+use hallsweep_core::state::{Conditions, Venue};
 use hallsweep_core::units::{Cell, Celsius, LuggageId, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 use hallsweep_core::world::robot::{RobotState, RobotView};
@@ -61,6 +61,8 @@ pub(super) struct HallInfo<'a> {
     pub(super) name: Arc<str>,
     /// The side of a cell, in metres, where it is known.
     pub(super) cell_m: Option<f64>,
+    /// Whether its map is counted by time alone.
+    pub(super) is_reckoned: bool,
     /// How far away from a bomb people must be, in metres.
     pub(super) evacuation_m: f64,
     /// Whether its time stands still: somebody has paused the simulator.
@@ -73,14 +75,17 @@ impl<'a> HallInfo<'a> {
     pub(super) fn of(door: &'a HttpDoor) -> HallInfo<'a> {
         let (name, cell_m) = door.hall();
         let is_paused = door.simulator.as_ref().is_some_and(|simulator| simulator.watch().borrow().is_paused);
-        HallInfo { name, cell_m, evacuation_m: door.evacuation_m, is_paused, robot: door.robots.of(RobotId::discovery().name()) }
+        let (is_reckoned, evacuation_m) = (door.is_reckoned, door.evacuation_m);
+        HallInfo { name, cell_m, is_reckoned, evacuation_m, is_paused, robot: door.robots.of(RobotId::discovery().name()) }
     }
 
     /// The hall as it was under these conditions; where they are not on record it is that of now.
     pub(super) fn under(door: &'a HttpDoor, conditions: Option<&Conditions>) -> HallInfo<'a> {
         let now = HallInfo { is_paused: false, ..HallInfo::of(door) };
         match conditions {
-            Some(Conditions { venue, .. }) => HallInfo { name: Arc::clone(&venue.name), cell_m: venue.cell_m, ..now },
+            Some(Conditions { venue: Venue { name, cell_m, is_reckoned }, .. }) => {
+                HallInfo { name: Arc::clone(name), cell_m: *cell_m, is_reckoned: *is_reckoned, ..now }
+            }
             None => now,
         }
     }

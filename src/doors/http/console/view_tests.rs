@@ -13,7 +13,14 @@ use hallsweep_core::world::snapshot::{Progress, TimeLeft};
 use hallsweep_core::world::temperature::TemperatureStatus;
 
 fn view(snapshot: &Snapshot) -> View<'_> {
-    let hall = HallInfo { name: "airport".into(), cell_m: Some(0.5), evacuation_m: 100.0, is_paused: false, robot: None };
+    let hall = HallInfo {
+        name: "airport".into(),
+        cell_m: Some(0.5),
+        is_reckoned: false,
+        evacuation_m: 100.0,
+        is_paused: false,
+        robot: None,
+    };
     let now = WallTime { unix_ms: TEN.unix_ms + 74_900, ..TEN };
     View { snapshot, hall, began: Some(TEN), who: None, language: Language::English, why: None, now, line: None, then: None }
 }
@@ -115,7 +122,14 @@ fn progress_says_what_was_searched_and_what_is_open_and_counts_until_it_is_over(
         ("15 cells, 3.8 m²", "4 places still open")
     );
     let unmeasured = View {
-        hall: HallInfo { name: "airport".into(), cell_m: None, evacuation_m: 100.0, is_paused: false, robot: None },
+        hall: HallInfo {
+            name: "airport".into(),
+            cell_m: None,
+            is_reckoned: false,
+            evacuation_m: 100.0,
+            is_paused: false,
+            robot: None,
+        },
         ..view(&snapshot)
     };
     assert_eq!(unmeasured.searched(), "15 cells");
@@ -173,7 +187,8 @@ fn the_panel_of_the_robot_says_what_it_is_what_it_has_and_what_is_done_instead()
     let [sim, page] = [("sim", None), ("virtual-tcp", Some("localhost:8999".to_owned()))]
         .map(|(kind, address)| RobotBySettings { kind, address });
     let panel = |snapshot: &Snapshot, robot| {
-        let hall = HallInfo { name: "airport".into(), cell_m: None, evacuation_m: 100.0, is_paused: false, robot };
+        let hall =
+            HallInfo { name: "airport".into(), cell_m: None, is_reckoned: false, evacuation_m: 100.0, is_paused: false, robot };
         let part = PARTS.iter().find(|part| part.id == "robot").expect("it is there");
         (part.render)(&View { hall, ..view(snapshot) })
     };
