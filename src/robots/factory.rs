@@ -15,6 +15,7 @@ use crate::config::{self, RobotKind, RobotSettings, Settings};
 use crate::runtime::clock::Clock;
 use hallsweep_core::event::RobotId;
 use hallsweep_core::settings::Fetcher;
+use hallsweep_core::state::Venue;
 use hallsweep_sim::Hall;
 
 /// The robots, not yet started, in their hall.
@@ -29,8 +30,8 @@ pub struct Robots {
     speed: config::Speed,
     /// Where a hall is kept that is chosen while the program runs.
     chosen: Option<ChosenHall>,
-    /// As the settings name the hall.
-    usual: String,
+    /// As the settings name the hall, and the start in it.
+    usual: (String, Option<(u32, u32)>),
     /// The names of all, those of the pair last.
     ids: Vec<RobotId>,
 }
@@ -54,7 +55,10 @@ enum Robot {
 impl Robots {
     pub fn of(settings: &Settings) -> Result<Robots, Unusable> {
         let is_simulated = settings.robots().any(|(_, robot)| robot.kind == RobotKind::Sim);
-        let chosen = settings.store.as_deref().filter(|_| is_simulated).map(|folder| ChosenHall::within(folder, &settings.hall));
+        // With another start it is another hall of the settings, which holds.
+        let start = settings.hall_start.map_or_else(String::new, |(column, row)| format!(" from {column},{row}"));
+        let instead = format!("{}{start}", settings.hall);
+        let chosen = settings.store.as_deref().filter(|_| is_simulated).map(|folder| ChosenHall::within(folder, &instead));
         let was_chosen = chosen.as_ref().map(ChosenHall::read).transpose()?.flatten();
         let Ground { hall, seed } = match was_chosen {
             Some(ground) => ground,
@@ -72,7 +76,7 @@ impl Robots {
         let pair = SimPair::new(Arc::clone(&hall), &RobotSettings { seed, ..settings.robot.clone() }, settings.pair);
         let ids = all.iter().map(|(id, _)| id.clone()).chain(SimPair::ids().into_iter().filter(|_| wants_pair)).collect();
         let speed = settings.robot.speed;
-        let usual = settings.hall.clone();
+        let usual = (settings.hall.clone(), settings.hall_start);
         Ok(Robots { hall, all, pair, wants_pair, seed, speed, chosen, usual, ids })
     }
 
@@ -84,9 +88,12 @@ impl Robots {
         }
     }
 
-    /// How long and wide its cells are, in metres; nobody knows it of one that is not ours.
-    pub fn cell_m(&self) -> Option<f64> {
-        matches!(self.all.first(), Some((_, Robot::Sim(_)))).then(|| self.hall.cell_m())
+    /// Where they are; of a hall that is not ours only the place is known.
+    pub fn venue(&self) -> Venue {
+        match self.all.first() {
+            Some((_, Robot::Sim(_))) => sim::venue(&self.hall),
+            Some((_, Robot::External(_))) | None => Venue { name: self.hall_name().into(), cell_m: None, reach: None },
+        }
     }
 
     /// Their names, that of the one that searches first.

@@ -31,7 +31,7 @@ impl Language {
             Fact::ProgramEnded(by) => self.say("fact-ended").with("by", by),
             Fact::WrittenOut(written) => return self.written_out(written),
             Fact::Unpacked(unpacked) => return self.unpacked(unpacked),
-            Fact::Conditions(Conditions { venue: Venue { name, cell_m }, threshold }) => {
+            Fact::Conditions(Conditions { venue: Venue { name, cell_m, .. }, threshold }) => {
                 let say = self.say(if cell_m.is_some() { "fact-conditions" } else { "fact-conditions-no-side" });
                 let say = say.with("hall", name).with("threshold", self.celsius(*threshold));
                 cell_m.map_or_else(|| say.clone(), |side| say.clone().with("side", self.number(&side.to_string())))

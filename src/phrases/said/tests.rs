@@ -200,8 +200,14 @@ fn the_journal() {
         Fact::Outside(RobotId::discovery(), 2),
         Fact::Retrieval(None),
         Fact::Secured(ID),
-        Fact::Conditions(Conditions { venue: Venue { name: "depot".into(), cell_m: Some(0.25) }, threshold: degrees(25.5) }),
-        Fact::Conditions(Conditions { venue: Venue { name: "depot".into(), cell_m: None }, threshold: degrees(25.5) }),
+        Fact::Conditions(Conditions {
+            venue: Venue { name: "depot".into(), cell_m: Some(0.25), reach: None },
+            threshold: degrees(25.5),
+        }),
+        Fact::Conditions(Conditions {
+            venue: Venue { name: "depot".into(), cell_m: None, reach: None },
+            threshold: degrees(25.5),
+        }),
         Fact::Led(true),
         Fact::Led(false),
         photographed(PhotoState::Taken { bytes: 4, take: 1 }),

@@ -29,7 +29,7 @@ fn said(fact: &Fact) -> String {
                 "unpacked from the archive {file}, SHA-256 {digest}; begins behind entry {behind}, the digest of whose page is {page}"
             )
         }
-        Fact::Conditions(Conditions { venue: Venue { name, cell_m }, threshold }) => {
+        Fact::Conditions(Conditions { venue: Venue { name, cell_m, .. }, threshold }) => {
             let cells = cell_m.map_or_else(String::new, |side| format!(", cells of {side} m"));
             format!("hall: {name}{cells}, too hot above {threshold}")
         }

@@ -12,7 +12,7 @@ fn issuer() -> Issuer {
 }
 
 fn venue(name: &str, cell_m: Option<f64>) -> Venue {
-    Venue { name: name.into(), cell_m }
+    Venue { name: name.into(), cell_m, reach: None }
 }
 
 fn put_down(engine: &mut Engine) -> Result<Ticket, Refused> {
