@@ -5,8 +5,9 @@ use proptest::prelude::*;
 use crate::{Hall, Truth};
 use hallsweep_core::units::Cell;
 
+/// World (0, 0) lies outside the image.
 const YAML: &str =
-    "image: m.pgm\nresolution: 0.5\norigin: [0.0, 0.0, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+    "image: m.pgm\nresolution: 0.5\norigin: [1.0, 1.0, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
 
 fn pgm(width: usize, pixels: &[u8]) -> Vec<u8> {
     super::pgm::write(width, pixels)
