@@ -103,7 +103,7 @@ async fn serve_hall(
     let Opened { http: access, mqtt: mqtt_access, entry } = entry::access(settings)?;
     let halter = Halter::new(kept.epoch());
     let reader = Reader::new(Arc::clone(&kept.archive));
-    let (hall, cell_m, is_reckoned) = (robots.hall_name().to_owned(), robots.cell_m(), robots.is_reckoned());
+    let Venue { name: hall, cell_m, is_reckoned, .. } = robots.venue();
     let set = set(settings, &robots);
     let (course, coursed) = watch::channel(Course::default());
     let (handle, mut task, simulator) = start(settings, (robots, robot), kept, (&halter, coursed), &threads).await;
@@ -121,7 +121,7 @@ async fn serve_hall(
     let door = door.with_mqtt(mqtt.as_ref().and_then(Mqtt::hall));
     announce(doors, &entry);
     let [coap_at, mqtt_at] = [doors.coap, doors.mqtt].map(|place| place.map(|place| tracing::field::display(place.at)));
-    tracing::info!(http = %doors.http.at, coap = coap_at, mqtt = mqtt_at, hall, descriptors, "serving");
+    tracing::info!(http = %doors.http.at, coap = coap_at, mqtt = mqtt_at, hall = &*hall, descriptors, "serving");
 
     let mut ended = None;
     let shutdown = async {
@@ -208,8 +208,7 @@ async fn start(
         // So that robots and map are in the same hall at the next start as well.
         robots.keep_other_hall();
     }
-    let (name, cell_m, is_reckoned) = (robots.hall_name().into(), robots.cell_m(), robots.is_reckoned());
-    engine.note_venue(Venue { name, cell_m, is_reckoned }, clock.now());
+    engine.note_venue(robots.venue(), clock.now());
     let Adapters { all: mut adapters, mut simulator } = robots.adapters(clock);
     if let Some(other) = other {
         adapters[0] = other;

@@ -83,6 +83,9 @@ pub struct Serve {
     /// The hall: the name of a built-in one, or a file (.toml, MovingAI .map, ROS .yaml, or the text of old clients, .txt).
     #[arg(long, value_name = "HALL")]
     hall: Option<String>,
+    /// Where the simulated robot starts: column and row, counted from 0 in the north-west corner.
+    #[arg(long, value_name = "COLUMN,ROW", allow_hyphen_values = true)]
+    start: Option<String>,
     /// Where the console and the API listen; port 0 takes a free one.
     #[arg(long, value_name = "ADDRESS:PORT")]
     http: Option<String>,
@@ -176,6 +179,7 @@ impl Serve {
     fn flags(&self) -> Vec<Flag> {
         let given = [
             ("--hall", &self.hall),
+            ("--start", &self.start),
             ("--http", &self.http),
             ("--coap", &self.coap),
             ("--mqtt", &self.mqtt),
@@ -295,9 +299,9 @@ mod tests {
     #[test]
     fn every_flag_is_a_setting() {
         let given = flags(
-            "hallsweep --hall h --http a --coap c --mqtt m --speed -1 --seed -2 --strategy s --goal g --sensing n --costs -1 --data d --robot line=x",
+            "hallsweep --hall h --start -1 --http a --coap c --mqtt m --speed -1 --seed -2 --strategy s --goal g --sensing n --costs -1 --data d --robot line=x",
         );
-        assert_eq!(given.len(), 13);
+        assert_eq!(given.len(), 14);
         for (key, _) in given {
             assert!(crate::config::Key::named(key).is_some(), "{key} is no setting");
         }

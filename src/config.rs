@@ -35,6 +35,8 @@ pub use robots::{MOST_ROBOTS, RobotKind};
 pub struct Settings {
     /// The name of a built-in hall, or the path of a hall file.
     pub hall: String,
+    /// The column and row in which the robot starts, counted from 0 in the north-west corner; `None`: where the hall says.
+    pub hall_start: Option<(u32, u32)>,
     /// Where the hall's name comes from, as `flag --hall`, for whoever finds that it cannot be read.
     pub hall_origin: String,
     pub http: HttpSettings,

@@ -69,7 +69,7 @@ pub(crate) fn searching() -> Snapshot {
     snapshot.mission.route = Arc::from([Cell::new(2, 3), Cell::new(3, 3)]);
     snapshot.mission.trail = Arc::from([Cell::new(0, 0), Cell::new(1, 0), Cell::new(2, 0), Cell::new(2, 1), Cell::new(2, 2)]);
     snapshot.mission.inspected = Some(LuggageId(3));
-    snapshot.mission.progress = Progress { visited: 15, unknown: 4, left: None };
+    snapshot.mission.progress = Progress { visited: 15, unknown: 4, ..Progress::default() };
     snapshot.mission.refusals.start = Some(Refused::VerdictPending(LuggageId(3)));
     snapshot.temperature.celsius = Some(degrees(21.4));
     snapshot.luggage = [

@@ -59,6 +59,12 @@ pub struct ProgressJson {
     pub percent: Option<u8>,
     /// How long the search will go on driving, photos and answers left out, or null while nobody can tell.
     pub seconds_left: Option<SecondsLeftJson>,
+    /// Free cells that can be reached from here; left out where the hall is not known beforehand.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reachable: Option<u32>,
+    /// All free cells; left out where the hall is not known beforehand.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub free: Option<u32>,
 }
 
 /// How long a search will go on, as a range.
@@ -130,6 +136,8 @@ impl From<Progress> for ProgressJson {
             unknown: progress.unknown,
             percent: progress.percent(),
             seconds_left: progress.left.map(seconds_left),
+            reachable: progress.reach.map(|reach| reach.reachable),
+            free: progress.reach.map(|reach| reach.free),
         }
     }
 }

@@ -79,14 +79,20 @@ pub struct Evaluate {
 struct Question {
     contest: Contest,
     measure: Measure,
-    /// The least that was known before, where it is a row of the documentation.
-    known: Option<f64>,
 }
 
 /// A comparison that was made: for each entrant its trials.
 struct Answer {
     question: Question,
     trials: Vec<Vec<Trial>>,
+}
+
+impl Answer {
+    /// Cells that can be reached from the start, and free cells, of all halls together.
+    fn reach(&self) -> [usize; 2] {
+        let mine = self.trials.first().into_iter().flatten();
+        mine.fold([0, 0], |[cells, free], trial| [cells + trial.cells, free + trial.free_cells])
+    }
 }
 
 /// Compares, and prints what it came to.
@@ -171,9 +177,7 @@ impl Evaluate {
         let (count, timings) = (self.count as usize, timings());
         if self.halls.is_empty() {
             let rows = rows::rows(count, self.seed, timings).into_iter();
-            return Ok(rows
-                .map(|rows::Row { contest, measure, known }| Question { contest, measure, known: Some(known) })
-                .collect());
+            return Ok(rows.map(|rows::Row { contest, measure }| Question { contest, measure }).collect());
         }
         let terms = Terms { objective: self.goal, sonar_cells: self.sonar, costs: self.costs };
         let measure = match self.goal {
@@ -182,7 +186,7 @@ impl Evaluate {
         };
         let asked = |written: &String| {
             let contest = Contest { halls: self.halls(written)?, terms, timings };
-            Ok(Question { contest, measure, known: None })
+            Ok(Question { contest, measure })
         };
         self.halls.iter().map(asked).collect()
     }

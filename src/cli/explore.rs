@@ -29,6 +29,9 @@ pub struct Explore {
     /// The hall: the name of a built-in one, or a file (.toml, MovingAI .map, ROS .yaml, or the text of old clients, .txt).
     #[arg(long, value_name = "HALL")]
     hall: Option<String>,
+    /// Where the robot starts: column and row, counted from 0 in the north-west corner.
+    #[arg(long, value_name = "COLUMN,ROW", allow_hyphen_values = true)]
+    start: Option<String>,
     #[command(flatten)]
     search: super::Search,
     /// Where all chance comes from: the same number gives the same run.
@@ -94,7 +97,7 @@ pub fn run(flags: &Explore) -> Result<(), Failure> {
 
 impl Explore {
     fn sources(&self) -> Sources {
-        let given = [("--hall", &self.hall), ("--seed", &self.seed)];
+        let given = [("--hall", &self.hall), ("--start", &self.start), ("--seed", &self.seed)];
         let flags =
             given.into_iter().chain(self.search.flags()).filter_map(|(flag, value)| Some(Flag::given(flag, value.clone()?)));
         // Nothing of it is kept, so a user without a home can run it too.

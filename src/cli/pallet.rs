@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::Failure;
-use crate::api::laboratory::mishap::{AskedFault, BeyondError, asked, parcel_number};
+use crate::api::laboratory::mishap::{AskedFault, BeyondError, asked, missed, parcel_number};
 use crate::api::laboratory::pallet::{TITLE, drawing, rows, words};
 use crate::api::laboratory::pallet_report::ReportJson;
 use hallsweep_sim::pallet::{Asked, Figures, PalletRun};
@@ -47,7 +47,7 @@ pub fn run(flags: &Pallet) -> Result<(), Failure> {
         None if flags.json => super::print(&flags.report(&run, &figures))?,
         None => super::print(&for_people(&run, &figures))?,
     }
-    outcome(&figures)
+    outcome(&flags.faults, &run, &figures)
 }
 
 /// A line for each thing that passed, and one for each figure.
@@ -60,12 +60,17 @@ fn for_people(run: &PalletRun, figures: &Figures) -> String {
     passed.chain([String::new()]).chain(rows).collect::<Vec<_>>().join("\n")
 }
 
-/// A run that did not bring all parcels to the target area has failed, by the name of what was wrong.
-fn outcome(figures: &Figures) -> Result<(), Failure> {
-    let Some(fault) = figures.fault else { return Ok(()) };
-    let (delivered, parcels) = (figures.delivered, figures.parcels);
-    let words = format!("{}: {} ({delivered} of {parcels} parcels are in the target area)", fault.name(), fault.in_words());
-    Err(Failure::Run(words))
+/// A run that did not bring all parcels to the target area has failed, by the name of what was wrong; so has one in which something that
+/// was asked to go wrong did not.
+fn outcome(faults: &[AskedFault], run: &PalletRun, figures: &Figures) -> Result<(), Failure> {
+    let mut words: Vec<String> =
+        missed(faults, run).iter().map(|(fault, why)| format!("--fault {fault} did not happen: {}", why.in_words())).collect();
+    if let Some(fault) = figures.fault {
+        let (delivered, parcels) = (figures.delivered, figures.parcels);
+        let ended = format!("{}: {} ({delivered} of {parcels} parcels are in the target area)", fault.name(), fault.in_words());
+        words.insert(0, ended);
+    }
+    if words.is_empty() { Ok(()) } else { Err(Failure::Run(words.join("\n"))) }
 }
 
 impl Pallet {
@@ -111,9 +116,40 @@ mod tests {
             (&["jammed"], Some("robotFails")),
             (&["lost", "absent"], Some("operatorAbsent")),
         ] {
-            let (_, figures) = ran(&flags(1, faults));
-            let words = outcome(&figures).err().map(|failure| failure.to_string());
+            let flags = flags(1, faults);
+            let (run, figures) = ran(&flags);
+            let words = outcome(&flags.faults, &run, &figures).err().map(|failure| failure.to_string());
             assert_eq!(words.as_deref().map(|words| words.split(':').next().unwrap_or_default()), name, "{faults:?}: {words:?}");
+        }
+    }
+
+    /// Twelve yards, some with a way of two steps from the pallet to the target area.
+    #[test]
+    fn what_is_asked_to_go_wrong_happens_or_the_run_fails_and_says_why_it_did_not() {
+        const EARLY: &str = "the run ended before it could happen";
+        let table: [(&[&str], &[(&str, &str)]); 9] = [
+            (&["lost@1", "lost@2", "lostLifting@2", "unrecognised@1"], &[]),
+            (&["lost", "lost", "unrecognised", "unrecognised"], &[]),
+            (&["absent"], &[("absent", "the operator was never called")]),
+            (&["absent", "lost"], &[]),
+            (&["jammed@1", "lost@1", "unrecognised@2"], &[("lost@1", EARLY), ("unrecognised@2", EARLY)]),
+            (&["jammed@2", "jammed@1"], &[("jammed@2", EARLY)]),
+            (&["blocked@1", "blocked@2", "lost@2"], &[("blocked@2", EARLY), ("lost@2", EARLY)]),
+            (&["blocked@2", "unrecognised@2"], &[]),
+            (&["jammed@1", "jammed@1"], &[]),
+        ];
+        for (faults, expect) in table {
+            for seed in 1..=12 {
+                let flags = Pallet { seed, ..flags(2, faults) };
+                let (run, figures) = ran(&flags);
+                let failed = outcome(&flags.faults, &run, &figures).err().map(|failure| failure.to_string()).unwrap_or_default();
+                let said: Vec<&str> = failed.lines().filter(|line| line.starts_with("--fault")).collect();
+                let expect: Vec<String> =
+                    expect.iter().map(|(fault, why)| format!("--fault {fault} did not happen: {why}")).collect();
+                assert_eq!(said, expect, "seed {seed}, {faults:?}");
+                let json: serde_json::Value = serde_json::from_str(&flags.report(&run, &figures)).expect("it is JSON");
+                assert_eq!(json["notHappened"].as_array().map(Vec::len), Some(expect.len()));
+            }
         }
     }
 

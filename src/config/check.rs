@@ -44,6 +44,7 @@ pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
     check_types(layers)?;
     let settings = Settings {
         hall: hall(layers)?,
+        hall_start: hall_start(layers)?,
         hall_origin: layers.origin("hall.file"),
         http: http(layers)?,
         coap: coap(layers)?,
@@ -104,6 +105,13 @@ fn wrong_type(layers: &Layers, key: &str) -> SettingsError {
 fn hall(layers: &Layers) -> Result<String, SettingsError> {
     let file: String = read(layers, "hall.file")?;
     if file.trim().is_empty() { Err(layers.wrong("hall.file", "it names no hall")) } else { Ok(file) }
+}
+
+fn hall_start(layers: &Layers) -> Result<Option<(u32, u32)>, SettingsError> {
+    let written: String = read(layers, "hall.start")?;
+    let number = |text: &str| text.trim().parse::<u32>().ok();
+    let start = written.split_once(',').and_then(|(column, row)| Some((number(column)?, number(row)?)));
+    if start.is_none() && !written.is_empty() { Err(layers.wrong("hall.start", "it is no column and row")) } else { Ok(start) }
 }
 
 fn http(layers: &Layers) -> Result<HttpSettings, SettingsError> {

@@ -88,8 +88,9 @@ pub(super) const ROBOTS: &str = "robots";
 pub(super) const ROBOT: &str = "robot";
 
 /// Every setting, in the order of `config/default.toml`.
-pub const KEYS: [Key; 49] = [
+pub const KEYS: [Key; 50] = [
     text("hall.file", "name a built-in hall, as airport, or the path of a .toml or .map file").set_by("--hall"),
+    text("hall.start", "write column and row, counted from 0 in the north-west corner, as 3,0; or nothing").set_by("--start"),
     text("http.bind", "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080")
         .set_by("--http"),
     yes_no("http.require_token"),

@@ -39,7 +39,7 @@ pub(super) fn without_effect(layers: &Layers) -> Result<Vec<String>, SettingsErr
         }
     }
     if !is_any_simulated {
-        keys.push("hall.file".to_owned());
+        keys.extend(["hall.file", "hall.start"].map(str::to_owned));
     }
     if !searches.may_have_sonar() && sensing(layers)? == Sensing::Sonar {
         keys.push("mission.sensing".to_owned());

@@ -42,13 +42,14 @@ fn phrases(language: &str, file: &str) -> BTreeMap<String, String> {
 const WHOLE: [&str; 3] = ["said", "log", "report"];
 
 /// What else a report says: ids, and with a dash at the end beginnings of ids.
-const PARTS: [&str; 15] = [
+const PARTS: [&str; 16] = [
     "hall",
     "temperature",
     "place",
     "month-",
     "list",
     "missions-searched",
+    "missions-searched-of",
     "missions-bomb-",
     "missions-under-way",
     "missions-archived-while",

@@ -14,7 +14,8 @@ use crate::api::time::{Zone, rfc3339};
 use crate::phrases::{Language, Phrase};
 use crate::runtime::archive::{NoTake, Unreadable, hex};
 use hallsweep_core::effect::Fact;
-use hallsweep_core::state::PersistentState;
+use hallsweep_core::mission::PhaseName;
+use hallsweep_core::state::{PersistentState, Reach};
 use hallsweep_core::units::{Seq, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
@@ -48,6 +49,11 @@ impl Report<'_> {
     }
 }
 
+/// How much of the hall could be searched, where that is on record.
+fn reach(state: &PersistentState) -> Option<Reach> {
+    state.conditions.as_ref()?.venue.reach
+}
+
 /// Title, figures, hall.
 #[derive(Template)]
 #[template(path = "report/top.html")]
@@ -61,7 +67,13 @@ struct Top<'r> {
 impl Top<'_> {
     fn outcome(&self) -> String {
         let Some(state) = self.state else { return self.language.say("report-not-kept").to_string() };
-        self.language.came_to(state.phase.name(), self.report.tally.archived.is_some()).to_string()
+        match reach(state) {
+            // Where the reach is not on record, edition 1 says that the whole hall was searched.
+            Some(Reach { reachable, free }) if state.phase.name() == PhaseName::Explored => {
+                self.language.say("missions-searched-of").with("reachable", reachable).with("free", free).to_string()
+            }
+            _ => self.language.came_to(state.phase.name(), self.report.tally.archived.is_some()).to_string(),
+        }
     }
 
     /// What is said in numbers, each with its name.
@@ -118,6 +130,10 @@ impl Top<'_> {
             },
         );
         figures.push((say("report-searched"), searched.to_string()));
+        if let Some(Reach { reachable, free }) = reach(state) {
+            let cells = say("report-reach-cells").with("reachable", reachable).with("free", free);
+            figures.push((say("report-reach"), cells.to_string()));
+        }
         figures.push((say("report-open"), state.map.frontier_size().to_string()));
         let of = |verdict: &str| state.luggage.iter().filter(|luggage| luggage.verdict_name() == verdict).count();
         let pieces = say("report-pieces").with("count", state.luggage.len()).with("safe", of("safe"));

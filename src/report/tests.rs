@@ -13,9 +13,10 @@ use hallsweep_core::command::{Door, Issuer};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::Past;
 use hallsweep_core::event::Photo;
+use hallsweep_core::mission::Phase;
 use hallsweep_core::search::Strategy;
-use hallsweep_core::state::PersistentState;
-use hallsweep_core::units::{Cell, LuggageId, MissionId, Pose, Seq, WallTime};
+use hallsweep_core::state::{Conditions, PersistentState, Reach, Venue};
+use hallsweep_core::units::{Cell, Celsius, LuggageId, MissionId, Pose, Seq, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
 pub(super) const MISSION: MissionId = MissionId(1);
@@ -172,6 +173,27 @@ fn every_stop_of_a_shared_entry_counts() {
         command("anna", "STOP"),
     ]);
     assert!(mission.report(Language::English).contains("<dt>STOP pressed</dt><dd>2962</dd>"));
+}
+
+#[test]
+fn the_outcome_of_a_search_says_how_much_of_the_hall_could_be_reached_where_that_is_on_record() {
+    let page = |reach, language| {
+        let venue = Venue { name: "depot".into(), cell_m: Some(0.5), reach };
+        let threshold = Celsius::new(25.0).expect("a temperature");
+        let facts = [Fact::Conditions(Conditions { venue, threshold }), Fact::Phase(Phase::Explored)];
+        Mission::of(facts.map(|fact| Entry { fact, ..command("anna", "x") }).to_vec()).report(language)
+    };
+    let partly = Some(Reach { reachable: 51, free: 60 });
+    let english = page(partly, Language::English);
+    for said in [
+        "<p class=\"outcome\">Everything that can be reached from the start was searched: 51 of 60 free cells</p>",
+        "<dt>Can be reached</dt><dd>51 of 60 free cells can be reached from the start</dd>",
+    ] {
+        assert!(english.contains(said), "{said} in {english}");
+    }
+    assert!(page(partly, Language::Italian).contains("dalla partenza si raggiungono 51 celle libere su 60"));
+    let earlier = page(None, Language::English);
+    assert!(earlier.contains("The whole hall was searched") && !earlier.contains("Can be reached"), "edition 1 says it so");
 }
 
 /// A piece that was photographed once.

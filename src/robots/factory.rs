@@ -13,6 +13,7 @@ use crate::config::{self, RobotKind, RobotSettings, Settings};
 use crate::runtime::clock::Clock;
 use hallsweep_core::event::RobotId;
 use hallsweep_core::settings::Fetcher;
+use hallsweep_core::state::Venue;
 use hallsweep_sim::Hall;
 
 /// The robots, not yet started, in their hall.
@@ -29,8 +30,8 @@ pub struct Robots {
     chosen: Option<ChosenHall>,
     /// Why the hall that was chosen cannot be had: then nobody knows in which hall the simulated robots are.
     no_hall: Option<String>,
-    /// As the settings name the hall.
-    usual: String,
+    /// As the settings name the hall, and the start in it.
+    usual: (String, Option<(u32, u32)>),
     /// The names of all, those of the pair last.
     ids: Vec<RobotId>,
 }
@@ -52,7 +53,10 @@ enum Robot {
 impl Robots {
     pub fn of(settings: &Settings) -> Result<Robots, Unusable> {
         let is_simulated = settings.robots().any(|(_, robot)| robot.kind == RobotKind::Sim);
-        let chosen = settings.store.as_deref().filter(|_| is_simulated).map(|folder| ChosenHall::within(folder, &settings.hall));
+        // With another start it is another hall of the settings, which holds.
+        let start = settings.hall_start.map_or_else(String::new, |(column, row)| format!(" from {column},{row}"));
+        let instead = format!("{}{start}", settings.hall);
+        let chosen = settings.store.as_deref().filter(|_| is_simulated).map(|folder| ChosenHall::within(folder, &instead));
         let was_chosen = chosen.as_ref().map_or(Ok(None), ChosenHall::read);
         let no_hall = was_chosen.as_ref().err().map(ToString::to_string);
         let Ground { hall, seed } = match was_chosen {
@@ -73,7 +77,7 @@ impl Robots {
         let pair = SimPair::new(Arc::clone(&hall), &RobotSettings { seed, ..settings.robot.clone() }, settings.pair);
         let ids = all.iter().map(|(id, _)| id.clone()).chain(SimPair::ids().into_iter().filter(|_| wants_pair)).collect();
         let speed = settings.robot.speed;
-        let usual = settings.hall.clone();
+        let usual = (settings.hall.clone(), settings.hall_start);
         Ok(Robots { hall, all, pair, wants_pair, seed, speed, chosen, no_hall, usual, ids })
     }
 
@@ -85,14 +89,15 @@ impl Robots {
         }
     }
 
-    /// How long and wide its cells are, in metres; nobody knows it of one that is not ours.
-    pub fn cell_m(&self) -> Option<f64> {
-        matches!(self.all.first(), Some((_, Robot::Sim(_)))).then(|| self.hall.cell_m())
-    }
-
-    /// Whether the one that searches counts its way by time alone.
-    pub fn is_reckoned(&self) -> bool {
-        matches!(self.all.first(), Some((_, Robot::External(robot))) if robot.reckons())
+    /// Where they are; of a hall that is not ours only the place is known.
+    pub fn venue(&self) -> Venue {
+        match self.all.first() {
+            Some((_, Robot::Sim(_))) => sim::venue(&self.hall),
+            Some((_, Robot::External(robot))) => {
+                Venue { name: self.hall_name().into(), is_reckoned: robot.reckons(), ..Venue::default() }
+            }
+            None => Venue { name: self.hall_name().into(), ..Venue::default() },
+        }
     }
 
     /// Their names, that of the one that searches first.

@@ -38,14 +38,19 @@ fn the_same_flags_walk_through_the_same_halls_by_the_same_moves() {
 
 #[test]
 fn without_halls_it_is_the_table_of_the_documentation() {
-    let table = evaluate(&["--strategies", "columns"]);
+    let table = evaluate(&["--strategies", "columns,frontier,auto"]);
     let rows: Vec<&str> = table.lines().collect();
     let page = include_str!("../../docs/search.md");
-    let documented =
-        page.lines().skip_while(|line| !line.ends_with("| known before |")).skip(2).take_while(|line| line.starts_with('|'));
+    let documented = page
+        .lines()
+        .skip_while(|line| !line.ends_with("| auto less frontier |"))
+        .skip(2)
+        .take_while(|line| line.starts_with('|'));
     assert_eq!(rows.len(), 1 + documented.count() + 2, "{table}");
-    assert!(rows[0].starts_with("halls") && rows[0].ends_with("known before"), "{table}");
-    assert!(rows[1].starts_with("empty:10x8") && rows[1].ends_with("1.300"), "{table}");
+    assert!(rows[0].starts_with("halls") && rows[0].ends_with("auto less frontier"), "{table}");
+    let figures = |row: &str| -> Vec<f64> { row.split_whitespace().filter_map(|word| word.parse().ok()).collect() };
+    let [.., frontier, _, auto, _, less, _] = figures(rows[2])[..] else { panic!("means and intervals: {table}") };
+    assert!(rows[2].starts_with("luggage-10:20x20") && (auto - frontier - less).abs() < 0.001_1, "hall by hall: {table}");
 }
 
 #[test]
@@ -64,10 +69,15 @@ fn every_search_is_a_line_of_csv_and_every_tour_a_picture() {
     let flags = ["--halls", "empty:6x5,maze:9x9", "--strategies", "columns,spiral"];
     let (csv, plot, tours) = (file("figures.csv"), file("plot.svg"), folder.display().to_string());
     let table = evaluate(&[&flags[..], &["--csv", &csv, "--plot", &plot, "--tours", &tours]].concat());
-    assert!(table.starts_with("empty:6x5 · 4 halls · goal find · bump · costs 1,1,1\nstrategy"), "{table}");
+    assert!(
+        table.starts_with(
+            "empty:6x5 · 4 halls · goal find · bump · costs 1,1,1\n120 of 120 free cells can be reached from the start\nstrategy"
+        ),
+        "{table}"
+    );
     let lines = std::fs::read_to_string(&csv).expect("it was written");
     let columns: Vec<usize> = lines.lines().map(|line| line.split(',').count()).collect();
-    assert_eq!(columns, vec![22; 1 + 2 * 2 * 4]);
+    assert_eq!(columns, vec![23; 1 + 2 * 2 * 4]);
     for picture in ["plot.svg", "columns-empty-6x5.svg", "spiral-maze-9x9.svg"] {
         let svg = std::fs::read_to_string(folder.join(picture)).expect("it was written");
         assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"), "{picture}");

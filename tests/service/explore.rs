@@ -21,6 +21,9 @@ fn the_figures_are_one_json_object_of_this_shape() {
         "strategy",
         "seed",
         "cells",
+        "free_cells",
+        "pieces",
+        "reachable_pieces",
         "steps",
         "turns",
         "bumps",
@@ -139,4 +142,48 @@ fn tune_writes_weights_that_are_the_same_again_and_says_at_once_where_it_cannot(
     assert_eq!(tune("four", &["--goal", "win"]).status.code(), Some(2));
     assert_eq!(tune("four", &["--halls", "0"]).status.code(), Some(2));
     std::fs::remove_dir_all(&folder).expect("the folder is ours");
+}
+
+/// A pocket in the north-west corner, a hall with a piece, and a closed room with another.
+const POCKETS: &str = "type octile\nheight 4\nwidth 8\nmap\n.@.....@\n@@..T..@\n@@@@@@@@\n.T@@@@@@\n";
+
+#[test]
+fn a_search_that_cannot_come_everywhere_says_how_much_of_the_hall_it_could_come_to() {
+    let map = std::env::temp_dir().join(format!("hallsweep-{}-pockets.map", std::process::id()));
+    std::fs::write(&map, POCKETS).expect("the map can be written");
+    let map = map.to_str().expect("a printable path");
+    for (start, cells, pieces) in [(None, 9, 1), (Some("0,0"), 1, 0), (Some("0,3"), 1, 1), (Some("6, 1"), 9, 1)] {
+        let flags: Vec<&str> = ["--hall", map].into_iter().chain(start.iter().flat_map(|start| ["--start", *start])).collect();
+        let figures = explore(&flags);
+        assert_eq!((&figures["cells"], &figures["free_cells"]), (&cells.into(), &11.into()), "{start:?}: {figures}");
+        assert_eq!((&figures["reachable_pieces"], &figures["pieces"]), (&pieces.into(), &2.into()), "{start:?}: {figures}");
+        let output = run(&[&["explore"], &flags[..]].concat());
+        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        for line in [
+            format!("cells           {cells} of 11 free cells can be reached from here"),
+            format!("pieces          {pieces} of 2 pieces of luggage can be reached from here"),
+            "complete        yes, as far as can be reached from here".to_owned(),
+        ] {
+            assert!(said.lines().any(|said| said == line), "{line} in {said}");
+        }
+    }
+    let whole = String::from_utf8(run(&["explore", "--hall", "empty-8x8"]).stdout).expect("text");
+    assert!(whole.lines().any(|line| line == "complete        yes"), "{whole}");
+    for (start, why) in [
+        (
+            "1,0",
+            "setting hall.start: the start 1,0 is no free cell of this hall of 8 × 4 cells: give column and row of one, counted",
+        ),
+        ("8,0", "setting hall.start: the start 8,0 is no free cell"),
+        ("0,4294967295", "setting hall.start: the start 0,4294967295 is no free cell"),
+        (
+            "-1,0",
+            "setting hall.start = \"-1,0\" (from flag --start): it is no column and row; write column and row, counted from 0",
+        ),
+        ("3", "setting hall.start = \"3\" (from flag --start): it is no column and row"),
+    ] {
+        let output = run(&["explore", "--hall", map, "--start", start]);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && said.contains(why), "{start}: {said}");
+    }
 }

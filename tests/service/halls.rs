@@ -124,7 +124,7 @@ fn a_cell_of_an_image_is_as_long_as_it_is_asked_for() {
         line.contains(": 4 × 2 cells of 0.25 m") && line.ends_with("lost: cells of 0.25 m become cells of 0.5 m; the name"),
         "{line}"
     );
-    assert_eq!(folder.read("quarter.txt"), b"|r, 1, 1, 1, \n|1, 1, 1, X, \n");
+    assert_eq!(folder.read("quarter.txt"), b"|1, 1, 1, 1, \n|r, 1, 1, X, \n", "world (0, 0) is in the south-west");
     // The image may lie anywhere.
     let text = String::from_utf8(folder.read("m.yaml")).expect("UTF-8").replace("m.pgm", &folder.path("m.pgm"));
     std::fs::create_dir(folder.path("far")).expect("the folder is ours");

@@ -23,6 +23,12 @@ impl Cell {
         Cell { x, y }
     }
 
+    /// The same cell, counted from this one.
+    #[must_use]
+    pub const fn relative_to(self, origin: Cell) -> Cell {
+        Cell::new(self.x - origin.x, self.y - origin.y)
+    }
+
     /// The cell that is written so: `(1, 2)`.
     pub(crate) fn from_words(words: &str) -> Option<Cell> {
         let (x, y) = words.strip_prefix('(')?.strip_suffix(')')?.split_once(", ")?;

@@ -13,6 +13,8 @@ pub struct Ground {
     within: Vec<bool>,
     /// How many cells can be reached, home included.
     pub reachable: usize,
+    /// How many cells are free.
+    pub free: usize,
     /// How many cells of luggage can be touched.
     pub touchable: usize,
 }
@@ -24,7 +26,8 @@ impl Ground {
         let bounds = hall.bounds().grown(1);
         let rows = (bounds.least.y..=bounds.most.y).flat_map(|y| (bounds.least.x..=bounds.most.x).map(move |x| Cell::new(x, y)));
         let squares: Vec<Truth> = rows.map(|cell| hall.truth(cell)).collect();
-        let mut ground = Ground { bounds, within: vec![false; squares.len()], squares, reachable: 0, touchable: 0 };
+        let free = squares.iter().filter(|truth| **truth == Truth::Free).count();
+        let mut ground = Ground { bounds, within: vec![false; squares.len()], squares, reachable: 0, free, touchable: 0 };
         ground.flood();
         ground
     }

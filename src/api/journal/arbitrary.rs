@@ -19,7 +19,7 @@ use hallsweep_core::retrieval::{
 };
 use hallsweep_core::search::{Search, Strategy as Order};
 use hallsweep_core::settings::Fetcher;
-use hallsweep_core::state::{Conditions, PersistentState, Retrieval, RetrievalStage, Venue};
+use hallsweep_core::state::{Conditions, PersistentState, Reach, Retrieval, RetrievalStage, Venue};
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, Seq, WallTime};
 use hallsweep_core::world::alarm::{Alarm, AlarmCause};
 use hallsweep_core::world::hall_map::{HallMap, Mark, REACH};
@@ -79,9 +79,9 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
 }
 
 fn conditions() -> impl Strategy<Value = Conditions> {
-    (text(), option::of(0.01..100.0), any::<bool>(), celsius()).prop_map(|(hall, cell_m, is_reckoned, threshold)| Conditions {
-        venue: Venue { name: hall.into(), cell_m, is_reckoned },
-        threshold,
+    let reach = option::of((any::<u32>(), any::<u32>()).prop_map(|(a, b)| Reach { reachable: a.min(b), free: a.max(b) }));
+    (text(), option::of(0.01..100.0), any::<bool>(), celsius(), reach).prop_map(|(hall, cell_m, is_reckoned, threshold, reach)| {
+        Conditions { venue: Venue { name: hall.into(), cell_m, is_reckoned, reach }, threshold }
     })
 }
 

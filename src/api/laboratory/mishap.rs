@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use hallsweep_sim::pair::Slip;
 pub use hallsweep_sim::pallet::Asked;
-use hallsweep_sim::pallet::MOST_PARCELS;
+use hallsweep_sim::pallet::{MOST_PARCELS, PalletRun};
 
 /// Steps after which a parcel that is to be lost on the way slips: far from both ends of most ways.
 const LOST_AFTER: u32 = 3;
@@ -132,11 +132,61 @@ pub fn asked(parcels: u32, faults: &[AskedFault]) -> Result<Asked, BeyondError> 
             Mishap::LostLifting => asked.mishaps.slips.push(Slip { parcel, after_steps: 0 }),
             Mishap::Unrecognised => asked.mishaps.unrecognised.push(parcel),
             Mishap::Jammed => asked.mishaps.jams.push(parcel),
-            Mishap::Blocked => asked.blocked = Some(parcel),
+            Mishap::Blocked => asked.blocked.push(parcel),
             Mishap::Absent => asked.absent = true,
         }
     }
     Ok(asked)
+}
+
+/// Why something that was asked to go wrong has not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Missed {
+    /// Nothing happened for which the operator is called.
+    NobodyCalled,
+    /// The run ended first.
+    RunEnded,
+}
+
+impl Missed {
+    /// All of them.
+    pub const ALL: [Missed; 2] = [Missed::NobodyCalled, Missed::RunEnded];
+
+    /// Its fixed name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Missed::NobodyCalled => "nobodyCalled",
+            Missed::RunEnded => "runEnded",
+        }
+    }
+
+    /// What it says.
+    pub const fn in_words(self) -> &'static str {
+        match self {
+            Missed::NobodyCalled => "the operator was never called",
+            Missed::RunEnded => "the run ended before it could happen",
+        }
+    }
+}
+
+/// Those of the faults that have not happened in this run, which has ended, and why.
+pub fn missed(faults: &[AskedFault], run: &PalletRun) -> Vec<(AskedFault, Missed)> {
+    let mut left = run.not_happened();
+    let mut is_left = |AskedFault { mishap, parcel }: &AskedFault| match mishap {
+        Mishap::Lost => take(&mut left.mishaps.slips, Slip { parcel: *parcel, after_steps: LOST_AFTER }),
+        Mishap::LostLifting => take(&mut left.mishaps.slips, Slip { parcel: *parcel, after_steps: 0 }),
+        Mishap::Unrecognised => take(&mut left.mishaps.unrecognised, *parcel),
+        Mishap::Jammed => take(&mut left.mishaps.jams, *parcel),
+        Mishap::Blocked => take(&mut left.blocked, *parcel),
+        Mishap::Absent => left.absent,
+    };
+    let why = |mishap| if mishap == Mishap::Absent { Missed::NobodyCalled } else { Missed::RunEnded };
+    faults.iter().filter(|fault| is_left(fault)).map(|fault| (*fault, why(fault.mishap))).collect()
+}
+
+/// Removes one of these from the list, if there is one.
+fn take<T: PartialEq>(list: &mut Vec<T>, wanted: T) -> bool {
+    list.iter().position(|item| *item == wanted).map(|index| list.remove(index)).is_some()
 }
 
 #[cfg(test)]
@@ -163,6 +213,6 @@ mod tests {
         let told =
             asked(2, &[Mishap::Lost.at(2), Mishap::LostLifting.at(1), Mishap::Blocked.at(2), Mishap::Absent.at(1)]).unwrap();
         assert_eq!(told.mishaps.slips, [Slip { parcel: 2, after_steps: LOST_AFTER }, Slip { parcel: 1, after_steps: 0 }]);
-        assert_eq!((told.blocked, told.absent), (Some(2), true));
+        assert_eq!((told.blocked, told.absent), (vec![2], true));
     }
 }

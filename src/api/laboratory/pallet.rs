@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use super::mishap::AskedFault;
+use super::mishap::{AskedFault, Missed, missed};
 pub use super::pallet_drawing::{TITLE, drawing};
 pub use super::pallet_json::PalletJson;
 use hallsweep_core::units::Cell;
@@ -73,6 +73,11 @@ impl Pallet {
     /// Why not all parcels arrived.
     pub const fn fault(&self) -> Option<PalletFault> {
         self.figures.fault
+    }
+
+    /// What was asked to go wrong and has not, and why.
+    pub fn missed(&self) -> Vec<(AskedFault, Missed)> {
+        missed(&self.faults, &self.run)
     }
 
     /// Columns and rows of the yard, with half a cell of the wall round it.

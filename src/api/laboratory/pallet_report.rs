@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::mishap::AskedFault;
+use super::mishap::{AskedFault, Missed, missed};
 use super::pallet::{kind, words};
 use super::pallet_json::short;
 use hallsweep_sim::pair::Spread;
@@ -11,17 +11,30 @@ use hallsweep_sim::pallet::{Entry, Figures, News, PalletFault, PalletRun};
 
 /// What was asked for, what passed, and the figures.
 #[derive(Serialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
 pub struct ReportJson {
     seed: u64,
     parcels: u32,
     /// What was asked to go wrong, as it is written in the address.
     faults: Vec<String>,
+    /// Those of them that have not happened.
+    not_happened: Vec<NotHappenedJson>,
     /// How long it took, in simulated time.
     seconds: f64,
     events: Vec<EventJson>,
     figures: FiguresJson,
     /// Why not all parcels arrived.
     fault: Option<FaultJson>,
+}
+
+#[derive(Serialize, JsonSchema)]
+#[schemars(rename = "PalletFaultNotHappened")]
+struct NotHappenedJson {
+    /// As it stands in `faults`.
+    fault: String,
+    /// `nobodyCalled` or `runEnded`.
+    why: &'static str,
+    words: &'static str,
 }
 
 #[derive(Serialize, JsonSchema)]
@@ -72,11 +85,18 @@ impl ReportJson {
             seed: figures.seed,
             parcels: figures.parcels,
             faults: faults.iter().map(ToString::to_string).collect(),
+            not_happened: missed(faults, run).into_iter().map(NotHappenedJson::from).collect(),
             seconds: short(figures.took.as_secs_f64()),
             events: run.entries().iter().map(EventJson::from).collect(),
             figures: FiguresJson::from(figures),
             fault: figures.fault.map(FaultJson::from),
         }
+    }
+}
+
+impl From<(AskedFault, Missed)> for NotHappenedJson {
+    fn from((fault, why): (AskedFault, Missed)) -> NotHappenedJson {
+        NotHappenedJson { fault: fault.to_string(), why: why.name(), words: why.in_words() }
     }
 }
 

@@ -1,7 +1,7 @@
 //! What a comparison came to, as tables for people and as a picture.
 
 use super::{Answer, Measure, Question};
-use hallsweep_core::search::Terms;
+use hallsweep_core::search::{Strategy, Terms};
 use hallsweep_evaluation::compare::{Contest, Entrant, Estimate, against as differences, decisions, over};
 use hallsweep_evaluation::drawing::{self, Band, Dot};
 use hallsweep_evaluation::family::Family;
@@ -24,23 +24,21 @@ pub(super) const fn head(measure: Measure) -> &'static str {
     }
 }
 
-/// A line for each row of the tables of the documentation, a column for each entrant, and the best that was known before.
+/// A line for each row of the table of the documentation, a column for each entrant, and `auto` less `frontier`, hall by hall.
 pub(super) fn rows(answers: &[Answer], entrants: &[Entrant]) -> String {
-    let mut table = vec![
-        [vec!["halls".to_owned(), "asked".to_owned(), "measured".to_owned()], names(entrants), vec!["known before".to_owned()]]
-            .concat(),
-    ];
+    let place = |strategy| entrants.iter().position(|entrant| *entrant == Entrant::Strategy(strategy));
+    let pair = place(Strategy::Auto).zip(place(Strategy::Frontier));
+    let mut table = vec![["halls", "asked", "measured"].map(str::to_owned).to_vec()];
+    table[0].extend(names(entrants).into_iter().chain(["auto less frontier".to_owned()]));
     for Answer { question, trials } in answers {
-        let Question { contest, measure, known } = question;
-        let halls = vec![contest.halls.to_string(), asked(contest.terms), head(*measure).to_owned()];
-        let estimates = trials.iter().map(|trials| shown(over(trials, *measure))).collect();
-        table.push([halls, estimates, vec![known.map_or_else(|| "-".to_owned(), |known| format!("{known:.3}"))]].concat());
+        let Question { contest, measure } = question;
+        let mut line = vec![contest.halls.to_string(), asked(contest.terms), head(*measure).to_owned()];
+        line.extend(trials.iter().map(|trials| shown(over(trials, *measure))));
+        line.push(shown(pair.and_then(|(auto, frontier)| differences(&trials[auto], &trials[frontier], *measure))));
+        table.push(line);
     }
     let halls = answers.first().map_or(0, |answer| answer.question.contest.halls.count());
-    format!(
-        "{}\n\nMeans of {halls} halls each, with their 95 % intervals. What was known before stands for other halls of the same kind.",
-        aligned(&table)
-    )
+    format!("{}\n\nMeans of {halls} halls each, with their 95 % intervals.", aligned(&table))
 }
 
 /// A line for each family: how often what is said of the time left holds.
@@ -80,7 +78,9 @@ fn block(answer: &Answer, entrants: &[Entrant], against: Option<usize>) -> Strin
     }
     let count = contest.halls.count();
     let halls = if count == 1 { "one hall".to_owned() } else { format!("{count} halls") };
-    format!("{} · {halls} · {}\n{}", contest.halls, asked(contest.terms), aligned(&table))
+    let [cells, free] = answer.reach();
+    let reach = format!("{cells} of {free} free cells can be reached from the start");
+    format!("{} · {halls} · {}\n{reach}\n{}", contest.halls, asked(contest.terms), aligned(&table))
 }
 
 /// The picture of all comparisons.

@@ -16,6 +16,9 @@ struct EvaluationJson<'a> {
 struct ComparisonJson<'a> {
     halls: String,
     count: usize,
+    /// Of all halls together: cells that can be reached from the start, and free cells.
+    cells: usize,
+    free_cells: usize,
     /// Null for a hall that was drawn.
     seed: Option<u64>,
     goal: &'static str,
@@ -76,6 +79,7 @@ pub(super) fn json(answers: &[Answer], entrants: &[Entrant], against: Option<usi
 fn comparison<'a>(answer: &Answer, entrants: &'a [Entrant], against: Option<usize>) -> ComparisonJson<'a> {
     let Contest { halls, terms, .. } = &answer.question.contest;
     let seed = if let Halls::Random { seed, .. } = halls { Some(*seed) } else { None };
+    let [cells, free_cells] = answer.reach();
     let strategy = |(entrant, mine): (&'a Entrant, &Vec<Trial>)| {
         let [p50, p99, worst] = decisions(mine).map(|time| time.as_secs_f64() * 1e6);
         let more_than = against.map(|other| DifferenceJson {
@@ -93,6 +97,8 @@ fn comparison<'a>(answer: &Answer, entrants: &'a [Entrant], against: Option<usiz
     ComparisonJson {
         halls: halls.to_string(),
         count: halls.count(),
+        cells,
+        free_cells,
         seed,
         goal: terms.objective.name(),
         sonar_cells: terms.sonar_cells,
@@ -112,7 +118,7 @@ fn measures(of: impl Fn(Measure) -> Option<Estimate>) -> MeasuresJson {
     }
 }
 
-const CSV_HEAD: &str = "halls,hall,seed,goal,sonar_cells,step_cost,turn_cost,bump_cost,strategy,cells,steps,turns,bumps,moves_per_cell,\
+const CSV_HEAD: &str = "halls,hall,seed,goal,sonar_cells,step_cost,turn_cost,bump_cost,strategy,cells,free_cells,steps,turns,bumps,moves_per_cell,\
                         moves_to_a_piece_per_cell,steps_over_bound,seconds,complete,decisions,decision_p50_us,decision_p99_us,\
                         decision_worst_us\n";
 
@@ -135,13 +141,14 @@ fn csv_line(contest: &Contest, number: usize, entrant: &Entrant, trial: &Trial) 
     let to_a_piece = trial.to_a_piece.map_or_else(String::new, |moves| moves.to_string());
     let [p50, p99, worst] = decisions(std::slice::from_ref(trial)).map(|time| time.as_secs_f64() * 1e6);
     format!(
-        "{},{number},{seed},{},{},{},{},{},{},{},{},{},{to_a_piece},{},{},{},{},{p50},{p99},{worst}",
+        "{},{number},{seed},{},{},{},{},{},{},{},{},{},{},{to_a_piece},{},{},{},{},{p50},{p99},{worst}",
         quoted(&halls.to_string()),
         terms.objective.name(),
         terms.sonar_cells,
         terms.costs,
         quoted(entrant.name()),
         trial.cells,
+        trial.free_cells,
         trial.moves.steps,
         trial.moves.turns,
         trial.moves.bumps,

@@ -15,6 +15,10 @@ struct FiguresJson<'a> {
     seed: u64,
     /// Reachable cells, home included.
     cells: usize,
+    free_cells: usize,
+    /// Pieces of luggage that can be reached, and all of them.
+    reachable_pieces: usize,
+    pieces: usize,
     steps: u64,
     turns: u64,
     bumps: u64,
@@ -46,7 +50,14 @@ pub(super) fn json(figures: &Figures) -> String {
 
 /// A line for each figure.
 pub(super) fn table(figures: &Figures) -> String {
-    let Figures { hall, strategy, seed, cells, moves, complete, home, luggage, bomb_found_at, .. } = figures;
+    let Figures { hall, strategy, seed, cells, free_cells, moves, home, luggage, bomb_found_at, .. } = figures;
+    let Figures { reachable_pieces, pieces, .. } = figures;
+    let is_partial = cells < free_cells || reachable_pieces < pieces;
+    let completeness = match figures.complete {
+        true if is_partial => "yes, as far as can be reached from here",
+        true => "yes",
+        false => "no",
+    };
     let yes = |is_so: &bool| if *is_so { "yes" } else { "no" };
     let dangerous: Vec<String> =
         luggage.iter().filter(|piece| piece.is_dangerous()).map(|piece| format!("#{} at {}", piece.id, piece.cell)).collect();
@@ -54,15 +65,16 @@ pub(super) fn table(figures: &Figures) -> String {
         ("hall", hall.clone()),
         ("strategy", strategy.name().to_owned()),
         ("seed", seed.to_string()),
-        ("cells", cells.to_string()),
+        ("cells", format!("{cells} of {free_cells} free cells can be reached from here")),
         ("steps", moves.steps.to_string()),
         ("turns", moves.turns.to_string()),
         ("bumps", moves.bumps.to_string()),
         ("moves per cell", format!("{:.2}", moves_per_cell(figures))),
+        ("pieces", format!("{reachable_pieces} of {pieces} pieces of luggage can be reached from here")),
         ("luggage", luggage.len().to_string()),
         ("dangerous", if dangerous.is_empty() { "none".to_owned() } else { dangerous.join(", ") }),
         ("bomb met after", bomb_found_at.map_or_else(|| "-".to_owned(), |moves| format!("{moves} moves"))),
-        ("complete", yes(complete).to_owned()),
+        ("complete", completeness.to_owned()),
         ("home", yes(home).to_owned()),
     ];
     rows.map(|(name, value)| format!("{name:<16}{value}")).join("\n")
@@ -80,6 +92,9 @@ impl<'a> From<&'a Figures> for FiguresJson<'a> {
             strategy: figures.strategy.name(),
             seed: figures.seed,
             cells: figures.cells,
+            free_cells: figures.free_cells,
+            reachable_pieces: figures.reachable_pieces,
+            pieces: figures.pieces,
             steps: figures.moves.steps,
             turns: figures.moves.turns,
             bumps: figures.moves.bumps,

@@ -112,6 +112,8 @@ struct Carried {
     figures: Vec<(String, String)>,
     /// Why not all parcels arrived.
     fault: Option<String>,
+    /// What was asked to go wrong and has not.
+    missed: Vec<String>,
     /// At the end.
     trees: TreesView,
 }
@@ -136,6 +138,7 @@ impl Page {
                 events: said::events(language, pallet),
                 figures: said::carried(language, pallet.figures()),
                 fault: pallet.fault().map(|fault| said::fault(language, fault)),
+                missed: said::missed(language, pallet),
                 trees: pallet.trees(),
             },
         }
@@ -327,6 +330,12 @@ mod tests {
             assert!(page.contains(wanted), "{wanted} in {page}");
         }
         assert_eq!(page.matches("<section class=\"tree\"").count(), 3);
+        assert!(!page.contains("Did not happen"));
+        let calm = text(app.get("/laboratory?palletSeed=2&parcels=1&fault=absent").await).await;
+        assert!(
+            calm.contains("<p class=\"same why\">Did not happen: no operator (the operator was never called).</p>"),
+            "{calm}"
+        );
         assert!(app.given.lock().unwrap().is_empty(), "it moves nothing");
     }
 

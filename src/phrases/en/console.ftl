@@ -70,7 +70,7 @@ next-retrieve = RETRIEVE has it brought into the container.
 next-after-alarm = When the hall is safe again, acknowledge the alarm, then press RESET to put this mission away.
 next-reset = When the hall is safe again, press RESET to put this mission away.
 next-secured = { $what }. START begins a new search, RESET puts this mission away.
-next-explored = The whole hall has been searched. START searches it anew, RESET puts this mission away.
+next-explored = Everything that can be reached from here has been searched. START searches it anew, RESET puts this mission away.
 secured-one = luggage #{ $id } is in the container
 secured-many = luggage { $ids } are in the container
 announced-searched = At least { $count } cells are searched.
@@ -79,6 +79,7 @@ announced-waits = Luggage #{ $id } waits for your verdict.
 ## Progress
 
 progress-searched = <b>{ $searched }</b> searched
+progress-reach = { $reachable } of { $free } free cells can be reached from here
 progress-none = The search has not begun.
 progress-forecast = Driving alone, at the pace so far: photos and answers come on top. It held in 95 of 100 moments of searches of random halls, and in 83 of halls of corridors.
 progress-gone = <b>{ $time }</b> gone

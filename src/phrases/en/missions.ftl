@@ -22,6 +22,8 @@ missions-older = Older missions
 ## What a mission came to
 
 missions-searched = The whole hall was searched
+missions-searched-of = Everything that can be reached from the start was searched: { $reachable } of { $free } free cells
+missions-searched-reachable = Everything that can be reached from the start was searched
 missions-bomb-located = A bomb was located
 missions-bomb-secured = The bomb was fetched and secured
 missions-under-way = Under way: { $phase }

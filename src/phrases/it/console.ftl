@@ -70,7 +70,7 @@ next-retrieve = RECUPERA lo fa portare nel contenitore.
 next-after-alarm = Quando la sala è di nuovo sicura, confermare l'allarme, poi premere ARCHIVIA per archiviare questa missione.
 next-reset = Quando la sala è di nuovo sicura, premere ARCHIVIA per archiviare questa missione.
 next-secured = { $what }. AVVIA comincia una nuova ricerca, ARCHIVIA archivia questa missione.
-next-explored = Tutta la sala è stata esplorata. AVVIA la esplora di nuovo, ARCHIVIA archivia questa missione.
+next-explored = Tutto ciò che si raggiunge da qui è stato esplorato. AVVIA lo esplora di nuovo, ARCHIVIA archivia questa missione.
 secured-one = il bagaglio #{ $id } è nel contenitore
 secured-many = i bagagli { $ids } sono nel contenitore
 announced-searched = Celle esplorate: almeno { $count }.
@@ -79,6 +79,7 @@ announced-waits = Il bagaglio #{ $id } attende il verdetto.
 ## Progress
 
 progress-searched = esplorate <b>{ $searched }</b>
+progress-reach = da qui si raggiungono { $reachable } celle libere su { $free }
 progress-none = La ricerca non è cominciata.
 progress-forecast = Solo il tempo di guida, al passo tenuto finora: foto e risposte si aggiungono. Ha retto in 95 momenti su 100 di ricerche in sale a caso, e in 83 in sale di corridoi.
 progress-gone = <b>{ $time }</b> dall'inizio

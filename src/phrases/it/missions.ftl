@@ -22,6 +22,8 @@ missions-older = Missioni più vecchie
 ## L'esito di una missione
 
 missions-searched = Tutta la sala è stata esplorata
+missions-searched-of = Tutto ciò che si raggiunge dalla partenza è stato esplorato: { $reachable } celle libere su { $free }
+missions-searched-reachable = Tutto ciò che si raggiunge dalla partenza è stato esplorato
 missions-bomb-located = Una bomba è stata localizzata
 missions-bomb-secured = La bomba è stata recuperata e messa al sicuro
 missions-under-way = In corso: { $phase }

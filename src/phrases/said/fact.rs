@@ -34,7 +34,7 @@ impl Language {
             Fact::ClockSet(by) => self.say("fact-clock-forward").with("by", hours(*by)),
             Fact::WrittenOut(written) => return self.written_out(written),
             Fact::Unpacked(unpacked) => return self.unpacked(unpacked),
-            Fact::Conditions(Conditions { venue: Venue { name, cell_m, is_reckoned }, threshold }) => {
+            Fact::Conditions(Conditions { venue: Venue { name, cell_m, is_reckoned, .. }, threshold }) => {
                 let say = self.say(match (cell_m, is_reckoned) {
                     (Some(_), _) => "fact-conditions",
                     (None, true) => "fact-conditions-reckoned",

@@ -213,15 +213,15 @@ fn the_journal() {
         Fact::Retrieval(None),
         Fact::Secured(ID),
         Fact::Conditions(Conditions {
-            venue: Venue { name: "depot".into(), cell_m: Some(0.25), is_reckoned: false },
+            venue: Venue { name: "depot".into(), cell_m: Some(0.25), is_reckoned: false, reach: None },
             threshold: degrees(25.5),
         }),
         Fact::Conditions(Conditions {
-            venue: Venue { name: "depot".into(), cell_m: None, is_reckoned: false },
+            venue: Venue { name: "depot".into(), ..Venue::default() },
             threshold: degrees(25.5),
         }),
         Fact::Conditions(Conditions {
-            venue: Venue { name: "depot".into(), cell_m: None, is_reckoned: true },
+            venue: Venue { name: "depot".into(), is_reckoned: true, ..Venue::default() },
             threshold: degrees(25.5),
         }),
         Fact::Led(true),

@@ -22,5 +22,5 @@ pub(super) use remote::{Controls, Ground, Remote};
 pub(super) use robot::SimRobot;
 pub(super) use settings::speed;
 pub use settings::{UnusableHall, hall, sim_settings};
-pub(super) use simulator::Parts;
 pub use simulator::SimulatorParts;
+pub(super) use simulator::{Parts, venue};

@@ -9,41 +9,45 @@ use hallsweep_sim::Hall;
 /// The halls by whose names somebody may choose: the built-in ones, the file that the settings name, by its own name, and those that are kept.
 #[derive(Debug)]
 pub(super) struct Offered {
-    always: Vec<(String, String)>,
+    /// Their names, and the halls themselves: name or path, and where the robot starts if the settings say so.
+    always: Vec<(String, String, Option<(u32, u32)>)>,
     kept: KeptHalls,
 }
 
 impl Offered {
-    /// With the hall of the settings, and what is kept in this data folder.
-    pub(super) fn with(usual: &str, data: Option<&Path>) -> Offered {
-        let mut halls: Vec<(String, String)> = Hall::builtin_names().map(|name| (name.to_owned(), name.to_owned())).collect();
+    /// With the hall of the settings and the start in it, and what is kept in this data folder.
+    pub(super) fn with(usual: &str, start: Option<(u32, u32)>, data: Option<&Path>) -> Offered {
+        let built_in = |name: &str| (name.to_owned(), name.to_owned(), start.filter(|_| name == usual));
+        let mut halls: Vec<_> = Hall::builtin_names().map(built_in).collect();
         let stem = Path::new(usual).file_stem().map(|stem| stem.to_string_lossy().into_owned());
         // It stands in addresses.
         let is_plain = |name: &String| name.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_.".contains(letter));
-        let is_known = |name: &str| halls.iter().any(|(known, _)| known == name);
+        let is_known = |name: &str| halls.iter().any(|(known, ..)| known == name);
         if !is_known(usual) {
             let name = stem.filter(|name| is_plain(name) && !is_known(name)).unwrap_or_else(|| "hall-of-the-settings".to_owned());
-            halls.push((name, usual.to_owned()));
+            halls.push((name, usual.to_owned(), start));
         }
         Offered { always: halls, kept: KeptHalls::within(data) }
     }
 
     pub(super) fn names(&self) -> Vec<String> {
-        self.always.iter().map(|(name, _)| name.clone()).chain(self.kept()).collect()
+        self.always.iter().map(|(name, ..)| name.clone()).chain(self.kept()).collect()
     }
 
     /// Those that are kept; one whose name another has by now is not seen.
     pub(super) fn kept(&self) -> Vec<String> {
-        self.kept.names().into_iter().filter(|name| self.file(name).is_none()).collect()
+        self.kept.names().into_iter().filter(|name| !self.is_always(name)).collect()
     }
 
-    fn file(&self, name: &str) -> Option<&str> {
-        self.always.iter().find(|(known, _)| known == name).map(|(_, file)| file.as_str())
+    fn is_always(&self, name: &str) -> bool {
+        self.always.iter().any(|(known, ..)| known == name)
     }
 
     pub(super) fn named(&self, name: &str) -> Result<Hall, NotSimulated> {
-        if let Some(file) = self.file(name) {
-            return Hall::named_or_file(file).map_err(|error| NotSimulated::Hall(error.to_string())).and_then(fitting);
+        if let Some((_, file, start)) = self.always.iter().find(|(known, ..)| known == name) {
+            let hall = Hall::named_or_file(file).map_err(|error| NotSimulated::Hall(error.to_string()))?;
+            let started = start.map_or_else(|| Ok(hall.clone()), |start| hall.clone().starting_at(start));
+            return started.map_err(|fault| NotSimulated::Hall(fault.to_string())).and_then(fitting);
         }
         self.kept.read(name).unwrap_or_else(|| {
             let known = self.names().join(", ");
@@ -55,7 +59,7 @@ impl Offered {
     pub(super) fn keep(&self, name: &str, hall: &Hall, may_replace: bool) -> Result<(), NotSimulated> {
         if !is_hall_name(name) {
             Err(NotSimulated::NotAName(name.chars().take(80).collect()))
-        } else if self.file(name).is_some() {
+        } else if self.is_always(name) {
             Err(NotSimulated::NameTaken(name.to_owned()))
         } else {
             self.kept.keep(name, hall, may_replace)
@@ -64,7 +68,7 @@ impl Offered {
 
     pub(super) fn discard(&self, name: &str) -> Result<(), NotSimulated> {
         // Of one whose name another has by now nobody is told: it stays.
-        if self.file(name).is_some() {
+        if self.is_always(name) {
             return Err(NotSimulated::NotThere(name.to_owned()));
         }
         self.kept.discard(name)
@@ -89,13 +93,13 @@ mod tests {
 
     #[test]
     fn the_hall_of_the_settings_is_offered_by_a_name_of_its_own() {
-        let last = |usual: &str| Offered::with(usual, None).names().pop();
-        assert_eq!(Offered::with("airport", None).names().len(), Hall::builtin_names().count());
+        let last = |usual: &str| Offered::with(usual, None, None).names().pop();
+        assert_eq!(Offered::with("airport", None, None).names().len(), Hall::builtin_names().count());
         assert_eq!(last("halls/depot.yaml").as_deref(), Some("depot"));
         for other in ["my/airport.toml", "halls/a b.toml", ".."] {
             assert_eq!(last(other).as_deref(), Some("hall-of-the-settings"), "{other}");
         }
-        let gone = Offered::with("halls/depot.yaml", None).named("depot").expect_err("it is not there").to_string();
+        let gone = Offered::with("halls/depot.yaml", None, None).named("depot").expect_err("it is not there").to_string();
         assert!(gone.contains("halls/depot.yaml"), "{gone}");
     }
 
@@ -103,7 +107,7 @@ mod tests {
     fn a_hall_is_kept_under_a_name_that_no_other_has() {
         let folder = Scratch::new();
         let hall = Hall::named_or_file("seed").expect("it is built in");
-        let halls = Offered::with("halls/depot.yaml", Some(&folder.0));
+        let halls = Offered::with("halls/depot.yaml", None, Some(&folder.0));
         for taken in ["airport", "depot"] {
             assert_eq!(halls.keep(taken, &hall, true), Err(NotSimulated::NameTaken(taken.to_owned())));
         }
@@ -115,9 +119,9 @@ mod tests {
         assert_eq!(halls.keep("mine-2", &hall, false), Err(NotSimulated::AnotherKept("mine-2".to_owned())));
         assert_eq!((halls.names().pop().as_deref(), halls.kept()), (Some("mine-2"), vec!["mine-2".to_owned()]));
         assert_eq!(halls.named("mine-2"), Ok(hall));
-        let later = Offered::with("halls/mine-2.toml", Some(&folder.0));
+        let later = Offered::with("halls/mine-2.toml", None, Some(&folder.0));
         assert!(later.kept().is_empty() && later.named("mine-2").is_err(), "the settings' own has the name now");
         assert_eq!(later.discard("mine-2"), Err(NotSimulated::NotThere("mine-2".to_owned())));
-        assert_eq!(Offered::with("seed", Some(&folder.0)).kept(), ["mine-2"], "it is there still");
+        assert_eq!(Offered::with("seed", None, Some(&folder.0)).kept(), ["mine-2"], "it is there still");
     }
 }

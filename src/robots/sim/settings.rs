@@ -3,22 +3,23 @@
 use std::sync::Arc;
 
 use crate::config::{self, RobotSettings, Settings};
-use hallsweep_sim::{Camera, Hall, HallError, SimSettings, Speed};
+use hallsweep_sim::{Camera, Hall, HallError, HallFault, SimSettings, Speed};
 
-/// The hall of the settings cannot be read. `Display` is the line for whoever started the program.
+/// The hall of the settings cannot be used. `Display` is the line for whoever started the program.
 #[derive(Debug, thiserror::Error)]
-#[error("setting hall.file = {name:?} (from {origin}): {error}")]
-pub struct UnusableHall {
-    /// The hall's name or path, as it was set.
-    pub name: String,
-    /// Where that was set, as `flag --hall`.
-    pub origin: String,
-    pub error: HallError,
+pub enum UnusableHall {
+    /// It cannot be read. `origin` is where its name or path was set, as `flag --hall`.
+    #[error("setting hall.file = {name:?} (from {origin}): {error}")]
+    File { name: String, origin: String, error: HallError },
+    #[error("setting hall.start: {0}")]
+    Start(HallFault),
 }
 
 pub fn hall(settings: &Settings) -> Result<Arc<Hall>, UnusableHall> {
-    let (name, origin) = (settings.hall.clone(), settings.hall_origin.clone());
-    Hall::named_or_file(&settings.hall).map(Arc::new).map_err(|error| UnusableHall { name, origin, error })
+    let unreadable = |error| UnusableHall::File { name: settings.hall.clone(), origin: settings.hall_origin.clone(), error };
+    let hall = Hall::named_or_file(&settings.hall).map_err(unreadable)?;
+    let Some(start) = settings.hall_start else { return Ok(Arc::new(hall)) };
+    hall.starting_at(start).map(Arc::new).map_err(UnusableHall::Start)
 }
 
 pub fn sim_settings(robot: &RobotSettings, camera: Camera) -> SimSettings {

@@ -37,8 +37,8 @@ pub(in crate::robots) struct Parts {
     pub(in crate::robots) robots: Vec<RobotId>,
     pub(in crate::robots) links: Vec<mpsc::Sender<Move>>,
     pub(in crate::robots) chosen: Option<ChosenHall>,
-    /// The hall of the settings.
-    pub(in crate::robots) usual: String,
+    /// The hall of the settings, and where the robot starts if they say so.
+    pub(in crate::robots) usual: (String, Option<(u32, u32)>),
 }
 
 /// What is left of the simulator until the loop runs: it needs the core's consent.
@@ -55,7 +55,7 @@ impl SimulatorParts {
             faults: Faults::default(),
         };
         let (state, turn) = (watch::Sender::new(Arc::new(state)), Mutex::new(ground));
-        let offered = Arc::new(Offered::with(&usual, chosen.as_ref().map(ChosenHall::folder)));
+        let offered = Arc::new(Offered::with(&usual.0, usual.1, chosen.as_ref().map(ChosenHall::folder)));
         Arc::new(InHand { handle, state, controls, turn, robots, links, chosen, offered })
     }
 }
@@ -229,7 +229,7 @@ impl InHand {
             }
             moves.push((decide, is_put_down));
         }
-        let venue = Venue { name: next.hall.name().into(), cell_m: Some(next.hall.cell_m()), is_reckoned: false };
+        let venue = venue(&next.hall);
         self.handle.put_down(issuer, venue, self.robots.clone()).await??;
         for (decide, is_put_down) in moves {
             if decide.send(next.clone()).is_err() || is_put_down.await.is_err() {
@@ -277,6 +277,11 @@ fn check_blocked(hall: &Hall, blocked: Option<&BTreeSet<Cell>>) -> Result<(), No
     blocked.iter().find(|cell| hall.truth(**cell) != Truth::Free).map_or(Ok(()), |cell| Err(NotSimulated::NoFreeCell(*cell)))
 }
 
+/// A hall that is known beforehand.
+pub(in crate::robots) fn venue(hall: &Hall) -> Venue {
+    Venue { name: hall.name().into(), cell_m: Some(hall.cell_m()), is_reckoned: false, reach: Some(hall.reach()) }
+}
+
 fn facts(hall: &Hall) -> HallFacts {
     HallFacts {
         name: hall.name().into(),
@@ -315,11 +320,11 @@ mod tests {
 
     #[test]
     fn a_hall_that_is_not_there_too_large_or_wrong_is_refused_in_words() {
-        let why = |source| read(source, &Offered::with("seed", None)).expect_err("it is refused").to_string();
+        let why = |source| read(source, &Offered::with("seed", None, None)).expect_err("it is refused").to_string();
         assert!(why(HallSource::Named("/etc/passwd".to_owned())).contains("there are airport, empty-8x8"));
         assert!(why(HallSource::Toml("width = 600\nheight = 2\n".to_owned())).contains("600 × 2 cells is too large"));
         assert!(why(HallSource::Toml("width = 0\nheight = 2\n".to_owned())).starts_with("hall.toml:1: "));
-        assert!(read(HallSource::Toml("width = 250\nheight = 250\n".to_owned()), &Offered::with("seed", None)).is_ok());
+        assert!(read(HallSource::Toml("width = 250\nheight = 250\n".to_owned()), &Offered::with("seed", None, None)).is_ok());
     }
 
     #[test]

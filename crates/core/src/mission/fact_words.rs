@@ -31,7 +31,7 @@ fn said(fact: &Fact) -> String {
                 "unpacked from the archive {file}, SHA-256 {digest}; begins behind entry {behind}, the digest of whose page is {page}"
             )
         }
-        Fact::Conditions(Conditions { venue: Venue { name, cell_m, is_reckoned }, threshold }) => {
+        Fact::Conditions(Conditions { venue: Venue { name, cell_m, is_reckoned, .. }, threshold }) => {
             let cells = cell_m.map_or_else(String::new, |side| format!(", cells of {side} m"));
             let reckoned = if *is_reckoned { ", reckoned without a scene file" } else { "" };
             format!("hall: {name}{cells}{reckoned}, too hot above {threshold}")

@@ -1,5 +1,6 @@
 //! What a record of a mission means beside itself, and what may be other at another time: where it was, and what counted as too hot.
 
+use std::fmt;
 use std::sync::Arc;
 
 use crate::units::Celsius;
@@ -23,4 +24,29 @@ pub struct Venue {
     /// The robot that searches counts its way by time, and nobody has said where things stand: one that is met for the first time may
     /// be shown a cell beside where it is.
     pub is_reckoned: bool,
+    /// How much of it can be searched, where it is known beforehand.
+    pub reach: Option<Reach>,
+}
+
+/// How much of a hall a robot can come to from its start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reach {
+    /// Free cells that can be reached, the start included.
+    pub reachable: u32,
+    /// All free cells.
+    pub free: u32,
+}
+
+impl Reach {
+    /// Whether some free cells cannot be reached.
+    #[must_use]
+    pub const fn is_partial(self) -> bool {
+        self.reachable < self.free
+    }
+}
+
+impl fmt::Display for Reach {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} of {} free cells can be reached from here", self.reachable, self.free)
+    }
 }

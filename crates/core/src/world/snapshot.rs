@@ -15,6 +15,7 @@ use super::temperature::TemperatureView;
 use crate::mission::{FaultCause, Hold, PhaseName};
 use crate::refused::Refused;
 use crate::search::Strategy;
+use crate::state::Reach;
 use crate::units::{Cell, Epoch, LuggageId, MissionId, Revision};
 
 /// Everything that can be seen, at one moment.
@@ -125,6 +126,8 @@ pub struct Progress {
     pub unknown: usize,
     /// How long the search will go on driving, photos and answers left out; `None` while nobody can tell, or nothing is open.
     pub left: Option<TimeLeft>,
+    /// How much of the hall can be searched, where the hall is known beforehand.
+    pub reach: Option<Reach>,
 }
 
 /// How long a search will take, as a range.

@@ -87,6 +87,8 @@ pub struct Timings {
 pub struct Trial {
     /// Cells that can be reached, home included.
     pub cells: usize,
+    /// All free cells.
+    pub free_cells: usize,
     /// What the robot did.
     pub moves: Moves,
     /// What that cost, a cell, in steps.
@@ -127,6 +129,7 @@ pub fn trial(
     let (moves, cells) = (walk.moves, ground.reachable as f64);
     Trial {
         cells: ground.reachable,
+        free_cells: ground.free,
         moves,
         moves_per_cell: cost(moves, terms.costs) / cells,
         to_a_piece: (walk.found > 0).then(|| walk.found_after as f64 / walk.found as f64 / cells),

@@ -129,6 +129,8 @@ pub enum HallFault {
     NeedsImage,
     #[error("this is no image that can be read: save it as PGM (P5 or P2) or PNG")]
     NoImage,
+    #[error("BMP images are not read: convert it to PNG or PGM, and name the new file in `image`")]
+    Bmp,
     #[error("not a PGM image: {0}")]
     Pgm(String),
     #[error("the image says {wanted} pixels, but ends after {found}: save it again")]
@@ -153,6 +155,10 @@ pub enum HallFault {
         "`home` is [{x}, {y}], which is no free cell of this hall: give column and row of one, counted from 0 in the north-west corner"
     )]
     HomeNotFree { x: u32, y: u32 },
+    #[error(
+        "the start {column},{row} is no free cell of this hall of {columns} × {rows} cells: give column and row of one, counted from 0 in the north-west corner"
+    )]
+    StartNotFree { column: u32, row: u32, columns: i32, rows: i32 },
     #[error("cells of {cell} m are finer than the pixels of {resolution} m: give {resolution} or more")]
     CellTooFine { cell: String, resolution: String },
     #[error("cannot read this file ({0}): give the path of a scene file, as the virtual robot's page has it")]

@@ -49,7 +49,7 @@ impl Hall {
             return open_yaml(name_or_path, path, cell_m);
         }
         let bytes = read_file(path).map_err(|fault| fault.of(name_or_path))?;
-        if Image::begins(&bytes) || has_extension(path, &["pgm", "png"]) {
+        if Image::begins(&bytes) || has_extension(path, &["pgm", "png", "bmp"]) {
             let beside = YAML.map(|extension| path.with_extension(extension)).into_iter().find(|yaml| yaml.is_file());
             let missing = || HallFault::NoYaml(path.with_extension(YAML[0]).display().to_string()).of(name_or_path);
             let yaml = beside.ok_or_else(missing)?;
@@ -98,7 +98,7 @@ impl Hall {
     /// This hall, whose file says how long its cells are, unless other ones are asked for.
     fn with_own_cells(self, file: &str, asked: Option<f64>) -> Result<Hall, HallError> {
         match asked {
-            Some(asked) if asked != self.cell_m => {
+            Some(asked) if !occupancy::is_same(asked, self.cell_m) => {
                 Err(HallFault::CellGiven { asked: asked.to_string(), has: self.cell_m.to_string() }.of(file))
             }
             _ => Ok(self),

@@ -28,6 +28,7 @@ pub use scene::{Floor, HallOfScene, MovingObstacle, PLAYER, Player, Scene, Scene
 use crate::bag::Bag;
 use crate::curve::Curve;
 use hallsweep_core::event::Piece;
+use hallsweep_core::state::Reach;
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::Bounds;
 
@@ -176,6 +177,32 @@ impl Hall {
         hall
     }
 
+    /// The same hall with the robot starting in this column and row, counted from 0 in the north-west corner.
+    ///
+    /// # Errors
+    /// No free cell lies there.
+    pub fn starting_at(mut self, (column, row): (u32, u32)) -> Result<Hall, HallFault> {
+        let whole = |number: u32| i32::try_from(number).ok().filter(|number| *number < 1 << 16);
+        let start = whole(column).zip(whole(row)).map(|(x, y)| Cell::new(x, y).relative_to(self.home()));
+        let Some(start) = start.filter(|start| self.truth(*start) == Truth::Free) else {
+            let (columns, rows) = (self.bounds.width(), self.bounds.height());
+            return Err(HallFault::StartNotFree { column, row, columns, rows });
+        };
+        self.bounds = Bounds { least: self.bounds.least.relative_to(start), most: self.bounds.most.relative_to(start) };
+        for cell in self.bags.iter_mut().flat_map(|bag| &mut bag.cells) {
+            *cell = cell.relative_to(start);
+        }
+        Ok(self)
+    }
+
+    /// How much of it a robot can come to from its start.
+    #[must_use]
+    pub fn reach(&self) -> Reach {
+        let count = |places: usize| u32::try_from(places).unwrap_or(u32::MAX);
+        let free = self.squares.iter().filter(|truth| **truth == Truth::Free).count();
+        Reach { reachable: count(self.reached().len()), free: count(free) }
+    }
+
     /// The pieces that no robot can come to: none of their cells is beside one that is reachable.
     #[must_use]
     pub fn unreachable_pieces(&self) -> Vec<&Bag> {
@@ -196,13 +223,15 @@ impl Hall {
     /// Every cell the robot can come to from its start, going from side to side over free cells.
     #[must_use]
     pub fn reachable(&self) -> BTreeSet<Cell> {
-        let mut reached = BTreeSet::from([Cell::HOME]);
-        let mut border = vec![Cell::HOME];
-        while let Some(cell) = border.pop() {
-            let free = cell.neighbours().into_iter().filter(|next| self.truth(*next) == Truth::Free);
-            border.extend(free.filter(|next| reached.insert(*next)));
-        }
-        reached
+        let width = self.rows().next().map_or(1, <[Truth]>::len);
+        self.reached().into_iter().map(|place| rows::drawn(place % width, place / width).relative_to(self.home())).collect()
+    }
+
+    /// The same by their places in `squares`.
+    fn reached(&self) -> Vec<usize> {
+        let width = self.rows().next().map_or(1, <[Truth]>::len);
+        let home = self.place(Cell::HOME).unwrap_or(0);
+        rows::part(&self.squares, width, home, &mut vec![false; self.squares.len()])
     }
 
     /// The column and row of the robot's start, counted from 0 in the north-west corner.
@@ -287,3 +316,5 @@ mod tests {
 
 #[cfg(test)]
 mod shared_maps_tests;
+#[cfg(test)]
+mod start_tests;

@@ -20,7 +20,7 @@ struct Header {
     height: usize,
 }
 
-/// Reads a map; home is the free cell nearest to the north-west corner (Manhattan; of equals the first row, then column).
+/// Reads a map; the robot starts in the largest connected part of its floor.
 pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError> {
     let lines: Vec<&str> = text.lines().map(str::trim_end).collect();
     let header = header(file, &lines)?;
@@ -40,7 +40,8 @@ pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError
     for (index, row) in rows[above..].iter().take(height).enumerate() {
         read_row(&mut reading, index, row, width).map_err(|fault| fault.at(file, HEADER_LINES + above + index + 1))?;
     }
-    let home = reading.start.ok_or_else(|| HallFault::NoFreeCell.at(file, HEADER_LINES + above + 1))?;
+    let home =
+        reading.start_in_largest_part(width.max(1)).ok_or_else(|| HallFault::NoFreeCell.at(file, HEADER_LINES + above + 1))?;
     Ok(Hall::of(name, reading.plan(home, size)))
 }
 
@@ -113,7 +114,7 @@ fn read_row(reading: &mut Reading, index: usize, row: &str, width: usize) -> Res
             '@' | 'O' | 'W' => Truth::Wall,
             _ => return Err(HallFault::UnknownTerrain { row: index + 1, column: place + 1, mark }),
         };
-        reading.place(cell, square);
+        reading.squares.push(square);
     }
     Ok(())
 }

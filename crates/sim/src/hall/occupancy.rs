@@ -8,7 +8,7 @@ use serde_saphyr::Spanned;
 
 use super::error::{HallError, HallFault};
 use super::export::Export;
-use super::pixels::{Image, Pixel};
+use super::pixels::{Image, MAX_IMAGE_SIDE, Pixel};
 use super::rows::{self, Reading, drawn};
 use super::{Hall, Truth, USUAL_CELL_M, pgm};
 use hallsweep_core::units::Cell;
@@ -22,6 +22,10 @@ const CELL_M: std::ops::RangeInclusive<f64> = 0.1..=5.0;
 
 /// Cells whose borders lie nearer to those of pixels than this share of a pixel meet them: decimal fractions are not exact.
 const NEAR: f64 = 1e-4;
+
+/// Largest relative error of a decimal number that went through a 32-bit float, as the tools that write these files have it. A
+/// yaw below it turns no image by as much as a pixel.
+const ROUNDING: f64 = 1e-6;
 
 /// What is written for each kind of cell, out of 255. `map_saver` writes the same three.
 const FREE: u8 = 254;
@@ -79,6 +83,8 @@ pub(super) struct Description {
     pub(super) image: String,
     pub(super) image_line: usize,
     resolution: f64,
+    /// Where the south-west corner of the image lies, in metres to the east and to the north.
+    origin: [f64; 2],
     mode: Mode,
     negate: bool,
     occupied_thresh: f64,
@@ -101,10 +107,11 @@ pub(super) fn describe(file: &str, text: &str) -> Result<Description, HallError>
     if let Some((own, line)) = own {
         within(file, "cell_m", own.cell_m, CELL_M, line)?;
     }
-    check_origin(&origin.value).map_err(|fault| fault.at(file, line(&origin)))?;
+    let corner = corner(&origin.value).map_err(|fault| fault.at(file, line(&origin)))?;
     Ok(Description {
         image_line: line(&image),
         image: image.value,
+        origin: corner,
         resolution: within(file, "resolution", resolution.value, 0.001..=*CELL_M.end(), line(&resolution))?,
         mode: content.mode.map_or(Ok(Mode::Trinary), |mode| {
             Mode::named(&mode.value).ok_or_else(|| HallFault::UnknownMode(mode.value.clone()).at(file, line(&mode)))
@@ -149,7 +156,8 @@ fn within(
     if limits.contains(&value) { Ok(value) } else { Err(fault.at(file, line)) }
 }
 
-fn check_origin(origin: &[f64]) -> Result<(), HallFault> {
+/// East and north of the origin, which must not turn the image.
+fn corner(origin: &[f64]) -> Result<[f64; 2], HallFault> {
     let [x, y, yaw] = origin else { return Err(HallFault::OriginLength(origin.len())) };
     for value in [x, y] {
         if !value.is_finite() {
@@ -157,7 +165,7 @@ fn check_origin(origin: &[f64]) -> Result<(), HallFault> {
             return Err(HallFault::OutOfRange { key: "origin", value: value.to_string(), least, most });
         }
     }
-    if *yaw == 0.0 { Ok(()) } else { Err(HallFault::Turned(yaw.to_string())) }
+    if yaw.abs() < ROUNDING { Ok([*x, *y]) } else { Err(HallFault::Turned(yaw.to_string())) }
 }
 
 fn syntax(file: &str, error: &serde_saphyr::Error) -> HallError {
@@ -195,7 +203,7 @@ impl Description {
         let of_image = |fault: HallFault| fault.of(image_file);
         let mut image = Image::open(image).map_err(of_image)?;
         let (columns, rows) = image.size();
-        let ratio = cell_m / self.resolution;
+        let ratio = whole_if_near(cell_m / self.resolution);
         let (columns, rows) = (Cells::over(columns, ratio), Cells::over(rows, ratio));
         let size = rows::sides(columns.count as u64, rows.count as u64).map_err(of_image)?;
         let mut truths = vec![Ground::Free; columns.count * rows.count];
@@ -219,10 +227,11 @@ impl Description {
                 Ground::Luggage => Truth::Luggage(reading.new_piece(cell).map_err(of_image)?),
                 Ground::Blocked => Truth::Wall,
             };
-            reading.place(cell, truth);
+            reading.squares.push(truth);
         }
-        let home = reading.start.ok_or_else(|| of_image(HallFault::NoFreeCell))?;
-        let home = self.home(&reading, home, columns.count).map_err(|(fault, line)| fault.at(file, line))?;
+        let usual = self.world_home(&reading, &columns, &rows).or_else(|| reading.start_in_largest_part(columns.count));
+        let usual = usual.ok_or_else(|| of_image(HallFault::NoFreeCell))?;
+        let home = self.home(&reading, usual, columns.count).map_err(|(fault, line)| fault.at(file, line))?;
         Ok(Hall::of(name, reading.plan(home, size)).measured(cell_m, None))
     }
 
@@ -236,13 +245,22 @@ impl Description {
             let (least, most) = (CELL_M.start().to_string(), CELL_M.end().to_string());
             return Err(HallFault::OutOfRange { key: "--cell", value, least, most });
         }
-        if let Some((own, _)) = self.own.filter(|(own, _)| own.cell_m != asked) {
+        if let Some((own, _)) = self.own.filter(|(own, _)| !is_same(own.cell_m, asked)) {
             return Err(HallFault::CellGiven { asked: value, has: own.cell_m.to_string() });
         }
-        if asked < self.resolution {
+        if asked < self.resolution && !is_same(asked, self.resolution) {
             return Err(HallFault::CellTooFine { cell: value, resolution: self.resolution.to_string() });
         }
         Ok(asked)
+    }
+
+    /// The cell with world (0, 0) in it, where that is free: there the robot stood that made the map. The origin is the image's
+    /// south-west corner.
+    fn world_home(&self, reading: &Reading, columns: &Cells, rows: &Cells) -> Option<Cell> {
+        let [east, north] = self.origin.map(|metres| -metres / self.resolution);
+        let (column, row) =
+            (columns.of_pixel.get(pixel_at(east)?)?.start, rows.of_pixel.iter().rev().nth(pixel_at(north)?)?.start);
+        (reading.squares.get(row * columns.count + column) == Some(&Truth::Free)).then(|| drawn(column, row))
     }
 
     fn home(&self, reading: &Reading, usual: Cell, columns: usize) -> Result<Cell, (HallFault, usize)> {
@@ -306,6 +324,23 @@ impl Cells {
         let of_pixel = |pixel: u32| begin(f64::from(pixel) / ratio)..end(f64::from(pixel + 1) / ratio);
         Cells { count: end(f64::from(pixels) / ratio).max(1), of_pixel: (0..pixels).map(of_pixel).collect() }
     }
+}
+
+/// Whether two numbers differ by rounding alone.
+pub(super) fn is_same(one: f64, other: f64) -> bool {
+    (one - other).abs() < ROUNDING * one.abs()
+}
+
+/// Pixels a cell: 0.5 m over 0.05 m is 10, and so it is over the 0.0500000007 m that a 32-bit float makes of it.
+fn whole_if_near(ratio: f64) -> f64 {
+    if is_same(ratio, ratio.round()) { ratio.round() } else { ratio }
+}
+
+/// The pixel that begins here or before, counted from 0, where a place lies so many pixels from the first one's border.
+fn pixel_at(pixels: f64) -> Option<usize> {
+    let is_near = (pixels - pixels.round()).abs() < NEAR;
+    let begun = if is_near { pixels.round() } else { pixels.floor() };
+    (0.0..f64::from(MAX_IMAGE_SIDE)).contains(&begun).then(|| whole(begun))
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an image has at most some thousand pixels a side")]

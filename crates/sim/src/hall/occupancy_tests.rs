@@ -5,8 +5,9 @@ use proptest::prelude::*;
 use crate::{Hall, Truth};
 use hallsweep_core::units::Cell;
 
+/// World (0, 0) lies outside the image.
 const YAML: &str =
-    "image: m.pgm\nresolution: 0.5\norigin: [0.0, 0.0, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+    "image: m.pgm\nresolution: 0.5\norigin: [1.0, 1.0, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
 
 fn pgm(width: usize, pixels: &[u8]) -> Vec<u8> {
     super::pgm::write(width, pixels)
@@ -171,6 +172,29 @@ fn what_is_missing_or_out_of_range_is_named_with_its_line() {
     check("- 1\n- 2\n", "m.yaml:1: ");
     check("image: [\n", "m.yaml:");
     check(&format!("{YAML}negate: 1\n"), "m.yaml:7: ");
+}
+
+/// Of each kind of number that somebody else's tool writes, with the error of a 32-bit float.
+#[test]
+fn a_number_that_is_off_by_rounding_alone_means_the_round_number() {
+    let rounded = YAML.replace("resolution: 0.5", "resolution: 0.05000000074505806");
+    let origin = |yaw: &str| YAML.replace("0.0]", &format!("{yaw}]"));
+    for yaw in ["1e-9", "-4.3711388e-8", "-0.0", "9.9e-7"] {
+        is_drawn(&origin(yaw), &pgm(1, &[254]), "S");
+    }
+    for yaw in ["1e-5", "-0.001", "3.1415927", ".nan", ".inf"] {
+        check(&origin(yaw), "m.yaml:3: `origin` turns the image by ");
+    }
+    let coarse = rounded.replace("0.05000000074505806", "0.20000000298023224");
+    assert_eq!(drawn(&coarse, &pgm(2, &[254, 0]), Some(0.2)).map(|(rows, _)| rows), Ok("S#".to_owned()));
+    assert!(drawn(&coarse, &pgm(1, &[254]), Some(0.199)).unwrap_err().contains("are finer than the pixels"));
+    // 1,600 cells of ten pixels: the last pixel of the last cell but one is a wall, and reaches into no other cell.
+    let mut row = vec![254; 16_000];
+    row[15_989] = 0;
+    let (rows, _) = drawn(&rounded, &pgm(row.len(), &row), None).unwrap();
+    assert_eq!((rows.len(), rows.matches('#').count(), rows.ends_with("#.")), (1600, 1, true));
+    let own = format!("{YAML}hallsweep: {{cell_m: 0.5, luggage: 50, home: [0, 0]}}\n");
+    assert!(drawn(&own, &pgm(1, &[254]), Some(0.5 + 1e-9)).is_ok());
 }
 
 #[test]

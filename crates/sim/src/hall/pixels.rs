@@ -19,6 +19,9 @@ const PNG_BYTES: usize = 16 << 20;
 
 const PNG_BEGIN: &[u8] = b"\x89PNG\r\n\x1a\n";
 
+/// `map_server` reads these; here they are refused by name.
+const BMP_BEGIN: &[u8] = b"BM";
+
 /// How light a pixel is, from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pixel {
@@ -45,7 +48,7 @@ impl<'a> Image<'a> {
             return Pgm::open(bytes).map(Image::Pgm);
         }
         if !bytes.starts_with(PNG_BEGIN) {
-            return Err(HallFault::NoImage);
+            return Err(if bytes.starts_with(BMP_BEGIN) { HallFault::Bmp } else { HallFault::NoImage });
         }
         let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: PNG_BYTES });
         decoder.set_transformations(Transformations::EXPAND);
@@ -167,6 +170,8 @@ mod tests {
     #[test]
     fn what_is_no_image_or_a_broken_one_is_refused() {
         assert_eq!(first_row(b"GIF89a").unwrap_err(), "this is no image that can be read: save it as PGM (P5 or P2) or PNG");
+        let bmp = "BMP images are not read: convert it to PNG or PGM, and name the new file in `image`";
+        assert_eq!(first_row(b"BM\x46\0\0\0\0\0\0\0").unwrap_err(), bmp);
         assert!(first_row(b"P6 1 1 255\n...").unwrap_err().starts_with("this is no image"), "colours are PNG's");
         let whole = png(ColorType::Grayscale, BitDepth::Eight, 40, &[7; 1600]);
         for length in [8, 20, 33, 45] {

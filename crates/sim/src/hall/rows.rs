@@ -1,5 +1,6 @@
 //! Reads a drawing of a hall: rows of `.` `#` `S` `T` and letters. What the letters stand for in words is not in the drawing.
 
+use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::error::{HallError, HallFault};
@@ -91,13 +92,21 @@ impl Reading {
         Ok(())
     }
 
-    /// One more square, where no mark says where the robot starts: then it is the free cell nearest to the north-west corner,
-    /// columns plus rows. Rows come from the north and each from the west, so of equally near cells the first stays home.
-    pub(super) fn place(&mut self, cell: Cell, square: Truth) {
-        if square == Truth::Free && self.start.is_none_or(|home| cell.x + cell.y < home.x + home.y) {
-            self.start = Some(cell);
+    /// Where the robot starts when nothing says where: in the largest connected part of the floor, in its cell nearest to the
+    /// north-west corner (columns plus rows), of equals the northernmost.
+    pub(super) fn start_in_largest_part(&self, columns: usize) -> Option<Cell> {
+        let from_corner = |place: usize| (place % columns + place / columns, place);
+        let mut seen = vec![false; self.squares.len()];
+        let mut largest = (0, Reverse((0, 0)));
+        for place in 0..self.squares.len() {
+            if self.squares[place] == Truth::Free && !seen[place] {
+                let part = part(&self.squares, columns, place, &mut seen);
+                let first = part.iter().map(|place| from_corner(*place)).min().unwrap_or_default();
+                largest = largest.max((part.len(), Reverse(first)));
+            }
         }
-        self.squares.push(square);
+        let (cells, Reverse((_, place))) = largest;
+        (cells > 0).then(|| drawn(place % columns, place / columns))
     }
 
     /// The piece of this letter, which now covers this cell too.
@@ -139,12 +148,29 @@ impl Reading {
 
     /// The plan in map coordinates, with all pieces plain.
     pub(super) fn plan(self, start: Cell, (width, height): (i32, i32)) -> Plan {
-        let from_start = |cell: Cell| Cell::new(cell.x - start.x, cell.y - start.y);
+        let from_start = |cell: Cell| cell.relative_to(start);
         let bounds = Bounds { least: from_start(Cell::HOME), most: from_start(Cell::new(width - 1, height - 1)) };
         let moved = self.cells.into_iter().map(|cells| cells.into_iter().map(from_start).collect());
         let bags = (1..).zip(moved).map(|(number, cells)| Bag::plain(Piece(number), cells)).collect();
         Plan { bounds, squares: self.squares, bags }
     }
+}
+
+/// The free squares to which one can go from this one, side by side, itself included; they are marked as seen.
+pub(super) fn part(squares: &[Truth], columns: usize, from: usize, seen: &mut [bool]) -> Vec<usize> {
+    seen[from] = true;
+    let (mut part, mut looked_at) = (vec![from], 0);
+    while let Some(place) = part.get(looked_at).copied() {
+        looked_at += 1;
+        let west = (place % columns > 0).then(|| place - 1);
+        let east = ((place + 1) % columns > 0).then_some(place + 1);
+        for next in [place.checked_sub(columns), west, east, Some(place + columns)].into_iter().flatten() {
+            if squares.get(next) == Some(&Truth::Free) && !std::mem::replace(&mut seen[next], true) {
+                part.push(next);
+            }
+        }
+    }
+    part
 }
 
 /// The cell at this column and row of a drawing, counted from 0.

@@ -39,6 +39,12 @@ pub struct Figures {
     pub seed: u64,
     /// Reachable cells of the hall, home included.
     pub cells: usize,
+    /// All free cells of the hall.
+    pub free_cells: usize,
+    /// Pieces of luggage that can be reached.
+    pub reachable_pieces: usize,
+    /// All pieces of luggage.
+    pub pieces: usize,
     /// What the robot did.
     pub moves: Moves,
     /// Whether every reachable cell was visited, nothing reachable is unknown and every piece that can be touched is on record.
@@ -187,6 +193,9 @@ fn figures(
         strategy: state.mission.strategy,
         seed,
         cells: reachable.len(),
+        free_cells: hall.reach().free as usize,
+        reachable_pieces: hall.pieces().len() - hall.unreachable_pieces().len(),
+        pieces: hall.pieces().len(),
         moves: run.moves,
         complete: is_complete(&state, hall, &reachable, inspected),
         home: state.robot.pose.cell == Cell::HOME && !state.robot.off_centre,

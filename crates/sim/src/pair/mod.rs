@@ -244,6 +244,13 @@ impl Pair {
         &self.holding
     }
 
+    /// What is still to go wrong. A gripper that is jammed stays so.
+    #[must_use]
+    pub fn mishaps_left(&self) -> Mishaps {
+        let jams = self.settings.mishaps.jams.clone();
+        Mishaps { slips: self.slips.clone(), unrecognised: self.unrecognised.clone(), jams }
+    }
+
     /// What there is to keep, once whenever something has changed that a report or the next motion depends on.
     pub fn poll_memory(&mut self) -> Option<PairMemory> {
         std::mem::take(&mut self.unkept).then(|| self.memory())

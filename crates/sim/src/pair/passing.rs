@@ -205,12 +205,22 @@ impl Pair {
         Which::ALL.into_iter().for_each(|which| self.done(which, tasks[which.index()].order));
     }
 
+    /// Whether the step that both make brings the parcel to where it is put down: it goes to where the base that leads stood.
+    fn carries_into_container(&self) -> bool {
+        let (Some(grip), Some(Work::Step { to, .. })) = (&self.grip, self.task(Which::Srm2).map(|task| task.work)) else {
+            return false;
+        };
+        let leader = if to == grip.parcel.place { Which::Srm1 } else { Which::Srm2 };
+        self.robots[leader.index()].stands.place == self.settings.container
+    }
+
     /// One step of what holds the parcel.
     fn hold(&mut self) {
         self.next_step += STEP;
         let now = self.now;
         let running =
             self.robots[0].task.as_ref().and_then(|task| Some((task.work, task.run.filter(|run| run.together)?.done(now))));
+        let arrives = self.carries_into_container();
         let number = self.parcel_number();
         let [one, two] = [self.robots[0].controllers, self.robots[1].controllers];
         let at_work =
@@ -218,7 +228,8 @@ impl Pair {
         let pace = self.ground.hall().cell_m() / self.settings.loaded_step.as_secs_f64();
         let Some(grip) = &mut self.grip else { return };
         let rise = STEP.as_secs_f64() / self.settings.arm.as_secs_f64();
-        let (mut speed, mut slipping) = (0.0, None);
+        // Steps already made when a slip is due; a slip that is asked for later comes with the last step.
+        let (mut speed, mut slipping) = (0.0, 1..=0);
         let stood = !grip.is_loaded();
         match running {
             Some((Work::Arm(ArmAction::Lift), done)) => {
@@ -226,12 +237,16 @@ impl Pair {
                     self.ground.lift(grip.parcel.piece);
                 }
                 grip.height = (grip.height + rise).min(1.0);
-                slipping = (done >= 0.5).then_some(0);
+                if done >= 0.5 {
+                    slipping = 0..=0;
+                }
             }
             Some((Work::Arm(ArmAction::Lower), _)) => grip.height = (grip.height - rise).max(TOUCHES),
             Some((Work::Step { .. }, done)) => {
                 speed = pace;
-                slipping = (done >= 0.5 && grip.steps > 0).then_some(grip.steps);
+                if done >= 0.5 {
+                    slipping = grip.steps.max(1)..=if arrives { u32::MAX } else { grip.steps };
+                }
             }
             Some((Work::Back, _)) => speed = pace,
             Some((Work::Turn { .. } | Work::Arm(_), _)) | None => {}
@@ -244,7 +259,7 @@ impl Pair {
             self.unkept = true;
             self.tell_arms();
         }
-        let slips = self.slips.iter().position(|slip| slip.parcel == number && Some(slip.after_steps) == slipping);
+        let slips = self.slips.iter().position(|slip| slip.parcel == number && slipping.contains(&slip.after_steps));
         if let Some(index) = slips {
             self.slips.remove(index);
         }

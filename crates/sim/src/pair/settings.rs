@@ -45,7 +45,7 @@ pub struct Mishaps {
 pub struct Slip {
     /// Which parcel, counted from 1.
     pub parcel: u32,
-    /// In the middle of the step after so many; 0 is while it is lifted.
+    /// In the middle of the step after so many, or of the last step where the way is shorter; 0 is while it is lifted.
     pub after_steps: u32,
 }
 

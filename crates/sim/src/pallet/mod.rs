@@ -27,7 +27,7 @@ use super::pair::{Holding, Mishaps, Pair, PairSettings};
 use hallsweep_core::behaviour::log::TickLog;
 use hallsweep_core::event::RobotEvent;
 use hallsweep_core::retrieval::team::TICK;
-use hallsweep_core::retrieval::{Team, TeamStage, Which};
+use hallsweep_core::retrieval::{RetrievalFault, Team, TeamStage, Which};
 use hallsweep_core::units::{Cell, Now, WallTime};
 
 /// The longest run for each parcel, in simulated time: a hundred times what one takes.
@@ -50,8 +50,8 @@ const MOST_ENTRIES: usize = 100_000;
 pub struct Asked {
     /// What goes wrong with robots and parcels.
     pub mishaps: Mishaps,
-    /// The way into the target area is closed when this parcel is lifted.
-    pub blocked: Option<u32>,
+    /// The way into the target area is closed when one of these parcels is lifted.
+    pub blocked: Vec<u32>,
     /// The operator never comes.
     pub absent: bool,
 }
@@ -256,6 +256,18 @@ impl PalletRun {
         self.ended.is_some()
     }
 
+    /// What was asked to go wrong and has not.
+    #[must_use]
+    pub fn not_happened(&self) -> Asked {
+        let fault = self.ended.flatten();
+        let mut mishaps = self.pair.mishaps_left();
+        if fault == Some(PalletFault::Pair(RetrievalFault::RobotFails)) {
+            mishaps.jams.retain(|parcel| *parcel as usize != self.pair.taken_in().len() + 1);
+        }
+        let absent = self.asked.absent && fault != Some(PalletFault::OperatorAbsent);
+        Asked { mishaps, blocked: self.asked.blocked.clone(), absent }
+    }
+
     /// What it has come to so far.
     #[must_use]
     pub fn figures(&self) -> Figures {
@@ -338,9 +350,9 @@ impl PalletRun {
             self.crew.report(which, report);
         }
         let parcel = u32::try_from(self.pair.taken_in().len()).unwrap_or(u32::MAX).saturating_add(1);
-        if self.asked.blocked == Some(parcel) && self.pair.arm(Which::Srm1).lifted {
-            self.yard.target.cell().map(|cell| self.pair.close_cell(cell));
-            self.asked.blocked = None;
+        if self.asked.blocked.contains(&parcel) && self.pair.arm(Which::Srm1).lifted {
+            let closed = self.yard.target.cell().is_some_and(|cell| self.pair.close_cell(cell));
+            self.asked.blocked.retain(|asked| *asked != parcel || !closed);
         }
     }
 

@@ -266,8 +266,11 @@ fn porch(state: &PersistentState) -> Option<Porch> {
 fn came_to(language: Language, record: &MissionRecord) -> String {
     let phase = PhaseName::ALL.into_iter().find(|phase| phase.name() == &*record.phase);
     let is_put_away = record.archived.is_some();
-    let came_to =
-        phase.map_or_else(|| language.ended_while(&record.phase, is_put_away), |phase| language.came_to(phase, is_put_away));
+    let came_to = match phase {
+        Some(PhaseName::Explored) => language.say("missions-searched-reachable"),
+        Some(phase) => language.came_to(phase, is_put_away),
+        None => language.ended_while(&record.phase, is_put_away),
+    };
     let left: Vec<String> = record.left.iter().map(|luggage| format!("#{luggage}")).collect();
     let left_behind = || language.say("missions-left").with("outcome", &came_to).with("which", left.join(", "));
     if left.is_empty() { came_to.to_string() } else { left_behind().to_string() }
@@ -418,7 +421,7 @@ mod tests {
     fn a_search_that_has_come_to_its_end_is_not_listed_as_under_way() {
         let record = super::super::super::testing::present_mission();
         let came_to = |phase: &str| super::came_to(Language::English, &MissionRecord { phase: phase.into(), ..record.clone() });
-        assert_eq!(came_to("explored"), "The whole hall was searched");
+        assert_eq!(came_to("explored"), "Everything that can be reached from the start was searched");
         assert_eq!(came_to("bombLocated"), "A bomb was located");
         assert_eq!(came_to("bagSecured"), "The bomb was fetched and secured");
         assert_eq!(came_to("returningHome"), "Under way: returning home");

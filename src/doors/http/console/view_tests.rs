@@ -7,6 +7,7 @@ use super::*;
 use crate::api::fixture::{TEN, degrees, idle, searching, touch};
 use hallsweep_core::retrieval::Which;
 use hallsweep_core::robots::{Part, Parts};
+use hallsweep_core::state::Reach;
 use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::robot::RobotShown;
 use hallsweep_core::world::snapshot::{Progress, TimeLeft};
@@ -138,6 +139,16 @@ fn progress_says_what_was_searched_and_what_is_open_and_counts_until_it_is_over(
     snapshot.mission.phase = PhaseName::Explored;
     assert!(view(&snapshot).open().to_string().starts_with("nothing is open"));
     assert_eq!(view(&snapshot).counts_since(), None);
+}
+
+#[test]
+fn how_much_of_the_hall_can_be_reached_is_said_where_the_hall_is_known_beforehand() {
+    let mut snapshot = searching();
+    assert!(view(&snapshot).reach().is_none(), "of a hall that nobody knows nothing is said");
+    snapshot.mission.progress.reach = Some(Reach { reachable: 51, free: 60 });
+    let said = |language| View { language, ..view(&snapshot) }.reach().map(|phrase| phrase.to_string());
+    assert_eq!(said(Language::English).as_deref(), Some("51 of 60 free cells can be reached from here"));
+    assert_eq!(said(Language::Italian).as_deref(), Some("da qui si raggiungono 51 celle libere su 60"));
 }
 
 #[test]

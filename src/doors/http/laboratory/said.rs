@@ -1,6 +1,7 @@
 //! The laboratory's runs in the language of the page: their figures, what happens in them, and the words in the drawings. The command
 //! line says the same in English, by `api::laboratory`.
 
+use crate::api::laboratory::mishap::{AskedFault, Missed};
 use crate::api::laboratory::pallet::{Entry, Figures as Carried, News, Pallet, PalletFault, Spread, kind};
 use crate::api::laboratory::roomba::{Controller, Figures, Parting, Phase, Roomba, Run, Transition, Words};
 use crate::phrases::Language;
@@ -131,6 +132,16 @@ pub(super) fn carried(language: Language, figures: &Carried) -> Vec<(String, Str
     rows.map(|(name, value)| (language.say_of("laboratory-figure", name).to_string(), value)).into()
 }
 
+/// What was asked to go wrong and has not, and why.
+pub(super) fn missed(language: Language, pallet: &Pallet) -> Vec<String> {
+    let said = |(fault, why): (AskedFault, Missed)| {
+        let what = language.say_of("laboratory-mishap", fault.mishap.name());
+        let why = language.say_of("laboratory-missed", why.name());
+        language.say("laboratory-not-happened").with("what", what).with("why", why).to_string()
+    };
+    pallet.missed().into_iter().map(said).collect()
+}
+
 /// Why not all parcels arrived.
 pub(super) fn fault(language: Language, fault: PalletFault) -> String {
     match fault {
@@ -218,6 +229,11 @@ mod tests {
         }
         for wrong in [PalletFault::OperatorAbsent, PalletFault::NotAllThere, PalletFault::TakesTooLong] {
             assert_ne!(fault(Language::Italian, wrong), wrong.in_words());
+        }
+        for why in Missed::ALL {
+            let [english, italian] = Language::ALL.map(|language| language.say_of("laboratory-missed", why.name()).to_string());
+            assert_eq!(english, why.in_words());
+            assert_ne!(english, italian);
         }
         for held in ["force", "angle", "gap"] {
             let [english, italian] = Language::ALL.map(|language| language.say_of("laboratory-held", held).to_string());

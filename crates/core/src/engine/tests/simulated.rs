@@ -12,7 +12,7 @@ fn issuer() -> Issuer {
 }
 
 fn venue(name: &str, cell_m: Option<f64>) -> Venue {
-    Venue { name: name.into(), cell_m, is_reckoned: false }
+    Venue { name: name.into(), cell_m, ..Venue::default() }
 }
 
 fn put_down(engine: &mut Engine) -> Result<Ticket, Refused> {

@@ -407,8 +407,8 @@ mod tests {
 
     #[test]
     fn what_is_too_hot_is_so_by_the_threshold_of_then() {
-        let under =
-            |threshold| Conditions { threshold: degrees(threshold), venue: Venue { name: "depot".into(), ..Venue::default() } };
+        let venue = Venue { name: "depot".into(), ..Venue::default() };
+        let under = |threshold| Conditions { threshold: degrees(threshold), venue: venue.clone() };
         let facts = [
             (0, Fact::Conditions(under(30.0))),
             (1, temperature(27.0)),

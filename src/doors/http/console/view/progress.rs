@@ -5,6 +5,7 @@ use std::time::Duration;
 use super::View;
 use crate::phrases::Phrase;
 use hallsweep_core::mission::PhaseName;
+use hallsweep_core::state::Reach;
 use hallsweep_core::units::WallTime;
 use hallsweep_core::world::snapshot::TimeLeft;
 
@@ -26,6 +27,12 @@ impl View<'_> {
     /// What is still open, in words: how much there will be behind it nobody knows.
     pub(in super::super) fn open(&self) -> Phrase<'static> {
         self.say("open-places").with("count", self.snapshot.mission.progress.unknown)
+    }
+
+    /// How much of the hall can be searched, where the hall is known beforehand.
+    pub(in super::super) fn reach(&self) -> Option<Phrase<'static>> {
+        let Reach { reachable, free } = self.snapshot.mission.progress.reach?;
+        Some(self.say("progress-reach").with("reachable", reachable).with("free", free))
     }
 
     /// How long the search will go on driving, as `4 min to 11 min of driving left`.
