@@ -170,6 +170,7 @@ mod tests {
             verdict: None,
             piece: None,
             secured: None,
+            clock_set_ms: 0,
         };
         let piece = Fact::Luggage { record: record.into(), photo: None };
         let next =

@@ -178,7 +178,7 @@ fn every_stop_of_a_shared_entry_counts() {
 #[test]
 fn the_outcome_of_a_search_says_how_much_of_the_hall_could_be_reached_where_that_is_on_record() {
     let page = |reach, language| {
-        let venue = Venue { name: "depot".into(), cell_m: Some(0.5), reach };
+        let venue = Venue { name: "depot".into(), cell_m: Some(0.5), reach, ..Venue::default() };
         let threshold = Celsius::new(25.0).expect("a temperature");
         let facts = [Fact::Conditions(Conditions { venue, threshold }), Fact::Phase(Phase::Explored)];
         Mission::of(facts.map(|fact| Entry { fact, ..command("anna", "x") }).to_vec()).report(language)

@@ -83,7 +83,7 @@ impl<'a> HallInfo<'a> {
     pub(super) fn under(door: &'a HttpDoor, conditions: Option<&Conditions>) -> HallInfo<'a> {
         let now = HallInfo { is_paused: false, ..HallInfo::of(door) };
         match conditions {
-            Some(Conditions { venue: Venue { name, cell_m, is_reckoned }, .. }) => {
+            Some(Conditions { venue: Venue { name, cell_m, is_reckoned, .. }, .. }) => {
                 HallInfo { name: Arc::clone(name), cell_m: *cell_m, is_reckoned: *is_reckoned, ..now }
             }
             None => now,
