@@ -48,6 +48,10 @@ pub const RELIABLE_PEERS: usize = 4096;
 /// Observations in all: every screen and device of a site.
 pub const OBSERVERS: usize = 2048;
 
+/// When there are this many, a new observer is asked for an acknowledgement soon after it has registered, so that those who are not there
+/// are known when places run out.
+pub const UNPROVED_OBSERVERS: usize = 256;
+
 /// Observations of one peer: each resource several times over.
 pub const OBSERVERS_OF_A_PEER: usize = 64;
 

@@ -16,7 +16,7 @@ use super::block::Block;
 use super::knowledge::{Knowledge, Lack};
 use super::limits::{
     BURST, CONFIRM_EVERY, OBSERVERS, OBSERVERS_BEYOND, OBSERVERS_OF_A_NETWORK, OBSERVERS_OF_A_PEER, PACE, PACE_OF_A_PEER,
-    PACE_UNKNOWN, READING, REFRESH, TARGET,
+    PACE_UNKNOWN, READING, REFRESH, TARGET, UNPROVED_OBSERVERS,
 };
 use super::message::Token;
 use super::network::{Network, is_this_machine};
@@ -31,6 +31,28 @@ pub(super) struct ObserverId(u64);
 /// What is observed: a path and a query in a format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SubjectId(u64);
+
+/// Whose observations fill the room there is for one more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Crowd {
+    /// Whoever asks for it, or its path is too long: nobody gives way.
+    Itself,
+    Network(Network),
+    /// All that are not on this machine.
+    Beyond,
+    All,
+}
+
+impl Crowd {
+    pub(super) fn has(self, peer: SocketAddr) -> bool {
+        match self {
+            Crowd::Itself => false,
+            Crowd::Network(network) => Network::of(peer.ip()) == network,
+            Crowd::Beyond => !is_this_machine(peer.ip()),
+            Crowd::All => true,
+        }
+    }
+}
 
 #[derive(Clone, Debug)]
 pub(super) struct Notification {
@@ -105,9 +127,10 @@ impl Observers {
         is_sure: bool,
         now: Duration,
     ) -> Option<u32> {
-        if !self.has_room_for(request) {
+        if self.crowd(request).is_some() {
             return None;
         }
+        let is_sure = is_sure && self.observers.len() < UNPROVED_OBSERVERS;
         let subject = self.subject(request);
         self.change(subject, things, now);
         self.counted += 1;
@@ -291,20 +314,27 @@ impl Observers {
         self.due.first().map(|(due, _)| *due)
     }
 
-    /// Whether one more observation is taken; those of others leave room for those of this machine.
-    fn has_room_for(&self, request: &Request) -> bool {
+    /// Who has so many observations that there is no room for this one; `None` when there is. Those of others leave room for those of
+    /// this machine, and none of this machine gives way to others.
+    pub(super) fn crowd(&self, request: &Request) -> Option<Crowd> {
         let of_this_peer = self.by_peer.get(&request.peer).map_or(0, Vec::len);
         let target: usize = request.path.iter().chain(&request.queries).map(String::len).sum();
-        let has_room = self.observers.len() < OBSERVERS && of_this_peer < OBSERVERS_OF_A_PEER && target <= TARGET;
-        if !has_room || is_this_machine(request.peer.ip()) {
-            return has_room;
+        if of_this_peer >= OBSERVERS_OF_A_PEER || target > TARGET {
+            return Some(Crowd::Itself);
+        }
+        let is_full = self.observers.len() >= OBSERVERS;
+        if is_this_machine(request.peer.ip()) {
+            return is_full.then_some(Crowd::All);
         }
         let network = Network::of(request.peer.ip());
         let strangers = self.by_peer.iter().filter(|(peer, _)| !is_this_machine(peer.ip()));
         let of = strangers.map(|(peer, theirs)| (Network::of(peer.ip()) == network, theirs.len()));
         let (of_this_network, in_all) =
             of.fold((0, 0), |(own, all), (is_own, count)| (own + if is_own { count } else { 0 }, all + count));
-        of_this_network < OBSERVERS_OF_A_NETWORK && in_all < OBSERVERS_BEYOND
+        if of_this_network >= OBSERVERS_OF_A_NETWORK {
+            return Some(Crowd::Network(network));
+        }
+        (is_full || in_all >= OBSERVERS_BEYOND).then_some(Crowd::Beyond)
     }
 
     fn subject(&mut self, request: &Request) -> SubjectId {

@@ -201,6 +201,12 @@ impl Endpoint {
         let exponent = open.block2.unwrap_or(Block::FIRST).exponent;
         let is_sure = kind == Kind::Con && !open.is_acknowledged;
         let things = (&answer.response, answer.observed.clone());
+        if let Some(crowd) = self.observers.crowd(&request)
+            && let Some((silent, observer)) = self.reliable.most_silent(|peer| crowd.has(peer))
+        {
+            self.forget(silent, observer);
+            self.go_on(silent, now);
+        }
         self.observers.register((&request, token, exponent), things, is_sure, now)
     }
 

@@ -110,6 +110,17 @@ impl Reliable {
         Some((sent, once))
     }
 
+    /// Of these peers the one that has left a notification unacknowledged for longest, although it was sent again, and whose that is.
+    pub(super) fn most_silent(&self, is_meant: impl Fn(SocketAddr) -> bool) -> Option<(SocketAddr, ObserverId)> {
+        let sent =
+            self.peers.iter().filter_map(|(peer, queue)| Some((*peer, queue.sent.as_ref().filter(|sent| sent.tries > 0)?)));
+        let silent = sent.filter_map(|(peer, sent)| match sent.about {
+            About::Notification(observer, ..) => is_meant(peer).then_some((sent.first, peer, observer)),
+            About::Answer => None,
+        });
+        silent.min().map(|(_, peer, observer)| (peer, observer))
+    }
+
     /// Takes the notification of an observer that is gone off its way.
     pub(super) fn withdraw(&mut self, peer: SocketAddr, observer: ObserverId) {
         let Some(queue) = self.peers.get_mut(&peer) else { return };

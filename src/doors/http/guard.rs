@@ -9,7 +9,7 @@ use askama::Template;
 use axum::Router;
 use axum::extract::{Request, State};
 use axum::http::uri::Authority;
-use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, header};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, Version, header};
 use axum::middleware::{Next, from_fn, from_fn_with_state, map_request, map_response};
 use axum::response::{IntoResponse, Response};
 use tower_http::catch_panic::CatchPanicLayer;
@@ -20,7 +20,7 @@ use super::HttpDoor;
 use super::accept::{codings, preferred};
 use super::gate::Peer;
 use super::language::spoken;
-use super::problem::{Detail, Problem, in_words};
+use super::problem::{Detail, Problem, halted, in_words};
 use super::sign_in::local;
 use crate::api::fields::in_short;
 use crate::phrases::Language;
@@ -115,10 +115,33 @@ async fn as_it_is(mut request: Request) -> Request {
 
 /// Whoever asks for this program by a name that is not its own was led here by somebody else.
 async fn own_name(State(hosts): State<Hosts>, request: Request, next: Next) -> Response {
+    if let Some(fault) = host_fault(&request) {
+        let halted = halted(request.extensions().get());
+        return Problem::malformed(format!("{fault}: name the host once, as in Host: localhost:8080{halted}")).into_response();
+    }
     match hosts.stranger(request.uri().authority().map(Authority::as_str), request.headers()) {
         None => next.run(request).await,
         Some(name) => Problem::misdirected(format!("this is not {:?}: {}", in_short(&name), hosts.advice())).into_response(),
     }
+}
+
+/// What is wrong with how a request names its host (RFC 9112, section 3.2).
+fn host_fault(request: &Request) -> Option<&'static str> {
+    let hosts: Vec<&HeaderValue> = request.headers().get_all(header::HOST).iter().collect();
+    match hosts[..] {
+        [] => (request.version() == Version::HTTP_11).then_some("the header Host is missing, which HTTP/1.1 requires"),
+        [host] => (!is_host(host)).then_some("the header Host is no name or address with a port"),
+        _ => Some("there is more than one header Host"),
+    }
+}
+
+/// Whether this is a host, with or without a port.
+fn is_host(value: &HeaderValue) -> bool {
+    let Some(authority) = value.to_str().ok().and_then(|text| text.parse::<Authority>().ok()) else { return false };
+    let port = authority.as_str().strip_prefix(authority.host());
+    port.is_some_and(|port| {
+        port.is_empty() || port.strip_prefix(':').is_some_and(|port| port.bytes().all(|byte| byte.is_ascii_digit()))
+    })
 }
 
 /// Whether a person's browser asks for a page; under `/api` everybody is a program.

@@ -138,20 +138,20 @@ impl IntoResponse for Problem {
 
 /// The answer where no route is.
 pub(super) async fn no_such_path(uri: Uri, pressed: Option<Extension<Pressed>>) -> Problem {
-    let halted = halted(pressed);
+    let halted = halted(pressed.as_deref());
     Problem::not_found(format!("there is nothing at {}: the routes are listed in docs/http.md{halted}", in_short(uri.path())))
 }
 
 /// The answer where the route is but not for this method; the header `Allow` lists those it has.
 pub(super) async fn no_such_method(method: Method, uri: Uri, pressed: Option<Extension<Pressed>>) -> Problem {
-    let (path, method, halted) = (in_short(uri.path()), in_short(method.as_str()), halted(pressed));
+    let (path, method, halted) = (in_short(uri.path()), in_short(method.as_str()), halted(pressed.as_deref()));
     let detail = format!("{path} does not answer {method}: see the header Allow{halted}");
     Problem::no_method(detail)
 }
 
 /// What is said when a STOP was heard in a request that is refused.
-fn halted(pressed: Option<Extension<Pressed>>) -> &'static str {
-    if pressed.is_some_and(|Extension(pressed)| pressed.is_there()) { "; the STOP in it has halted the robot" } else { "" }
+pub(super) fn halted(pressed: Option<&Pressed>) -> &'static str {
+    if pressed.is_some_and(Pressed::is_there) { "; the STOP in it has halted the robot" } else { "" }
 }
 
 #[cfg(test)]

@@ -293,3 +293,38 @@ async fn a_stop_with_a_head_that_is_refused_halts() {
         stops(&app, number + 1).await;
     }
 }
+
+/// RFC 9112, section 3.2, and safety S8: what is wrong with how a host is named makes no foreign host of ours, nor ours of a foreign one.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn who_names_no_host_or_several_is_told_so_and_a_stop_that_names_no_foreign_one_halts() {
+    let (app, address) = open_app(PLACES).await;
+    let mut halted = 0;
+    for (version, target, hosts, status, halts) in [
+        ("1.1", "", "", "400", true),
+        ("1.0", "", "", "200", true),
+        ("1.1", "http://localhost", "", "400", true),
+        ("1.1", "", "Host: localhost\r\n", "200", true),
+        ("1.1", "", "Host: localhost:\r\n", "200", true),
+        ("1.0", "", "Host: [::1]:8080\r\n", "200", true),
+        ("1.1", "", "Host: localhost\r\nHost: localhost\r\n", "400", true),
+        ("1.0", "", "Host: localhost\r\nHost: 127.0.0.1\r\n", "400", true),
+        ("1.1", "", "Host: someone@localhost\r\n", "400", true),
+        ("1.1", "", "Host: localhost:80a\r\n", "400", false),
+        ("1.1", "", "Host: a b\r\n", "400", false),
+        ("1.1", "", "Host:\r\n", "400", false),
+        ("1.1", "", "Host: localhost\r\nHost: elsewhere.example\r\n", "400", false),
+        ("1.1", "http://elsewhere.example", "", "400", false),
+        ("1.1", "", "Host: elsewhere.example\r\n", "421", false),
+    ] {
+        let ask = |method: &str, path: &str| {
+            let asked = format!("{method} {target}{path} HTTP/{version}\r\n{hosts}Connection: close\r\n\r\n");
+            std::io::read_to_string(client(address, &asked)).expect("an answer in order")
+        };
+        let answered = |answer: &str| answer.get(9..12) == Some(status) && answer.contains("x-content-type-options");
+        let (looked, stopped) = (ask("GET", "/healthz"), ask("POST", "/h"));
+        assert!(answered(&looked) && answered(&stopped), "{version} {target} {hosts:?}: {looked} {stopped}");
+        assert_eq!(stopped.contains("has halted the robot"), halts && status == "400", "{hosts:?}: {stopped}");
+        halted += usize::from(halts);
+        stops(&app, halted).await;
+    }
+}

@@ -4,7 +4,8 @@ use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::client::Client;
-use super::packets::publish;
+use super::crowds::{framed, web_client};
+use super::packets::{connect, publish};
 use super::siege::Siege;
 use crate::journal::holds;
 
@@ -71,4 +72,34 @@ fn a_stop_halts_while_others_flood_the_broker_and_one_reads_nothing() {
         is_enough.store(true, Ordering::SeqCst);
     });
     siege.stands();
+}
+
+/// Safety S8: its message has no end yet, and may never have one.
+#[test]
+fn a_stop_over_websocket_halts_when_its_frame_has_come_whole() {
+    let siege = Siege::begin();
+    let mut web = web_client(siege.program.address());
+    web.write_all(&framed(&connect("web", 0))).expect("it is heard");
+    let stop = publish("hallsweep/discovery/command/stop", b"", 0, 0, 0);
+    let frame = |first: u8, bytes: &[u8]| {
+        let mut frame = framed(bytes);
+        frame[0] = first;
+        frame
+    };
+    let (half, rest) = stop.split_at(stop.len() / 2);
+    let ping = frame(0x89, b"ping");
+    let ways = [
+        ("the first of its message", frame(0x02, &stop)),
+        ("one in between", [ping.clone(), frame(0x00, &stop)].concat()),
+        ("the last", frame(0x80, &stop)),
+        ("two frames of one", [frame(0x02, half), ping, frame(0x00, rest)].concat()),
+        ("two of an ended one", [frame(0x80, half), frame(0x82, rest)].concat()),
+    ];
+    for (name, bytes) in ways {
+        siege.program.command("start").accepted();
+        for piece in bytes.chunks(11) {
+            web.write_all(piece).expect("it is heard");
+        }
+        siege.program.until(name, |state| holds(state, "operator"));
+    }
 }

@@ -142,3 +142,43 @@ fn peers_that_acknowledge_nothing_are_only_so_many() {
     let nons = bench.take().into_iter().filter(|out| Message::decoded(&out.bytes).kind == Kind::Non).count();
     assert!(nons >= 500, "the others went out without a wish for an acknowledgement: {nons}");
 }
+
+/// Safety S9: those of this machine do not give way to those beyond it.
+#[test]
+fn observers_that_acknowledge_nothing_give_way_to_newcomers_and_those_that_do_stay() {
+    let mut bench = Bench::new();
+    let register = |bench: &mut Bench, peer, token: &[u8]| {
+        let request = Message::get("/obs", 1).token(token).observe(0);
+        bench.ask_from(peer, &request).observed().is_some()
+    };
+    for n in 0..limits::OBSERVERS {
+        assert!(register(&mut bench, peer(n), b"o"), "number {n}");
+    }
+    // Every tenth acknowledges what comes.
+    let is_there = |n: usize| n % 10 == 0;
+    let acknowledge = |bench: &mut Bench| {
+        let came: Vec<_> = bench.take().into_iter().map(|out| (out.peer, Message::decoded(&out.bytes))).collect();
+        for (peer, message) in came {
+            let number = usize::from(peer.port()) - 10_000;
+            if message.kind == Kind::Con && is_there(number) {
+                bench.deliver(peer, &Message::empty(Kind::Ack, message.id).encoded());
+            }
+        }
+    };
+    for _ in 0..100 {
+        bench.wait(Duration::from_millis(100));
+        acknowledge(&mut bench);
+    }
+    let newcomers = limits::OBSERVERS - limits::UNPROVED_OBSERVERS - limits::OBSERVERS / 10 - 10;
+    for n in 0..newcomers {
+        assert!(register(&mut bench, peer(9_000 + n), b"n"), "newcomer {n} of {newcomers}");
+    }
+    assert_eq!(bench.endpoint.counts().observers, limits::OBSERVERS);
+    bench.take();
+    bench.change(|server| server.set("/obs", "seen 1"));
+    bench.wait(Duration::from_millis(500));
+    let told: std::collections::BTreeSet<_> = bench.take().into_iter().map(|out| out.peer).collect();
+    for n in 0..limits::OBSERVERS {
+        assert!(!is_there(n) || told.contains(&peer(n)), "number {n} is there and has lost its place");
+    }
+}

@@ -13,6 +13,7 @@ use tokio::time::{Sleep, sleep, timeout};
 
 use super::connection_task::{ConnectionTask, Shared, put};
 use super::context::ServerContext;
+use super::frames::Frames;
 use super::judge::{Given, Judge};
 use super::stop_search::{Heard, HeardRequest, StopSearch};
 use crate::api::door;
@@ -71,8 +72,9 @@ pub(super) struct Connection<R, W> {
     ahead: BytesMut,
     /// and whether something behind it was heard and not kept, so that nothing more can be handed on.
     is_only_heard: bool,
-    /// A request was heard that may hand the connection over.
-    may_hand_over: bool,
+    /// Where in the stream the head of a request has ended that may hand the connection over, and how much was handed on.
+    upgrade: Option<u64>,
+    handed_on: u64,
     /// What was read since others had their turn.
     turn: usize,
     /// Ends when the first head must have come, and then when its body should have.
@@ -115,7 +117,8 @@ where
             scanned: 0,
             ahead: BytesMut::new(),
             is_only_heard: false,
-            may_hand_over: false,
+            upgrade: None,
+            handed_on: 0,
             turn: 0,
             late: Box::pin(sleep(HEADER_TIME)),
         }
@@ -126,7 +129,7 @@ where
         self.read = said;
         loop {
             // It is known here before the client can know it, so that nothing of another protocol is heard.
-            if self.may_hand_over && self.shared.is_handed_over() {
+            if self.upgrade.is_some() && self.shared.is_handed_over() {
                 return self.carry().await;
             }
             self.scan().await;
@@ -190,7 +193,9 @@ where
         self.shared.came(self.search.number(), asked.came);
         self.tell(|place| place.asked(asked.claim.clone(), asked.has_body));
         self.claim.get_or_insert(asked.claim);
-        self.may_hand_over |= asked.may_hand_over;
+        if asked.may_hand_over {
+            self.upgrade = Some(self.handed_on + self.scanned as u64);
+        }
     }
 
     /// Keeps a STOP for the request that will be answered by it.
@@ -209,6 +214,7 @@ where
         } else if !self.is_only_heard {
             self.ahead.extend_from_slice(&self.read);
         }
+        self.handed_on += self.read.len() as u64;
         self.read.clear();
         self.scanned = 0;
     }
@@ -259,16 +265,26 @@ where
         }
     }
 
-    /// Carries bytes of another protocol, whose places are its own matter.
+    /// Carries the frames of a WebSocket, whose places are its own matter.
     async fn carry(mut self) {
         (self.place, self.connected) = (None, None);
         // Nobody knows what another protocol would say behind what was not kept.
         let Some(ConnectionTask { to: Some(to), over, .. }) = &mut self.task else { return };
+        // What was handed on before may have begun a frame, of a client that did not wait for its answer.
+        let mut frames = (self.upgrade == Some(self.handed_on)).then(Frames::default);
         let carried = async {
             to.write_all(&self.ahead).await?;
-            to.write_all(&self.read).await?;
-            tokio::io::copy(&mut self.from, to).await?;
-            to.shutdown().await
+            loop {
+                if let Some(frames) = &mut frames {
+                    frames.pass(&mut self.read);
+                }
+                to.write_all(&self.read).await?;
+                self.read.clear();
+                self.read.reserve(TURN);
+                if self.from.read_buf(&mut (&mut self.read).limit(TURN)).await? == 0 {
+                    return to.shutdown().await;
+                }
+            }
         };
         tokio::select! {
             // What the other side has left to say is none of hearing.
@@ -290,7 +306,7 @@ where
                 }
                 tokio::select! {
                     biased;
-                    () = self.shared.handed_over(), if self.may_hand_over => return Next::More,
+                    () = self.shared.handed_over(), if self.upgrade.is_some() => return Next::More,
                     _ = over.changed() => return Next::Over,
                     () = put(to, &mut self.ahead), if !self.ahead.is_empty() => return Next::More,
                     read = self.from.read_buf(&mut room) => read,

@@ -11,6 +11,7 @@
 mod connection;
 mod connection_task;
 mod context;
+mod frames;
 mod judge;
 mod stop_search;
 
