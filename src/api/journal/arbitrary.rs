@@ -80,9 +80,12 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
 
 fn conditions() -> impl Strategy<Value = Conditions> {
     let reach = option::of((any::<u32>(), any::<u32>()).prop_map(|(a, b)| Reach { reachable: a.min(b), free: a.max(b) }));
-    (text(), option::of(0.01..100.0), any::<bool>(), celsius(), reach).prop_map(|(hall, cell_m, is_reckoned, threshold, reach)| {
-        Conditions { venue: Venue { name: hall.into(), cell_m, is_reckoned, reach }, threshold }
-    })
+    (text(), option::of(0.01..100.0), any::<bool>(), celsius(), reach).prop_map(
+        |(hall, cell_m, is_reckoned, threshold, reach)| Conditions {
+            venue: Venue { name: hall.into(), cell_m, is_reckoned, reach },
+            threshold,
+        },
+    )
 }
 
 fn command() -> impl Strategy<Value = Fact> {
@@ -148,7 +151,7 @@ fn state() -> impl Strategy<Value = PersistentState> {
             last_alarm: AlarmId(last_alarm),
             reading,
             conditions,
-            clock_set_ms: i64::try_from(epoch).unwrap_or(-1),
+            clock_set_ms: i64::try_from(epoch.0).unwrap_or(-1),
         }
     })
 }

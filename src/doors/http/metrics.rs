@@ -11,8 +11,8 @@ use prometheus_client::encoding::text::encode;
 use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::registry::{Registry, Unit};
 
-use super::accept;
 use super::HttpDoor;
+use super::accept;
 use super::problem::Problem;
 use crate::runtime::figures::{Figures, Series, flag};
 use hallsweep_core::mission::{Hold, PhaseName};

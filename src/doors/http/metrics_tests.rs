@@ -84,7 +84,11 @@ async fn it_is_the_text_of_prometheus_for_everybody_else() {
         let response = app(searching()).send("GET", "/metrics", &[("accept", wish)], "").await;
         assert_eq!(response.headers()["content-type"], "text/plain; version=0.0.4; charset=utf-8", "{wish}");
         let text = text(response).await;
-        for line in ["# HELP hallsweep_steps_total Cells by", "# TYPE hallsweep_steps_total counter\n", "# TYPE hallsweep_build_info gauge\n"] {
+        for line in [
+            "# HELP hallsweep_steps_total Cells by",
+            "# TYPE hallsweep_steps_total counter\n",
+            "# TYPE hallsweep_build_info gauge\n",
+        ] {
             assert!(text.contains(line), "{line} in {text}");
         }
         assert!(!text.contains("# EOF") && !text.contains("# UNIT"), "{text}");

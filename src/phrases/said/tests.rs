@@ -216,10 +216,7 @@ fn the_journal() {
             venue: Venue { name: "depot".into(), cell_m: Some(0.25), is_reckoned: false, reach: None },
             threshold: degrees(25.5),
         }),
-        Fact::Conditions(Conditions {
-            venue: Venue { name: "depot".into(), ..Venue::default() },
-            threshold: degrees(25.5),
-        }),
+        Fact::Conditions(Conditions { venue: Venue { name: "depot".into(), ..Venue::default() }, threshold: degrees(25.5) }),
         Fact::Conditions(Conditions {
             venue: Venue { name: "depot".into(), is_reckoned: true, ..Venue::default() },
             threshold: degrees(25.5),

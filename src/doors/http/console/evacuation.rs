@@ -78,7 +78,8 @@ mod tests {
     use hallsweep_core::world::snapshot::Snapshot;
 
     fn view(snapshot: &Snapshot, cell_m: Option<f64>) -> View<'_> {
-        let hall = HallInfo { name: "airport".into(), cell_m, evacuation_m: 25.0, is_paused: false, is_reckoned: false, robot: None };
+        let hall =
+            HallInfo { name: "airport".into(), cell_m, evacuation_m: 25.0, is_paused: false, is_reckoned: false, robot: None };
         View { snapshot, hall, began: None, who: None, language: Language::English, why: None, now: TEN, line: None, then: None }
     }
 

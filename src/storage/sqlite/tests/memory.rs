@@ -31,8 +31,17 @@ fn luggage(id: u64, photo: Result<&str, &str>) -> Entry {
     let photo = photo.map(|text| Photo { bytes: text.as_bytes().into(), media_type: "image/png" }).map_err(str::to_owned);
     let (cell, pose, taken) = (Cell::new(0, 1), Pose::START, WallTime::default());
     let state = PhotoState::after(None, &photo);
-    let record =
-        Arc::new(Luggage { id: LuggageId(id), cell, pose, taken, photo: state, verdict: None, piece: None, secured: None, clock_set_ms: 0 });
+    let record = Arc::new(Luggage {
+        id: LuggageId(id),
+        cell,
+        pose,
+        taken,
+        photo: state,
+        verdict: None,
+        piece: None,
+        secured: None,
+        clock_set_ms: 0,
+    });
     Entry { wall: taken, fact: Fact::Luggage { record, photo: photo.ok() } }
 }
 
