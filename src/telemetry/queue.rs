@@ -186,8 +186,9 @@ mod tests {
         let line = [&[b'x'; 1023][..], b"\n"].concat();
         (0..2048).for_each(|_| bench.queue.put(&line));
         bench.queue.end(Duration::ZERO);
-        let (text, dropped) = (bench.queue.state().text.len(), bench.queue.state().dropped);
-        assert_eq!((text, dropped), (ROOM, 2048 - 512));
+        let state = bench.queue.state();
+        assert_eq!((state.text.len(), state.dropped), (ROOM, 2048 - 512));
+        drop(state);
         let taken = bench.taken();
         let (lines, said) = taken.strip_prefix("first\n").unwrap().split_at(ROOM);
         assert!(

@@ -309,7 +309,7 @@ async fn who_names_no_host_or_several_is_told_so_and_a_stop_that_names_no_foreig
         ("1.1", "", "Host: localhost\r\nHost: localhost\r\n", "400", true),
         ("1.0", "", "Host: localhost\r\nHost: 127.0.0.1\r\n", "400", true),
         ("1.1", "", "Host: someone@localhost\r\n", "400", true),
-        ("1.1", "", "Host: localhost:80a\r\n", "400", false),
+        ("1.1", "", "Host: localhost:80a\r\n", "400", true),
         ("1.1", "", "Host: a b\r\n", "400", false),
         ("1.1", "", "Host:\r\n", "400", false),
         ("1.1", "", "Host: localhost\r\nHost: elsewhere.example\r\n", "400", false),

@@ -104,7 +104,7 @@ fn luggage(topics: &Topics) -> Value {
         "state_class": "measurement",
         "unit_of_measurement": "pieces",
         "state_topic": topics.state(Resource::Luggage),
-        "value_template": "{{ value_json.pieces if value_json is mapping else value_json | count }}",
+        "value_template": "{{ value_json['pieces'] if value_json is mapping else value_json | count }}",
     })
 }
 
