@@ -45,16 +45,6 @@ use words::{Command, Heard, Stream};
 /// How long a turn is asked for: it cannot be halted, so it is to be short (safety S5), and less looks wrong on the page.
 const TURN: Duration = Duration::from_millis(400);
 
-/// What is to be done when nobody knows where it stands.
-const PUT_HOME: &str = "Open its page anew, so that it stands at its start, and press START";
-
-/// And when what it has told may be wrong as well.
-const BEGIN_ANEW: &str =
-    "The map may be wrong. Open its page anew, so that it stands at its start; RESET begins with an empty map";
-
-/// And where its scene file would have helped.
-const WITH_SCENE: &str = ". With its scene file (robot.scene) a drift is set right";
-
 /// What a photo may take: drawing it is some hundredths of a second, on a machine that may have much else to do.
 const DRAWING: Duration = Duration::from_secs(2);
 
@@ -226,26 +216,6 @@ impl VirtualRobot {
 
     fn fail(&mut self, words: &str) {
         self.answer(|order| RobotEvent::Failed(order, words.to_owned()));
-    }
-
-    /// Nobody knows any more where it stands, and something may have been told of the wrong cell.
-    fn lose(&mut self, words: &str) {
-        self.reckoning.doubt();
-        let advice = if self.room.is_none() { WITH_SCENE } else { "" };
-        self.fail_lost(format!("{words}. {BEGIN_ANEW}{advice}"));
-    }
-
-    /// Nobody knows any more where it stands.
-    fn lose_sight(&mut self, words: &str) {
-        self.fail_lost(format!("{words}. {PUT_HOME}"));
-    }
-
-    fn fail_lost(&mut self, words: String) {
-        // Nothing is on its way any more, and whoever has no order open is told with the next.
-        self.forget_unsent();
-        (self.off_centre, self.is_told_lost, self.is_changed) = (true, self.task.is_some(), true);
-        self.fail(&words);
-        self.lost = Some(words);
     }
 
     fn begin(&mut self, action: Action) {

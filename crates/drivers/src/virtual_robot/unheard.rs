@@ -1,13 +1,23 @@
 //! What becomes of a motion that is under way when nobody hears the robot any more, because the link is lost or the program has ended: it
-//! ends by itself, and where the robot then stands is found out with the next link.
+//! ends by itself, and where the robot then stands is found out with the next link; or nobody knows any more where it stands.
 
 use std::time::Duration;
 
-use super::{Aim, PUT_HOME, Stage, VirtualRobot, Way};
+use super::{Aim, Stage, VirtualRobot, Way};
 use hallsweep_core::units::Heading;
 
 /// A link that is lost so soon after a move was sent may have been lost before the robot heard of it, and where the server is slow, later.
 const BEGUN: Duration = Duration::from_millis(10);
+
+/// What is to be done when nobody knows where it stands.
+const PUT_HOME: &str = "Open its page anew, so that it stands at its start, and press START";
+
+/// And when what it has told may be wrong as well.
+const BEGIN_ANEW: &str =
+    "The map may be wrong. Open its page anew, so that it stands at its start; RESET begins with an empty map";
+
+/// And where its scene file would have helped.
+const WITH_SCENE: &str = ". With its scene file (robot.scene) a drift is set right";
 
 /// A step that nobody has heard the end of: which way, how far it was to go, and how far it has felt ahead since.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +28,26 @@ pub(super) struct Unheard {
 }
 
 impl VirtualRobot {
+    /// Nobody knows any more where it stands, and something may have been told of the wrong cell.
+    pub(super) fn lose(&mut self, words: &str) {
+        self.reckoning.doubt();
+        let advice = if self.room.is_none() { WITH_SCENE } else { "" };
+        self.fail_lost(format!("{words}. {BEGIN_ANEW}{advice}"));
+    }
+
+    /// Nobody knows any more where it stands.
+    pub(super) fn lose_sight(&mut self, words: &str) {
+        self.fail_lost(format!("{words}. {PUT_HOME}"));
+    }
+
+    pub(super) fn fail_lost(&mut self, words: String) {
+        // Nothing is on its way any more, and whoever has no order open is told with the next.
+        self.forget_unsent();
+        (self.off_centre, self.is_told_lost, self.is_changed) = (true, self.task.is_some(), true);
+        self.fail(&words);
+        self.lost = Some(words);
+    }
+
     /// Nobody knows whether it was told to move.
     pub(super) fn left_in_doubt(&mut self) {
         self.off_centre = true;
