@@ -5,7 +5,7 @@ use hallsweep_core::command::Refusal;
 use hallsweep_core::effect::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::mission::fact_words::hours;
 use hallsweep_core::mission::{Asked, Hold, Phase, Stage};
-use hallsweep_core::state::{Conditions, Retrieval, RetrievalStage, Venue};
+use hallsweep_core::state::{Conditions, Retrieval, RetrievalStage};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
@@ -26,6 +26,16 @@ impl Language {
         self.say("fact-refused").with("why", self.refusal(refusal)).to_string()
     }
 
+    fn conditions(self, Conditions { venue, threshold }: &Conditions) -> Phrase<'static> {
+        let id = match (venue.cell_m, venue.is_reckoned) {
+            (Some(_), _) => "fact-conditions",
+            (None, true) => "fact-conditions-reckoned",
+            (None, false) => "fact-conditions-no-side",
+        };
+        let say = self.say(id).with("hall", &venue.name).with("threshold", self.celsius(*threshold));
+        venue.cell_m.map_or_else(|| say.clone(), |side| say.clone().with("side", self.number(&side.to_string())))
+    }
+
     fn happened(self, fact: &Fact) -> String {
         let said = match fact {
             Fact::ProgramStarted(version) => self.say("fact-started").with("version", version),
@@ -34,15 +44,7 @@ impl Language {
             Fact::ClockSet(by) => self.say("fact-clock-forward").with("by", hours(*by)),
             Fact::WrittenOut(written) => return self.written_out(written),
             Fact::Unpacked(unpacked) => return self.unpacked(unpacked),
-            Fact::Conditions(Conditions { venue: Venue { name, cell_m, is_reckoned, .. }, threshold }) => {
-                let say = self.say(match (cell_m, is_reckoned) {
-                    (Some(_), _) => "fact-conditions",
-                    (None, true) => "fact-conditions-reckoned",
-                    (None, false) => "fact-conditions-no-side",
-                });
-                let say = say.with("hall", name).with("threshold", self.celsius(*threshold));
-                cell_m.map_or_else(|| say.clone(), |side| say.clone().with("side", self.number(&side.to_string())))
-            }
+            Fact::Conditions(conditions) => self.conditions(conditions),
             Fact::State(standing) if standing.under_way => {
                 self.say("fact-state").with("mission", standing.mission).with("cells", standing.map.visited())
             }

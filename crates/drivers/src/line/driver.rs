@@ -1,5 +1,7 @@
 //! The program's end of the line protocol: one order at a time, repeated until it is answered, and a `hello` every half second. How
 //! robot and program find each other stands in `greeting`, what the robot's lines come to in `answers`.
+//!
+//! long because an order, the halt that voids it and the repeats of both follow one set of rules.
 
 use std::collections::VecDeque;
 use std::time::Duration;
