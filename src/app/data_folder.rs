@@ -88,12 +88,13 @@ impl DataFolder {
 
     /// What is said when nobody knows whether the last STOP is on record: then the robot is held as by one.
     pub(super) fn stop_in_doubt(&self) -> Option<String> {
-        let damaged = self.stops.as_ref().and_then(Stops::damaged)?;
+        let (file, was_set_aside) = self.stops.as_ref().and_then(Stops::damaged)?;
+        let aside = format!("; what was there stands in {} beside it", names::STOPS_DAMAGED.written());
         Some(format!(
-            "{} was damaged and is begun anew, what was there stands in {} beside it: whether STOP was pressed last is not known, so the \
-             robot is held as by a STOP: press START to go on",
-            damaged.display(),
-            names::STOPS_DAMAGED.written()
+            "{} was damaged and is begun anew{}. Whether STOP was pressed last is not known, so the robot is held as by a STOP: press \
+             START to go on",
+            file.display(),
+            if was_set_aside { &aside } else { "" }
         ))
     }
 

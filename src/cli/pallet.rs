@@ -127,7 +127,9 @@ mod tests {
     #[test]
     fn what_is_asked_to_go_wrong_happens_or_the_run_fails_and_says_why_it_did_not() {
         const EARLY: &str = "the run ended before it could happen";
-        let table: [(&[&str], &[(&str, &str)]); 9] = [
+        /// What is asked to go wrong, and of that what does not, each with the reason.
+        type Row<'a> = (&'a [&'a str], &'a [(&'a str, &'a str)]);
+        let table: [Row<'_>; 9] = [
             (&["lost@1", "lost@2", "lostLifting@2", "unrecognised@1"], &[]),
             (&["lost", "lost", "unrecognised", "unrecognised"], &[]),
             (&["absent"], &[("absent", "the operator was never called")]),

@@ -42,6 +42,8 @@ pub struct Stops {
     turn: usize,
     /// Whether what stood there could not be understood.
     was_damaged: bool,
+    /// Whether that stands beside it under another name.
+    was_set_aside: bool,
 }
 
 /// What the bytes of a file come to.
@@ -72,7 +74,13 @@ impl Stops {
     /// The file in the folder `dir`, made with its full size when there is none. No fault of it is an error: the log says it, and
     /// it is tried again with the next stop. One of which a line cannot be understood is set aside and begun anew.
     pub fn open(dir: &Path) -> Stops {
-        let mut stops = Stops { file: SmallFile::within(dir, names::STOPS), epoch: Epoch(0), turn: 0, was_damaged: false };
+        let mut stops = Stops {
+            file: SmallFile::within(dir, names::STOPS),
+            epoch: Epoch(0),
+            turn: 0,
+            was_damaged: false,
+            was_set_aside: false,
+        };
         match stops.file.read(SIZE) {
             Ok(Some(bytes)) => match understood(&bytes) {
                 Some(Found { epoch, line, is_sure: true }) => {
@@ -86,7 +94,7 @@ impl Stops {
                     // is written over all the same: a STOP must find its file.
                     let aside = names::STOPS_DAMAGED.within(dir);
                     let _ = fs::remove_file(&aside);
-                    let _ = fs::hard_link(stops.file.path(), &aside);
+                    stops.was_set_aside = fs::hard_link(stops.file.path(), &aside).is_ok();
                 }
             },
             Ok(None) => {}
@@ -106,8 +114,9 @@ impl Stops {
     }
 
     /// Where the file is, if what stood there could not be understood: nobody knows then whether the last stop is on record.
-    pub fn damaged(&self) -> Option<&Path> {
-        self.was_damaged.then_some(self.file.path())
+    /// Says also whether what stood there was set aside.
+    pub fn damaged(&self) -> Option<(&Path, bool)> {
+        self.was_damaged.then_some((self.file.path(), self.was_set_aside))
     }
 
     /// Writes an epoch down, unless a later one stands there already. When that fails the log says so, and it stays to be done.

@@ -74,7 +74,7 @@ fn a_file_that_says_nothing_is_begun_anew() {
         std::fs::write(file_in(&scratch), bytes).unwrap();
         let mut stops = Stops::open(&scratch.0);
         assert_eq!((stops.epoch(), bytes_in(&scratch).len()), (Epoch(0), SIZE));
-        assert_eq!(stops.damaged(), Some(&*file_in(&scratch)), "nobody knows what it said");
+        assert_eq!(stops.damaged(), Some((&*file_in(&scratch), true)), "nobody knows what it said");
         stops.keep(Epoch(3));
         assert_eq!(Stops::open(&scratch.0).epoch(), Epoch(3));
     }

@@ -184,18 +184,6 @@ fn the_journal() {
         Fact::ProgramEnded("SIGTERM".to_owned()),
         Fact::ClockSet(-600_000),
         Fact::ClockSet(46_800_000),
-        Fact::WrittenOut(WrittenOut {
-            missions: (MissionId(1), MissionId(7)),
-            until: Seq(4711),
-            file: "2025.hallsweep".to_owned(),
-            digest: "a5".repeat(32),
-        }),
-        Fact::Unpacked(Unpacked {
-            file: "2025.hallsweep".to_owned(),
-            digest: "a5".repeat(32),
-            behind: Seq(4711),
-            page: "5a".repeat(32),
-        }),
         command(None),
         command(Some(Refused::Moving)),
         Fact::MissionBegan(MissionId(2), Strategy::Columns),
@@ -212,15 +200,6 @@ fn the_journal() {
         Fact::Outside(RobotId::discovery(), 2),
         Fact::Retrieval(None),
         Fact::Secured(ID),
-        Fact::Conditions(Conditions {
-            venue: Venue { name: "depot".into(), cell_m: Some(0.25), is_reckoned: false, reach: None },
-            threshold: degrees(25.5),
-        }),
-        Fact::Conditions(Conditions { venue: Venue { name: "depot".into(), ..Venue::default() }, threshold: degrees(25.5) }),
-        Fact::Conditions(Conditions {
-            venue: Venue { name: "depot".into(), is_reckoned: true, ..Venue::default() },
-            threshold: degrees(25.5),
-        }),
         Fact::Led(true),
         Fact::Led(false),
         photographed(PhotoState::Taken { bytes: 4, take: 1 }),
@@ -234,6 +213,33 @@ fn the_journal() {
         Fact::MapEmptied(Heading::South),
     ];
     check_facts(facts);
+}
+
+#[test]
+fn the_journal_says_where_it_is_and_what_left_it() {
+    check_facts([
+        Fact::Conditions(Conditions {
+            venue: Venue { name: "depot".into(), cell_m: Some(0.25), is_reckoned: false, reach: None },
+            threshold: degrees(25.5),
+        }),
+        Fact::Conditions(Conditions { venue: Venue { name: "depot".into(), ..Venue::default() }, threshold: degrees(25.5) }),
+        Fact::Conditions(Conditions {
+            venue: Venue { name: "depot".into(), is_reckoned: true, ..Venue::default() },
+            threshold: degrees(25.5),
+        }),
+        Fact::WrittenOut(WrittenOut {
+            missions: (MissionId(1), MissionId(7)),
+            until: Seq(4711),
+            file: "2025.hallsweep".to_owned(),
+            digest: "a5".repeat(32),
+        }),
+        Fact::Unpacked(Unpacked {
+            file: "2025.hallsweep".to_owned(),
+            digest: "a5".repeat(32),
+            behind: Seq(4711),
+            page: "5a".repeat(32),
+        }),
+    ]);
 }
 
 fn check_facts(facts: impl IntoIterator<Item = Fact>) {

@@ -9,29 +9,41 @@ use hallsweep_sim::Hall;
 /// The halls by whose names somebody may choose: the built-in ones, the file that the settings name, by its own name, and those that are kept.
 #[derive(Debug)]
 pub(super) struct Offered {
-    /// Their names, and the halls themselves: name or path, and where the robot starts if the settings say so.
-    always: Vec<(String, String, Option<(u32, u32)>)>,
+    always: Vec<Always>,
     kept: KeptHalls,
+}
+
+/// A hall that is offered whatever is kept.
+#[derive(Debug)]
+struct Always {
+    name: String,
+    /// A built-in name, or a path.
+    hall: String,
+    /// Where the robot starts, if the settings say so.
+    start: Option<(u32, u32)>,
 }
 
 impl Offered {
     /// With the hall of the settings and the start in it, and what is kept in this data folder.
     pub(super) fn with(usual: &str, start: Option<(u32, u32)>, data: Option<&Path>) -> Offered {
-        let built_in = |name: &str| (name.to_owned(), name.to_owned(), start.filter(|_| name == usual));
+        let built_in = |name: &str| {
+            let start = start.filter(|_| name == usual);
+            Always { name: name.to_owned(), hall: name.to_owned(), start }
+        };
         let mut halls: Vec<_> = Hall::builtin_names().map(built_in).collect();
         let stem = Path::new(usual).file_stem().map(|stem| stem.to_string_lossy().into_owned());
         // It stands in addresses.
         let is_plain = |name: &String| name.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_.".contains(letter));
-        let is_known = |name: &str| halls.iter().any(|(known, ..)| known == name);
+        let is_known = |name: &str| halls.iter().any(|known| known.name == name);
         if !is_known(usual) {
             let name = stem.filter(|name| is_plain(name) && !is_known(name)).unwrap_or_else(|| "hall-of-the-settings".to_owned());
-            halls.push((name, usual.to_owned(), start));
+            halls.push(Always { name, hall: usual.to_owned(), start });
         }
         Offered { always: halls, kept: KeptHalls::within(data) }
     }
 
     pub(super) fn names(&self) -> Vec<String> {
-        self.always.iter().map(|(name, ..)| name.clone()).chain(self.kept()).collect()
+        self.always.iter().map(|always| always.name.clone()).chain(self.kept()).collect()
     }
 
     /// Those that are kept; one whose name another has by now is not seen.
@@ -40,12 +52,12 @@ impl Offered {
     }
 
     fn is_always(&self, name: &str) -> bool {
-        self.always.iter().any(|(known, ..)| known == name)
+        self.always.iter().any(|known| known.name == name)
     }
 
     pub(super) fn named(&self, name: &str) -> Result<Hall, NotSimulated> {
-        if let Some((_, file, start)) = self.always.iter().find(|(known, ..)| known == name) {
-            let hall = Hall::named_or_file(file).map_err(|error| NotSimulated::Hall(error.to_string()))?;
+        if let Some(Always { hall, start, .. }) = self.always.iter().find(|known| known.name == name) {
+            let hall = Hall::named_or_file(hall).map_err(|error| NotSimulated::Hall(error.to_string()))?;
             let started = start.map_or_else(|| Ok(hall.clone()), |start| hall.clone().starting_at(start));
             return started.map_err(|fault| NotSimulated::Hall(fault.to_string())).and_then(fitting);
         }

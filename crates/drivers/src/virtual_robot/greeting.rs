@@ -73,7 +73,8 @@ impl VirtualRobot {
 
     /// A new connection is made: until it stands nothing is waited for.
     pub(super) fn reconnect(&mut self) {
-        (self.is_connected, self.greeting) = (false, None);
+        // Over another connection no alarm of this one serves.
+        (self.is_connected, self.greeting, self.alarmed) = (false, None, None);
         self.outputs.push_back(Output::Reconnect);
     }
 

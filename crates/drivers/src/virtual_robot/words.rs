@@ -146,7 +146,7 @@ pub(super) fn message(bytes: &[u8]) -> Option<Heard> {
     if ["halt", "interrupted", "collision"].into_iter().any(says) {
         return None;
     }
-    let is = |value: bool| *ended == Value::Bool(value) || *ended == value.to_string();
+    let is = |value: bool| *ended == Value::Bool(value) || ended.as_str() == Some(if value { "true" } else { "false" });
     // Of one that is `false` there was a collision, which was heard by itself; or another one's is blamed on it.
     (is(true) || (is(false) && of.is_some())).then_some(Heard::Ended(of))
 }

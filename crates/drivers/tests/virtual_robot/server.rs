@@ -198,7 +198,9 @@ impl Server {
     fn refuse(&mut self, name: &str) {
         let refusal = match self.version {
             Version::Year2023 => json!({"endmove": "false", "move": format!("{name}_notallowed (asynch)")}),
-            _ => json!({"endmove": false, "move": format!("{name}_notallowed")}),
+            Version::First | Version::Year2021 | Version::Early2021 | Version::Year2022 => {
+                json!({"endmove": false, "move": format!("{name}_notallowed")})
+            }
         };
         self.tell(&refusal);
     }

@@ -229,7 +229,7 @@ impl Pair {
         let Some(grip) = &mut self.grip else { return };
         let rise = STEP.as_secs_f64() / self.settings.arm.as_secs_f64();
         // Steps already made when a slip is due; a slip that is asked for later comes with the last step.
-        let (mut speed, mut slipping) = (0.0, 1..=0);
+        let (mut speed, mut slipping) = (0.0, None);
         let stood = !grip.is_loaded();
         match running {
             Some((Work::Arm(ArmAction::Lift), done)) => {
@@ -238,14 +238,14 @@ impl Pair {
                 }
                 grip.height = (grip.height + rise).min(1.0);
                 if done >= 0.5 {
-                    slipping = 0..=0;
+                    slipping = Some(0..=0);
                 }
             }
             Some((Work::Arm(ArmAction::Lower), _)) => grip.height = (grip.height - rise).max(TOUCHES),
             Some((Work::Step { .. }, done)) => {
                 speed = pace;
                 if done >= 0.5 {
-                    slipping = grip.steps.max(1)..=if arrives { u32::MAX } else { grip.steps };
+                    slipping = Some(grip.steps.max(1)..=if arrives { u32::MAX } else { grip.steps });
                 }
             }
             Some((Work::Back, _)) => speed = pace,
@@ -259,7 +259,8 @@ impl Pair {
             self.unkept = true;
             self.tell_arms();
         }
-        let slips = self.slips.iter().position(|slip| slip.parcel == number && slipping.contains(&slip.after_steps));
+        let is_due = |after_steps| slipping.as_ref().is_some_and(|due| due.contains(&after_steps));
+        let slips = self.slips.iter().position(|slip| slip.parcel == number && is_due(slip.after_steps));
         if let Some(index) = slips {
             self.slips.remove(index);
         }

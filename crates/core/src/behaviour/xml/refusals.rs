@@ -68,7 +68,10 @@ fn what_is_no_file_of_trees_is_refused() {
         "<root BTCPP_format=\"4\"><BehaviorTree ID=\"T\"/></root>",
         "1:24: the tree T has 0 nodes at its top, and must have one",
     );
-    refused(&tree("<AlwaysSuccess/> and <AlwaysSuccess/>"), "2:17: there is text between the elements: \"and\"");
+    refused(
+        &tree("<AlwaysSuccess/> and <AlwaysSuccess/>"),
+        "1:24: the tree T has 2 nodes at its top, and must have one\n2:17: there is text between the elements: \"and\"",
+    );
     refused(&tree("<b:AlwaysSuccess xmlns:b=\"x\"/>"), "2:1: xmlns is not read here: files of trees have no namespaces");
     refused(&tree("<AlwaysSuccess name='xmlns' xmlns='x'/>"), "2:1: xmlns is not read here: files of trees have no namespaces");
     refused(&tree("<AlwaysSuccess xml:lang=\"x\"/>"), "2:1: <AlwaysSuccess> does not belong here");
