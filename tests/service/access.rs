@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use crate::program::{Answer, Program, hallsweep};
+use crate::program::{Answer, Deadline, PATIENCE, Program, hallsweep};
 
 const FORM: (&str, &str) = ("content-type", "application/x-www-form-urlencoded");
 const BROWSER: (&str, &str) = ("accept", "text/html,application/xhtml+xml,*/*;q=0.8");
@@ -349,12 +349,20 @@ fn what_strangers_ask_for_is_in_the_log_alone() {
     let program = Program::started(command.stderr(std::fs::File::create(&log).expect("a file for the log")));
     assert_eq!(program.command("start").status, 401);
     let written = || std::fs::read_to_string(&log).expect("it is there");
-    let said = written();
-    assert!(said.contains("/api/v1/commands/start") && said.contains("127.0.0.1"), "{said}");
+    // A thread of its own writes the log.
+    let until = |words: &str| {
+        let deadline = Deadline::within(PATIENCE);
+        while !written().contains(words) {
+            assert!(!deadline.has_passed(), "{words} is not in {}", written());
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+    };
+    until("/api/v1/commands/start");
+    assert!(written().contains("127.0.0.1"), "{}", written());
     assert_eq!(program.read("/api/v1/state", &[]).status, 401);
-    assert!(!written().contains("/api/v1/state"), "who only looks is not worth a line");
     assert_eq!(program.post_with("/sign-out", &[("sec-fetch-site", "cross-site")], "").status, 403);
-    assert!(written().contains("another origin"), "{}", written());
+    until("another origin");
+    assert!(!written().contains("/api/v1/state"), "who only looks is not worth a line");
     drop(program);
     let lines = crate::journal::journal(&folder, &["export"]).1;
     assert!(!lines.contains("\"kind\":\"command\""), "{lines}");

@@ -142,7 +142,7 @@ fn understood(bytes: &[u8]) -> Result<(String, String), &'static str> {
     let (whose, memory) = match text.split('\n').collect::<Vec<_>>()[..] {
         [whose, memory, sum, ""] if sum == checksum(&format!("{whose}\n{memory}")) => (whose, memory),
         // Earlier versions wrote no checksum.
-        [whose, memory] if memory.starts_with('{') => (whose, memory),
+        [whose, memory] if memory.starts_with('{') && memory.ends_with('}') => (whose, memory),
         _ => return Err("it is not what was written"),
     };
     Ok((whose.to_owned(), memory.to_owned()))

@@ -271,12 +271,12 @@ impl VirtualRobot {
     pub(super) fn halt(&mut self) {
         self.forget_unsent();
         let Some(leg) = self.leg().copied() else { return self.alarm() };
-        // What the next program must know changes by it.
-        self.is_changed = true;
         match (leg.stage, leg.way) {
             (Stage::Sent(sent), Way::Straight { .. }) => {
                 let (lasted, until) = (self.now.saturating_sub(sent), self.now + self.margin());
                 self.alarm();
+                // What the next program must know changes by it.
+                self.is_changed = true;
                 if let Some(leg) = self.leg_mut() {
                     leg.stage = Stage::Halting { lasted, until };
                 }

@@ -75,7 +75,8 @@ fn a_mission_is_read_as_it_stood_after_each_of_its_entries() {
     assert_eq!(moment(archive, 3, Seq(9)), None);
     assert_eq!(moment(archive, u64::MAX, Seq(9)), None);
     let last = moment(archive, 1, Seq(u64::MAX)).expect("there is a last");
-    assert_eq!((last.past.of.seq, last.later), (Seq(all.len() as u64), None), "RESET begins what comes next");
+    let reset = Seq(all.len() as u64 + 1);
+    assert_eq!((last.past.of.seq, last.later), (reset, None), "what RESET empties begins what comes next");
 }
 
 fn moment(archive: &Arc<dyn Archive>, mission: u64, seq: Seq) -> Option<Moment> {
