@@ -75,6 +75,9 @@ impl Http {
         for (name, value) in headers {
             request = request.header(*name, *value);
         }
+        if !headers.iter().any(|(name, _)| name.eq_ignore_ascii_case("host")) {
+            request = request.header("host", "localhost");
+        }
         let request = request.body(Body::from(body.to_owned())).expect("a sound request");
         let request = coming_from(request, Ipv4Addr::LOCALHOST.into(), false);
         self.router.clone().call(request).await.expect("the router answers everything")
