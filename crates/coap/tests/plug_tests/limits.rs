@@ -155,7 +155,7 @@ fn observers_that_acknowledge_nothing_give_way_to_newcomers_and_those_that_do_st
         assert!(register(&mut bench, peer(n), b"o"), "number {n}");
     }
     // Every tenth acknowledges what comes.
-    let is_there = |n: usize| n % 10 == 0;
+    let is_there = |n: usize| n.is_multiple_of(10);
     let acknowledge = |bench: &mut Bench| {
         let came: Vec<_> = bench.take().into_iter().map(|out| (out.peer, Message::decoded(&out.bytes))).collect();
         for (peer, message) in came {
