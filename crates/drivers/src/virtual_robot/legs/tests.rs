@@ -166,7 +166,8 @@ fn every_stop_sends_an_alarm_whatever_the_robot_does_or_waits_for() {
         test.sent();
         test.robot.handle_received(br#"{"endmove":"false","move":"moveForward_notallowed (asynch)"}"#, test.now);
     };
-    let states: [(&str, &dyn Fn(&mut Test)); 8] = [
+    type State<'a> = (&'a str, &'a dyn Fn(&mut Test));
+    let states: [State<'_>; 8] = [
         ("nothing", &|_| {}),
         ("a drawing", &|test| {
             test.order(Action::Photograph(hallsweep_core::effect::Stamp { pose: Pose::START, wall: Default::default() }));
