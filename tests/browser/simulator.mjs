@@ -124,7 +124,8 @@ export const hallsOpened = {
     await page.getByLabel(/Metres a pixel/).fill('0.5');
     await open('depot.pgm');
     await cursor(page).getByText('depot.pgm is open').waitFor();
-    must(JSON.stringify(await drawing(page)) === '["S.#","..."]', `depot.pgm: ${await drawing(page)}`);
+    // World (0, 0) is the south-western corner of an image.
+    must(JSON.stringify(await drawing(page)) === '["..#","S.."]', `depot.pgm: ${await drawing(page)}`);
     await open('broken.js');
     await page.locator('#draw-why').getByText(/broken\.js:1/).waitFor();
     const down = page.waitForEvent('download');
