@@ -65,7 +65,7 @@ fn whatever_the_program_keeps_in_its_folder_is_in_its_own_table_and_in_the_docum
     let old = crate::earlier::copy("data-files-archived");
     end(Program::started(&mut archived(old.text(), "0")));
     end(Program::started(&mut archived(old.text(), "1")));
-    let outside = crate::virtual_robots::remembered();
+    let outside = crate::virtual_robots::remembered("listed");
     let there: BTreeSet<String> = [&searched, &old, &outside].into_iter().flat_map(|folder| listed(folder.path())).collect();
     let unknown: Vec<&String> = there.iter().filter(|path| !names::ALL.iter().any(|name| is_of(name.written(), path))).collect();
     assert!(unknown.is_empty(), "these are not in src/storage/names.rs: {unknown:?}");
@@ -180,7 +180,7 @@ fn the_damaged_memory_of_a_robot_outside_holds_it() {
     let serve = |folder: &Folder| {
         Program::started(&mut hallsweep(&["serve", "--http", "127.0.0.1:0", "--robot", ROBOT, "--data", folder.text()]))
     };
-    let kept = crate::virtual_robots::remembered();
+    let kept = crate::virtual_robots::remembered("damaged");
     let damages = ALL.into_iter().filter(|damage| ![Damage::Zeros, Damage::ALinkToNowhere].contains(damage));
     let try_all = |name: &str| {
         for damage in damages.clone() {

@@ -64,9 +64,9 @@ fn map(program: &Program) -> String {
 }
 
 /// A data folder with what is kept of such a robot, and the mark that it is out of date, since the disk could not be written.
-pub(crate) fn remembered() -> Folder {
+pub(crate) fn remembered(by: &str) -> Folder {
     let robot = VirtualRobot::standing_in(small_room(), Version::First);
-    let folder = Folder::new("virtual-robot-kept");
+    let folder = Folder::new(&format!("virtual-robot-kept-{by}"));
     let program = serve(&robot, "virtual-tcp", Some(&folder));
     program.until("the link is up", linked);
     program.command("start").accepted();
