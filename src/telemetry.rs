@@ -29,7 +29,7 @@ const LAST_LINES: Duration = Duration::from_secs(1);
 /// Where lines for standard error go in a program that must not wait for it; without a queue they are written at once.
 static QUEUE: OnceLock<Arc<Queue>> = OnceLock::new();
 
-/// From now on no thread waits for standard error, or panics because of it (safety S11). For programs that run until they are ended.
+/// Queues lines from now on, so that no thread waits for standard error or panics because of it (safety S11). For programs that run until they are ended.
 pub fn queue_lines() {
     // A system that has no thread for this has none for the doors either, and the start ends there.
     let Ok(queue) = Queue::start(io::stderr()) else { return };

@@ -28,7 +28,7 @@ const SLACK_S: i64 = 5 * 60;
 /// What the MAC is about, so that no other MAC made with a token could ever be taken for it.
 const PURPOSE: &str = "hallsweep session 2";
 
-/// The same for cookies that name no run.
+/// Purpose of the MAC in cookies that name no run.
 const PURPOSE_BEFORE: &str = "hallsweep session 1";
 
 /// A moment, by both clocks.
@@ -109,7 +109,7 @@ mod tests {
     /// How long the run has lasted when somebody signs in.
     const BEGAN_S: u64 = 1000;
 
-    /// So many seconds after signing in, with the clock set by so many in between.
+    /// The moment `elapsed_s` seconds after signing in, with the clock set by `set_s` seconds in between.
     fn at(elapsed_s: i64, set_s: i64) -> Moment {
         let elapsed = Duration::from_secs(BEGAN_S.saturating_add_signed(elapsed_s));
         Moment { elapsed, unix_s: NOW + elapsed_s + set_s }

@@ -89,7 +89,7 @@ impl Robots {
         }
     }
 
-    /// Where they are; of a hall that is not ours only the place is known.
+    /// The hall they are in; only the place is known of a hall that is not ours.
     pub fn venue(&self) -> Venue {
         match self.all.first() {
             Some((_, Robot::Sim(_))) => sim::venue(&self.hall),

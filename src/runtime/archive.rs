@@ -83,7 +83,7 @@ pub enum At {
     Entry(Seq),
     /// In milliseconds since 1970.
     Time(i64),
-    /// The same among the entries from one to another: a clock that is set back shows a time twice.
+    /// A time in milliseconds since 1970, searched only between these two entries: a clock that is set back shows a time twice.
     TimeAmong(i64, [Seq; 2]),
 }
 

@@ -32,7 +32,7 @@ pub(super) struct ObserverId(u64);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SubjectId(u64);
 
-/// Whose observations fill the room there is for one more.
+/// Whose observations take the room that one more needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Crowd {
     /// Whoever asks for it, or its path is too long: nobody gives way.
@@ -314,7 +314,7 @@ impl Observers {
         self.due.first().map(|(due, _)| *due)
     }
 
-    /// Who has so many observations that there is no room for this one; `None` when there is. Those of others leave room for those of
+    /// Owner whose observations leave no room for this one; `None` when there is room. Those of others leave room for those of
     /// this machine, and none of this machine gives way to others.
     pub(super) fn crowd(&self, request: &Request) -> Option<Crowd> {
         let of_this_peer = self.by_peer.get(&request.peer).map_or(0, Vec::len);

@@ -110,7 +110,7 @@ impl Reliable {
         Some((sent, once))
     }
 
-    /// Of these peers the one that has left a notification unacknowledged for longest, although it was sent again, and whose that is.
+    /// The peer among these whose retransmitted notification has gone unacknowledged for longest, with its owner.
     pub(super) fn most_silent(&self, is_meant: impl Fn(SocketAddr) -> bool) -> Option<(SocketAddr, ObserverId)> {
         let sent =
             self.peers.iter().filter_map(|(peer, queue)| Some((*peer, queue.sent.as_ref().filter(|sent| sent.tries > 0)?)));

@@ -169,7 +169,7 @@ impl Missed {
     }
 }
 
-/// Those of the faults that have not happened in this run, which has ended, and why.
+/// Faults that did not happen in this run, which has ended, each with the reason.
 pub fn missed(faults: &[AskedFault], run: &PalletRun) -> Vec<(AskedFault, Missed)> {
     let mut left = run.not_happened();
     let mut is_left = |AskedFault { mishap, parcel }: &AskedFault| match mishap {

@@ -16,7 +16,7 @@ struct EvaluationJson<'a> {
 struct ComparisonJson<'a> {
     halls: String,
     count: usize,
-    /// Of all halls together: cells that can be reached from the start, and free cells.
+    /// Sums over all halls: cells that can be reached from the start, and free cells.
     cells: usize,
     free_cells: usize,
     /// Null for a hall that was drawn.

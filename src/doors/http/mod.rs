@@ -169,7 +169,7 @@ impl HttpDoor {
         HttpDoor { cell_m, ..self }
     }
 
-    /// The same, of a hall whose map is counted by time alone, or not.
+    /// Says whether the robot counts its way by time alone.
     pub fn with_reckoning(self, is_reckoned: bool) -> HttpDoor {
         HttpDoor { is_reckoned, ..self }
     }

@@ -136,7 +136,7 @@ fn mark(out_of_date: &Path, whose: &str) -> Mark {
     }
 }
 
-/// Of which robot this is, and what is remembered of it.
+/// Reads which robot this is, and what is remembered of it.
 fn understood(bytes: &[u8]) -> Result<(String, String), &'static str> {
     let text = std::str::from_utf8(bytes).map_err(|_| "it is no text")?;
     let (whose, memory) = match text.split('\n').collect::<Vec<_>>()[..] {

@@ -29,7 +29,7 @@ const HINDERED: u8 = 2;
 const ASTRAY: u8 = 4 * FOUND;
 const FOUND: u8 = 3;
 
-/// And so often in all on ways that it has been before: else it may wander between two places for ever.
+/// Corrections of position allowed before the robot enters a new cell, so that it does not wander between two places for ever.
 const WANDERED: u8 = 12;
 
 /// A measurement changes the time of a step by no more than this, at once.

@@ -112,7 +112,7 @@ pub struct VirtualRobot {
     gauged: Duration,
     /// How often it was found to stand elsewhere than was counted, by `ASTRAY`.
     astray: u8,
-    /// The same since it last came into a cell that it had not stood in.
+    /// Corrections of position since it last entered a new cell.
     wandered: u8,
     /// When it last came to the end of a step without having met anything.
     stepped: Option<Duration>,

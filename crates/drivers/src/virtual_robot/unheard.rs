@@ -12,11 +12,11 @@ const BEGUN: Duration = Duration::from_millis(10);
 /// What is to be done when nobody knows where it stands.
 const PUT_HOME: &str = "Open its page anew, so that it stands at its start, and press START";
 
-/// And when what it has told may be wrong as well.
+/// What is to be done when its places on record may be wrong as well.
 const BEGIN_ANEW: &str =
     "The map may be wrong. Open its page anew, so that it stands at its start; RESET begins with an empty map";
 
-/// And where its scene file would have helped.
+/// Advice added where its scene file would have helped.
 const WITH_SCENE: &str = ". With its scene file (robot.scene) a drift is set right";
 
 /// A step that nobody has heard the end of: which way, how far it was to go, and how far it has felt ahead since.

@@ -31,7 +31,7 @@ impl Version {
     pub(crate) const ALL: [Version; 5] =
         [Version::First, Version::Year2021, Version::Early2021, Version::Year2022, Version::Year2023];
 
-    /// Those that say what was met.
+    /// Versions that say what was met.
     pub(crate) const NAMING: [Version; 4] = [Version::First, Version::Year2021, Version::Year2022, Version::Year2023];
 
     fn halts_turns(self) -> bool {

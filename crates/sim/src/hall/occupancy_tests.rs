@@ -174,7 +174,7 @@ fn what_is_missing_or_out_of_range_is_named_with_its_line() {
     check(&format!("{YAML}negate: 1\n"), "m.yaml:7: ");
 }
 
-/// Of each kind of number that somebody else's tool writes, with the error of a 32-bit float.
+/// One number of each kind that other tools write, with the error of a 32-bit float.
 #[test]
 fn a_number_that_is_off_by_rounding_alone_means_the_round_number() {
     let rounded = YAML.replace("resolution: 0.5", "resolution: 0.05000000074505806");

@@ -136,7 +136,7 @@ fn every_node_stands_as_in_behaviortree_cpp() {
     assert!(ticks.get() > cases as usize * TICKS * 9 / 10, "only {} ticks of {cases} trees were compared", ticks.get());
 }
 
-/// With the models of all its nodes, and a tree once for each of its uses.
+/// A file with the models of all its nodes, and a tree once for each of its uses.
 #[test]
 fn what_behaviortree_cpp_itself_writes_is_well_formed_and_written_again() {
     if !Original::is_here() {
