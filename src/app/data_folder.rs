@@ -1,6 +1,8 @@
 //! What earlier runs left behind, and where this one is kept: the journal, and what robots remember beside it.
 //! What is done with what was recalled is the core's business.
 
+use std::fs;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -32,7 +34,8 @@ pub(super) struct DataFolder {
 impl DataFolder {
     /// Opens the folder of the settings, in which the robots also find where they were left. A file of it that cannot be read or
     /// written is no error: the store says so, and the robots are held (safety R5): so also when the keys cannot be had, which is said
-    /// by `keys`, and when a mission is under way in another hall. A folder in use is one.
+    /// by `keys`, and when a mission is under way in another hall. Errors are a folder in
+    /// use, and a folder that this user may not enter.
     pub(super) fn open(
         settings: &Settings,
         robots: &mut Robots,
@@ -40,6 +43,9 @@ impl DataFolder {
         mut notes: Vec<String>,
     ) -> Result<DataFolder, AppError> {
         let Some(folder) = &settings.store else { return Ok(DataFolder::nowhere()) };
+        if fs::metadata(folder.join(".")).is_err_and(|error| error.kind() == ErrorKind::PermissionDenied) {
+            return Err(AppError::ClosedFolder(folder.clone()));
+        }
         robots.recall(folder);
         notes.extend(robots.note(folder));
         let opened = |robots: &Robots| {

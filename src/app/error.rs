@@ -1,6 +1,7 @@
 //! Why the program cannot begin, or not go on: one line for whoever started it, with what to do.
 
 use std::net::SocketAddr;
+use std::path::PathBuf;
 
 use super::Port;
 use crate::access::AccessError;
@@ -27,6 +28,8 @@ pub enum AppError {
     Bind { port: Port, address: SocketAddr, error: std::io::Error },
     #[error(transparent)]
     Store(#[from] OpenError),
+    #[error("{} is closed to the user who runs hallsweep: see that this user can read the data folder, or choose another with --data DIR", .0.display())]
+    ClosedFolder(PathBuf),
     #[error("the system does not let the program start: {0}")]
     System(std::io::Error),
     /// The loop that joins everything is gone: a mistake in the program.

@@ -33,9 +33,9 @@ impl Failure {
     /// 2 for a wrong start, 1 for a failed run.
     pub fn exit_code(&self) -> ExitCode {
         match self {
-            Failure::Settings(_) | Failure::Usage(_) | Failure::App(AppError::Unusable(_) | AppError::Tls(_)) => {
-                ExitCode::from(2)
-            }
+            Failure::Settings(_)
+            | Failure::Usage(_)
+            | Failure::App(AppError::Unusable(_) | AppError::Tls(_) | AppError::ClosedFolder(_)) => ExitCode::from(2),
             Failure::Tree(_, code) => ExitCode::from(*code),
             Failure::App(_) | Failure::Access(_) | Failure::Run(_) => ExitCode::from(1),
         }

@@ -87,9 +87,15 @@ impl ContainerEngine {
         self.program.ends_with("docker")
     }
 
-    /// Runs a command of the engine to its end, whatever that is.
+    /// Runs a command of the engine to its end, whatever that is. One that takes minutes is ended: `wait` waits for ever.
     pub(crate) fn ask(&self, arguments: &[&str]) -> Output {
-        Command::new(&self.program).args(arguments).stdin(Stdio::null()).output().expect("the engine can be run")
+        Command::new("timeout")
+            .arg("300")
+            .arg(&self.program)
+            .args(arguments)
+            .stdin(Stdio::null())
+            .output()
+            .expect("the engine can be run")
     }
 
     /// The same for one that must end well; what it prints.

@@ -181,7 +181,7 @@ fn a_folder_that_its_user_may_not_use_is_said_with_what_to_do() {
     let Some(engine) = engine() else { return };
     let Some(folder) = HostFolder::of(0) else { return };
     for (mode, code, words) in [
-        (0o700, "2", "see that the user who runs hallsweep can read the data folder"),
+        (0o700, "2", "see that this user can read the data folder"),
         (0o755, "1", "see that the user who runs hallsweep can write to that folder"),
     ] {
         fs::set_permissions(&folder.0, fs::Permissions::from_mode(mode)).unwrap();

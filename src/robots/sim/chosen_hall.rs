@@ -52,13 +52,7 @@ impl ChosenHall {
     pub(in crate::robots) fn read(&self) -> Result<Option<Ground>, UnusableChosenHall> {
         let path = names::CHOSEN_HALL.within(&self.folder);
         let unusable = |fault: String| UnusableChosenHall { path: path.clone(), fault };
-        let unread = |error: io::Error| {
-            // Then there may be no such file, and nobody to tell.
-            let is_closed = error.kind() == io::ErrorKind::PermissionDenied;
-            let folder = if is_closed { "; see that the user who runs hallsweep can read the data folder" } else { "" };
-            format!("{error}{folder}")
-        };
-        let Some(bytes) = self.file().read(MOST).map_err(|error| unusable(unread(error)))? else { return Ok(None) };
+        let Some(bytes) = self.file().read(MOST).map_err(|error| unusable(error.to_string()))? else { return Ok(None) };
         let text = String::from_utf8(bytes).map_err(|_| unusable("it is no text".to_owned()))?;
         let line = |begin: &str| text.lines().find_map(|line| line.strip_prefix(begin)).map(str::to_owned);
         let instead = line(INSTEAD).ok_or_else(|| unusable(format!("the line `{INSTEAD}…` is missing")))?;
