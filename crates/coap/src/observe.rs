@@ -392,3 +392,23 @@ impl Observer {
         if is_this_machine(self.peer.ip()) { PACE } else { self.away.map_or(PACE_UNKNOWN, |away| away.max(PACE)) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Safety S9.
+    #[test]
+    fn nobody_gives_way_to_another_network_or_from_this_machine_to_those_beyond_it() {
+        let [here, near, far] = ["127.0.0.1:1", "192.0.2.1:1", "198.51.100.1:1"].map(|peer| peer.parse().expect("an address"));
+        let network = Crowd::Network(Network::of("192.0.2.1".parse().expect("an address")));
+        for (crowd, members) in [
+            (Crowd::Itself, [false, false, false]),
+            (network, [false, true, false]),
+            (Crowd::Beyond, [false, true, true]),
+            (Crowd::All, [true, true, true]),
+        ] {
+            assert_eq!([here, near, far].map(|peer| crowd.has(peer)), members, "{crowd:?}");
+        }
+    }
+}

@@ -182,3 +182,27 @@ fn observers_that_acknowledge_nothing_give_way_to_newcomers_and_those_that_do_st
         assert!(!is_there(n) || told.contains(&peer(n)), "number {n} is there and has lost its place");
     }
 }
+
+#[test]
+fn the_place_of_whoever_has_been_silent_for_longest_is_given_away_and_of_nobody_who_may_still_answer() {
+    let mut bench = Bench::new();
+    let request = Message::get("/obs", 1).token(b"o").observe(0);
+    for n in 0..limits::OBSERVERS {
+        assert!(bench.ask_from(peer(n), &request).observed().is_some(), "number {n}");
+        if n == limits::UNPROVED_OBSERVERS {
+            bench.wait(Duration::from_millis(100));
+        }
+    }
+    bench.wait(Duration::from_secs(2));
+    let newcomer = peer(9_000);
+    assert!(bench.ask_from(newcomer, &request).observed().is_none(), "nobody has been silent for long");
+    bench.wait(Duration::from_secs(4));
+    bench.take();
+    let again = Message::get("/obs", 2).token(b"o").observe(0);
+    assert!(bench.ask_from(newcomer, &again).observed().is_some());
+    bench.wait(Duration::from_secs(30));
+    let asked_again: std::collections::BTreeSet<_> = bench.take().into_iter().map(|out| out.peer).collect();
+    let first = limits::UNPROVED_OBSERVERS;
+    assert!(!asked_again.contains(&peer(first)), "the first that was asked has lost its place");
+    assert!((first + 1..limits::OBSERVERS).all(|n| asked_again.contains(&peer(n))), "nobody else has");
+}

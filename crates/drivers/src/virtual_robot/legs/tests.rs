@@ -167,7 +167,7 @@ fn every_stop_sends_an_alarm_whatever_the_robot_does_or_waits_for() {
         test.robot.handle_received(br#"{"endmove":"false","move":"moveForward_notallowed (asynch)"}"#, test.now);
     };
     type State<'a> = (&'a str, &'a dyn Fn(&mut Test));
-    let states: [State<'_>; 8] = [
+    let states: [State<'_>; 9] = [
         ("nothing", &|_| {}),
         ("a drawing", &|test| {
             test.order(Action::Photograph(hallsweep_core::effect::Stamp { pose: Pose::START, wall: Default::default() }));
@@ -179,6 +179,15 @@ fn every_stop_sends_an_alarm_whatever_the_robot_does_or_waits_for() {
             test.connect();
             test.sent();
             test.passes(Duration::from_millis(50));
+        }),
+        ("a step that is being halted", &|test| {
+            test.order(FORWARD);
+            test.sent();
+            test.connect();
+            test.sent();
+            test.robot.handle_halt(test.now);
+            test.sent();
+            test.passes(ALARM_SERVES);
         }),
         ("a server that refuses", &refuse),
         ("a halt long ago", &|test| {
