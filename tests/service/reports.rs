@@ -163,7 +163,7 @@ fn a_report_in_which_any_byte_was_changed_is_not_confirmed() {
         &claimed(&claim.replace(&format!("entry {entry}"), "entry 999999")),
         "the journal holds no mission 1 up to entry 999999",
     );
-    check(&claimed(&claim.replace("edition 1", "edition 2")), "edition 2, which this hallsweep does not know");
+    check(&claimed(&claim.replace("edition 2", "edition 3")), "edition 3, which this hallsweep does not know");
     check(&claimed("anything"), "it is no report of hallsweep");
     check(&page[..page.len() - 1], "the file has its end");
     check(&[&page[..], b"\n"].concat(), "and the journal its end");
