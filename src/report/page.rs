@@ -71,13 +71,14 @@ struct Top<'r> {
 impl Top<'_> {
     fn outcome(&self) -> String {
         let Some(state) = self.state else { return self.language.say("report-not-kept").to_string() };
-        match reach(state) {
+        let came_to = match reach(state) {
             // Where the reach is not on record, edition 1 says that the whole hall was searched.
             Some(Reach { reachable, free }) if state.phase.name() == PhaseName::Explored => {
                 self.language.say("missions-searched-of").with("reachable", reachable).with("free", free).to_string()
             }
             _ => self.language.came_to(state.phase.name(), self.report.tally.archived.is_some()).to_string(),
-        }
+        };
+        if self.report.claim.edition > 1 { self.language.headline(&came_to, state) } else { came_to }
     }
 
     /// What is said in numbers, each with its name.
@@ -94,6 +95,10 @@ impl Top<'_> {
                 figures.push((say("report-reckoned"), say("report-reckoned-so").to_string()));
             }
             figures.push((say("report-threshold"), self.language.celsius(conditions.threshold)));
+        }
+        if report.claim.edition > 1 {
+            let conditions = self.state.and_then(|state| state.conditions.as_ref());
+            figures.push((say("robots"), self.language.team(conditions)));
         }
         let time = |end: Option<(Seq, WallTime)>| end.map_or_else(String::new, |(_, wall)| report.time(wall));
         figures.push((say("report-began"), time(tally.first)));

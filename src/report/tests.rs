@@ -17,7 +17,7 @@ use hallsweep_core::engine::Past;
 use hallsweep_core::event::Photo;
 use hallsweep_core::mission::Phase;
 use hallsweep_core::search::Strategy;
-use hallsweep_core::state::{Conditions, PersistentState, Reach, Venue};
+use hallsweep_core::state::{Conditions, Participant, PersistentState, Reach, Venue};
 use hallsweep_core::units::{Cell, Celsius, LuggageId, MissionId, Pose, Seq, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
@@ -204,7 +204,7 @@ fn the_outcome_of_a_search_says_how_much_of_the_hall_could_be_reached_where_that
     let partly = Some(Reach { reachable: 51, free: 60 });
     let english = page(partly, Language::English);
     for said in [
-        "<p class=\"outcome\">Everything that can be reached from the start was searched: 51 of 60 free cells</p>",
+        "<p class=\"outcome\">Everything that can be reached from the start was searched: 51 of 60 free cells · ",
         "<dt>Can be reached</dt><dd>51 of 60 free cells can be reached from the start</dd>",
     ] {
         assert!(english.contains(said), "{said} in {english}");
@@ -212,6 +212,47 @@ fn the_outcome_of_a_search_says_how_much_of_the_hall_could_be_reached_where_that
     assert!(page(partly, Language::Italian).contains("dalla partenza si raggiungono 51 celle libere su 60"));
     let earlier = page(None, Language::English);
     assert!(earlier.contains("The whole hall was searched") && !earlier.contains("Can be reached"), "edition 1 says it so");
+}
+
+#[test]
+fn a_report_says_whether_the_mission_was_simulated_and_which_robots_took_part() {
+    let mission = |robots: &[(&str, &str, Option<&str>)], seed| {
+        let robot = |(name, kind, address): &(&str, &str, Option<&str>)| Participant {
+            name: (*name).into(),
+            kind: (*kind).into(),
+            address: address.map(Into::into),
+        };
+        let venue = Venue { name: "depot".into(), robots: robots.iter().map(robot).collect(), seed, ..Venue::default() };
+        let threshold = Celsius::new(25.0).expect("a temperature");
+        let facts = [Fact::Conditions(Conditions { venue, threshold }), Fact::Phase(Phase::BagSecured)];
+        Mission::of(facts.map(|fact| Entry { fact, ..command("anna", "x") }).to_vec())
+    };
+    let simulated = mission(&[("discovery", "sim", None), ("srm1", "sim", None)], Some(7));
+    for (mission, outcome, robots) in [
+        (&simulated, " · simulated</p>", "discovery (simulated) and srm1 (simulated); seed 7"),
+        (
+            &mission(&[("discovery", "virtual-tcp", Some("localhost:8999"))], None),
+            " · virtual robot</p>",
+            "discovery (virtual robot, localhost:8999)",
+        ),
+        (
+            &mission(&[("discovery", "line", Some("/dev/ttyUSB0"))], None),
+            " · line robot</p>",
+            "discovery (line robot, /dev/ttyUSB0)",
+        ),
+        (&mission(&[], None), " · not on record whether simulated</p>", "not on record"),
+    ] {
+        let page = mission.report(Language::English);
+        assert!(page.contains(outcome) && page.contains(&format!("<dt>Robots</dt><dd>{robots}</dd>")), "{robots}: {page}");
+        assert_eq!(mission.confirms(&page), Ok(()));
+    }
+    let italian = simulated.report(Language::Italian);
+    assert!(
+        italian.contains(" · simulato</p>") && italian.contains("discovery (simulato) e srm1 (simulato); seme 7"),
+        "{italian}"
+    );
+    let earlier = simulated.report_of(1, Language::English);
+    assert!(earlier.contains("The bomb was fetched and secured</p>") && !earlier.contains("simulated"), "edition 1 says it so");
 }
 
 fn found() -> Entry {

@@ -98,6 +98,8 @@ fn a_report_is_the_same_by_every_way_and_is_confirmed_while_the_journal_grows() 
         "alarm 1 raised",
         "operator (http, 127.0.0.1)",
         "A bomb was located",
+        " · simulated</p>",
+        "<dt>Robots</dt><dd>discovery (simulated), ",
     ] {
         assert!(page.contains(wanted), "{wanted} in {page}");
     }
@@ -164,6 +166,7 @@ fn a_report_in_which_any_byte_was_changed_is_not_confirmed() {
         "the journal holds no mission 1 up to entry 999999",
     );
     check(&claimed(&claim.replace("edition 2", "edition 3")), "edition 3, which this hallsweep does not know");
+    check(&claimed(&claim.replace("edition 2", "edition 1")), "in line ");
     check(&claimed("anything"), "it is no report of hallsweep");
     check(&page[..page.len() - 1], "the file has its end");
     check(&[&page[..], b"\n"].concat(), "and the journal its end");
@@ -291,6 +294,7 @@ fn the_record_of_a_mission_is_there_as_lines_and_as_a_table() {
         "as the journal is exported"
     );
     assert_eq!(report(&folder, &["1", "--format", "jsonl"]).1, exported.as_bytes());
+    assert!(exported.contains("\"robots\":[{\"name\":\"discovery\",\"kind\":\"sim\"}"), "who took part: {exported}");
     let table = program.read("/missions/1/record.csv", &[]);
     assert_eq!(table.header("content-type"), "text/csv; charset=utf-8");
     assert!(table.body == report(&folder, &["1", "--format", "csv"]).1);

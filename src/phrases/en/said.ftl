@@ -159,3 +159,13 @@ simulated-keeps = simulator keeps the hall { $hall }
 simulated-discards = simulator discards the hall { $hall }
 simulated-lost = the simulator keeps it lost
 simulated-no-photo = the shutter did not open: take the photo again
+
+## Robots of a mission
+
+robots = Robots
+robots-and-seed = { $robots }; seed { $seed }
+robots-not-on-record = not on record
+engine-sim = simulated
+engine-virtual = virtual robot
+engine-other = { $kind } robot
+engine-not-on-record = not on record whether simulated

@@ -159,3 +159,13 @@ simulated-keeps = simulatore: conservata la sala { $hall }
 simulated-discards = simulatore: eliminata la sala { $hall }
 simulated-lost = il simulatore tiene interrotto il collegamento
 simulated-no-photo = l'otturatore non si è aperto: scattare di nuovo la foto
+
+## Robots of a mission
+
+robots = Robot
+robots-and-seed = { $robots }; seme { $seed }
+robots-not-on-record = non registrati
+engine-sim = simulato
+engine-virtual = robot virtuale
+engine-other = robot { $kind }
+engine-not-on-record = non registrato se simulata

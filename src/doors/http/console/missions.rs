@@ -154,7 +154,13 @@ impl One {
     }
 
     fn came_to(&self) -> String {
-        came_to(self.language, &self.record)
+        let came_to = came_to(self.language, &self.record);
+        self.state.as_ref().map_or_else(|| came_to.clone(), |state| self.language.headline(&came_to, state))
+    }
+
+    /// The robots that took part.
+    fn team(&self) -> String {
+        self.language.team(self.state.as_ref().and_then(|state| state.conditions.as_ref()))
     }
 
     /// By its name where this version knows it.
@@ -321,6 +327,7 @@ mod tests {
         let hall = ["<svg id=\"hall\"", "class=\"wall\"", "class=\"piece danger\"", "<title>home</title>"];
         check(&page, &hall);
         check(&page, &["What is missing here", "a mouse was at it"]);
+        check(&page, &["left in place · not on record whether simulated</h2>", "<dt>Robots</dt><dd>not on record</dd>"]);
         let decided = format!("decided {} by operator", here(TEN));
         check(&page, &["/api/v1/luggage/3/photo?take=1", &decided, "pending"]);
     }
