@@ -143,7 +143,8 @@ impl Top<'_> {
             let cells = say("report-reach-cells").with("reachable", reachable).with("free", free);
             figures.push((say("report-reach"), cells.to_string()));
         }
-        figures.push((say("report-open"), state.map.frontier_size().to_string()));
+        let open = if self.report.claim.edition > 1 { state.map.unsearched() } else { state.map.frontier_size() };
+        figures.push((say("report-open"), open.to_string()));
         let of = |verdict: &str| state.luggage.iter().filter(|luggage| luggage.verdict_name() == verdict).count();
         let pieces = say("report-pieces").with("count", state.luggage.len()).with("safe", of("safe"));
         let pieces = pieces.with("danger", of("danger")).with("pending", of("pending"));

@@ -215,7 +215,7 @@ fn the_outcome_of_a_search_says_how_much_of_the_hall_could_be_reached_where_that
 }
 
 #[test]
-fn a_report_says_whether_the_mission_was_simulated_and_which_robots_took_part() {
+fn the_outcome_says_what_was_not_searched_and_whether_it_was_simulated_and_by_which_robots() {
     let mission = |robots: &[(&str, &str, Option<&str>)], seed| {
         let robot = |(name, kind, address): &(&str, &str, Option<&str>)| Participant {
             name: (*name).into(),
@@ -229,7 +229,11 @@ fn a_report_says_whether_the_mission_was_simulated_and_which_robots_took_part() 
     };
     let simulated = mission(&[("discovery", "sim", None), ("srm1", "sim", None)], Some(7));
     for (mission, outcome, robots) in [
-        (&simulated, " · simulated</p>", "discovery (simulated) and srm1 (simulated); seed 7"),
+        (
+            &simulated,
+            "The bomb was fetched and secured · 4 places not searched · simulated</p>",
+            "discovery (simulated) and srm1 (simulated); seed 7",
+        ),
         (
             &mission(&[("discovery", "virtual-tcp", Some("localhost:8999"))], None),
             " · virtual robot</p>",
@@ -248,7 +252,8 @@ fn a_report_says_whether_the_mission_was_simulated_and_which_robots_took_part() 
     }
     let italian = simulated.report(Language::Italian);
     assert!(
-        italian.contains(" · simulato</p>") && italian.contains("discovery (simulato) e srm1 (simulato); seme 7"),
+        italian.contains(" · 4 posti non esplorati · simulato</p>")
+            && italian.contains("discovery (simulato) e srm1 (simulato); seme 7"),
         "{italian}"
     );
     let earlier = simulated.report_of(1, Language::English);

@@ -124,6 +124,29 @@ fn a_report_is_the_same_by_every_way_and_is_confirmed_while_the_journal_grows() 
     kept.iter().for_each(|path| fs::remove_file(path).expect("it was saved"));
 }
 
+/// "A bomb was located" sounds like the end of a search that was broken off.
+#[test]
+fn beside_what_a_mission_came_to_stands_what_was_not_searched() {
+    let folder = Folder::new("reports-unsearched");
+    let program = serve(&folder);
+    a_mission(&program);
+    let open = program.json("mission")["progress"]["unknown"].as_u64().expect("a number");
+    assert!(open > 1, "the search was broken off");
+    let places = format!("{open} places not searched");
+    let page = |path: &str| program.read(path, &[("accept", "text/html")]).text();
+    for (path, wanted) in [
+        ("/", format!("<span class=\"left\">· {places}</span>")),
+        ("/", format!("bomb located · {places} · hallsweep</title>")),
+        ("/missions", format!("A bomb was located · {places}</td>")),
+        ("/missions/1", format!("A bomb was located · {places} · simulated</h2>")),
+        ("/missions/1/report?language=en", format!("A bomb was located · {places} · simulated</p>")),
+        ("/missions/1/report?language=en", format!("<dt>Known places not searched</dt><dd>{open}</dd>")),
+    ] {
+        let page = page(path);
+        assert!(page.contains(&wanted), "{wanted} in {path}: {page}");
+    }
+}
+
 #[test]
 fn a_report_in_which_any_byte_was_changed_is_not_confirmed() {
     let folder = Folder::new("reports-changed");

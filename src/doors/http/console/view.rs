@@ -322,7 +322,7 @@ impl View<'_> {
             Mood::Working => "▶ ",
             Mood::Calm => "",
         };
-        format!("{sign}{} · hallsweep", self.phase())
+        format!("{sign}{} · hallsweep", self.phase_in_full())
     }
 
     /// The piece that waits for its verdict.

@@ -251,3 +251,24 @@ fn the_bar_says_whether_the_robot_is_simulated_and_in_the_past_what_is_on_record
     }
     assert!(!bar(None, None).contains("engine"), "nobody has said what it is");
 }
+
+#[test]
+fn beside_what_sounds_like_an_end_stands_what_is_not_searched() {
+    let shown = |phase, unknown| {
+        let mut snapshot = idle();
+        (snapshot.mission.phase, snapshot.mission.progress.unknown) = (phase, unknown);
+        let part = PARTS.iter().find(|part| part.id == "bar").expect("it is there");
+        let view = view(&snapshot);
+        [(part.render)(&view), view.title(), view.announcement()]
+    };
+    for phase in [PhaseName::AtHome, PhaseName::BombLocated, PhaseName::BagSecured, PhaseName::Explored] {
+        for said in shown(phase, 24) {
+            assert!(said.contains("· 24 places not searched"), "{phase:?}: {said}");
+        }
+        assert!(shown(phase, 1)[0].contains("<span class=\"left\">· 1 place not searched</span></p>"), "in the heading itself");
+        assert!(shown(phase, 0).iter().all(|said| !said.contains("not searched")), "{phase:?}");
+    }
+    for phase in [PhaseName::Exploring, PhaseName::Retrieving, PhaseName::Idle] {
+        assert!(shown(phase, 24).iter().all(|said| !said.contains("not searched")), "{phase:?} is no end");
+    }
+}
