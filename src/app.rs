@@ -5,7 +5,6 @@
 //!   signal ─► halt ─► the doors drain their requests ─► the loop ends ─► each robot's task ends with its channel
 //! ```
 
-use std::collections::BTreeMap;
 use std::net::TcpListener;
 use std::sync::Arc;
 use std::time::Duration;
@@ -14,7 +13,7 @@ use tokio::sync::watch;
 use tokio::task::JoinHandle;
 
 use crate::access;
-use crate::config::{RobotKind, Settings};
+use crate::config::Settings;
 use crate::doors::coap::Resources;
 use crate::doors::http::{self, HttpDoor};
 use crate::doors::listeners::Listeners;
@@ -103,8 +102,7 @@ async fn serve_hall(
     let Opened { http: access, mqtt: mqtt_access, entry } = entry::access(settings)?;
     let halter = Halter::new(kept.epoch());
     let reader = Reader::new(Arc::clone(&kept.archive));
-    let Venue { name: hall, cell_m, is_reckoned, .. } = robots.venue();
-    let set = set(settings, &robots);
+    let Venue { name: hall, cell_m, is_reckoned, robots: team, .. } = robots.venue();
     let (course, coursed) = watch::channel(Course::default());
     let (handle, mut task, simulator) = start(settings, (robots, robot), kept, (&halter, coursed), &threads).await;
     find_robot(&handle).await;
@@ -115,7 +113,7 @@ async fn serve_hall(
     let mqtt_ways = (mqtt_ports, mqtt_access, (&threads, room));
     let mqtt = Mqtt::open(settings, mqtt_ways, handle.clone(), reader.clone(), ending.subscribe())?;
     let http = listeners(http, &threads.http)?;
-    let door = HttpDoor::new(handle, reader, &hall, access).with_cells_of(cell_m).with_robots(set).with_settings(settings.core);
+    let door = HttpDoor::new(handle, reader, &hall, access).with_cells_of(cell_m).with_robots(team).with_settings(settings.core);
     let door = door.with_reckoning(is_reckoned).with_evacuation_of(settings.evacuation_m);
     let door = door.with_simulator(simulator);
     let door = door.with_mqtt(mqtt.as_ref().and_then(Mqtt::hall));
@@ -151,16 +149,6 @@ async fn serve_hall(
         None => task.await,
     };
     if by_itself || end.is_err() { Err(AppError::LoopEnded) } else { Ok(()) }
-}
-
-/// What kind of robot each is, and where it is reached. The pair has no section in the settings: it is simulated.
-fn set(settings: &Settings, robots: &Robots) -> Vec<(String, &'static str, Option<String>)> {
-    let set: BTreeMap<RobotId, _> = settings.robots().map(|(id, robot)| (id, (robot.kind, robot.address.written()))).collect();
-    let of = |id: &RobotId| {
-        let (kind, address) = set.get(id).cloned().unwrap_or((RobotKind::Sim, None));
-        (id.name().to_owned(), kind.name(), address)
-    };
-    robots.ids().map(of).collect()
 }
 
 fn listeners(bound: Vec<TcpListener>, thread: &Thread) -> Result<Listeners, AppError> {

@@ -4,9 +4,10 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::retrieval::ArmJson;
-use super::robot_parts::{ReplacedJson, RobotsBySettings, replaced};
+use super::robot_parts::{ReplacedJson, replaced};
 use super::vocabulary;
 use hallsweep_core::robots::Part;
+use hallsweep_core::state::Participant;
 use hallsweep_core::units::{Cell, Revision};
 use hallsweep_core::world::robot::{RobotShown, RobotView};
 
@@ -143,7 +144,7 @@ impl NamedRobotJson {
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct RobotBySettingsJson {
     /// `sim`, `virtual-tcp`, `virtual-ws` or `line`; null where it is not known.
-    pub kind: Option<&'static str>,
+    pub kind: Option<String>,
     /// Where it is reached, as `localhost:8999` or `/dev/ttyUSB0`; null for one that is part of this program.
     pub address: Option<String>,
     #[serde(flatten)]
@@ -151,8 +152,9 @@ pub struct RobotBySettingsJson {
 }
 
 impl RobotBySettingsJson {
-    pub fn new(robot: NamedRobotJson, set: &RobotsBySettings) -> RobotBySettingsJson {
-        let set = set.of(&robot.name);
-        RobotBySettingsJson { kind: set.map(|set| set.kind), address: set.and_then(|set| set.address.clone()), robot }
+    pub fn new(robot: NamedRobotJson, set: &[Participant]) -> RobotBySettingsJson {
+        let set = set.iter().find(|set| *set.name == *robot.name);
+        let address = set.and_then(|set| set.address.as_deref()).map(str::to_owned);
+        RobotBySettingsJson { kind: set.map(|set| set.kind.to_string()), address, robot }
     }
 }

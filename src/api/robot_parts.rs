@@ -1,8 +1,4 @@
-//! What robots are made of, in words: THE TABLE of what is done instead of a part that the robot that searches has not; and what kind of
-//! robot each is.
-
-use std::collections::BTreeMap;
-use std::sync::Arc;
+//! What robots are made of, in words: THE TABLE of what is done instead of a part that the robot that searches has not.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -36,32 +32,6 @@ pub fn replaced(parts: Parts) -> Vec<ReplacedJson> {
 /// The same, part by part.
 pub fn missing(parts: Parts) -> impl Iterator<Item = (Part, &'static str)> {
     REPLACED.into_iter().filter(move |(part, _)| !parts.has(*part))
-}
-
-/// What the settings say of a robot.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RobotBySettings {
-    /// As `sim`.
-    pub kind: &'static str,
-    /// Where it is reached; `None` for one that is part of this program.
-    pub address: Option<String>,
-}
-
-/// The same of all robots, by their names: as long as the program runs it does not change.
-#[derive(Clone, Debug, Default)]
-pub struct RobotsBySettings(Arc<BTreeMap<String, RobotBySettings>>);
-
-impl RobotsBySettings {
-    /// `None` where nothing is known of it.
-    pub fn of(&self, robot: &str) -> Option<&RobotBySettings> {
-        self.0.get(robot)
-    }
-}
-
-impl FromIterator<(String, RobotBySettings)> for RobotsBySettings {
-    fn from_iter<I: IntoIterator<Item = (String, RobotBySettings)>>(robots: I) -> RobotsBySettings {
-        RobotsBySettings(Arc::new(robots.into_iter().collect()))
-    }
 }
 
 #[cfg(test)]

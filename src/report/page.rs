@@ -9,6 +9,7 @@ use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest, Sha256};
 
 use super::chart::Chart;
+use super::scaled::scaled;
 use super::{Failure, Report, chart, each, hall};
 use crate::api::time::{Zone, rfc3339};
 use crate::phrases::{Language, Phrase};
@@ -18,6 +19,9 @@ use hallsweep_core::mission::PhaseName;
 use hallsweep_core::state::{PersistentState, Reach};
 use hallsweep_core::units::{Seq, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
+
+/// Bytes that the photos of a report may have together; where they have more, large ones are scaled down.
+const PHOTOS: usize = 5 << 20;
 
 pub(super) fn write(report: &Report<'_>, out: &mut dyn Write) -> Result<(), Failure> {
     let state = report.moment.as_ref().map(|moment| &moment.past.of.state);
@@ -67,13 +71,14 @@ struct Top<'r> {
 impl Top<'_> {
     fn outcome(&self) -> String {
         let Some(state) = self.state else { return self.language.say("report-not-kept").to_string() };
-        match reach(state) {
+        let came_to = match reach(state) {
             // Where the reach is not on record, edition 1 says that the whole hall was searched.
             Some(Reach { reachable, free }) if state.phase.name() == PhaseName::Explored => {
                 self.language.say("missions-searched-of").with("reachable", reachable).with("free", free).to_string()
             }
             _ => self.language.came_to(state.phase.name(), self.report.tally.archived.is_some()).to_string(),
-        }
+        };
+        if self.report.claim.edition > 1 { self.language.headline(&came_to, state) } else { came_to }
     }
 
     /// What is said in numbers, each with its name.
@@ -90,6 +95,10 @@ impl Top<'_> {
                 figures.push((say("report-reckoned"), say("report-reckoned-so").to_string()));
             }
             figures.push((say("report-threshold"), self.language.celsius(conditions.threshold)));
+        }
+        if report.claim.edition > 1 {
+            let conditions = self.state.and_then(|state| state.conditions.as_ref());
+            figures.push((say("robots"), self.language.team(conditions)));
         }
         let time = |end: Option<(Seq, WallTime)>| end.map_or_else(String::new, |(_, wall)| report.time(wall));
         figures.push((say("report-began"), time(tally.first)));
@@ -134,7 +143,8 @@ impl Top<'_> {
             let cells = say("report-reach-cells").with("reachable", reachable).with("free", free);
             figures.push((say("report-reach"), cells.to_string()));
         }
-        figures.push((say("report-open"), state.map.frontier_size().to_string()));
+        let open = if self.report.claim.edition > 1 { state.map.unsearched() } else { state.map.frontier_size() };
+        figures.push((say("report-open"), open.to_string()));
         let of = |verdict: &str| state.luggage.iter().filter(|luggage| luggage.verdict_name() == verdict).count();
         let pieces = say("report-pieces").with("count", state.luggage.len()).with("safe", of("safe"));
         let pieces = pieces.with("danger", of("danger")).with("pending", of("pending"));
@@ -180,10 +190,14 @@ fn pieces(report: &Report<'_>, state: Option<&PersistentState>, out: &mut dyn Wr
         out.write_all(format!("<p>{}</p>\n", language.say("missions-no-luggage").markup()).as_bytes())?;
     }
     let side = state.conditions.as_ref().and_then(|conditions| conditions.venue.cell_m);
+    let share = share(state).filter(|_| report.claim.edition > 1);
+    if share.is_some() {
+        out.write_all(format!("<p class=\"note\">{}</p>\n", language.say("report-scaled").markup()).as_bytes())?;
+    }
     for luggage in state.luggage.iter() {
         let photos = match &luggage.photo {
             PhotoState::Taken { take, .. } => {
-                (1..=*take).filter_map(|take| picture(report, luggage, take).transpose()).collect::<Result<_, _>>()?
+                (1..=*take).filter_map(|take| picture(report, luggage, take, share).transpose()).collect::<Result<_, _>>()?
             }
             PhotoState::Failed(why) => vec![Err(language.say("report-photo-failed").with("why", why).to_string())],
         };
@@ -192,18 +206,38 @@ fn pieces(report: &Report<'_>, state: Option<&PersistentState>, out: &mut dyn Wr
     Ok(())
 }
 
-/// A photo of a piece; nothing where this one failed, as another taking may.
-fn picture(report: &Report<'_>, luggage: &Luggage, take: u32) -> Result<Option<Result<Picture, String>>, Unreadable> {
+/// Bytes that each photo may have, where all of them have too many together; by what is on record of them, before one is read.
+fn share(state: &PersistentState) -> Option<usize> {
+    let (mut total, mut count) = (0_usize, 0_usize);
+    for luggage in state.luggage.iter() {
+        if let PhotoState::Taken { bytes, take } = luggage.photo {
+            total = total.saturating_add(bytes.saturating_mul(take as usize));
+            count += take as usize;
+        }
+    }
+    (total > PHOTOS).then(|| PHOTOS / count)
+}
+
+/// A photo of a piece, scaled down if it has more bytes than its share; nothing where this one failed, as another taking may.
+fn picture(
+    report: &Report<'_>,
+    luggage: &Luggage,
+    take: u32,
+    share: Option<usize>,
+) -> Result<Option<Result<Picture, String>>, Unreadable> {
+    let language = report.claim.language;
     match report.archive.take(luggage.id, take) {
         Ok(photo) => Ok(photo.map(|photo| {
-            Ok(Picture {
-                take,
-                media_type: photo.media_type,
-                base64: STANDARD.encode(&photo.bytes),
-                digest: hex(&Sha256::digest(&photo.bytes)),
-            })
+            let digest = hex(&Sha256::digest(&photo.bytes));
+            let Some(most) = share.filter(|most| photo.bytes.len() > *most) else {
+                return Ok(Picture { take, media_type: photo.media_type, base64: STANDARD.encode(&photo.bytes), digest });
+            };
+            match scaled(&photo.bytes, photo.media_type, most) {
+                Some(jpeg) => Ok(Picture { take, media_type: "image/jpeg", base64: STANDARD.encode(jpeg), digest }),
+                None => Err(language.say("report-photo-unscaled").with("take", take).with("digest", digest).to_string()),
+            }
         })),
-        Err(NoTake::Spoilt(_)) => Ok(Some(Err(report.claim.language.say("report-photo-spoilt").with("take", take).to_string()))),
+        Err(NoTake::Spoilt(_)) => Ok(Some(Err(language.say("report-photo-spoilt").with("take", take).to_string()))),
         // What passes is no part of the record: there is no report then.
         Err(NoTake::Unreadable(unreadable)) => Err(unreadable),
     }

@@ -3,19 +3,21 @@
 
 use proptest::strategy::{Strategy as _, ValueTree};
 use proptest::test_runner::TestRunner;
+use sha2::{Digest, Sha256};
 
 use super::edition_tests::words;
-use super::{Claim, Failure, Report, list};
+use super::scaled::tests::{noise, png};
+use super::{Claim, Comparison, Difference, Failure, Report, list};
 use crate::api::journal::{self, Line, arbitrary};
 use crate::phrases::{Language, said_here};
-use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable};
+use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable, hex};
 use hallsweep_core::command::{Door, Issuer};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::Past;
 use hallsweep_core::event::Photo;
 use hallsweep_core::mission::Phase;
 use hallsweep_core::search::Strategy;
-use hallsweep_core::state::{Conditions, PersistentState, Reach, Venue};
+use hallsweep_core::state::{Conditions, Participant, PersistentState, Reach, Venue};
 use hallsweep_core::units::{Cell, Celsius, LuggageId, MissionId, Pose, Seq, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
@@ -45,6 +47,22 @@ impl Mission {
         let report = Report::new(self, MISSION, language).unwrap().expect("there are entries");
         report.write(&mut page).unwrap();
         String::from_utf8(page).unwrap()
+    }
+
+    /// The report that an earlier edition made of it.
+    pub(super) fn report_of(&self, edition: u32, language: Language) -> String {
+        let claim = Claim { edition, ..Claim::read(self.report(language).as_bytes()).unwrap() };
+        let mut page = Vec::new();
+        Report::again(self, claim).unwrap().expect("there are entries").write(&mut page).unwrap();
+        String::from_utf8(page).unwrap()
+    }
+
+    /// What `journal check --report` finds of this page.
+    fn confirms(&self, page: &str) -> Result<(), Difference> {
+        let mut comparison = Comparison::new(page.as_bytes());
+        let claim = Claim::read(page.as_bytes()).unwrap();
+        Report::again(self, claim).unwrap().expect("there are entries").write(&mut comparison).unwrap();
+        comparison.finish().unwrap()
     }
 }
 
@@ -186,7 +204,7 @@ fn the_outcome_of_a_search_says_how_much_of_the_hall_could_be_reached_where_that
     let partly = Some(Reach { reachable: 51, free: 60 });
     let english = page(partly, Language::English);
     for said in [
-        "<p class=\"outcome\">Everything that can be reached from the start was searched: 51 of 60 free cells</p>",
+        "<p class=\"outcome\">Everything that can be reached from the start was searched: 51 of 60 free cells · ",
         "<dt>Can be reached</dt><dd>51 of 60 free cells can be reached from the start</dd>",
     ] {
         assert!(english.contains(said), "{said} in {english}");
@@ -196,14 +214,64 @@ fn the_outcome_of_a_search_says_how_much_of_the_hall_could_be_reached_where_that
     assert!(earlier.contains("The whole hall was searched") && !earlier.contains("Can be reached"), "edition 1 says it so");
 }
 
-/// A piece that was photographed once.
+#[test]
+fn the_outcome_says_what_was_not_searched_and_whether_it_was_simulated_and_by_which_robots() {
+    let mission = |robots: &[(&str, &str, Option<&str>)], seed| {
+        let robot = |(name, kind, address): &(&str, &str, Option<&str>)| Participant {
+            name: (*name).into(),
+            kind: (*kind).into(),
+            address: address.map(Into::into),
+        };
+        let venue = Venue { name: "depot".into(), robots: robots.iter().map(robot).collect(), seed, ..Venue::default() };
+        let threshold = Celsius::new(25.0).expect("a temperature");
+        let facts = [Fact::Conditions(Conditions { venue, threshold }), Fact::Phase(Phase::BagSecured)];
+        Mission::of(facts.map(|fact| Entry { fact, ..command("anna", "x") }).to_vec())
+    };
+    let simulated = mission(&[("discovery", "sim", None), ("srm1", "sim", None)], Some(7));
+    for (mission, outcome, robots) in [
+        (
+            &simulated,
+            "The bomb was fetched and secured · 4 places not searched · simulated</p>",
+            "discovery (simulated) and srm1 (simulated); seed 7",
+        ),
+        (
+            &mission(&[("discovery", "virtual-tcp", Some("localhost:8999"))], None),
+            " · virtual robot</p>",
+            "discovery (virtual robot, localhost:8999)",
+        ),
+        (
+            &mission(&[("discovery", "line", Some("/dev/ttyUSB0"))], None),
+            " · line robot</p>",
+            "discovery (line robot, /dev/ttyUSB0)",
+        ),
+        (&mission(&[], None), " · not on record whether simulated</p>", "not on record"),
+    ] {
+        let page = mission.report(Language::English);
+        assert!(page.contains(outcome) && page.contains(&format!("<dt>Robots</dt><dd>{robots}</dd>")), "{robots}: {page}");
+        assert_eq!(mission.confirms(&page), Ok(()));
+    }
+    let italian = simulated.report(Language::Italian);
+    assert!(
+        italian.contains(" · 4 posti non esplorati · simulato</p>")
+            && italian.contains("discovery (simulato) e srm1 (simulato); seme 7"),
+        "{italian}"
+    );
+    let earlier = simulated.report_of(1, Language::English);
+    assert!(earlier.contains("The bomb was fetched and secured</p>") && !earlier.contains("simulated"), "edition 1 says it so");
+}
+
 fn found() -> Entry {
+    piece(1, 3)
+}
+
+/// A piece that was photographed once, in so many bytes.
+fn piece(id: u64, bytes: usize) -> Entry {
     let record = Luggage {
-        id: LuggageId(1),
+        id: LuggageId(id),
         cell: Cell::new(0, 1),
         pose: Pose::START,
         taken: WallTime::default(),
-        photo: PhotoState::Taken { bytes: 3, take: 1 },
+        photo: PhotoState::Taken { bytes, take: 1 },
         verdict: None,
         piece: None,
         secured: None,
@@ -226,6 +294,47 @@ fn a_photo_that_is_lost_is_said_to_be_so_and_one_that_cannot_be_read_just_now_ma
         let report = Report::new(&mission, MISSION, language).unwrap().expect("there are entries");
         assert!(matches!(report.write(&mut Vec::new()), Err(Failure::Unreadable(Unreadable(why))) if why == words));
     }
+}
+
+/// A mission of so many pieces, each with the same photo.
+fn photographed(pieces: u64, seed: u32) -> Mission {
+    let photo: &[u8] = png(&noise(seed), (160, 120), png::ColorType::Rgb, png::BitDepth::Eight).leak();
+    Mission { photo: Ok(photo), ..Mission::of((1..=pieces).map(|id| piece(id, photo.len())).collect()) }
+}
+
+#[test]
+fn the_photos_of_a_report_of_770_pieces_are_scaled_down_and_it_is_confirmed() {
+    let mission = photographed(770, 1);
+    let page = mission.report(Language::English);
+    assert!(page.len() < 10_000_000, "{} bytes", page.len());
+    assert_eq!(page.matches("src=\"data:image/jpeg;base64,").count(), 770);
+    let original = hex(&Sha256::digest(mission.photo.as_ref().unwrap()));
+    assert_eq!(page.matches(&*original).count(), 770, "the digest of the original, with each piece");
+    assert!(page.contains("Photos are scaled down here") && page.contains("/api/v1/luggage/NUMBER/photo?take=PHOTO"));
+    assert_eq!(mission.confirms(&page), Ok(()));
+    let (before, photo) = page.split_once("data:image/jpeg;base64,").unwrap();
+    let other = format!("{before}data:image/jpeg;base64,{}", photo.replacen('A', "B", 1));
+    assert!(mission.confirms(&other).is_err(), "another scaled photo");
+    assert!(photographed(770, 2).confirms(&page).is_err(), "another original");
+}
+
+#[test]
+fn a_small_report_has_its_photos_whole_and_one_that_cannot_be_scaled_is_named() {
+    let page = photographed(9, 1).report(Language::English);
+    assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 9);
+    assert!(!page.contains("scaled down"), "{page}");
+    // By what is on record the photo is large, and it is none.
+    let none: &[u8] = vec![0; 7 << 20].leak();
+    let mission = Mission { photo: Ok(none), ..Mission::of(vec![piece(1, none.len())]) };
+    let digest = hex(&Sha256::digest(none));
+    for (language, said) in
+        [(Language::English, "Photo 1 is not shown here"), (Language::Italian, "La foto 1 non è mostrata qui")]
+    {
+        let page = mission.report(language);
+        assert!(page.contains(said) && page.contains(&digest) && page.len() < 100_000, "{page}");
+        assert_eq!(mission.confirms(&page), Ok(()));
+    }
+    assert!(mission.report_of(1, Language::English).len() > none.len(), "as edition 1 has it");
 }
 
 #[test]

@@ -13,7 +13,7 @@ use crate::config::{self, RobotKind, RobotSettings, Settings};
 use crate::runtime::clock::Clock;
 use hallsweep_core::event::RobotId;
 use hallsweep_core::settings::Fetcher;
-use hallsweep_core::state::Venue;
+use hallsweep_core::state::{Participant, Venue};
 use hallsweep_sim::Hall;
 
 /// The robots, not yet started, in their hall.
@@ -34,6 +34,8 @@ pub struct Robots {
     usual: (String, Option<(u32, u32)>),
     /// The names of all, those of the pair last.
     ids: Vec<RobotId>,
+    /// What the settings say of them, in the same order.
+    team: Arc<[Participant]>,
 }
 
 /// What the settings name cannot be read. `Display` is the line for whoever started the program.
@@ -75,10 +77,19 @@ impl Robots {
         let all = settings.robots().map(robot).collect::<Result<Vec<(RobotId, Robot)>, UnusableScene>>()?;
         let wants_pair = settings.core.fetcher == Fetcher::Pair;
         let pair = SimPair::new(Arc::clone(&hall), &RobotSettings { seed, ..settings.robot.clone() }, settings.pair);
-        let ids = all.iter().map(|(id, _)| id.clone()).chain(SimPair::ids().into_iter().filter(|_| wants_pair)).collect();
+        let ids: Vec<RobotId> =
+            all.iter().map(|(id, _)| id.clone()).chain(SimPair::ids().into_iter().filter(|_| wants_pair)).collect();
+        // The pair has no section in the settings: it is simulated.
+        let participant = |id: &RobotId| {
+            let set = settings.robots().find(|(robot, _)| robot == id).map(|(_, robot)| robot);
+            let kind = set.map_or(RobotKind::Sim, |robot| robot.kind).name().into();
+            let address = set.and_then(|robot| robot.address.written()).map(Arc::from);
+            Participant { name: id.name().into(), kind, address }
+        };
+        let team = ids.iter().map(participant).collect();
         let speed = settings.robot.speed;
         let usual = (settings.hall.clone(), settings.hall_start);
-        Ok(Robots { hall, all, pair, wants_pair, seed, speed, chosen, no_hall, usual, ids })
+        Ok(Robots { hall, all, pair, wants_pair, seed, speed, chosen, no_hall, usual, ids, team })
     }
 
     /// The name of the hall, or where the robot is that searches one that is not ours.
@@ -92,11 +103,13 @@ impl Robots {
     /// The hall they are in; only the place is known of a hall that is not ours.
     pub fn venue(&self) -> Venue {
         match self.all.first() {
-            Some((_, Robot::Sim(_))) => sim::venue(&self.hall),
-            Some((_, Robot::External(robot))) => {
-                Venue { name: self.hall_name().into(), is_reckoned: robot.reckons(), ..Venue::default() }
-            }
-            None => Venue { name: self.hall_name().into(), ..Venue::default() },
+            Some((_, Robot::Sim(_))) => sim::venue(&self.hall, self.seed, &self.team),
+            other => Venue {
+                name: self.hall_name().into(),
+                is_reckoned: matches!(other, Some((_, Robot::External(robot))) if robot.reckons()),
+                robots: Arc::clone(&self.team),
+                ..Venue::default()
+            },
         }
     }
 
@@ -192,7 +205,8 @@ impl Robots {
         };
         let all: Vec<Adapter> = self.all.into_iter().map(of_one).collect();
         let (ground, speed) = (Ground { hall: self.hall, seed: self.seed }, sim::speed(self.speed));
-        let parts = sim::Parts { ground, speed, controls, robots, links, chosen: self.chosen, usual: self.usual };
+        let parts =
+            sim::Parts { ground, speed, controls, robots, links, chosen: self.chosen, usual: self.usual, team: self.team };
         let simulator = simulates.then(|| SimulatorParts(parts));
         Adapters { all: all.into_iter().chain(pair.into_iter().flatten()).collect(), simulator }
     }

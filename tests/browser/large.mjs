@@ -45,6 +45,8 @@ export const warehouse = {
     const found = await answer(url, patience);
     must(found === 770, `${found} pieces were found`);
     await phase(page, /explored/i, { patience });
+    const report = await (await fetch(`${url}/missions/1/report?language=en`)).text();
+    must(report.length < 10e6 && report.includes('Photos are scaled down here'), `its report has ${report.length} bytes`);
     for (const [width, height] of SCREENS) {
       const where = `at ${width}×${height}`;
       await page.setViewportSize({ width, height });

@@ -45,6 +45,15 @@ async function secured(page, url, waiting) {
   await phase(page, /bag secured/i, waiting);
   const { luggage, robots, mission } = await state(url);
   must(mission.phase === 'bagSecured' && luggage.filter((piece) => piece.secured).length === 1, 'no piece is on record as secured');
+  const beside = await page.evaluate(() => ['.left', '.engine'].map((name) => {
+    const part = document.querySelector(`#bar ${name}`);
+    const size = (of) => getComputedStyle(of).fontSize;
+    return part && { words: part.innerText, isCut: part.offsetWidth === 0 || part.scrollWidth > part.clientWidth + 1, isAsLarge: size(part) === size(part.parentElement) };
+  }));
+  const [left, engine] = beside;
+  must(engine?.words === 'simulated' && !engine.isCut, `the bar does not say that it is simulated: ${JSON.stringify(beside)}`);
+  const open = mission.progress.unknown;
+  must(open === 0 || (left?.words.startsWith(`· ${open} place`) && !left.isCut && left.isAsLarge), `what is not searched is not beside it: ${JSON.stringify(beside)}`);
   must(robots.every((robot) => robot.outside === (robot.name !== 'discovery')), 'somebody is not where a mission begins');
 }
 

@@ -31,6 +31,7 @@ pub(crate) use hallsweep_core::retrieval::Place;
 pub(crate) use hallsweep_core::rng::RandomStream;
 pub(crate) use hallsweep_core::search::Strategy;
 pub(crate) use hallsweep_core::settings::Settings;
+pub(crate) use hallsweep_core::state::Participant;
 pub(crate) use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId, Revision, Seq};
 pub(crate) use hallsweep_core::world::resource::Resource;
 pub(crate) use hallsweep_core::world::snapshot::Snapshot;

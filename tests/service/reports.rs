@@ -98,6 +98,8 @@ fn a_report_is_the_same_by_every_way_and_is_confirmed_while_the_journal_grows() 
         "alarm 1 raised",
         "operator (http, 127.0.0.1)",
         "A bomb was located",
+        " · simulated</p>",
+        "<dt>Robots</dt><dd>discovery (simulated), ",
     ] {
         assert!(page.contains(wanted), "{wanted} in {page}");
     }
@@ -120,6 +122,29 @@ fn a_report_is_the_same_by_every_way_and_is_confirmed_while_the_journal_grows() 
     drop(serve(&folder));
     kept.iter().for_each(|path| assert!(confirmed(&folder, path).0, "also after a start"));
     kept.iter().for_each(|path| fs::remove_file(path).expect("it was saved"));
+}
+
+/// "A bomb was located" sounds like the end of a search that was broken off.
+#[test]
+fn beside_what_a_mission_came_to_stands_what_was_not_searched() {
+    let folder = Folder::new("reports-unsearched");
+    let program = serve(&folder);
+    a_mission(&program);
+    let open = program.json("mission")["progress"]["unknown"].as_u64().expect("a number");
+    assert!(open > 1, "the search was broken off");
+    let places = format!("{open} places not searched");
+    let page = |path: &str| program.read(path, &[("accept", "text/html")]).text();
+    for (path, wanted) in [
+        ("/", format!("<span class=\"left\">· {places}</span>")),
+        ("/", format!("bomb located · {places} · hallsweep</title>")),
+        ("/missions", format!("A bomb was located · {places}</td>")),
+        ("/missions/1", format!("A bomb was located · {places} · simulated</h2>")),
+        ("/missions/1/report?language=en", format!("A bomb was located · {places} · simulated</p>")),
+        ("/missions/1/report?language=en", format!("<dt>Known places not searched</dt><dd>{open}</dd>")),
+    ] {
+        let page = page(path);
+        assert!(page.contains(&wanted), "{wanted} in {path}: {page}");
+    }
 }
 
 #[test]
@@ -163,7 +188,8 @@ fn a_report_in_which_any_byte_was_changed_is_not_confirmed() {
         &claimed(&claim.replace(&format!("entry {entry}"), "entry 999999")),
         "the journal holds no mission 1 up to entry 999999",
     );
-    check(&claimed(&claim.replace("edition 1", "edition 2")), "edition 2, which this hallsweep does not know");
+    check(&claimed(&claim.replace("edition 2", "edition 3")), "edition 3, which this hallsweep does not know");
+    check(&claimed(&claim.replace("edition 2", "edition 1")), "in line ");
     check(&claimed("anything"), "it is no report of hallsweep");
     check(&page[..page.len() - 1], "the file has its end");
     check(&[&page[..], b"\n"].concat(), "and the journal its end");
@@ -291,6 +317,7 @@ fn the_record_of_a_mission_is_there_as_lines_and_as_a_table() {
         "as the journal is exported"
     );
     assert_eq!(report(&folder, &["1", "--format", "jsonl"]).1, exported.as_bytes());
+    assert!(exported.contains("\"robots\":[{\"name\":\"discovery\",\"kind\":\"sim\"}"), "who took part: {exported}");
     let table = program.read("/missions/1/record.csv", &[]);
     assert_eq!(table.header("content-type"), "text/csv; charset=utf-8");
     assert!(table.body == report(&folder, &["1", "--format", "csv"]).1);

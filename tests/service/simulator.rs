@@ -417,7 +417,9 @@ fn an_old_mission_is_shown_in_the_hall_and_under_the_limit_of_then() {
     program.command("start").accepted();
     program.until_phase("explored");
     program.put("/api/v1/temperature", r#"{"celsius":30}"#).accepted();
-    let before = json!({"hall":"empty-8x8","cellM":0.5,"threshold":40.0,"reach":[64,64]});
+    let robots = json!(["discovery", "srm1", "srm2"].map(|name| json!({"name":name,"kind":"sim"})));
+    let seed = program.json("simulator")["seed"].clone();
+    let before = json!({"hall":"empty-8x8","cellM":0.5,"threshold":40.0,"reach":[64,64],"robots":robots,"seed":seed});
     assert_eq!(moment(&program, 1, false).0, before);
     program.put("/api/v1/temperature", r#"{"celsius":20}"#).accepted();
     put_down(&program, "name = \"wide\"\ncell_m = 2.0\nwidth = 2\nheight = 2\n");
@@ -436,7 +438,8 @@ fn an_old_mission_is_shown_in_the_hall_and_under_the_limit_of_then() {
     let first = program.read("/missions/2/moment", &[("accept", "text/html")]).text();
     assert!(first.contains("<b>wide</b>") && first.contains("limit 40.0 °C"), "when it began: {first}");
     let (conditions, page) = moment(&program, 2, true);
-    assert_eq!(conditions, json!({"hall":"wide","cellM":2.0,"threshold":19.0,"reach":[4,4]}), "since the restart");
+    let now = json!({"hall":"wide","cellM":2.0,"threshold":19.0,"reach":[4,4],"robots":robots,"seed":seed});
+    assert_eq!(conditions, now, "since the restart");
     assert!(page.contains("4 cells, 16.0 m²") && page.contains("<b>wide</b>"), "{page}");
 }
 

@@ -50,7 +50,7 @@ const RULES: [Rule; 13] = [
     Rule {
         module: "report",
         modules: &["api", "phrases", "runtime"],
-        crates: &["askama", "base64", "csv", "hallsweep_core", "sha2", "thiserror"],
+        crates: &["askama", "base64", "csv", "hallsweep_core", "jpeg_encoder", "png", "sha2", "thiserror", "zune_jpeg"],
     },
     Rule {
         module: "doors",

@@ -19,7 +19,7 @@ use hallsweep_core::retrieval::{
 };
 use hallsweep_core::search::{Search, Strategy as Order};
 use hallsweep_core::settings::Fetcher;
-use hallsweep_core::state::{Conditions, PersistentState, Reach, Retrieval, RetrievalStage, Venue};
+use hallsweep_core::state::{Conditions, Participant, PersistentState, Reach, Retrieval, RetrievalStage, Venue};
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, Seq, WallTime};
 use hallsweep_core::world::alarm::{Alarm, AlarmCause};
 use hallsweep_core::world::hall_map::{HallMap, Mark, REACH};
@@ -80,9 +80,15 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
 
 fn conditions() -> impl Strategy<Value = Conditions> {
     let reach = option::of((any::<u32>(), any::<u32>()).prop_map(|(a, b)| Reach { reachable: a.min(b), free: a.max(b) }));
-    (text(), option::of(0.01..100.0), any::<bool>(), celsius(), reach).prop_map(
-        |(hall, cell_m, is_reckoned, threshold, reach)| Conditions {
-            venue: Venue { name: hall.into(), cell_m, is_reckoned, reach },
+    let robot = (text(), text(), option::of(text())).prop_map(|(name, kind, address)| Participant {
+        name: name.into(),
+        kind: kind.into(),
+        address: address.map(Into::into),
+    });
+    let side = (option::of(0.01..100.0), any::<bool>());
+    (text(), side, celsius(), reach, vec(robot, 0..3), option::of(any::<u64>())).prop_map(
+        |(hall, (cell_m, is_reckoned), threshold, reach, robots, seed)| Conditions {
+            venue: Venue { name: hall.into(), cell_m, is_reckoned, reach, robots: robots.into(), seed },
             threshold,
         },
     )

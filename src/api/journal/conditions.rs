@@ -1,19 +1,21 @@
 //! Where, and under which threshold, something happened, in the journal and over the interface.
 
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Unparsed, names};
-use hallsweep_core::state::{Conditions, Reach, Venue};
+use hallsweep_core::state::{Conditions, Participant, Reach, Venue};
 
 /// No hall has smaller cells, or larger ones, and none a longer name.
 const SIDES_M: RangeInclusive<f64> = 0.01..=100.0;
 const NAME_BYTES: usize = 4096;
 
 /// `{"hall":"airport","cellM":0.5,"threshold":25.0}`; metres and °C. `cellM` is null where the side of a cell is not known. Of a hall that
-/// is known beforehand `"reach":[51,60]` says how many cells can be reached, and how many are free.
+/// is known beforehand `"reach":[51,60]` says how many cells can be reached, and how many are free. `"robots":[{"name":"discovery",
+/// "kind":"sim"}]` are those that take part, the one that searches first, and `"seed":"7"` is that of a simulated hall.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(rename = "Conditions")]
 #[serde(rename_all = "camelCase")]
@@ -27,6 +29,24 @@ pub struct ConditionsShape {
     /// Free cells that a robot can come to from its start, and all free cells, of a hall that is known beforehand.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     reach: Option<(u32, u32)>,
+    /// Robots that take part, the one that searches first; absent where an earlier version wrote the record.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    robots: Vec<ParticipantShape>,
+    /// Seed of a simulated hall, in digits.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    seed: Option<String>,
+}
+
+/// A robot that takes part.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "Participant")]
+struct ParticipantShape {
+    name: String,
+    /// `sim`, `virtual-tcp`, `virtual-ws` or `line`.
+    kind: String,
+    /// Where it is reached, as `localhost:8999`; absent for one that is part of this program.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    address: Option<String>,
 }
 
 impl From<&Conditions> for ConditionsShape {
@@ -37,13 +57,27 @@ impl From<&Conditions> for ConditionsShape {
             threshold: threshold.degrees(),
             reckoned: venue.is_reckoned,
             reach: venue.reach.map(|Reach { reachable, free }| (reachable, free)),
+            robots: venue.robots.iter().map(ParticipantShape::from).collect(),
+            seed: venue.seed.map(|seed| seed.to_string()),
         }
+    }
+}
+
+impl From<&Participant> for ParticipantShape {
+    fn from(Participant { name, kind, address }: &Participant) -> ParticipantShape {
+        ParticipantShape { name: name.to_string(), kind: kind.to_string(), address: address.as_deref().map(str::to_owned) }
+    }
+}
+
+impl From<ParticipantShape> for Participant {
+    fn from(ParticipantShape { name, kind, address }: ParticipantShape) -> Participant {
+        Participant { name: name.into(), kind: kind.into(), address: address.map(Arc::from) }
     }
 }
 
 impl ConditionsShape {
     pub(super) fn conditions(self) -> Result<Conditions, Unparsed> {
-        let ConditionsShape { hall, cell_m, threshold, reckoned, reach } = self;
+        let ConditionsShape { hall, cell_m, threshold, reckoned, reach, robots, seed } = self;
         let reach = reach.map(|(reachable, free)| Reach { reachable, free });
         if cell_m.is_some_and(|side| !SIDES_M.contains(&side)) {
             return Err(Unparsed("the side of a cell is none".to_owned()));
@@ -54,9 +88,33 @@ impl ConditionsShape {
         if hall.len() > NAME_BYTES {
             return Err(Unparsed("the name of the hall is too long".to_owned()));
         }
+        let seed = seed.map(|digits| digits.parse().map_err(|_| Unparsed("the seed is no number".to_owned()))).transpose()?;
+        let robots = robots.into_iter().map(Participant::from).collect();
         Ok(Conditions {
-            venue: Venue { name: hall.into(), cell_m, is_reckoned: reckoned, reach },
+            venue: Venue { name: hall.into(), cell_m, is_reckoned: reckoned, reach, robots, seed },
             threshold: names::celsius(threshold)?,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Conditions, Unparsed> {
+        serde_json::from_str::<ConditionsShape>(text).expect("it is JSON of this shape").conditions()
+    }
+
+    #[test]
+    fn a_record_says_which_robots_took_part_and_that_of_an_earlier_version_does_not() {
+        let earlier = r#"{"hall":"airport","cellM":0.5,"threshold":25.0}"#;
+        let conditions = read(earlier).unwrap();
+        assert!(conditions.venue.robots.is_empty() && conditions.venue.seed.is_none());
+        assert_eq!(serde_json::to_string(&ConditionsShape::from(&conditions)).unwrap(), earlier);
+        let now = r#"{"hall":"airport","cellM":0.5,"threshold":25.0,"robots":[{"name":"discovery","kind":"sim"},{"name":"scout","kind":"line","address":"/dev/ttyUSB0"}],"seed":"18446744073709551615"}"#;
+        let conditions = read(now).unwrap();
+        assert_eq!((&*conditions.venue.robots[1].name, conditions.venue.seed), ("scout", Some(u64::MAX)));
+        assert_eq!(serde_json::to_string(&ConditionsShape::from(&conditions)).unwrap(), now);
+        assert!(read(&now.replace("\"18446744073709551615\"", "\"x\"")).is_err());
     }
 }

@@ -52,13 +52,13 @@ use streams::Streams;
 pub use tls::{Tls, TlsError};
 
 use crate::access::{Access, Attempts};
-use crate::api::robot_parts::{RobotBySettings, RobotsBySettings};
 use crate::doors::room::Room;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
 use crate::runtime::handle::Handle;
 use crate::runtime::simulator::Simulator;
 use hallsweep_core::settings::Settings;
+use hallsweep_core::state::Participant;
 
 /// Streams open at once, the console's and the interface's together: every screen of a site, and a bound on what strangers cost.
 pub const STREAMS: usize = 256;
@@ -89,7 +89,7 @@ pub struct HttpDoor {
     is_reckoned: bool,
     /// How far away from a bomb people must be, in metres.
     evacuation_m: f64,
-    robots: RobotsBySettings,
+    robots: Arc<[Participant]>,
     began: Arc<console::Began>,
     timelines: Arc<console::Timelines>,
     /// By which the core decides what is too hot.
@@ -121,7 +121,7 @@ impl HttpDoor {
             cell_m: None,
             is_reckoned: false,
             evacuation_m: EVACUATION_M,
-            robots: RobotsBySettings::default(),
+            robots: Arc::default(),
             began: Arc::default(),
             timelines: Arc::default(),
             settings: Settings::default(),
@@ -179,10 +179,9 @@ impl HttpDoor {
         HttpDoor { evacuation_m, ..self }
     }
 
-    /// The same, with robots of these names, of these kinds and at these addresses.
-    pub fn with_robots(self, robots: Vec<(String, &'static str, Option<String>)>) -> HttpDoor {
-        let set = robots.into_iter().map(|(name, kind, address)| (name, RobotBySettings { kind, address }));
-        HttpDoor { robots: set.collect(), ..self }
+    /// The same, with these robots, the one that searches first.
+    pub fn with_robots(self, robots: Arc<[Participant]>) -> HttpDoor {
+        HttpDoor { robots, ..self }
     }
 
     /// The same, before a core with these settings.

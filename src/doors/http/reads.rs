@@ -123,6 +123,7 @@ mod tests {
     use crate::api::fixture::searching;
     use crate::api::resources::{RESOURCES, ResourceKind};
     use hallsweep_core::robots::{Part, Parts};
+    use hallsweep_core::state::Participant;
     use hallsweep_core::world::luggage::{Luggage, PhotoState};
     use hallsweep_core::world::snapshot::Snapshot;
     use std::sync::Arc;
@@ -150,7 +151,8 @@ mod tests {
     #[tokio::test]
     async fn the_robots_are_there_with_what_is_set_of_them_and_what_is_replaced() {
         let mut app = app(searching());
-        app.door = app.door.with_robots(vec![("discovery".to_owned(), "virtual-tcp", Some("localhost:8999".to_owned()))]);
+        let (kind, address) = ("virtual-tcp".into(), Some("localhost:8999".into()));
+        app.door = app.door.with_robots([Participant { name: "discovery".into(), kind, address }].into());
         let mut snapshot = Snapshot::clone(&app.publish.borrow());
         let mut robots = snapshot.robots.to_vec();
         robots[0].parts = Some(Parts::of(&[Part::Base, Part::Bump, Part::Sonar]));

@@ -54,6 +54,8 @@ report-home = home
 report-photo = Photo { $take }
 report-photo-failed = There is no photo: { $why }
 report-photo-spoilt = Photo { $take } is lost: its file is missing, or is not the one on record.
+report-scaled = Photos are scaled down here, so that this page stays small. The originals are kept with the journal, and each SHA-256 is that of an original: hallsweep shows it under /api/v1/luggage/NUMBER/photo?take=PHOTO.
+report-photo-unscaled = Photo { $take } is not shown here: it cannot be scaled down. The original is kept with the journal, SHA-256 { $digest }.
 report-found = Found
 report-where = Where
 report-place = { $place }; from home { $east } m to the east, { $south } m to the south

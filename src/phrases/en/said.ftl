@@ -159,3 +159,17 @@ simulated-keeps = simulator keeps the hall { $hall }
 simulated-discards = simulator discards the hall { $hall }
 simulated-lost = the simulator keeps it lost
 simulated-no-photo = the shutter did not open: take the photo again
+
+## What qualifies what a mission came to
+
+robots = Robots
+robots-and-seed = { $robots }; seed { $seed }
+robots-not-on-record = not on record
+unsearched = { $count ->
+    [one] 1 place not searched
+   *[other] { $count } places not searched
+}
+engine-sim = simulated
+engine-virtual = virtual robot
+engine-other = { $kind } robot
+engine-not-on-record = not on record whether simulated

@@ -54,6 +54,8 @@ report-home = base
 report-photo = Foto { $take }
 report-photo-failed = Non c'è una foto: { $why }
 report-photo-spoilt = La foto { $take } è perduta: il suo file manca, o non è quello registrato.
+report-scaled = Le foto sono qui ridotte, perché questa pagina resti piccola. Gli originali sono conservati con il registro, e ogni SHA-256 è quello di un originale: hallsweep lo mostra in /api/v1/luggage/NUMERO/photo?take=FOTO.
+report-photo-unscaled = La foto { $take } non è mostrata qui: non si può ridurre. L'originale è conservato con il registro, SHA-256 { $digest }.
 report-found = Trovato
 report-where = Dove
 report-place = { $place }; dalla base { $east } m verso est, { $south } m verso sud

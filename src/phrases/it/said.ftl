@@ -159,3 +159,17 @@ simulated-keeps = simulatore: conservata la sala { $hall }
 simulated-discards = simulatore: eliminata la sala { $hall }
 simulated-lost = il simulatore tiene interrotto il collegamento
 simulated-no-photo = l'otturatore non si è aperto: scattare di nuovo la foto
+
+## What qualifies what a mission came to
+
+robots = Robot
+robots-and-seed = { $robots }; seme { $seed }
+robots-not-on-record = non registrati
+unsearched = { $count ->
+    [one] 1 posto non esplorato
+   *[other] { $count } posti non esplorati
+}
+engine-sim = simulato
+engine-virtual = robot virtuale
+engine-other = robot { $kind }
+engine-not-on-record = non registrato se simulata

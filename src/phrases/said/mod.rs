@@ -12,6 +12,7 @@ use std::fmt::Display;
 
 use super::{Language, Phrase};
 use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::state::{Conditions, Participant, PersistentState};
 use hallsweep_core::units::{Cell, Celsius, Heading};
 
 impl Language {
@@ -40,6 +41,43 @@ impl Language {
     /// The same of a mission that is in the midst of something.
     pub fn ended_while(self, phase: impl Display, is_put_away: bool) -> Phrase<'static> {
         self.say(if is_put_away { "missions-archived-while" } else { "missions-under-way" }).with("phase", phase)
+    }
+
+    /// What a mission came to, with what qualifies it beside: what was not searched, and the kind of the robot that searched.
+    pub fn headline(self, came_to: &str, state: &PersistentState) -> String {
+        let searcher = state.conditions.as_ref().and_then(|conditions| conditions.venue.robots.first());
+        format!("{} · {}", self.beside_unsearched(came_to, state.map.unsearched()), self.engine(searcher))
+    }
+
+    /// What a mission came to, and beside it how many known places are not searched, if any.
+    pub fn beside_unsearched(self, came_to: &str, places: usize) -> String {
+        if places == 0 { came_to.to_owned() } else { format!("{came_to} · {}", self.say("unsearched").with("count", places)) }
+    }
+
+    /// Kind of the robot that searches, or that it is not on record.
+    pub fn engine(self, searcher: Option<&Participant>) -> Phrase<'_> {
+        match searcher.map(|robot| &*robot.kind) {
+            None => self.say("engine-not-on-record"),
+            Some("sim") => self.say("engine-sim"),
+            Some("virtual-tcp" | "virtual-ws") => self.say("engine-virtual"),
+            Some(other) => self.say("engine-other").with("kind", other),
+        }
+    }
+
+    /// Robots that took part, each with its kind and its address, and the seed of a simulated hall.
+    pub fn team(self, conditions: Option<&Conditions>) -> String {
+        let Some(venue) = conditions.map(|conditions| &conditions.venue).filter(|venue| !venue.robots.is_empty()) else {
+            return self.say("robots-not-on-record").to_string();
+        };
+        let one = |robot: &Participant| {
+            let address = robot.address.as_ref().map_or_else(String::new, |address| format!(", {address}"));
+            format!("{} ({}{address})", robot.name, self.engine(Some(robot)))
+        };
+        let robots = self.list(&venue.robots.iter().map(one).collect::<Vec<_>>());
+        match venue.seed {
+            Some(seed) => self.say("robots-and-seed").with("robots", robots).with("seed", seed).to_string(),
+            None => robots,
+        }
     }
 
     /// A phase, and the one that it interrupts.

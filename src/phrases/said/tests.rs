@@ -219,7 +219,7 @@ fn the_journal() {
 fn the_journal_says_where_it_is_and_what_left_it() {
     check_facts([
         Fact::Conditions(Conditions {
-            venue: Venue { name: "depot".into(), cell_m: Some(0.25), is_reckoned: false, reach: None },
+            venue: Venue { name: "depot".into(), cell_m: Some(0.25), ..Venue::default() },
             threshold: degrees(25.5),
         }),
         Fact::Conditions(Conditions { venue: Venue { name: "depot".into(), ..Venue::default() }, threshold: degrees(25.5) }),

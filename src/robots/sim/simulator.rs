@@ -20,7 +20,7 @@ use crate::runtime::simulator::{
 use hallsweep_core::command::{Issuer, Refused};
 use hallsweep_core::event::RobotId;
 use hallsweep_core::mission::Hold;
-use hallsweep_core::state::Venue;
+use hallsweep_core::state::{Participant, Venue};
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::robot::RobotState;
 use hallsweep_sim::{Hall, Speed, Truth};
@@ -39,6 +39,8 @@ pub(in crate::robots) struct Parts {
     pub(in crate::robots) chosen: Option<ChosenHall>,
     /// The hall of the settings, and where the robot starts if they say so.
     pub(in crate::robots) usual: (String, Option<(u32, u32)>),
+    /// All robots, as the settings have them.
+    pub(in crate::robots) team: Arc<[Participant]>,
 }
 
 /// What is left of the simulator until the loop runs: it needs the core's consent.
@@ -46,7 +48,7 @@ pub struct SimulatorParts(pub(in crate::robots) Parts);
 
 impl SimulatorParts {
     pub fn in_hand_of(self, handle: Handle) -> Arc<dyn Simulator> {
-        let Parts { ground, speed, controls, robots, links, chosen, usual } = self.0;
+        let Parts { ground, speed, controls, robots, links, chosen, usual, team } = self.0;
         let state = SimulatorState {
             hall: facts(&ground.hall),
             seed: ground.seed,
@@ -56,7 +58,7 @@ impl SimulatorParts {
         };
         let (state, turn) = (watch::Sender::new(Arc::new(state)), Mutex::new(ground));
         let offered = Arc::new(Offered::with(&usual.0, usual.1, chosen.as_ref().map(ChosenHall::folder)));
-        Arc::new(InHand { handle, state, controls, turn, robots, links, chosen, offered })
+        Arc::new(InHand { handle, state, controls, turn, robots, links, chosen, offered, team })
     }
 }
 
@@ -70,6 +72,7 @@ struct InHand {
     links: Vec<mpsc::Sender<Move>>,
     chosen: Option<ChosenHall>,
     offered: Arc<Offered>,
+    team: Arc<[Participant]>,
 }
 
 impl Simulator for InHand {
@@ -229,7 +232,7 @@ impl InHand {
             }
             moves.push((decide, is_put_down));
         }
-        let venue = venue(&next.hall);
+        let venue = venue(&next.hall, next.seed, &self.team);
         self.handle.put_down(issuer, venue, self.robots.clone()).await??;
         for (decide, is_put_down) in moves {
             if decide.send(next.clone()).is_err() || is_put_down.await.is_err() {
@@ -278,8 +281,9 @@ fn check_blocked(hall: &Hall, blocked: Option<&BTreeSet<Cell>>) -> Result<(), No
 }
 
 /// A hall that is known beforehand.
-pub(in crate::robots) fn venue(hall: &Hall) -> Venue {
-    Venue { name: hall.name().into(), cell_m: Some(hall.cell_m()), is_reckoned: false, reach: Some(hall.reach()) }
+pub(in crate::robots) fn venue(hall: &Hall, seed: u64, team: &Arc<[Participant]>) -> Venue {
+    let (name, cell_m, reach) = (hall.name().into(), Some(hall.cell_m()), Some(hall.reach()));
+    Venue { name, cell_m, is_reckoned: false, reach, robots: Arc::clone(team), seed: Some(seed) }
 }
 
 fn facts(hall: &Hall) -> HallFacts {

@@ -153,7 +153,7 @@ impl Engine {
     fn progress(&self) -> Progress {
         let map = self.shown_map();
         let reach = self.state.conditions.as_ref().and_then(|conditions| conditions.venue.reach);
-        Progress { visited: map.visited(), unknown: map.frontier_size() + map.uninspected(), left: self.time_left(), reach }
+        Progress { visited: map.visited(), unknown: map.unsearched(), left: self.time_left(), reach }
     }
 
     /// While it searches, whatever holds or interrupts it. It is a guess from all that is known, on record or not.

@@ -26,6 +26,21 @@ pub struct Venue {
     pub is_reckoned: bool,
     /// How much of it can be searched, where it is known beforehand.
     pub reach: Option<Reach>,
+    /// Robots that take part, the one that searches first; none where that is not on record.
+    pub robots: Arc<[Participant]>,
+    /// What chance follows from in a simulated hall.
+    pub seed: Option<u64>,
+}
+
+/// A robot that takes part, as the settings have it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Participant {
+    /// Its name.
+    pub name: Arc<str>,
+    /// As `sim` or `line`: the settings have the list.
+    pub kind: Arc<str>,
+    /// Where it is reached; `None` for one that is part of this program.
+    pub address: Option<Arc<str>>,
 }
 
 /// How much of a hall a robot can come to from its start.

@@ -8,7 +8,7 @@ mod retrieval;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-pub use self::conditions::{Conditions, Reach, Venue};
+pub use self::conditions::{Conditions, Participant, Reach, Venue};
 pub use self::retrieval::{Retrieval, RetrievalStage};
 use super::effect::{Entry, Fact};
 use super::event::Piece;

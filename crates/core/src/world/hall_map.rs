@@ -186,6 +186,12 @@ impl HallMap {
         self.uninspected
     }
 
+    /// Known places that are not searched: cells never entered beside visited ones, and obstacles that were not inspected.
+    #[must_use]
+    pub const fn unsearched(&self) -> usize {
+        self.open + self.uninspected
+    }
+
     /// The least rectangle that holds every visited cell.
     #[must_use]
     pub const fn visited_bounds(&self) -> Bounds {

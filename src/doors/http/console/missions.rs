@@ -16,7 +16,7 @@ use super::{hall, html};
 use crate::api::luggage::photo_url;
 use crate::api::time::{Zone, rfc3339};
 use crate::phrases::{Language, Phrase};
-use crate::runtime::archive::{Happened, MissionRecord, Unreadable};
+use crate::runtime::archive::{Archive, Happened, MissionRecord, Unreadable};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::mission::PhaseName;
 use hallsweep_core::search::Strategy;
@@ -36,7 +36,10 @@ pub(in crate::doors::http) async fn list(
     query.only(&["before"])?;
     let before = before(&query)?;
     let (missions, next) = newest(&door, before, MISSIONS).await?;
-    Ok(html(&List { language, missions, before, next, zone: Zone::of(door.clock.now().wall) }))
+    let missions =
+        door.archive.look_up(move |archive| Ok(missions.into_iter().map(|record| with_unsearched(archive, record)).collect()));
+    let (missions, zone) = (missions.await?, Zone::of(door.clock.now().wall));
+    Ok(html(&List { language, missions, before, next, zone }))
 }
 
 /// `GET missions/{id}`
@@ -56,6 +59,13 @@ pub(in crate::doors::http) async fn one(
     };
     let zone = Zone::of(door.clock.now().wall);
     Ok(html(&One { language, record, state, damage, show, after, events, next, zone }))
+}
+
+/// A mission, and how many known places were not searched in it, where the search was broken off; 0 where that cannot be read.
+fn with_unsearched(archive: &dyn Archive, record: MissionRecord) -> (MissionRecord, usize) {
+    let is_broken_off = [PhaseName::BombLocated, PhaseName::BagSecured].iter().any(|phase| phase.name() == &*record.phase);
+    let state = if is_broken_off { archive.state(record.id).ok().flatten() } else { None };
+    (record, state.map_or(0, |state| state.of.map.unsearched()))
 }
 
 /// How much is shown of what happened.
@@ -102,7 +112,8 @@ fn is_main(fact: &Fact) -> bool {
 #[template(path = "missions/list.html")]
 struct List {
     language: Language,
-    missions: Vec<MissionRecord>,
+    /// Each with how many known places were not searched in it.
+    missions: Vec<(MissionRecord, usize)>,
     before: Option<MissionId>,
     next: Option<MissionId>,
     zone: Zone,
@@ -143,8 +154,8 @@ impl List {
         self.language.date(&self.zone.date_and_time(*wall))
     }
 
-    fn came_to(&self, record: &MissionRecord) -> String {
-        came_to(self.language, record)
+    fn came_to(&self, record: &MissionRecord, unsearched: &usize) -> String {
+        self.language.beside_unsearched(&came_to(self.language, record), *unsearched)
     }
 }
 
@@ -154,7 +165,13 @@ impl One {
     }
 
     fn came_to(&self) -> String {
-        came_to(self.language, &self.record)
+        let came_to = came_to(self.language, &self.record);
+        self.state.as_ref().map_or_else(|| came_to.clone(), |state| self.language.headline(&came_to, state))
+    }
+
+    /// The robots that took part.
+    fn team(&self) -> String {
+        self.language.team(self.state.as_ref().and_then(|state| state.conditions.as_ref()))
     }
 
     /// By its name where this version knows it.
@@ -321,6 +338,12 @@ mod tests {
         let hall = ["<svg id=\"hall\"", "class=\"wall\"", "class=\"piece danger\"", "<title>home</title>"];
         check(&page, &hall);
         check(&page, &["What is missing here", "a mouse was at it"]);
+        check(&page, &[" · not on record whether simulated</h2>", "<dt>Robots</dt><dd>not on record</dd>"]);
+        for page in [&page, &app(searching()).page("/missions").await] {
+            let count =
+                page.split_once("luggage #2 was left in place · ").and_then(|(_, rest)| rest.split_once(" places not searched"));
+            assert!(count.is_some_and(|(count, _)| count.parse::<u64>().is_ok()), "in the heading and in the list: {page}");
+        }
         let decided = format!("decided {} by operator", here(TEN));
         check(&page, &["/api/v1/luggage/3/photo?take=1", &decided, "pending"]);
     }

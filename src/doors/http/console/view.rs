@@ -13,14 +13,12 @@ use serde::Serialize;
 use super::retrieval::wanted_of_the_operator;
 use super::timeline::Timeline;
 use crate::access::{Need, Role};
-use crate::api::robot_parts::RobotBySettings;
 use crate::api::time::Zone;
 use crate::doors::http::HttpDoor;
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::command::Refused;
-use hallsweep_core::event::RobotId;
 use hallsweep_core::mission::{Hold, PhaseName};
-use hallsweep_core::state::{Conditions, Venue};
+use hallsweep_core::state::{Conditions, Participant, Venue};
 use hallsweep_core::units::{Cell, Celsius, LuggageId, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 use hallsweep_core::world::robot::{RobotState, RobotView};
@@ -29,7 +27,7 @@ use hallsweep_core::world::snapshot::Snapshot;
 /// A snapshot, and what is to be said to the one who pressed a button.
 pub(super) struct View<'a> {
     pub(super) snapshot: &'a Snapshot,
-    pub(super) hall: HallInfo<'a>,
+    pub(super) hall: HallInfo,
     /// When the present mission began, where that is known.
     pub(super) began: Option<WallTime>,
     /// Who looks; `None` where nobody is asked who he is.
@@ -57,7 +55,7 @@ pub(super) struct Then {
 
 /// What is known beforehand of the hall, and of the robot that searches it.
 #[derive(Clone, Debug)]
-pub(super) struct HallInfo<'a> {
+pub(super) struct HallInfo {
     pub(super) name: Arc<str>,
     /// The side of a cell, in metres, where it is known.
     pub(super) cell_m: Option<f64>,
@@ -67,24 +65,25 @@ pub(super) struct HallInfo<'a> {
     pub(super) evacuation_m: f64,
     /// Whether its time stands still: somebody has paused the simulator.
     pub(super) is_paused: bool,
-    /// What is set of the robot, where it is known.
-    pub(super) robot: Option<&'a RobotBySettings>,
+    /// The robot that searches, where it is known.
+    pub(super) robot: Option<Participant>,
 }
 
-impl<'a> HallInfo<'a> {
-    pub(super) fn of(door: &'a HttpDoor) -> HallInfo<'a> {
+impl HallInfo {
+    pub(super) fn of(door: &HttpDoor) -> HallInfo {
         let (name, cell_m) = door.hall();
         let is_paused = door.simulator.as_ref().is_some_and(|simulator| simulator.watch().borrow().is_paused);
         let (is_reckoned, evacuation_m) = (door.is_reckoned, door.evacuation_m);
-        HallInfo { name, cell_m, is_reckoned, evacuation_m, is_paused, robot: door.robots.of(RobotId::discovery().name()) }
+        HallInfo { name, cell_m, is_reckoned, evacuation_m, is_paused, robot: door.robots.first().cloned() }
     }
 
-    /// The hall as it was under these conditions; where they are not on record it is that of now.
-    pub(super) fn under(door: &'a HttpDoor, conditions: Option<&Conditions>) -> HallInfo<'a> {
-        let now = HallInfo { is_paused: false, ..HallInfo::of(door) };
+    /// The hall as it was under these conditions; where they are not on record it is that of now, but for the robot.
+    pub(super) fn under(door: &HttpDoor, conditions: Option<&Conditions>) -> HallInfo {
+        let now = HallInfo { is_paused: false, robot: None, ..HallInfo::of(door) };
         match conditions {
-            Some(Conditions { venue: Venue { name, cell_m, is_reckoned, .. }, .. }) => {
-                HallInfo { name: Arc::clone(name), cell_m: *cell_m, is_reckoned: *is_reckoned, ..now }
+            Some(Conditions { venue: Venue { name, cell_m, is_reckoned, robots, .. }, .. }) => {
+                let robot = robots.first().cloned();
+                HallInfo { name: Arc::clone(name), cell_m: *cell_m, is_reckoned: *is_reckoned, robot, ..now }
             }
             None => now,
         }
@@ -164,7 +163,13 @@ impl View<'_> {
 
     /// Whether the robot that searches is simulated.
     pub(super) fn is_simulated(&self) -> bool {
-        self.hall.robot.is_some_and(|robot| robot.kind == "sim")
+        self.hall.robot.as_ref().is_some_and(|robot| &*robot.kind == "sim")
+    }
+
+    /// Kind of the robot that searches; in the past also that it is not on record.
+    pub(super) fn engine(&self) -> Option<Phrase<'_>> {
+        let is_known = self.hall.robot.is_some() || self.then.is_some();
+        is_known.then(|| self.language.engine(self.hall.robot.as_ref()))
     }
 
     /// What was refused at this button, or the empty place for it.
@@ -317,7 +322,7 @@ impl View<'_> {
             Mood::Working => "▶ ",
             Mood::Calm => "",
         };
-        format!("{sign}{} · hallsweep", self.phase())
+        format!("{sign}{} · hallsweep", self.phase_in_full())
     }
 
     /// The piece that waits for its verdict.

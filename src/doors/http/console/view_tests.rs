@@ -195,15 +195,18 @@ fn a_located_bomb_says_what_to_do_next() {
 #[test]
 fn the_panel_of_the_robot_says_what_it_is_what_it_has_and_what_is_done_instead() {
     let mut snapshot = searching();
-    let [sim, page] = [("sim", None), ("virtual-tcp", Some("localhost:8999".to_owned()))]
-        .map(|(kind, address)| RobotBySettings { kind, address });
+    let [sim, page] = [("sim", None), ("virtual-tcp", Some("localhost:8999"))].map(|(kind, address)| Participant {
+        name: "discovery".into(),
+        kind: kind.into(),
+        address: address.map(Into::into),
+    });
     let panel = |snapshot: &Snapshot, robot| {
         let hall =
             HallInfo { name: "airport".into(), cell_m: None, is_reckoned: false, evacuation_m: 100.0, is_paused: false, robot };
         let part = PARTS.iter().find(|part| part.id == "robot").expect("it is there");
         (part.render)(&View { hall, ..view(snapshot) })
     };
-    let simulated = panel(&snapshot, Some(&sim));
+    let simulated = panel(&snapshot, Some(sim));
     assert!(simulated.contains("<dt>Kind</dt><dd>sim</dd>") && simulated.contains("camera, sonar, LED"), "{simulated}");
     assert!(
         !simulated.contains("Instead of what is missing") && !simulated.contains("Address"),
@@ -212,7 +215,7 @@ fn the_panel_of_the_robot_says_what_it_is_what_it_has_and_what_is_done_instead()
     let mut robots = snapshot.robots.to_vec();
     robots[0].parts = Some(Parts::of(&[Part::Base, Part::Bump, Part::Sonar]));
     snapshot.robots = robots.into();
-    let virtual_robot = panel(&snapshot, Some(&page));
+    let virtual_robot = panel(&snapshot, Some(page));
     assert!(virtual_robot.contains("<dd>wheels, sonar, bumper</dd>"), "{virtual_robot}");
     assert!(virtual_robot.contains("<dt>No camera</dt><dd>a drawing, which says that it is one</dd>"), "{virtual_robot}");
     assert!(
@@ -223,4 +226,49 @@ fn the_panel_of_the_robot_says_what_it_is_what_it_has_and_what_is_done_instead()
     snapshot.robots = robots.into();
     let unlinked = panel(&snapshot, None);
     assert!(unlinked.contains("<dd>not known while there is no link</dd>") && !unlinked.contains("Kind"), "{unlinked}");
+}
+
+#[test]
+fn the_bar_says_whether_the_robot_is_simulated_and_in_the_past_what_is_on_record() {
+    let snapshot = searching();
+    let bar = |kind: Option<&str>, then| {
+        let robot = kind.map(|kind| Participant { name: "discovery".into(), kind: kind.into(), address: None });
+        let view = view(&snapshot);
+        let hall = HallInfo { robot, ..view.hall.clone() };
+        let part = PARTS.iter().find(|part| part.id == "bar").expect("it is there");
+        (part.render)(&View { hall, then, ..view })
+    };
+    let past = Some(Then { mission: 1, seq: 9, time: 0, earlier: None, later: None });
+    for (kind, then, said) in [
+        (Some("sim"), None, "simulated"),
+        (Some("sim"), past, "simulated"),
+        (Some("virtual-ws"), None, "virtual robot"),
+        (Some("line"), None, "line robot"),
+        (None, past, "not on record whether simulated"),
+    ] {
+        let bar = bar(kind, then);
+        assert!(bar.contains(&format!("<li class=\"engine\">{said}</li>")), "{kind:?}: {bar}");
+    }
+    assert!(!bar(None, None).contains("engine"), "nobody has said what it is");
+}
+
+#[test]
+fn beside_what_sounds_like_an_end_stands_what_is_not_searched() {
+    let shown = |phase, unknown| {
+        let mut snapshot = idle();
+        (snapshot.mission.phase, snapshot.mission.progress.unknown) = (phase, unknown);
+        let part = PARTS.iter().find(|part| part.id == "bar").expect("it is there");
+        let view = view(&snapshot);
+        [(part.render)(&view), view.title(), view.announcement()]
+    };
+    for phase in [PhaseName::AtHome, PhaseName::BombLocated, PhaseName::BagSecured, PhaseName::Explored] {
+        for said in shown(phase, 24) {
+            assert!(said.contains("· 24 places not searched"), "{phase:?}: {said}");
+        }
+        assert!(shown(phase, 1)[0].contains("<span class=\"left\">· 1 place not searched</span></p>"), "in the heading itself");
+        assert!(shown(phase, 0).iter().all(|said| !said.contains("not searched")), "{phase:?}");
+    }
+    for phase in [PhaseName::Exploring, PhaseName::Retrieving, PhaseName::Idle] {
+        assert!(shown(phase, 24).iter().all(|said| !said.contains("not searched")), "{phase:?} is no end");
+    }
 }

@@ -6,7 +6,7 @@ use hallsweep_core::mission::PhaseName;
 impl View<'_> {
     /// The sentence for those who listen instead of looking.
     pub(in super::super) fn announcement(&self) -> String {
-        let mut words = vec![sentence(&self.phase())];
+        let mut words = vec![sentence(&self.phase_in_full())];
         let mission = &self.snapshot.mission;
         words.extend(mission.fault.iter().map(|fault| sentence(&self.language.fault(fault))));
         if mission.phase != PhaseName::Inspecting {

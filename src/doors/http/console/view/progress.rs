@@ -29,6 +29,20 @@ impl View<'_> {
         self.say("open-places").with("count", self.snapshot.mission.progress.unknown)
     }
 
+    /// What is not searched, where the phase sounds like an end; beside it, as large.
+    pub(in super::super) fn unsearched(&self) -> Option<Phrase<'static>> {
+        let mission = &self.snapshot.mission;
+        let is_an_end =
+            matches!(mission.phase, PhaseName::AtHome | PhaseName::BombLocated | PhaseName::BagSecured | PhaseName::Explored);
+        let count = mission.progress.unknown;
+        (is_an_end && count > 0).then(|| self.say("unsearched").with("count", count))
+    }
+
+    /// The phase, and what is not searched beside it, where both are said in one line.
+    pub(in super::super) fn phase_in_full(&self) -> String {
+        self.unsearched().map_or_else(|| self.phase(), |left| format!("{} · {left}", self.phase()))
+    }
+
     /// How much of the hall can be searched, where the hall is known beforehand.
     pub(in super::super) fn reach(&self) -> Option<Phrase<'static>> {
         let Reach { reachable, free } = self.snapshot.mission.progress.reach?;
