@@ -167,13 +167,13 @@ impl JsonSchema for HallBody {
                 "type": "object",
                 "properties": {
                     (named): {"type": "string", "description": what},
-                    (other): {"type": "null"},
+                    (other): {"const": null},
                     "seed": {
                         "description": "Where its dice begin, in digits and quotes or not; the one that stands where it is absent.",
                         "oneOf": [
                             {"type": "integer", "minimum": 0, "maximum": u64::MAX},
                             {"type": "string", "pattern": "^[0-9]{1,20}$"},
-                            {"type": "null"},
+                            {"const": null},
                         ],
                     },
                 },

@@ -82,15 +82,13 @@ fn document(asks: bool) -> Value {
     let shape = schemas.sent::<ProblemJson<'static>>();
     let answers: Map<String, Value> = ProblemKind::ALL.map(|kind| problem(kind, &shape)).into_iter().collect();
     let tags = Subject::ALL.map(|subject| json!({"name": subject.named().0, "description": subject.named().1}));
-    let mut components = json!({
+    let token = "A key's token, as `hallsweep token` shows it.";
+    let components = json!({
         "schemas": schemas.shapes(),
         "responses": answers,
         "headers": {"ETag": {"description": "Weak; to be sent back in `If-None-Match`.", "schema": {"type": "string"}}},
+        "securitySchemes": {"token": {"type": "http", "scheme": "bearer", "description": token}},
     });
-    if asks {
-        let token = "A key's token, as `hallsweep token` shows it.";
-        components["securitySchemes"] = json!({"token": {"type": "http", "scheme": "bearer", "description": token}});
-    }
     json!({
         "openapi": "3.1.0",
         "info": {

@@ -192,8 +192,8 @@ impl Operation {
         if self.subject == Subject::OldClients {
             operation["deprecated"] = true.into();
         }
-        if asks && need != Need::Nothing {
-            operation["security"] = json!([{"token": []}]);
+        if need != Need::Nothing {
+            operation["security"] = if asks { json!([{"token": []}]) } else { json!([{}, {"token": []}]) };
         }
         operation
     }
