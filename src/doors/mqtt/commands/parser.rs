@@ -127,8 +127,8 @@ impl CommandParser {
         }
     }
 
-    /// Nothing is published in answer: the original system has no words for that. Only why a verdict is not taken is told, because
-    /// an old console waits for it with a photo before it that may be none.
+    /// The original system has no words for an answer. Only why a command that was understood is refused is told, where an old console shows a piece of
+    /// luggage: it has no other place for words.
     fn old(&self, payload: &[u8]) -> Option<ParsedCommand> {
         let (asked, unread, goes_on) = match incoming::asked(payload, self.manual_driving) {
             Ok(incoming::Asked::Nothing | incoming::Asked::Unknown(_)) => return None,
@@ -139,8 +139,7 @@ impl CommandParser {
             }
             Err(wrong) => (Err(Problem::refused(&wrong.refused())), wrong.asked(), false),
         };
-        let is_explained = goes_on || matches!(asked, Ok((Command::Verdict { .. }, _)));
-        let explained = is_explained.then(|| self.topics.old_events());
+        let explained = asked.is_ok().then(|| self.topics.old_events());
         Some(ParsedCommand { asked, need: Need::Act, unread, goes_on, reply: Reply { explained, ..Reply::default() } })
     }
 

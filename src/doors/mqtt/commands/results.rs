@@ -20,6 +20,7 @@ use crate::doors::seldom::Seldom;
 use crate::doors::shares::Permit;
 use crate::runtime::carry_out::{Done, NotDone};
 use hallsweep_core::command::CommandId;
+use hallsweep_core::mission::PhaseName;
 use mqtt_gate::AnswerTo;
 
 /// Commands whose results are waited for at once: as many as the loop's queue holds. A STOP beyond them halts, and has no result.
@@ -36,6 +37,9 @@ const PATIENCE: Duration = Duration::from_secs(93);
 
 /// What is refused because there is no photo to judge by.
 const NO_PHOTO: &str = "noPhoto";
+
+/// What is refused because the mission is elsewhere.
+const NOT_IN_PHASE: &str = "notInPhase";
 
 /// Where results go, and the places of those that are waited for. Cheap to clone.
 #[derive(Clone, Debug)]
@@ -56,7 +60,7 @@ pub struct Answer {
 /// Where one result goes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Reply {
-    /// The topic; `None` for messages of the original system, which are answered by no message.
+    /// The topic; `None` for messages of the original system, whose senders are told only why they are refused.
     pub(super) topic: Option<String>,
     /// By what its sender knows it.
     pub(super) correlation: Option<Bytes>,
@@ -114,7 +118,12 @@ impl Results {
             None => tracing::info!(why = problem.detail(), "a message of an old client was refused"),
         }
         if let Some(topic) = &reply.explained {
-            let way_out = if problem.code() == NO_PHOTO { " (continueExplore takes it again)" } else { "" };
+            let is_bomb_located = problem.detail().ends_with(PhaseName::BombLocated.in_words());
+            let way_out = match problem.code() {
+                NO_PHOTO => " (continueExplore takes it again)",
+                NOT_IN_PHASE if is_bomb_located => " (reachBag fetches the bag)",
+                _ => "",
+            };
             let why = format!("{}{way_out}", problem.detail());
             let told = outgoing::message(outgoing::why_not(&why), outgoing::ANSWER);
             self.send(Publication::passing(topic.clone(), told), publisher);

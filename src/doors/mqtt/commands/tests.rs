@@ -319,20 +319,29 @@ async fn messages_of_the_original_system_command_and_are_answered_by_none() {
         let given = app.last().await;
         assert_eq!((given.command, given.id), (command, None), "{id}");
     }
-    app.refuse(Refused::Moving);
-    assert_eq!(app.say(OLD, event("startCmd")), Taken::Taken);
     assert!(app.is_silent().await);
 }
 
-/// An old console waits for its verdict with a photo before it that may be none.
+/// An old console has no other place in which it could learn that nothing comes of its button.
 #[tokio::test]
-async fn an_old_console_is_told_why_a_verdict_is_not_taken() {
+async fn an_old_console_is_told_why_a_command_is_refused_and_what_goes_on() {
     let mut app = app(searching());
-    app.refuse(Refused::NoPhoto(LuggageId(3)));
-    for verdict in ["luggageSafe", "continueExploreAfterPhoto"] {
-        assert_eq!(app.say(OLD, event(verdict)), Taken::Taken);
+    let no_photo = "luggage #3 has no usable photo: take it again, or answer danger (continueExplore takes it again)";
+    for (word, refused, why) in [
+        ("luggageSafe", Refused::NoPhoto(LuggageId(3)), no_photo),
+        ("continueExploreAfterPhoto", Refused::NoPhoto(LuggageId(3)), no_photo),
+        (
+            "startCmd",
+            Refused::NotInPhase(PhaseName::BombLocated),
+            "not possible while home, bomb located (reachBag fetches the bag)",
+        ),
+        ("backHomeCmd", Refused::NotInPhase(PhaseName::Idle), "not possible while idle"),
+        ("startCmd", Refused::Moving, "the robot is moving: press STOP first"),
+    ] {
+        app.refuse(refused);
+        assert_eq!(app.say(OLD, event(word)), Taken::Taken);
         let told = app.told().await;
-        let why = "refused: luggage #3 has no usable photo: take it again, or answer danger (continueExplore takes it again)";
+        let why = format!("refused: {why}");
         let message = format!("msg(modelContent,event,resourcemodel,none,content(luggage(state('{why}'))),0)");
         assert_eq!((told.topic.as_str(), String::from_utf8_lossy(&told.payload)), (OLD, message.into()));
         assert!(!told.retain);

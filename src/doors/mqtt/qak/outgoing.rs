@@ -32,7 +32,7 @@ pub fn luggage(luggage: &Luggage) -> Term {
     content("luggage", [state(old_items::luggage_state(luggage))])
 }
 
-/// `content(luggage(state('refused: luggage #3 has no usable photo')))`: why a verdict was not taken, where a piece is shown.
+/// `content(luggage(state('refused: luggage #3 has no usable photo')))`: why a command was refused, where a piece is shown.
 pub fn why_not(words: &str) -> Term {
     let mut text = format!("refused: {words}");
     while text.contains("))") {
