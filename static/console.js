@@ -220,7 +220,7 @@ document.addEventListener("change", (event) => {
 document.addEventListener("submit", (event) => {
   const form = event.target;
   if (form.id === "who") leaving = true;
-  if (form.id === "stop" || !form.action.includes("/console/")) return;
+  if (form.id === "stop" || !form.getAttribute("action")?.includes("/console/")) return;
   event.preventDefault();
   if (form.closest('#inspect, [data-why="retrieve"]') && performance.now() < settledAt) {
     return tell(form.dataset.why, say("console-changed"));
