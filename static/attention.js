@@ -38,7 +38,7 @@
     if (switches.sound.checked) sound(beeps);
     if (!switches.notify.checked || !document.hidden || Notification.permission !== "granted") return;
     // Several pages of one browser call once: what has the same tag takes the other's place.
-    const notification = new Notification(words, { tag: `hallsweep-${tag}`, icon: "/static/icon.svg", requireInteraction: true });
+    const notification = new Notification(words, { tag: `hallsweep-${tag}`, icon: "./static/icon.svg", requireInteraction: true });
     notification.onclick = () => {
       focus();
       notification.close();

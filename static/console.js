@@ -24,7 +24,7 @@ let settledAt = 0;
 /** Opens the stream anew; its first message holds everything, so whatever was missed is caught up with. */
 function listen() {
   stream?.close();
-  stream = new EventSource("/console/live");
+  stream = new EventSource("./console/live");
   stream.addEventListener("page", (event) => {
     const message = JSON.parse(event.data);
     if (time.isPast()) time.meanwhile(message);
@@ -38,7 +38,7 @@ function listen() {
 
 /** The door hangs up when it does not know us any more: then one is told so, where one signs in. */
 async function refused() {
-  const answer = await fetch("/", { method: "HEAD" }).catch(() => null);
+  const answer = await fetch("./", { method: "HEAD" }).catch(() => null);
   if (answer?.status === 401) signIn("watching");
 }
 
@@ -220,7 +220,7 @@ document.addEventListener("change", (event) => {
 document.addEventListener("submit", (event) => {
   const form = event.target;
   if (form.id === "who") leaving = true;
-  if (form.id === "stop" || !form.getAttribute("action")?.includes("/console/")) return;
+  if (form.id === "stop" || !form.getAttribute("action")?.includes("./console/")) return;
   event.preventDefault();
   if (form.closest('#inspect, [data-why="retrieve"]') && performance.now() < settledAt) {
     return tell(form.dataset.why, say("console-changed"));

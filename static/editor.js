@@ -58,7 +58,7 @@ async function read(name, body) {
   if (body.size > mostBytes) body = await new Response(body.stream().pipeThrough(new CompressionStream("gzip"))).blob();
   if (body.size > mostBytes) return { why: say("editor-large", { bytes: body.size, most: mostBytes }) };
   try {
-    const place = `/api/v1/simulator/hall/check?name=${encodeURIComponent(name.replaceAll(/[^\w.-]/g, "_"))}`;
+    const place = `./api/v1/simulator/hall/check?name=${encodeURIComponent(name.replaceAll(/[^\w.-]/g, "_"))}`;
     const response = await fetch(place, { method: "POST", headers, body });
     const answer = await response.json();
     return response.ok ? answer : { why: say("editor-refused", answer) };

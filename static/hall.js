@@ -111,7 +111,7 @@ const hall = (() => {
   const offer = document.createElement("form");
   offer.id = "offer";
   offer.method = "post";
-  offer.action = "/console/goto";
+  offer.action = "./console/goto";
   offer.dataset.why = "page";
   offer.hidden = true;
   for (const name of ["epoch", "x", "y"]) offer.append(Object.assign(document.createElement("input"), { type: "hidden", name }));
@@ -122,7 +122,7 @@ const hall = (() => {
   function offerCell(event) {
     hideOffer();
     const isFree = event.target.closest?.(".visited, .trail, .route, .ray");
-    const drive = document.querySelector("#manual form[action='/console/goto']");
+    const drive = document.querySelector("#manual form[action='./console/goto']");
     if (!isFree || root.dataset.past || !drive || drive.querySelector("fieldset").disabled) return;
     const cell = cellOf(under(event));
     offer.elements.x.value = cell.x;
@@ -140,7 +140,7 @@ const hall = (() => {
 
   offer.addEventListener("submit", () => {
     // A STOP since then makes it void, as it does of any other button.
-    offer.elements.epoch.value = document.querySelector("#manual form[action='/console/goto'] [name=epoch]").value;
+    offer.elements.epoch.value = document.querySelector("#manual form[action='./console/goto'] [name=epoch]").value;
     setTimeout(hideOffer);
   }, { capture: true });
 
@@ -201,7 +201,7 @@ const hall = (() => {
   svg.addEventListener("click", (event) => {
     if (moved > CLICK_PX) return event.preventDefault();
     const piece = event.target.closest("[data-piece]");
-    if (piece) open(`/luggage/${piece.dataset.piece}`, "_blank", "noopener");
+    if (piece) open(`./luggage/${piece.dataset.piece}`, "_blank", "noopener");
     else if (event.target.closest(".pin")) zoom(STEP ** 4, under(event) ?? undefined);
     else offerCell(event);
   });

@@ -40,7 +40,7 @@ controls.addEventListener("submit", async (event) => {
 async function look() {
   if (document.hidden || sending || controls.querySelector(".why:not(:empty)")) return;
   try {
-    const response = await fetch("/simulator", { headers: { Accept: "text/html" } });
+    const response = await fetch("./simulator", { headers: { Accept: "text/html" } });
     if (response.ok && !sending) show(await response.text());
   } catch { /* The next look may reach it; STOP says itself when it does not. */ }
 }

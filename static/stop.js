@@ -13,7 +13,7 @@ let leaving = false;
 
 /** To the page where one signs in; it says what was not done: a STOP before everything else, and else what was first. */
 function signIn(undone) {
-  if (!leaving || undone === "stop") location.assign(`/sign-in?undone=${undone}`);
+  if (!leaving || undone === "stop") location.assign(`./sign-in?undone=${undone}`);
   leaving = true;
 }
 

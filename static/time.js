@@ -163,7 +163,7 @@ const time = (() => {
         query.set("from", then.seq);
         query.set("shown", then.time);
       }
-      const answer = await fetch(`/console/missions/${line.mission}/moment?${query}`, { signal: AbortSignal.timeout(SEND_MS) }).catch(() => null);
+      const answer = await fetch(`./console/missions/${line.mission}/moment?${query}`, { signal: AbortSignal.timeout(SEND_MS) }).catch(() => null);
       if (here !== visit) break;
       if (answer?.status === 401) signIn("watching");
       if (!answer?.ok) {
@@ -175,7 +175,7 @@ const time = (() => {
       const message = await answer.json();
       if (here !== visit) break;
       show(message);
-      history.replaceState(null, "", `/missions/${line.mission}/moment?at=${then.seq}`);
+      history.replaceState(null, "", `./missions/${line.mission}/moment?at=${then.seq}`);
     }
     asking = false;
   }
@@ -188,7 +188,7 @@ const time = (() => {
     wanted = null;
     then = null;
     at("now-words").textContent = "";
-    history.replaceState(null, "", "/");
+    history.replaceState(null, "", "./");
     delete root.dataset.past;
     join();
     draw();

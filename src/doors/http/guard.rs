@@ -357,7 +357,7 @@ mod tests {
             assert_eq!(response.status(), status, "{path}");
             assert_eq!(response.headers()["content-type"], "text/html; charset=utf-8", "{path}");
             let page = text(response).await;
-            assert!(page.contains("href=\"/\"") && page.contains("<h1>"), "{page}");
+            assert!(page.contains("href=\"./\"") && page.contains("<h1>"), "{page}");
             assert!(!page.contains("<h1>Not Found") && !page.contains("Unprocessable"), "in words of people: {page}");
             let program = app.send(method, path, &[], "").await;
             assert_eq!(program.headers()["content-type"], "application/problem+json", "{path}");

@@ -189,8 +189,8 @@ mod tests {
             ">State machine, seed 3, 60 s<",
             ">Behaviour tree, seed 3, 60 s<",
             "Machine and tree made the same",
-            "action=\"/console/stop\"",
-            "href=\"/api/v1/laboratory/roomba?seed=3&amp;seconds=60\"",
+            "action=\"./console/stop\"",
+            "href=\"./api/v1/laboratory/roomba?seed=3&amp;seconds=60\"",
             "floor passed over",
         ] {
             assert!(page.contains(wanted), "{wanted} in {page}");
@@ -278,9 +278,9 @@ mod tests {
         for unwanted in ["style=", "<style", "onclick", "http://", "https://"] {
             assert!(!page.contains(unwanted), "{unwanted}");
         }
-        assert_eq!(page.matches("<script").count(), page.matches("<script src=\"/static/").count() + 2);
+        assert_eq!(page.matches("<script").count(), page.matches("<script src=\"./static/").count() + 2);
         for script in ["roomba", "pallet"] {
-            assert!(page.contains(&format!("<script type=\"module\" src=\"/static/{script}.js\">")), "{script}");
+            assert!(page.contains(&format!("<script type=\"module\" src=\"./static/{script}.js\">")), "{script}");
         }
     }
 
@@ -325,7 +325,7 @@ mod tests {
             "1 of 2 in the target area",
             "the operator was called and has not come",
             "class=\"node failure ticked\"",
-            "data-run=\"/api/v1/laboratory/pallet?parcels=2&#38;seed=2&#38;fault=lost@2&#38;fault=absent\"",
+            "data-run=\"./api/v1/laboratory/pallet?parcels=2&#38;seed=2&#38;fault=lost@2&#38;fault=absent\"",
         ] {
             assert!(page.contains(wanted), "{wanted} in {page}");
         }

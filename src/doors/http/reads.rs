@@ -232,16 +232,16 @@ mod tests {
         }
         let page = text(app.get("/luggage/3").await).await;
         for take in 1..=3 {
-            assert!(page.contains(&format!("href=\"/luggage/3?take={take}\"")), "{page}");
+            assert!(page.contains(&format!("href=\"./luggage/3?take={take}\"")), "{page}");
         }
         let page = text(app.get("/luggage/3?take=2").await).await;
         assert!(
-            page.contains("src=\"/api/v1/luggage/3/photo?take=2\" alt=\"Photo 2 of 3 of luggage #3, an earlier one\""),
+            page.contains("src=\"./api/v1/luggage/3/photo?take=2\" alt=\"Photo 2 of 3 of luggage #3, an earlier one\""),
             "{page}"
         );
         assert_eq!(app.get("/luggage/3?take=4").await.status(), 404);
         let console = text(app.get("/").await).await;
-        assert!(console.contains("href=\"/luggage/3?take=1\"") && console.contains("href=\"/luggage/3?take=2\""), "{console}");
+        assert!(console.contains("href=\"./luggage/3?take=1\"") && console.contains("href=\"./luggage/3?take=2\""), "{console}");
     }
 
     #[tokio::test]

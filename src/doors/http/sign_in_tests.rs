@@ -55,7 +55,7 @@ async fn over_tls_the_cookie_is_for_tls_only() {
 #[tokio::test]
 async fn whoever_is_signed_in_can_stop_from_the_page_where_one_signs_in_too() {
     let (app, operator, viewer) = guarded();
-    let stop = "action=\"/console/stop\"";
+    let stop = "action=\"./console/stop\"";
     let bearer = format!("Bearer {viewer}");
     let known = [BROWSER, ("authorization", &bearer)];
     let page = text(app.send("GET", &format!("/sign-in?token={operator}"), &known, "").await).await;
@@ -144,7 +144,7 @@ async fn a_viewers_page_has_one_living_button_beside_signing_out_and_the_languag
     let forms = page.split("<form ").skip(1).filter(|form| !form.starts_with("method=\"post\">"));
     for form in forms {
         let lives =
-            ["id=\"stop\"", "id=\"who\"", "method=\"post\" action=\"/language\""].iter().any(|begin| form.starts_with(begin));
+            ["id=\"stop\"", "id=\"who\"", "method=\"post\" action=\"./language\""].iter().any(|begin| form.starts_with(begin));
         let (form, _) = form.split_once("</form>").unwrap();
         let buttons = form.matches("<button").count();
         let dead = form.matches("<button").count().min(form.matches("disabled title=\"you are signed in as a viewer\"").count());

@@ -321,12 +321,12 @@ mod tests {
         check(
             &page,
             &[
-                "href=\"/missions/1\"",
+                "href=\"./missions/1\"",
                 &began,
                 "A bomb was located; luggage #2 was left in place",
                 "Under way: exploring",
-                "href=\"/\"",
-                "action=\"/console/stop\"",
+                "href=\"./\"",
+                "action=\"./console/stop\"",
             ],
         );
         assert!(page.find("Mission 2") < page.find("Mission 1"), "the newest first");

@@ -160,7 +160,7 @@ mod tests {
             "SAFE #3",
             "DANGER #3",
             "/api/v1/luggage/3/photo?take=1",
-            "action=\"/console/acknowledge\"",
+            "action=\"./console/acknowledge\"",
             "name=\"epoch\" value=\"1\"",
             "<svg id=\"hall\"",
             "15 cells</b> searched",
@@ -219,8 +219,8 @@ mod tests {
                 response = app.send("GET", next.to_str().unwrap(), &browser, "").await;
             }
             let page = text(response).await;
-            assert!(page.contains("<form id=\"stop\" method=\"post\" action=\"/console/stop\">"), "{path}: {page}");
-            assert!(page.contains("<script src=\"/static/stop.js\" defer>") && page.matches("<h1").count() == 1, "{path}");
+            assert!(page.contains("<form id=\"stop\" method=\"post\" action=\"./console/stop\">"), "{path}: {page}");
+            assert!(page.contains("<script src=\"./static/stop.js\" defer>") && page.matches("<h1").count() == 1, "{path}");
         }
     }
 
@@ -250,7 +250,7 @@ mod tests {
         }
         let page = text(app.get("/luggage/3").await).await;
         assert!(page.contains(&format!("src=\"{photo}\"")) && page.contains("Times are in UTC"), "{page}");
-        assert!(text(app.get("/").await).await.contains("href=\"/luggage/3\" target"));
+        assert!(text(app.get("/").await).await.contains("href=\"./luggage/3\" target"));
     }
 
     #[tokio::test]
@@ -262,7 +262,7 @@ mod tests {
                 assert!(!page.contains("style=") && !page.contains("<style") && !page.contains("onclick"));
                 assert!(!page.contains("http://") && !page.contains("https://"), "everything comes from here");
                 for script in page.split("<script").skip(1) {
-                    assert!(script.starts_with(" src=\"/static/"), "{}", &script[..40]);
+                    assert!(script.starts_with(" src=\"./static/"), "{}", &script[..40]);
                 }
             }
         }
@@ -309,7 +309,7 @@ mod tests {
         let asked = app.get("/console/confirm/danger/3?").await;
         assert_eq!(asked.status(), 200);
         let page = text(asked).await;
-        assert!(page.contains("Is luggage #3 dangerous?") && page.contains("action=\"/console/danger\""));
+        assert!(page.contains("Is luggage #3 dangerous?") && page.contains("action=\"./console/danger\""));
         assert!(page.contains("STOP"), "STOP is on this page too");
         assert!(app.given.lock().unwrap().is_empty(), "asking changes nothing");
         assert_eq!(app.get("/console/confirm/danger/9").await.status(), 404);

@@ -157,9 +157,9 @@ mod tests {
             "23.5 °C",
             "id=\"hall-robot\"",
             "entry 4 of mission 1",
-            "href=\"/missions/1/moment?at=3\">One entry back",
-            "href=\"/missions/1/moment?at=5\">One entry on",
-            "action=\"/console/stop\"",
+            "href=\"./missions/1/moment?at=3\">One entry back",
+            "href=\"./missions/1/moment?at=5\">One entry on",
+            "action=\"./console/stop\"",
         ] {
             assert!(page.contains(wanted), "{wanted} in {page}");
         }

@@ -102,7 +102,7 @@ mod tests {
         let last = text(app.get("/missions/1/retrieval").await).await;
         assert_eq!(last.matches("<section class=\"tree\"").count(), 3);
         for wanted in
-            ["Retrieval of luggage #1 by the pair", "luggage #1 is in the container", "action=\"/console/stop\"", ">Previous</a>"]
+            ["Retrieval of luggage #1 by the pair", "luggage #1 is in the container", "action=\"./console/stop\"", ">Previous</a>"]
         {
             assert!(last.contains(wanted), "{wanted} in {last}");
         }

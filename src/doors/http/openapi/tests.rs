@@ -82,7 +82,7 @@ async fn a_key_is_asked_for_in_the_description_where_it_is_at_the_door() {
     assert_eq!(guarded.get("/api").await.status(), 401, "the page has STOP on it");
     let bearer = format!("Bearer {}", tokens.viewer);
     let page = text(guarded.send("GET", "/api", &[("authorization", &bearer)], "").await).await;
-    assert!(page.contains("action=\"/console/stop\""));
+    assert!(page.contains("action=\"./console/stop\""));
 
     let app = app(searching());
     let first = app.get("/api/v1/openapi.json").await;
