@@ -37,8 +37,8 @@
   function call(tag, words, beeps) {
     if (switches.sound.checked) sound(beeps);
     if (!switches.notify.checked || !document.hidden || Notification.permission !== "granted") return;
-    // Several pages of one browser call once: what has the same tag takes the other's place.
-    const notification = new Notification(words, { tag: `hallsweep-${tag}`, icon: "./static/icon.svg", requireInteraction: true });
+    // Several pages of one hall call once: what has the same tag takes the other's place.
+    const notification = new Notification(words, { tag: `hallsweep-${tag} ${document.baseURI}`, icon: "./static/icon.svg", requireInteraction: true });
     notification.onclick = () => {
       focus();
       notification.close();

@@ -237,6 +237,14 @@ document.addEventListener("submit", (event) => {
 let isAimed = false; // whether the last press was one of its own with a pointer, and neither a key nor the second of a double click
 document.addEventListener("click", (event) => (isAimed = event.detail === 1), true);
 
+// A link within the page leads there at whatever moment is shown; its address is for a page without scripts.
+document.addEventListener("click", (event) => {
+  const { hash } = event.target.closest?.("a") ?? {};
+  if (!hash || !at(hash.slice(1))) return;
+  event.preventDefault();
+  location.assign(location.pathname + location.search + hash);
+});
+
 const sending = new Set();
 
 /** Sends a form; a refusal is written beside the button that was pressed. */

@@ -22,7 +22,7 @@ const stopping = (() => {
   const place = document.getElementById("why-stop");
   const words = place?.dataset; // in the language of the page
   const filled = (phrase, value) => phrase.replace("{}", () => value);
-  const key = "hallsweep-stop"; // a page that is loaded anew finds the name of an unconfirmed STOP under this
+  const key = `hallsweep-stop ${form?.action}`; // a page of the same hall that is loaded anew finds the name of an unconfirmed STOP under this
   const page = crypto.getRandomValues(new Uint32Array(4)).join("-");
   let pressed = 0; // how often it was pressed here
   let name = ""; // a press has one name for all its attempts, so that it is on record once

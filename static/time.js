@@ -8,6 +8,9 @@ const time = (() => {
   const LEAP_MS = 10_000; // shift and an arrow
   const NOW_PART = 0.995; // whoever drags to the right edge wants now
 
+  // The address moves with the moment that is shown; what the page's other addresses count from does not.
+  if (!document.querySelector("base")) document.head.append(Object.assign(document.createElement("base"), { href: "./" }));
+
   const panel = at("time");
   const track = at("track");
   let line = JSON.parse(panel.dataset.line); // how the line is to be read

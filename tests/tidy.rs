@@ -115,6 +115,12 @@ fn every_link_in_the_documents_leads_somewhere() {
 }
 
 #[test]
+fn no_page_and_no_script_has_an_address_from_the_root() {
+    let findings = whole::absolute_addresses();
+    assert!(findings.is_empty(), "\n{}\n", findings.join("\n"));
+}
+
+#[test]
 fn no_lock_file_names_a_download_address() {
     for folder in ["browser", "clients"] {
         assert_eq!(whole::download_addresses(&whole::text(&format!("tests/{folder}/package-lock.json"))), Vec::<String>::new());

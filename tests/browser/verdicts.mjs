@@ -244,11 +244,11 @@ export const called = {
     const decide = (id, verdict) => fetch(`${url}/api/v1/luggage/${id}/verdict`,
       { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify({ verdict }) });
     await decide(first, 'safe');
-    await until(async () => (await calls()).some((call) => /^hallsweep-waits-\d+: Luggage #\d+ waits for your verdict\.$/.test(call)),
+    await until(async () => (await calls()).some((call) => /^hallsweep-waits-\d+ http:\S+: Luggage #\d+ waits for your verdict\.$/.test(call)),
       'the call for the piece that waits', patience);
     const second = Number(/waits-(\d+)/.exec((await calls())[0])[1]);
     await decide(second, 'danger');
-    await until(async () => (await calls()).some((call) => /^hallsweep-alarm-\d+: Alarm/.test(call)), 'the call for the alarm', patience);
+    await until(async () => (await calls()).some((call) => /^hallsweep-alarm-\d+ http:\S+: Alarm/.test(call)), 'the call for the alarm', patience);
     must((await calls()).length === 2, `called more than once for each: ${JSON.stringify(await calls())}`);
   },
 };

@@ -208,8 +208,8 @@ fn head(response: &Response<Body>) -> String {
 
 /// A session is drawn by chance.
 fn cookie_masked(value: &str) -> String {
-    match value.split_once('=').and_then(|(name, rest)| Some((name, rest.split_once("; Path=/")?))) {
-        Some((name, (session, rest))) if !session.is_empty() => format!("{name}=‹session›; Path=/{rest}"),
+    match value.split_once('=').and_then(|(name, rest)| Some((name, rest.split_once("; Max-Age=")?))) {
+        Some((name, (session, rest))) if !session.is_empty() => format!("{name}=‹session›; Max-Age={rest}"),
         _ => value.to_owned(),
     }
 }

@@ -106,7 +106,7 @@ fn the_console_is_a_page_of_this_origin_alone() {
     assert!(policy.contains("default-src 'self'") && !policy.contains("unsafe"), "{policy}");
     let text = page.text();
     assert!(!text.contains("https://") && !text.contains("<script>"), "no other origin, no inline script");
-    let files = text.split('"').filter(|word| word.starts_with("/static/"));
+    let files = text.split('"').filter_map(|word| word.strip_prefix('.')).filter(|path| path.starts_with("/static/"));
     let files: BTreeSet<&str> = files.collect();
     assert!(files.len() >= 2, "a style and a script: {files:?}");
     for file in files {

@@ -36,7 +36,16 @@ fn said(command: &Command) -> String {
 fn is_as_described(program: &Program, token: Option<&str>) {
     let mut command = python();
     command.args(["-m", "schemathesis.cli", "--config-file"]).arg(folder().join("schemathesis.toml"));
-    command.args(["run", &description(program), "--checks", "all", "--no-color", "--continue-on-failure"]);
+    command.args([
+        "run",
+        &description(program),
+        "--url",
+        &format!("http://{}", program.address()),
+        "--checks",
+        "all",
+        "--no-color",
+        "--continue-on-failure",
+    ]);
     if let Some(token) = token {
         command.args(["--header", &format!("Authorization: Bearer {token}")]);
     }

@@ -55,6 +55,24 @@ fn dead_links_in(document: &str, text: &str) -> Vec<String> {
         .collect()
 }
 
+/// Lines of pages and scripts with an address that begins at the root of the host, where a proxy may have put something else. Where a
+/// page is shown again (`here`) is a path for the program, not for the browser.
+pub(crate) fn absolute_addresses() -> Vec<String> {
+    let pages = ["templates", "static"].iter().flat_map(|place| files(&root().join(place)));
+    let texts = pages.map(|path| (name(&path), std::fs::read_to_string(&path).expect("text")));
+    texts.filter(|(name, _)| !name.contains("/vendor/")).flat_map(|(name, text)| absolute_addresses_in(&name, &text)).collect()
+}
+
+fn absolute_addresses_in(name: &str, text: &str) -> Vec<String> {
+    let named = |rest: &str| rest.starts_with(|letter: char| letter.is_ascii_lowercase());
+    let is_address = |line: &str| {
+        let named = ["\"/", "'/", "`/", "url(/"].iter().any(|start| line.split(start).skip(1).any(named));
+        named || ["=\"/\"", "fetch(\"/\"", "assign(\"/\"", ", \"/\")"].iter().any(|root| line.contains(root))
+    };
+    let lines = text.lines().enumerate().filter(|(_, line)| !line.contains("let here = ") && is_address(line));
+    lines.map(|(number, _)| format!("{name}:{}: an address from the root: write ./", number + 1)).collect()
+}
+
 /// Packages whose manifests the container's recipe does not copy: cargo would not build without them.
 pub(crate) fn container_manifests(recipe: &str) -> Vec<String> {
     let packages = std::fs::read_dir(root().join("crates")).expect("the project has crates");
@@ -89,6 +107,20 @@ mod tests {
     fn a_dead_link_is_found() {
         let text = "[a](docs/no-such.md) [b](https://example.org/c) [d](Cargo.toml#e) ![f](no.png)";
         assert_eq!(dead_links_in("README.md", text).len(), 2);
+    }
+
+    #[test]
+    fn an_address_from_the_root_is_found() {
+        for text in
+            ["<a href=\"/\">", "<img src='/static/a.svg'>", "fetch(`/console/${a}`)", "fetch(\"/\")", "b { mask: url(/c) }"]
+        {
+            assert_eq!(absolute_addresses_in("a", text), ["a:1: an address from the root: write ./"], "{text}");
+        }
+        for text in
+            ["<a href=\"./missions\">", "{% let here = \"/api\" %}", "a.split(\"/\").join(\"//\")", "b.matches(/-?\\d+/g)"]
+        {
+            assert_eq!(absolute_addresses_in("a", text), Vec::<String>::new(), "{text}");
+        }
     }
 
     #[test]

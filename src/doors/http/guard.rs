@@ -20,6 +20,7 @@ use super::HttpDoor;
 use super::accept::{codings, preferred};
 use super::gate::Peer;
 use super::language::spoken;
+use super::prefix::{is_page, relative};
 use super::problem::{Detail, Problem, halted, in_words};
 use super::sign_in::local;
 use crate::api::fields::in_short;
@@ -27,7 +28,7 @@ use crate::phrases::Language;
 
 /// Nothing but this origin's own files, no inline script or style, no frame, no form to anywhere else.
 const CONTENT_SECURITY_POLICY: &str = "default-src 'self'; object-src 'none'; frame-ancestors 'none'; form-action 'self'; \
-                                       base-uri 'none'";
+                                       base-uri 'self'";
 
 /// On every answer, whatever it is.
 const SECURITY: [(HeaderName, &str); 6] = [
@@ -93,6 +94,7 @@ pub(super) fn guarded(routes: Router, hosts: Hosts, door: &HttpDoor) -> Router {
         .layer(from_fn_with_state(hosts, own_name))
         .layer(from_fn(for_people))
         .layer(map_response(in_a_language))
+        .layer(from_fn(relative))
         .layer(CatchPanicLayer::custom(|_: Box<dyn std::any::Any + Send>| Problem::internal().into_response()))
         .layer(CompressionLayer::new())
         .layer(map_request(as_it_is))
@@ -151,8 +153,7 @@ pub(super) fn is_for_people(path: &str, headers: &HeaderMap) -> bool {
 
 /// A page is in one of several languages: whoever keeps it for others must know by what it was chosen.
 async fn in_a_language(mut response: Response) -> Response {
-    let is_page = response.headers().get(header::CONTENT_TYPE).is_some_and(|kind| kind.as_bytes().starts_with(b"text/html"));
-    if is_page {
+    if is_page(&response) {
         response.headers_mut().append(header::VARY, HeaderValue::from_static("accept-language, cookie"));
     }
     response

@@ -21,6 +21,7 @@ mod mqtt;
 mod old;
 mod openapi;
 mod places;
+mod prefix;
 mod problem;
 mod query;
 mod reading;

@@ -179,10 +179,11 @@ fn shown(status: StatusCode, peer: Peer, page: SignIn) -> Response {
     (status, [(header::CACHE_CONTROL, HeaderValue::from_static("no-store"))], html).into_response()
 }
 
-/// A cookie no script and no other site gets to see.
+/// A cookie no script and no other site gets to see. The folder of the page to sign in, as the browser knows it, is its path, since
+/// another hall under the same host has one of its own.
 fn cookie(door: &HttpDoor, session: &str, kept_s: u64, peer: Peer) -> HeaderMap {
     let secure = if peer.is_encrypted { "; Secure" } else { "" };
-    let cookie = format!("{}={session}; Path=/; Max-Age={kept_s}; HttpOnly; SameSite=Strict{secure}", door.cookie());
+    let cookie = format!("{}={session}; Max-Age={kept_s}; HttpOnly; SameSite=Strict{secure}", door.cookie());
     let cookie = HeaderValue::from_str(&cookie).expect("a session is letters, digits, dots, - and _");
     HeaderMap::from_iter([(header::SET_COOKIE, cookie)])
 }

@@ -7,7 +7,7 @@ use futures_util::StreamExt;
 use super::*;
 use crate::access::{Keyring, Moment, SESSION_S};
 use crate::api::fixture::searching;
-use crate::doors::http::testing::{TestApp, app, guarded_app, keys, text};
+use crate::doors::http::testing::{TestApp, app, guarded_app, keys, leads, text};
 
 const FORM: (&str, &str) = ("content-type", "application/x-www-form-urlencoded");
 const BROWSER: (&str, &str) = ("accept", "text/html,application/xhtml+xml,*/*;q=0.8");
@@ -23,18 +23,14 @@ fn cookie(response: &Response) -> (String, String) {
     (set.split(';').next().unwrap().to_owned(), set)
 }
 
-fn location(response: &Response) -> &str {
-    response.headers().get("location").map_or("", |value| value.to_str().unwrap())
-}
-
 /// Safety A2.
 #[tokio::test]
 async fn a_token_becomes_a_cookie_that_no_script_and_no_other_site_sees() {
     let (app, operator, _) = guarded();
     let response = app.send("POST", "/sign-in", &[FORM, BROWSER], &format!("token=%20{operator}%20&next=%2F")).await;
-    assert_eq!((response.status().as_u16(), location(&response)), (303, "/"));
+    assert_eq!((response.status().as_u16(), &*leads(&response, "/sign-in")), (303, "/"));
     let (cookie, set) = cookie(&response);
-    for wanted in ["; HttpOnly", "; SameSite=Strict", "; Path=/", "; Max-Age=34560000"] {
+    for wanted in ["; HttpOnly", "; SameSite=Strict", "; Max-Age=34560000"] {
         assert!(set.contains(wanted), "{set}");
     }
     assert!(!set.contains("Secure") && !set.contains(&operator), "{set}");
@@ -109,12 +105,12 @@ async fn wrong_tokens_are_answered_later_and_later_and_right_ones_at_once() {
 async fn whoever_signed_out_is_asked_again() {
     let (app, _, viewer) = guarded();
     let (cookie, _) = cookie(&app.send("POST", "/sign-in", &[FORM], &format!("token={viewer}")).await);
-    assert_eq!(location(&app.send("GET", "/sign-in", &[BROWSER, ("cookie", &cookie)], "").await), "/");
+    assert_eq!(leads(&app.send("GET", "/sign-in", &[BROWSER, ("cookie", &cookie)], "").await, "/sign-in"), "/");
     let out = app.send("POST", "/sign-out", &[FORM, BROWSER, ("cookie", &cookie)], "").await;
-    assert_eq!((out.status().as_u16(), location(&out)), (303, "/sign-in"));
+    assert_eq!((out.status().as_u16(), &*leads(&out, "/sign-out")), (303, "/sign-in"));
     let (gone, set) = self::cookie(&out);
     assert!(gone == "hallsweep-0=" && set.contains("Max-Age=0"), "{set}");
-    assert_eq!(location(&app.send("GET", "/", &[BROWSER, ("cookie", &gone)], "").await), "/sign-in");
+    assert_eq!(leads(&app.send("GET", "/", &[BROWSER, ("cookie", &gone)], "").await, "/"), "/sign-in");
 }
 
 /// Safety S1.
@@ -127,7 +123,7 @@ async fn whoever_pressed_something_and_is_not_signed_in_any_more_reads_that_it_w
         ("/console/danger", "What you pressed was not carried out"),
     ] {
         let led = app.send("POST", path, &[FORM, BROWSER, ("cookie", "hallsweep-0=old")], "id=3").await;
-        let page = text(app.send("GET", location(&led), &[BROWSER], "").await).await;
+        let page = text(app.send("GET", &leads(&led, path), &[BROWSER], "").await).await;
         assert!(page.contains(words), "{path}: {page}");
     }
     let watched = text(app.send("GET", &Undone::Watching.page(), &[BROWSER], "").await).await;
@@ -166,7 +162,7 @@ async fn a_page_of_another_origin_signs_nobody_in() {
 #[tokio::test]
 async fn an_open_door_needs_no_page_to_sign_in() {
     let app = app(searching());
-    assert_eq!(location(&app.send("GET", "/sign-in?next=/console/live", &[BROWSER], "").await), "/console/live");
+    assert_eq!(leads(&app.send("GET", "/sign-in?next=/console/live", &[BROWSER], "").await, "/sign-in"), "/console/live");
 }
 
 #[test]

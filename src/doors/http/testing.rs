@@ -15,6 +15,7 @@ use tokio::sync::watch;
 use tower_service::Service;
 
 use super::gate::Peer;
+use super::prefix::root;
 use super::{Hosts, HttpDoor, router};
 use crate::access::{Access, Keyring, Keys, OPERATOR, Role};
 use crate::api::journal::{self, Line};
@@ -192,6 +193,13 @@ pub(super) async fn read(response: Response<Body>) -> (StatusCode, Value) {
     let status = response.status();
     let text = text(response).await;
     (status, serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error} in {text:?}")))
+}
+
+/// Where an answer leads a browser that asked for this path, as a path of this door.
+pub(super) fn leads(answer: &Response<Body>, asked: &str) -> String {
+    let to = answer.headers().get("location").map_or("", |to| to.to_str().unwrap());
+    let path = to.strip_prefix(&root(asked.split('?').next().unwrap_or_default()));
+    format!("/{}", path.unwrap_or_else(|| panic!("from {asked} {to:?} does not lead from the root")))
 }
 
 pub(super) async fn text(response: Response<Body>) -> String {

@@ -26,11 +26,6 @@ impl<'a> Page<'a> {
         (part.render)(self.v)
     }
 
-    /// Where it is found again.
-    fn here(&self) -> String {
-        self.v.then.map_or_else(|| "/".to_owned(), |then| format!("/missions/{}/moment?at={}", then.mission, then.seq))
-    }
-
     fn view_box(&self) -> String {
         hall::view_box_now(self.v.snapshot)
     }
@@ -96,6 +91,13 @@ impl<'a> Page<'a> {
             None if self.v.snapshot.mission.id.0 == 0 => self.v.say("moment-none"),
             None => self.v.say("moment-now"),
         }
+    }
+}
+
+impl View<'_> {
+    /// Where the page is found again.
+    pub(super) fn here(&self) -> String {
+        self.then.map_or_else(|| "/".to_owned(), |then| format!("/missions/{}/moment?at={}", then.mission, then.seq))
     }
 }
 

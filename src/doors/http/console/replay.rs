@@ -101,9 +101,12 @@ mod tests {
         let app = app(searching());
         let last = text(app.get("/missions/1/retrieval").await).await;
         assert_eq!(last.matches("<section class=\"tree\"").count(), 3);
-        for wanted in
-            ["Retrieval of luggage #1 by the pair", "luggage #1 is in the container", "action=\"./console/stop\"", ">Previous</a>"]
-        {
+        for wanted in [
+            "Retrieval of luggage #1 by the pair",
+            "luggage #1 is in the container",
+            "action=\"./console/stop\"",
+            ">Previous</a>",
+        ] {
             assert!(last.contains(wanted), "{wanted} in {last}");
         }
         assert!(!last.contains(">Next</a>") && !last.contains("style="), "it is the last moment, and nothing is inline");

@@ -97,7 +97,7 @@ fn document(asks: bool) -> Value {
             "description": ABOUT,
             "license": {"name": env!("CARGO_PKG_LICENSE"), "identifier": env!("CARGO_PKG_LICENSE")},
         },
-        "servers": [{"url": "/"}],
+        "servers": [{"url": "../.."}],
         "tags": tags,
         "paths": paths,
         "components": components,
