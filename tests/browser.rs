@@ -13,11 +13,14 @@ use std::time::Duration;
 #[path = "../benches/common/coap.rs"]
 #[expect(dead_code, reason = "a browser test observes nothing over CoAP")]
 mod coap;
+#[path = "browser/nginx.rs"]
+mod nginx;
 #[path = "service/program.rs"]
 #[expect(dead_code, reason = "the service tests ask the program more than a browser test does")]
 mod program;
 
 use coap::Coap;
+use nginx::{NGINX, Nginx};
 use program::{Deadline, Program, hallsweep};
 
 /// One browser at a time: two would make each other slow, and the machine may be small.
@@ -272,16 +275,43 @@ fn every_page_in_every_state_is_for_everybody() {
 
 #[test]
 fn people_sign_in_and_a_viewer_can_only_stop() {
-    play_with_keys("signedIn");
+    play_with_keys("signedIn", play_with);
 }
 
 #[test]
 fn people_sign_in_on_a_phone_and_a_viewer_can_only_stop() {
-    play_with_keys("signedInOnPhone");
+    play_with_keys("signedInOnPhone", play_with);
+}
+
+/// Safety S1: under a prefix STOP is posted to the program, with scripts and without.
+#[test]
+fn under_a_prefix_stop_halts_from_every_page() {
+    play_under_a_prefix("stop", &["--hall", "empty-8x8", "--speed", "4"], &[]);
+    play_under_a_prefix("reachPlain", &["--hall", "airport", "--speed", "max"], &[]);
+    play_under_a_prefix("unconfirmed", &["--hall", "empty-8x8", "--speed", "1"], &[]);
+}
+
+#[test]
+fn under_a_prefix_missions_are_searched_looked_at_again_and_reported() {
+    for (scenario, speed) in [("mission", "max"), ("plain", "max"), ("past", "20"), ("pastPlain", "max"), ("report", "max")] {
+        play_under_a_prefix(scenario, &["--hall", "airport", "--speed", speed], &[]);
+    }
+}
+
+#[test]
+fn under_a_prefix_simulator_editor_and_laboratory_are_at_hand() {
+    for scenario in ["simulatorControls", "simulatorPlain", "hallByPointer", "laboratory", "laboratoryPlain"] {
+        play_under_a_prefix(scenario, &["--hall", "empty-8x8", "--speed", "max"], &[]);
+    }
+}
+
+#[test]
+fn under_a_prefix_people_sign_in_and_out() {
+    play_with_keys("signedIn", play_under_a_prefix);
 }
 
 /// Plays a scenario against a program that asks for keys; the script is told an operator's and a viewer's.
-fn play_with_keys(scenario: &str) {
+fn play_with_keys(scenario: &str, play: fn(&str, &[&str], &[(&str, &str)])) {
     let Data(data) = &Data::new(scenario);
     let added = hallsweep(&["token", "--data", data, "add", "lobby", "--role", "viewer"]).output().expect("the program starts");
     let shown = String::from_utf8(added.stdout).expect("text");
@@ -297,7 +327,7 @@ fn play_with_keys(scenario: &str) {
         ("DATA", data),
         ("PROGRAM", env!("CARGO_BIN_EXE_hallsweep")),
     ];
-    play_with(scenario, &["--hall", "airport", "--speed", "max", "--data", data], &environment);
+    play(scenario, &["--hall", "airport", "--speed", "max", "--data", data], &environment);
 }
 
 /// A data folder for one scenario.
@@ -323,7 +353,16 @@ fn play(scenario: &str, arguments: &[&str]) {
 
 /// The same, with this environment for the program and for the script.
 fn play_with(scenario: &str, arguments: &[&str], environment: &[(&str, &str)]) {
-    let Some(scripts) = clients() else { return };
+    play_at(scenario, arguments, environment, false);
+}
+
+/// The same, behind a proxy that knows the program under a prefix.
+fn play_under_a_prefix(scenario: &str, arguments: &[&str], environment: &[(&str, &str)]) {
+    play_at(scenario, arguments, environment, true);
+}
+
+fn play_at(scenario: &str, arguments: &[&str], environment: &[(&str, &str)], is_under_a_prefix: bool) {
+    let Some(scripts) = clients(is_under_a_prefix) else { return };
     let _alone = BROWSER.lock().unwrap_or_else(PoisonError::into_inner);
     let start = |http: &str| {
         let arguments = [&["serve", "--http", http, "--seed", "1"], arguments].concat();
@@ -331,9 +370,11 @@ fn play_with(scenario: &str, arguments: &[&str], environment: &[(&str, &str)]) {
     };
     let mut program = Some(start("127.0.0.1:0"));
     let address = program.as_ref().map(Program::address).expect("it was just started").to_string();
+    let nginx = is_under_a_prefix.then(|| Nginx::before(&address, scenario));
+    let url = nginx.as_ref().map_or_else(|| format!("http://{address}"), Nginx::url);
     let script = Command::new("node")
         .arg(scripts.join("play.mjs"))
-        .args([scenario, &format!("http://{address}"), CHROMIUM])
+        .args([scenario, &url, CHROMIUM])
         .envs(environment.iter().copied())
         .arg(Path::new(env!("CARGO_TARGET_TMPDIR")).join("browser"))
         .stdin(Stdio::piped())
@@ -373,6 +414,10 @@ fn play_with(scenario: &str, arguments: &[&str], environment: &[(&str, &str)]) {
     assert!(ended.is_some(), "the scenario `{scenario}` does not end; the last it said is: {last}");
     assert!(ended == Some(true), "the scenario `{scenario}` failed; screenshots are in target/tmp/browser");
     assert!(program.is_some(), "the program was there to the end");
+    if let Some(nginx) = nginx {
+        nginx.carries_mqtt();
+        nginx.was_asked_within_its_prefix();
+    }
 }
 
 /// A script at work. One that a test leaves is ended, with its browser.
@@ -426,7 +471,7 @@ fn over_coap(program: &Program, request: &str) -> String {
 }
 
 /// The folder of scripts, when everything they need is there; a word when it is not.
-fn clients() -> Option<PathBuf> {
+fn clients(with_nginx: bool) -> Option<PathBuf> {
     let scripts = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser");
     let node = Command::new("node").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
     let missing = if !Path::new(CHROMIUM).exists() {
@@ -435,6 +480,8 @@ fn clients() -> Option<PathBuf> {
         "node (apt-get install nodejs npm)"
     } else if !scripts.join("node_modules/playwright-core").exists() {
         "playwright-core (npm --prefix tests/browser ci)"
+    } else if with_nginx && !Path::new(NGINX).exists() {
+        "nginx (apt-get install nginx)"
     } else {
         return Some(scripts);
     };

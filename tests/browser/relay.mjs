@@ -4,7 +4,7 @@ import { createServer, connect } from 'node:net';
 
 /** Relays to this program; `cut` refuses and ends everything, `hold` takes what comes and passes nothing on, `mend` ends both. */
 export async function relay(program) {
-  const { hostname, port } = new URL(program);
+  const { hostname, port, pathname } = new URL(program);
   const open = new Set();
   let isHeld = false;
   const take = (near) => {
@@ -27,7 +27,7 @@ export async function relay(program) {
   const end = () => open.forEach((near) => near.destroy());
   await listen();
   return {
-    url: `http://127.0.0.1:${own}`,
+    url: `http://127.0.0.1:${own}${pathname.replace(/\/$/, '')}`,
     async cut() {
       const closed = new Promise((done) => server.close(done));
       end();
