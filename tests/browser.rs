@@ -144,6 +144,11 @@ fn a_lost_connection_is_said_and_the_page_catches_up() {
 }
 
 #[test]
+fn every_other_page_has_the_bar_which_follows_and_says_when_nothing_answers() {
+    play("elsewhere", &["--hall", "empty-8x8", "--speed", "1"]);
+}
+
+#[test]
 fn the_controls_stay_where_they_are_whatever_arrives() {
     play("steady", &["--hall", "airport", "--speed", "20"]);
 }
