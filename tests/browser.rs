@@ -79,6 +79,11 @@ fn a_person_looks_closely_and_gives_verdicts_with_notes_by_keys_and_without_scri
 }
 
 #[test]
+fn a_question_that_somebody_else_overtakes_closes_and_the_page_says_who_judged_how_and_when() {
+    play("overtaken", &["--hall", "airport", "--speed", "max"]);
+}
+
+#[test]
 fn a_person_draws_a_hall_by_pointer_or_by_keys_and_has_it_searched() {
     for scenario in ["hallByPointer", "hallByKeys", "hallsOpened"] {
         play(scenario, &["--hall", "empty-8x8", "--speed", "max"]);
