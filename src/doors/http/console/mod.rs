@@ -140,7 +140,7 @@ async fn whole(door: &HttpDoor, to: &Reader, why: Option<Why>) -> Html<String> {
 fn who(door: &HttpDoor, caller: &Caller) -> Option<Who> {
     match door.access {
         Access::Open => None,
-        Access::Keys(_) => Some(Who { name: caller.name(), role: caller.role() }),
+        Access::Keys(_) => Some(Who { name: caller.signature(), role: caller.role() }),
     }
 }
 
