@@ -147,7 +147,7 @@ function otherPiece() {
   settledAt = performance.now() + SETTLE_MS;
   at("inspect").classList.add("settling");
   setTimeout(() => at("inspect").classList.remove("settling"), SETTLE_MS);
-  if (at("confirm").dataset.id) unask();
+  if (at("confirm").open && at("confirm").dataset.id) overtaken(at("confirm").dataset.id);
 }
 
 /** Where a piece of the picture goes that was not there before, by the beginning of its id. */
@@ -341,6 +341,15 @@ function unask() {
   at("confirm").close();
   rest().forEach((part) => (part.inert = false));
   if (asked?.isConnected) asked.focus();
+}
+
+/** Takes the question about a piece back that waits no more, and says beside its buttons what became of it. */
+async function overtaken(id) {
+  unask();
+  const { verdict, decided } = await fetch(`./api/v1/luggage/${id}`).then((answer) => answer.json()).catch(() => ({}));
+  if (!decided) return tell("verdict", say("console-withdrawn", { id }));
+  const values = { id, by: decided.by, time: clockTime(Date.parse(decided.at) - ahead) };
+  tell("verdict", verdict === "safe" ? say("console-judged-safe", values) : say("console-judged-danger", values));
 }
 
 at("confirm-no").addEventListener("click", unask);

@@ -80,8 +80,8 @@ const stopping = (() => {
     remember(null);
     clearTimeout(again);
     clearTimeout(soon);
-    // The console shows by itself what holds the robot; other pages do not, and whoever was in doubt is told anywhere.
-    say(wasLate || !document.getElementById("bar") ? words.confirmed : "", true);
+    // The console shows at once what holds the robot; other pages look every second, and whoever was in doubt is told anywhere.
+    say(wasLate || !document.documentElement.dataset.live ? words.confirmed : "", true);
     over = setTimeout(() => say(""), OVER_MS);
   }
 

@@ -82,6 +82,11 @@ fn a_person_looks_closely_and_gives_verdicts_with_notes_by_keys_and_without_scri
 }
 
 #[test]
+fn a_question_that_somebody_else_overtakes_closes_and_the_page_says_who_judged_how_and_when() {
+    play("overtaken", &["--hall", "airport", "--speed", "max"]);
+}
+
+#[test]
 fn a_person_draws_a_hall_by_pointer_or_by_keys_and_has_it_searched() {
     for scenario in ["hallByPointer", "hallByKeys", "hallsOpened"] {
         play(scenario, &["--hall", "empty-8x8", "--speed", "max"]);
@@ -144,6 +149,11 @@ fn the_page_and_coap_show_the_same_and_take_the_same_commands() {
 #[test]
 fn a_lost_connection_is_said_and_the_page_catches_up() {
     play("lost", &["--hall", "empty-8x8", "--speed", "1"]);
+}
+
+#[test]
+fn every_other_page_has_the_bar_which_follows_and_says_when_nothing_answers() {
+    play("elsewhere", &["--hall", "empty-8x8", "--speed", "1"]);
 }
 
 #[test]

@@ -56,6 +56,14 @@ impl Caller {
         }
     }
 
+    /// As records and pages name him: by the key, and behind it the person who gave a name, as `operator (Anna)`.
+    pub fn signature(&self) -> Arc<str> {
+        match self {
+            Caller::Known(SignedIn { name, person: Some(person), .. }) => format!("{name} ({person})").into(),
+            Caller::Here | Caller::Known(_) => self.name(),
+        }
+    }
+
     pub const fn role(&self) -> Role {
         match self {
             Caller::Here => Role::Operator,

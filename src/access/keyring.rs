@@ -8,7 +8,7 @@ use std::time::Duration;
 use super::error::AccessError;
 use super::file::{KeyFile, Stamp, written};
 use super::keys::{Keys, SignedIn};
-use super::session::{self, Moment};
+use super::session::{self, Moment, Person};
 use super::token::{chance, hexadecimal};
 use crate::storage::private_file::Readers;
 
@@ -90,10 +90,10 @@ impl Keyring {
     }
 
     /// A session for whoever shows this token, as a cookie's value.
-    pub fn sign_in(&self, token: &str, now: Moment) -> Option<String> {
+    pub fn sign_in(&self, token: &str, person: &Person, now: Moment) -> Option<String> {
         let keys = self.keys();
         let signed_in = keys.check(token)?;
-        keys.named(&signed_in.name).ok().map(|key| session::sealed(key, &self.run, now))
+        keys.named(&signed_in.name).ok().map(|key| session::sealed(key, &self.run, person, now))
     }
 
     /// Whose session this is, by the value of its cookie.
@@ -104,7 +104,7 @@ impl Keyring {
     /// Whether somebody who was known is known still: the key is there, with the same token and role, and the session lasts.
     pub fn still_knows(&self, signed_in: &SignedIn, now: Moment) -> bool {
         let lasts = signed_in.end.is_none_or(|end| end.is_ahead(now));
-        lasts && self.keys().named(&signed_in.name).is_ok_and(|key| key.holder(signed_in.end) == *signed_in)
+        lasts && self.keys().named(&signed_in.name).is_ok_and(|key| key.still_is(signed_in))
     }
 }
 
@@ -201,7 +201,7 @@ mod tests {
         let folder = Scratch::new();
         let keyring = Keyring::open(&folder.0).unwrap().keyring;
         let old = token(&keyring);
-        let cookie = keyring.sign_in(&old, NOW).unwrap();
+        let cookie = keyring.sign_in(&old, &Person::new("Anna").unwrap(), NOW).unwrap();
         let (by_token, by_cookie) = (keyring.check(&old).unwrap(), keyring.session(&cookie, NOW).unwrap());
         assert!(keyring.still_knows(&by_token, NOW) && keyring.still_knows(&by_cookie, NOW));
         let later = Moment { elapsed: NOW.elapsed + Duration::from_secs(session::SESSION_S.unsigned_abs()), ..NOW };

@@ -31,6 +31,8 @@ pub struct Key {
 pub struct SignedIn {
     pub name: Arc<str>,
     pub role: Role,
+    /// The name that a person gave when signing in with this key. It changes no right.
+    pub person: Option<Arc<str>>,
     /// Which token of this name it was: another one after each rotation.
     pub(super) print: [u8; 32],
     /// When the session ends by itself; a token shown with each request does not end.
@@ -51,8 +53,13 @@ impl Key {
         Ok(Key { name: Arc::from(name), role, token, print })
     }
 
+    /// Whether somebody who was known by this name still has its token and its role.
+    pub(super) fn still_is(&self, signed_in: &SignedIn) -> bool {
+        SignedIn { person: signed_in.person.clone(), ..self.holder(signed_in.end) } == *signed_in
+    }
+
     pub(super) fn holder(&self, end: Option<End>) -> SignedIn {
-        SignedIn { name: Arc::clone(&self.name), role: self.role, print: self.print, end }
+        SignedIn { name: Arc::clone(&self.name), role: self.role, person: None, print: self.print, end }
     }
 }
 

@@ -20,5 +20,5 @@ pub use keyring::{Keyring, Opened};
 pub use keys::{Key, Keys, OPERATOR, SignedIn};
 pub use network::{Network, is_this_machine};
 pub use role::{Need, Role};
-pub use session::{Moment, SESSION_S};
+pub use session::{Moment, Person, SESSION_S};
 pub use token::{Token, chance};

@@ -4,12 +4,14 @@
 //! ```text
 //!   night-shift.1795262400.9b1e….1234.5f0c…  =  name . expiry in seconds since 1970 . run . seconds of that run at signing in
 //!                                               . HMAC-SHA256(token, all before it)
+//!   night-shift.1795262400.9b1e….1234.416e6e61.5f0c…  =  the same of somebody who gave a name, in hexadecimal digits
 //!   night-shift.1795262400.5f0c…             =  the form of earlier versions, which names no run
 //! ```
 //!
 //! In the run of the program that opened it, a session lasts by elapsed time, so that nobody who sets the machine's clock takes STOP
 //! from an operator (safety S8). A later run has nothing but the expiry and the wall clock.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use hmac::{Hmac, KeyInit, Mac};
@@ -30,6 +32,30 @@ const PURPOSE: &str = "hallsweep session 2";
 
 /// Purpose of the MAC in cookies that name no run.
 const PURPOSE_BEFORE: &str = "hallsweep session 1";
+
+/// The name that a person gives when signing in, for records and pages; empty where none is given. It tells several people with one key
+/// apart and changes no right.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Person(String);
+
+impl Person {
+    /// Longest name, in characters.
+    pub const MOST: usize = 32;
+
+    /// `None` for too many characters, or others than names have: a bracket would be taken for what records say around a name.
+    pub fn new(typed: &str) -> Option<Person> {
+        let name = typed.split_whitespace().collect::<Vec<_>>().join(" ");
+        let is_sound = |letter: char| letter.is_alphanumeric() || " .'-".contains(letter);
+        (name.chars().count() <= Person::MOST && name.chars().all(is_sound)).then_some(Person(name))
+    }
+
+    /// From a cookie.
+    fn read(digits: &str) -> Option<Arc<str>> {
+        let byte = |at| u8::from_str_radix(digits.get(at..at + 2)?, 16).ok();
+        let bytes: Option<Vec<u8>> = (0..digits.len()).step_by(2).map(byte).collect();
+        String::from_utf8(bytes?).ok().map(Arc::from)
+    }
+}
 
 /// A moment, by both clocks.
 #[derive(Clone, Copy, Debug)]
@@ -60,9 +86,10 @@ impl End {
 }
 
 /// A new session of whoever has this key, opened `now` in this run of the program.
-pub(super) fn sealed(key: &Key, run: &str, now: Moment) -> String {
+pub(super) fn sealed(key: &Key, run: &str, Person(person): &Person, now: Moment) -> String {
     let end_s = now.unix_s.saturating_add(SESSION_S);
-    let claim = format!("{}.{end_s}.{run}.{}", key.name, now.elapsed.as_secs());
+    let person = if person.is_empty() { String::new() } else { format!(".{}", hexadecimal(person.as_bytes())) };
+    let claim = format!("{}.{end_s}.{run}.{}{person}", key.name, now.elapsed.as_secs());
     let mac = seal(key, PURPOSE, &claim);
     format!("{claim}.{mac}")
 }
@@ -70,10 +97,11 @@ pub(super) fn sealed(key: &Key, run: &str, now: Moment) -> String {
 /// Whose session this is; `None` when it has ended, or was never given out.
 pub(super) fn opened(keys: &Keys, run: &str, cookie: &str, now: Moment) -> Option<SignedIn> {
     let (claim, mac) = cookie.rsplit_once('.')?;
-    let parts: Vec<&str> = claim.splitn(5, '.').collect();
-    let (name, end_s, begin) = match parts[..] {
-        [name, end_s, of, begin_s] => (name, end_s, Some((of, begin_s))),
-        [name, end_s] => (name, end_s, None),
+    let parts: Vec<&str> = claim.splitn(6, '.').collect();
+    let (name, end_s, begin, person) = match parts[..] {
+        [name, end_s, of, begin_s, person] => (name, end_s, Some((of, begin_s)), Some(person)),
+        [name, end_s, of, begin_s] => (name, end_s, Some((of, begin_s)), None),
+        [name, end_s] => (name, end_s, None, None),
         _ => return None,
     };
     let key = keys.named(name).ok()?;
@@ -90,7 +118,7 @@ pub(super) fn opened(keys: &Keys, run: &str, cookie: &str, now: Moment) -> Optio
         }
         _ => End::Unix(end_s.parse().ok()?),
     };
-    end.is_ahead(now).then(|| key.holder(Some(end)))
+    end.is_ahead(now).then(|| SignedIn { person: person.and_then(Person::read), ..key.holder(Some(end)) })
 }
 
 fn seal(key: &Key, purpose: &str, claim: &str) -> String {
@@ -122,7 +150,7 @@ mod tests {
     }
 
     fn cookie(keys: &Keys) -> String {
-        sealed(keys.named("lobby").unwrap(), "run", at(0, 0))
+        sealed(keys.named("lobby").unwrap(), "run", &Person::default(), at(0, 0))
     }
 
     /// As earlier versions made them.
@@ -176,10 +204,41 @@ mod tests {
     }
 
     #[test]
+    fn a_session_has_the_name_that_was_given_and_the_rights_of_its_key() {
+        let keys = keys();
+        for (typed, name) in [("Anna", "Anna"), ("  Zoë   O'Brien-Łuk ", "Zoë O'Brien-Łuk"), ("王 小明", "王 小明")] {
+            let person = Person::new(typed).unwrap();
+            let cookie = sealed(keys.named("lobby").unwrap(), "run", &person, at(0, 0));
+            assert!(cookie.bytes().all(|byte| byte.is_ascii_alphanumeric() || b".-_".contains(&byte)), "{cookie}");
+            let signed_in = opened(&keys, "run", &cookie, at(0, 0)).unwrap();
+            assert_eq!((&*signed_in.name, signed_in.role, signed_in.person.as_deref()), ("lobby", Role::Viewer, Some(name)));
+            assert!(keys.named("lobby").unwrap().still_is(&signed_in));
+        }
+        assert_eq!(opened(&keys, "run", &cookie(&keys), at(0, 0)).unwrap().person, None);
+    }
+
+    #[test]
+    fn a_name_is_short_and_has_nothing_that_is_not_seen_or_is_markup_or_closes_a_bracket() {
+        for none in ["", " ", "\t\r\n"] {
+            assert_eq!(Person::new(none), Some(Person::default()));
+        }
+        let longest = "ж".repeat(Person::MOST);
+        assert_eq!(Person::new(&longest), Some(Person(longest.clone())));
+        let longer = format!("{longest}ж");
+        for wrong in
+            [&*longer, "a\0b", "a\u{202e}b", "a\u{200b}b", "<b>Anna", "Anna) (console", "a,b", "a\"b", "a&b", "=1", "a;b"]
+        {
+            assert_eq!(Person::new(wrong), None, "{wrong}");
+        }
+    }
+
+    #[test]
     fn a_session_that_was_changed_anywhere_is_nobodys() {
         let keys = keys();
         let (now, before) = (cookie(&keys), cookie_before(&keys, NOW + SESSION_S));
-        for cookie in [&now, &before] {
+        let named = sealed(keys.named("lobby").unwrap(), "run", &Person::new("Anna").unwrap(), at(0, 0));
+        assert_eq!(opened(&keys, "run", &named.replace(".416e6e61.", "."), at(0, 0)), None);
+        for cookie in [&now, &before, &named] {
             for place in 0..cookie.len() {
                 let mut bytes = cookie.clone().into_bytes();
                 bytes[place] = if bytes[place] == b'1' { b'2' } else { b'1' };

@@ -53,7 +53,7 @@ pub struct PhotoJson {
 /// Who decided, when, and what was noted.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct DecisionJson {
-    /// Who.
+    /// Who: the name of the key, and behind it in brackets the name that a person gave when signing in, as `operator (Anna)`.
     pub by: String,
     /// When, RFC 3339 with zone.
     pub at: String,

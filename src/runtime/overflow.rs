@@ -116,7 +116,7 @@ impl<T> Counted<T> {
 }
 
 fn sender(issuer: &Issuer) -> SenderKey {
-    (Arc::clone(&issuer.who), Arc::clone(&issuer.from), issuer.door)
+    (issuer.key(), Arc::clone(&issuer.from), issuer.door)
 }
 
 fn put<T>(senders: &mut Senders<T>, sender: SenderKey, one: T, answer: Option<oneshot::Sender<Answer>>) {

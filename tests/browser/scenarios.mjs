@@ -167,6 +167,34 @@ export const lost = {
   },
 };
 
+/** The bar of other pages: it follows without a reload, and says so when nothing answers. */
+export const elsewhere = {
+  tolerated: ['404', 'ERR_CONNECTION_REFUSED', 'ERR_CONNECTION_RESET', 'ERR_EMPTY_RESPONSE'],
+  async play({ page, url, please, picture, patience }) {
+    const bar = page.locator('#elsewhere #bar');
+    for (const path of ['/missions', '/laboratory', '/api', '/simulator', '/simulator/editor', '/console/confirm/reset', '/nowhere']) {
+      await page.goto(url + path);
+      await bar.filter({ hasText: /idle[^]*LED[^]*°C[^]*as of \d+:\d+:\d+/i }).waitFor();
+      for (const [width, height] of [[320, 640], [390, 844], [768, 1024], [1280, 800]]) {
+        await page.setViewportSize({ width, height });
+        await hits(page, `${path} with its bar`);
+      }
+    }
+    await page.goto(`${url}/laboratory`);
+    await fetch(`${url}/api/v1/commands/start`, { method: 'POST' });
+    await bar.filter({ hasText: /exploring/i }).waitFor();
+    await picture('follows');
+    const silent = page.getByText('No answer from hallsweep');
+    must(!(await silent.isVisible()), 'the bar is called old while hallsweep answers');
+    await please('kill');
+    await silent.waitFor();
+    await bar.filter({ hasText: /as of \d+:\d+:\d+/ }).waitFor();
+    await picture('old');
+    await please('start');
+    await silent.waitFor({ state: 'hidden' });
+  },
+};
+
 /** Where the things an operator presses stand; they must not move by themselves. */
 const places = (page) => page.evaluate(() => Object.fromEntries(['stop-button', 'actions', 'temperature', 'celsius'].map((id) => {
   const { x, y, width } = document.getElementById(id).getBoundingClientRect();

@@ -68,7 +68,7 @@ export const hallByPointer = {
     await page.getByLabel('Name').fill('drawn by hand');
     await button(page, 'Set name and size').click();
     await button(page, 'Put the robots down in it').click();
-    await page.getByText('drawn by hand').waitFor();
+    await page.locator('main').getByText('drawn by hand').waitFor();
     await searched(page, patience);
     must(await page.locator('footer').getByText('drawn by hand').isVisible(), 'the console calls the hall otherwise');
     await picture('searched');

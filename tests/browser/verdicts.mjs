@@ -143,6 +143,27 @@ async function giveBoth({ page, url, picture, patience }) {
 }
 export const verdictKeys = { play: giveBoth };
 
+/** A question that somebody else has overtaken goes, and the page says what happened. */
+export const overtaken = {
+  async play({ page, url, picture, patience }) {
+    await page.goto(url);
+    await start(page).click();
+    for (const [verdict, word] of [['safe', 'SAFE'], ['danger', 'DANGER']]) {
+      const id = await asked(page, patience);
+      await look(page);
+      await page.keyboard.press('d');
+      await dialog(page).waitFor();
+      await fetch(`${url}/api/v1/luggage/${id}/verdict`,
+        { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify({ verdict }) });
+      await page.getByText(new RegExp(`luggage #${id} was judged ${word} by operator at \\d+:\\d+:\\d+\\.`)).waitFor();
+      must(await dialog(page).isHidden(), 'the question about a piece that was judged is open');
+      await picture(verdict);
+      // Over a piece that another one follows the page still says it; then the next piece is judged.
+      if (verdict === 'safe') await appears(page, button(page, new RegExp(`SAFE #(?!${id}\\b)\\d+`)).first(), { patience });
+    }
+  },
+};
+
 export const verdictOnPhone = {
   browser: phone,
   async play({ page, url, picture, patience }) {

@@ -244,7 +244,7 @@ impl TemperatureReport {
 pub struct Issuer {
     /// By which door it came.
     pub door: Door,
-    /// The name of whoever gave it, as far as it is known.
+    /// The name of whoever gave it, as far as it is known: that of a key, and behind it in brackets a person's.
     pub who: Arc<str>,
     /// Where it came from, as `192.0.2.7`; `here` where there is no address.
     pub from: Arc<str>,
@@ -255,6 +255,13 @@ impl Issuer {
     #[must_use]
     pub fn operator(door: Door) -> Issuer {
         Issuer { door, who: Arc::from("operator"), from: Arc::from("here") }
+    }
+
+    /// The name by which shares are counted and repeats are known: that of the key, without the person's behind it, as `operator` of
+    /// `operator (Anna)`. Several names give nobody several shares.
+    #[must_use]
+    pub fn key(&self) -> Arc<str> {
+        self.who.split_once(" (").map_or_else(|| Arc::clone(&self.who), |(key, _)| Arc::from(key))
     }
 }
 

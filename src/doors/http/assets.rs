@@ -15,7 +15,7 @@ struct Asset {
     text: &'static str,
 }
 
-static ASSETS: [Asset; 23] = [
+static ASSETS: [Asset; 24] = [
     Asset {
         path: "/static/console.css",
         media_type: "text/css; charset=utf-8",
@@ -71,6 +71,7 @@ static ASSETS: [Asset; 23] = [
         media_type: "text/javascript; charset=utf-8",
         text: include_str!("../../../static/stop.js"),
     },
+    Asset { path: "/static/bar.js", media_type: "text/javascript; charset=utf-8", text: include_str!("../../../static/bar.js") },
     Asset {
         path: "/static/laboratory.css",
         media_type: "text/css; charset=utf-8",

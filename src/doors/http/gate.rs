@@ -62,7 +62,7 @@ impl Gate {
 
 /// The sender of a command, as records name him.
 pub(super) fn issuer(caller: &Caller, door: command::Door, peer: Peer) -> Issuer {
-    Issuer { door, who: caller.name(), from: peer.name() }
+    Issuer { door, who: caller.signature(), from: peer.name() }
 }
 
 /// Nothing when he may do what asks for `need`, else what to tell him.

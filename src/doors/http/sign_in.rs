@@ -14,7 +14,7 @@ use super::gate::{LetIn, Peer};
 use super::language::Spoken;
 use super::reading::Form;
 use super::scanning::names;
-use crate::access::{Access, Network};
+use crate::access::{Access, Network, Person};
 use crate::phrases::{Language, Phrase};
 
 pub(super) fn cookie_name(port: u16) -> Arc<str> {
@@ -61,6 +61,8 @@ pub(super) enum Undone {
 #[derive(Debug, Deserialize)]
 pub(super) struct SignInForm {
     token: String,
+    #[serde(default)]
+    name: String,
     next: Option<String>,
 }
 
@@ -74,6 +76,9 @@ struct SignIn<'a> {
     here: String,
     undone: Option<Undone>,
     why: String,
+    /// The name that was typed, and why it is none.
+    name: &'a str,
+    why_name: String,
     is_overheard: bool,
     /// Somebody is signed in already, and may press STOP.
     is_in: bool,
@@ -136,11 +141,16 @@ pub(super) async fn sign_in(
 ) -> Response {
     let next = local(sent.next.as_deref());
     let Access::Keys(keyring) = &door.access else { return Redirect::to(next).into_response() };
-    let Some(session) = keyring.sign_in(sent.token.trim(), door.moment()) else {
+    let (name, here, is_in) = (sent.name.as_str(), sign_in_page(next), caller.is_ok());
+    let Some(person) = Person::new(name) else {
+        let why_name = language.say("sign-in-name-unusable").with("most", Person::MOST).to_string();
+        let page = SignIn { language, token: &sent.token, next, here, name, why_name, is_in, ..SignIn::default() };
+        return shown(StatusCode::UNPROCESSABLE_ENTITY, peer, page);
+    };
+    let Some(session) = keyring.sign_in(sent.token.trim(), &person, door.moment()) else {
         door.hold_back(peer).await;
         let why = if keyring.is_unusable() { unusable(language) } else { language.say("sign-in-unknown").to_string() };
-        let here = sign_in_page(next);
-        let page = SignIn { language, next, here, why, is_in: caller.is_ok(), ..SignIn::default() };
+        let page = SignIn { language, next, here, why, name, is_in, ..SignIn::default() };
         return shown(StatusCode::FORBIDDEN, peer, page);
     };
     (cookie(&door, &session, KEPT_S, peer), Redirect::to(next)).into_response()

@@ -40,6 +40,33 @@ async fn a_token_becomes_a_cookie_that_no_script_and_no_other_site_sees() {
     assert_eq!(&*app.last().issuer.who, "operator");
 }
 
+/// The name changes no right.
+#[tokio::test]
+async fn whoever_gives_a_name_is_on_record_with_it_beside_the_key() {
+    let (app, operator, viewer) = guarded();
+    let sign_in = async |token: &str, name: &str| {
+        app.send("POST", "/sign-in", &[FORM, BROWSER], &format!("token={token}&name={name}&next=%2F")).await
+    };
+    let (anna, _) = cookie(&sign_in(&operator, "+Anna++O%27Brien+").await);
+    let page = text(app.send("GET", "/", &[BROWSER, ("cookie", &anna)], "").await).await;
+    assert!(page.contains("<b>operator (Anna O&#39;Brien)</b>"), "{page}");
+    for path in ["/console/start", "/console/stop", "/h"] {
+        app.send("POST", path, &[FORM, BROWSER, ("cookie", &anna)], "epoch=1").await;
+        assert_eq!(&*app.last().issuer.who, "operator (Anna O'Brien)", "{path}");
+    }
+    let (eve, _) = cookie(&sign_in(&viewer, "operator").await);
+    let start = app.send("POST", "/console/start", &[FORM, ("accept", "application/json"), ("cookie", &eve)], "epoch=1").await;
+    assert_eq!(start.status(), 403, "a viewer by the name of operator is a viewer");
+
+    let long = "x".repeat(33);
+    for wrong in ["%3Cb%3E", "a%00b", "Anna%29+%28console", long.as_str()] {
+        let refused = sign_in(&operator, wrong).await;
+        assert!(refused.status() == 422 && refused.headers().get("set-cookie").is_none(), "{wrong}");
+        let page = text(refused).await;
+        assert!(page.contains("up to 32 letters") && !page.contains("<b>"), "{page}");
+    }
+}
+
 #[tokio::test]
 async fn over_tls_the_cookie_is_for_tls_only() {
     let peer = Peer { address: std::net::Ipv4Addr::LOCALHOST.into(), is_encrypted: true };
@@ -197,7 +224,8 @@ async fn an_expired_session_cookie_of_an_earlier_run_is_refused() {
     let earlier_run = Keyring::of((*keyring.keys()).clone()).unwrap();
     for (began_s, status) in [(-SESSION_S + 60, 200), (-SESSION_S, 401), (-2 * SESSION_S, 401)] {
         let now = app.door.moment();
-        let session = earlier_run.sign_in(&tokens.operator, Moment { unix_s: now.unix_s + began_s, ..now }).unwrap();
+        let session =
+            earlier_run.sign_in(&tokens.operator, &Person::default(), Moment { unix_s: now.unix_s + began_s, ..now }).unwrap();
         let cookie = format!("hallsweep-0={session}");
         assert_eq!(app.send("GET", "/api/v1/state", &[("cookie", &cookie)], "").await.status(), status, "{began_s} s");
         let stop = app.send("POST", "/api/v1/commands/stop", &[("cookie", &cookie)], "").await;

@@ -14,6 +14,11 @@ stop-says = hallsweep says: { "{}" }
 stop-silent = no answer came
 stop-cut = there is no connection
 
+## The bar of other pages than the console.
+
+bar-as-of = as of { $time } ({ $zone })
+bar-silent = No answer from hallsweep: what stands here may no longer be true.
+
 ## Months, in short.
 
 month-Jan = Jan

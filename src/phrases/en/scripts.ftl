@@ -9,6 +9,9 @@ attention-unknown = This browser has no notifications for this address: it wants
 ## console
 
 console-changed = The piece has just changed: this was not sent. Look, then press again.
+console-judged-safe = Your question is closed: luggage #{ $id } was judged SAFE by { $by } at { $time }.
+console-judged-danger = Your question is closed: luggage #{ $id } was judged DANGER by { $by } at { $time }.
+console-withdrawn = Your question is closed: luggage #{ $id } waits for no verdict any more.
 console-twice = This came with the press before it: it was not sent. Press again.
 console-refused = It was refused ({ $status }).
 console-silent = No answer came. It may still be carried out: look at the robot before you try again.

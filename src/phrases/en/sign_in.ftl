@@ -3,6 +3,8 @@
 sign-in = Sign in
 sign-in-title = Sign in to hallsweep
 sign-in-token = Token
+sign-in-name = Your name (optional), for the records: it tells people with the same key apart
+sign-in-name-unusable = This is no name here: it may have up to { $most } letters, digits, blanks, dots, hyphens and apostrophes.
 sign-in-overheard = This connection is not encrypted: whoever listens on the network between can read the token, and then command the robot.
 sign-in-where = Whoever runs hallsweep finds tokens and ready links with <code>hallsweep token</code> on its machine. A session lasts twelve hours.
 sign-in-unknown = This token is not known here: look whether it is whole, and whether it was replaced.

@@ -14,6 +14,11 @@ stop-says = hallsweep dice: { "{}" }
 stop-silent = nessuna risposta
 stop-cut = non c'è collegamento
 
+## The bar of other pages than the console.
+
+bar-as-of = alle { $time } ({ $zone })
+bar-silent = Nessuna risposta da hallsweep: quello che si legge qui può non essere più vero.
+
 ## Months, in short.
 
 month-Jan = gen

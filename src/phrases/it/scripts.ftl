@@ -9,6 +9,9 @@ attention-unknown = Questo browser non ha notifiche per questo indirizzo: servir
 ## console
 
 console-changed = Il bagaglio è appena cambiato: non è stato inviato niente. Guardare, poi premere di nuovo.
+console-judged-safe = La domanda è chiusa: il bagaglio #{ $id } è stato giudicato SICURO da { $by } alle { $time }.
+console-judged-danger = La domanda è chiusa: il bagaglio #{ $id } è stato giudicato PERICOLO da { $by } alle { $time }.
+console-withdrawn = La domanda è chiusa: il bagaglio #{ $id } non attende più nessun verdetto.
 console-twice = È arrivato con la pressione precedente: non è stato inviato. Premere di nuovo.
 console-refused = È stato rifiutato ({ $status }).
 console-silent = Nessuna risposta. Può ancora essere eseguito: guardare il robot prima di riprovare.

@@ -3,6 +3,8 @@
 sign-in = Accedere
 sign-in-title = Accedere a hallsweep
 sign-in-token = Token
+sign-in-name = Il proprio nome (facoltativo), per il registro: distingue chi usa la stessa chiave
+sign-in-name-unusable = Qui questo non è un nome: può avere fino a { $most } lettere, cifre, spazi, punti, trattini e apostrofi.
 sign-in-overheard = Questo collegamento non è cifrato: chi ascolta sulla rete può leggere il token, e poi comandare il robot.
 sign-in-where = Chi gestisce hallsweep trova i token e i collegamenti già pronti con <code>hallsweep token</code> sulla sua macchina. Un accesso vale dodici ore.
 sign-in-unknown = Questo token qui non è conosciuto: guardare se è intero, e se è stato sostituito.

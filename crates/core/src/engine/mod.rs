@@ -347,7 +347,7 @@ impl Engine {
     /// The answer to a command that came before under the same id; `None` for one that did not.
     fn repeated(&mut self, request: &Request) -> Option<Result<Ticket, Refused>> {
         let id = request.id.as_ref().filter(|_| request.command != Command::Stop)?;
-        let outcome = match self.repeats.look_up(&request.issuer.who, id, &Content::of(request)) {
+        let outcome = match self.repeats.look_up(&request.issuer.key(), id, &Content::of(request)) {
             IdUse::New => return None,
             IdUse::Other => {
                 let refused = Refused::OtherContent(id.clone());

@@ -2,7 +2,6 @@
 //! viewer's key may be, fills neither the disk nor the queue of records in which a STOP waits. Beyond a burst his refusals share
 //! an entry, which says how many they were. What the state refuses is not counted here: that is the operators' own.
 
-use std::sync::Arc;
 use std::time::Duration;
 
 use super::Engine;
@@ -51,7 +50,7 @@ impl Engine {
 
 impl Note {
     fn sender(&self) -> Sender {
-        (Arc::clone(&self.issuer.who), self.issuer.door)
+        (self.issuer.key(), self.issuer.door)
     }
 
     fn of(Shared { last, count, .. }: Shared<Note>) -> Note {

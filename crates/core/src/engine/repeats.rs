@@ -75,7 +75,7 @@ impl Repeats {
         if outcome.is_to_be_tried_again() {
             return;
         }
-        let key = (Arc::clone(&issuer.who), id.clone());
+        let key = (issuer.key(), id.clone());
         self.forget(&key);
         if let Outcome::Open(ticket) = outcome {
             self.open.insert(ticket, key.clone());

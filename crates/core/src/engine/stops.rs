@@ -117,9 +117,10 @@ impl Engine {
         let (at, released, named) = (self.now.since_start, self.released, &mut self.stops.named);
         let is_over = |epoch| released.is_some_and(|released| released >= epoch);
         named.retain(|press| at.saturating_sub(press.at) < SAME_PRESS && !is_over(press.epoch));
-        let is_known = named.iter().any(|press| press.who == request.issuer.who && press.id == *id);
+        let who = request.issuer.key();
+        let is_known = named.iter().any(|press| press.who == who && press.id == *id);
         if !is_known {
-            named.push_back(Named { who: Arc::clone(&request.issuer.who), id: id.clone(), epoch, at });
+            named.push_back(Named { who, id: id.clone(), epoch, at });
         }
         if named.len() > PRESSES {
             named.pop_front();
@@ -143,6 +144,6 @@ impl Engine {
 /// By what a sender is told apart from others: his name, or his address where nobody on this machine signs in.
 fn sender(issuer: &Issuer) -> Sender {
     let is_here = issuer.from.parse().is_ok_and(|address: IpAddr| address.is_loopback());
-    let name = if is_here && *issuer.who == *OPERATOR { &issuer.from } else { &issuer.who };
-    (Arc::clone(name), issuer.door)
+    let name = if is_here && *issuer.who == *OPERATOR { Arc::clone(&issuer.from) } else { issuer.key() };
+    (name, issuer.door)
 }

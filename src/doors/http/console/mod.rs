@@ -61,6 +61,13 @@ pub(super) async fn page(State(door): State<HttpDoor>, to: Reader) -> Html<Strin
     whole(&door, &to, None).await
 }
 
+/// `GET console/bar`: what every page but the console shows of the hall; the console's own bar comes with its stream.
+pub(super) async fn bar(State(door): State<HttpDoor>, Spoken(language): Spoken) -> Html<String> {
+    let (snapshot, hall, now) = (door.handle.snapshot(), HallInfo::of(&door), door.clock.now().wall);
+    let view = View { snapshot: &snapshot, hall, began: None, who: None, language, why: None, now, line: None, then: None };
+    html(&parts::Elsewhere { v: &view })
+}
+
 /// `POST console/start` and every other form but STOP's. A move that was heard to be a STOP is one, whatever else is in it.
 pub(super) async fn act(sender: CommandSender, uri: Uri, headers: HeaderMap, form: Result<Form<Fields>, Problem>) -> Response {
     match form {
@@ -133,7 +140,7 @@ async fn whole(door: &HttpDoor, to: &Reader, why: Option<Why>) -> Html<String> {
 fn who(door: &HttpDoor, caller: &Caller) -> Option<Who> {
     match door.access {
         Access::Open => None,
-        Access::Keys(_) => Some(Who { name: caller.name(), role: caller.role() }),
+        Access::Keys(_) => Some(Who { name: caller.signature(), role: caller.role() }),
     }
 }
 
@@ -222,6 +229,30 @@ mod tests {
             assert!(page.contains("<form id=\"stop\" method=\"post\" action=\"./console/stop\">"), "{path}: {page}");
             assert!(page.contains("<script src=\"./static/stop.js\" defer>") && page.matches("<h1").count() == 1, "{path}");
         }
+    }
+
+    #[tokio::test]
+    async fn every_page_but_the_console_has_a_place_for_the_bar_and_the_bar_is_what_the_console_says() {
+        let app = app(searching());
+        let browser = [("accept", "text/html,application/xhtml+xml,*/*;q=0.8")];
+        let pages =
+            ["/missions", "/missions/1", "/luggage/3", "/console/confirm/reset", "/console/confirm/danger/3", "/laboratory"];
+        for path in pages.into_iter().chain(["/api", "/nowhere"]) {
+            let page = text(app.send("GET", path, &browser, "").await).await;
+            assert_eq!(page.matches("id=\"bar\"").count(), 1, "{path}");
+            assert!(page.contains("<div id=\"elsewhere\">") && page.contains("src=\"./static/bar.js\""), "{path}: {page}");
+        }
+        let console = app.page("/").await;
+        assert!(console.matches("id=\"bar\"").count() == 1 && !console.contains("/static/bar.js"), "it has its own");
+        let bar = app.page("/console/bar").await;
+        for wanted in ["airport", "waits for your verdict", "class=\"doing\"", "LED ", "class=\"num heat", "as of "] {
+            assert!(bar.contains(wanted), "{wanted} in {bar}");
+        }
+        assert!(!bar.contains("<h1") && !bar.contains("<a "), "what is replaced every second takes no focus: {bar}");
+        let (_, lamps) = bar.split_once("<ul").unwrap();
+        assert!(console.contains(lamps.split_once("</ul>").unwrap().0), "{lamps}");
+        let bar = text(app.send("GET", "/console/bar", &[("accept-language", "it")], "").await).await;
+        assert!(bar.contains("attende il verdetto") && bar.contains("alle ") && !bar.contains("as of"), "{bar}");
     }
 
     #[tokio::test]

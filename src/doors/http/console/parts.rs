@@ -150,8 +150,8 @@ macro_rules! parts {
     ($($name:ident $path:literal)*) => {$(
         #[derive(Template)]
         #[template(path = $path)]
-        struct $name<'a> {
-            v: &'a View<'a>,
+        pub(super) struct $name<'a> {
+            pub(super) v: &'a View<'a>,
         }
     )*};
 }
@@ -159,6 +159,7 @@ macro_rules! parts {
 parts! {
     Announce "console/announce.html"
     Bar "console/bar.html"
+    Elsewhere "console/elsewhere.html"
     Holds "console/holds.html"
     HallWords "console/hall_words.html"
     Progress "console/progress.html"
@@ -173,6 +174,13 @@ parts! {
     Retrieval "console/retrieval.html"
     Trees "console/trees.html"
     Blackboard "console/blackboard.html"
+}
+
+impl Elsewhere<'_> {
+    fn as_of(&self) -> Phrase<'static> {
+        let (View { now, .. }, zone) = (self.v, self.v.zone());
+        self.v.say("bar-as-of").with("time", zone.clock_time(*now)).with("zone", zone.name())
+    }
 }
 
 impl Inspect<'_> {

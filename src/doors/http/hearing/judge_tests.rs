@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use proptest::sample::select;
 
 use super::*;
-use crate::access::{Access, Keyring, Moment, SESSION_S};
+use crate::access::{Access, Keyring, Moment, Person, SESSION_S};
 use crate::api::door;
 use crate::api::fixture::searching;
 use crate::doors::http::hearing::stop_search::{Heard, HeardRequest, StopSearch};
@@ -271,7 +271,7 @@ fn guarded() -> (TestApp, [String; 2], String) {
     let (keyring, Tokens { viewer, .. }) = keys();
     let app = guarded_app(searching(), Access::Keys(keyring.clone()));
     let now = app.door.moment();
-    let session = |keyring: &Keyring, now| format!("hallsweep-0={}", keyring.sign_in(&viewer, now).unwrap());
+    let session = |keyring: &Keyring, now| format!("hallsweep-0={}", keyring.sign_in(&viewer, &Person::default(), now).unwrap());
     let credentials = [format!("Authorization: Bearer {viewer}"), format!("Cookie: a=b; {}; c=d", session(&keyring, now))];
     let earlier_run = Keyring::of((*keyring.keys()).clone()).unwrap();
     let over = session(&earlier_run, Moment { unix_s: now.unix_s - SESSION_S, ..now });

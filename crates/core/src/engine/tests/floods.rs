@@ -226,3 +226,12 @@ fn whoever_signs_in_nowhere_is_told_apart_by_his_address_and_others_by_their_nam
     (0..100).for_each(|n| recorder.stop("lobby", &format!("192.0.2.{n}")));
     assert_eq!(recorder.by("lobby").len(), 20, "many addresses are no more than one");
 }
+
+/// A name is the person's own choice.
+#[test]
+fn whoever_signs_in_under_many_names_has_the_share_of_one_key() {
+    let mut recorder = Recorder::new();
+    (0..100).for_each(|n| recorder.stop(&format!("lobby (Anna {n})"), "192.0.2.7"));
+    assert_eq!(recorder.by("192.0.2.7").len(), 20);
+    assert_eq!(recorder.by("lobby (Anna 0)"), ["STOP"], "each is on record by its own name");
+}
