@@ -28,6 +28,7 @@ editor-begun-line = line begun
 editor-begun-rectangle = rectangle begun
 editor-sound = It is sound: everything in it can be reached.
 editor-unsound = It can be used. A search of it does not come to everything:
+editor-unchecked = Not checked yet.
 editor-found-pieceUnreached = the { $name } cannot be reached: no free cell beside it leads home
 editor-found-cellUnreached = this free cell cannot be reached from home
 editor-found-more = and { $count } more that cannot be reached

@@ -28,6 +28,7 @@ editor-begun-line = linea cominciata
 editor-begun-rectangle = rettangolo cominciato
 editor-sound = È a posto: tutto si può raggiungere.
 editor-unsound = Si può usare. Ma una ricerca non arriva dappertutto:
+editor-unchecked = Non ancora controllata.
 editor-found-pieceUnreached = il bagaglio «{ $name }» non si può raggiungere: nessuna cella libera accanto porta alla base
 editor-found-cellUnreached = questa cella libera non si può raggiungere dalla base
 editor-found-more = e altri posti che non si possono raggiungere: { $count }
