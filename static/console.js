@@ -57,7 +57,7 @@ function lost() {
     root.dataset.live = "lost";
     at("lost-since").textContent = `${clockTime(heard)} (${at("zone").textContent})`;
     at("lost").hidden = false;
-    unask();
+    uncover();
   }
   // The next whole message renders every button as it then is.
   document.querySelectorAll("button:not([data-always])").forEach((control) => (control.disabled = true));
@@ -147,7 +147,7 @@ function otherPiece() {
   settledAt = performance.now() + SETTLE_MS;
   at("inspect").classList.add("settling");
   setTimeout(() => at("inspect").classList.remove("settling"), SETTLE_MS);
-  if (at("confirm").dataset.id) unask();
+  if (!at("confirm").open || at("confirm").dataset.id) uncover();
 }
 
 /** Where a piece of the picture goes that was not there before, by the beginning of its id. */
@@ -230,7 +230,7 @@ document.addEventListener("submit", (event) => {
   }
   const asks = event.submitter?.dataset.confirm ? event.submitter : form;
   if (asks.dataset.confirm) return ask(asks);
-  if (form.closest("#confirm")) unask();
+  if (form.closest("#confirm")) uncover();
   send(form, new URLSearchParams(new FormData(form, event.submitter)), event.submitter);
 });
 
@@ -317,28 +317,38 @@ function ask({ dataset, form }) {
   at("confirm-question").textContent = dataset.question;
   at("confirm-consequence").textContent = dataset.consequence;
   at("confirm-yes").textContent = dataset.yes;
-  // The question is not modal, since STOP must stay in reach; everything else is out of it until there is an answer.
-  rest().forEach((part) => (part.inert = true));
-  asked = document.activeElement;
-  dialog.show();
-  at("confirm-no").focus();
+  cover(dialog);
 }
 
 let asked = null;
 const rest = () => document.querySelectorAll(".skip, #side, .field, .retrieval, #time");
 
-/** Takes the question back. */
-function unask() {
-  if (!at("confirm").open) return;
-  at("confirm").close();
+/** Opens a dialog. It is not modal, since STOP must stay in reach; nothing else can be pressed through it. */
+function cover(dialog) {
+  rest().forEach((part) => (part.inert = true));
+  asked = document.activeElement;
+  dialog.show();
+  dialog.querySelector("[autofocus]").focus();
+}
+
+/** Closes the dialog that is open; a question is thereby taken back. */
+function uncover() {
+  const dialog = document.querySelector("dialog[open]");
+  if (!dialog) return;
+  dialog.close();
   rest().forEach((part) => (part.inert = false));
   if (asked?.isConnected) asked.focus();
 }
 
-at("confirm-no").addEventListener("click", unask);
+at("confirm-no").addEventListener("click", uncover);
 
-// Escape is STOP; a question that is open is thereby taken back.
-document.addEventListener("keydown", (event) => event.key === "Escape" && unask(), { capture: true });
+// Escape is STOP, and takes away whatever lies over the desk, so that what holds is seen.
+document.addEventListener("keydown", (event) => {
+  if (event.key !== "Escape") return;
+  uncover();
+  root.removeAttribute("data-large");
+  hall.hideOffer();
+}, { capture: true });
 
 root.dataset.live = "opening";
 glide(at("hall-robot"));

@@ -79,6 +79,11 @@ fn a_person_looks_closely_and_gives_verdicts_with_notes_by_keys_and_without_scri
 }
 
 #[test]
+fn nothing_is_pressed_through_what_lies_over_the_page_and_escape_takes_it_away() {
+    play("covers", &["--hall", "airport", "--speed", "max"]);
+}
+
+#[test]
 fn a_person_draws_a_hall_by_pointer_or_by_keys_and_has_it_searched() {
     for scenario in ["hallByPointer", "hallByKeys", "hallsOpened", "hallsJudged"] {
         play(scenario, &["--hall", "empty-8x8", "--speed", "max"]);
