@@ -45,6 +45,10 @@ led-off = off
 
 dead-viewer = you are signed in as a viewer
 dead-past = this is the past: go back to now first
+dead-goes-on = the mission goes on already
+dead-comes-home = the robot comes home already
+dead-at-home = the robot is at home already
+dead-no-too-high = it takes back TOO HIGH, which nobody has pressed
 
 ## Mission
 

@@ -45,6 +45,10 @@ led-off = spento
 
 dead-viewer = l'accesso è da osservatore
 dead-past = questo è il passato: prima tornare ad adesso
+dead-goes-on = la missione prosegue già
+dead-comes-home = il robot torna già alla base
+dead-at-home = il robot è già alla base
+dead-no-too-high = ritira TROPPO ALTA, che nessuno ha premuto
 
 ## Mission
 
