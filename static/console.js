@@ -121,7 +121,7 @@ addEventListener("focus", () => openedSince >= STREAMS && join());
 /** Shows what changed. */
 function show(message) {
   if (!message.then) ahead = message.now - performance.now();
-  const piece = at("inspect").dataset.luggage;
+  const [piece, act] = [at("inspect").dataset.luggage, nextAct()];
   const here = document.activeElement;
   for (const [id, markup] of Object.entries(message.parts)) {
     if (/^(hall-|tile_|pieces_|pins_|time_)/.test(id)) draw(id, markup);
@@ -138,9 +138,13 @@ function show(message) {
     at("revision").textContent = message.revision;
   }
   if (at("inspect").dataset.luggage !== piece) otherPiece();
+  else if (act && nextAct() !== act) settledAt = performance.now() + SETTLE_MS;
   if (answered && message.revision >= answered.revision) goOn();
   else if (here !== document.body && isDead(here)) lead();
 }
+
+/** What the one button of the incident does: a double click on OK must not be START. */
+const nextAct = () => at("incident").querySelector(".act")?.getAttribute("action");
 
 /** Another piece is under the verdict buttons: a click already on its way must not hit it. */
 function otherPiece() {
@@ -222,7 +226,7 @@ document.addEventListener("submit", (event) => {
   if (form.id === "who") leaving = true;
   if (form.id === "stop" || !form.action.includes("/console/")) return;
   event.preventDefault();
-  if (form.closest('#inspect, [data-why="retrieve"]') && performance.now() < settledAt) {
+  if (form.closest("#inspect, .act") && performance.now() < settledAt) {
     return tell(form.dataset.why, say("console-changed"));
   }
   if (settling && event.submitter === settling.button && performance.now() < settling.until && !isAimed) {
@@ -288,7 +292,7 @@ const isDead = (element) => !element.isConnected || element.matches(":disabled")
 function lead() {
   // At a piece first comes its photo: a key that was pressed once too often decides nothing. While the robot moves it is STOP.
   const piece = root.dataset.live !== "lost" && at("inspect").dataset.luggage && at("inspect").querySelector("a.photo, button:enabled");
-  const next = piece || document.querySelector("button.start.loud:enabled") || at("stop-button");
+  const next = piece || document.querySelector(".act button:enabled") || document.querySelector("button.start.loud:enabled") || at("stop-button");
   next.focus({ preventScroll: next === at("stop-button") });
   settling = { button: next, until: performance.now() + SETTLE_MS };
 }

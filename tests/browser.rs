@@ -281,13 +281,13 @@ fn people_sign_in_and_a_viewer_can_only_stop() {
 }
 
 #[test]
-fn people_sign_in_on_a_phone_and_a_viewer_can_only_stop() {
-    play_with_keys("signedInOnPhone");
+fn nothing_in_the_bar_is_cut_or_lies_over_anything_in_any_language_at_any_width() {
+    play_with_keys("barWhole");
 }
 
 #[test]
-fn nothing_in_the_bar_is_cut_or_lies_over_anything_in_any_language_at_any_width() {
-    play_with_keys("barWhole");
+fn people_sign_in_on_a_phone_and_a_viewer_can_only_stop() {
+    play_with_keys("signedInOnPhone");
 }
 
 /// Plays a scenario against a program that asks for keys; the script is told an operator's and a viewer's.

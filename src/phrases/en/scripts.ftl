@@ -8,7 +8,7 @@ attention-unknown = This browser has no notifications for this address: it wants
 
 ## console
 
-console-changed = The piece has just changed: this was not sent. Look, then press again.
+console-changed = What this is about has just changed: it was not sent. Look, then press again.
 console-twice = This came with the press before it: it was not sent. Press again.
 console-refused = It was refused ({ $status }).
 console-silent = No answer came. It may still be carried out: look at the robot before you try again.

@@ -8,7 +8,7 @@ attention-unknown = Questo browser non ha notifiche per questo indirizzo: servir
 
 ## console
 
-console-changed = Il bagaglio è appena cambiato: non è stato inviato niente. Guardare, poi premere di nuovo.
+console-changed = Ciò di cui si tratta è appena cambiato: non è stato inviato niente. Guardare, poi premere di nuovo.
 console-twice = È arrivato con la pressione precedente: non è stato inviato. Premere di nuovo.
 console-refused = È stato rifiutato ({ $status }).
 console-silent = Nessuna risposta. Può ancora essere eseguito: guardare il robot prima di riprovare.

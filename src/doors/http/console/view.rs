@@ -354,12 +354,9 @@ impl View<'_> {
         self.looks_only().or_else(|| is_over.then(|| self.say("dead-no-too-high").to_string()))
     }
 
-    pub(super) fn shows_retrieve(&self) -> bool {
-        self.snapshot.mission.phase == PhaseName::BombLocated && self.looks_only().is_none()
-    }
-
     fn may_retrieve(&self) -> bool {
-        self.shows_retrieve() && self.snapshot.mission.refusals.retrieve.is_none()
+        let mission = &self.snapshot.mission;
+        mission.phase == PhaseName::BombLocated && self.bar(&mission.refusals.retrieve).is_none()
     }
 
     /// How long ago a moment was, as `0:14`.
