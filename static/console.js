@@ -57,7 +57,7 @@ function lost() {
     root.dataset.live = "lost";
     at("lost-since").textContent = `${clockTime(heard)} (${at("zone").textContent})`;
     at("lost").hidden = false;
-    unask();
+    uncover();
   }
   // The next whole message renders every button as it then is.
   document.querySelectorAll("button:not([data-always])").forEach((control) => (control.disabled = true));
@@ -121,7 +121,7 @@ addEventListener("focus", () => openedSince >= STREAMS && join());
 /** Shows what changed. */
 function show(message) {
   if (!message.then) ahead = message.now - performance.now();
-  const piece = at("inspect").dataset.luggage;
+  const [piece, act] = [at("inspect").dataset.luggage, nextAct()];
   const here = document.activeElement;
   for (const [id, markup] of Object.entries(message.parts)) {
     if (/^(hall-|tile_|pieces_|pins_|time_)/.test(id)) draw(id, markup);
@@ -138,9 +138,13 @@ function show(message) {
     at("revision").textContent = message.revision;
   }
   if (at("inspect").dataset.luggage !== piece) otherPiece();
+  else if (act && nextAct() !== act) settledAt = performance.now() + SETTLE_MS;
   if (answered && message.revision >= answered.revision) goOn();
   else if (here !== document.body && isDead(here)) lead();
 }
+
+/** What the one button of the incident does: a double click on OK must not be START. */
+const nextAct = () => at("incident").querySelector(".act")?.getAttribute("action");
 
 /** Another piece is under the verdict buttons: a click already on its way must not hit it. */
 function otherPiece() {
@@ -148,6 +152,7 @@ function otherPiece() {
   at("inspect").classList.add("settling");
   setTimeout(() => at("inspect").classList.remove("settling"), SETTLE_MS);
   if (at("confirm").open && at("confirm").dataset.id) overtaken(at("confirm").dataset.id);
+  else if (!at("confirm").open) uncover();
 }
 
 /** Where a piece of the picture goes that was not there before, by the beginning of its id. */
@@ -222,7 +227,7 @@ document.addEventListener("submit", (event) => {
   if (form.id === "who") leaving = true;
   if (form.id === "stop" || !form.getAttribute("action")?.includes("./console/")) return;
   event.preventDefault();
-  if (form.closest('#inspect, [data-why="retrieve"]') && performance.now() < settledAt) {
+  if (form.closest("#inspect, .act") && performance.now() < settledAt) {
     return tell(form.dataset.why, say("console-changed"));
   }
   if (settling && event.submitter === settling.button && performance.now() < settling.until && !isAimed) {
@@ -230,7 +235,7 @@ document.addEventListener("submit", (event) => {
   }
   const asks = event.submitter?.dataset.confirm ? event.submitter : form;
   if (asks.dataset.confirm) return ask(asks);
-  if (form.closest("#confirm")) unask();
+  if (form.closest("#confirm")) uncover();
   send(form, new URLSearchParams(new FormData(form, event.submitter)), event.submitter);
 });
 
@@ -296,7 +301,7 @@ const isDead = (element) => !element.isConnected || element.matches(":disabled")
 function lead() {
   // At a piece first comes its photo: a key that was pressed once too often decides nothing. While the robot moves it is STOP.
   const piece = root.dataset.live !== "lost" && at("inspect").dataset.luggage && at("inspect").querySelector("a.photo, button:enabled");
-  const next = piece || document.querySelector("button.start.loud:enabled") || at("stop-button");
+  const next = piece || document.querySelector(".act button:enabled") || document.querySelector("button.start.loud:enabled") || at("stop-button");
   next.focus({ preventScroll: next === at("stop-button") });
   settling = { button: next, until: performance.now() + SETTLE_MS };
 }
@@ -325,37 +330,47 @@ function ask({ dataset, form }) {
   at("confirm-question").textContent = dataset.question;
   at("confirm-consequence").textContent = dataset.consequence;
   at("confirm-yes").textContent = dataset.yes;
-  // The question is not modal, since STOP must stay in reach; everything else is out of it until there is an answer.
-  rest().forEach((part) => (part.inert = true));
-  asked = document.activeElement;
-  dialog.show();
-  at("confirm-no").focus();
+  cover(dialog);
 }
 
 let asked = null;
 const rest = () => document.querySelectorAll(".skip, #side, .field, .retrieval, #time");
 
-/** Takes the question back. */
-function unask() {
-  if (!at("confirm").open) return;
-  at("confirm").close();
+/** Opens a dialog. It is not modal, since STOP must stay in reach; nothing else can be pressed through it. */
+function cover(dialog) {
+  rest().forEach((part) => (part.inert = true));
+  asked = document.activeElement;
+  dialog.show();
+  dialog.querySelector("[autofocus]").focus();
+}
+
+/** Closes the dialog that is open; a question is thereby taken back. */
+function uncover() {
+  const dialog = document.querySelector("dialog[open]");
+  if (!dialog) return;
+  dialog.close();
   rest().forEach((part) => (part.inert = false));
   if (asked?.isConnected) asked.focus();
 }
 
 /** Takes the question about a piece back that waits no more, and says beside its buttons what became of it. */
 async function overtaken(id) {
-  unask();
+  uncover();
   const { verdict, decided } = await fetch(`./api/v1/luggage/${id}`).then((answer) => answer.json()).catch(() => ({}));
   if (!decided) return tell("verdict", say("console-withdrawn", { id }));
   const values = { id, by: decided.by, time: clockTime(Date.parse(decided.at) - ahead) };
   tell("verdict", verdict === "safe" ? say("console-judged-safe", values) : say("console-judged-danger", values));
 }
 
-at("confirm-no").addEventListener("click", unask);
+at("confirm-no").addEventListener("click", uncover);
 
-// Escape is STOP; a question that is open is thereby taken back.
-document.addEventListener("keydown", (event) => event.key === "Escape" && unask(), { capture: true });
+// Escape is STOP, and takes away whatever lies over the desk, so that what holds is seen.
+document.addEventListener("keydown", (event) => {
+  if (event.key !== "Escape") return;
+  uncover();
+  root.removeAttribute("data-large");
+  hall.hideOffer();
+}, { capture: true });
 
 root.dataset.live = "opening";
 glide(at("hall-robot"));

@@ -161,24 +161,39 @@ function step(from, to) {
   changed();
 }
 
+/** What was said of the hall was said of another one: it is taken away, and the hall as it is now checked. */
+function unchecked() {
+  findings = [];
+  checks += 1; // what is on its way is of another one, too
+  for (const id of ["why", "done"]) $(id).textContent = "";
+  $("findings").textContent = say("editor-unchecked");
+  clearTimeout(checking);
+  checking = setTimeout(check, CHECK_MS);
+}
+
 /** The text, the fields and the check follow what is drawn. */
 function changed() {
   text.value = written(hall);
-  $("why").textContent = ""; // that was of what stood there before
-  $("done").textContent = "";
+  unchecked();
   cursor = { x: Math.min(cursor.x, width() - 1), y: Math.min(cursor.y, height() - 1) };
   showFields();
   paint();
-  clearTimeout(checking);
-  checking = setTimeout(check, CHECK_MS);
+}
+
+/** A button that is just being pressed must not move from under the hand. */
+async function released() {
+  while (document.querySelector("button:active")) await new Promise(requestAnimationFrame);
 }
 
 async function check() {
   const number = checks += 1;
   const answer = await read("hall.toml", new Blob([text.value]));
+  await released();
   if (number !== checks) return; // a later one is on its way
-  findings = answer.findings ?? [];
-  const rows = findings.map((found) => {
+  const checked = parse(answer.toml ?? "")?.rows ?? hall.rows;
+  const all = answer.findings ?? [];
+  findings = checked.join() === hall.rows.join() ? all : []; // a text that somebody types is not drawn yet
+  const rows = all.map((found) => {
     const item = document.createElement("li"), to = document.createElement("button");
     if (!isPlaced(found)) {
       item.textContent = said(found);
@@ -186,14 +201,14 @@ async function check() {
     }
     to.type = "button";
     to.className = "small";
-    to.textContent = placed(found.column, found.row, said(found));
+    to.textContent = placed(found.column, found.row, said(found), checked);
     to.addEventListener("click", () => { cursor = { x: found.column, y: found.row }; canvas.focus(); moved(); });
     item.append(to);
     return item;
   });
   const words = document.createElement("p");
   words.className = answer.why ? "why" : "";
-  if ($("why").textContent.trim() === answer.why) $("why").textContent = "";
+  if ($("why").textContent.trim() === answer.why) $("why").textContent = ""; // a page that came with it
   words.textContent = answer.why ?? say(rows.length ? "editor-unsound" : "editor-sound");
   const list = document.createElement("ul");
   list.append(...rows);
@@ -258,9 +273,9 @@ const BEGUN = { brush: "editor-begun-brush", line: "editor-begun-line", rectangl
 const said = (found) => say(`editor-found-${found.code}`, found);
 
 /** A cell of the drawing in words, counted from home as in the map. */
-function placed(column, row, text) {
-  const home = Math.max(0, hall.rows.findIndex((line) => line.includes(HOME)));
-  return say("editor-at", { x: column - Math.max(0, hall.rows[home].indexOf(HOME)), y: row - home, text });
+function placed(column, row, text, rows = hall.rows) {
+  const home = Math.max(0, rows.findIndex((line) => line.includes(HOME)));
+  return say("editor-at", { x: column - Math.max(0, rows[home].indexOf(HOME)), y: row - home, text });
 }
 
 /** Where something was found, if it is somewhere. */
@@ -431,12 +446,15 @@ $("file").addEventListener("change", async () => {
   take(answer.toml, say("editor-open", { ...answer, file: file.name }));
 });
 
+text.addEventListener("input", () => {
+  unchecked();
+  paint();
+});
+
 text.addEventListener("change", async () => {
   const answer = await read("hall.toml", new Blob([text.value]));
-  // A button that is just being pressed must not move from under the hand.
-  while (document.querySelector("button:active")) await new Promise(requestAnimationFrame);
-  $("why").textContent = answer.why ?? "";
-  if (!answer.why) take(answer.toml);
+  await released();
+  if (!answer.why) take(answer.toml); // what is wrong the check says
 });
 
 for (const input of document.querySelectorAll(".tools input")) {

@@ -226,5 +226,5 @@ const hall = (() => {
 
   new ResizeObserver(draw).observe(svg);
   draw();
-  return { bounds };
+  return { bounds, hideOffer };
 })();

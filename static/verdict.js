@@ -36,23 +36,17 @@
     const letter = key.toLowerCase();
     const button = ofVerdict(letter);
     const act = keys[letter] ?? (button && (() => press(button)));
-    if (!act || (shortcuts.open && key !== "?")) return;
+    if (!act) return;
     event.preventDefault();
-    act();
+    // The list may lie over the photo: a key of it shows the page again, and decides nothing yet.
+    if (shortcuts.open) uncover();
+    else act();
   });
 
-  /** All keys, or none. The list is not modal, since STOP must stay in reach. */
+  /** All keys, or none. */
   function list() {
-    if (shortcuts.open) return shut();
-    before = document.activeElement;
-    shortcuts.show();
-  }
-
-  let before = null;
-
-  function shut() {
-    shortcuts.close();
-    if (before?.isConnected) before.focus();
+    if (shortcuts.open) uncover();
+    else cover(shortcuts);
   }
 
   // ---- the photo, large ------------------------------------------------------------------------------------------------------

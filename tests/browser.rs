@@ -87,8 +87,13 @@ fn a_question_that_somebody_else_overtakes_closes_and_the_page_says_who_judged_h
 }
 
 #[test]
+fn nothing_is_pressed_through_what_lies_over_the_page_and_escape_takes_it_away() {
+    play("covers", &["--hall", "airport", "--speed", "max"]);
+}
+
+#[test]
 fn a_person_draws_a_hall_by_pointer_or_by_keys_and_has_it_searched() {
-    for scenario in ["hallByPointer", "hallByKeys", "hallsOpened"] {
+    for scenario in ["hallByPointer", "hallByKeys", "hallsOpened", "hallsJudged"] {
         play(scenario, &["--hall", "empty-8x8", "--speed", "max"]);
     }
 }
@@ -286,6 +291,11 @@ fn every_page_in_every_state_is_for_everybody() {
 #[test]
 fn people_sign_in_and_a_viewer_can_only_stop() {
     play_with_keys("signedIn", play_with);
+}
+
+#[test]
+fn nothing_in_the_bar_is_cut_or_lies_over_anything_in_any_language_at_any_width() {
+    play_with_keys("barWhole", play_with);
 }
 
 #[test]

@@ -112,6 +112,7 @@ pub(crate) fn piece(id: u64, cell: Cell, verdict: Option<Verdict>) -> Arc<Luggag
         cell,
         pose: Pose { cell: Cell::new(cell.x - 1, cell.y), heading: Heading::East },
         taken: TEN,
+        first_taken: TEN,
         photo: PhotoState::Taken { bytes: 4, take: 1 },
         verdict: verdict.map(|verdict| Decision { verdict, who: Arc::from("operator"), wall: TEN, note: None }),
         piece: None,

@@ -166,6 +166,7 @@ mod tests {
             cell: Cell::new(0, 1),
             pose: Pose::START,
             taken: WallTime::default(),
+            first_taken: WallTime::default(),
             photo: PhotoState::Failed("dark".to_owned()),
             verdict: None,
             piece: None,

@@ -169,6 +169,7 @@ fn large_hall() -> Vec<Entry> {
             cell,
             pose: Pose::START,
             taken,
+            first_taken: taken,
             photo,
             verdict: None,
             piece: None,

@@ -271,6 +271,7 @@ fn piece(id: u64, bytes: usize) -> Entry {
         cell: Cell::new(0, 1),
         pose: Pose::START,
         taken: WallTime::default(),
+        first_taken: WallTime::default(),
         photo: PhotoState::Taken { bytes, take: 1 },
         verdict: None,
         piece: None,

@@ -324,6 +324,73 @@ export const drawn = {
   },
 };
 
+/** What is cut in the bar, or lies over something else there. */
+const faultsOfBar = () => {
+  const top = document.getElementById('top');
+  const edge = top.getBoundingClientRect();
+  const walker = document.createTreeWalker(top, NodeFilter.SHOW_TEXT);
+  const texts = [];
+  const wrong = [];
+  while (walker.nextNode()) {
+    const { data, parentElement: one } = walker.currentNode;
+    const isUnseen = [one, one.parentElement].some((part) => getComputedStyle(part).clipPath !== 'none');
+    if (!data.trim() || isUnseen || one.closest('#notes, #why-stop') || !one.checkVisibility()) continue;
+    const range = document.createRange();
+    range.selectNodeContents(walker.currentNode);
+    const boxes = [...range.getClientRects()];
+    texts.push(...boxes.map((box) => [data.trim(), box]));
+    const isOut = (box) => boxes.some((text) => text.right > box.right + 1 || text.bottom > box.bottom + 1 || text.left < box.left - 1);
+    for (let up = one; up !== top; up = up.parentElement) {
+      if (getComputedStyle(up).overflowX !== 'visible' && isOut(up.getBoundingClientRect())) wrong.push(`"${data.trim()}" is cut`);
+    }
+    if (isOut({ left: 0, right: innerWidth, bottom: one.closest('#stop') ? innerHeight : edge.bottom })) wrong.push(`"${data.trim()}" is out of the bar`);
+  }
+  texts.forEach(([a, p], place) => texts.slice(place + 1).forEach(([b, q]) => {
+    if (p.left < q.right - 1 && q.left < p.right - 1 && p.top < q.bottom - 2 && q.top < p.bottom - 2) wrong.push(`"${a}" lies over "${b}"`);
+  }));
+  return texts.length > 5 ? [...new Set(wrong)] : [`only ${texts.length} texts`];
+};
+
+/** In the bar nothing is cut and nothing lies over anything else: in each language, at each width, whatever there is to say, and for a viewer. */
+export const barWhole = {
+  async play({ page, url, picture, patience }) {
+    const { OPERATOR, VIEWER } = process.env;
+    const headers = { authorization: `Bearer ${OPERATOR}`, 'content-type': 'application/json' };
+    const send = (method, path, body) => fetch(`${url}/api/v1/${path}`, { method, headers, body: body && JSON.stringify(body) });
+    const state = async () => (await fetch(`${url}/api/v1/state`, { headers })).json();
+    await page.goto(`${url}/sign-in?token=${VIEWER}`);
+    await page.locator('form:has([name=token]) button').first().click();
+    await page.waitForURL(`${url}/`);
+    const found = [];
+    const whole = async (when) => {
+      for (const language of ['it', 'en']) {
+        await page.context().setExtraHTTPHeaders({ 'accept-language': language });
+        await page.setViewportSize({ width: 1280, height: 800 });
+        await page.goto(url);
+        await page.locator('html[data-live=on]').waitFor();
+        must(await page.evaluate(() => document.documentElement.lang) === language, `the page is in ${language}`);
+        for (const width of [320, 360, 390, 480, 640, 760, 761, 768, 900, 960, 961, 1024, 1180, 1181, 1280, 1400, 1401, 1500, 1501, 1600, 1920]) {
+          await page.setViewportSize({ width, height: 800 });
+          found.push(...(await page.evaluate(faultsOfBar)).map((fault) => `${when}, ${language}, ${width}: ${fault}`));
+          if (width === 768) await picture(`${when}-${language}`);
+        }
+      }
+    };
+    await whole('idle');
+    await send('POST', 'commands/start');
+    await until(async () => (await state()).luggage.length > 0, 'a piece', patience);
+    await whole('waits');
+    await send('POST', 'commands/stop');
+    await send('PUT', 'temperature', { celsius: 101.5 });
+    await until(async () => (await state()).mission.holds.includes('temperature'), 'the heat', patience);
+    await whole('held and too hot');
+    await send('POST', `luggage/${(await state()).luggage[0].id}/verdict`, { verdict: 'danger' });
+    await until(async () => (await state()).mission.phase === 'returningWithAlarm', 'the alarm', patience);
+    await whole('returning with alarm');
+    must(found.length === 0, `${found.length} faults of the bar:\n${found.join('\n')}`);
+  },
+};
+
 /** A mission by keyboard alone: the keyboard is where the next act is, or a few steps from it. */
 export const keyboard = {
   async play({ page, url, picture, patience }) {

@@ -19,6 +19,24 @@ async function locate(page, url, waiting) {
   await appears(page, retrieve(page), waiting);
 }
 
+/** The incident says what is halted and not that it goes on, and the button that goes on is in sight, whole, as the page lies. */
+async function goesOnWith(page, name, words) {
+  const incident = page.getByRole('region', { name: /Danger: a bomb in the hall/ });
+  const act = incident.getByRole('button', { name });
+  await act.waitFor();
+  await page.evaluate(() => scrollTo(0, 0));
+  const said = await incident.innerText();
+  must(said.includes(words) && !/is being fetched/.test(said), `halted, the incident says: ${said}`);
+  const isSeen = await act.evaluate((button) => {
+    const { left, top, width, height } = button.getBoundingClientRect();
+    const hits = [0.1, 0.9].map((part) => document.elementFromPoint(left + width / 2, top + height * part));
+    return hits.every((hit) => button.contains(hit));
+  });
+  must(isSeen, `${name} is not in sight`);
+  await look(page);
+  await act.click();
+}
+
 /** Acknowledges the pair's call and presses START. */
 async function answer(page, url, waiting) {
   await appears(page, page.getByText(/lost the parcel/).first(), waiting);
@@ -81,8 +99,13 @@ const fetched = {
     const ticks = (await state(url)).retrieval.ticks;
     await picture('stopped');
     must((await still()) === before && (await state(url)).retrieval.ticks === ticks, 'something went on after STOP');
-    await look(page);
-    await start(page).click();
+    const headers = { 'content-type': 'application/json' };
+    await fetch(`${url}/api/v1/temperature`, { method: 'PUT', headers, body: '{"status":"tooHigh"}' });
+    await goesOnWith(page, 'TEMPERATURE OK', 'The retrieval is halted');
+    await until(async () => !(await state(url)).mission.holds.includes('tooHigh'), 'OK taking TOO HIGH back', patience);
+    must((await state(url)).mission.holds.includes('operator'), 'OK alone set the pair moving');
+    await goesOnWith(page, /START/, 'START goes on');
+    await until(async () => (await state(url)).mission.holds.every((hold) => hold === 'alarm' || hold === 'awaitingStart'), 'START going on', patience);
 
     await answer(page, url, waiting);
     await secured(page, url, waiting);

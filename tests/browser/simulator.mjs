@@ -1,7 +1,7 @@
 // A person with the simulator in hand: stops its time, lets things fail, draws a hall by pointer or by keys and has it searched; on a phone and
 // without scripts, too.
 
-import { appears, button, fits, must, phase, safe, look, start, stop } from './person.mjs';
+import { appears, button, fits, must, phase, safe, look, start, stop, until } from './person.mjs';
 
 const cursor = (page) => page.locator('#cursor');
 const text = (page) => page.locator('#toml').inputValue();
@@ -132,6 +132,39 @@ export const hallsOpened = {
     await page.getByText('Download').click();
     must((await down).suggestedFilename() === 'depot.toml', 'it is called otherwise');
     await picture('opened');
+  },
+};
+
+/** Nothing is said of a hall that has been changed since: while a text is typed, and while a line is drawn. */
+export const hallsJudged = {
+  tolerated: ['422'],
+  async play({ page, url, picture, patience }) {
+    await page.goto(`${url}/simulator/editor?hall=seed`);
+    const findings = page.locator('#findings');
+    await findings.getByText('It is sound').waitFor();
+    const toml = page.locator('#toml');
+    const judged = () => findings.innerText();
+    await toml.focus();
+    const sound = await toml.inputValue();
+    /** What stands there in the very moment after a change, however fast the check is. */
+    const after = (value) => toml.evaluate((field, value) => {
+      field.value = value;
+      field.dispatchEvent(new Event('input', { bubbles: true }));
+      return document.getElementById('findings').innerText;
+    }, value);
+    must(/Not checked yet/.test(await after(sound.replace(/"""\nS/, '"""\n.'))), `a text without S is called ${await judged()}`);
+    await until(async () => await findings.locator('.why').count() === 1, 'what is wrong, while the text has the keyboard', patience);
+    await picture('unsound');
+    must(!/sound/.test(await judged()), await judged());
+    must(/Not checked yet/.test(await after(sound)), `a mended text is called ${await judged()}`);
+    await findings.getByText('It is sound').waitFor();
+    must((await page.locator('#why').innerText()) === '', 'it is still refused elsewhere');
+    const drawn = await page.evaluate(() => {
+      change(() => put(3, 3, WALL));
+      return document.getElementById('findings').innerText;
+    });
+    must(/Not checked yet/.test(drawn), `a drawing that was just changed is called ${drawn}`);
+    await until(async () => !/Not checked/.test(await judged()), 'a judgement of the drawing as it is now', patience);
   },
 };
 

@@ -89,8 +89,6 @@ async function giveBoth({ page, url, picture, patience }) {
   await page.keyboard.press('?');
   await page.getByRole('dialog', { name: 'Keys' }).waitFor();
   await page.keyboard.press('s');
-  await picture('keys');
-  await page.keyboard.press('?');
   await page.getByRole('dialog', { name: 'Keys' }).waitFor({ state: 'hidden' });
   await isPending(first, 'a key while the list of keys is open');
 
@@ -101,7 +99,7 @@ async function giveBoth({ page, url, picture, patience }) {
   must((await record(url, first)).decided.note === 'sad <b>bag</b>?', `noted: ${(await record(url, first)).decided.note}`);
 
   const second = await asked(page, patience, first);
-  await page.getByText('The piece has just changed').waitFor();
+  await page.getByText('What this is about has just changed').waitFor();
   must(await page.evaluate(() => globalThis.changed) > 0, 'nothing was pressed in that moment');
   await isPending(second, 'a key in the moment in which the piece came up');
   must(await note(page).inputValue() === '', 'the note on one piece stands at the next');
@@ -161,6 +159,44 @@ export const overtaken = {
       // Over a piece that another one follows the page still says it; then the next piece is judged.
       if (verdict === 'safe') await appears(page, button(page, new RegExp(`SAFE #(?!${id}\\b)\\d+`)).first(), { patience });
     }
+  },
+};
+
+/** Nothing is pressed through what lies over the page, and Escape, which is STOP, takes it away. */
+export const covers = {
+  async play({ page, url, picture, patience }) {
+    const keys = page.getByRole('dialog', { name: 'Keys' });
+    const through = async (one, what) => {
+      const { x, y, width, height } = await one.boundingBox();
+      await page.mouse.click(x + width / 2, y + height / 2);
+      must(!(await one.evaluate((button) => button.focus() ?? button === document.activeElement)), `${what} is reached by keys through the list`);
+    };
+    await page.goto(url);
+    const go = await start(page).elementHandle();
+    await page.keyboard.press('?');
+    await keys.waitFor();
+    await picture('keys');
+    await through(go, 'START');
+    await look(page);
+    must((await (await fetch(`${url}/api/v1/state`)).json()).mission.phase === 'idle', 'START was pressed through the list of keys');
+    await page.keyboard.press('Escape');
+    await keys.waitFor({ state: 'hidden' });
+    await start(page).click();
+    const id = await asked(page, patience);
+    await look(page);
+    const yes = await safe(page).elementHandle();
+    await page.keyboard.press('?');
+    await keys.waitFor();
+    await through(yes, 'SAFE');
+    await page.keyboard.press('Escape');
+    await keys.waitFor({ state: 'hidden' });
+    await page.keyboard.press('f');
+    await page.locator('html[data-large]').waitFor();
+    await page.keyboard.press('Escape');
+    await page.locator('html:not([data-large])').waitFor();
+    must((await record(url, id)).verdict === 'pending', 'SAFE was pressed through the list of keys');
+    await page.keyboard.press('s');
+    await until(async () => (await record(url, id)).verdict === 'safe', 'S after Escape giving the verdict', patience);
   },
 };
 

@@ -280,19 +280,19 @@ fn luggage() -> impl Strategy<Value = Luggage> {
     let decision = (verdict(), text(), wall(), note());
     let decision = decision.prop_map(|(verdict, who, wall, note)| Decision { verdict, who: who.into(), wall, note });
     let piece = option::of(any::<u32>().prop_map(Piece));
-    (any::<u64>(), cell(), pose(), wall(), photo, option::of(decision), piece, (option::of(wall()), any::<i64>())).prop_map(
-        |(id, cell, pose, taken, photo, verdict, piece, (secured, clock_set_ms))| Luggage {
+    (any::<u64>(), cell(), pose(), wall(), photo, option::of(decision), piece, (option::of(wall()), any::<i64>(), wall()))
+        .prop_map(|(id, cell, pose, taken, photo, verdict, piece, (secured, clock_set_ms, first_taken))| Luggage {
             id: LuggageId(id),
             cell,
             pose,
             taken,
+            first_taken,
             photo,
             verdict,
             piece,
             secured,
             clock_set_ms,
-        },
-    )
+        })
 }
 
 fn alarm_cause() -> impl Strategy<Value = AlarmCause> {

@@ -18,6 +18,9 @@ pub(super) struct LuggageShape {
     cell: Point,
     pose: PoseShape,
     taken: Moment,
+    /// When the first photo of it was, where a later one is kept.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    first_taken: Option<Moment>,
     photo: PhotoShape,
     verdict: Option<DecisionShape>,
     piece: Option<u32>,
@@ -73,6 +76,7 @@ impl From<&Luggage> for LuggageShape {
             cell: luggage.cell.into(),
             pose: luggage.pose.into(),
             taken: luggage.taken.into(),
+            first_taken: (luggage.first_taken != luggage.taken).then(|| luggage.first_taken.into()),
             photo: match &luggage.photo {
                 PhotoState::Taken { bytes, take } => PhotoShape::Taken { bytes: *bytes, take: *take },
                 PhotoState::Failed(words) => PhotoShape::Failed(words.clone()),
@@ -87,11 +91,13 @@ impl From<&Luggage> for LuggageShape {
 
 impl LuggageShape {
     pub(super) fn record(self) -> Result<Luggage, Unparsed> {
+        let taken = self.taken.into();
         Ok(Luggage {
             id: LuggageId(self.id),
             cell: self.cell.into(),
             pose: self.pose.pose()?,
-            taken: self.taken.into(),
+            taken,
+            first_taken: self.first_taken.map_or(taken, Into::into),
             photo: match self.photo {
                 PhotoShape::Taken { bytes, take } => PhotoState::Taken { bytes, take },
                 PhotoShape::Failed(words) => PhotoState::Failed(words),
@@ -141,5 +147,24 @@ impl From<AlarmShape> for Alarm {
             luggage: alarm.luggage.map(LuggageId),
             acknowledged: alarm.acknowledged.map(|seen| (Arc::from(seen.who), seen.when.into())),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::api::fixture::{TEN, piece};
+    use hallsweep_core::units::{Cell, WallTime};
+
+    #[test]
+    fn a_record_of_before_waits_since_its_photo_and_a_later_photo_leaves_that_on_record() {
+        let first = piece(1, Cell::HOME, None);
+        let written = serde_json::to_string(&LuggageShape::from(&*first)).unwrap();
+        assert!(!written.contains("first_taken"), "as it was written before: {written}");
+        let read = |text: &str| serde_json::from_str::<LuggageShape>(text).unwrap().record().unwrap();
+        assert_eq!(read(&written), *first);
+        let later = Luggage { taken: WallTime { unix_ms: TEN.unix_ms + 60_000, ..TEN }, ..Luggage::clone(&first) };
+        let read = read(&serde_json::to_string(&LuggageShape::from(&later)).unwrap());
+        assert_eq!((read.waits_since(), read.taken), (TEN, later.taken));
     }
 }

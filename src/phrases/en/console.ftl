@@ -45,6 +45,10 @@ led-off = off
 
 dead-viewer = you are signed in as a viewer
 dead-past = this is the past: go back to now first
+dead-goes-on = the mission goes on already
+dead-comes-home = the robot comes home already
+dead-at-home = the robot is at home already
+dead-no-too-high = it takes back TOO HIGH, which nobody has pressed
 
 ## Mission
 
@@ -121,6 +125,12 @@ incident-next-home = The search has ended, the robot comes home. Then the piece 
 incident-next-fetched = The piece is being fetched and brought into the container.
 incident-next-fault = The robot is in fault, and nothing moves by itself.
 incident-next-phase = The robot: { $phase }.
+incident-halted-home = The robot's way home is halted: { $holds }.
+incident-halted-fetched = The retrieval is halted: { $holds }.
+goes-on-acknowledge = Acknowledge the alarm, then press START.
+goes-on-ok = Press TEMPERATURE OK, then START.
+goes-on-start = START goes on.
+goes-on-later = When that is over, START goes on.
 
 ## Where something is
 
@@ -181,6 +191,7 @@ temperature-stale = sensor silent: nothing moves
 temperature-reported = An operator reported { $reading }. It counts until a reading of { $cool } or less is reported.
 temperature-sensor = { $source } reads { $reading }. It must fall to { $cool } or less.
 temperature-ok-button = OK
+temperature-ok-act = TEMPERATURE OK
 temperature-high-button = TOO HIGH
 temperature-field = Reading in °C
 temperature-report = Report
@@ -284,6 +295,7 @@ stage-pair-comingHome = the robot that searched comes home
 stage-discovery-fetching = the robot that searched fetches the piece
 stage-discovery-lettingGo = it puts the piece into the container
 wanted-acknowledge = acknowledge, then START
+wanted-ok = temperature OK, then START
 wanted-start = START goes on
 tree = Tree { $tree }
 blackboard = Blackboard

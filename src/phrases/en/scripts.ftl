@@ -8,7 +8,7 @@ attention-unknown = This browser has no notifications for this address: it wants
 
 ## console
 
-console-changed = The piece has just changed: this was not sent. Look, then press again.
+console-changed = What this is about has just changed: it was not sent. Look, then press again.
 console-judged-safe = Your question is closed: luggage #{ $id } was judged SAFE by { $by } at { $time }.
 console-judged-danger = Your question is closed: luggage #{ $id } was judged DANGER by { $by } at { $time }.
 console-withdrawn = Your question is closed: luggage #{ $id } waits for no verdict any more.
@@ -31,6 +31,7 @@ editor-begun-line = line begun
 editor-begun-rectangle = rectangle begun
 editor-sound = It is sound: everything in it can be reached.
 editor-unsound = It can be used. A search of it does not come to everything:
+editor-unchecked = Not checked yet.
 editor-found-pieceUnreached = the { $name } cannot be reached: no free cell beside it leads home
 editor-found-cellUnreached = this free cell cannot be reached from home
 editor-found-more = and { $count } more that cannot be reached

@@ -45,6 +45,10 @@ led-off = spento
 
 dead-viewer = l'accesso è da osservatore
 dead-past = questo è il passato: prima tornare ad adesso
+dead-goes-on = la missione prosegue già
+dead-comes-home = il robot torna già alla base
+dead-at-home = il robot è già alla base
+dead-no-too-high = ritira TROPPO ALTA, che nessuno ha premuto
 
 ## Mission
 
@@ -124,6 +128,12 @@ incident-next-home = La ricerca è finita, il robot torna alla base. Poi il baga
 incident-next-fetched = Il bagaglio viene recuperato e portato nel contenitore.
 incident-next-fault = Il robot è in guasto, e niente si muove da solo.
 incident-next-phase = Il robot: { $phase }.
+incident-halted-home = Il ritorno del robot alla base è sospeso: { $holds }.
+incident-halted-fetched = Il recupero è sospeso: { $holds }.
+goes-on-acknowledge = Confermare l'allarme, poi premere AVVIA.
+goes-on-ok = Premere TEMPERATURA OK, poi AVVIA.
+goes-on-start = AVVIA fa proseguire.
+goes-on-later = Quando sarà passato, AVVIA fa proseguire.
 
 ## Where something is
 
@@ -184,6 +194,7 @@ temperature-stale = sensore muto: niente si muove
 temperature-reported = Un operatore ha riferito { $reading }. Vale finché non è riferita una lettura di { $cool } o meno.
 temperature-sensor = { $source } legge { $reading }. Deve scendere a { $cool } o meno.
 temperature-ok-button = OK
+temperature-ok-act = TEMPERATURA OK
 temperature-high-button = TROPPO ALTA
 temperature-field = Lettura in °C
 temperature-report = Registrare
@@ -287,6 +298,7 @@ stage-pair-comingHome = il robot della ricerca torna alla base
 stage-discovery-fetching = il robot della ricerca recupera il bagaglio
 stage-discovery-lettingGo = mette il bagaglio nel contenitore
 wanted-acknowledge = confermare, poi AVVIA
+wanted-ok = temperatura OK, poi AVVIA
 wanted-start = AVVIA continua
 tree = Albero { $tree }
 blackboard = Lavagna

@@ -8,7 +8,7 @@ attention-unknown = Questo browser non ha notifiche per questo indirizzo: servir
 
 ## console
 
-console-changed = Il bagaglio è appena cambiato: non è stato inviato niente. Guardare, poi premere di nuovo.
+console-changed = Ciò di cui si tratta è appena cambiato: non è stato inviato niente. Guardare, poi premere di nuovo.
 console-judged-safe = La domanda è chiusa: il bagaglio #{ $id } è stato giudicato SICURO da { $by } alle { $time }.
 console-judged-danger = La domanda è chiusa: il bagaglio #{ $id } è stato giudicato PERICOLO da { $by } alle { $time }.
 console-withdrawn = La domanda è chiusa: il bagaglio #{ $id } non attende più nessun verdetto.
@@ -31,6 +31,7 @@ editor-begun-line = linea cominciata
 editor-begun-rectangle = rettangolo cominciato
 editor-sound = È a posto: tutto si può raggiungere.
 editor-unsound = Si può usare. Ma una ricerca non arriva dappertutto:
+editor-unchecked = Non ancora controllata.
 editor-found-pieceUnreached = il bagaglio «{ $name }» non si può raggiungere: nessuna cella libera accanto porta alla base
 editor-found-cellUnreached = questa cella libera non si può raggiungere dalla base
 editor-found-more = e altri posti che non si possono raggiungere: { $count }

@@ -171,6 +171,7 @@ fn the_journal() {
             cell: CELL,
             pose,
             taken,
+            first_taken: taken,
             photo,
             verdict: None,
             piece: None,

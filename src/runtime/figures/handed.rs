@@ -246,6 +246,7 @@ mod tests {
             cell: Cell::HOME,
             pose: Pose::START,
             taken: WallTime::default(),
+            first_taken: WallTime::default(),
             photo: PhotoState::Failed("dark".to_owned()),
             verdict: None,
             piece: None,

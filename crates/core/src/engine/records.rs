@@ -27,8 +27,9 @@ impl Engine {
         let id = self.state.last_luggage.next();
         let photo = photo_of(context);
         let state = PhotoState::after(None, &photo);
-        let luggage =
-            Luggage { id, cell, pose, taken: self.now.wall, photo: state, verdict: None, piece, secured: None, clock_set_ms: 0 };
+        let taken = self.now.wall;
+        let (verdict, secured, first_taken) = (None, None, taken);
+        let luggage = Luggage { id, cell, pose, taken, first_taken, photo: state, verdict, piece, secured, clock_set_ms: 0 };
         self.send_record(luggage, photo);
         self.set_stage(Stage::Recording(id));
     }
@@ -44,7 +45,7 @@ impl Engine {
         }
         let photo = photo_of(context);
         let state = PhotoState::after(Some(&known.photo), &photo);
-        let luggage = Luggage { taken: self.now.wall, clock_set_ms: 0, photo: state, ..Luggage::clone(known) };
+        let luggage = Luggage { taken: self.now.wall, photo: state, ..Luggage::clone(known) };
         self.send_record(luggage, photo);
     }
 

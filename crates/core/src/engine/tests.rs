@@ -55,6 +55,7 @@ fn sweep_in(name: PhaseName, holds: &[Hold]) -> Engine {
         cell: Cell::new(0, 2),
         pose: engine.state.pose,
         taken: WallTime::default(),
+        first_taken: WallTime::default(),
         photo: PhotoState::Taken { bytes: 1, take: 1 },
         verdict: None,
         piece: None,

@@ -194,8 +194,18 @@ mod tests {
         let (cell, pose) = (Cell::new(6, 2), Pose { cell: Cell::new(5, 2), heading: Heading::East });
         let photo = PhotoState::Taken { bytes: 4, take: 1 };
         let (id, taken) = (LuggageId(3), WallTime::default());
-        let record =
-            Arc::new(Luggage { id, cell, pose, taken, photo, verdict: None, piece: None, secured: None, clock_set_ms: 0 });
+        let record = Arc::new(Luggage {
+            id,
+            cell,
+            pose,
+            taken,
+            first_taken: taken,
+            photo,
+            verdict: None,
+            piece: None,
+            secured: None,
+            clock_set_ms: 0,
+        });
         let expect = "luggage #3 at (6, 2), seen from (5, 2) facing east; photographed";
         check(Fact::Luggage { record, photo: None }, expect);
     }

@@ -208,12 +208,12 @@ impl PersistentState {
         self.map.mark(cell, mark, revision);
     }
 
-    /// A record of a piece known already keeps the verdict that was given in the meantime.
+    /// A record of a piece known already keeps the verdict that was given in the meantime, and since when the piece waits.
     fn keep(&mut self, record: &Arc<Luggage>) {
         let known = self.luggage.get(record.id);
-        let verdict = known.and_then(|known| known.verdict.clone());
-        let secured = known.and_then(|known| known.secured);
-        self.luggage.insert(Arc::new(Luggage { verdict, secured, ..Luggage::clone(record) }));
+        let (verdict, secured) = known.map_or((None, None), |known| (known.verdict.clone(), known.secured));
+        let Luggage { first_taken, clock_set_ms, .. } = **known.unwrap_or(record);
+        self.luggage.insert(Arc::new(Luggage { verdict, secured, first_taken, clock_set_ms, ..Luggage::clone(record) }));
         self.pieces.extend(record.piece);
         self.last_luggage = self.last_luggage.max(record.id);
     }

@@ -17,6 +17,8 @@ pub struct Luggage {
     pub pose: Pose,
     /// When the photo was taken (or failed).
     pub taken: WallTime,
+    /// When the first photo of it was: from then on it waits for its verdict.
+    pub first_taken: WallTime,
     /// What became of the photo.
     pub photo: PhotoState,
     /// What was decided.
@@ -25,7 +27,7 @@ pub struct Luggage {
     pub piece: Option<Piece>,
     /// When it was put into the container.
     pub secured: Option<WallTime>,
-    /// By how many milliseconds the clock was set between the photo and the verdict, or until now.
+    /// By how many milliseconds the clock was set between the first photo and the verdict, or until now.
     pub clock_set_ms: i64,
 }
 
@@ -90,7 +92,7 @@ impl Luggage {
     /// When it began to wait for its verdict, by the clock as it was at the verdict, or is now.
     #[must_use]
     pub const fn waits_since(&self) -> WallTime {
-        self.taken.set_by(self.clock_set_ms)
+        self.first_taken.set_by(self.clock_set_ms)
     }
 
     /// Whether its verdict is still to be given.

@@ -200,6 +200,7 @@ mod tests {
             cell: Cell::HOME,
             pose: Pose::START,
             taken: WallTime::default(),
+            first_taken: WallTime::default(),
             photo: PhotoState::Failed("dark".to_owned()),
             verdict: verdict.map(decision),
             piece: None,

@@ -278,8 +278,18 @@ mod tests {
         assert_eq!(Said::fact(&state), Said::Words(fact_words::words(&state)));
         let photo = PhotoState::Taken { bytes: 4, take: 1 };
         let (cell, pose, taken) = (Cell::HOME, Pose::START, WallTime::default());
-        let record =
-            Luggage { id: LuggageId(3), cell, pose, taken, photo, verdict: None, piece: None, secured: None, clock_set_ms: 0 };
+        let record = Luggage {
+            id: LuggageId(3),
+            cell,
+            pose,
+            taken,
+            first_taken: taken,
+            photo,
+            verdict: None,
+            piece: None,
+            secured: None,
+            clock_set_ms: 0,
+        };
         let fact = Fact::Luggage { record: Arc::new(record), photo: Some(Photo { bytes: [1].into(), media_type: "image/png" }) };
         let said = Said::fact(&fact);
         assert_eq!(said.to_string(), fact_words::words(&fact));

@@ -1,11 +1,12 @@
-//! The incident, once a piece in the hall was found dangerous: its alarm first, then what happens next, how far away people must be, and
-//! the bombs with photo and place.
+//! The incident, once a piece in the hall was found dangerous: what happens next with the one button that goes on, then its alarm, how
+//! far away people must be, and the bombs with photo and place.
 
 use std::borrow::Cow;
 
 use askama::Template;
 
 use super::evacuation::{from_home, takes_in_all};
+use super::retrieval::wanted_of_the_operator;
 use super::view::{View, failure};
 use crate::api::luggage::photo_url;
 use crate::phrases::Phrase;
@@ -76,12 +77,20 @@ impl Incident<'_> {
         self.v.say("evacuate-circle").with("metres", metres)
     }
 
-    /// What happens now, and what an operator does next.
+    /// What happens now or is halted, and what an operator does next.
     fn next(&self) -> String {
-        let next = match self.v.snapshot.mission.phase {
-            PhaseName::ReturningWithAlarm => Some("incident-next-home"),
-            PhaseName::Retrieving => Some("incident-next-fetched"),
-            PhaseName::Fault => Some("incident-next-fault"),
+        let mission = &self.v.snapshot.mission;
+        let moving = match mission.phase {
+            PhaseName::ReturningWithAlarm => Some("home"),
+            PhaseName::Retrieving => Some("fetched"),
+            PhaseName::Fault => {
+                let said = self.v.say("incident-next-fault");
+                return if self.v.bar_of_start().is_none() {
+                    format!("{said} {}", self.v.say("goes-on-start"))
+                } else {
+                    said.to_string()
+                };
+            }
             PhaseName::Idle
             | PhaseName::Exploring
             | PhaseName::Inspecting
@@ -92,11 +101,98 @@ impl Incident<'_> {
             | PhaseName::BagSecured
             | PhaseName::Explored => None,
         };
-        let next = next.map(|id| self.v.say(id).to_string()).or_else(|| self.v.next_step());
-        next.unwrap_or_else(|| self.v.say("incident-next-phase").with("phase", self.v.phase()).to_string())
+        match moving {
+            Some(moving) if mission.holds.is_empty() => self.v.say_of("incident-next", moving).to_string(),
+            Some(moving) => {
+                let halted = self.v.say_of("incident-halted", moving).with("holds", self.v.holds().join(" · "));
+                format!("{halted} {}", self.v.say_of("goes-on", wanted_of_the_operator(&mission.holds).unwrap_or("later")))
+            }
+            None => {
+                self.v.next_step().unwrap_or_else(|| self.v.say("incident-next-phase").with("phase", self.v.phase()).to_string())
+            }
+        }
+    }
+
+    /// The command that goes on from here, for the button right under the heading; an alarm has a button of its own.
+    fn act(&self) -> Option<&'static str> {
+        let mission = &self.v.snapshot.mission;
+        let goes_on = matches!(mission.phase, PhaseName::ReturningWithAlarm | PhaseName::Retrieving | PhaseName::Fault);
+        match wanted_of_the_operator(&mission.holds) {
+            _ if self.v.looks_only().is_some() => None,
+            Some("ok") => Some("temperature"),
+            _ if mission.phase == PhaseName::BombLocated => Some("retrieve"),
+            _ => (goes_on && self.v.bar_of_start().is_none()).then_some("start"),
+        }
     }
 
     fn time(&self, wall: &WallTime) -> String {
         self.v.zone().clock_time(*wall)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::view::HallInfo;
+    use super::*;
+    use crate::api::fixture::{TEN, searching};
+    use crate::phrases::Language;
+    use hallsweep_core::command::Refused;
+    use hallsweep_core::mission::Hold;
+
+    #[test]
+    fn the_incident_says_what_is_halted_and_has_the_one_button_that_goes_on_under_its_heading() {
+        use PhaseName::{BombLocated, Fault, Retrieving, ReturningWithAlarm};
+        const START: &str = "/console/start";
+        const OK: &str = "/console/temperature";
+        let stopped = [Hold::Operator, Hold::AwaitingStart];
+        let hot = [Hold::TooHigh, Hold::AwaitingStart];
+        let read = [Hold::Temperature, Hold::AwaitingStart];
+        let lost = [Hold::Alarm, Hold::AwaitingStart];
+        for (phase, holds, said, act) in [
+            (Retrieving, &[][..], "The piece is being fetched and brought into the container.", None),
+            (
+                Retrieving,
+                &stopped,
+                "The retrieval is halted: stopped by the operator · waiting for START. START goes on.",
+                Some(START),
+            ),
+            (Retrieving, &hot, "Press TEMPERATURE OK, then START.", Some(OK)),
+            (Retrieving, &read, "When that is over, START goes on.", None),
+            (Retrieving, &lost, "Acknowledge the alarm, then press START.", None),
+            (ReturningWithAlarm, &[], "The search has ended, the robot comes home.", None),
+            (
+                ReturningWithAlarm,
+                &stopped,
+                "way home is halted: stopped by the operator · waiting for START. START goes on.",
+                Some(START),
+            ),
+            (ReturningWithAlarm, &hot, "Press TEMPERATURE OK, then START.", Some(OK)),
+            (Fault, &[], "nothing moves by itself. START goes on.", Some(START)),
+            (BombLocated, &[], "RETRIEVE has it brought into the container.", Some("/console/retrieve")),
+            (BombLocated, &hot, "is dangerous", Some(OK)),
+        ] {
+            let mut snapshot = searching();
+            (snapshot.mission.phase, snapshot.mission.holds) = (phase, holds.to_vec());
+            let is_barred = holds.iter().any(|hold| !stopped.contains(hold));
+            snapshot.mission.refusals.start = is_barred.then(|| Refused::Held(holds.to_vec(), None));
+            let hall = HallInfo {
+                name: "airport".into(),
+                cell_m: None,
+                is_reckoned: false,
+                evacuation_m: 100.0,
+                is_paused: false,
+                robot: None,
+            };
+            let (language, now) = (Language::English, TEN);
+            let v = View { snapshot: &snapshot, hall, began: None, who: None, language, why: None, now, line: None, then: None };
+            let incident = Incident { v: &v };
+            assert!(incident.next().contains(said), "{phase:?} {holds:?}: {}", incident.next());
+            let shown = incident.to_string();
+            let (above, below) = shown.split_once("<ul class=\"alarms\">").expect("the alarms are there");
+            let actions = above.split("action=\"").skip(1).filter_map(|rest| rest.split('"').next());
+            assert_eq!(actions.collect::<Vec<_>>(), Vec::from_iter(act), "{phase:?} {holds:?}: {shown}");
+            assert!(!below.contains("/console/start") && !below.contains("/console/retrieve"), "one button: {shown}");
+            assert!(holds.is_empty() || !above.contains("is being fetched") && !above.contains("comes home"), "{shown}");
+        }
     }
 }

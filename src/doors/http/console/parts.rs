@@ -84,7 +84,7 @@ pub(super) const PARTS: [Part; 23] = [
     Part { id: "progress", shows: &[Resource::Mission], render: |v| html(&Progress { v }) },
     Part {
         id: "incident",
-        shows: &[Resource::Luggage, Resource::Alarms, Resource::Mission, Resource::Map],
+        shows: &[Resource::Luggage, Resource::Alarms, Resource::Mission, Resource::Map, Resource::Temperature],
         render: |v| html(&Incident { v }),
     },
     Part { id: "alarms", shows: &[Resource::Alarms, Resource::Luggage], render: |v| html(&Alarms { v }) },

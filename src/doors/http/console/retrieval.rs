@@ -62,10 +62,12 @@ pub(super) fn armed(robots: &[RobotShown]) -> Vec<(&RobotShown, ArmState, ArmJso
     robots.iter().filter_map(|robot| robot.arm.map(|arm| (robot, arm, ArmJson::from(arm)))).collect()
 }
 
-/// What is to be done about a retrieval that stands still, by the name of its phrase. It has few words: the bar has little room.
+/// The next press about robots that are halted, by the name of its phrase; `None` where none helps yet.
 pub(super) fn wanted_of_the_operator(holds: &[Hold]) -> Option<&'static str> {
-    if holds.contains(&Hold::Alarm) {
-        return Some("acknowledge");
+    if let Some((_, press)) =
+        [(Hold::Alarm, "acknowledge"), (Hold::TooHigh, "ok")].into_iter().find(|(hold, _)| holds.contains(hold))
+    {
+        return Some(press);
     }
     let ends_by_itself = [Hold::Operator, Hold::Restart, Hold::AwaitingStart];
     (!holds.is_empty() && holds.iter().all(|hold| ends_by_itself.contains(hold))).then_some("start")
@@ -105,10 +107,11 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn start_is_asked_for_where_it_helps_and_after_the_alarm_is_acknowledged() {
+    fn start_is_asked_for_where_it_helps_and_after_the_alarm_is_acknowledged_or_the_temperature_is_ok() {
         assert_eq!(wanted_of_the_operator(&[]), None);
         assert_eq!(wanted_of_the_operator(&[Hold::Operator]), Some("start"));
         assert_eq!(wanted_of_the_operator(&[Hold::Alarm, Hold::AwaitingStart]), Some("acknowledge"));
+        assert_eq!(wanted_of_the_operator(&[Hold::TooHigh, Hold::AwaitingStart]), Some("ok"), "START before the OK is refused");
         assert_eq!(wanted_of_the_operator(&[Hold::Operator, Hold::Temperature]), None, "it is too hot: START would be refused");
     }
 }

@@ -330,32 +330,33 @@ impl View<'_> {
         self.snapshot.pending().map(|luggage| &**luggage)
     }
 
-    /// Whether START is what an operator would press next: it is possible, and the robot is not on its way already.
-    pub(super) fn start_is_next(&self) -> bool {
+    /// Why START is dead: it is refused, or the mission goes on without it.
+    pub(super) fn bar_of_start(&self) -> Option<String> {
+        use PhaseName::{Exploring, Inspecting, Retrieving, ReturningHome, ReturningWithAlarm};
         let mission = &self.snapshot.mission;
-        let on_its_way = match mission.phase {
-            PhaseName::Exploring
-            | PhaseName::Inspecting
-            | PhaseName::ReturningHome
-            | PhaseName::ReturningWithAlarm
-            | PhaseName::Retrieving => mission.holds.is_empty(),
-            PhaseName::Driving => !self.is_still(),
-            PhaseName::Idle
-            | PhaseName::AtHome
-            | PhaseName::BombLocated
-            | PhaseName::BagSecured
-            | PhaseName::Explored
-            | PhaseName::Fault => false,
-        };
-        self.bar(&mission.refusals.start).is_none() && !on_its_way
+        let moves = matches!(mission.phase, Exploring | Inspecting | ReturningHome | ReturningWithAlarm | Retrieving);
+        let goes_on = moves && mission.holds.is_empty();
+        self.bar(&mission.refusals.start).or_else(|| goes_on.then(|| self.say("dead-goes-on").to_string()))
     }
 
-    pub(super) fn shows_retrieve(&self) -> bool {
-        self.snapshot.mission.phase == PhaseName::BombLocated && self.looks_only().is_none()
+    /// Why BACK HOME is dead: it is refused, or the robot is there or on its way already.
+    pub(super) fn bar_of_back_home(&self) -> Option<String> {
+        let mission = &self.snapshot.mission;
+        let is = |phase| mission.phase == phase && mission.holds.is_empty();
+        let already = is(PhaseName::ReturningHome).then_some("dead-comes-home");
+        let already = already.or_else(|| is(PhaseName::AtHome).then_some("dead-at-home"));
+        self.bar(&mission.refusals.back_home).or_else(|| already.map(|id| self.say(id).to_string()))
+    }
+
+    /// Why OK of the temperature is dead: it takes back TOO HIGH and nothing else.
+    pub(super) fn bar_of_ok(&self) -> Option<String> {
+        let is_over = !self.declared_too_high();
+        self.looks_only().or_else(|| is_over.then(|| self.say("dead-no-too-high").to_string()))
     }
 
     fn may_retrieve(&self) -> bool {
-        self.shows_retrieve() && self.snapshot.mission.refusals.retrieve.is_none()
+        let mission = &self.snapshot.mission;
+        mission.phase == PhaseName::BombLocated && self.bar(&mission.refusals.retrieve).is_none()
     }
 
     /// How long ago a moment was, as `0:14`.

@@ -170,15 +170,36 @@ fn how_long_it_will_drive_on_is_said_as_a_range_as_far_as_it_is_known() {
 }
 
 #[test]
-fn start_is_loud_only_while_it_is_the_next_thing_to_press() {
+fn what_would_change_nothing_is_dead_and_says_why() {
+    use PhaseName::{AtHome, Exploring, Fault, Idle, Inspecting, Retrieving, ReturningHome, ReturningWithAlarm};
+    let dead = |phase, holds: &[Hold]| {
+        let mut snapshot = idle();
+        (snapshot.mission.phase, snapshot.mission.holds) = (phase, holds.to_vec());
+        snapshot.mission.refusals.back_home = None;
+        let view = view(&snapshot);
+        [view.bar_of_start(), view.bar_of_back_home(), view.bar_of_ok()]
+    };
+    let goes_on = Some("the mission goes on already".to_owned());
+    for phase in [Exploring, Inspecting, ReturningHome, ReturningWithAlarm, Retrieving] {
+        assert_eq!(dead(phase, &[])[0], goes_on, "{phase:?}");
+        assert_eq!(dead(phase, &[Hold::Operator, Hold::AwaitingStart])[0], None, "{phase:?}");
+    }
+    for phase in [Idle, AtHome, Fault, PhaseName::BombLocated, PhaseName::BagSecured, PhaseName::Explored] {
+        assert_eq!(dead(phase, &[])[0], None, "the core says whether START is refused: {phase:?}");
+    }
+    assert_eq!(dead(ReturningHome, &[])[1].as_deref(), Some("the robot comes home already"));
+    assert_eq!(dead(AtHome, &[])[1].as_deref(), Some("the robot is at home already"));
+    assert_eq!([dead(Exploring, &[])[1].clone(), dead(ReturningHome, &[Hold::Operator])[1].clone()], [None, None]);
+    assert_eq!(dead(Idle, &[])[2].as_deref(), Some("it takes back TOO HIGH, which nobody has pressed"));
+    assert_eq!(dead(Exploring, &[Hold::TooHigh])[2], None);
+
     let mut snapshot = idle();
-    assert!(view(&snapshot).start_is_next());
-    snapshot.mission.phase = PhaseName::Exploring;
-    assert!(!view(&snapshot).start_is_next(), "it is on its way");
-    snapshot.mission.holds = vec![Hold::Operator];
-    assert!(view(&snapshot).start_is_next());
+    snapshot.mission.phase = Exploring;
+    let part = PARTS.iter().find(|part| part.id == "actions").expect("it is there");
+    let shown = (part.render)(&view(&snapshot));
+    assert!(shown.contains("START: the mission goes on already."), "{shown}");
     snapshot.mission.refusals.start = Some(Refused::Moving);
-    assert!(!view(&snapshot).start_is_next());
+    assert_ne!(view(&snapshot).bar_of_start(), goes_on, "a refusal has its own reason");
 }
 
 #[test]

@@ -36,6 +36,7 @@ fn luggage(id: u64, photo: Result<&str, &str>) -> Entry {
         cell,
         pose,
         taken,
+        first_taken: taken,
         photo: state,
         verdict: None,
         piece: None,

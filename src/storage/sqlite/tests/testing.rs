@@ -165,6 +165,7 @@ pub(super) fn found(id: u64, photo: Option<Photo>) -> Fact {
         cell: Cell::new(0, 1),
         pose: Pose::START,
         taken: WallTime::default(),
+        first_taken: WallTime::default(),
         photo: taken.unwrap_or(PhotoState::Failed("dark".to_owned())),
         verdict: None,
         piece: None,

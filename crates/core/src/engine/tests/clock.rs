@@ -56,3 +56,32 @@ fn a_clock_that_was_set_back_while_the_program_was_off_is_on_record_before_its_s
         assert!(back.is_none() || matches!(facts[..2], [Fact::ClockSet(_), Fact::ProgramStarted(_)]), "{facts:?}");
     }
 }
+
+#[test]
+fn a_piece_whose_photo_is_taken_again_waits_since_the_first_of_them() {
+    let mut engine = sweep_in(PhaseName::Inspecting, &[]);
+    engine.note_clock(-600_000, now(1));
+    recorded(&mut engine);
+    let at = |seconds| Now { wall: WallTime { unix_ms: 90_000, offset_s: 0 }, ..now(seconds) };
+    let again = Request::new(Command::RetakePhoto(LuggageId(1)), Issuer::operator(Door("test")));
+    engine.handle_command(again, at(60)).expect("it may be given");
+    let mut order = None;
+    while let Some(effect) = engine.poll_effect() {
+        match effect {
+            Effect::Order(_, ordered) => order = Some(ordered.id),
+            Effect::Record(page) => engine.handle_event(Event::Recorded(page.last()), at(60)),
+            Effect::Halt(_) | Effect::Led(..) | Effect::Answer(..) => {}
+        }
+    }
+    let photo = crate::event::Photo { bytes: [0].as_slice().into(), media_type: "image/png" };
+    let taken = RobotEvent::Photo(order.expect("a photo is ordered"), photo);
+    engine.handle_event(Event::Robot(RobotId::discovery(), taken), at(61));
+    let facts = recorded(&mut engine);
+    assert!(
+        facts.iter().any(|fact| matches!(fact, Fact::Luggage { record, .. } if record.first_taken != record.taken)),
+        "{facts:?}"
+    );
+    let known = engine.persistent_state().luggage.get(LuggageId(1)).map(Arc::clone).expect("it is there");
+    assert_eq!((known.taken.unix_ms, known.photo.clone()), (90_000, PhotoState::Taken { bytes: 1, take: 2 }));
+    assert_eq!(waits_since(&engine), -600_000, "by the clock as it was set meanwhile");
+}
