@@ -199,6 +199,7 @@ fn a_mission_begins_with_what_was_read_before_it() {
     run.reading(21.5).unwrap();
     run.give(Command::Start).unwrap();
     let began = run.journal.iter().position(|entry| matches!(entry.fact, Fact::MissionBegan(..))).expect("it began");
-    let is_read = |entry: &Entry| matches!(&entry.fact, Fact::Temperature(source, celsius) if **source == *"operator" && celsius.degrees() == 21.5);
+    let reading = Fact::Temperature("operator".into(), Celsius::new(21.5).unwrap());
+    let is_read = |entry: &Entry| entry.fact == reading;
     assert!(run.journal[began..].iter().any(is_read), "else its record would say that nothing was read");
 }

@@ -245,7 +245,7 @@ async fn it_ends_when_the_loop_is_gone() {
     within("its end", task).await.unwrap();
 }
 
-/// Else a thermometer that is gone would look like a hall that stays as warm as it is.
+/// A thermometer that is gone looks otherwise like a hall that stays as warm as it is.
 #[tokio::test(start_paused = true)]
 async fn a_thermometer_says_again_what_it_reads_while_that_stays_the_same() {
     let hall = Hall::parse("test.toml", "drawing = \"\"\"\nS.\n..\n\"\"\"\n[[temperature]]\nat_s = 0\ncelsius = 20\n").unwrap();
