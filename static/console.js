@@ -86,12 +86,13 @@ function clockTime(moment) {
   return new Date(moment + ahead + Number(zone.offset) * 1000).toISOString().slice(11, 19);
 }
 
-/** How long each piece has waited by now. */
+/** How long each piece has waited by now, and how old readings are; one that is said when it is old is hidden before. */
 function waits() {
   for (const place of document.querySelectorAll("[data-since]")) {
     if (!(root.dataset.live === "on")) continue;
     const seconds = Math.max(0, Math.floor((performance.now() + ahead - Number(place.dataset.since)) / 1000));
     place.textContent = `${Math.floor(seconds / 60)}:${String(seconds % 60).padStart(2, "0")}`;
+    if (place.dataset.old > 0) place.parentElement.hidden = seconds * 1000 < place.dataset.old;
   }
 }
 

@@ -31,6 +31,7 @@ pub(crate) fn idle() -> Snapshot {
         outside: 0,
         sonar_cm: None,
         led_blinking: false,
+        unreached_since: None,
     };
     Snapshot {
         run: Arc::from("t-1"),
@@ -43,6 +44,8 @@ pub(crate) fn idle() -> Snapshot {
         luggage: Default::default(),
         temperature: TemperatureView {
             celsius: None,
+            read: None,
+            silent_since: None,
             status: TemperatureStatus::Ok,
             threshold: degrees(25.0),
             cool: degrees(24.0),
@@ -71,7 +74,7 @@ pub(crate) fn searching() -> Snapshot {
     snapshot.mission.inspected = Some(LuggageId(3));
     snapshot.mission.progress = Progress { visited: 15, unknown: 4, ..Progress::default() };
     snapshot.mission.refusals.start = Some(Refused::VerdictPending(LuggageId(3)));
-    snapshot.temperature.celsius = Some(degrees(21.4));
+    (snapshot.temperature.celsius, snapshot.temperature.read) = (Some(degrees(21.4)), Some(TEN));
     snapshot.luggage = [
         piece(1, Cell::new(3, 0), Some(Verdict::Safe)),
         piece(2, Cell::new(1, 2), Some(Verdict::Danger)),

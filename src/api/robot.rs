@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::retrieval::ArmJson;
 use super::robot_parts::{ReplacedJson, replaced};
+use super::time::rfc3339;
 use super::vocabulary;
 use hallsweep_core::robots::Part;
 use hallsweep_core::state::Participant;
@@ -51,11 +52,13 @@ pub struct RobotJson {
     /// `off` or `blinking`.
     #[schemars(with = "vocabulary::Led")]
     pub led: &'static str,
+    /// Since when it cannot be reached, so that all of this is what it last said; null while it can, and before it was first tried.
+    pub unreached_since: Option<String>,
 }
 
 impl RobotJson {
     /// The robot as it is at `revision`.
-    pub const fn new(robot: &RobotView, revision: Revision) -> RobotJson {
+    pub fn new(robot: &RobotView, revision: Revision) -> RobotJson {
         let cell = robot.pose.cell;
         RobotJson {
             revision: revision.0,
@@ -67,6 +70,7 @@ impl RobotJson {
             outside: robot.outside > 0,
             sonar: robot.sonar_cm,
             led: if robot.led_blinking { "blinking" } else { "off" },
+            unreached_since: robot.unreached_since.map(rfc3339),
         }
     }
 }
@@ -110,6 +114,8 @@ pub struct NamedRobotJson {
     /// `off` or `blinking`.
     #[schemars(with = "vocabulary::Led")]
     pub led: &'static str,
+    /// Since when it cannot be reached, so that all of this is what it last said; null while it can.
+    pub unreached_since: Option<String>,
     /// Its arm; null where it has none, and before its link is up.
     pub arm: Option<ArmJson>,
 }
@@ -117,7 +123,7 @@ pub struct NamedRobotJson {
 impl NamedRobotJson {
     /// This robot as it is at `revision`, which is that of all robots.
     pub fn new(shown: &RobotShown, searches: bool, revision: Revision) -> NamedRobotJson {
-        let RobotJson { revision, state, halting, heading, position, off_centre, outside, sonar, led } =
+        let RobotJson { revision, state, halting, heading, position, off_centre, outside, sonar, led, unreached_since } =
             RobotJson::new(&shown.view, revision);
         NamedRobotJson {
             name: shown.id.name().to_owned(),
@@ -135,6 +141,7 @@ impl NamedRobotJson {
             outside,
             sonar,
             led,
+            unreached_since,
             arm: shown.arm.map(ArmJson::from),
         }
     }

@@ -27,10 +27,10 @@ struct Record {
     word: Option<&'static str>,
 }
 
-/// The reading, absent before the first; above which nothing moves; and what follows.
+/// The reading, absent before the first and while nobody knows the temperature; above which nothing moves; and what follows.
 pub fn temperature(view: &TemperatureView) -> String {
     let degrees = |name, degrees| Record { name, unit: CELSIUS, value: Some(degrees), ..Record::default() };
-    let reading = view.celsius.map(|celsius| degrees("celsius", celsius.degrees()));
+    let reading = view.celsius.filter(|_| view.silent_since.is_none()).map(|celsius| degrees("celsius", celsius.degrees()));
     let threshold = degrees("threshold", view.threshold.degrees());
     let status = Record { name: "status", word: Some(view.status.name()), ..Record::default() };
     packed("hallsweep:temperature:", reading.into_iter().chain([threshold, status]))
@@ -73,6 +73,9 @@ mod tests {
     fn before_the_first_reading_there_is_no_record_of_one() {
         let json = r#"[{"bn":"hallsweep:temperature:","n":"threshold","u":"Cel","v":25.0},{"n":"status","vs":"ok"}]"#;
         assert_eq!(temperature(&idle().temperature), json);
+        let mut silent = searching().temperature;
+        silent.silent_since = silent.read;
+        assert_eq!(temperature(&silent), json, "nor is there one of a reading that is true no more");
     }
 
     #[test]

@@ -122,11 +122,11 @@ mod tests {
         assert_eq!(
             json["robot"],
             serde_json::json!({"revision": 20, "state": "stopped", "halting": false, "heading": "east", "position": {"x": 2, "y": 2},
-                "offCentre": false, "outside": false, "sonar": 42, "led": "blinking"})
+                "offCentre": false, "outside": false, "sonar": 42, "led": "blinking", "unreachedSince": null})
         );
         assert_eq!(
             json["temperature"],
-            serde_json::json!({"revision": 20, "celsius": 21.4, "status": "ok", "threshold": 25.0, "cool": 24.0, "hot": []})
+            serde_json::json!({"revision": 20, "celsius": 21.4, "readAt": "2026-02-03T10:00:00.000+01:00", "silentSince": null, "status": "ok", "threshold": 25.0, "cool": 24.0, "hot": []})
         );
         assert_eq!(
             json["luggage"][2],
@@ -161,7 +161,7 @@ mod tests {
             *porter,
             serde_json::json!({"name": "porter", "searches": false, "parts": null, "replaced": null, "unreached": null, "holds": [], "revision": 1, "state": "stopped",
                 "halting": false, "heading": "south", "position": {"x": 0, "y": 0}, "offCentre": false, "outside": false, "sonar": null, "led": "off",
-                "arm": null})
+                "unreachedSince": null, "arm": null})
         );
         for (key, value) in json["robot"].as_object().unwrap() {
             assert_eq!(discovery.get(key), Some(value), "the one that searches says of itself the same twice: {key}");
@@ -178,6 +178,8 @@ mod tests {
             "/mission/storeFailure",
             "/robot/sonar",
             "/temperature/celsius",
+            "/temperature/readAt",
+            "/temperature/silentSince",
         ] {
             assert_eq!(json.pointer(pointer), Some(&serde_json::Value::Null), "{pointer}");
         }

@@ -3,17 +3,23 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::time::rfc3339;
 use super::vocabulary;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::temperature::TemperatureView;
 
 /// The temperature and what it means.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
 pub struct TemperatureJson {
     /// When it last changed.
     pub revision: u64,
-    /// The latest reading in °C, or null before the first.
+    /// The latest reading in °C of all sources that are not silent, else of all; null before the first.
     pub celsius: Option<f64>,
+    /// When it was read, to 5 seconds; null where that is not known.
+    pub read_at: Option<String>,
+    /// Since when its source is silent, so that the temperature is not known; null while it is.
+    pub silent_since: Option<String>,
     /// `ok`, `tooHigh` or `stale`.
     #[schemars(with = "vocabulary::TemperatureStatus")]
     pub status: &'static str,
@@ -40,6 +46,8 @@ impl TemperatureJson {
         TemperatureJson {
             revision: revision.0,
             celsius: view.celsius.map(|celsius| celsius.degrees()),
+            read_at: view.read.map(rfc3339),
+            silent_since: view.silent_since.map(rfc3339),
             status: view.status.name(),
             threshold: view.threshold.degrees(),
             cool: view.cool.degrees(),

@@ -1,6 +1,7 @@
 //! Single lines for whoever wants one line and no JSON: what the mission and the temperature come down to. The map's text forms
 //! stand in `map_text`, the words of old clients in `old_items`.
 
+use super::time::rfc3339;
 use hallsweep_core::world::snapshot::MissionView;
 use hallsweep_core::world::temperature::TemperatureView;
 
@@ -14,10 +15,11 @@ pub fn mission(mission: &MissionView) -> String {
     format!("{phase}, held by {}", holds.join(", "))
 }
 
-/// As `21.4 °C, ok`, or `no reading, ok` before the first.
+/// As `21.4 °C, ok`, or `no reading, ok` before the first, or `not known since 2026-02-03T10:00:00.000+01:00, last 21.4 °C, ok`.
 pub fn temperature(view: &TemperatureView) -> String {
     let reading = view.celsius.as_ref().map_or_else(|| "no reading".to_owned(), ToString::to_string);
-    format!("{reading}, {}", view.status.name())
+    let silent = view.silent_since.map_or_else(String::new, |since| format!("not known since {}, last ", rfc3339(since)));
+    format!("{silent}{reading}, {}", view.status.name())
 }
 
 #[cfg(test)]
@@ -33,5 +35,7 @@ mod tests {
         state.mission.holds = vec![Hold::Operator, Hold::AwaitingStart];
         assert_eq!(mission(&state.mission), "inspecting, held by operator, awaitingStart");
         assert_eq!(temperature(&idle().temperature), "no reading, ok");
+        state.temperature.silent_since = state.temperature.read;
+        assert_eq!(temperature(&state.temperature), "not known since 2026-02-03T10:00:00.000+01:00, last 21.4 °C, ok");
     }
 }

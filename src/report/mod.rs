@@ -35,7 +35,7 @@ use hallsweep_core::units::{MissionId, Seq};
 /// Reports that were handed over must be confirmed by every later version. So what one of them says is never said otherwise: whoever changes
 /// the page, its style, or a phrase that it says makes a further edition, and keeps what the earlier ones need. `words.txt` remembers
 /// what they say, `pages.txt` how some pages look, and tests hold them. Edition 2 scales the photos of a large report
-/// down, and says which robots took part and what was not searched.
+/// down, says which robots took part and what was not searched, and draws a reading until it is not known any more.
 pub const EDITION: u32 = 2;
 
 /// Entries that are looked at together.

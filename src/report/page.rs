@@ -119,7 +119,9 @@ impl Top<'_> {
         let seen = say("report-alarms-seen").with("count", tally.alarms).with("seen", tally.acknowledged);
         figures.push((say("report-alarms"), seen.to_string()));
         if let (Some((coldest, _)), Some((hottest, wall))) = (tally.coldest, tally.hottest) {
-            let say_range = say("report-range").with("least", self.language.celsius(coldest));
+            let stays = coldest == hottest && report.claim.edition > 1;
+            let say_range =
+                say(if stays { "report-constant" } else { "report-range" }).with("least", self.language.celsius(coldest));
             let range = say_range.with("most", self.language.celsius(hottest)).with("time", report.time(wall));
             figures.push((say("temperature"), range.to_string()));
         }

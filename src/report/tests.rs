@@ -15,7 +15,7 @@ use hallsweep_core::command::{Door, Issuer};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::Past;
 use hallsweep_core::event::Photo;
-use hallsweep_core::mission::Phase;
+use hallsweep_core::mission::{Hold, Phase};
 use hallsweep_core::search::Strategy;
 use hallsweep_core::state::{Conditions, Participant, PersistentState, Reach, Venue};
 use hallsweep_core::units::{Cell, Celsius, LuggageId, MissionId, Pose, Seq, WallTime};
@@ -258,6 +258,29 @@ fn the_outcome_says_what_was_not_searched_and_whether_it_was_simulated_and_by_wh
     );
     let earlier = simulated.report_of(1, Language::English);
     assert!(earlier.contains("The bomb was fetched and secured</p>") && !earlier.contains("simulated"), "edition 1 says it so");
+}
+
+#[test]
+fn a_temperature_that_stays_is_a_level_line_until_it_is_not_known_any_more_and_none_where_nothing_was_read() {
+    let at = |second: i64, fact| {
+        let began = command("anna", "x").wall;
+        Entry { wall: WallTime { unix_ms: began.unix_ms + second * 1000, ..began }, fact }
+    };
+    let read = || at(0, Fact::Temperature("robot".into(), Celsius::new(21.5).expect("a temperature")));
+    let end = || at(719, command("anna", "x").fact);
+    let lost = || at(300, Fact::Holds(vec![Hold::RobotLink]));
+    for (entries, said, points) in [
+        (vec![read(), end()], "<dd>constant 21.5 °C</dd>", "points=\"0,75.0 719,75.0 \""),
+        (vec![read(), lost(), lost(), end()], "<dd>constant 21.5 °C</dd>", "points=\"0,75.0 300,75.0 \""),
+        (vec![lost(), end()], "No reading is on record.", ""),
+    ] {
+        let mission = Mission::of(entries);
+        let page = mission.report(Language::English);
+        assert!(page.contains(said) && page.contains(points), "{said}: {page}");
+        assert_eq!(mission.confirms(&page), Ok(()));
+    }
+    let earlier = Mission::of(vec![read(), end()]).report_of(1, Language::English);
+    assert!(earlier.contains("points=\"0,75.0 \"") && !earlier.contains("constant"), "edition 1 has it so: {earlier}");
 }
 
 fn found() -> Entry {

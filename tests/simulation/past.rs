@@ -13,6 +13,7 @@ use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::Seq;
 use hallsweep_core::world::retrieval::RetrievalView;
 use hallsweep_core::world::snapshot::{MissionView, Progress, Snapshot};
+use hallsweep_core::world::temperature::TemperatureView;
 use hallsweep_sim::headless::Run;
 use hallsweep_sim::pair::PairSettings;
 use hallsweep_sim::{Camera, Hall, SimSettings};
@@ -26,7 +27,7 @@ fn past(entries: &[Entry]) -> Past {
     for entry in entries {
         state.apply(entry);
         if let Fact::Temperature(source, celsius) = &entry.fact {
-            readings.push((Arc::clone(source), *celsius));
+            readings.push((Arc::clone(source), *celsius, entry.wall));
         }
     }
     Past { seq: Seq(entries.len() as u64), state, trail: way_behind(entries), readings, latest: Vec::new() }
@@ -59,7 +60,9 @@ fn check(run: &mut Run) {
     assert_eq!(cells(&then), cells(&live));
     assert_eq!(then.luggage, live.luggage);
     assert_eq!(then.alarms, live.alarms);
-    assert_eq!(then.temperature, live.temperature, "after entry {place}");
+    // A reading that says the same again is not on record, nor when a source fell silent.
+    let warm = |state: &Snapshot| TemperatureView { read: None, silent_since: None, ..state.temperature.clone() };
+    assert_eq!(warm(&then), warm(&live), "after entry {place}");
     assert_eq!(fetched(&then), fetched(&live), "after entry {place}");
 }
 

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use hallsweep_core::command::{Command, Refused, TemperatureReport, Verdict};
+use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::event::{Capabilities, Event, Parts, RobotEvent, RobotId};
 use hallsweep_core::mission::{Hold, PhaseName};
 use hallsweep_core::robots::Part;
@@ -167,4 +168,38 @@ fn why_there_is_no_link_is_logged_for_every_reason() {
         bare.robot(RobotEvent::LinkLost(words.to_owned()));
         assert!(said(&mut bare, words), "{words}");
     }
+}
+
+/// What is shown of a silent thermometer is no rule of motion: only a configured sensor holds (rule 5).
+#[test]
+fn a_robot_that_says_nothing_any_more_is_not_known_and_holds_no_more_than_before() {
+    let mut bare = Bare::linked();
+    let read = || RobotEvent::Temperature(Celsius::new(21.5).unwrap());
+    let is_silent = |bare: &mut Bare| bare.state().temperature.silent_since.is_some();
+    bare.robot(read());
+    let held = bare.holds();
+    assert!(!is_silent(&mut bare));
+    bare.wait_in_vain();
+    assert!(is_silent(&mut bare) && bare.holds() == held, "30 s are over");
+    assert_eq!(bare.state().temperature.status, TemperatureStatus::Ok);
+    bare.robot(read());
+    assert!(!is_silent(&mut bare), "the same reading again is one");
+    bare.robot(RobotEvent::LinkLost("cable".to_owned()));
+    assert!(is_silent(&mut bare) && bare.state().robot.unreached_since.is_some());
+    bare.link_up();
+    assert!(is_silent(&mut bare), "until it reads again");
+    assert_eq!(bare.state().robot.unreached_since, None);
+    bare.robot(read());
+    assert!(!is_silent(&mut bare));
+}
+
+#[test]
+fn a_mission_begins_with_what_was_read_before_it() {
+    let mut run = in_hall("empty-8x8");
+    run.reading(21.5).unwrap();
+    run.give(Command::Start).unwrap();
+    let began = run.journal.iter().position(|entry| matches!(entry.fact, Fact::MissionBegan(..))).expect("it began");
+    let reading = Fact::Temperature("operator".into(), Celsius::new(21.5).unwrap());
+    let is_read = |entry: &Entry| entry.fact == reading;
+    assert!(run.journal[began..].iter().any(is_read), "else its record would say that nothing was read");
 }

@@ -80,8 +80,8 @@ fn register_state(snapshot: &Snapshot, to: &mut Registry) {
     let robots = snapshot.robots.iter().map(|robot| ([robot.id.name()], flag(!robot.holds.contains(&Hold::RobotLink))));
     to.register("robot_reached", "1 for a robot that can be reached, 0 for one that cannot", Series::of(["robot"], robots));
     let temperature = &snapshot.temperature;
-    let latest = "The latest reading of all sources; none before the first";
-    if let Some(reading) = temperature.celsius {
+    let latest = "The latest reading of all sources; none before the first and while they are silent";
+    if let Some(reading) = temperature.celsius.filter(|_| temperature.silent_since.is_none()) {
         to.register_with_unit("temperature", latest, Unit::Celsius, degrees(reading));
     }
     let threshold = "Above this nothing moves";

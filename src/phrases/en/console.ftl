@@ -13,6 +13,9 @@ live-loaded = as loaded
 live-opening = joining
 live-on = live
 live-lost = lost
+live-unlinked = page only
+not-known = not known
+unknown-since = not known since { $time }, last: { $last }
 side = What is wanted, controls, luggage and log
 laboratory = laboratory
 simulator = simulator
@@ -40,6 +43,7 @@ led = LED { $state }
 led-none = none
 led-blinking = blinking
 led-off = off
+led-unknown = not known
 
 ## Why buttons are dead
 
@@ -107,10 +111,15 @@ left-range = { $least } to { $most } of driving left
 alarms = Alarms
 alarm-at = <b>⚠ Alarm</b> <time class="num">{ $time }</time><br>{ $text }
 alarm-unrecorded = <b>⚠ Alarm</b> <time class="num">{ $time }</time> (not on record yet)<br>{ $text }
+alarm-then = <b>Alarm</b> raised at <time class="num">{ $time }</time>, not acknowledged then:<br>{ $text }
 acknowledge = Acknowledge
 incident = { $count ->
     [one] ⚠ Danger: a bomb in the hall
    *[other] ⚠ Danger: { $count } bombs in the hall
+}
+incident-then = { $count ->
+    [one] Danger then: a bomb was in the hall
+   *[other] Danger then: { $count } bombs were in the hall
 }
 incident-acknowledged = Alarm at <time class="num">{ $raised }</time>; acknowledged by <b>{ $who }</b> at <time class="num">{ $seen }</time>
 incident-alarm = <b>Alarm</b> at <time class="num">{ $time }</time>: { $text }.<br><b>Nobody has acknowledged it yet.</b>
@@ -170,6 +179,7 @@ take-earlier = earlier photo { $take }
 retake = Take the photo again
 verdict-title = Verdict
 nothing-waits = No luggage waits for a verdict. Its photo and the buttons SAFE and DANGER will be here.
+nothing-waited = No luggage waited for a verdict.
 
 ## Luggage
 
@@ -184,6 +194,10 @@ temperature = Temperature
 temperature-limit = limit { $threshold }
 temperature-no-reading = no reading
 temperature-unread = no thermometer was read: nobody says how warm it is
+temperature-unheard = no thermometer is heard: nobody says how warm it is
+reading-age = read <b data-since="{ $since }" data-old="{ $old }">{ $time }</b> ago
+reading-on-record = on record since { $time }
+reading-lost-then = not known then, last: { $last }
 temperature-ok = ok
 temperature-declared = too high by an operator's word: press OK to take it back
 temperature-high = too high: nothing moves
@@ -212,7 +226,6 @@ robot-instead = Instead of what is missing
 robot-lacks = No { $part }
 before-entrance = before the entrance
 off-centre = { $place }, off centre
-sonar-unknown = not known
 sonar-none = none
 sonar-nothing = nothing near
 parts-unknown = not known while there is no link

@@ -28,6 +28,7 @@ report-refused = Commands refused
 report-alarms = Alarms
 report-alarms-seen = { $count }, acknowledged: { $seen }
 report-range = { $least } to { $most }; the highest { $time }
+report-constant = constant { $least }
 report-starts = Restarts of the program
 
 ## What cannot be read

@@ -13,6 +13,9 @@ live-loaded = com'era
 live-opening = si collega
 live-on = in diretta
 live-lost = perso
+live-unlinked = solo pagina
+not-known = non noto
+unknown-since = non noto dalle { $time }, da ultimo: { $last }
 side = Che cosa serve, comandi, bagagli e cronaca
 laboratory = laboratorio
 simulator = simulatore
@@ -40,6 +43,7 @@ led = LED { $state }
 led-none = assente
 led-blinking = lampeggia
 led-off = spento
+led-unknown = non noto
 
 ## Why buttons are dead
 
@@ -107,10 +111,15 @@ left-range = ancora da { $least } a { $most } di guida
 alarms = Allarmi
 alarm-at = <b>⚠ Allarme</b> <time class="num">{ $time }</time><br>{ $text }
 alarm-unrecorded = <b>⚠ Allarme</b> <time class="num">{ $time }</time> (non ancora registrato)<br>{ $text }
+alarm-then = <b>Allarme</b> dato alle <time class="num">{ $time }</time>, allora non confermato:<br>{ $text }
 acknowledge = Confermare
 incident = { $count ->
     [one] ⚠ Pericolo: una bomba nella sala
    *[other] ⚠ Pericolo: { $count } bombe nella sala
+}
+incident-then = { $count ->
+    [one] Pericolo allora: una bomba era nella sala
+   *[other] Pericolo allora: { $count } bombe erano nella sala
 }
 incident-acknowledged = Allarme alle <time class="num">{ $raised }</time>; confermato da <b>{ $who }</b> alle <time class="num">{ $seen }</time>
 incident-alarm = <b>Allarme</b> alle <time class="num">{ $time }</time>: { $text }.<br><b>Nessuno l'ha ancora confermato.</b>
@@ -173,6 +182,7 @@ take-earlier = foto precedente { $take }
 retake = Rifare la foto
 verdict-title = Verdetto
 nothing-waits = Nessun bagaglio attende un verdetto. La sua foto e i pulsanti SICURO e PERICOLO saranno qui.
+nothing-waited = Nessun bagaglio attendeva un verdetto.
 
 ## Luggage
 
@@ -187,6 +197,10 @@ temperature = Temperatura
 temperature-limit = soglia { $threshold }
 temperature-no-reading = nessuna lettura
 temperature-unread = nessun termometro è stato letto: nessuno dice quanto fa caldo
+temperature-unheard = nessun termometro si fa sentire: nessuno dice quanto fa caldo
+reading-age = letta <b data-since="{ $since }" data-old="{ $old }">{ $time }</b> fa
+reading-on-record = registrata dalle { $time }
+reading-lost-then = allora non nota, da ultimo: { $last }
 temperature-ok = nella norma
 temperature-declared = troppo alta secondo un operatore: premere OK per ritirarlo
 temperature-high = troppo alta: niente si muove
@@ -215,7 +229,6 @@ robot-instead = Al posto di ciò che manca
 robot-lacks = Senza { $part }
 before-entrance = davanti all'ingresso
 off-centre = { $place }, fuori centro
-sonar-unknown = non noto
 sonar-none = assente
 sonar-nothing = niente vicino
 parts-unknown = non note finché non c'è collegamento

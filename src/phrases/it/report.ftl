@@ -28,6 +28,7 @@ report-refused = Comandi rifiutati
 report-alarms = Allarmi
 report-alarms-seen = { $count }, confermati: { $seen }
 report-range = da { $least } a { $most }; la più alta { $time }
+report-constant = costante { $least }
 report-starts = Riavvii del programma
 
 ## Ciò che non si può leggere

@@ -19,7 +19,7 @@ use crate::runtime::clock::Clock;
 use crate::runtime::link::{RobotSide, Stamped};
 use hallsweep_core::effect::Order;
 use hallsweep_core::event::{Capabilities, Photo, RobotEvent};
-use hallsweep_core::units::{Cell, Now, OrderId};
+use hallsweep_core::units::{Cell, Celsius, Now, OrderId};
 use hallsweep_sim::{Faults, Hall, Sim, SimSettings, Speed};
 
 /// What drawing a photo may take of real time, whatever the speed; the core is told so. It takes some hundredths of a second, but the
@@ -28,6 +28,9 @@ const DEVELOPING: Duration = Duration::from_secs(3);
 
 /// So long after the state file could not be written it is tried again, when nothing new has happened before.
 const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
+
+/// A thermometer says at least so often what it reads: one that is gone is told thereby from a hall in which it stays as warm.
+const READ_AGAIN: Duration = Duration::from_secs(10);
 
 /// A simulated robot before it runs, and what is to become of it.
 pub(super) struct Begin {
@@ -59,6 +62,7 @@ pub(super) async fn run(begin: Begin, side: RobotSide, clock: Clock) {
         state_file,
         writing: None,
         write_again: None,
+        reading: None,
         floor,
         remote,
         has_faults,
@@ -102,6 +106,8 @@ struct Link {
     writing: Option<JoinHandle<SimStateFile>>,
     /// When what could not be written is tried again, by the real clock.
     write_again: Option<Duration>,
+    /// What the thermometer read last, and when it says so again, by the real clock.
+    reading: Option<(Celsius, Duration)>,
     floor: Floor,
     remote: Remote,
     has_faults: bool,
@@ -151,7 +157,8 @@ impl Link {
     /// When the simulation has to be looked at again, by the real clock.
     fn wake(&self) -> Instant {
         let at = self.time.comes(self.sim.poll_timeout(), self.clock.now().since_start);
-        self.clock.instant(self.write_again.map_or(at, |again| again.min(at)))
+        let again = [self.write_again, self.reading.map(|(_, again)| again)];
+        self.clock.instant(again.into_iter().flatten().fold(at, Duration::min))
     }
 
     /// Whether time is not waited for.
@@ -189,9 +196,21 @@ impl Link {
         if self.report.is_none() && !self.controls.is_link_lost {
             self.report = self.sim.poll_event();
         }
+        self.read_again();
         if let Some(RobotEvent::LinkUp(capabilities)) = self.report {
             self.report = Some(RobotEvent::LinkUp(self.in_real_time(capabilities)));
             self.said.extend(self.time.is_paused().then_some(RobotEvent::Paused));
+        }
+    }
+
+    fn read_again(&mut self) {
+        let now = self.clock.now().since_start;
+        if let Some(RobotEvent::Temperature(celsius)) = self.report {
+            self.reading = Some((celsius, now + READ_AGAIN));
+        } else if let Some((celsius, _)) = self.reading.filter(|(_, again)| *again <= now && self.report.is_none()) {
+            self.reading = Some((celsius, now + READ_AGAIN));
+            let is_heard = !self.controls.is_link_lost && !self.controls.faults.no_thermometer;
+            self.report = is_heard.then_some(RobotEvent::Temperature(celsius));
         }
     }
 
@@ -259,7 +278,7 @@ impl Link {
         self.sim.handle_faults(self.controls.faults, Now::default());
         self.sim.handle_led(*self.side.led.borrow());
         self.time.begin_again(self.clock.now().since_start);
-        (self.developing, self.write_again) = (None, None);
+        (self.developing, self.write_again, self.reading) = (None, None, None);
         if let Some(state_file) = &mut self.state_file {
             state_file.move_to(&hall);
         }

@@ -244,3 +244,19 @@ async fn it_ends_when_the_loop_is_gone() {
     drop(link);
     within("its end", task).await.unwrap();
 }
+
+/// A thermometer that is gone looks otherwise like a hall that stays as warm as it is.
+#[tokio::test(start_paused = true)]
+async fn a_thermometer_says_again_what_it_reads_while_that_stays_the_same() {
+    let hall = Hall::parse("test.toml", "drawing = \"\"\"\nS.\n..\n\"\"\"\n[[temperature]]\nat_s = 0\ncelsius = 20\n").unwrap();
+    let sim = Sim::new(Arc::new(hall), SimSettings::new(1, Camera::Stub));
+    let mut test = Test::with(sim, Speed::Times(1.0), None).await.0;
+    let reading = RobotEvent::Temperature(Celsius::new(20.0).unwrap());
+    assert_eq!(test.answer().await, reading);
+    for _ in 0..2 {
+        let clock = Clock::default();
+        let again = tokio::time::timeout(2 * READ_AGAIN, test.link.reports.recv()).await.expect("it reads again");
+        assert_eq!(again, Some(reading.clone()));
+        assert!(clock.now().since_start >= READ_AGAIN / 2);
+    }
+}

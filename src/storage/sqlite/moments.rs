@@ -134,6 +134,6 @@ fn moment(
     })
 }
 
-fn reading(entry: Entry) -> Option<(Arc<str>, Celsius)> {
-    if let Fact::Temperature(source, celsius) = entry.fact { Some((source, celsius)) } else { None }
+fn reading(Entry { wall, fact }: Entry) -> Option<(Arc<str>, Celsius, WallTime)> {
+    if let Fact::Temperature(source, celsius) = fact { Some((source, celsius, wall)) } else { None }
 }

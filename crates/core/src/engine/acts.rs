@@ -67,6 +67,10 @@ impl Engine {
         self.mission.forget_way();
         self.world.touch(Resource::Mission);
         self.record(Fact::MissionBegan(self.state.mission.next(), self.state.strategy));
+        // Only changes go on record: without this a mission in which the temperature stays has none.
+        for (source, celsius) in self.world.thermometer.readings() {
+            self.record(Fact::Temperature(source, celsius));
+        }
         self.led(true);
     }
 
@@ -222,10 +226,13 @@ impl Engine {
     }
 
     pub(super) fn read_temperature(&mut self, source: &Arc<str>, celsius: Celsius) {
+        let before = self.world.thermometer.last.clone();
         // A sensor that says the same again and again does not fill the journal.
-        if self.world.thermometer.read(source, celsius) {
-            self.world.touch(Resource::Temperature);
+        if self.world.thermometer.read(source, celsius, self.now) {
             self.record(Fact::Temperature(Arc::clone(source), celsius));
+        }
+        if self.world.thermometer.last != before {
+            self.world.touch(Resource::Temperature);
         }
         let held = self.state.holds.contains(Hold::Temperature);
         let context = InputContext { why: Some(HoldReason::Reading(celsius)), ..InputContext::default() };
@@ -233,6 +240,12 @@ impl Engine {
             (true, false) => self.feed(Input::Heat, &context),
             (false, true) => self.feed(Input::Cool, &context),
             (true, true) | (false, false) => {}
+        }
+    }
+
+    pub(super) fn fall_silent(&mut self, source: &str) {
+        if self.world.thermometer.fall_silent(source, self.now.wall) {
+            self.world.touch(Resource::Temperature);
         }
     }
 

@@ -241,7 +241,11 @@ impl Engine {
         self.write_refusals(refusals);
         self.write_stops(stops);
         self.outbox.record_overdue(now);
+        while let Some((_, source)) = self.world.thermometer.due().filter(|(due, _)| *due <= now.since_start) {
+            self.fall_silent(&source);
+        }
         while let Some(sensor) = self.watchdog.falls_silent(now.since_start) {
+            self.fall_silent(&sensor);
             self.feed(Input::SensorSilent, &InputContext { why: Some(HoldReason::Silent(sensor)), ..InputContext::default() });
         }
         while let Some(robot) = self.robots.overdue(now.since_start) {
@@ -271,7 +275,8 @@ impl Engine {
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
         let records = [self.stops.due(), self.refusals.due(), self.outbox.due_record()];
-        [self.robots.due(), self.watchdog.due(), self.tick_due()].into_iter().chain(records).flatten().min()
+        let silence = self.world.thermometer.due().map(|(due, _)| due);
+        [self.robots.due(), self.watchdog.due(), silence, self.tick_due()].into_iter().chain(records).flatten().min()
     }
 
     /// Everything that can be seen, at this moment; the same `Arc` until something changes.

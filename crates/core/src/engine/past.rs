@@ -11,9 +11,10 @@ use crate::mission::TRAIL;
 use crate::robots::RobotId;
 use crate::settings::Settings;
 use crate::state::PersistentState;
-use crate::units::{Cell, Celsius, Revision, Seq};
+use crate::units::{Cell, Celsius, Now, Revision, Seq, WallTime};
 use crate::world::resource::Resource;
 use crate::world::snapshot::Snapshot;
+use crate::world::temperature::hold_of_silence;
 
 /// What is on record of a moment.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,8 +25,8 @@ pub struct Past {
     pub state: PersistentState,
     /// The cells the robot that searches came through, the latest last.
     pub trail: Vec<Cell>,
-    /// The readings of not long before, oldest first, each with its source.
-    pub readings: Vec<(Arc<str>, Celsius)>,
+    /// The readings of not long before, oldest first, each with its source and when it went on record.
+    pub readings: Vec<(Arc<str>, Celsius, WallTime)>,
     /// The latest of what people did and what was found, oldest first.
     pub latest: Vec<Remembered>,
 }
@@ -76,8 +77,11 @@ impl Past {
         engine.state = state;
         engine.recall_team();
         engine.mission.trail = trail.into();
-        for (source, celsius) in readings {
-            engine.world.thermometer.read(&source, celsius);
+        for (source, celsius, wall) in readings {
+            engine.world.thermometer.read(&source, celsius, Now { wall, ..Now::default() });
+            if hold_of_silence(&source).is_some_and(|hold| engine.state.holds.contains(hold)) {
+                engine.world.thermometer.fall_silent(&source, wall);
+            }
         }
         for Remembered { wall, tone, said } in latest {
             engine.world.log.put(wall, tone, said);

@@ -160,6 +160,8 @@ impl Engine {
         }
         if let Some(celsius) = self.state.reading {
             self.read_temperature(&Arc::from(OPERATOR), celsius);
+            // How old it is nobody knows.
+            self.fall_silent(OPERATOR);
         }
     }
 

@@ -154,14 +154,17 @@ impl Engine {
     }
 
     fn link_up(&mut self, robot: &RobotId, can: Capabilities) {
-        if !can.parts.has(Part::Thermometer) && self.world.thermometer.retire(&self.thermometer_of(robot)) {
-            self.world.touch(Resource::Temperature);
-            self.write_trouble(Tone::Warning, robot, Trouble::NoThermometer);
+        if !can.parts.has(Part::Thermometer) {
+            self.fall_silent(&self.thermometer_of(robot));
+            if self.world.thermometer.retire(&self.thermometer_of(robot)) {
+                self.world.touch(Resource::Temperature);
+                self.write_trouble(Tone::Warning, robot, Trouble::NoThermometer);
+            }
         }
         let now = self.now.since_start;
         let Some(known) = self.robots.get_mut(robot) else { return };
         known.controller.link_up(can, now);
-        known.unreached = None;
+        (known.unreached, known.unreached_since) = (None, None);
         if self.robots.searching_id() == robot {
             self.planner.costs = self.settings.costs.unwrap_or_else(|| Costs::of(can.step, can.turn));
         }
@@ -178,9 +181,11 @@ impl Engine {
 
     /// The robot halts by itself; where exactly it stands is not known before it is recentred. The others go on.
     pub(super) fn link_lost(&mut self, robot: &RobotId, words: String) {
-        let searches = self.searches(robot);
+        let (searches, now) = (self.searches(robot), self.now.wall);
+        self.fall_silent(&self.thermometer_of(robot));
         let Some(known) = self.robots.get_mut(robot) else { return };
         known.off_centre |= known.controller.lose();
+        known.unreached_since.get_or_insert(now);
         known.arm_is_heard = false;
         known.unreached = Some(Arc::from(&*words));
         self.world.touch(Resource::Robot);

@@ -42,6 +42,7 @@ impl Engine {
             outside: self.steps_outside(id),
             sonar_cm: robot.sonar_cm,
             led_blinking: false,
+            unreached_since: robot.unreached_since,
         }
     }
 

@@ -13,6 +13,7 @@ pub use self::parts::{Part, Parts};
 use crate::event::Ahead;
 use crate::mission::{Hold, Holds};
 use crate::retrieval::ArmState;
+use crate::units::WallTime;
 
 /// The name by which settings, orders, reports and records mean one robot.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -68,6 +69,7 @@ pub(crate) struct Robot {
     pub(crate) failures: u32,
     /// Why it cannot be reached, while that is so and a reason is known.
     pub(crate) unreached: Option<Arc<str>>,
+    pub(crate) unreached_since: Option<WallTime>,
 }
 
 #[derive(Clone, Debug)]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::mission::Hold;
 use crate::retrieval::ArmState;
 use crate::robots::{Parts, RobotId};
-use crate::units::Pose;
+use crate::units::{Pose, WallTime};
 
 /// What is shown of a robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +24,8 @@ pub struct RobotView {
     pub sonar_cm: Option<u16>,
     /// Whether the LED blinks.
     pub led_blinking: bool,
+    /// Since when it cannot be reached, so that all of this is what it last said; `None` while it can.
+    pub unreached_since: Option<WallTime>,
 }
 
 /// One of all robots.

@@ -3,8 +3,10 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::time::Duration;
 
-use crate::units::Celsius;
+use crate::mission::Hold;
+use crate::units::{Celsius, Now, WallTime};
 
 /// The source of the operator's own readings.
 pub const OPERATOR: &str = "operator";
@@ -18,6 +20,27 @@ pub const OTHERS: &str = "others";
 /// How many sources are listened to: the operator, the hall, and room for the sensors of a large hall.
 pub const SOURCES: usize = 64;
 
+/// A robot's thermometer that has said nothing for so long is silent; of a sensor a setting says how long.
+pub const SILENCE: Duration = Duration::from_secs(30);
+
+/// The time of a reading is shown anew after so long where nothing else is new: a thermometer that speaks often does not make every door speak.
+const SHOWN_ANEW: Duration = Duration::from_secs(5);
+
+/// The hold that says that a source of readings is silent; `None` for people, who are asked for nothing regularly.
+#[must_use]
+pub fn hold_of_silence(source: &str) -> Option<Hold> {
+    match source {
+        OPERATOR => None,
+        source if is_robot(source) => Some(Hold::RobotLink),
+        _ => Some(Hold::TemperatureStale),
+    }
+}
+
+/// No sensor has a blank in its name.
+fn is_robot(source: &str) -> bool {
+    source == ROBOT || source.strip_prefix(ROBOT).is_some_and(|rest| rest.starts_with(' '))
+}
+
 /// The last reading of every source. A source is hot from a reading above the threshold until one at or below
 /// threshold − hysteresis; the hall is hot while any source is.
 #[derive(Clone, Debug)]
@@ -25,14 +48,16 @@ pub(crate) struct Thermometer {
     threshold: Celsius,
     hysteresis: f64,
     sources: BTreeMap<Arc<str>, Source>,
-    /// The latest reading of all.
-    pub(crate) last: Option<Celsius>,
+    /// The latest reading of those that are not silent, else of all; its time may be a little older than the latest.
+    pub(crate) last: Option<(Arc<str>, Source)>,
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Source {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Source {
     hot: bool,
     reading: Celsius,
+    read: Now,
+    silent_since: Option<WallTime>,
 }
 
 impl Thermometer {
@@ -42,21 +67,45 @@ impl Thermometer {
 
     /// Takes a reading; true when it is news: of this source, or in what a door shows. Readings of more sources than can be listened to are
     /// shown, and count as `OTHERS`.
-    pub(crate) fn read(&mut self, source: &Arc<str>, reading: Celsius) -> bool {
+    pub(crate) fn read(&mut self, source: &Arc<str>, reading: Celsius, now: Now) -> bool {
         let source = if self.sources.len() < SOURCES || self.sources.contains_key(source) {
             Arc::clone(source)
         } else {
             Arc::from(OTHERS)
         };
-        let known = self.sources.get(&source).map(|source| source.reading);
-        let entry = self.sources.entry(source).or_insert(Source { hot: false, reading });
-        entry.reading = reading;
-        if reading > self.threshold {
-            entry.hot = true;
-        } else if reading.degrees() <= self.threshold.degrees() - self.hysteresis {
-            entry.hot = false;
+        let known = self.sources.get(&source).copied();
+        let stays_hot = known.is_some_and(|known| known.hot) && reading > self.cool();
+        let next = Source { hot: reading > self.threshold || stays_hot, reading, read: now, silent_since: None };
+        self.sources.insert(Arc::clone(&source), next);
+        let is_the_same = known.is_some_and(|known| known.reading == reading && known.silent_since.is_none());
+        let last = self.last.as_ref().filter(|(_, last)| last.reading == reading && last.silent_since.is_none());
+        let is_news = !is_the_same || last.is_none();
+        let is_shown = last.is_some_and(|(_, last)| now.since_start.saturating_sub(last.read.since_start) < SHOWN_ANEW);
+        if is_news || !is_shown {
+            self.last = Some((source, next));
         }
-        self.last.replace(reading) != Some(reading) || known != Some(reading)
+        is_news
+    }
+
+    /// What this source read last is not known any more; true when that is news.
+    pub(crate) fn fall_silent(&mut self, source: &str, wall: WallTime) -> bool {
+        let Some(known) = self.sources.get_mut(source).filter(|known| known.silent_since.is_none()) else { return false };
+        known.silent_since = Some(wall);
+        let latest = self.sources.iter().max_by_key(|(_, source)| (source.silent_since.is_none(), source.read.since_start));
+        self.last = latest.map(|(name, source)| (Arc::clone(name), *source));
+        true
+    }
+
+    /// When the next robot's thermometer falls silent that does not speak until then, and which it is.
+    pub(crate) fn due(&self) -> Option<(Duration, Arc<str>)> {
+        let speaking = self.sources.iter().filter(|(name, source)| is_robot(name) && source.silent_since.is_none());
+        speaking.map(|(name, source)| (source.read.since_start.saturating_add(SILENCE), Arc::clone(name))).min()
+    }
+
+    /// What the sources say that are not silent.
+    pub(crate) fn readings(&self) -> Vec<(Arc<str>, Celsius)> {
+        let speaking = self.sources.iter().filter(|(_, source)| source.silent_since.is_none());
+        speaking.map(|(name, source)| (Arc::clone(name), source.reading)).collect()
     }
 
     /// The source will not be heard again. If its last word is that it is too hot, that becomes the operator's word, who alone can take it
@@ -76,7 +125,19 @@ impl Thermometer {
 
     pub(crate) fn view(&self, status: TemperatureStatus) -> TemperatureView {
         let hot = self.sources.iter().filter(|(_, source)| source.hot).map(|(name, source)| (Arc::clone(name), source.reading));
-        TemperatureView { celsius: self.last, status, threshold: self.threshold, cool: self.cool(), hot: hot.collect() }
+        let last = self.last.as_ref().map(|(_, last)| *last);
+        let silent_since = last.and_then(|last| last.silent_since);
+        // One that was never heard in this run is remembered from before, and its silence began with the run.
+        let read = last.map(|last| last.read.wall).filter(|read| Some(*read) != silent_since);
+        TemperatureView {
+            celsius: last.map(|last| last.reading),
+            read,
+            silent_since,
+            status,
+            threshold: self.threshold,
+            cool: self.cool(),
+            hot: hot.collect(),
+        }
     }
 
     fn cool(&self) -> Celsius {
@@ -87,8 +148,12 @@ impl Thermometer {
 /// What is shown of the temperature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TemperatureView {
-    /// The latest reading, if there was one.
+    /// The latest reading of all sources that are not silent, else of all; `None` before the first.
     pub celsius: Option<Celsius>,
+    /// When it was read, to some seconds; `None` where that is not known.
+    pub read: Option<WallTime>,
+    /// Since when its source is silent, so that nobody knows the temperature; `None` while it is known.
+    pub silent_since: Option<WallTime>,
     /// What it means.
     pub status: TemperatureStatus,
     /// Above this nothing moves.
@@ -121,6 +186,11 @@ mod tests {
         Celsius::new(degrees).expect("the tests use believable temperatures")
     }
 
+    fn at(second: u64) -> Now {
+        let wall = WallTime { unix_ms: 1_000_000 + 1000 * i64::try_from(second).unwrap(), offset_s: 0 };
+        Now { since_start: Duration::from_secs(second), wall }
+    }
+
     fn thermometer() -> Thermometer {
         Thermometer::new(celsius(25.0), 1.0)
     }
@@ -128,42 +198,84 @@ mod tests {
     #[test]
     fn the_threshold_itself_is_not_too_hot() {
         let mut thermometer = thermometer();
-        thermometer.read(&"hall".into(), celsius(25.0));
+        thermometer.read(&"hall".into(), celsius(25.0), at(0));
         assert!(!thermometer.is_hot());
-        thermometer.read(&"hall".into(), celsius(25.1));
+        thermometer.read(&"hall".into(), celsius(25.1), at(0));
         assert!(thermometer.is_hot());
     }
 
     #[test]
     fn it_is_cool_again_only_one_degree_below() {
         let mut thermometer = thermometer();
-        thermometer.read(&"hall".into(), celsius(26.0));
-        thermometer.read(&"hall".into(), celsius(24.5));
+        thermometer.read(&"hall".into(), celsius(26.0), at(0));
+        thermometer.read(&"hall".into(), celsius(24.5), at(0));
         assert!(thermometer.is_hot());
-        thermometer.read(&"hall".into(), celsius(24.0));
+        thermometer.read(&"hall".into(), celsius(24.0), at(0));
         assert!(!thermometer.is_hot());
     }
 
     #[test]
     fn every_source_must_permit() {
         let mut thermometer = thermometer();
-        thermometer.read(&"operator".into(), celsius(30.0));
-        thermometer.read(&"hall".into(), celsius(20.0));
+        thermometer.read(&"operator".into(), celsius(30.0), at(0));
+        thermometer.read(&"hall".into(), celsius(20.0), at(0));
         assert!(thermometer.is_hot(), "one cool source does not speak for a hot one");
-        thermometer.read(&"operator".into(), celsius(20.0));
+        thermometer.read(&"operator".into(), celsius(20.0), at(0));
         assert!(!thermometer.is_hot());
     }
 
     #[test]
     fn what_a_source_said_that_is_gone_is_the_operators_to_take_back() {
         let mut thermometer = thermometer();
-        thermometer.read(&"robot".into(), celsius(20.0));
+        thermometer.read(&"robot".into(), celsius(20.0), at(0));
         assert!(!thermometer.retire("robot") && !thermometer.is_hot(), "it was not hot");
-        thermometer.read(&"operator".into(), celsius(20.0));
-        thermometer.read(&"robot".into(), celsius(30.0));
+        thermometer.read(&"operator".into(), celsius(20.0), at(0));
+        thermometer.read(&"robot".into(), celsius(30.0), at(0));
         assert!(thermometer.retire("robot") && thermometer.is_hot(), "a thermometer that is taken away cools no hall");
         assert!(!thermometer.retire("robot") && thermometer.is_hot(), "it is said once");
-        thermometer.read(&"operator".into(), celsius(20.0));
+        thermometer.read(&"operator".into(), celsius(20.0), at(0));
         assert!(!thermometer.is_hot());
+    }
+
+    #[test]
+    fn what_a_silent_source_read_is_not_known_any_more_until_it_reads_again() {
+        let mut thermometer = thermometer();
+        let shown = |thermometer: &Thermometer| {
+            let view = thermometer.view(TemperatureStatus::Ok);
+            (view.celsius, view.read, view.silent_since)
+        };
+        let robot: Arc<str> = "robot".into();
+        assert!(thermometer.read(&robot, celsius(21.5), at(0)));
+        assert!(!thermometer.read(&robot, celsius(21.5), at(3)));
+        assert_eq!(shown(&thermometer), (Some(celsius(21.5)), Some(at(0).wall), None), "shown anew only after a while");
+        assert!(!thermometer.read(&robot, celsius(21.5), at(10)));
+        assert_eq!(shown(&thermometer), (Some(celsius(21.5)), Some(at(10).wall), None));
+        assert_eq!(thermometer.due(), Some((Duration::from_secs(40), Arc::clone(&robot))));
+        assert!(
+            thermometer.fall_silent("robot", at(40).wall) && !thermometer.fall_silent("robot", at(50).wall),
+            "it is said once"
+        );
+        assert_eq!(shown(&thermometer), (Some(celsius(21.5)), Some(at(10).wall), Some(at(40).wall)));
+        assert!(thermometer.due().is_none() && thermometer.readings().is_empty());
+        assert!(thermometer.read(&robot, celsius(21.5), at(60)), "that it is known again is news");
+        assert_eq!(shown(&thermometer), (Some(celsius(21.5)), Some(at(60).wall), None));
+    }
+
+    #[test]
+    fn while_one_source_is_silent_the_latest_of_the_others_is_shown() {
+        let mut thermometer = thermometer();
+        thermometer.read(&"operator".into(), celsius(20.0), at(0));
+        thermometer.read(&"robot".into(), celsius(21.5), at(1));
+        assert!(thermometer.fall_silent("robot", at(2).wall));
+        let view = thermometer.view(TemperatureStatus::Ok);
+        assert_eq!((view.celsius, view.read, view.silent_since), (Some(celsius(20.0)), Some(at(0).wall), None));
+        assert!(!thermometer.retire("robot"));
+    }
+
+    #[test]
+    fn people_are_never_silent_and_everything_else_has_a_hold_that_says_so() {
+        let said = ["operator", "robot", "robot srm1", "roof", "robot-roof"].map(hold_of_silence);
+        let [link, stale] = [Hold::RobotLink, Hold::TemperatureStale].map(Some);
+        assert_eq!(said, [None, link, link, stale, stale]);
     }
 }

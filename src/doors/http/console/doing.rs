@@ -1,11 +1,13 @@
 //! What the console says of the robots' doings, and of the one that searches: whether it is there, and what it is made of.
 
 use std::borrow::Cow;
+use std::fmt::Display;
 
 use super::view::View;
 use crate::phrases::Phrase;
 use hallsweep_core::mission::Hold;
 use hallsweep_core::robots::{Part, Parts};
+use hallsweep_core::units::WallTime;
 use hallsweep_core::world::robot::{RobotShown, RobotState, RobotView};
 
 /// So many pieces are named to somebody who listens: as many as one remembers.
@@ -40,8 +42,36 @@ impl View<'_> {
         self.say_of("led", self.led())
     }
 
+    /// Whether what is shown of the robot that searches is so, and not only what it said last. In the past it is what is on record.
+    pub(super) fn is_reached(&self) -> bool {
+        self.then.is_some() || self.snapshot.robots.first().is_none_or(|robot| robot.parts.is_some())
+    }
+
+    /// What a robot says of itself; without its link, since when that is not known, and what it said last.
+    pub(super) fn as_known(&self, robot: &RobotShown, last: &impl Display) -> String {
+        match robot.view.unreached_since {
+            _ if self.then.is_some() || robot.parts.is_some() => last.to_string(),
+            Some(since) => self.unknown_since(since, last).to_string(),
+            None => self.say("not-known").to_string(),
+        }
+    }
+
+    /// The same of the robot that searches.
+    pub(super) fn known(&self, last: &impl Display) -> String {
+        self.snapshot.robots.first().map_or_else(|| last.to_string(), |robot| self.as_known(robot, last))
+    }
+
+    pub(super) fn unknown_since(&self, since: WallTime, last: impl Display) -> Phrase<'static> {
+        self.say("unknown-since").with("time", self.zone().clock_time(since)).with("last", last)
+    }
+
     /// What its LED does.
     pub(super) fn led(&self) -> &'static str {
+        if self.is_reached() { self.last_led() } else { "unknown" }
+    }
+
+    /// What its LED did when it was last heard.
+    pub(super) fn last_led(&self) -> &'static str {
         match self.parts() {
             Some(parts) if !parts.has(Part::Led) => "none",
             Some(_) | None if self.snapshot.robot.led_blinking => "blinking",
@@ -54,6 +84,11 @@ impl View<'_> {
         if self.unreached().is_some() {
             return self.say("doing-no-link");
         }
+        self.last_state()
+    }
+
+    /// What it did when it was last heard.
+    pub(super) const fn last_state(&self) -> Phrase<'static> {
         self.does_itself(&self.snapshot.robot)
     }
 
@@ -86,7 +121,7 @@ impl View<'_> {
             _ => self.say("hall-robot-outside"),
         };
         let search = self.say("hall-in-words").with("searched", self.searched()).with("open", self.open());
-        let mut words = vec![search.with("robot", stands).to_string()];
+        let mut words = vec![search.with("robot", self.known(&stands)).to_string()];
         let pieces = &self.snapshot.luggage;
         let left = pieces.pending().chain(pieces.bombs_left()).take(NAMED);
         words.extend(left.map(|piece| {

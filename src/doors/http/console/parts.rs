@@ -226,20 +226,35 @@ impl Inspect<'_> {
 
 impl Robot<'_> {
     fn sonar(&self) -> String {
-        match self.v.parts() {
-            None => return self.v.say("sonar-unknown").to_string(),
-            Some(parts) if !parts.has(robots::Part::Sonar) => return self.v.say("sonar-none").to_string(),
-            Some(_) => {}
+        if self.v.parts().is_some_and(|parts| !parts.has(robots::Part::Sonar)) {
+            return self.v.say("sonar-none").to_string();
         }
         let cm = self.v.snapshot.robot.sonar_cm;
-        cm.map_or_else(|| self.v.say("sonar-nothing").to_string(), |cm| format!("{cm} cm"))
+        self.v.known(&cm.map_or_else(|| self.v.say("sonar-nothing").to_string(), |cm| format!("{cm} cm")))
+    }
+
+    fn state(&self) -> String {
+        self.v.known(&self.v.last_state())
+    }
+
+    fn heading(&self) -> String {
+        self.v.known(&self.v.say_of("heading", self.v.snapshot.robot.pose.heading.name()))
+    }
+
+    fn led(&self) -> String {
+        self.v.known(&self.v.say_of("led", self.v.last_led()))
+    }
+
+    fn place(&self, robot: &RobotShown) -> String {
+        let outside = self.v.say("before-entrance").to_string();
+        self.v.as_known(robot, &if robot.view.outside > 0 { outside } else { robot.view.pose.cell.to_string() })
     }
 
     fn position(&self) -> String {
         let robot = &self.v.snapshot.robot;
         let outside = self.v.say("before-entrance").to_string();
         let place = if robot.outside > 0 { outside } else { robot.pose.cell.to_string() };
-        if robot.off_centre { self.v.say("off-centre").with("place", place).to_string() } else { place }
+        self.v.known(&if robot.off_centre { self.v.say("off-centre").with("place", place).to_string() } else { place })
     }
 
     fn parts_in_words(&self) -> String {

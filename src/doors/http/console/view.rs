@@ -270,8 +270,11 @@ impl View<'_> {
         self.snapshot.mission.store_failure.as_deref().map(|words| words.trim_end_matches('.'))
     }
 
-    /// What is to be done next, in the phases in which the robot waits for it and no button by itself says so.
+    /// What is to be done next, in the phases in which the robot waits for it and no button by itself says so. In the past nothing is.
     pub(super) fn next_step(&self) -> Option<String> {
+        if self.then.is_some() {
+            return None;
+        }
         match self.snapshot.mission.phase {
             PhaseName::BombLocated => {
                 let bomb = self.snapshot.luggage.bombs_left().next();
@@ -317,6 +320,7 @@ impl View<'_> {
     /// The title of the window, so that another window does not hide what matters.
     pub(super) fn title(&self) -> String {
         let sign = match self.mood() {
+            _ if self.then.is_some() => "",
             Mood::Alarm => "⚠ ",
             Mood::Held => "‖ ",
             Mood::Working => "▶ ",

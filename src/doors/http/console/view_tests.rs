@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use super::super::page::Page;
 use super::super::parts::PARTS;
 use super::*;
 use crate::api::fixture::{TEN, degrees, idle, searching, touch};
@@ -292,4 +293,147 @@ fn beside_what_sounds_like_an_end_stands_what_is_not_searched() {
     for phase in [PhaseName::Exploring, PhaseName::Retrieving, PhaseName::Idle] {
         assert!(shown(phase, 24).iter().all(|said| !said.contains("not searched")), "{phase:?} is no end");
     }
+}
+
+/// What the page says in its fields that show what comes from outside: temperature on the bar, state, sonar, position, LED.
+fn fields(page: &str) -> [String; 5] {
+    let between = |from: &str, to: &str| page.split_once(from).map_or("", |(_, rest)| rest.split(to).next().unwrap_or_default());
+    let heat = between("<li class=\"num heat ", "</li>").split_once("\">").map_or("", |(_, heat)| heat);
+    let heat = heat.split(" <span class=\"quiet\">").next().unwrap_or_default();
+    let row = |label: &str| between(&format!("<dt>{label}</dt><dd>"), "</dd>").to_owned();
+    [heat.to_owned(), row("State"), row("Sonar"), row("Position"), row("LED")]
+}
+
+/// One state of the page: what it is called, the snapshot, its fields, what else it says, and what it must not.
+type Case<'c> = (&'c str, Snapshot, [&'c str; 5], &'c [&'c str], &'c [&'c str]);
+
+const KNOWN: [&str; 5] = ["21.4 °C", "stands still", "42 cm", "(2, 2)", "blinking"];
+
+/// The lamp of the LED is lit.
+const LIT: &str = "lamp led on";
+
+const FETCHED: &str = "The piece is being fetched";
+
+fn changed(mut snapshot: Snapshot, change: impl FnOnce(&mut Snapshot)) -> Snapshot {
+    change(&mut snapshot);
+    snapshot
+}
+
+/// The robot that searches lost its link on the move, at ten.
+fn unlinked() -> Snapshot {
+    changed(searching(), |snapshot| {
+        snapshot.robot.state = RobotState::MovingForward;
+        snapshot.robot.unreached_since = Some(TEN);
+        let robot = snapshot.robots[0].clone();
+        snapshot.robots = vec![RobotShown { view: snapshot.robot, parts: None, unreached: Some("cable".into()), ..robot }].into();
+    })
+}
+
+fn retrieving(holds: &[Hold]) -> Snapshot {
+    changed(searching(), |snapshot| {
+        snapshot.luggage = snapshot.luggage.iter().take(2).cloned().collect();
+        (snapshot.mission.phase, snapshot.mission.holds) = (PhaseName::Retrieving, holds.to_vec());
+    })
+}
+
+fn check_fields(is_past: bool, cases: impl IntoIterator<Item = Case<'static>>) {
+    for (state, snapshot, expect, says, never) in cases {
+        let then = is_past.then_some(Then { mission: 1, seq: 9, time: TEN.unix_ms, earlier: None, later: None });
+        let page = Page::new(&View { then, ..view(&snapshot) }).render().expect("it is written");
+        assert_eq!(fields(&page), expect.map(str::to_owned), "{state}");
+        for said in says {
+            assert!(page.contains(said), "{state}: {said} in {page}");
+        }
+        for said in never {
+            assert!(!page.contains(said), "{state}: no {said} in {page}");
+        }
+    }
+}
+
+#[test]
+fn in_every_state_of_a_mission_each_field_says_what_is_so() {
+    let moving = ["21.4 °C", "moves forward", "42 cm", "(2, 2)", "blinking"];
+    let explores = changed(searching(), |snapshot| {
+        (snapshot.mission.phase, snapshot.robot.state) = (PhaseName::Exploring, RobotState::MovingForward);
+    });
+    let stopped = changed(searching(), |snapshot| snapshot.mission.holds = vec![Hold::Operator]);
+    let hot = changed(searching(), |snapshot| {
+        snapshot.temperature.status = TemperatureStatus::TooHigh;
+        snapshot.temperature.hot = vec![("hall".into(), degrees(27.0))];
+        snapshot.mission.holds = vec![Hold::Temperature];
+    });
+    let too_hot = ["27.0 °C", "stands still", "42 cm", "(2, 2)", "blinking"];
+    let secured = changed(searching(), |snapshot| {
+        (snapshot.mission.phase, snapshot.luggage) = (PhaseName::BagSecured, Default::default());
+    });
+    let at_rest = ["no reading", "stands still", "nothing near", "(0, 0)", "off"];
+    check_fields(
+        false,
+        [
+            ("at rest", idle(), at_rest, &[][..], &[LIT, "unlinked\">"][..]),
+            ("exploring", explores, moving, &[LIT, "\" data-old=\"0\">1:14</b> ago"], &["unlinked\">"]),
+            ("awaiting a verdict", searching(), KNOWN, &["data-luggage=\"3\"", "Nobody has acknowledged it yet"], &[]),
+            ("stopped", stopped, KNOWN, &["held by STOP", "stopped by the operator"], &[]),
+            ("too hot", hot, too_hot, &["num heat tooHigh", "Hall reads 27.0 °C"], &["<p class=\"status\">ok</p>"]),
+            ("a retrieval", retrieving(&[]), KNOWN, &[FETCHED], &[]),
+            ("a retrieval stopped", retrieving(&[Hold::Operator]), KNOWN, &["held by STOP"], &[FETCHED]),
+            ("secured, with open places", secured, KNOWN, &["· 4 places not searched"], &[]),
+        ],
+    );
+}
+
+#[test]
+fn what_is_not_heard_any_more_is_not_known_in_any_field() {
+    let last = [
+        "21.4 °C",
+        "not known since 10:00:00, last: moves forward",
+        "not known since 10:00:00, last: 42 cm",
+        "not known since 10:00:00, last: (2, 2)",
+        "not known since 10:00:00, last: blinking",
+    ];
+    let silent = changed(searching(), |snapshot| snapshot.temperature.silent_since = Some(TEN));
+    let without = ["not known", "stands still", "42 cm", "(2, 2)", "blinking"];
+    let before = changed(idle(), |snapshot| {
+        snapshot.robots = vec![RobotShown { parts: None, ..snapshot.robots[0].clone() }].into();
+    });
+    let never = ["no reading", "not known", "not known", "not known", "not known"];
+    check_fields(
+        false,
+        [
+            ("before the first link", before, never, &["unlinked\">", "LED not known"][..], &[LIT][..]),
+            ("the link lost", unlinked(), last, &["unlinked\">", "LED not known"], &[LIT]),
+            (
+                "a silent thermometer",
+                silent,
+                without,
+                &["not known since 10:00:00, last: 21.4 °C", "num heat stale"],
+                &["num heat ok", "<p class=\"status\">ok</p>", "ago</p>"],
+            ),
+        ],
+    );
+    let css = include_str!("../../../../static/console.css");
+    assert!(
+        css.contains("#top:has(#bar.unlinked) .live .lamp { background: var(--amber)"),
+        "without a link the lamp is not green"
+    );
+}
+
+#[test]
+fn in_the_past_nothing_is_live_and_alarms_were_raised_then() {
+    let on_record = ["21.4 °C", "", "", "(2, 2)", "blinking"];
+    check_fields(
+        true,
+        [
+            (
+                "the past",
+                searching(),
+                on_record,
+                &["data-past=\"yes\"", "on record since 10:00:00", "<b>Alarm</b> raised at", "Danger then:"][..],
+                &["Nobody has acknowledged", "<b>Next:</b>", "class=\"evacuate\"", "panel alarm", "ago</p>", "unlinked\">"][..],
+            ),
+            ("the past of a lost link", unlinked(), on_record, &["data-past=\"yes\""], &["unlinked\">"]),
+        ],
+    );
+    let css = include_str!("../../../../static/console.css");
+    assert!(css.contains("html[data-past] .link { display: none; }"));
 }

@@ -66,9 +66,9 @@ fn temperature(topics: &Topics) -> Value {
         "state_class": "measurement",
         "unit_of_measurement": "°C",
         "state_topic": topics.state(Resource::Temperature),
-        "value_template": "{{ value_json.celsius }}",
+        "value_template": "{{ value_json.celsius if not value_json.silentSince else None }}",
         "json_attributes_topic": topics.state(Resource::Temperature),
-        "json_attributes_template": attributes(&["status", "threshold"]),
+        "json_attributes_template": attributes(&["status", "threshold", "readAt", "silentSince"]),
     })
 }
 

@@ -15,7 +15,7 @@ use super::super::hall::write;
 use hallsweep_core::units::Celsius;
 
 /// To the right of every moment there can be.
-const FAR: i64 = 1_000_000_000;
+pub(super) const FAR: i64 = 1_000_000_000;
 
 /// The temperatures that are drawn, below and above the threshold, in °C.
 const BELOW: f64 = 12.0;
@@ -31,7 +31,7 @@ pub(in super::super) const THRESHOLD_Y: f64 = COLD - BELOW / (ABOVE + BELOW) * (
 /// Where the line of the temperature has come.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reading {
-    x: i64,
+    pub(super) x: i64,
     pub(super) celsius: Celsius,
     height: f64,
     is_hot: bool,
@@ -76,19 +76,29 @@ impl Section {
         *at = Some(Reading { x, celsius, height, is_hot });
     }
 
+    /// Here the line ends: what was read last is not known any more.
+    pub(super) fn reading_ends(&mut self, x: i64, at: &mut Option<Reading>) {
+        if let Some(Reading { x: from, height, is_hot, .. }) = at.take() {
+            write(&mut self.temperature, format_args!("H{x}"));
+            if is_hot {
+                write(&mut self.hot, format_args!("M{from} {height}H{x}"));
+            }
+        }
+    }
+
     pub(super) fn go_on(&mut self, reading: Option<Reading>) {
         if let Some(Reading { x, height, .. }) = reading {
             write(&mut self.temperature, format_args!("M{x} {height}"));
         }
     }
 
-    /// Its group. In the last one what was read last holds on.
-    pub(super) fn drawn(&self, place: usize, reading: Option<Reading>, is_last: bool) -> String {
+    /// Its group. In the last one what was read last holds on, until there.
+    pub(super) fn drawn(&self, place: usize, reading: Option<Reading>, until: Option<i64>) -> String {
         let (mut temperature, mut hot) = (self.temperature.clone(), self.hot.clone());
-        if let Some(Reading { x, height, is_hot, .. }) = reading.filter(|_| is_last) {
-            write(&mut temperature, format_args!("H{FAR}"));
+        if let (Some(Reading { x, height, is_hot, .. }), Some(until)) = (reading, until) {
+            write(&mut temperature, format_args!("H{until}"));
             if is_hot {
-                write(&mut hot, format_args!("M{x} {height}H{FAR}"));
+                write(&mut hot, format_args!("M{x} {height}H{until}"));
             }
         }
         let line = |class: &str, path: &str| match path {
@@ -141,7 +151,7 @@ mod tests {
         let said: String = ('\0'..='\u{ff}').chain(['\u{fffd}', '\u{fffe}', '\u{ffff}', '鞄']).collect();
         let mut section = Section::default();
         section.mark(3, "refused", &said);
-        let drawn = section.drawn(0, None, true);
+        let drawn = section.drawn(0, None, Some(FAR));
         assert!(roxmltree::Document::parse(&drawn).is_ok(), "{drawn}");
         assert!(drawn.contains("é") && drawn.contains('鞄') && !drawn.contains('\u{ffff}'));
     }

@@ -4,10 +4,13 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::{View, capital};
-use crate::phrases::Phrase;
+use crate::phrases::{Markup, Phrase};
 use hallsweep_core::mission::Hold;
-use hallsweep_core::units::Celsius;
-use hallsweep_core::world::temperature::{OPERATOR, TemperatureStatus};
+use hallsweep_core::units::{Celsius, WallTime};
+use hallsweep_core::world::temperature::{OPERATOR, TemperatureStatus, TemperatureView};
+
+/// A reading is said to be old on the bar after this: thermometers and sensors read every 10 s, if not more often.
+const OLD_MS: i64 = 15_000;
 
 impl View<'_> {
     /// `21.5 °C`
@@ -20,16 +23,56 @@ impl View<'_> {
         self.language.number(&self.snapshot.temperature.threshold.degrees().to_string())
     }
 
-    /// The reading that matters: the hottest of those that are too hot, else the last; or that there is none.
+    /// The reading that matters: the hottest of those that are too hot, else the last; or that there is none, or none that is true still.
     pub(in super::super) fn celsius(&self) -> String {
         let hottest = self.hot().iter().map(|(_, reading)| *reading).max_by(|a, b| a.degrees().total_cmp(&b.degrees()));
-        let shown = hottest.or(self.snapshot.temperature.celsius);
-        shown.map_or_else(|| self.say("temperature-no-reading").to_string(), |celsius| self.degrees(&celsius))
+        let shown = hottest.or(self.snapshot.temperature.celsius.filter(|_| !self.is_silent()));
+        let none = if self.is_silent() { "not-known" } else { "temperature-no-reading" };
+        shown.map_or_else(|| self.say(none).to_string(), |celsius| self.degrees(&celsius))
+    }
+
+    const fn is_silent(&self) -> bool {
+        self.snapshot.temperature.silent_since.is_some()
+    }
+
+    /// How it looks: what nobody knows does not look well.
+    pub(in super::super) const fn temperature_class(&self) -> &'static str {
+        match self.snapshot.temperature.status {
+            TemperatureStatus::Ok if self.is_silent() => TemperatureStatus::Stale.name(),
+            status => status.name(),
+        }
+    }
+
+    /// How old the last reading is, or since when it is true no more. In the past it is when it went on record: one that says the same
+    /// again does not.
+    pub(in super::super) fn reading_age(&self, old_ms: i64) -> Option<Markup> {
+        let TemperatureView { celsius, read, silent_since, .. } = &self.snapshot.temperature;
+        let time = |wall: &WallTime| self.zone().clock_time(*wall);
+        Some(match (silent_since, read, self.then) {
+            (Some(_), _, Some(_)) => self.say("reading-lost-then").with("last", self.degrees(&(*celsius)?)).markup(),
+            (Some(since), _, None) => self.unknown_since(*since, self.degrees(&(*celsius)?)).markup(),
+            (None, read, Some(_)) => self.say("reading-on-record").with("time", time(&(*read)?)).markup(),
+            (None, read, None) => {
+                let read = (*read)?;
+                let said = self.say("reading-age").with("since", read.unix_ms).with("old", old_ms);
+                said.with("time", self.gone(&read)).markup()
+            }
+        })
+    }
+
+    /// The same for the bar, where it is said once it is old.
+    pub(in super::super) fn old_age(&self) -> Option<Markup> {
+        self.reading_age(OLD_MS).filter(|_| !self.is_silent() && self.then.is_none())
+    }
+
+    pub(in super::super) fn is_old(&self) -> bool {
+        self.snapshot.temperature.read.is_some_and(|read| self.now.unix_ms.saturating_sub(read.unix_ms) >= OLD_MS)
     }
 
     pub(in super::super) fn temperature_words(&self) -> Phrase<'static> {
         self.say(match self.snapshot.temperature.status {
             TemperatureStatus::Ok if self.snapshot.temperature.celsius.is_none() => "temperature-unread",
+            TemperatureStatus::Ok if self.is_silent() => "temperature-unheard",
             TemperatureStatus::Ok => "temperature-ok",
             TemperatureStatus::TooHigh if self.declared_too_high() => "temperature-declared",
             TemperatureStatus::TooHigh => "temperature-high",
@@ -60,7 +103,8 @@ impl View<'_> {
 
     /// Whether a reading, and no button, says that it is not too hot.
     pub(in super::super) fn reads_ok(&self) -> bool {
-        self.snapshot.temperature.status == TemperatureStatus::Ok && self.snapshot.temperature.celsius.is_some()
+        let TemperatureView { celsius, status, silent_since, .. } = &self.snapshot.temperature;
+        *status == TemperatureStatus::Ok && celsius.is_some() && silent_since.is_none()
     }
 
     /// Where a reading comes from.
