@@ -6,6 +6,7 @@
   const LOOK_MS = 1000;
   const SILENCE_MS = 3000; // an answer that takes longer is given up; after this the bar is not to be believed
   const place = document.getElementById("elsewhere");
+  const why = place.querySelector(".why");
   let heard = performance.now();
   let isAsking = false;
 
@@ -15,11 +16,10 @@
     try {
       const answer = await fetch("./console/bar", { redirect: "error", signal: AbortSignal.timeout(SILENCE_MS) });
       const markup = await answer.text();
-      if (answer.ok) {
-        document.getElementById("bar").outerHTML = markup;
-        heard = performance.now();
-        stopping.connected();
-      }
+      stopping.connected();
+      if (answer.ok) document.getElementById("bar").outerHTML = markup;
+      if (answer.ok) heard = performance.now();
+      if (answer.status === 401) why.textContent = why.dataset.over;
     } catch {
       // Silence is what tick() tells.
     }
@@ -28,11 +28,16 @@
   }
 
   function tick() {
+    if (document.hidden) return;
     const isOld = performance.now() - heard > SILENCE_MS;
     place.classList.toggle("old", isOld);
-    place.querySelector(".why").hidden = !isOld;
+    why.hidden = !isOld;
   }
 
+  document.addEventListener("visibilitychange", () => {
+    heard = performance.now();
+    look();
+  });
   setInterval(() => {
     tick();
     look();

@@ -139,7 +139,7 @@ function show(message) {
     at("revision").textContent = message.revision;
   }
   if (at("inspect").dataset.luggage !== piece) otherPiece();
-  else if (act && nextAct() !== act) settledAt = performance.now() + SETTLE_MS;
+  else if (nextAct() !== act) settledAt = performance.now() + SETTLE_MS;
   if (answered && message.revision >= answered.revision) goOn();
   else if (here !== document.body && isDead(here)) lead();
 }
@@ -195,7 +195,6 @@ function morph(id, markup) {
   if (!old) return;
   Idiomorph.morph(old, markup, {
     morphStyle: "outerHTML",
-    ignoreActiveValue: true,
     callbacks: {
       beforeNodeMorphed: (node, newer) => (node.tagName === "SELECT" && newer.disabled) || !isPersons(node),
       beforeAttributeUpdated: (name, node) => !(name === "open" && node.tagName === "DETAILS"),
@@ -214,6 +213,7 @@ function giveUp(select) {
 function isPersons(node) {
   if (node.tagName === "INPUT") return node.type !== "hidden";
   if (node.tagName === "TEXTAREA") return true;
+  if (node.tagName === "SELECT" && node === document.activeElement) return true;
   return node.classList?.contains("why") || node.dataset?.touched === "yes";
 }
 
@@ -335,7 +335,7 @@ function ask({ dataset, form }) {
 }
 
 let asked = null;
-const rest = () => document.querySelectorAll(".skip, #side, .field, .retrieval, #time");
+const rest = () => document.querySelectorAll(".skip, #who, #side, .field, .retrieval, #time");
 
 /** Opens a dialog. It is not modal, since STOP must stay in reach; nothing else can be pressed through it. */
 function cover(dialog) {

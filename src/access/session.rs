@@ -45,7 +45,9 @@ impl Person {
     /// `None` for too many characters, or others than names have: a bracket would be taken for what records say around a name.
     pub fn new(typed: &str) -> Option<Person> {
         let name = typed.split_whitespace().collect::<Vec<_>>().join(" ");
-        let is_sound = |letter: char| letter.is_alphanumeric() || " .'-".contains(letter);
+        // Fillers of Hangul count as letters, and nobody sees them.
+        let is_blank = |letter: char| matches!(letter, '\u{115f}' | '\u{1160}' | '\u{3164}' | '\u{ffa0}');
+        let is_sound = |letter: char| letter.is_alphanumeric() && !is_blank(letter) || " .'’-".contains(letter);
         (name.chars().count() <= Person::MOST && name.chars().all(is_sound)).then_some(Person(name))
     }
 
@@ -225,9 +227,20 @@ mod tests {
         let longest = "ж".repeat(Person::MOST);
         assert_eq!(Person::new(&longest), Some(Person(longest.clone())));
         let longer = format!("{longest}ж");
-        for wrong in
-            [&*longer, "a\0b", "a\u{202e}b", "a\u{200b}b", "<b>Anna", "Anna) (console", "a,b", "a\"b", "a&b", "=1", "a;b"]
-        {
+        for wrong in [
+            &*longer,
+            "a\0b",
+            "a\u{202e}b",
+            "a\u{200b}b",
+            "<b>Anna",
+            "Anna) (console",
+            "a\u{3164}",
+            "a,b",
+            "a\"b",
+            "a&b",
+            "=1",
+            "a;b",
+        ] {
             assert_eq!(Person::new(wrong), None, "{wrong}");
         }
     }

@@ -54,7 +54,7 @@ impl TemperatureJson {
             hot: view
                 .hot
                 .iter()
-                .map(|(source, celsius)| HotJson { source: source.to_string(), celsius: celsius.degrees() })
+                .map(|(source, last)| HotJson { source: source.to_string(), celsius: last.celsius.degrees() })
                 .collect(),
         }
     }

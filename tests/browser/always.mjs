@@ -181,7 +181,7 @@ export const unconfirmed = {
     }
 
     // A page that is loaded anew in between goes on with it.
-    await page.goto(net.url);
+    await page.goto(`${net.url}/`);
     await net.cut();
     await stop(page).click();
     await warning.waitFor();
@@ -189,7 +189,7 @@ export const unconfirmed = {
     must(!(await held()), 'a STOP got through a connection that is cut');
     await net.mend();
     // The browser may still be at its own page about the cut connection.
-    await until(() => page.goto(net.url).then(() => true, () => false), 'the page again', patience);
+    await until(() => page.goto(`${net.url}/`).then(() => true, () => false), 'the page again', patience);
     await until(held, 'after a reload the STOP that was not confirmed', patience);
     await confirmed.waitFor();
 

@@ -99,7 +99,7 @@ async function giveBoth({ page, url, picture, patience }) {
   must((await record(url, first)).decided.note === 'sad <b>bag</b>?', `noted: ${(await record(url, first)).decided.note}`);
 
   const second = await asked(page, patience, first);
-  await page.getByText('What this is about has just changed').waitFor();
+  await page.getByText('The page changed just before your press').waitFor();
   must(await page.evaluate(() => globalThis.changed) > 0, 'nothing was pressed in that moment');
   await isPending(second, 'a key in the moment in which the piece came up');
   must(await note(page).inputValue() === '', 'the note on one piece stands at the next');

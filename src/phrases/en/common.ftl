@@ -17,6 +17,7 @@ stop-cut = there is no connection
 ## The bar of other pages than the console.
 
 bar-as-of = as of { $time } ({ $zone })
+bar-over = You are not signed in any more: sign in again, in another tab if something here is to be kept.
 bar-silent = No answer from hallsweep: what stands here may no longer be true.
 
 ## Months, in short.

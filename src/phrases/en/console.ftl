@@ -52,7 +52,7 @@ dead-past = this is the past: go back to now first
 dead-goes-on = the mission goes on already
 dead-comes-home = the robot comes home already
 dead-at-home = the robot is at home already
-dead-no-too-high = it takes back TOO HIGH, which nobody has pressed
+dead-no-too-high = there is no TOO HIGH to take back
 
 ## Mission
 
@@ -204,6 +204,7 @@ temperature-high = too high: nothing moves
 temperature-stale = sensor silent: nothing moves
 temperature-reported = An operator reported { $reading }. It counts until a reading of { $cool } or less is reported.
 temperature-sensor = { $source } reads { $reading }. It must fall to { $cool } or less.
+temperature-sensor-silent = { $source } read { $reading } last, and is silent. It must fall to { $cool } or less.
 temperature-ok-button = OK
 temperature-ok-act = TEMPERATURE OK
 temperature-high-button = TOO HIGH

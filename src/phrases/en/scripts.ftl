@@ -8,7 +8,7 @@ attention-unknown = This browser has no notifications for this address: it wants
 
 ## console
 
-console-changed = What this is about has just changed: it was not sent. Look, then press again.
+console-changed = The page changed just before your press: nothing was sent. Look, then press again.
 console-judged-safe = Your question is closed: luggage #{ $id } was judged SAFE by { $by } at { $time }.
 console-judged-danger = Your question is closed: luggage #{ $id } was judged DANGER by { $by } at { $time }.
 console-withdrawn = Your question is closed: luggage #{ $id } waits for no verdict any more.

@@ -17,6 +17,7 @@ stop-cut = non c'è collegamento
 ## The bar of other pages than the console.
 
 bar-as-of = alle { $time } ({ $zone })
+bar-over = La sessione è finita: accedere di nuovo, in un'altra scheda se qui c'è qualcosa da conservare.
 bar-silent = Nessuna risposta da hallsweep: quello che si legge qui può non essere più vero.
 
 ## Months, in short.

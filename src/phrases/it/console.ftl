@@ -14,8 +14,8 @@ live-opening = si collega
 live-on = in diretta
 live-lost = perso
 live-unlinked = solo pagina
-not-known = non noto
-unknown-since = non noto dalle { $time }, da ultimo: { $last }
+not-known = non si sa
+unknown-since = non si sa dalle { $time }; ultimo dato: { $last }
 side = Che cosa serve, comandi, bagagli e cronaca
 laboratory = laboratorio
 simulator = simulatore
@@ -52,7 +52,7 @@ dead-past = questo è il passato: prima tornare ad adesso
 dead-goes-on = la missione prosegue già
 dead-comes-home = il robot torna già alla base
 dead-at-home = il robot è già alla base
-dead-no-too-high = ritira TROPPO ALTA, che nessuno ha premuto
+dead-no-too-high = non c'è una TROPPO ALTA da ritirare
 
 ## Mission
 
@@ -200,13 +200,14 @@ temperature-unread = nessun termometro è stato letto: nessuno dice quanto fa ca
 temperature-unheard = nessun termometro si fa sentire: nessuno dice quanto fa caldo
 reading-age = letta <b data-since="{ $since }" data-old="{ $old }">{ $time }</b> fa
 reading-on-record = registrata dalle { $time }
-reading-lost-then = allora non nota, da ultimo: { $last }
+reading-lost-then = allora non nota; ultimo dato: { $last }
 temperature-ok = nella norma
 temperature-declared = troppo alta secondo un operatore: premere OK per ritirarlo
 temperature-high = troppo alta: niente si muove
 temperature-stale = sensore muto: niente si muove
 temperature-reported = Un operatore ha riferito { $reading }. Vale finché non è riferita una lettura di { $cool } o meno.
 temperature-sensor = { $source } legge { $reading }. Deve scendere a { $cool } o meno.
+temperature-sensor-silent = { $source } ha letto { $reading } per ultimo, e tace. Deve scendere a { $cool } o meno.
 temperature-ok-button = OK
 temperature-ok-act = TEMPERATURA OK
 temperature-high-button = TROPPO ALTA

@@ -172,4 +172,4 @@ unsearched = { $count ->
 engine-sim = simulato
 engine-virtual = robot virtuale
 engine-other = robot { $kind }
-engine-not-on-record = non registrato se simulata
+engine-not-on-record = non registrato se con robot simulato

@@ -8,7 +8,7 @@ attention-unknown = Questo browser non ha notifiche per questo indirizzo: servir
 
 ## console
 
-console-changed = Ciò di cui si tratta è appena cambiato: non è stato inviato niente. Guardare, poi premere di nuovo.
+console-changed = La pagina è cambiata poco prima della pressione: non è stato inviato niente. Guardare, poi premere di nuovo.
 console-judged-safe = La domanda è chiusa: il bagaglio #{ $id } è stato giudicato SICURO da { $by } alle { $time }.
 console-judged-danger = La domanda è chiusa: il bagaglio #{ $id } è stato giudicato PERICOLO da { $by } alle { $time }.
 console-withdrawn = La domanda è chiusa: il bagaglio #{ $id } non attende più nessun verdetto.

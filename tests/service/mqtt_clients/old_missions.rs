@@ -41,6 +41,12 @@ impl Console<'_> {
         self.process.until(wanted, |heard| (newest(heard, head) == Some(wanted)).then_some(()));
     }
 
+    /// Waits until it is said, in these words among others, why a command was refused.
+    fn until_refused(&self, words: &str) {
+        let says = |(content, number): (&str, u64)| number == 0 && content.contains("refused: ") && content.contains(words);
+        self.process.until(words, |heard| model(heard).into_iter().any(says).then_some(()));
+    }
+
     /// Waits until the robot stands at home.
     fn until_home(&self) {
         let is_home = |item: &str| item.contains("state(stopped)") && item.contains("position(0,0)");
@@ -82,10 +88,13 @@ fn a_bomb_is_found(client: Client) {
     console.say("startCmd");
     let state = program.until_phase("returningWithAlarm");
     assert!(holds(&state, "tooHigh"), "{state:#}");
+    console.until_refused("temperature");
     console.say("temperatureOk");
     console.say("startCmd");
     console.until_home();
     program.until_phase("bombLocated");
+    console.say("startCmd");
+    console.until_refused("reachBag");
     console.say("reachBag");
     program.until_phase("bagSecured");
     console.shows_what_stands(&program);

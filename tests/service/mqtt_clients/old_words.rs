@@ -28,10 +28,11 @@ pub(super) fn model(heard: &[Message]) -> Vec<(&str, u64)> {
     .collect()
 }
 
-/// The newest content with this head, as `robot`.
+/// The newest content with this head, as `robot`; what is numbered 0 answers somebody, and says nothing of what stands.
 pub(super) fn newest<'a>(heard: &'a [Message], head: &str) -> Option<&'a str> {
     let head = format!("content({head}(");
-    model(heard).into_iter().map(|(content, _)| content).rfind(|content| content.starts_with(&head))
+    let counted = model(heard).into_iter().filter(|(_, number)| *number > 0);
+    counted.map(|(content, _)| content).rfind(|content| content.starts_with(&head))
 }
 
 /// The number of the piece that was shown last.

@@ -14,6 +14,7 @@ use crate::units::{LuggageId, Now, Pose, Seq, WallTime};
 use crate::world::hall_map::Mark;
 use crate::world::log::Tone;
 use crate::world::luggage::Luggage;
+use crate::world::resource::Resource;
 use crate::world::said::Said;
 use crate::world::temperature::OPERATOR;
 
@@ -82,6 +83,14 @@ impl Engine {
         }
         self.clock_set_ms = set_ms;
         self.begin(now);
+        // What is shown is as old as before.
+        self.world.thermometer.set_clock(by_ms);
+        for id in self.robots.ids() {
+            let Some(robot) = self.robots.get_mut(&id) else { continue };
+            robot.unreached_since = robot.unreached_since.map(|since| since.set_by(by_ms));
+        }
+        self.world.touch(Resource::Temperature);
+        self.world.touch(Resource::Robot);
         let fact = Fact::ClockSet(by_ms);
         self.world.write(now.wall, Tone::Warning, Said::fact(&fact));
         self.record(fact);

@@ -57,7 +57,9 @@ impl Note {
         if count <= 1 {
             return last;
         }
-        Note { asked: Asked::Many { last: Box::new(last.asked), more: count - 1 }, ..last }
+        // Several people may share a key.
+        let issuer = Issuer { who: last.issuer.key(), ..last.issuer };
+        Note { issuer, asked: Asked::Many { last: Box::new(last.asked), more: count - 1 }, ..last }
     }
 }
 

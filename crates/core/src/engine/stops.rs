@@ -131,8 +131,12 @@ impl Engine {
     pub(super) fn write_stops(&mut self, stops: impl IntoIterator<Item = Shared<Press>>) {
         for Shared { last: Press { issuer, id, wall }, count, lasted } in stops {
             let within = Some(lasted).filter(|lasted| !lasted.is_zero());
-            let (id, asked) =
-                if count == 1 { (id, Asked::Command(Command::Stop)) } else { (None, Asked::Stops { count, within }) };
+            let (issuer, id, asked) = if count == 1 {
+                (issuer, id, Asked::Command(Command::Stop))
+            } else {
+                // Several people may share a key.
+                (Issuer { who: issuer.key(), ..issuer }, None, Asked::Stops { count, within })
+            };
             let command = asked.to_string();
             self.world.write(wall, Tone::Info, Said::Asked { asked, meant: None, issuer: issuer.clone(), refused: None });
             let fact = Fact::Command { issuer, id, command, epoch: None, luggage: None, refused: None };

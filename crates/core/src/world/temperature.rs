@@ -20,10 +20,10 @@ pub const OTHERS: &str = "others";
 /// How many sources are listened to: the operator, the hall, and room for the sensors of a large hall.
 pub const SOURCES: usize = 64;
 
-/// A robot's thermometer that has said nothing for so long is silent; of a sensor a setting says how long.
+/// Time without a reading after which a robot's thermometer counts as silent. Sensors have a setting of their own.
 pub const SILENCE: Duration = Duration::from_secs(30);
 
-/// The time of a reading is shown anew after so long where nothing else is new: a thermometer that speaks often does not make every door speak.
+/// Shortest time between two updates of an unchanged reading's time, so that a thermometer that reports often does not wake every door.
 const SHOWN_ANEW: Duration = Duration::from_secs(5);
 
 /// The hold that says that a source of readings is silent; `None` for people, who are asked for nothing regularly.
@@ -58,6 +58,14 @@ pub(crate) struct Source {
     reading: Celsius,
     read: Now,
     silent_since: Option<WallTime>,
+}
+
+impl Source {
+    fn view(&self) -> Reading {
+        // One that was never heard in this run is remembered from before, and its silence began with the run.
+        let read = Some(self.read.wall).filter(|read| Some(*read) != self.silent_since);
+        Reading { celsius: self.reading, read, silent_since: self.silent_since }
+    }
 }
 
 impl Thermometer {
@@ -96,7 +104,15 @@ impl Thermometer {
         true
     }
 
-    /// When the next robot's thermometer falls silent that does not speak until then, and which it is.
+    /// The machine's clock was set by so many milliseconds: readings are as old as before.
+    pub(crate) fn set_clock(&mut self, by_ms: i64) {
+        for source in self.sources.values_mut().chain(self.last.iter_mut().map(|(_, last)| last)) {
+            source.read.wall = source.read.wall.set_by(by_ms);
+            source.silent_since = source.silent_since.map(|since| since.set_by(by_ms));
+        }
+    }
+
+    /// The next robot's thermometer to fall silent, and when, unless it reports before.
     pub(crate) fn due(&self) -> Option<(Duration, Arc<str>)> {
         let speaking = self.sources.iter().filter(|(name, source)| is_robot(name) && source.silent_since.is_none());
         speaking.map(|(name, source)| (source.read.since_start.saturating_add(SILENCE), Arc::clone(name))).min()
@@ -124,19 +140,16 @@ impl Thermometer {
     }
 
     pub(crate) fn view(&self, status: TemperatureStatus) -> TemperatureView {
-        let hot = self.sources.iter().filter(|(_, source)| source.hot).map(|(name, source)| (Arc::clone(name), source.reading));
-        let last = self.last.as_ref().map(|(_, last)| *last);
-        let silent_since = last.and_then(|last| last.silent_since);
-        // One that was never heard in this run is remembered from before, and its silence began with the run.
-        let read = last.map(|last| last.read.wall).filter(|read| Some(*read) != silent_since);
+        let hot = self.sources.iter().filter(|(_, source)| source.hot);
+        let last = self.last.as_ref().map(|(_, last)| last.view());
         TemperatureView {
-            celsius: last.map(|last| last.reading),
-            read,
-            silent_since,
+            celsius: last.map(|last| last.celsius),
+            read: last.and_then(|last| last.read),
+            silent_since: last.and_then(|last| last.silent_since),
             status,
             threshold: self.threshold,
             cool: self.cool(),
-            hot: hot.collect(),
+            hot: hot.map(|(name, source)| (Arc::clone(name), source.view())).collect(),
         }
     }
 
@@ -161,7 +174,18 @@ pub struct TemperatureView {
     /// A source that was above it is cool again at this reading or below.
     pub cool: Celsius,
     /// The sources that keep the hall too hot, each with its last reading.
-    pub hot: Vec<(Arc<str>, Celsius)>,
+    pub hot: Vec<(Arc<str>, Reading)>,
+}
+
+/// What a source read last.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// In degrees.
+    pub celsius: Celsius,
+    /// When, to some seconds; `None` where that is not known.
+    pub read: Option<WallTime>,
+    /// Since when the source is silent.
+    pub silent_since: Option<WallTime>,
 }
 
 named! {

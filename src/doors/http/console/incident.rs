@@ -142,8 +142,8 @@ mod tests {
     #[test]
     fn the_incident_says_what_is_halted_and_has_the_one_button_that_goes_on_under_its_heading() {
         use PhaseName::{BombLocated, Fault, Retrieving, ReturningWithAlarm};
-        const START: &str = "/console/start";
-        const OK: &str = "/console/temperature";
+        const START: &str = "./console/start";
+        const OK: &str = "./console/temperature";
         let stopped = [Hold::Operator, Hold::AwaitingStart];
         let hot = [Hold::TooHigh, Hold::AwaitingStart];
         let read = [Hold::Temperature, Hold::AwaitingStart];
@@ -168,7 +168,7 @@ mod tests {
             ),
             (ReturningWithAlarm, &hot, "Press TEMPERATURE OK, then START.", Some(OK)),
             (Fault, &[], "nothing moves by itself. START goes on.", Some(START)),
-            (BombLocated, &[], "RETRIEVE has it brought into the container.", Some("/console/retrieve")),
+            (BombLocated, &[], "RETRIEVE has it brought into the container.", Some("./console/retrieve")),
             (BombLocated, &hot, "is dangerous", Some(OK)),
         ] {
             let mut snapshot = searching();

@@ -387,7 +387,7 @@ mod tests {
             for unwanted in ["style=", "<style", "onclick", "http://", "https://"] {
                 assert!(!page.contains(unwanted), "{unwanted} in {path}");
             }
-            assert_eq!(page.matches("<script").count(), 2, "{path}: that of STOP and that of the colours");
+            assert_eq!(page.matches("<script").count(), 3, "{path}: those of STOP, the bar and the colours");
         }
     }
 

@@ -19,10 +19,11 @@ use crate::phrases::{Language, Phrase};
 use hallsweep_core::command::Refused;
 use hallsweep_core::mission::{Hold, PhaseName};
 use hallsweep_core::state::{Conditions, Participant, Venue};
-use hallsweep_core::units::{Cell, Celsius, LuggageId, WallTime};
+use hallsweep_core::units::{Cell, LuggageId, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 use hallsweep_core::world::robot::{RobotState, RobotView};
 use hallsweep_core::world::snapshot::Snapshot;
+use hallsweep_core::world::temperature::Reading;
 
 /// A snapshot, and what is to be said to the one who pressed a button.
 pub(super) struct View<'a> {
@@ -207,7 +208,8 @@ impl View<'_> {
     /// What lets a retrieval go on that stands still.
     pub(super) fn wanted(&self) -> Option<Phrase<'static>> {
         let mission = &self.snapshot.mission;
-        let id = if mission.phase == PhaseName::Retrieving { wanted_of_the_operator(&mission.holds) } else { None };
+        let is_retrieving = mission.phase == PhaseName::Retrieving && self.then.is_none();
+        let id = if is_retrieving { wanted_of_the_operator(&mission.holds) } else { None };
         id.map(|id| self.say_of("wanted", id))
     }
 
@@ -253,8 +255,11 @@ impl View<'_> {
             }
             (Hold::AwaitingStart, PhaseName::BombLocated) => self.say("hold-waits-for-operator").to_string(),
             (Hold::Temperature, _) if !heat.is_empty() => {
-                let read = |(source, reading): &(Arc<str>, Celsius)| {
-                    self.say("reading-of").with("source", self.source(source)).with("reading", self.degrees(reading)).to_string()
+                let read = |(source, last): &(Arc<str>, Reading)| {
+                    self.say("reading-of")
+                        .with("source", self.source(source))
+                        .with("reading", self.degrees(&last.celsius))
+                        .to_string()
                 };
                 let readings = heat.iter().map(read).collect::<Vec<_>>().join(", ");
                 let cool = self.degrees(&self.snapshot.temperature.cool);

@@ -12,7 +12,7 @@ use hallsweep_core::state::Reach;
 use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::robot::RobotShown;
 use hallsweep_core::world::snapshot::{Progress, TimeLeft};
-use hallsweep_core::world::temperature::TemperatureStatus;
+use hallsweep_core::world::temperature::{Reading, TemperatureStatus};
 
 fn view(snapshot: &Snapshot) -> View<'_> {
     let hall = HallInfo {
@@ -59,12 +59,31 @@ fn a_refusal_is_shown_at_its_own_button_only_and_escaped() {
     assert_eq!(view.why("reset").text, "");
 }
 
+/// One of ten o'clock.
+fn reading(celsius: f64) -> Reading {
+    Reading { celsius: degrees(celsius), read: Some(TEN), silent_since: None }
+}
+
+#[test]
+fn a_hot_reading_has_the_age_of_its_own_source_and_is_not_known_when_that_is_silent() {
+    let mut snapshot = searching();
+    snapshot.temperature.read = Some(WallTime { unix_ms: TEN.unix_ms + 60_000, ..TEN });
+    snapshot.temperature.hot = vec![("hall".into(), reading(27.0))];
+    let age = view(&snapshot).reading_age(0).expect("it was read").to_string();
+    assert!(age.contains(&format!("data-since=\"{}\"", TEN.unix_ms)), "{age}");
+    snapshot.temperature.hot[0].1.silent_since = Some(TEN);
+    let view = view(&snapshot);
+    assert_eq!((view.celsius(), view.old_age().is_some()), ("not known".to_owned(), false));
+    assert_eq!(view.heat(), ["Hall read 27.0 °C last, and is silent. It must fall to 24.0 °C or less."]);
+    assert!(view.reading_age(0).expect("it was read").to_string().contains("last: 27.0 °C"));
+}
+
 #[test]
 fn the_reading_that_is_too_hot_is_named_with_what_ends_it() {
     let mut snapshot = searching();
     snapshot.temperature.status = TemperatureStatus::TooHigh;
     snapshot.temperature.celsius = Some(degrees(21.0));
-    snapshot.temperature.hot = vec![("hall".into(), degrees(27.0)), ("operator".into(), degrees(31.5))];
+    snapshot.temperature.hot = vec![("hall".into(), reading(27.0)), ("operator".into(), reading(31.5))];
     snapshot.mission.holds = vec![Hold::Temperature];
     let view = view(&snapshot);
     assert_eq!(view.celsius(), "31.5 °C");
@@ -359,7 +378,7 @@ fn in_every_state_of_a_mission_each_field_says_what_is_so() {
     let stopped = changed(searching(), |snapshot| snapshot.mission.holds = vec![Hold::Operator]);
     let hot = changed(searching(), |snapshot| {
         snapshot.temperature.status = TemperatureStatus::TooHigh;
-        snapshot.temperature.hot = vec![("hall".into(), degrees(27.0))];
+        snapshot.temperature.hot = vec![("hall".into(), reading(27.0))];
         snapshot.mission.holds = vec![Hold::Temperature];
     });
     let too_hot = ["27.0 °C", "stands still", "42 cm", "(2, 2)", "blinking"];

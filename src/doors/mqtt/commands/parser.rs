@@ -127,8 +127,8 @@ impl CommandParser {
         }
     }
 
-    /// The original system has no words for an answer. Only why a command that was understood is refused is told, where an old console shows a piece of
-    /// luggage: it has no other place for words.
+    /// Refusals of what was understood are explained where an old console shows its piece; the original system has no other words for an
+    /// answer.
     fn old(&self, payload: &[u8]) -> Option<ParsedCommand> {
         let (asked, unread, goes_on) = match incoming::asked(payload, self.manual_driving) {
             Ok(incoming::Asked::Nothing | incoming::Asked::Unknown(_)) => return None,

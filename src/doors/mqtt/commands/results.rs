@@ -19,7 +19,7 @@ use crate::api::result::ResultJson;
 use crate::doors::seldom::Seldom;
 use crate::doors::shares::Permit;
 use crate::runtime::carry_out::{Done, NotDone};
-use hallsweep_core::command::CommandId;
+use hallsweep_core::command::{CommandId, Refused};
 use hallsweep_core::mission::PhaseName;
 use mqtt_gate::AnswerTo;
 
@@ -37,9 +37,6 @@ const PATIENCE: Duration = Duration::from_secs(93);
 
 /// What is refused because there is no photo to judge by.
 const NO_PHOTO: &str = "noPhoto";
-
-/// What is refused because the mission is elsewhere.
-const NOT_IN_PHASE: &str = "notInPhase";
 
 /// Where results go, and the places of those that are waited for. Cheap to clone.
 #[derive(Clone, Debug)]
@@ -118,10 +115,10 @@ impl Results {
             None => tracing::info!(why = problem.detail(), "a message of an old client was refused"),
         }
         if let Some(topic) = &reply.explained {
-            let is_bomb_located = problem.detail().ends_with(PhaseName::BombLocated.in_words());
+            let is_bomb_located = *problem.detail() == *Refused::NotInPhase(PhaseName::BombLocated).to_string();
             let way_out = match problem.code() {
                 NO_PHOTO => " (continueExplore takes it again)",
-                NOT_IN_PHASE if is_bomb_located => " (reachBag fetches the bag)",
+                _ if is_bomb_located => " (reachBag fetches the bag)",
                 _ => "",
             };
             let why = format!("{}{way_out}", problem.detail());

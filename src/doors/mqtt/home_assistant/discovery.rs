@@ -68,7 +68,7 @@ fn temperature(topics: &Topics) -> Value {
         "state_topic": topics.state(Resource::Temperature),
         "value_template": "{{ value_json.celsius if not value_json.silentSince else None }}",
         "json_attributes_topic": topics.state(Resource::Temperature),
-        "json_attributes_template": attributes(&["status", "threshold", "readAt", "silentSince"]),
+        "json_attributes_template": attributes(&["status", "threshold", "silentSince"]),
     })
 }
 

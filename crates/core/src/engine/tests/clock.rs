@@ -43,6 +43,23 @@ fn a_clock_that_is_set_is_on_record_once_before_what_follows_and_a_piece_waits_a
 }
 
 #[test]
+fn a_reading_and_a_lost_link_are_as_old_after_the_clock_was_set_as_before() {
+    let mut engine = sweep_in(PhaseName::Inspecting, &[]);
+    let at = |seconds| Now { wall: WallTime { unix_ms: 1000 * i64::from(seconds), offset_s: 0 }, ..now(u64::from(seconds)) };
+    let shown = |engine: &mut Engine| {
+        let snapshot = engine.snapshot();
+        (snapshot.temperature.read.map(|read| read.unix_ms), snapshot.robot.unreached_since.map(|since| since.unix_ms))
+    };
+    let reading = Celsius::new(21.0).expect("it is believable");
+    engine.handle_event(Event::Robot(RobotId::discovery(), RobotEvent::Temperature(reading)), at(1_u8));
+    engine.handle_event(Event::Robot(RobotId::discovery(), RobotEvent::LinkLost("cable".into())), at(2));
+    let (read, lost) = shown(&mut engine);
+    assert!(read.is_some() && lost.is_some());
+    engine.note_clock(46_800_000, at(3));
+    assert_eq!(shown(&mut engine), (read.map(|ms| ms + 46_800_000), lost.map(|ms| ms + 46_800_000)));
+}
+
+#[test]
 fn a_clock_that_was_set_back_while_the_program_was_off_is_on_record_before_its_start() {
     let line = Remembered { wall: WallTime { unix_ms: 100_000, offset_s: 0 }, tone: Tone::Info, said: Said::StartedAgain };
     let at = |unix_ms| Now { wall: WallTime { unix_ms, offset_s: 0 }, ..now(0) };

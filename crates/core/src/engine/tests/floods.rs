@@ -234,4 +234,5 @@ fn whoever_signs_in_under_many_names_has_the_share_of_one_key() {
     (0..100).for_each(|n| recorder.stop(&format!("lobby (Anna {n})"), "192.0.2.7"));
     assert_eq!(recorder.by("192.0.2.7").len(), 20);
     assert_eq!(recorder.by("lobby (Anna 0)"), ["STOP"], "each is on record by its own name");
+    assert_eq!(recorder.by("lobby (Anna 99)"), [""; 0], "the last of several people is not on record for all");
 }

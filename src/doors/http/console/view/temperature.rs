@@ -7,7 +7,7 @@ use super::{View, capital};
 use crate::phrases::{Markup, Phrase};
 use hallsweep_core::mission::Hold;
 use hallsweep_core::units::{Celsius, WallTime};
-use hallsweep_core::world::temperature::{OPERATOR, TemperatureStatus, TemperatureView};
+use hallsweep_core::world::temperature::{OPERATOR, Reading, TemperatureStatus, TemperatureView};
 
 /// A reading is said to be old on the bar after this: thermometers and sensors read every 10 s, if not more often.
 const OLD_MS: i64 = 15_000;
@@ -23,20 +23,28 @@ impl View<'_> {
         self.language.number(&self.snapshot.temperature.threshold.degrees().to_string())
     }
 
-    /// The reading that matters: the hottest of those that are too hot, else the last; or that there is none, or none that is true still.
-    pub(in super::super) fn celsius(&self) -> String {
-        let hottest = self.hot().iter().map(|(_, reading)| *reading).max_by(|a, b| a.degrees().total_cmp(&b.degrees()));
-        let shown = hottest.or(self.snapshot.temperature.celsius.filter(|_| !self.is_silent()));
-        let none = if self.is_silent() { "not-known" } else { "temperature-no-reading" };
-        shown.map_or_else(|| self.say(none).to_string(), |celsius| self.degrees(&celsius))
+    /// The reading that matters: the hottest of those that are too hot, else the last.
+    fn shown(&self) -> Option<Reading> {
+        let TemperatureView { celsius, read, silent_since, .. } = self.snapshot.temperature;
+        let hottest = self.hot().iter().map(|(_, last)| *last).max_by(|a, b| a.celsius.degrees().total_cmp(&b.celsius.degrees()));
+        hottest.or_else(|| Some(Reading { celsius: celsius?, read, silent_since }))
     }
 
-    const fn is_silent(&self) -> bool {
-        self.snapshot.temperature.silent_since.is_some()
+    /// The reading that matters; or that there is none, or none that is true still.
+    pub(in super::super) fn celsius(&self) -> String {
+        match self.shown() {
+            Some(Reading { celsius, silent_since: None, .. }) => self.degrees(&celsius),
+            Some(_) => self.say("not-known").to_string(),
+            None => self.say("temperature-no-reading").to_string(),
+        }
+    }
+
+    fn is_silent(&self) -> bool {
+        self.shown().is_some_and(|shown| shown.silent_since.is_some())
     }
 
     /// How it looks: what nobody knows does not look well.
-    pub(in super::super) const fn temperature_class(&self) -> &'static str {
+    pub(in super::super) fn temperature_class(&self) -> &'static str {
         match self.snapshot.temperature.status {
             TemperatureStatus::Ok if self.is_silent() => TemperatureStatus::Stale.name(),
             status => status.name(),
@@ -46,14 +54,14 @@ impl View<'_> {
     /// How old the last reading is, or since when it is true no more. In the past it is when it went on record: one that says the same
     /// again does not.
     pub(in super::super) fn reading_age(&self, old_ms: i64) -> Option<Markup> {
-        let TemperatureView { celsius, read, silent_since, .. } = &self.snapshot.temperature;
+        let Reading { celsius, read, silent_since } = self.shown()?;
         let time = |wall: &WallTime| self.zone().clock_time(*wall);
         Some(match (silent_since, read, self.then) {
-            (Some(_), _, Some(_)) => self.say("reading-lost-then").with("last", self.degrees(&(*celsius)?)).markup(),
-            (Some(since), _, None) => self.unknown_since(*since, self.degrees(&(*celsius)?)).markup(),
-            (None, read, Some(_)) => self.say("reading-on-record").with("time", time(&(*read)?)).markup(),
+            (Some(_), _, Some(_)) => self.say("reading-lost-then").with("last", self.degrees(&celsius)).markup(),
+            (Some(since), _, None) => self.unknown_since(since, self.degrees(&celsius)).markup(),
+            (None, read, Some(_)) => self.say("reading-on-record").with("time", time(&read?)).markup(),
             (None, read, None) => {
-                let read = (*read)?;
+                let read = read?;
                 let said = self.say("reading-age").with("since", read.unix_ms).with("old", old_ms);
                 said.with("time", self.gone(&read)).markup()
             }
@@ -66,7 +74,7 @@ impl View<'_> {
     }
 
     pub(in super::super) fn is_old(&self) -> bool {
-        self.snapshot.temperature.read.is_some_and(|read| self.now.unix_ms.saturating_sub(read.unix_ms) >= OLD_MS)
+        self.shown().and_then(|shown| shown.read).is_some_and(|read| self.now.unix_ms.saturating_sub(read.unix_ms) >= OLD_MS)
     }
 
     pub(in super::super) fn temperature_words(&self) -> Phrase<'static> {
@@ -83,17 +91,18 @@ impl View<'_> {
     /// Every reading that keeps the hall too hot, and what ends it.
     pub(in super::super) fn heat(&self) -> Vec<String> {
         let cool = self.snapshot.temperature.cool;
-        let words = |source: &str, reading: Celsius| {
+        let words = |source: &str, last: &Reading| {
             let said = match source {
                 OPERATOR => self.say("temperature-reported"),
+                sensor if last.silent_since.is_some() => self.say("temperature-sensor-silent").with("source", capital(sensor)),
                 sensor => self.say("temperature-sensor").with("source", capital(sensor)),
             };
-            said.with("reading", self.degrees(&reading)).with("cool", self.degrees(&cool)).to_string()
+            said.with("reading", self.degrees(&last.celsius)).with("cool", self.degrees(&cool)).to_string()
         };
-        self.hot().iter().map(|(source, reading)| words(source, *reading)).collect()
+        self.hot().iter().map(|(source, last)| words(source, last)).collect()
     }
 
-    pub(super) fn hot(&self) -> &[(Arc<str>, Celsius)] {
+    pub(super) fn hot(&self) -> &[(Arc<str>, Reading)] {
         &self.snapshot.temperature.hot
     }
 
