@@ -208,9 +208,8 @@ impl View<'_> {
     /// What lets a retrieval go on that stands still.
     pub(super) fn wanted(&self) -> Option<Phrase<'static>> {
         let mission = &self.snapshot.mission;
-        let is_retrieving = mission.phase == PhaseName::Retrieving && self.then.is_none();
-        let id = if is_retrieving { wanted_of_the_operator(&mission.holds) } else { None };
-        id.map(|id| self.say_of("wanted", id))
+        let goes_on = mission.phase == PhaseName::Retrieving && self.then.is_none();
+        goes_on.then(|| wanted_of_the_operator(&mission.holds)).flatten().map(|id| self.say_of("wanted", id))
     }
 
     /// Whether there are robots that fetch.

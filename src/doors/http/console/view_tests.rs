@@ -210,7 +210,7 @@ fn what_would_change_nothing_is_dead_and_says_why() {
     assert_eq!(dead(ReturningHome, &[])[1].as_deref(), Some("the robot comes home already"));
     assert_eq!(dead(AtHome, &[])[1].as_deref(), Some("the robot is at home already"));
     assert_eq!([dead(Exploring, &[])[1].clone(), dead(ReturningHome, &[Hold::Operator])[1].clone()], [None, None]);
-    assert_eq!(dead(Idle, &[])[2].as_deref(), Some("it takes back TOO HIGH, which nobody has pressed"));
+    assert_eq!(dead(Idle, &[])[2].as_deref(), Some("there is no TOO HIGH to take back"));
     assert_eq!(dead(Exploring, &[Hold::TooHigh])[2], None);
 
     let mut snapshot = idle();
