@@ -330,8 +330,11 @@ fn under_a_prefix_people_sign_in_and_out() {
     play_with_keys("signedIn", play_under_a_prefix);
 }
 
+/// How a scenario is played, by its name, with arguments and environment of the program.
+type Play = fn(&str, &[&str], &[(&str, &str)]);
+
 /// Plays a scenario against a program that asks for keys; the script is told an operator's and a viewer's.
-fn play_with_keys(scenario: &str, play: fn(&str, &[&str], &[(&str, &str)])) {
+fn play_with_keys(scenario: &str, play: Play) {
     let Data(data) = &Data::new(scenario);
     let added = hallsweep(&["token", "--data", data, "add", "lobby", "--role", "viewer"]).output().expect("the program starts");
     let shown = String::from_utf8(added.stdout).expect("text");

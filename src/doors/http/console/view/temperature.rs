@@ -45,10 +45,9 @@ impl View<'_> {
 
     /// How it looks: what nobody knows does not look well.
     pub(in super::super) fn temperature_class(&self) -> &'static str {
-        match self.snapshot.temperature.status {
-            TemperatureStatus::Ok if self.is_silent() => TemperatureStatus::Stale.name(),
-            status => status.name(),
-        }
+        let status = self.snapshot.temperature.status;
+        let is_unknown = status == TemperatureStatus::Ok && self.is_silent();
+        if is_unknown { TemperatureStatus::Stale } else { status }.name()
     }
 
     /// How old the last reading is, or since when it is true no more. In the past it is when it went on record: one that says the same
