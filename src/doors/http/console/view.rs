@@ -207,9 +207,8 @@ impl View<'_> {
 
     /// What lets a retrieval go on that stands still.
     pub(super) fn wanted(&self) -> Option<Phrase<'static>> {
-        let mission = &self.snapshot.mission;
-        let goes_on = mission.phase == PhaseName::Retrieving && self.then.is_none();
-        goes_on.then(|| wanted_of_the_operator(&mission.holds)).flatten().map(|id| self.say_of("wanted", id))
+        let goes_on = self.snapshot.mission.phase == PhaseName::Retrieving && self.then.is_none();
+        goes_on.then(|| wanted_of_the_operator(&self.snapshot.mission.holds)).flatten().map(|id| self.say_of("wanted", id))
     }
 
     /// Whether there are robots that fetch.
