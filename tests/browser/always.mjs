@@ -272,7 +272,7 @@ export const unconfirmed = {
       const real = globalThis.setTimeout;
       globalThis.setTimeout = (call, ms, ...rest) => (ms === 1000 ? 0 : real(call, ms, ...rest));
     });
-    await page.goto(net.url);
+    await page.goto(`${net.url}/`);
     await phase(page, /exploring/i, { patience });
     await net.cut();
     await stop(page).click();
