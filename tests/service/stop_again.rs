@@ -121,8 +121,9 @@ fn the_same_stop_over_mqtt_halts_each_time() {
 
 /// The JSON of an answer, if it is one.
 fn json(message: &[u8]) -> Option<Value> {
-    let begins = message.iter().position(|byte| *byte == b'{')?;
-    serde_json::from_slice(&message[begins..]).ok()
+    // An ETag may hold any byte, a brace too: what is said begins behind the marker of payloads.
+    let marker = message.windows(2).position(|two| two == [0xFF, b'{'])?;
+    serde_json::from_slice(&message[marker + 1..]).ok()
 }
 
 /// What is said in JSON up to the first that is as wanted.
