@@ -194,7 +194,7 @@ async fn an_open_door_needs_no_page_to_sign_in() {
 
 #[test]
 fn the_way_back_never_leads_away() {
-    for path in ["/", "/console/confirm/danger/3", "/nowhere?a=b"] {
+    for path in ["/", "/console/confirm/danger/3", "/nowhere?a=b..c"] {
         assert_eq!(local(Some(path)), path);
     }
     let long = format!("/{}", "a".repeat(LONGEST_PATH));
@@ -206,6 +206,9 @@ fn the_way_back_never_leads_away() {
         "/\t/a",
         "/ä",
         "/a b",
+        "/../elsewhere",
+        "/missions/%2E%2e/.%2e/elsewhere",
+        "/..?a=b",
         "elsewhere",
         &long,
     ] {
