@@ -64,7 +64,7 @@ pub(crate) fn absolute_addresses() -> Vec<String> {
 }
 
 fn absolute_addresses_in(name: &str, text: &str) -> Vec<String> {
-    let named = |rest: &str| rest.starts_with(|letter: char| letter.is_ascii_lowercase());
+    let named = |rest: &str| rest.starts_with(|letter: char| letter.is_ascii_lowercase() || "{$".contains(letter));
     let is_address = |line: &str| {
         let named = ["\"/", "'/", "`/", "url(/"].iter().any(|start| line.split(start).skip(1).any(named));
         named || ["=\"/\"", "fetch(\"/\"", "assign(\"/\"", ", \"/\")"].iter().any(|root| line.contains(root))
@@ -111,9 +111,15 @@ mod tests {
 
     #[test]
     fn an_address_from_the_root_is_found() {
-        for text in
-            ["<a href=\"/\">", "<img src='/static/a.svg'>", "fetch(`/console/${a}`)", "fetch(\"/\")", "b { mask: url(/c) }"]
-        {
+        for text in [
+            "<a href=\"/\">",
+            "<img src='/static/a.svg'>",
+            "fetch(`/console/${a}`)",
+            "fetch(\"/\")",
+            "b { mask: url(/c) }",
+            "<a href=\"/{{ b }}\">",
+            "fetch(`/${c}`)",
+        ] {
             assert_eq!(absolute_addresses_in("a", text), ["a:1: an address from the root: write ./"], "{text}");
         }
         for text in
