@@ -134,6 +134,22 @@ impl HeadReader {
             + self.line.value.capacity()
     }
 
+    /// How many of these bytes, the next to come, would change nothing one by one: great heads are mostly such.
+    pub(super) fn passes_by(&self, bytes: &[u8]) -> usize {
+        let HeaderLine { name, what, is_in_value, is_long, .. } = &self.line;
+        let end = match (self.part, what) {
+            (Part::Rest, _) => b'\n',
+            (Part::Fields, None) if *is_in_value => b'\n',
+            (Part::Fields, Some(_)) if *is_long => b';',
+            (Part::Fields, None) if name.len() > NAME => b':',
+            _ => return 0,
+        };
+        if self.after_cr || self.is_new_line {
+            return 0;
+        }
+        bytes.iter().position(|byte| matches!(byte, b'\r' | b'\n') || *byte == end).unwrap_or(bytes.len())
+    }
+
     /// One byte; the head, when this was its last.
     pub(super) fn push(&mut self, byte: u8) -> Option<Head> {
         match byte {

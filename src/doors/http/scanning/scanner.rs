@@ -55,6 +55,11 @@ impl Scanner {
         while let Some(&byte) = bytes.get(taken) {
             let heard = match &mut self.at {
                 At::Head => {
+                    let passed = self.head.passes_by(&bytes[taken..]);
+                    if passed > 0 {
+                        taken += passed;
+                        continue;
+                    }
                     taken += 1;
                     self.head.push(byte).map(|head| self.begin_body(head))
                 }

@@ -177,6 +177,29 @@ fn what_begins_with_no_method_is_told_at_once() {
 }
 
 proptest! {
+    /// What is passed by at once is what changes nothing byte by byte.
+    #[test]
+    fn a_head_is_heard_as_if_each_of_its_bytes_were_looked_at(
+        parts in proptest::collection::vec(prop_oneof![
+            Just("POST /h HTTP/1.1\r\n".to_owned()),
+            Just("Cookie: ".to_owned()),
+            Just("Host: ".to_owned()),
+            Just("hallsweep-8080=s1".to_owned()),
+            Just("Content-Length: 5".to_owned()),
+            Just("\r\n".to_owned()),
+            Just("\r".to_owned()),
+            "[a;: \n\t]{0,3}",
+            "[a-z;]{30,40}",
+            "[b ]{1020,1030}",
+        ], 0..30),
+    ) {
+        let bytes = format!("{}\r\n\r\n", parts.concat()).into_bytes();
+        let mut reader = HeadReader::new("hallsweep-8080");
+        let first = bytes.iter().find_map(|byte| reader.push(*byte));
+        let heard = heads(&bytes).into_iter().next();
+        prop_assert_eq!(heard, first);
+    }
+
     /// Safety A7.
     #[test]
     fn any_bytes_are_heard_alike_however_they_are_cut(bytes in proptest::collection::vec(any::<u8>(), 0..600), piece in 1usize..40) {
