@@ -35,11 +35,12 @@ const fn flood(door: Door, name: &'static str, begin: fn(&Arc<Course>)) -> Flood
 }
 
 /// All of them.
-pub(crate) const FLOODS: [Flood; 31] = [
+pub(crate) const FLOODS: [Flood; 32] = [
     flood(Door::Http, "http-bodies", http::bodies),
     flood(Door::Http, "http-bodies-near", http::bodies_near),
     flood(Door::Http, "http-heads", http::heads),
     flood(Door::Http, "http-heads-near", http::heads_near),
+    flood(Door::Http, "http-great-heads", http::great_heads),
     flood(Door::Http, "http-silence", http::silence),
     flood(Door::Http, "http-silence-near", http::silence_near),
     flood(Door::Http, "http-refused", http::refused),

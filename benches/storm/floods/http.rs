@@ -46,6 +46,18 @@ pub(super) fn heads_near(course: &Arc<Course>) {
     course.clients(HOLDING, |course, n| hold(course, n, "x", (near, head)));
 }
 
+/// Heads of a mebibyte, of somebody without a key.
+pub(super) fn great_heads(course: &Arc<Course>) {
+    course.clients(32, |course, n| {
+        let mut stream = connected(course.doors.http, somewhere(n), PATIENCE)?;
+        let head = format!("GET / HTTP/1.1\r\nHost: {}\r\nX-Long: {}\r\n\r\n", course.doors.http, "x".repeat(1 << 20));
+        // Most of it is not taken any more: what was taken counts.
+        stream.write_all(head.as_bytes()).inspect_err(|_| course.did(1))?;
+        course.did(1);
+        Ok(())
+    });
+}
+
 /// 2,000 connections on which nothing is said.
 pub(super) fn silence(course: &Arc<Course>) {
     course.clients(HOLDING, |course, n| hold(course, n, "", (somewhere, |_, _| Vec::new())));
