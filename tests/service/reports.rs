@@ -137,7 +137,7 @@ fn beside_what_a_mission_came_to_stands_what_was_not_searched() {
     for (path, wanted) in [
         ("/", format!("<span class=\"left\">· {places}</span>")),
         ("/", format!("bomb located · {places} · hallsweep</title>")),
-        ("/missions", format!("A bomb was located · {places}</td>")),
+        ("/missions", "A bomb was located · the search ended there</td>".to_owned()),
         ("/missions/1", format!("A bomb was located · {places} · simulated</h2>")),
         ("/missions/1/report?language=en", format!("A bomb was located · {places} · simulated</p>")),
         ("/missions/1/report?language=en", format!("<dt>Known places not searched</dt><dd>{open}</dd>")),

@@ -165,6 +165,7 @@ simulated-no-photo = the shutter did not open: take the photo again
 robots = Robots
 robots-and-seed = { $robots }; seed { $seed }
 robots-not-on-record = not on record
+search-ended-there = the search ended there
 unsearched = { $count ->
     [one] 1 place not searched
    *[other] { $count } places not searched

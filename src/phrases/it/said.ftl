@@ -165,6 +165,7 @@ simulated-no-photo = l'otturatore non si è aperto: scattare di nuovo la foto
 robots = Robot
 robots-and-seed = { $robots }; seme { $seed }
 robots-not-on-record = non registrati
+search-ended-there = la ricerca è finita lì
 unsearched = { $count ->
     [one] 1 posto non esplorato
    *[other] { $count } posti non esplorati

@@ -46,12 +46,11 @@ impl Language {
     /// What a mission came to, with what qualifies it beside: what was not searched, and the kind of the robot that searched.
     pub fn headline(self, came_to: &str, state: &PersistentState) -> String {
         let searcher = state.conditions.as_ref().and_then(|conditions| conditions.venue.robots.first());
-        format!("{} · {}", self.beside_unsearched(came_to, state.map.unsearched()), self.engine(searcher))
-    }
-
-    /// What a mission came to, and beside it how many known places are not searched, if any.
-    pub fn beside_unsearched(self, came_to: &str, places: usize) -> String {
-        if places == 0 { came_to.to_owned() } else { format!("{came_to} · {}", self.say("unsearched").with("count", places)) }
+        let unsearched = match state.map.unsearched() {
+            0 => String::new(),
+            places => format!(" · {}", self.say("unsearched").with("count", places)),
+        };
+        format!("{came_to}{unsearched} · {}", self.engine(searcher))
     }
 
     /// Kind of the robot that searches, or that it is not on record.

@@ -16,7 +16,7 @@ use super::{hall, html};
 use crate::api::luggage::photo_url;
 use crate::api::time::{Zone, rfc3339};
 use crate::phrases::{Language, Phrase};
-use crate::runtime::archive::{Archive, Happened, MissionRecord, Unreadable};
+use crate::runtime::archive::{Happened, MissionRecord, Unreadable};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::mission::PhaseName;
 use hallsweep_core::search::Strategy;
@@ -36,9 +36,7 @@ pub(in crate::doors::http) async fn list(
     query.only(&["before"])?;
     let before = before(&query)?;
     let (missions, next) = newest(&door, before, MISSIONS).await?;
-    let missions =
-        door.archive.look_up(move |archive| Ok(missions.into_iter().map(|record| with_unsearched(archive, record)).collect()));
-    let (missions, zone) = (missions.await?, Zone::of(door.clock.now().wall));
+    let zone = Zone::of(door.clock.now().wall);
     Ok(html(&List { language, missions, before, next, zone }))
 }
 
@@ -59,13 +57,6 @@ pub(in crate::doors::http) async fn one(
     };
     let zone = Zone::of(door.clock.now().wall);
     Ok(html(&One { language, record, state, damage, show, after, events, next, zone }))
-}
-
-/// A mission, and how many known places were not searched in it, where the search was broken off; 0 where that cannot be read.
-fn with_unsearched(archive: &dyn Archive, record: MissionRecord) -> (MissionRecord, usize) {
-    let is_broken_off = [PhaseName::BombLocated, PhaseName::BagSecured].iter().any(|phase| phase.name() == &*record.phase);
-    let state = if is_broken_off { archive.state(record.id).ok().flatten() } else { None };
-    (record, state.map_or(0, |state| state.of.map.unsearched()))
 }
 
 /// How much is shown of what happened.
@@ -112,8 +103,7 @@ fn is_main(fact: &Fact) -> bool {
 #[template(path = "missions/list.html")]
 struct List {
     language: Language,
-    /// Each with how many known places were not searched in it.
-    missions: Vec<(MissionRecord, usize)>,
+    missions: Vec<MissionRecord>,
     before: Option<MissionId>,
     next: Option<MissionId>,
     zone: Zone,
@@ -154,8 +144,11 @@ impl List {
         self.language.date(&self.zone.date_and_time(*wall))
     }
 
-    fn came_to(&self, record: &MissionRecord, unsearched: &usize) -> String {
-        self.language.beside_unsearched(&came_to(self.language, record), *unsearched)
+    /// How many places were not searched says the mission's own page: to count them the whole mission is read.
+    fn came_to(&self, record: &MissionRecord) -> String {
+        let came_to = came_to(self.language, record);
+        let ends_the_search = [PhaseName::BombLocated, PhaseName::BagSecured].iter().any(|phase| phase.name() == &*record.phase);
+        if ends_the_search { format!("{came_to} · {}", self.language.say("search-ended-there")) } else { came_to }
     }
 }
 
@@ -339,11 +332,11 @@ mod tests {
         check(&page, &hall);
         check(&page, &["What is missing here", "a mouse was at it"]);
         check(&page, &[" · not on record whether simulated</h2>", "<dt>Robots</dt><dd>not on record</dd>"]);
-        for page in [&page, &app(searching()).page("/missions").await] {
-            let count =
-                page.split_once("luggage #2 was left in place · ").and_then(|(_, rest)| rest.split_once(" places not searched"));
-            assert!(count.is_some_and(|(count, _)| count.parse::<u64>().is_ok()), "in the heading and in the list: {page}");
-        }
+        let count =
+            page.split_once("luggage #2 was left in place · ").and_then(|(_, rest)| rest.split_once(" places not searched"));
+        assert!(count.is_some_and(|(count, _)| count.parse::<u64>().is_ok()), "in the heading: {page}");
+        let list = app(searching()).page("/missions").await;
+        check(&list, &["luggage #2 was left in place · the search ended there</td>"]);
         let decided = format!("decided {} by operator", here(TEN));
         check(&page, &["/api/v1/luggage/3/photo?take=1", &decided, "pending"]);
     }
