@@ -23,6 +23,9 @@ use hallsweep_core::world::luggage::{Luggage, PhotoState};
 /// Bytes that the photos of a report may have together; where they have more, large ones are scaled down.
 const PHOTOS: usize = 5 << 20;
 
+/// Photos of one piece in a report, the latest: a spoilt record may count billions, and each is looked for.
+const TAKES: u32 = 1000;
+
 pub(super) fn write(report: &Report<'_>, out: &mut dyn Write) -> Result<(), Failure> {
     let state = report.moment.as_ref().map(|moment| &moment.past.of.state);
     part(out, &Top { report, language: report.claim.language, state, zone: report.zone() })?;
@@ -198,9 +201,9 @@ fn pieces(report: &Report<'_>, state: Option<&PersistentState>, out: &mut dyn Wr
     }
     for luggage in state.luggage.iter() {
         let photos = match &luggage.photo {
-            PhotoState::Taken { take, .. } => {
-                (1..=*take).filter_map(|take| picture(report, luggage, take, share).transpose()).collect::<Result<_, _>>()?
-            }
+            PhotoState::Taken { take, .. } => (take.saturating_sub(TAKES - 1).max(1)..=*take)
+                .filter_map(|take| picture(report, luggage, take, share).transpose())
+                .collect::<Result<_, _>>()?,
             PhotoState::Failed(why) => vec![Err(language.say("report-photo-failed").with("why", why).to_string())],
         };
         part(out, &Piece { report, language, luggage, photos, side })?;
@@ -213,8 +216,9 @@ fn share(state: &PersistentState) -> Option<usize> {
     let (mut total, mut count) = (0_usize, 0_usize);
     for luggage in state.luggage.iter() {
         if let PhotoState::Taken { bytes, take } = luggage.photo {
-            total = total.saturating_add(bytes.saturating_mul(take as usize));
-            count += take as usize;
+            let takes = take.min(TAKES) as usize;
+            total = total.saturating_add(bytes.saturating_mul(takes));
+            count += takes;
         }
     }
     (total > PHOTOS).then(|| PHOTOS / count)
