@@ -128,6 +128,7 @@ function show(message) {
     if (/^(hall-|tile_|pieces_|pins_|time_)/.test(id)) draw(id, markup);
     else morph(id, markup);
   }
+  if (document.querySelector("dialog[open]")) hide(); // what is new, too
   if (message.whole) {
     for (const layer of Object.values(LAYERS)) for (const part of [...at(layer).children]) if (!(part.id in message.parts)) part.remove();
     at("confirm-yes").disabled = at("confirm-no").disabled = false;
@@ -197,7 +198,7 @@ function morph(id, markup) {
     morphStyle: "outerHTML",
     callbacks: {
       beforeNodeMorphed: (node, newer) => (node.tagName === "SELECT" && newer.disabled) || !isPersons(node),
-      beforeAttributeUpdated: (name, node) => !(name === "open" && node.tagName === "DETAILS"),
+      beforeAttributeUpdated: (name, node) => !(name === "open" && node.tagName === "DETAILS") && name !== "inert",
     },
   });
   for (const select of at(id)?.querySelectorAll("select:disabled") ?? []) giveUp(select);
@@ -335,11 +336,12 @@ function ask({ dataset, form }) {
 }
 
 let asked = null;
-const rest = () => document.querySelectorAll(".skip, #who, #side, .field, .retrieval, #time");
+const rest = () => document.querySelectorAll(".skip, #bar a, #who, #side, .field, .retrieval, #time");
+const hide = () => rest().forEach((part) => (part.inert = true));
 
 /** Opens a dialog. It is not modal, since STOP must stay in reach; nothing else can be pressed through it. */
 function cover(dialog) {
-  rest().forEach((part) => (part.inert = true));
+  hide();
   asked = document.activeElement;
   dialog.show();
   dialog.querySelector("[autofocus]").focus();

@@ -188,6 +188,14 @@ export const covers = {
     await page.keyboard.press('?');
     await keys.waitFor();
     await through(yes, 'SAFE');
+    for (let press = 0; press < 30; press++) {
+      await page.keyboard.press('Tab');
+      const beside = await page.evaluate(() => {
+        const one = document.activeElement;
+        return one !== document.body && !one.closest('dialog, #stop') && one.outerHTML.slice(0, 100);
+      });
+      must(!beside, `Tab leads through the list of keys to ${beside}`);
+    }
     await page.keyboard.press('Escape');
     await keys.waitFor({ state: 'hidden' });
     await page.keyboard.press('f');
