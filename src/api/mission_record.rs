@@ -11,8 +11,9 @@ use super::robot::PositionJson;
 use super::time::rfc3339;
 use super::vocabulary;
 use hallsweep_core::effect::Entry;
+use hallsweep_core::engine::Past;
 use hallsweep_core::state::PersistentState;
-use hallsweep_core::units::{Celsius, MissionId, Seq, WallTime};
+use hallsweep_core::units::{MissionId, Seq, WallTime};
 
 /// A mission in one line.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -95,6 +96,7 @@ fn conditions(state: &PersistentState) -> Option<ConditionsShape> {
 
 /// How a mission stood after one of its entries.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
 pub struct MomentJson {
     /// The mission.
     pub mission: u64,
@@ -113,6 +115,10 @@ pub struct MomentJson {
     pub robot: StandsJson,
     /// The last reading in °C, or null where there was none not long before.
     pub celsius: Option<f64>,
+    /// When it was read; null where that is not known.
+    pub read_at: Option<String>,
+    /// Since when its source was silent, so that the temperature was not known; null while it was.
+    pub silent_since: Option<String>,
     /// In which hall it was, and what counted as too hot; null where no record says so.
     pub conditions: Option<ConditionsShape>,
     /// The luggage that had been found, by number.
@@ -141,15 +147,10 @@ pub struct MomentLinks {
 }
 
 impl MomentJson {
-    /// How this mission stood after the entry that was written then; what was read last, and what cannot be understood.
-    pub fn new(
-        mission: MissionId,
-        (seq, wall): (Seq, WallTime),
-        state: &PersistentState,
-        celsius: Option<Celsius>,
-        damage: Vec<String>,
-    ) -> MomentJson {
+    /// How this mission stood after an entry, when that was written, and what cannot be understood.
+    pub fn new(mission: MissionId, past: &Past, wall: WallTime, damage: Vec<String>) -> MomentJson {
         let Links { events, page, .. } = Links::of(mission);
+        let (seq, state, reading) = (past.seq, &past.state, past.reading());
         MomentJson {
             mission: mission.0,
             seq: seq.0,
@@ -158,7 +159,9 @@ impl MomentJson {
             holds: state.holds.to_vec().iter().map(|hold| hold.name()).collect(),
             goal: state.goal.map(|goal| goal.cell().into()),
             robot: StandsJson { position: state.pose.cell.into(), heading: state.pose.heading.name() },
-            celsius: celsius.map(Celsius::degrees),
+            celsius: reading.map(|reading| reading.celsius.degrees()),
+            read_at: reading.and_then(|reading| reading.read).map(rfc3339),
+            silent_since: reading.and_then(|reading| reading.silent_since).map(rfc3339),
             conditions: conditions(state),
             luggage: state.luggage.iter().map(|luggage| LuggageJson::from(&**luggage)).collect(),
             map: MapJson::from(Plan::from(state)),

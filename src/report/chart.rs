@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::{Failure, Report, each};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::units::Celsius;
-use hallsweep_core::world::temperature::hold_of_silence;
+use hallsweep_core::world::temperature::Speaking;
 
 /// The picture in units of its own.
 pub(super) const WIDTH: usize = 720;
@@ -34,27 +34,25 @@ impl Chart {
         };
         let mut columns = vec![None::<f64>; WIDTH];
         let (span, mut set) = (tally.span_ms().max(1), 0_i64);
-        // What was read last holds on until its source fell silent.
-        let mut last = None;
-        let mut ends = span;
+        // What was read last holds on until no source speaks any more.
+        let (mut last, mut ends, mut speaking) = (None, span, Speaking::default());
         each(report.archive, report.claim.mission, report.claim.until, |_, entry| {
             if let Ok(Entry { fact: Fact::ClockSet(by_ms), .. }) = entry {
                 set = set.saturating_add(*by_ms);
             }
             let Ok(entry) = entry else { return Ok(()) };
             let gone = entry.wall.unix_ms.saturating_sub(began.unix_ms).saturating_sub(set).clamp(0, span);
-            if let Fact::Temperature(source, celsius) = &entry.fact {
+            let is_known = speaking.hear(&entry.fact);
+            if let Fact::Temperature(_, celsius) = &entry.fact {
                 let column = &mut columns[column(gone, span)];
                 *column = Some(column.map_or(celsius.degrees(), |there| there.max(celsius.degrees())));
-                (last, ends) = (Some((celsius.degrees(), hold_of_silence(source))), span);
-            } else if let (Fact::Holds(holds), Some((_, Some(hold)))) = (&entry.fact, last)
-                && holds.contains(&hold)
-            {
+                (last, ends) = (Some(celsius.degrees()), span);
+            } else if !is_known {
                 ends = ends.min(gone);
             }
             Ok(())
         })?;
-        if let Some((degrees, _)) = last.filter(|_| report.claim.edition > 1) {
+        if let Some(degrees) = last.filter(|_| report.claim.edition > 1) {
             columns[column(ends, span)].get_or_insert(degrees);
         }
         let highest = threshold.map_or(hottest.degrees(), |threshold| hottest.degrees().max(threshold.degrees()));

@@ -1,6 +1,8 @@
 //! Whatever is on record can be written, in words that are remembered, and nothing of it is markup; what is lost or unreadable is told from
 //! what is not.
 
+use std::sync::Arc;
+
 use proptest::strategy::{Strategy as _, ValueTree};
 use proptest::test_runner::TestRunner;
 use sha2::{Digest, Sha256};
@@ -95,7 +97,7 @@ impl Archive for Mission {
     fn moments(&self, _: MissionId, _: &[At]) -> Result<Vec<Moment>, Unreadable> {
         let mut state = PersistentState::first(Strategy::default());
         self.entries.iter().filter(|entry| !matches!(entry.fact, Fact::State(_))).for_each(|entry| state.apply(entry));
-        let past = Past { seq: Seq(9), state, trail: Vec::new(), readings: Vec::new(), latest: Vec::new() };
+        let past = Past { seq: Seq(9), state, trail: Vec::new(), temperatures: Vec::new(), latest: Vec::new() };
         let wall = WallTime::default();
         Ok(vec![Moment { past: Sound { of: past, damage: self.damage.clone() }, wall, earlier: None, later: None }])
     }
@@ -268,11 +270,15 @@ fn a_temperature_that_stays_is_a_level_line_until_it_is_not_known_any_more_and_n
     };
     let read = || at(0, Fact::Temperature("robot".into(), Celsius::new(21.5).expect("a temperature")));
     let end = || at(719, command("anna", "x").fact);
-    let lost = || at(300, Fact::Holds(vec![Hold::RobotLink]));
+    let silent = || at(300, Fact::ThermometerSilent("robot".into()));
     for (entries, said, points) in [
         (vec![read(), end()], "<dd>constant 21.5 °C</dd>", "points=\"0,75.0 719,75.0 \""),
-        (vec![read(), lost(), lost(), end()], "<dd>constant 21.5 °C</dd>", "points=\"0,75.0 300,75.0 \""),
-        (vec![lost(), end()], "No reading is on record.", ""),
+        (
+            vec![read(), silent(), at(400, Fact::Holds(vec![Hold::RobotLink])), end()],
+            "<dd>constant 21.5 °C</dd>",
+            "points=\"0,75.0 300,75.0 \"",
+        ),
+        (vec![silent(), end()], "No reading is on record.", ""),
     ] {
         let mission = Mission::of(entries);
         let page = mission.report(Language::English);
@@ -302,6 +308,18 @@ fn piece(id: u64, bytes: usize) -> Entry {
         clock_set_ms: 0,
     };
     Entry { fact: Fact::Luggage { record: record.into(), photo: None }, ..command("anna", "x") }
+}
+
+#[test]
+fn a_record_that_counts_billions_of_photos_is_a_report_of_the_latest() {
+    for (take, photos) in [(3, 3), (1002, 1), (u32::MAX, 0)] {
+        let mut found = piece(1, 3);
+        if let Fact::Luggage { record, .. } = &mut found.fact {
+            Arc::make_mut(record).photo = PhotoState::Taken { bytes: 3, take };
+        }
+        let page = Mission::of(vec![found]).report(Language::English);
+        assert_eq!(page.matches("<img").count(), photos, "the first three are kept");
+    }
 }
 
 #[test]

@@ -220,6 +220,8 @@ pub enum Fact {
     },
     /// A temperature was read: the source and the reading.
     Temperature(Arc<str>, Celsius),
+    /// A source of readings fell silent: what it read last is not known any more.
+    ThermometerSilent(Arc<str>),
     /// An alarm was raised: the piece it is about, and what it says.
     AlarmRaised(AlarmId, Option<LuggageId>, AlarmCause),
     /// An alarm was seen by somebody.

@@ -70,6 +70,7 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
             note
         }),
         (text(), celsius()).prop_map(|(source, celsius)| Fact::Temperature(source.into(), celsius)),
+        text().prop_map(|source| Fact::ThermometerSilent(source.into())),
         (any::<u64>(), option::of(any::<u64>()), alarm_cause())
             .prop_map(|(id, luggage, cause)| { Fact::AlarmRaised(AlarmId(id), luggage.map(LuggageId), cause) }),
         (any::<u64>(), text()).prop_map(|(id, who)| Fact::AlarmAcknowledged(AlarmId(id), who.into())),

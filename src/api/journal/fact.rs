@@ -129,6 +129,9 @@ pub(super) enum Shape {
         source: String,
         celsius: f64,
     },
+    ThermometerSilent {
+        source: String,
+    },
     AlarmRaised {
         alarm: u64,
         luggage: Option<u64>,
@@ -196,6 +199,7 @@ pub const fn kind(fact: &Fact) -> &'static str {
         Fact::Luggage { .. } => "luggage",
         Fact::Verdict { .. } => "verdict",
         Fact::Temperature(..) => "temperature",
+        Fact::ThermometerSilent(_) => "thermometerSilent",
         Fact::AlarmRaised(..) => "alarmRaised",
         Fact::AlarmAcknowledged(..) => "alarmAcknowledged",
         Fact::Strategy(_) => "strategy",
@@ -249,6 +253,7 @@ impl Shape {
                 note: note.as_ref().map(|note| note.text().to_owned()),
             },
             Fact::Temperature(source, celsius) => Shape::Temperature { source: source.to_string(), celsius: celsius.degrees() },
+            Fact::ThermometerSilent(source) => Shape::ThermometerSilent { source: source.to_string() },
             Fact::AlarmRaised(alarm, luggage, cause) => {
                 Shape::AlarmRaised { alarm: alarm.0, luggage: luggage.map(|id| id.0), text: cause.to_string() }
             }
@@ -306,6 +311,7 @@ impl Shape {
                 note: names::note(note)?,
             },
             Shape::Temperature { source, celsius } => Fact::Temperature(source.into(), names::celsius(celsius)?),
+            Shape::ThermometerSilent { source } => Fact::ThermometerSilent(source.into()),
             Shape::AlarmRaised { alarm, luggage, text } => {
                 Fact::AlarmRaised(AlarmId(alarm), luggage.map(LuggageId), AlarmCause::from_words(&text))
             }

@@ -66,9 +66,7 @@ pub(super) async fn moment(
     query.only(&["at"])?;
     let at = At::Entry(at(&query)?.unwrap_or(Seq(MOST)));
     let [Moment { past: Sound { of: past, damage }, wall, .. }] = stood(&door, id, [at]).await?;
-    let celsius = past.readings.last().map(|(_, celsius, _)| *celsius);
-    let moment = MomentJson::new(MissionId(id), (past.seq, wall), &past.state, celsius, damage);
-    Ok(by_content(&headers, JSON, json(&moment)))
+    Ok(by_content(&headers, JSON, json(&MomentJson::new(MissionId(id), &past, wall, damage))))
 }
 
 /// The entry after which a moment is asked for.

@@ -137,6 +137,7 @@ photographed-not = no photo: { $why }
 fact-verdict = verdict on luggage #{ $id }: { $verdict }, by { $who }
 fact-verdict-noted = verdict on luggage #{ $id }: { $verdict }, by { $who } (note: { $note })
 fact-temperature = temperature { $celsius }, by { $source }
+fact-thermometer-silent = the thermometer of { $source } fell silent
 fact-alarm = alarm { $alarm } raised: { $cause }
 fact-alarm-seen = alarm { $alarm } acknowledged by { $who }
 fact-strategy = search order: { $strategy }

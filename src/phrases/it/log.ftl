@@ -140,6 +140,7 @@ photographed-not = senza foto: { $why }
 fact-verdict = verdetto sul bagaglio #{ $id }: { $verdict }, da { $who }
 fact-verdict-noted = verdetto sul bagaglio #{ $id }: { $verdict }, da { $who } (nota: { $note })
 fact-temperature = temperatura { $celsius }, da { $source }
+fact-thermometer-silent = il termometro di { $source } tace
 fact-alarm = allarme { $alarm }: { $cause }
 fact-alarm-seen = allarme { $alarm } confermato da { $who }
 fact-strategy = ordine di ricerca: { $strategy }

@@ -96,6 +96,7 @@ impl Language {
             Fact::Temperature(source, celsius) => {
                 self.say("fact-temperature").with("celsius", self.celsius(*celsius)).with("source", source)
             }
+            Fact::ThermometerSilent(source) => self.say("fact-thermometer-silent").with("source", source),
             Fact::AlarmRaised(alarm, _, cause) => self.say("fact-alarm").with("alarm", alarm).with("cause", self.alarm(cause)),
             Fact::AlarmAcknowledged(alarm, who) => self.say("fact-alarm-seen").with("alarm", alarm).with("who", who),
             Fact::Strategy(strategy) => self.say("fact-strategy").with("strategy", self.say_of("strategy", strategy.name())),

@@ -209,6 +209,7 @@ fn the_journal() {
         verdict(None),
         verdict(Note::new("red")),
         Fact::Temperature("roof".into(), degrees(21.5)),
+        Fact::ThermometerSilent("roof".into()),
         Fact::AlarmRaised(AlarmId(4), None, AlarmCause::Dangerous(ID, CELL)),
         Fact::AlarmAcknowledged(AlarmId(4), "anna".into()),
         Fact::MapEmptied(Heading::South),

@@ -148,6 +148,7 @@ impl CountedFact {
             | Fact::Obstacle(..)
             | Fact::Mark(..)
             | Fact::Temperature(..)
+            | Fact::ThermometerSilent(_)
             | Fact::AlarmAcknowledged(..)
             | Fact::Strategy(_)
             | Fact::MapEmptied(_)

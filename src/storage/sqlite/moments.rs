@@ -1,17 +1,14 @@
 //! How a mission stood at moments of its past: what follows from the entries up to each of them, and what else a page shows of it.
 
-use std::sync::Arc;
-
 use rusqlite::{Connection, OptionalExtension};
 
 use super::fault::{Fault, count, whole};
 use super::recall;
 use super::rows::{self, Kinds};
 use crate::runtime::archive::{At, Moment, Sound};
-use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::{Past, way_behind};
 use hallsweep_core::state::PersistentState;
-use hallsweep_core::units::{Celsius, MissionId, Seq, WallTime};
+use hallsweep_core::units::{MissionId, Seq, WallTime};
 
 /// A reading among so many entries is looked for, which takes milliseconds.
 const NOT_LONG: u64 = 20_000;
@@ -117,23 +114,13 @@ fn moment(
     end: Seq,
 ) -> Result<Moment, Fault> {
     let Sound { of: state, damage } = state;
-    let readings = rows::latest(connection, Kinds::Temperatures, seq, READINGS, NOT_LONG)?;
+    let temperatures = rows::latest(connection, Kinds::Temperatures, seq, READINGS, NOT_LONG)?;
     let way = rows::latest(connection, Kinds::Way, seq, POSES, NOT_LONG)?;
-    let past = Past {
-        seq,
-        state,
-        trail: way_behind(&way),
-        readings: readings.into_iter().filter_map(reading).collect(),
-        latest: recall::latest(connection, seq)?,
-    };
+    let past = Past { seq, state, trail: way_behind(&way), temperatures, latest: recall::latest(connection, seq)? };
     Ok(Moment {
         past: Sound { of: past, damage },
         wall,
         earlier: rows::last_of(connection, mission, Seq(seq.0.saturating_sub(1)))?.map(|(seq, _)| seq),
         later: rows::first_of(connection, mission, seq.next())?.map(|(seq, _)| seq).filter(|later| *later <= end),
     })
-}
-
-fn reading(Entry { wall, fact }: Entry) -> Option<(Arc<str>, Celsius, WallTime)> {
-    if let Fact::Temperature(source, celsius) = fact { Some((source, celsius, wall)) } else { None }
 }

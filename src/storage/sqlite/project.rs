@@ -45,6 +45,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
         | Fact::Obstacle(..)
         | Fact::Mark(..)
         | Fact::Temperature(..)
+        | Fact::ThermometerSilent(_)
         | Fact::AlarmRaised(..)
         | Fact::AlarmAcknowledged(..)
         | Fact::Strategy(_)

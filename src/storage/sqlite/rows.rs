@@ -48,7 +48,7 @@ pub(super) enum Kinds {
     Told,
     /// Only those about archives.
     OfArchives,
-    /// Only temperatures.
+    /// Only those that tell of the temperature, and of how old it is.
     Temperatures,
     /// Only those from which the way behind the robot follows: where it stood, and where a way begins anew.
     Way,
@@ -67,14 +67,14 @@ impl Kinds {
             Kinds::Timeline => Some(
                 "kind IN ('missionBegan', 'missionArchived', 'phase', 'holds', 'temperature', 'luggage', 'verdict', 'secured',
                  'alarmRaised', 'alarmAcknowledged', 'command', 'strategy', 'retrieval', 'programStarted', 'programEnded', 'conditions',
-                 'clockSet')",
+                 'clockSet', 'thermometerSilent')",
             ),
             Kinds::Told => Some(
                 "kind IN ('command', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'verdict', 'alarmRaised',
                  'alarmAcknowledged', 'programEnded', 'clockSet')",
             ),
             Kinds::OfArchives => Some("kind IN ('writtenOut', 'unpacked')"),
-            Kinds::Temperatures => Some("kind = 'temperature'"),
+            Kinds::Temperatures => Some("kind IN ('temperature', 'thermometerSilent', 'programStarted', 'clockSet')"),
             Kinds::Way => Some("kind IN ('pose', 'programStarted', 'missionBegan', 'mapEmptied', 'strategy')"),
         }
     }

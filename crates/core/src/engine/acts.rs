@@ -67,7 +67,8 @@ impl Engine {
         self.mission.forget_way();
         self.world.touch(Resource::Mission);
         self.record(Fact::MissionBegan(self.state.mission.next(), self.state.strategy));
-        // Only changes go on record: without this a mission in which the temperature stays has none.
+        // Only changes go on record: without this a mission in which the temperature stays has none. What an operator said, long ago
+        // perhaps, is not read now.
         for (source, celsius) in self.world.thermometer.readings() {
             self.record(Fact::Temperature(source, celsius));
         }
@@ -234,6 +235,10 @@ impl Engine {
         if self.world.thermometer.last != before {
             self.world.touch(Resource::Temperature);
         }
+        self.judge_heat(celsius);
+    }
+
+    pub(super) fn judge_heat(&mut self, celsius: Celsius) {
         let held = self.state.holds.contains(Hold::Temperature);
         let context = InputContext { why: Some(HoldReason::Reading(celsius)), ..InputContext::default() };
         match (self.world.thermometer.is_hot(), held) {
@@ -245,6 +250,7 @@ impl Engine {
 
     pub(super) fn fall_silent(&mut self, source: &str) {
         if self.world.thermometer.fall_silent(source, self.now.wall) {
+            self.record(Fact::ThermometerSilent(Arc::from(source)));
             self.world.touch(Resource::Temperature);
         }
     }

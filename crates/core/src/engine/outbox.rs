@@ -137,7 +137,7 @@ impl Outbox {
             (self.sums_up, self.since_summed_up) = (false, 0);
         }
         // Whoever sends commands and readings without end must not keep the robot from moving.
-        if !matches!(entry.fact, Fact::Command { .. } | Fact::Temperature(..)) {
+        if !matches!(entry.fact, Fact::Command { .. } | Fact::Temperature(..) | Fact::ThermometerSilent(_)) {
             self.barrier = self.written;
         }
         self.page.push(entry);

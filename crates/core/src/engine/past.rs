@@ -11,10 +11,10 @@ use crate::mission::TRAIL;
 use crate::robots::RobotId;
 use crate::settings::Settings;
 use crate::state::PersistentState;
-use crate::units::{Cell, Celsius, Now, Revision, Seq, WallTime};
+use crate::units::{Cell, Revision, Seq};
 use crate::world::resource::Resource;
 use crate::world::snapshot::Snapshot;
-use crate::world::temperature::hold_of_silence;
+use crate::world::temperature::{Reading, Thermometer};
 
 /// What is on record of a moment.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,8 +25,8 @@ pub struct Past {
     pub state: PersistentState,
     /// The cells the robot that searches came through, the latest last.
     pub trail: Vec<Cell>,
-    /// The readings of not long before, oldest first, each with its source and when it went on record.
-    pub readings: Vec<(Arc<str>, Celsius, WallTime)>,
+    /// The entries of not long before that tell of the temperature, oldest first.
+    pub temperatures: Vec<Entry>,
     /// The latest of what people did and what was found, oldest first.
     pub latest: Vec<Remembered>,
 }
@@ -60,11 +60,19 @@ const fn begins_a_way(fact: &Fact) -> bool {
 }
 
 impl Past {
+    /// What was read last, as far as it is in these entries; the settings matter only to what follows from it.
+    #[must_use]
+    pub fn reading(&self) -> Option<Reading> {
+        let mut thermometer = Thermometer::new(Settings::default().threshold, 0.0);
+        thermometer.recall(&self.temperatures);
+        thermometer.latest()
+    }
+
     /// The state as the doors show it, with these robots beside the one that searches. What is too hot is so by the threshold of
     /// then, and where that is not on record by that of now.
     #[must_use]
     pub fn snapshot(self, settings: Settings, others: impl IntoIterator<Item = RobotId>) -> Snapshot {
-        let Past { seq, state, trail, readings, latest } = self;
+        let Past { seq, state, trail, temperatures, latest } = self;
         let threshold = state.conditions.as_ref().map_or(settings.threshold, |conditions| conditions.threshold);
         let settings = Settings { threshold, ..settings };
         let mut engine = Engine::new(settings, state.strategy, Arc::from("past"));
@@ -77,12 +85,7 @@ impl Past {
         engine.state = state;
         engine.recall_team();
         engine.mission.trail = trail.into();
-        for (source, celsius, wall) in readings {
-            engine.world.thermometer.read(&source, celsius, Now { wall, ..Now::default() });
-            if hold_of_silence(&source).is_some_and(|hold| engine.state.holds.contains(hold)) {
-                engine.world.thermometer.fall_silent(&source, wall);
-            }
-        }
+        engine.world.thermometer.recall(&temperatures);
         for Remembered { wall, tone, said } in latest {
             engine.world.log.put(wall, tone, said);
         }

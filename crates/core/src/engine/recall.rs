@@ -16,7 +16,6 @@ use crate::world::log::Tone;
 use crate::world::luggage::Luggage;
 use crate::world::resource::Resource;
 use crate::world::said::Said;
-use crate::world::temperature::OPERATOR;
 
 /// Smaller changes of the wall clock are not put on record: a leap second, or what the machine corrects all the time.
 const CLOCK_SET_MS: i64 = 2000;
@@ -168,9 +167,8 @@ impl Engine {
             self.mark(cell, Mark::Visited);
         }
         if let Some(celsius) = self.state.reading {
-            self.read_temperature(&Arc::from(OPERATOR), celsius);
-            // How old it is nobody knows.
-            self.fall_silent(OPERATOR);
+            self.world.thermometer.remember(celsius, self.now);
+            self.judge_heat(celsius);
         }
     }
 

@@ -7,6 +7,7 @@ mod fetching;
 mod floods;
 mod shown;
 mod simulated;
+mod temperature;
 
 use std::time::Duration;
 

@@ -71,6 +71,7 @@ fn said(fact: &Fact) -> String {
             format!("verdict on luggage #{luggage}: {}, by {who}{note}", verdict.name())
         }
         Fact::Temperature(source, celsius) => format!("temperature {celsius}, by {source}"),
+        Fact::ThermometerSilent(source) => format!("the thermometer of {source} fell silent"),
         Fact::AlarmRaised(alarm, _, cause) => format!("alarm {alarm} raised: {cause}"),
         Fact::AlarmAcknowledged(alarm, who) => format!("alarm {alarm} acknowledged by {who}"),
         Fact::Strategy(strategy) => format!("search order: {}", strategy.name()),

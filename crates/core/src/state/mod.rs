@@ -156,7 +156,7 @@ impl PersistentState {
                 self.decide(*luggage, Decision { verdict: *verdict, who: Arc::clone(who), wall, note: note.clone() });
             }
             Fact::Temperature(source, celsius) if **source == *OPERATOR => self.reading = Some(*celsius),
-            Fact::Temperature(..) => {}
+            Fact::Temperature(..) | Fact::ThermometerSilent(_) => {}
             Fact::AlarmRaised(id, luggage, cause) => self.alarm(*id, *luggage, cause, wall),
             Fact::AlarmAcknowledged(id, who) => self.acknowledge(*id, who, wall),
             Fact::Strategy(strategy) => {

@@ -1,11 +1,11 @@
 //! The temperature of the hall: the last reading of every source, compared with the threshold.
 //! Which hold follows from it is the mission's business.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::mission::Hold;
+use crate::effect::{Entry, Fact};
 use crate::units::{Celsius, Now, WallTime};
 
 /// The source of the operator's own readings.
@@ -26,13 +26,21 @@ pub const SILENCE: Duration = Duration::from_secs(30);
 /// Shortest time between two updates of an unchanged reading's time, so that a thermometer that reports often does not wake every door.
 const SHOWN_ANEW: Duration = Duration::from_secs(5);
 
-/// The hold that says that a source of readings is silent; `None` for people, who are asked for nothing regularly.
-#[must_use]
-pub fn hold_of_silence(source: &str) -> Option<Hold> {
-    match source {
-        OPERATOR => None,
-        source if is_robot(source) => Some(Hold::RobotLink),
-        _ => Some(Hold::TemperatureStale),
+/// The sources that are not silent, as the journal tells.
+#[derive(Clone, Debug, Default)]
+pub struct Speaking(BTreeSet<Arc<str>>);
+
+impl Speaking {
+    /// Whether any source speaks after this.
+    pub fn hear(&mut self, fact: &Fact) -> bool {
+        if let Fact::Temperature(source, _) = fact {
+            self.0.insert(Arc::clone(source));
+        } else if let Fact::ThermometerSilent(source) = fact {
+            self.0.remove(source);
+        } else if let Fact::ProgramStarted(_) = fact {
+            self.0.clear();
+        }
+        !self.0.is_empty()
     }
 }
 
@@ -112,15 +120,42 @@ impl Thermometer {
         }
     }
 
+    /// Takes what the journal tells, oldest first, as it was taken when it happened.
+    pub(crate) fn recall(&mut self, entries: &[Entry]) {
+        for (Entry { wall, fact }, minute) in entries.iter().zip(0..) {
+            // Far enough from one another that each is shown.
+            let now = Now { wall: *wall, since_start: Duration::from_secs(60 * minute) };
+            if let Fact::Temperature(source, celsius) = fact {
+                self.read(source, *celsius, now);
+            } else if let Fact::ThermometerSilent(source) = fact {
+                self.fall_silent(source, *wall);
+            } else if let Fact::ClockSet(by_ms) = fact {
+                self.set_clock(*by_ms);
+            } else if let Fact::ProgramStarted(_) = fact {
+                let said = self.sources.remove(OPERATOR);
+                (self.sources, self.last) = (BTreeMap::new(), None);
+                if let Some(said) = said {
+                    self.remember(said.reading, now);
+                }
+            }
+        }
+    }
+
+    /// Takes what the operator said before the program was started. How old it is nobody knows.
+    pub(crate) fn remember(&mut self, said: Celsius, now: Now) {
+        self.read(&Arc::from(OPERATOR), said, now);
+        self.fall_silent(OPERATOR, now.wall);
+    }
+
     /// The next robot's thermometer to fall silent, and when, unless it reports before.
     pub(crate) fn due(&self) -> Option<(Duration, Arc<str>)> {
         let speaking = self.sources.iter().filter(|(name, source)| is_robot(name) && source.silent_since.is_none());
         speaking.map(|(name, source)| (source.read.since_start.saturating_add(SILENCE), Arc::clone(name))).min()
     }
 
-    /// What the sources say that are not silent.
+    /// What the thermometers say that are not silent.
     pub(crate) fn readings(&self) -> Vec<(Arc<str>, Celsius)> {
-        let speaking = self.sources.iter().filter(|(_, source)| source.silent_since.is_none());
+        let speaking = self.sources.iter().filter(|(name, source)| &***name != OPERATOR && source.silent_since.is_none());
         speaking.map(|(name, source)| (Arc::clone(name), source.reading)).collect()
     }
 
@@ -139,9 +174,13 @@ impl Thermometer {
         self.sources.values().any(|source| source.hot)
     }
 
+    pub(crate) fn latest(&self) -> Option<Reading> {
+        self.last.as_ref().map(|(_, last)| last.view())
+    }
+
     pub(crate) fn view(&self, status: TemperatureStatus) -> TemperatureView {
         let hot = self.sources.iter().filter(|(_, source)| source.hot);
-        let last = self.last.as_ref().map(|(_, last)| last.view());
+        let last = self.latest();
         TemperatureView {
             celsius: last.map(|last| last.celsius),
             read: last.and_then(|last| last.read),
@@ -294,12 +333,5 @@ mod tests {
         let view = thermometer.view(TemperatureStatus::Ok);
         assert_eq!((view.celsius, view.read, view.silent_since), (Some(celsius(20.0)), Some(at(0).wall), None));
         assert!(!thermometer.retire("robot"));
-    }
-
-    #[test]
-    fn people_are_never_silent_and_everything_else_has_a_hold_that_says_so() {
-        let said = ["operator", "robot", "robot srm1", "roof", "robot-roof"].map(hold_of_silence);
-        let [link, stale] = [Hold::RobotLink, Hold::TemperatureStale].map(Some);
-        assert_eq!(said, [None, link, link, stale, stale]);
     }
 }

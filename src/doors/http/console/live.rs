@@ -23,7 +23,7 @@ use super::timeline::{self, Scale, Timeline, Timelines};
 use super::view::{HallInfo, Then, View, Who};
 use super::{began, hall, pieces, who};
 use crate::phrases::Language;
-use hallsweep_core::units::{Cell, WallTime};
+use hallsweep_core::units::Cell;
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// The least time between two messages: ten a second are as many as an eye can use.
@@ -119,7 +119,7 @@ impl Shown {
     /// What a page that shows this looks like.
     pub(super) fn already(snapshot: &Arc<Snapshot>, view: &View<'_>) -> Shown {
         let prints = PARTS.iter().map(|part| (part.id, fingerprint(&(part.render)(view)))).collect();
-        let line = view.line.map(|line| ShownLine::of(line, silent_since(view))).unwrap_or_default();
+        let line = view.line.map(ShownLine::of).unwrap_or_default();
         Shown { older: Some(Arc::clone(snapshot)), prints, is_paused: view.hall.is_paused, line }
     }
 
@@ -129,7 +129,7 @@ impl Shown {
         let mut parts = tiles(older.as_deref(), snapshot);
         parts.extend(pieces::changed(view.language, older.as_deref(), snapshot));
         if let Some(line) = view.line {
-            parts.extend(self.line.update(line, silent_since(view)));
+            parts.extend(self.line.update(line));
         }
         let is_paused_or_goes_on = std::mem::replace(&mut self.is_paused, view.hall.is_paused) != view.hall.is_paused;
         for part in &PARTS {
@@ -155,31 +155,25 @@ impl Shown {
     }
 }
 
-/// In the past the line is that of the whole mission, and ends by what is on record.
-pub(super) fn silent_since(view: &View<'_>) -> Option<WallTime> {
-    view.snapshot.temperature.silent_since.filter(|_| view.then.is_none())
-}
-
 impl ShownLine {
-    fn of(line: &Timeline, silent_since: Option<WallTime>) -> ShownLine {
-        let growing = line.sections(line.full(), silent_since).next().map_or(0, |(_, markup)| fingerprint(&markup));
+    fn of(line: &Timeline) -> ShownLine {
+        let growing = line.sections(line.full()).next().map_or(0, |(_, markup)| fingerprint(&markup));
         ShownLine { mission: line.mission().0, full: line.full(), growing }
     }
 
     /// The pieces that are new or differ, and those of another mission's line that are gone.
-    fn update(&mut self, line: &Timeline, silent_since: Option<WallTime>) -> Vec<(String, String)> {
+    fn update(&mut self, line: &Timeline) -> Vec<(String, String)> {
         // One that is read anew, and not to its end yet, takes away nothing that is shown.
         if self.mission == line.mission().0 && line.full() < self.full {
             return Vec::new();
         }
-        let before = std::mem::replace(self, ShownLine::of(line, silent_since));
+        let before = std::mem::replace(self, ShownLine::of(line));
         if before == *self {
             return Vec::new();
         }
         let is_same = before.mission == self.mission;
         let gone = if is_same { 0..0 } else { line.full() + 1..before.full + 1 };
-        let newer =
-            line.sections(if is_same { before.full } else { 0 }, silent_since).map(|(id, markup)| (id, markup.to_string()));
+        let newer = line.sections(if is_same { before.full } else { 0 }).map(|(id, markup)| (id, markup.to_string()));
         newer.chain(gone.map(|place| (timeline::id(place), String::new()))).collect()
     }
 }

@@ -3,7 +3,6 @@
 use askama::Template;
 use serde::Serialize;
 
-use super::live::silent_since;
 use super::parts::PARTS;
 use super::timeline::{MOST, THRESHOLD_Y, Timeline};
 use super::view::View;
@@ -59,8 +58,7 @@ impl<'a> Page<'a> {
     }
 
     fn times(&self) -> String {
-        let silent_since = silent_since(self.v);
-        self.v.line.iter().flat_map(|line| line.sections(0, silent_since)).map(|(_, markup)| markup.to_string()).collect()
+        self.v.line.iter().flat_map(|line| line.sections(0)).map(|(_, markup)| markup.to_string()).collect()
     }
 
     fn width(&self) -> i64 {

@@ -72,8 +72,8 @@ pub(super) fn moment(at: At) -> Option<Moment> {
     let entries = entries().into_iter().filter(|(seq, _)| *seq <= most);
     let mut state = PersistentState { mission: MissionId(1), ..PersistentState::first(Strategy::Snail) };
     let seq = entries.filter_map(|(seq, entry)| entry.ok().map(|entry| (seq, state.apply(&entry)))).last()?.0;
-    let readings = Celsius::new(23.5).map(|celsius| ("hall".into(), celsius, TEN)).into_iter().collect();
-    let past = Past { seq, state, trail: Vec::new(), readings, latest: Vec::new() };
+    let warm = Celsius::new(23.5).map(|celsius| Entry { wall: TEN, fact: Fact::Temperature("hall".into(), celsius) });
+    let past = Past { seq, state, trail: Vec::new(), temperatures: warm.into_iter().collect(), latest: Vec::new() };
     let (earlier, later) = ((seq > Seq(1)).then(|| Seq(seq.0 - 1)), (seq < Seq(6)).then(|| seq.next()));
     Some(Moment { past: Sound { of: past, damage: Vec::new() }, wall: TEN, earlier, later })
 }

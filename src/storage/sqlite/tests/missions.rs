@@ -65,7 +65,7 @@ fn a_mission_is_read_as_it_stood_after_each_of_its_entries() {
         }
         assert_eq!(state, folded, "after entry {seq}");
         let is_warm = so_far.iter().any(|entry| matches!(entry.fact, Fact::Temperature(..)));
-        assert_eq!(past.readings.len(), usize::from(is_warm), "after entry {seq}");
+        assert_eq!(past.temperatures.len(), usize::from(is_warm), "after entry {seq}");
         earlier = Some(seq);
     }
     assert_eq!(earlier, Some(Seq(all.len() as u64)), "all of them were looked at");

@@ -6,16 +6,16 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::section::{FAR, Reading, Section, id};
+use super::section::{Reading, Section, id};
 use crate::api::time::Zone;
 use crate::phrases::Language;
 use crate::runtime::archive::{At, Happened};
 use hallsweep_core::command::Verdict;
 use hallsweep_core::effect::Fact;
-use hallsweep_core::mission::{Hold, Phase, PhaseName};
+use hallsweep_core::mission::{Phase, PhaseName};
 use hallsweep_core::state::Conditions;
 use hallsweep_core::units::{Celsius, MissionId, Seq, WallTime};
-use hallsweep_core::world::temperature::hold_of_silence;
+use hallsweep_core::world::temperature::Speaking;
 
 /// Entries in a section of the picture.
 const SECTION: usize = 64;
@@ -77,12 +77,11 @@ pub(in super::super) struct Timeline {
 }
 
 /// What goes on beyond the section in which it began.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Carried {
     phase: Option<(PhaseName, Option<PhaseName>)>,
     reading: Option<Reading>,
-    /// The hold that says that it is true no more.
-    ends_with: Option<Hold>,
+    speaking: Speaking,
     stage: Option<&'static str>,
 }
 
@@ -188,16 +187,9 @@ impl Timeline {
         self.full.len()
     }
 
-    /// The sections of the picture from this one on, each in a group of its own; the last one grows. The temperature is drawn until its
-    /// sources fell silent.
-    pub(in super::super) fn sections(
-        &self,
-        from: usize,
-        silent_since: Option<WallTime>,
-    ) -> impl Iterator<Item = (String, Arc<str>)> {
-        let until = |reading: &Reading| silent_since.map_or(FAR, |since| self.x(since.unix_ms).max(reading.x));
-        let reading = self.carried.reading;
-        let growing = Arc::from(self.growing.drawn(self.full.len(), reading, reading.as_ref().map(until)));
+    /// The sections of the picture from this one on, each in a group of its own; the last one grows.
+    pub(in super::super) fn sections(&self, from: usize) -> impl Iterator<Item = (String, Arc<str>)> {
+        let growing = Arc::from(self.growing.drawn(self.full.len(), self.carried.reading));
         let sections = self.full.iter().skip(from).cloned().chain([growing]);
         (from..).zip(sections).map(|(place, markup)| (id(place), markup))
     }
@@ -235,22 +227,21 @@ impl Timeline {
         self.entries += 1;
         self.is_over = matches!(fact, Fact::MissionArchived(..));
         let x = self.x(self.end);
+        if !self.carried.speaking.hear(fact) {
+            self.growing.reading_ends(x, &mut self.carried.reading);
+        }
         if let Fact::Phase(phase) = fact {
             self.phase(x, wall, (phase.name(), phase.interrupted().map(Phase::name)));
         } else if let Fact::Holds(holds) = fact {
             self.holds(x, wall, fact, !holds.is_empty());
-            if self.carried.ends_with.is_some_and(|hold| holds.contains(&hold)) {
-                self.growing.reading_ends(x, &mut self.carried.reading);
-            }
         } else if let Fact::Conditions(conditions) = fact {
             self.under(conditions);
             // What was read last is judged anew.
             if let Some(Reading { celsius, .. }) = self.carried.reading {
                 self.growing.reading(x, celsius, self.threshold, &mut self.carried.reading);
             }
-        } else if let Fact::Temperature(source, celsius) = fact {
+        } else if let Fact::Temperature(_, celsius) = fact {
             self.growing.reading(x, *celsius, self.threshold, &mut self.carried.reading);
-            self.carried.ends_with = hold_of_silence(source);
         } else if let Fact::Retrieval(retrieval) = fact {
             let stage = retrieval.as_ref().map(|retrieval| retrieval.stage.name());
             if std::mem::replace(&mut self.carried.stage, stage) != stage {
@@ -262,7 +253,7 @@ impl Timeline {
         self.growing.entries += 1;
         if self.growing.entries == SECTION {
             let full = std::mem::take(&mut self.growing);
-            self.full.push(Arc::from(full.drawn(self.full.len(), self.carried.reading, None)));
+            self.full.push(Arc::from(full.drawn(self.full.len(), None)));
             self.growing.go_on(self.carried.reading);
         }
     }
@@ -320,19 +311,20 @@ fn class(fact: &Fact) -> Option<&'static str> {
         Fact::State(_) | Fact::Epoch(_) | Fact::Goal(..) | Fact::Pose(_) | Fact::RobotPose(..) | Fact::Outside(..) => {
             return None;
         }
-        Fact::MetAgain(..) | Fact::Led(_) | Fact::Obstacle(..) | Fact::Mark(..) | Fact::Temperature(..) | Fact::MapEmptied(_) => {
-            return None;
-        }
+        Fact::MetAgain(..) | Fact::Led(_) | Fact::Obstacle(..) | Fact::Mark(..) | Fact::MapEmptied(_) => return None,
+        // These make the curve.
+        Fact::Temperature(..) | Fact::ThermometerSilent(_) => return None,
     })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::section::THRESHOLD_Y;
+    use super::super::section::{FAR, THRESHOLD_Y};
     use super::*;
     use crate::api::fixture::{TEN, degrees, piece};
     use hallsweep_core::command::Issuer;
     use hallsweep_core::effect::Entry;
+    use hallsweep_core::mission::Hold;
     use hallsweep_core::state::Venue;
     use hallsweep_core::units::{Cell, LuggageId};
 
@@ -349,7 +341,7 @@ mod tests {
     }
 
     fn drawn(line: &Timeline) -> String {
-        line.sections(0, None).map(|(_, markup)| markup.to_string()).collect()
+        line.sections(0).map(|(_, markup)| markup.to_string()).collect()
     }
 
     fn temperature(celsius: f64) -> Fact {
@@ -379,20 +371,18 @@ mod tests {
     #[test]
     fn the_temperature_is_drawn_level_from_its_first_reading_until_it_is_not_known_any_more() {
         let read = || (0, temperature(22.0));
-        let path = |line: &Timeline, silent_since: Option<i64>| {
-            let since = silent_since.map(|second| WallTime { unix_ms: TEN.unix_ms + second * 1000, ..TEN });
-            let drawn: String = line.sections(0, since).map(|(_, markup)| markup.to_string()).collect();
-            let path = drawn.split_once("class=\"temperature\" d=\"").map(|(_, path)| path.to_owned())?;
+        let path = |facts: Vec<(i64, Fact)>| {
+            let path = drawn(&line(facts)).split_once("class=\"temperature\" d=\"").map(|(_, path)| path.to_owned())?;
             Some(path.split('"').next()?.split_once('H')?.1.to_owned())
         };
-        let constant = line([read(), (60, command("STOP"))]);
-        assert_eq!(path(&constant, None), Some(FAR.to_string()), "a temperature that stays is a line");
-        assert_eq!(path(&constant, Some(30)).as_deref(), Some("300"), "it ends where its source fell silent");
-        let silent = [read(), (20, Fact::Holds(vec![Hold::TemperatureStale])), (60, command("STOP"))];
-        assert_eq!(path(&line(silent), None).as_deref(), Some("200"), "so it does by what is on record");
-        let other = [read(), (20, Fact::Holds(vec![Hold::RobotLink])), (60, command("STOP"))];
-        assert_eq!(path(&line(other), None), Some(FAR.to_string()), "a sensor of the hall is not on the robot's link");
-        assert_eq!(path(&line([(0, command("STOP"))]), None), None, "where nothing was read there is none");
+        let silent = |source: &str| Fact::ThermometerSilent(source.into());
+        let stop = || (60, command("STOP"));
+        assert_eq!(path(vec![read(), stop()]), Some(FAR.to_string()), "a temperature that stays is a line");
+        assert_eq!(path(vec![read(), (20, silent("hall")), stop()]).as_deref(), Some("200"), "it ends with its source");
+        assert_eq!(path(vec![read(), (20, silent("robot")), stop()]), Some(FAR.to_string()), "but not with another one");
+        let started = Fact::ProgramStarted("1.0".into());
+        assert_eq!(path(vec![read(), (3, started), stop()]).as_deref(), Some("30"), "what was off heard nothing");
+        assert_eq!(path(vec![stop()]), None, "where nothing was read there is none");
     }
 
     #[test]
@@ -463,9 +453,9 @@ mod tests {
         let many = |count: i64| (0..count).map(|second| (second, temperature(20.0 + (second % 3) as f64)));
         let (before, after) = (line(many(100)), line(many(1000)));
         assert_eq!((before.full(), after.full()), (100 / SECTION, 1000 / SECTION));
-        let first = |line: &Timeline| line.sections(0, None).next().unwrap().1;
+        let first = |line: &Timeline| line.sections(0).next().unwrap().1;
         assert_eq!(first(&before), first(&after));
-        for (place, (_, markup)) in after.sections(1, None).enumerate() {
+        for (place, (_, markup)) in after.sections(1).enumerate() {
             let from = (place as i64 + 1) * SECTION as i64 - 1;
             assert!(
                 markup.contains(&format!("d=\"M{} ", from * 10)),

@@ -92,13 +92,13 @@ impl Section {
         }
     }
 
-    /// Its group. In the last one what was read last holds on, until there.
-    pub(super) fn drawn(&self, place: usize, reading: Option<Reading>, until: Option<i64>) -> String {
+    /// Its group, and in it what was read last and holds on.
+    pub(super) fn drawn(&self, place: usize, lasting: Option<Reading>) -> String {
         let (mut temperature, mut hot) = (self.temperature.clone(), self.hot.clone());
-        if let (Some(Reading { x, height, is_hot, .. }), Some(until)) = (reading, until) {
-            write(&mut temperature, format_args!("H{until}"));
+        if let Some(Reading { x, height, is_hot, .. }) = lasting {
+            write(&mut temperature, format_args!("H{FAR}"));
             if is_hot {
-                write(&mut hot, format_args!("M{x} {height}H{until}"));
+                write(&mut hot, format_args!("M{x} {height}H{FAR}"));
             }
         }
         let line = |class: &str, path: &str| match path {
@@ -151,7 +151,7 @@ mod tests {
         let said: String = ('\0'..='\u{ff}').chain(['\u{fffd}', '\u{fffe}', '\u{ffff}', '鞄']).collect();
         let mut section = Section::default();
         section.mark(3, "refused", &said);
-        let drawn = section.drawn(0, None, Some(FAR));
+        let drawn = section.drawn(0, None);
         assert!(roxmltree::Document::parse(&drawn).is_ok(), "{drawn}");
         assert!(drawn.contains("é") && drawn.contains('鞄') && !drawn.contains('\u{ffff}'));
     }
