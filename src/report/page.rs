@@ -264,6 +264,10 @@ impl Piece<'_> {
         say.with("east", metres(cell.x)).with("south", metres(cell.y)).to_string()
     }
 
+    fn found(&self) -> String {
+        self.time(&if self.report.claim.edition > 1 { self.luggage.waits_since() } else { self.luggage.taken })
+    }
+
     fn waited(&self, decided: &WallTime) -> String {
         lasted(decided.unix_ms.saturating_sub(self.luggage.waits_since().unix_ms))
     }

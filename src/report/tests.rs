@@ -233,7 +233,7 @@ fn the_outcome_says_what_was_not_searched_and_whether_it_was_simulated_and_by_wh
     for (mission, outcome, robots) in [
         (
             &simulated,
-            "The bomb was fetched and secured · 4 places not searched · simulated</p>",
+            "The bomb was fetched and secured · 4 known places not searched · simulated</p>",
             "discovery (simulated) and srm1 (simulated); seed 7",
         ),
         (
@@ -254,7 +254,7 @@ fn the_outcome_says_what_was_not_searched_and_whether_it_was_simulated_and_by_wh
     }
     let italian = simulated.report(Language::Italian);
     assert!(
-        italian.contains(" · 4 posti non esplorati · simulato</p>")
+        italian.contains(" · 4 posti noti non esplorati · simulato</p>")
             && italian.contains("discovery (simulato) e srm1 (simulato); seme 7"),
         "{italian}"
     );

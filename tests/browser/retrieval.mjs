@@ -71,7 +71,7 @@ async function secured(page, url, waiting) {
   const [left, engine] = beside;
   must(engine?.words === 'simulated' && !engine.isCut, `the bar does not say that it is simulated: ${JSON.stringify(beside)}`);
   const open = mission.progress.unknown;
-  must(open === 0 || (left?.words.startsWith(`· ${open} place`) && !left.isCut && left.isAsLarge), `what is not searched is not beside it: ${JSON.stringify(beside)}`);
+  must(open === 0 || (left?.words.startsWith(`· ${open} known place`) && !left.isCut && left.isAsLarge), `what is not searched is not beside it: ${JSON.stringify(beside)}`);
   must(robots.every((robot) => robot.outside === (robot.name !== 'discovery')), 'somebody is not where a mission begins');
 }
 

@@ -132,7 +132,7 @@ fn beside_what_a_mission_came_to_stands_what_was_not_searched() {
     a_mission(&program);
     let open = program.json("mission")["progress"]["unknown"].as_u64().expect("a number");
     assert!(open > 1, "the search was broken off");
-    let places = format!("{open} places not searched");
+    let places = format!("{open} known places not searched");
     let page = |path: &str| program.read(path, &[("accept", "text/html")]).text();
     for (path, wanted) in [
         ("/", format!("<span class=\"left\">· {places}</span>")),

@@ -99,7 +99,7 @@ cells = { $count ->
 }
 cells-and-area = { $cells }, { $area } m²
 open-places = { $count ->
-    [0] nothing is open: the hall is searched
+    [0] nothing is open: all that can be reached is searched
     [one] 1 place still open
    *[other] { $count } places still open
 }
@@ -125,6 +125,7 @@ incident-acknowledged = Alarm at <time class="num">{ $raised }</time>; acknowled
 incident-alarm = <b>Alarm</b> at <time class="num">{ $time }</time>: { $text }.<br><b>Nobody has acknowledged it yet.</b>
 incident-unrecorded = <b>Alarm</b> at <time class="num">{ $time }</time> (not on record yet): { $text }.
 incident-bomb = <b>Luggage #{ $id }</b> at { $place }:<br>{ $from_home }
+incident-bomb-held = <b>Luggage #{ $id }</b> is being carried, now at { $now }; it was found at { $place }
 incident-found = found dangerous by { $who } at { $time }
 incident-more = And { $count } more: see the luggage below.
 evacuate-no-circle = Keep { $metres } m away. No circle is drawn: the side of a cell is not known.

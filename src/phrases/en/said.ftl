@@ -165,10 +165,11 @@ simulated-no-photo = the shutter did not open: take the photo again
 robots = Robots
 robots-and-seed = { $robots }; seed { $seed }
 robots-not-on-record = not on record
+searched-of = { $reachable } of { $free } free cells
 search-ended-there = the search ended there
 unsearched = { $count ->
-    [one] 1 place not searched
-   *[other] { $count } places not searched
+    [one] 1 known place not searched
+   *[other] { $count } known places not searched
 }
 engine-sim = simulated
 engine-virtual = virtual robot

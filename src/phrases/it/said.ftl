@@ -165,10 +165,11 @@ simulated-no-photo = l'otturatore non si è aperto: scattare di nuovo la foto
 robots = Robot
 robots-and-seed = { $robots }; seme { $seed }
 robots-not-on-record = non registrati
+searched-of = { $reachable } celle libere su { $free }
 search-ended-there = la ricerca è finita lì
 unsearched = { $count ->
-    [one] 1 posto non esplorato
-   *[other] { $count } posti non esplorati
+    [one] 1 posto noto non esplorato
+   *[other] { $count } posti noti non esplorati
 }
 engine-sim = simulato
 engine-virtual = robot virtuale

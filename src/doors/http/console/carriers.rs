@@ -46,7 +46,7 @@ pub(super) fn fetched(snapshot: &Snapshot) -> Option<&Luggage> {
 
 /// Where the piece that is being fetched lies in the hall; nowhere once it is secured, and while it is held.
 pub(super) fn fetched_lies_at(snapshot: &Snapshot, piece: &Luggage) -> Option<(i32, i32)> {
-    if piece.secured.is_some() || held_at(snapshot).is_some() {
+    if piece.secured.is_some() || held_at(snapshot, piece).is_some() {
         return None;
     }
     let cells = &snapshot.retrieval.as_deref()?.piece;
@@ -57,15 +57,16 @@ pub(super) fn fetched_lies_at(snapshot: &Snapshot, piece: &Luggage) -> Option<(i
 /// Where a piece is in the picture: where it was found, or where it is held while it is fetched.
 pub(super) fn is_at(snapshot: &Snapshot, piece: &Luggage) -> (i32, i32) {
     let is_fetched = fetched(snapshot).is_some_and(|fetched| fetched.id == piece.id);
-    match held_at(snapshot).filter(|_| is_fetched) {
+    match held_at(snapshot, piece) {
         Some(place) => Scene::of(snapshot).place(place),
         None if is_fetched => fetched_lies_at(snapshot, piece).unwrap_or_else(|| middle(piece.cell)),
         None => middle(piece.cell),
     }
 }
 
-/// Over which place a piece is held.
-fn held_at(snapshot: &Snapshot) -> Option<Place> {
+/// Over which place this piece is held, while it is fetched.
+pub(super) fn held_at(snapshot: &Snapshot, piece: &Luggage) -> Option<Place> {
+    fetched(snapshot).filter(|fetched| fetched.id == piece.id)?;
     snapshot.robots.iter().find_map(|robot| robot.arm?.holds).map(|parcel| parcel.place)
 }
 
@@ -128,7 +129,9 @@ impl Scene {
     }
 
     fn parcel(&self, language: Language, group: &mut String, snapshot: &Snapshot) {
-        if let (Some(place), Some(piece)) = (held_at(snapshot), fetched(snapshot)) {
+        if let Some(piece) = fetched(snapshot)
+            && let Some(place) = held_at(snapshot, piece)
+        {
             // It moves as the robots do, and leaves room for their names.
             let (x, y) = self.place(place);
             write(

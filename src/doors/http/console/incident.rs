@@ -5,6 +5,7 @@ use std::borrow::Cow;
 
 use askama::Template;
 
+use super::carriers::held_at;
 use super::evacuation::{from_home, takes_in_all};
 use super::retrieval::wanted_of_the_operator;
 use super::view::{View, failure};
@@ -59,6 +60,12 @@ impl Incident<'_> {
 
     fn place(&self, bomb: &Luggage) -> String {
         self.v.place(bomb.cell)
+    }
+
+    /// Where it is while it is carried.
+    fn held(&self, bomb: &Luggage) -> Option<String> {
+        let place = held_at(self.v.snapshot, bomb)?;
+        Some(place.cell().map_or_else(|| self.v.say("before-entrance").to_string(), |cell| self.v.place(cell)))
     }
 
     fn seen_from_home(&self, bomb: &Luggage) -> String {

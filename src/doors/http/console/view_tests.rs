@@ -304,14 +304,29 @@ fn beside_what_sounds_like_an_end_stands_what_is_not_searched() {
     };
     for phase in [PhaseName::AtHome, PhaseName::BombLocated, PhaseName::BagSecured, PhaseName::Explored] {
         for said in shown(phase, 24) {
-            assert!(said.contains("· 24 places not searched"), "{phase:?}: {said}");
+            assert!(said.contains("· 24 known places not searched"), "{phase:?}: {said}");
         }
-        assert!(shown(phase, 1)[0].contains("<span class=\"left\">· 1 place not searched</span></p>"), "in the heading itself");
+        assert!(
+            shown(phase, 1)[0].contains("<span class=\"left\">· 1 known place not searched</span></p>"),
+            "in the heading itself"
+        );
         assert!(shown(phase, 0).iter().all(|said| !said.contains("not searched")), "{phase:?}");
     }
     for phase in [PhaseName::Exploring, PhaseName::Retrieving, PhaseName::Idle] {
         assert!(shown(phase, 24).iter().all(|said| !said.contains("not searched")), "{phase:?} is no end");
     }
+}
+
+#[test]
+fn a_hall_of_which_a_part_cannot_be_reached_is_not_simply_explored() {
+    let shown = |free| {
+        let mut snapshot = idle();
+        (snapshot.mission.phase, snapshot.mission.progress.unknown) = (PhaseName::Explored, 0);
+        snapshot.mission.progress.reach = Some(Reach { reachable: 8, free });
+        view(&snapshot).title()
+    };
+    assert!(shown(14).contains("explored · 8 of 14 free cells"), "{}", shown(14));
+    assert!(!shown(8).contains("free cells"));
 }
 
 /// What the page says in its fields that show what comes from outside: temperature on the bar, state, sonar, position, LED.
@@ -396,7 +411,7 @@ fn in_every_state_of_a_mission_each_field_says_what_is_so() {
             ("too hot", hot, too_hot, &["num heat tooHigh", "Hall reads 27.0 °C"], &["<p class=\"status\">ok</p>"]),
             ("a retrieval", retrieving(&[]), KNOWN, &[FETCHED], &[]),
             ("a retrieval stopped", retrieving(&[Hold::Operator]), KNOWN, &["held by STOP"], &[FETCHED]),
-            ("secured, with open places", secured, KNOWN, &["· 4 places not searched"], &[]),
+            ("secured, with open places", secured, KNOWN, &["· 4 known places not searched"], &[]),
         ],
     );
 }

@@ -29,13 +29,18 @@ impl View<'_> {
         self.say("open-places").with("count", self.snapshot.mission.progress.unknown)
     }
 
-    /// What is not searched, where the phase sounds like an end; beside it, as large.
+    /// What is not searched, where the phase sounds like an end; beside it, as large. How much there is behind known places nobody knows.
     pub(in super::super) fn unsearched(&self) -> Option<Phrase<'static>> {
         let mission = &self.snapshot.mission;
         let is_an_end =
             matches!(mission.phase, PhaseName::AtHome | PhaseName::BombLocated | PhaseName::BagSecured | PhaseName::Explored);
         let count = mission.progress.unknown;
-        (is_an_end && count > 0).then(|| self.say("unsearched").with("count", count))
+        if is_an_end && count > 0 {
+            return Some(self.say("unsearched").with("count", count));
+        }
+        let is_partial = |reach: &Reach| mission.phase == PhaseName::Explored && reach.reachable < reach.free;
+        let Reach { reachable, free } = mission.progress.reach.filter(is_partial)?;
+        Some(self.say("searched-of").with("reachable", reachable).with("free", free))
     }
 
     /// The phase, and what is not searched beside it, where both are said in one line.
