@@ -16,7 +16,7 @@ use super::block::Block;
 use super::knowledge::{Knowledge, Lack};
 use super::limits::{
     BURST, CONFIRM_EVERY, OBSERVERS, OBSERVERS_BEYOND, OBSERVERS_OF_A_NETWORK, OBSERVERS_OF_A_PEER, PACE, PACE_OF_A_PEER,
-    PACE_UNKNOWN, READING, REFRESH, TARGET, UNPROVED_OBSERVERS,
+    PACE_UNKNOWN, READING, REFRESH, SETTLED, TARGET, UNPROVED_OBSERVERS,
 };
 use super::message::Token;
 use super::network::{Network, is_this_machine};
@@ -27,6 +27,14 @@ use super::subject::{Subject, Target};
 /// One observation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct ObserverId(u64);
+
+/// How an observer acknowledges: when it was last asked to, and whether it ever did. It stays so when the observer asks anew, or it
+/// would keep its place for as long as it asks anew.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Acknowledging {
+    confirmed: Duration,
+    is_proved: bool,
+}
 
 /// What is observed: a path and a query in a format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -99,6 +107,8 @@ struct Observer {
     sent: Duration,
     /// and when with a wish for an acknowledgement.
     confirmed: Duration,
+    /// Whether it has ever acknowledged a notification.
+    is_proved: bool,
     /// How long a message takes to it and back, once that is known.
     away: Option<Duration>,
     due: Option<Duration>,
@@ -125,6 +135,7 @@ impl Observers {
         (request, token, exponent): (&Request, Token, u8),
         (shown, things): (&Arc<Response>, Vec<Arc<Response>>),
         is_sure: bool,
+        before: Option<Acknowledging>,
         now: Duration,
     ) -> Option<u32> {
         if self.crowd(request).is_some() {
@@ -148,7 +159,8 @@ impl Observers {
             ids: [None; 4],
             sequence: 0,
             sent: now,
-            confirmed: now,
+            confirmed: before.map_or(now, |before| before.confirmed),
+            is_proved: before.is_some_and(|before| before.is_proved),
             away: None,
             due: None,
         };
@@ -161,6 +173,12 @@ impl Observers {
 
     pub(super) fn find(&self, peer: SocketAddr, token: Token) -> Option<ObserverId> {
         self.of_peer(peer).find(|id| self.observers.get(id).is_some_and(|observer| observer.token == token))
+    }
+
+    pub(super) fn acknowledging(&self, id: ObserverId) -> Option<Acknowledging> {
+        self.observers
+            .get(&id)
+            .map(|Observer { confirmed, is_proved, .. }| Acknowledging { confirmed: *confirmed, is_proved: *is_proved })
     }
 
     /// The observation whose notification had this message id.
@@ -232,7 +250,10 @@ impl Observers {
         let (response, version) = (Arc::clone(&told.response), told.version);
         let is_far = observer.away.is_none() && !is_this_machine(observer.peer.ip());
         let is_last = !response.code.is_success();
-        let confirm = !is_news || is_far || is_last || now >= observer.confirmed + CONFIRM_EVERY;
+        // Where many observe, whoever has acknowledged nothing yet is asked soon, also while everything changes.
+        let is_trusted = observer.is_proved || self.observers.len() < UNPROVED_OBSERVERS;
+        let confirm_at = observer.confirmed + if is_trusted { CONFIRM_EVERY } else { SETTLED };
+        let confirm = !is_news || is_far || is_last || now >= confirm_at;
         let (peer, token, exponent) = (observer.peer, observer.token, observer.exponent);
         let sequence = if is_last { None } else { self.sequence(id, now) };
         Some(Notification { peer, token, response, thing, version, exponent, confirm, sequence })
@@ -268,6 +289,7 @@ impl Observers {
     pub(super) fn acknowledged(&mut self, id: ObserverId, (thing, version): (usize, u64), away: Option<Duration>, now: Duration) {
         let Some(observer) = self.observers.get_mut(&id) else { return };
         observer.knowledge.acknowledged(thing, version);
+        observer.is_proved = true;
         // Smoothed, so that one slow answer does not slow everything down.
         observer.away = away.map(|away| observer.away.map_or(away, |before| (before * 7 + away) / 8)).or(observer.away);
         self.schedule(id, now);

@@ -189,8 +189,10 @@ impl Endpoint {
         let asks = open.observe.filter(|asks| open.is_get && *asks <= 1)?;
         let ReplyTo { key, kind, token, .. } = open.reply_to;
         let peer = key.peer;
-        if let Some(before) = self.observers.find(peer, token) {
-            self.forget(peer, before);
+        let known = self.observers.find(peer, token);
+        let before = known.and_then(|known| self.observers.acknowledging(known));
+        if let Some(known) = known {
+            self.forget(peer, known);
             self.go_on(peer, now);
         }
         let is_first_block = open.block2.is_none_or(|block| block.number == 0);
@@ -207,7 +209,7 @@ impl Endpoint {
             self.forget(silent, observer);
             self.go_on(silent, now);
         }
-        self.observers.register((&request, token, exponent), things, is_sure, now)
+        self.observers.register((&request, token, exponent), things, is_sure, before, now)
     }
 
     pub(super) fn send_reply(&mut self, reply_to: ReplyTo, response: &Response, shape: &ReplyOptions, now: Duration) {

@@ -206,3 +206,30 @@ fn the_place_of_whoever_has_been_silent_for_longest_is_given_away_and_of_nobody_
     assert!(!asked_again.contains(&peer(first)), "the first that was asked has lost its place");
     assert!((first + 1..limits::OBSERVERS).all(|n| asked_again.contains(&peer(n))), "nobody else has");
 }
+
+/// Safety S9: news is told without a wish for an acknowledgement, and must not hide who is gone.
+#[test]
+fn observers_that_acknowledge_nothing_give_way_also_while_everything_changes_and_they_ask_anew() {
+    let mut bench = Bench::new();
+    let asked_anew = Duration::from_secs(20);
+    let mut since_asked = asked_anew;
+    let mut came_in = None;
+    for tenth in 0..400_u32 {
+        if since_asked >= asked_anew && came_in.is_none() {
+            since_asked = Duration::ZERO;
+            for n in 0..limits::OBSERVERS {
+                bench.ask_from(peer(n), &Message::get("/obs", 1 + (tenth & 0xFF) as u16).token(b"o").observe(0));
+            }
+            assert_eq!(bench.endpoint.counts().observers, limits::OBSERVERS);
+        }
+        bench.change(|server| server.set("/obs", &format!("seen {tenth}")));
+        bench.wait(Duration::from_millis(100));
+        bench.take();
+        since_asked += Duration::from_millis(100);
+        if tenth % 10 == 9 && came_in.is_none() {
+            let request = Message::get("/obs", 1000 + tenth as u16).token(b"n").observe(0);
+            came_in = bench.ask_from(peer(9_000), &request).observed().map(|_| tenth / 10);
+        }
+    }
+    assert!(came_in.is_some_and(|second| second < 10), "{came_in:?}");
+}
