@@ -8,6 +8,7 @@ use std::panic;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
+use nix::sys::signal::{SigSet, Signal};
 use tracing_subscriber::EnvFilter;
 use tracing_subscriber::fmt::format::Writer;
 use tracing_subscriber::fmt::time::FormatTime;
@@ -31,6 +32,9 @@ static QUEUE: OnceLock<Arc<Queue>> = OnceLock::new();
 
 /// Queues lines from now on, so that no thread waits for standard error or panics because of it (safety S11). For programs that run until they are ended.
 pub fn queue_lines() {
+    // The system stops a program that writes to a terminal in the background under `tostop`, and ends one that writes beyond a limit for
+    // files. Where these signals are blocked, as in all threads that begin from here on, the write succeeds or fails instead.
+    let _ = SigSet::from_iter([Signal::SIGTTOU, Signal::SIGXFSZ]).thread_block();
     // A system that has no thread for this has none for the doors either, and the start ends there.
     let Ok(queue) = Queue::start(io::stderr()) else { return };
     if QUEUE.set(queue).is_ok() {

@@ -294,6 +294,67 @@ fn free_port() -> SocketAddr {
     TcpListener::bind("127.0.0.1:0").and_then(|free| free.local_addr()).expect("a free port")
 }
 
+/// The same command as the last words of a shell's.
+fn under(shell: &str, command: &Command) -> Command {
+    let mut under = Command::new("bash");
+    under.args(["-c", shell]).arg(command.get_program()).args(command.get_args()).stdin(Stdio::null());
+    under.envs(command.get_envs().filter_map(|(name, value)| Some((name, value?))));
+    under
+}
+
+/// Safety S11 and R3: the system ends a program that writes beyond its limit for files, unless that sees to it.
+#[test]
+fn a_limit_for_files_stops_lines_and_records_and_not_the_program() {
+    let folder = Folder::new("log-limit");
+    let log = std::env::temp_dir().join(format!("hallsweep-log-limit-{}", std::process::id()));
+    std::fs::write(&log, vec![b'.'; 300 * 1024]).expect("there is room");
+    let serve = folder.command(&["serve", "--http", "127.0.0.1:0", "--hall", "airport", "--speed", "max"]);
+    let mut limited = under("ulimit -f 200; exec \"$0\" \"$@\"", &serve);
+    let program = Program::started(limited.stderr(File::options().append(true).open(&log).expect("it is there")));
+    program.command("start").accepted();
+    for id in 1.. {
+        let state =
+            program.until("the hold store, or a question", |state| holds(state, "store") || state["mission"]["inspected"] == id);
+        if holds(&state, "store") {
+            break;
+        }
+        program.verdict(id, "safe");
+    }
+    program.command("stop").accepted();
+    assert!(
+        program
+            .read("/metrics", &[])
+            .text()
+            .lines()
+            .any(|line| line.starts_with("hallsweep_log_lines_lost_total") && !line.ends_with(" 0"))
+    );
+    std::fs::remove_file(log).expect("it is there");
+}
+
+/// Safety S11: the system stops a program in the background that writes to such a terminal, unless that sees to it.
+#[test]
+fn a_terminal_that_takes_nothing_from_the_background_stops_nothing() {
+    let folder = Folder::new("log-terminal");
+    folder.token(&["add", "lobby", "--role", "operator"]);
+    let serve = folder.command(&["serve", "--http", "127.0.0.1:0", "--hall", "empty-8x8"]);
+    let shell = "stty tostop -onlcr; trap '' HUP; set -m; \"$@\" & while [ -d \"$HALLSWEEP__STORE__FOLDER\" ]; do sleep 0.1; done; kill -KILL $!";
+    let words = serve.get_args().map(|word| word.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" ");
+    let line = format!("{} {words}", serve.get_program().display());
+    let mut terminal = Command::new("script");
+    terminal.args(["-qc", &format!("bash -c '{}' - {line}", shell.replace('\'', "'\\''")), "/dev/null"]).stdin(Stdio::null());
+    terminal
+        .envs(serve.get_envs().filter_map(|(name, value)| Some((name, value?))))
+        .env("HALLSWEEP__HTTP__REQUIRE_TOKEN", "true");
+    let program = Program::started(&mut terminal);
+    let operator = folder.token_of("lobby");
+    for key in ["wrong", "wrong too"] {
+        program.read("/api/v1/state", &[("authorization", &format!("Bearer {key}"))]).problem(401);
+    }
+    let key = [("authorization", &*format!("Bearer {operator}"))];
+    program.post_with("/api/v1/commands/start", &key, "").accepted();
+    program.post_with("/api/v1/commands/stop", &key, "").accepted();
+}
+
 /// What does its work and ends may wait for whoever reads it, but a stream that fails gives an exit code and no panic.
 #[test]
 fn a_command_whose_output_fails_ends_with_an_exit_code() {

@@ -110,7 +110,7 @@ const RULES: [Rule; 13] = [
         crates: &["figment", "hallsweep_core", "serde", "serde_json", "thiserror", "toml", "tracing_subscriber"],
     },
     // A line of the log begins with the time as it is written everywhere.
-    Rule { module: "telemetry", modules: &["api", "runtime"], crates: &["tracing", "tracing_subscriber"] },
+    Rule { module: "telemetry", modules: &["api", "runtime"], crates: &["nix", "tracing", "tracing_subscriber"] },
     Rule {
         module: "app",
         modules: &["access", "config", "doors", "robots", "storage", "runtime"],
