@@ -198,10 +198,11 @@ fn cookie(door: &HttpDoor, session: &str, kept_s: u64, peer: Peer) -> HeaderMap 
     HeaderMap::from_iter([(header::SET_COOKIE, cookie)])
 }
 
-/// Where to go after signing in: a path of this door, never another place. Steps up, which browsers also read from `%2e`, would
-/// lead out of the prefix of a proxy.
+/// Where to go after signing in: a path of this door, never another place. Steps up, which browsers also read from `%2e`, and
+/// slashes that a proxy alone takes for some would lead out of the prefix of a proxy.
 pub(super) fn local(next: Option<&str>) -> &str {
-    let steps_up = |path: &str| path.to_ascii_lowercase().replace("%2e", ".").split(['/', '?', '#']).any(|part| part == "..");
+    let plain = |path: &str| path.to_ascii_lowercase().replace("%2e", ".");
+    let steps_up = |path: &str| plain(path).contains("%2f") || plain(path).split(['/', '?', '#']).any(|part| part == "..");
     let is_local = |path: &&str| {
         let visible = path.bytes().all(|byte| byte.is_ascii_graphic() && byte != b'\\');
         path.starts_with('/') && !path.starts_with("//") && visible && !steps_up(path) && path.len() <= LONGEST_PATH

@@ -209,6 +209,7 @@ fn the_way_back_never_leads_away() {
         "/../elsewhere",
         "/missions/%2E%2e/.%2e/elsewhere",
         "/..?a=b",
+        "/missions%2F1",
         "elsewhere",
         &long,
     ] {
