@@ -1,6 +1,7 @@
 //! Who observes what, what each has been told, and when to tell it more (RFC 7641). Several observers of the same thing in the
 //! same format share one *subject*; what it shows comes from the application. Nothing is queued: whoever's turn has come is told
-//! the newest. How a notification is written and acknowledged is not here.
+//! the newest. How a notification is written and acknowledged is not here. long because who observes, what of it, and whose turn
+//! it is are one state.
 //!
 //! ```text
 //!   changed ──► told without acknowledgement (NON), at most every PACE ──► quiet for SETTLED ──► told with one (CON)
@@ -32,7 +33,7 @@ pub(super) struct ObserverId(u64);
 /// would keep its place for as long as it asks anew.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Acknowledging {
-    confirmed: Duration,
+    asked: Duration,
     is_proved: bool,
 }
 
@@ -103,12 +104,9 @@ struct Observer {
     /// The ids of the latest notifications, by which it may reject them.
     ids: [Option<u16>; 4],
     sequence: u64,
-    /// When it was last told something,
+    /// When it was last told something.
     sent: Duration,
-    /// and when with a wish for an acknowledgement.
-    confirmed: Duration,
-    /// Whether it has ever acknowledged a notification.
-    is_proved: bool,
+    acknowledging: Acknowledging,
     /// How long a message takes to it and back, once that is known.
     away: Option<Duration>,
     due: Option<Duration>,
@@ -159,8 +157,7 @@ impl Observers {
             ids: [None; 4],
             sequence: 0,
             sent: now,
-            confirmed: before.map_or(now, |before| before.confirmed),
-            is_proved: before.is_some_and(|before| before.is_proved),
+            acknowledging: before.unwrap_or(Acknowledging { asked: now, is_proved: false }),
             away: None,
             due: None,
         };
@@ -176,9 +173,7 @@ impl Observers {
     }
 
     pub(super) fn acknowledging(&self, id: ObserverId) -> Option<Acknowledging> {
-        self.observers
-            .get(&id)
-            .map(|Observer { confirmed, is_proved, .. }| Acknowledging { confirmed: *confirmed, is_proved: *is_proved })
+        self.observers.get(&id).map(|observer| observer.acknowledging)
     }
 
     /// The observation whose notification had this message id.
@@ -251,8 +246,9 @@ impl Observers {
         let is_far = observer.away.is_none() && !is_this_machine(observer.peer.ip());
         let is_last = !response.code.is_success();
         // Where many observe, whoever has acknowledged nothing yet is asked soon, also while everything changes.
-        let is_trusted = observer.is_proved || self.observers.len() < UNPROVED_OBSERVERS;
-        let confirm_at = observer.confirmed + if is_trusted { CONFIRM_EVERY } else { SETTLED };
+        let Acknowledging { asked, is_proved } = observer.acknowledging;
+        let is_trusted = is_proved || self.observers.len() < UNPROVED_OBSERVERS;
+        let confirm_at = asked + if is_trusted { CONFIRM_EVERY } else { SETTLED };
         let confirm = !is_news || is_far || is_last || now >= confirm_at;
         let (peer, token, exponent) = (observer.peer, observer.token, observer.exponent);
         let sequence = if is_last { None } else { self.sequence(id, now) };
@@ -280,7 +276,7 @@ impl Observers {
         observer.ids[0] = Some(message);
         observer.sent = now;
         if notification.confirm {
-            observer.confirmed = now;
+            observer.acknowledging.asked = now;
         }
         self.schedule(id, now);
     }
@@ -289,7 +285,7 @@ impl Observers {
     pub(super) fn acknowledged(&mut self, id: ObserverId, (thing, version): (usize, u64), away: Option<Duration>, now: Duration) {
         let Some(observer) = self.observers.get_mut(&id) else { return };
         observer.knowledge.acknowledged(thing, version);
-        observer.is_proved = true;
+        observer.acknowledging.is_proved = true;
         // Smoothed, so that one slow answer does not slow everything down.
         observer.away = away.map(|away| observer.away.map_or(away, |before| (before * 7 + away) / 8)).or(observer.away);
         self.schedule(id, now);

@@ -222,7 +222,7 @@ fn observers_that_acknowledge_nothing_give_way_also_while_everything_changes_and
             }
             assert_eq!(bench.endpoint.counts().observers, limits::OBSERVERS);
         }
-        bench.change(|server| server.set("/obs", &format!("seen {tenth}")));
+        bench.change(|server| server.set("/obs", format!("seen {tenth}")));
         bench.wait(Duration::from_millis(100));
         bench.take();
         since_asked += Duration::from_millis(100);
