@@ -93,6 +93,9 @@ fn what_was_known_of_the_temperature_is_shown_later_as_it_was_shown_then() {
     kept.engine.handle_timeout(Kept::at(130));
     kept.check(130);
     assert_eq!(kept.engine.snapshot().temperature.celsius, Some(celsius(22.0)), "the robot's is not known");
+    kept.report(read(19.0), 140);
+    kept.restart(150);
+    assert!(kept.engine.snapshot().temperature.silent_since.is_some(), "nobody has read anything since the start");
 }
 
 #[test]
