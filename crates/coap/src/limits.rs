@@ -52,6 +52,9 @@ pub const OBSERVERS: usize = 2048;
 /// are known when places run out.
 pub const UNPROVED_OBSERVERS: usize = 256;
 
+/// Time after which, among so many, one that has acknowledged nothing gets no place again when it asks anew.
+pub const UNPROVED: Duration = Duration::from_secs(5);
+
 /// Observations of one peer: each resource several times over.
 pub const OBSERVERS_OF_A_PEER: usize = 64;
 

@@ -17,7 +17,7 @@ use super::block::Block;
 use super::knowledge::{Knowledge, Lack};
 use super::limits::{
     BURST, CONFIRM_EVERY, OBSERVERS, OBSERVERS_BEYOND, OBSERVERS_OF_A_NETWORK, OBSERVERS_OF_A_PEER, PACE, PACE_OF_A_PEER,
-    PACE_UNKNOWN, READING, REFRESH, SETTLED, TARGET, UNPROVED_OBSERVERS,
+    PACE_UNKNOWN, READING, REFRESH, SETTLED, TARGET, UNPROVED, UNPROVED_OBSERVERS,
 };
 use super::message::Token;
 use super::network::{Network, is_this_machine};
@@ -29,10 +29,11 @@ use super::subject::{Subject, Target};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct ObserverId(u64);
 
-/// How an observer acknowledges: when it was last asked to, and whether it ever did. It stays so when the observer asks anew, or it
+/// How an observer acknowledges: since when it observes, when it was last asked to, and whether it ever did. It stays so when the observer asks anew, or it
 /// would keep its place for as long as it asks anew.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Acknowledging {
+    since: Duration,
     asked: Duration,
     is_proved: bool,
 }
@@ -139,7 +140,11 @@ impl Observers {
         if self.crowd(request).is_some() {
             return None;
         }
-        let is_sure = is_sure && self.observers.len() < UNPROVED_OBSERVERS;
+        let is_crowded = self.observers.len() >= UNPROVED_OBSERVERS;
+        if is_crowded && before.is_some_and(|before| !before.is_proved && now >= before.since + UNPROVED) {
+            return None;
+        }
+        let is_sure = is_sure && !is_crowded;
         let subject = self.subject(request);
         self.change(subject, things, now);
         self.counted += 1;
@@ -157,7 +162,7 @@ impl Observers {
             ids: [None; 4],
             sequence: 0,
             sent: now,
-            acknowledging: before.unwrap_or(Acknowledging { asked: now, is_proved: false }),
+            acknowledging: before.unwrap_or(Acknowledging { since: now, asked: now, is_proved: false }),
             away: None,
             due: None,
         };
@@ -246,7 +251,7 @@ impl Observers {
         let is_far = observer.away.is_none() && !is_this_machine(observer.peer.ip());
         let is_last = !response.code.is_success();
         // Where many observe, whoever has acknowledged nothing yet is asked soon, also while everything changes.
-        let Acknowledging { asked, is_proved } = observer.acknowledging;
+        let Acknowledging { asked, is_proved, .. } = observer.acknowledging;
         let is_trusted = is_proved || self.observers.len() < UNPROVED_OBSERVERS;
         let confirm_at = asked + if is_trusted { CONFIRM_EVERY } else { SETTLED };
         let confirm = !is_news || is_far || is_last || now >= confirm_at;
