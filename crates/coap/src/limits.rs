@@ -52,7 +52,8 @@ pub const OBSERVERS: usize = 2048;
 /// are known when places run out.
 pub const UNPROVED_OBSERVERS: usize = 256;
 
-/// Time after which, among so many, one that has acknowledged nothing gets no place again when it asks anew.
+/// Time after the first wish for an acknowledgement in which one must come: later, among so many, an observer that never sent one
+/// loses its place when it registers again.
 pub const UNPROVED: Duration = Duration::from_secs(5);
 
 /// Observations of one peer: each resource several times over.

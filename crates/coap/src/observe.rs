@@ -29,12 +29,14 @@ use super::subject::{Subject, Target};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct ObserverId(u64);
 
-/// How an observer acknowledges: since when it observes, when it was last asked to, and whether it ever did. It stays so when the observer asks anew, or it
-/// would keep its place for as long as it asks anew.
+/// How an observer acknowledges. Registering again changes nothing of it, so that nobody keeps a place by that alone.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Acknowledging {
-    since: Duration,
+    /// When it was last asked to, at first when it registered.
     asked: Duration,
+    /// When it was first asked to, until it does.
+    unanswered: Option<Duration>,
+    /// Whether it ever did.
     is_proved: bool,
 }
 
@@ -127,8 +129,8 @@ impl Observers {
     }
 
     /// Begins an observation of somebody who gets the present state with the answer that carries the returned sequence; `None`
-    /// when there are too many. Whether that answer is sure to arrive decides whether it is told again. Of several things the
-    /// answer shows one; it is told the others after that.
+    /// when there are too many, or many and this one has not acknowledged for `UNPROVED`. Whether that answer is sure to arrive decides
+    /// whether it is told again. Of several things the answer shows one; it is told the others after that.
     pub(super) fn register(
         &mut self,
         (request, token, exponent): (&Request, Token, u8),
@@ -141,7 +143,8 @@ impl Observers {
             return None;
         }
         let is_crowded = self.observers.len() >= UNPROVED_OBSERVERS;
-        if is_crowded && before.is_some_and(|before| !before.is_proved && now >= before.since + UNPROVED) {
+        let unanswered = before.filter(|before| !before.is_proved).and_then(|before| before.unanswered);
+        if is_crowded && unanswered.is_some_and(|first| now >= first + UNPROVED) {
             return None;
         }
         let is_sure = is_sure && !is_crowded;
@@ -162,7 +165,7 @@ impl Observers {
             ids: [None; 4],
             sequence: 0,
             sent: now,
-            acknowledging: before.unwrap_or(Acknowledging { since: now, asked: now, is_proved: false }),
+            acknowledging: before.unwrap_or(Acknowledging { asked: now, unanswered: None, is_proved: false }),
             away: None,
             due: None,
         };
@@ -282,6 +285,7 @@ impl Observers {
         observer.sent = now;
         if notification.confirm {
             observer.acknowledging.asked = now;
+            observer.acknowledging.unanswered.get_or_insert(now);
         }
         self.schedule(id, now);
     }
@@ -290,7 +294,7 @@ impl Observers {
     pub(super) fn acknowledged(&mut self, id: ObserverId, (thing, version): (usize, u64), away: Option<Duration>, now: Duration) {
         let Some(observer) = self.observers.get_mut(&id) else { return };
         observer.knowledge.acknowledged(thing, version);
-        observer.acknowledging.is_proved = true;
+        (observer.acknowledging.unanswered, observer.acknowledging.is_proved) = (None, true);
         // Smoothed, so that one slow answer does not slow everything down.
         observer.away = away.map(|away| observer.away.map_or(away, |before| (before * 7 + away) / 8)).or(observer.away);
         self.schedule(id, now);

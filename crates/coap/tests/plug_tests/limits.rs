@@ -207,6 +207,20 @@ fn the_place_of_whoever_has_been_silent_for_longest_is_given_away_and_of_nobody_
     assert!((first + 1..limits::OBSERVERS).all(|n| asked_again.contains(&peer(n))), "nobody else has");
 }
 
+/// Who was asked for nothing has left nothing unanswered.
+#[test]
+fn an_observer_of_what_is_quiet_that_registers_again_keeps_its_place_in_a_crowd() {
+    let mut bench = Bench::new();
+    let early = peer(9_000);
+    let request = |id| Message::get("/obs", id).token(b"o").observe(0);
+    assert!(bench.ask_from(early, &request(1)).observed().is_some());
+    bench.wait(Duration::from_secs(40));
+    for n in 0..limits::UNPROVED_OBSERVERS {
+        assert!(bench.ask_from(peer(n), &request(1)).observed().is_some(), "number {n}");
+    }
+    assert!(bench.ask_from(early, &request(2)).observed().is_some());
+}
+
 /// Safety S9: news is told without a wish for an acknowledgement, and must not hide who is gone.
 #[test]
 fn observers_that_acknowledge_nothing_give_way_also_while_everything_changes_and_they_ask_anew() {
