@@ -125,7 +125,7 @@ incident-acknowledged = Alarm at <time class="num">{ $raised }</time>; acknowled
 incident-alarm = <b>Alarm</b> at <time class="num">{ $time }</time>: { $text }.<br><b>Nobody has acknowledged it yet.</b>
 incident-unrecorded = <b>Alarm</b> at <time class="num">{ $time }</time> (not on record yet): { $text }.
 incident-bomb = <b>Luggage #{ $id }</b> at { $place }:<br>{ $from_home }
-incident-bomb-held = <b>Luggage #{ $id }</b> is being carried, now at { $now }; it was found at { $place }
+incident-bomb-held = <b>Luggage #{ $id }</b> is being carried ({ $now }); it was found at { $place }
 incident-found = found dangerous by { $who } at { $time }
 incident-more = And { $count } more: see the luggage below.
 evacuate-no-circle = Keep { $metres } m away. No circle is drawn: the side of a cell is not known.

@@ -125,7 +125,7 @@ incident-acknowledged = Allarme alle <time class="num">{ $raised }</time>; confe
 incident-alarm = <b>Allarme</b> alle <time class="num">{ $time }</time>: { $text }.<br><b>Nessuno l'ha ancora confermato.</b>
 incident-unrecorded = <b>Allarme</b> alle <time class="num">{ $time }</time> (non ancora registrato): { $text }.
 incident-bomb = <b>Bagaglio #{ $id }</b> in { $place }:<br>{ $from_home }
-incident-bomb-held = Il <b>bagaglio #{ $id }</b> è in trasporto, ora in { $now }; era in { $place }
+incident-bomb-held = Il <b>bagaglio #{ $id }</b> è in trasporto ({ $now }); era in { $place }
 incident-found = giudicato pericoloso da { $who } alle { $time }
 incident-more = { $count ->
     [one] E un altro: si vedano i bagagli più sotto.

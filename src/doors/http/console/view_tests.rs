@@ -6,10 +6,13 @@ use super::super::page::Page;
 use super::super::parts::PARTS;
 use super::*;
 use crate::api::fixture::{TEN, degrees, idle, searching, touch};
-use hallsweep_core::retrieval::Which;
+use hallsweep_core::event::Piece;
+use hallsweep_core::retrieval::{ArmState, Parcel, Place, Which};
 use hallsweep_core::robots::{Part, Parts};
+use hallsweep_core::settings::Fetcher;
 use hallsweep_core::state::Reach;
 use hallsweep_core::world::resource::Resource;
+use hallsweep_core::world::retrieval::RetrievalView;
 use hallsweep_core::world::robot::RobotShown;
 use hallsweep_core::world::snapshot::{Progress, TimeLeft};
 use hallsweep_core::world::temperature::{Reading, TemperatureStatus};
@@ -368,6 +371,31 @@ fn retrieving(holds: &[Hold]) -> Snapshot {
         snapshot.luggage = snapshot.luggage.iter().take(2).cloned().collect();
         (snapshot.mission.phase, snapshot.mission.holds) = (PhaseName::Retrieving, holds.to_vec());
     })
+}
+
+#[test]
+fn a_bomb_that_is_carried_is_said_to_be_where_it_is() {
+    let incident = |place: Option<Place>| {
+        let snapshot = changed(retrieving(&[]), |snapshot| {
+            let view = RetrievalView {
+                luggage: LuggageId(2),
+                fetcher: Fetcher::Pair,
+                stage: "carrying",
+                reason: None,
+                piece: Vec::new(),
+                trees: Arc::default(),
+            };
+            snapshot.retrieval = Some(Arc::new(view));
+            let arm = ArmState { holds: place.map(|place| Parcel { piece: Piece(1), place }), ..ArmState::default() };
+            snapshot.robots = snapshot.robots.iter().map(|robot| RobotShown { arm: Some(arm), ..robot.clone() }).collect();
+        });
+        let part = PARTS.iter().find(|part| part.id == "incident").expect("it is there");
+        (part.render)(&view(&snapshot))
+    };
+    let found = incident(None);
+    assert!(!found.contains("is being carried") && found.contains("of home"), "{found}");
+    assert!(incident(Some(Place::Cell(Cell::new(7, 9)))).contains("is being carried (column 7, row 9); it was found at"));
+    assert!(incident(Some(Place::ENTRANCE)).contains("carried (before the entrance); it was found at"));
 }
 
 fn check_fields(is_past: bool, cases: impl IntoIterator<Item = Case<'static>>) {
