@@ -206,7 +206,7 @@ impl Inspect<'_> {
             .with("from_home", from_home(self.v.language, luggage.cell, self.v.hall.cell_m))
             .with("from", self.v.place(luggage.pose.cell))
             .with("heading", self.v.language.heading(luggage.pose.heading))
-            .with("time", self.v.date(luggage.waits_since()))
+            .with("time", self.v.date(luggage.taken))
             .to_string()
     }
 
