@@ -30,7 +30,8 @@ const LAST_LINES: Duration = Duration::from_secs(1);
 /// Where lines for standard error go in a program that must not wait for it; without a queue they are written at once.
 static QUEUE: OnceLock<Arc<Queue>> = OnceLock::new();
 
-/// Queues lines from now on, so that no thread waits for standard error or panics because of it (safety S11). For programs that run until they are ended.
+/// Queues lines from now on, so that no thread waits for standard error or panics because of it, and sees to it that no write
+/// stops or ends the program (safety S11). For programs that run until they are ended.
 pub fn queue_lines() {
     // The system stops a program that writes to a terminal in the background under `tostop`, and ends one that writes beyond a limit for
     // files. Where these signals are blocked, as in all threads that begin from here on, the write succeeds or fails instead.

@@ -24,11 +24,8 @@ use super::operator::{Operator, in_hall};
 fn past(entries: &[Entry]) -> Past {
     let mut state = PersistentState::first(Strategy::Snail);
     entries.iter().for_each(|entry| state.apply(entry));
-    let tells = |entry: &&Entry| {
-        matches!(entry.fact, Fact::Temperature(..) | Fact::ThermometerSilent(_) | Fact::ProgramStarted(_) | Fact::ClockSet(_))
-    };
-    let temperatures = entries.iter().filter(tells).cloned().collect();
-    Past { seq: Seq(entries.len() as u64), state, trail: way_behind(entries), temperatures, latest: Vec::new() }
+    let (seq, trail, temperatures) = (Seq(entries.len() as u64), way_behind(entries), entries.to_vec());
+    Past { seq, state, trail, temperatures, latest: Vec::new() }
 }
 
 /// The mission without what never goes on record.
