@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use hallsweep_core::command::{Command, Verdict};
-use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::effect::Entry;
 use hallsweep_core::engine::{Past, way_behind};
 use hallsweep_core::mission::PhaseName;
 use hallsweep_core::retrieval::Place;
