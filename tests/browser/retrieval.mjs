@@ -17,6 +17,7 @@ async function locate(page, url, waiting) {
   await button(page, /Yes: DANGER|DANGER #\d+/).last().click();
   await phase(page, /bomb located/i, waiting);
   await appears(page, retrieve(page), waiting);
+  await look(page);
 }
 
 /** The incident says what is halted and not that it goes on, and the button that goes on is in sight, whole, as the page lies. */
