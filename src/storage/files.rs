@@ -8,7 +8,8 @@ use std::path::Path;
 
 const SPECIAL: &str = "it is no plain file, but a pipe or a device";
 
-/// Fails, with the reason in a few words, when something else than a plain file has this name. That nothing has it is none.
+/// Fails, with the reason in a few words, when something else than a plain file has this name, or one that this user may not read.
+/// That nothing has it is none.
 pub(crate) fn check_plain(path: &Path) -> io::Result<()> {
     check(path, |there| (!there.is_file()).then(|| if there.is_dir() { "it is a folder" } else { SPECIAL }))
 }
@@ -20,13 +21,26 @@ pub(crate) fn check_folder(path: &Path) -> io::Result<()> {
 
 fn check(path: &Path, wrong: impl Fn(&fs::Metadata) -> Option<&'static str>) -> io::Result<()> {
     match fs::metadata(path) {
-        Ok(there) => wrong(&there).map_or(Ok(()), |wrong| Err(io::Error::other(wrong))),
+        Ok(there) => wrong(&there).map_or_else(|| check_rights(path, there.is_dir()), |wrong| Err(io::Error::other(wrong))),
         Err(error) if error.kind() == io::ErrorKind::NotFound && is_link(path) => {
             Err(io::Error::other("it is a link that leads nowhere"))
         }
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
         Err(error) => Err(error),
     }
+}
+
+/// Nothing is opened for it: where a program closes a file of an SQLite database, it loses the locks that it has on it.
+#[cfg(unix)]
+fn check_rights(path: &Path, is_folder: bool) -> io::Result<()> {
+    use rustix::fs::Access;
+    let rights = if is_folder { Access::READ_OK | Access::EXEC_OK } else { Access::READ_OK };
+    Ok(rustix::fs::access(path, rights)?)
+}
+
+#[cfg(not(unix))]
+fn check_rights(_: &Path, _: bool) -> io::Result<()> {
+    Ok(())
 }
 
 /// The bytes of a plain file, and one more than `most` when it has more than that.

@@ -46,7 +46,7 @@ pub(crate) static KILLED: LazyLock<Folder> = LazyLock::new(|| {
 });
 
 /// A folder after an orderly end: all of the journal is in one file.
-static ENDED: LazyLock<Folder> = LazyLock::new(|| {
+pub(crate) static ENDED: LazyLock<Folder> = LazyLock::new(|| {
     let folder = copy(&KILLED);
     let (well, said) = crate::journal::journal(&folder, &["rebuild"]);
     assert!(well, "{said}");

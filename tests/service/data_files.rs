@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 
 use hallsweep::storage::names;
 
-use crate::damage::{ALL, Damage, HALLS, KILLED, check_goes, command, copy, end, seen};
+use crate::damage::{ALL, Damage, ENDED, HALLS, KILLED, check_goes, command, copy, end, seen};
 use crate::journal::holds;
 use crate::kill::Folder;
 use crate::program::{Deadline, PATIENCE, Program, hallsweep};
@@ -124,6 +124,62 @@ fn a_kept_hall_that_is_damaged_is_named_when_somebody_asks_for_it() {
         assert!(said.contains(file.to_str().expect("plain")) && said.contains("move it away"), "{damage:?}: {said}");
         assert!(seen(&file) == before, "{damage:?}: it is left as it is");
     }
+}
+
+/// A file that belongs to somebody else, as after a backup was put back by another user. What it says is not known.
+#[test]
+fn what_the_user_may_not_read_is_named_with_what_to_do_and_holds_the_robots_where_it_matters() {
+    use std::os::unix::fs::PermissionsExt;
+    const HELD: [&str; 10] = [
+        "journal.db",
+        "journal.lock",
+        "journal.head",
+        "journal.lost",
+        "photos",
+        "stops",
+        "simulated-robot.txt",
+        "simulated-robot-porter.txt",
+        "simulated-pair.txt",
+        "simulated-hall.toml",
+    ];
+    let bars = |path: &Path, mode: u32| fs::set_permissions(path, fs::Permissions::from_mode(mode)).expect("it is ours");
+    for (file, is_held) in HELD.map(|file| (file, true)).into_iter().chain([("halls", false), ("archives", false)]) {
+        let folder = copy(&ENDED);
+        let path = folder.path().join(file);
+        if !path.exists() {
+            if file.contains('.') { fs::write(&path, "").unwrap() } else { fs::create_dir(&path).unwrap() }
+        }
+        bars(&path, 0);
+        let program = Program::started(&mut unprivileged(&command(&folder, HALLS[0])));
+        let state = program.json("state");
+        let said = state["mission"]["storeFailure"].as_str().map_or_else(|| state["log"].to_string(), str::to_owned);
+        assert_eq!(holds(&state, "store"), is_held, "{file}: {state:#}");
+        assert!(said.contains(path.to_str().expect("plain")), "{file} is not named: {said}");
+        assert!(
+            ["give it to that user", "can read", "move it away"].iter().any(|advice| said.contains(advice)),
+            "{file}: {said}"
+        );
+        assert_eq!(program.read("/", &[]).status, 200, "{file}");
+        end(program);
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0, "{file} is left as it is");
+        bars(&path, if path.is_dir() { 0o700 } else { 0o600 });
+        let program = Program::started(&mut unprivileged(&command(&folder, HALLS[0])));
+        assert!(!holds(&program.json("state"), "store"), "{file}: {:#}", program.json("state"));
+        if file != "simulated-hall.toml" {
+            check_goes(&program, file);
+        }
+    }
+}
+
+/// The same program without the rights by which root reads what is closed to it.
+fn unprivileged(command: &Command) -> Command {
+    let mut bare = Command::new(command.get_program());
+    if rustix::process::geteuid().is_root() {
+        bare = Command::new("setpriv");
+        bare.args(["--bounding-set", "-dac_override,-dac_read_search", "--"]).arg(command.get_program());
+    }
+    bare.args(command.get_args()).envs(command.get_envs().filter_map(|(name, value)| Some((name, value?))));
+    bare
 }
 
 /// Safety S1: who could press STOP can press it still, and the log says which file it is.

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use rusqlite::ErrorCode;
 
@@ -34,6 +34,8 @@ pub(super) enum Fault {
     OnlyPhotos,
     /// Something of this name cannot be the file that it should be; why.
     Unusable(Name, String),
+    /// The user who runs the program may not read this file or folder.
+    Closed(PathBuf),
     /// This file was deleted or replaced while it was open.
     TakenAway(&'static str),
     /// It was written by a version that knows more; its format.
@@ -53,8 +55,8 @@ pub(super) enum Fault {
     Unchained(Seq),
     InUse,
     Unwritable,
-    /// A photo's file is not there, or is not what it was.
-    Photo(&'static str),
+    /// A photo's file is not there, or is not what it was; in words that begin with the file.
+    Photo(String),
     Number(u64),
     /// It took so long that what was handed over has been given up for lost.
     GivenUp,
@@ -73,6 +75,15 @@ pub(super) enum Then {
 }
 
 impl Fault {
+    /// What it means that a file of this name cannot be had.
+    pub(super) fn of_file(error: io::Error, name: Name, path: PathBuf) -> Fault {
+        if error.kind() == io::ErrorKind::PermissionDenied {
+            Fault::Closed(path)
+        } else {
+            Fault::Unusable(name, error.to_string())
+        }
+    }
+
     /// Whether waiting helps nobody: the file itself must be seen to.
     pub(super) fn is_final(&self) -> bool {
         match self {
@@ -81,6 +92,7 @@ impl Fault {
             | Fault::OnlyLog
             | Fault::OnlyPhotos
             | Fault::Unusable(..)
+            | Fault::Closed(_)
             | Fault::TakenAway(_)
             | Fault::Newer(_)
             | Fault::Foreign
@@ -138,6 +150,10 @@ impl Fault {
                  belongs to them back, or move {ALL} away together to begin anew, then start hallsweep again"
             ),
             Fault::Unusable(name, why) => unusable(*name, why, folder),
+            Fault::Closed(path) => {
+                let then = Trouble::then(then);
+                format!("{} is closed to the user who runs hallsweep: give it to that user; {then}", path.display())
+            }
             Fault::TakenAway(name) => format!(
                 "{name} in {shown} was deleted or replaced while hallsweep was using it; nothing is recorded any more: end \
                  hallsweep, put the journal back, then start hallsweep again"
@@ -170,7 +186,7 @@ impl Fault {
                  together, then start hallsweep again"
             ),
             Fault::InUse => format!("another hallsweep uses the folder {shown}: end it, or choose another folder with --data"),
-            Fault::Photo(what) => format!("the file of the photo {what}: put the folder photos of a backup back into {shown}"),
+            Fault::Photo(what) => format!("{what}: put the folder photos of a backup back into {shown}"),
             Fault::Number(number) => format!("the journal has no room for the number {number}"),
             Fault::Gone => "the writer of the journal has ended by a mistake of its own: start hallsweep again".to_owned(),
         }
@@ -188,6 +204,13 @@ enum Trouble {
 }
 
 impl Trouble {
+    fn then(then: Then) -> &'static str {
+        match then {
+            Then::GoesOn => "recording goes on by itself",
+            Then::StartAgain => "then start hallsweep again",
+        }
+    }
+
     fn of_sql(error: &rusqlite::Error) -> Trouble {
         let code = error.sqlite_error_code();
         if code == Some(ErrorCode::DiskFull) {
@@ -212,14 +235,10 @@ impl Trouble {
     }
 
     fn words(&self, folder: &Path, then: Then) -> String {
-        let folder = folder.display();
-        let then = match then {
-            Then::GoesOn => "recording goes on by itself",
-            Then::StartAgain => "then start hallsweep again",
-        };
+        let (folder, then) = (folder.display(), Trouble::then(then));
         match self {
             Trouble::Full => format!("the disk is full: free some space for {folder}; {then}"),
-            Trouble::Locked => format!("{folder} cannot be written to: make it writable; {then}"),
+            Trouble::Locked => format!("{folder}, or a file in it, cannot be written to: make it writable; {then}"),
             Trouble::Busy => format!("another program keeps the journal in {folder} locked: end it; {then}"),
             Trouble::Broken(error) => format!("the disk reports an error ({error}): look after {folder}; {then}"),
             Trouble::Silent => format!("the disk does not answer: look after {folder}; {then}"),

@@ -118,12 +118,14 @@ impl Folder {
     /// The same of what is beside it, without which it can be read all the same.
     pub(super) fn check_beside(&self) -> Result<(), Fault> {
         self.check_plain(&[names::LOCK, names::LOST, names::HEAD])?;
-        files::check_folder(&self.photos()).map_err(|error| Fault::Unusable(names::PHOTOS, error.to_string()))
+        files::check_folder(&self.photos()).map_err(|error| Fault::of_file(error, names::PHOTOS, self.photos()))
     }
 
     fn check_plain(&self, names: &[Name]) -> Result<(), Fault> {
-        let unusable = |name: Name| move |error: io::Error| Fault::Unusable(name, error.to_string());
-        names.iter().try_for_each(|name| files::check_plain(&name.within(&self.path)).map_err(unusable(*name)))
+        names.iter().try_for_each(|name| {
+            let path = name.within(&self.path);
+            files::check_plain(&path).map_err(|error| Fault::of_file(error, *name, path))
+        })
     }
 
     /// SQLite looks into this file before it reads the journal: it would wait at a pipe, and take garbage for a change that was cut

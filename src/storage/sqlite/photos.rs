@@ -51,21 +51,36 @@ impl Pictures<'_> {
     /// Reads a photo, and holds it against its digest.
     pub(super) fn read(self, connection: &Connection, picture: &Picture) -> Result<Photo, Fault> {
         if !picture.is_sound() {
-            return Err(Fault::Photo("has no digest on record"));
+            return Err(Fault::Photo("a photo has no digest on record".to_owned()));
         }
+        let spoilt = |what: &str| Fault::Photo(format!("the photo {} {what}", self.place(picture)));
         let bytes = match self {
-            Pictures::Files(folder) => files::read_if_there(&folder.photo(picture), LARGEST)?,
+            Pictures::Files(folder) => {
+                let path = folder.photo(picture);
+                files::read_if_there(&path, LARGEST).map_err(|error| {
+                    let is_closed = error.kind() == io::ErrorKind::PermissionDenied;
+                    if is_closed { Fault::Closed(path) } else { Fault::File(files::naming(&path)(error)) }
+                })?
+            }
             Pictures::Table => {
                 let mut statement = connection.prepare_cached("SELECT content FROM pictures WHERE digest = ?1")?;
                 statement.query_row([&picture.digest], |row| row.get(0)).optional()?
             }
         };
-        let bytes: Vec<u8> = bytes.ok_or(Fault::Photo("is not there"))?;
+        let bytes: Vec<u8> = bytes.ok_or_else(|| spoilt("is not there"))?;
         if digest(&bytes) != picture.digest {
-            return Err(Fault::Photo("is not what it was"));
+            return Err(spoilt("is not what it was"));
         }
         let media_type = MEDIA_TYPES.into_iter().find(|known| *known == picture.media_type).unwrap_or(OTHER);
         Ok(Photo { bytes: Arc::from(bytes), media_type })
+    }
+
+    /// Where a photo is, in words.
+    fn place(self, picture: &Picture) -> String {
+        match self {
+            Pictures::Files(folder) => folder.photo(picture).display().to_string(),
+            Pictures::Table => picture.digest.clone(),
+        }
     }
 }
 

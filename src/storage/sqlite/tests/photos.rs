@@ -102,7 +102,9 @@ fn a_photo_that_is_missing_or_another_is_spoilt_and_one_that_cannot_be_opened_is
     std::fs::remove_file(&file).unwrap();
     assert!(matches!(take(), Err(NoTake::Spoilt(words)) if words.contains("is not there")));
     std::fs::create_dir(&file).unwrap();
-    assert!(matches!(take(), Err(NoTake::Unreadable(Unreadable(words))) if words.contains("it is a folder")));
+    assert!(
+        matches!(take(), Err(NoTake::Unreadable(Unreadable(words))) if words.contains(&format!("{}: it is a folder", file.display())))
+    );
 }
 
 #[test]
