@@ -311,6 +311,21 @@ fn piece(id: u64, bytes: usize) -> Entry {
 }
 
 #[test]
+fn a_piece_was_found_when_it_was_first_photographed_however_often_it_is_photographed() {
+    let mut found = piece(1, 3);
+    if let Fact::Luggage { record, .. } = &mut found.fact {
+        Arc::make_mut(record).taken = WallTime { unix_ms: 3_723_000, offset_s: 0 };
+    }
+    let mission = Mission::of(vec![found]);
+    let found = |page: String| {
+        let (_, rest) = page.split_once("<dt>Found</dt><dd>").expect("it says when");
+        rest.split_once("</dd>").expect("that is closed").0.to_owned()
+    };
+    assert_eq!(found(mission.report(Language::English)), "1 Jan 1970, 01:00:00");
+    assert_eq!(found(mission.report_of(1, Language::English)), "1 Jan 1970, 02:02:03", "edition 1 has it so");
+}
+
+#[test]
 fn a_record_that_counts_billions_of_photos_is_a_report_of_the_latest() {
     for (take, photos) in [(3, 3), (1002, 1), (u32::MAX, 0)] {
         let mut found = piece(1, 3);
