@@ -338,6 +338,7 @@ mod tests {
         assert!(count.is_some_and(|(count, _)| count.parse::<u64>().is_ok()), "in the heading: {page}");
         let list = app(searching()).page("/missions").await;
         check(&list, &["luggage #2 was left in place · the search ended there</td>"]);
+        assert_eq!(list.matches("the search ended there").count(), 1, "the other mission is under way: {list}");
         let decided = format!("decided {} by operator", here(TEN));
         check(&page, &["/api/v1/luggage/3/photo?take=1", &decided, "pending"]);
     }
