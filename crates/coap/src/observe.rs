@@ -1,7 +1,6 @@
 //! Who observes what, what each has been told, and when to tell it more (RFC 7641). Several observers of the same thing in the
 //! same format share one *subject*; what it shows comes from the application. Nothing is queued: whoever's turn has come is told
-//! the newest. How a notification is written and acknowledged is not here. long because who observes, what of it, and whose turn
-//! it is are one state.
+//! the newest. How a notification is written and acknowledged is not here.
 //!
 //! ```text
 //!   changed ──► told without acknowledgement (NON), at most every PACE ──► quiet for SETTLED ──► told with one (CON)

@@ -1,7 +1,5 @@
 //! The program's end of the line protocol: one order at a time, repeated until it is answered, and a `hello` every half second. How
 //! robot and program find each other stands in `greeting`, what the robot's lines come to in `answers`.
-//!
-//! long because an order, the halt that voids it and the repeats of both follow one set of rules.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -15,7 +13,7 @@ use crate::{Driver, Output, Subject};
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order};
 use hallsweep_core::event::{OffCentre, Parts, Photo, RobotEvent};
-use hallsweep_core::robots::Part;
+use hallsweep_core::robot::Part;
 use hallsweep_core::units::{Celsius, Now, OrderId, Pose};
 
 /// What is not answered is said again after this long.
