@@ -31,7 +31,7 @@ use crate::runtime::threads::Thread;
 use crate::storage::stops;
 use hallsweep_core::engine::{Engine, Recalled};
 use hallsweep_core::event::RobotId;
-use hallsweep_core::mission::Hold;
+use hallsweep_core::hold::Hold;
 use hallsweep_core::state::Venue;
 use hallsweep_core::units::Epoch;
 

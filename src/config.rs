@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
+use hallsweep_core::command::Strategy;
 use hallsweep_core::event::RobotId;
-use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Settings as CoreSettings;
 
 mod bind;

@@ -5,6 +5,8 @@
 mod crates;
 #[path = "tidy/dependencies.rs"]
 mod dependencies;
+#[path = "tidy/layers.rs"]
+mod layers;
 #[path = "tidy/phrases.rs"]
 mod phrases;
 #[path = "tidy/reading.rs"]

@@ -2,10 +2,11 @@
 
 use std::time::Duration;
 
+use hallsweep_core::command::Strategy;
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::search::costs::Costs;
 use hallsweep_core::search::ways::Ways;
-use hallsweep_core::search::{Objective, Strategy, Terms};
+use hallsweep_core::search::{Objective, Terms};
 use hallsweep_evaluation::Ground;
 use hallsweep_evaluation::family::{Family, hall};
 use hallsweep_evaluation::walk::Walk;

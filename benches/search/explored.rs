@@ -2,8 +2,9 @@
 
 use std::time::Duration;
 
+use hallsweep_core::command::Strategy;
+use hallsweep_core::search::Terms;
 use hallsweep_core::search::ways::Ways;
-use hallsweep_core::search::{Strategy, Terms};
 use hallsweep_core::units::Cell;
 use hallsweep_evaluation::Ground;
 use hallsweep_evaluation::walk::Walk;

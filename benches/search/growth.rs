@@ -1,10 +1,11 @@
 //! What a move costs in halls from fifty to a thousand cells a side, 10 % luggage, and the memory of the largest.
 
+use hallsweep_core::command::Strategy;
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::search::costs::Costs;
 use hallsweep_core::search::grid::Square;
 use hallsweep_core::search::ways::Ways;
-use hallsweep_core::search::{Objective, Strategy, Terms};
+use hallsweep_core::search::{Objective, Terms};
 use hallsweep_core::units::Cell;
 use hallsweep_evaluation::Ground;
 use hallsweep_evaluation::drawing::{Curve, curves};

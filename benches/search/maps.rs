@@ -1,7 +1,8 @@
 //! Large maps of others searched whole by `auto`, for either goal.
 
+use hallsweep_core::command::Strategy;
 use hallsweep_core::search::costs::Costs;
-use hallsweep_core::search::{Objective, Strategy, Terms};
+use hallsweep_core::search::{Objective, Terms};
 
 use crate::cpu::micros;
 use crate::explored::{Explored, HEADING};

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::luggage::LuggageJson;
 use hallsweep_core::command::Accepted;
-use hallsweep_core::world::snapshot::Snapshot;
+use hallsweep_core::snapshot::Snapshot;
 
 /// `{"accepted":true,"revision":812,"epoch":4}`, with the record where the command concerned one.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]

@@ -13,9 +13,9 @@ use super::retrieval::RetrievalJson;
 use super::robot::{NamedRobotJson, RobotJson};
 use super::state;
 use super::temperature::TemperatureJson;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::resource::Resource;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// So many pieces are sent whole whenever one of them changes. Of more only those that changed, since all of them would be most of what
 /// is sent.
@@ -109,9 +109,9 @@ mod tests {
     use super::*;
     use crate::api::fixture::{idle, piece, searching, touch, write};
     use hallsweep_core::command::Verdict;
-    use hallsweep_core::mission::Hold;
+    use hallsweep_core::hold::Hold;
+    use hallsweep_core::snapshot::log::Tone;
     use hallsweep_core::units::Cell;
-    use hallsweep_core::world::log::Tone;
 
     #[test]
     fn only_what_changed_is_sent() {

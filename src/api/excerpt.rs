@@ -10,10 +10,10 @@ use super::map::map_revision;
 use super::resources::{Form, shape};
 use super::robot::PositionJson;
 use hallsweep_core::command::Note;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::records::LuggageRecords;
 use hallsweep_core::world::resource::Resource;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// So much of the luggage is published: the MiB that every broker lets pass.
 const LUGGAGE_BYTES: usize = 1024 * 1024;

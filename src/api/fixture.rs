@@ -3,19 +3,19 @@
 
 use std::sync::Arc;
 
-use hallsweep_core::command::{Refused, Verdict};
+use hallsweep_core::command::{Refused, Strategy, Verdict};
 use hallsweep_core::event::{Parts, RobotId};
-use hallsweep_core::mission::PhaseName;
-use hallsweep_core::search::Strategy;
+use hallsweep_core::phase::PhaseName;
+use hallsweep_core::robot::RobotState;
+use hallsweep_core::snapshot::log::{LogLine, Tone};
+use hallsweep_core::snapshot::robot::{RobotShown, RobotView};
+use hallsweep_core::snapshot::said::Said;
+use hallsweep_core::snapshot::{MissionView, Progress, Refusals, Snapshot};
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, WallTime};
 use hallsweep_core::world::alarm::{AlarmCause, AlarmView};
 use hallsweep_core::world::hall_map::{HallMap, Mark};
-use hallsweep_core::world::log::{LogLine, Tone};
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
 use hallsweep_core::world::resource::Resource;
-use hallsweep_core::world::robot::{RobotShown, RobotState, RobotView};
-use hallsweep_core::world::said::Said;
-use hallsweep_core::world::snapshot::{MissionView, Progress, Refusals, Snapshot};
 use hallsweep_core::world::temperature::{TemperatureStatus, TemperatureView};
 
 /// Ten in the morning of the 3rd of February 2026, one hour east of Greenwich.

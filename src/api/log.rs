@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::time::rfc3339;
 use super::vocabulary;
-use hallsweep_core::world::log::LogLine;
+use hallsweep_core::snapshot::log::LogLine;
 
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct LogLineJson {

@@ -5,11 +5,11 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::robot::PositionJson;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Cell, Revision};
 use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark, cells_of};
 use hallsweep_core::world::resource::Resource;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// What a map shows: the hall, and the cell the robot stands in.
 #[derive(Clone, Copy, Debug)]

@@ -1,9 +1,9 @@
 //! THE TABLE of files in which the map can be fetched, under `/map`: as far as the hall is explored, in every format that halls are
 //! read from. What stands in each is written by `hallsweep_sim`; the map for screens is `map`.
 
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::resource::Resource;
-use hallsweep_core::world::snapshot::Snapshot;
 use hallsweep_sim::{Export, Format};
 
 /// One file.

@@ -53,8 +53,8 @@ fn text_char(plan: Plan<'_>, cell: Cell) -> char {
 mod tests {
     use super::*;
     use crate::api::fixture::{drawn, idle};
+    use hallsweep_core::snapshot::Snapshot;
     use hallsweep_core::units::{Heading, Pose};
-    use hallsweep_core::world::snapshot::Snapshot;
 
     fn hall(rows: &[&str], robot: Cell) -> Snapshot {
         let mut snapshot = idle();

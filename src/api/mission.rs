@@ -5,11 +5,10 @@ use serde::Serialize;
 
 use super::robot::PositionJson;
 use super::vocabulary;
-use hallsweep_core::command::Refused;
-use hallsweep_core::mission::FaultCause;
-use hallsweep_core::search::Strategy;
+use hallsweep_core::command::{Refused, Strategy};
+use hallsweep_core::phase::FaultCause;
+use hallsweep_core::snapshot::{MissionView, Progress, Refusals, TimeLeft};
 use hallsweep_core::units::Revision;
-use hallsweep_core::world::snapshot::{MissionView, Progress, Refusals, TimeLeft};
 
 /// Where the mission stands.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]

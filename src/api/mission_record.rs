@@ -196,8 +196,8 @@ pub fn events(mission: MissionId, entries: Vec<(Seq, Result<Entry, String>)>, ne
 mod tests {
     use super::*;
     use crate::api::fixture::{TEN, drawn, piece};
+    use hallsweep_core::command::Strategy;
     use hallsweep_core::effect::Fact;
-    use hallsweep_core::search::Strategy;
     use hallsweep_core::units::{Cell, Pose};
 
     fn record() -> MissionRecordJson {

@@ -3,10 +3,10 @@
 
 use super::map_text;
 use super::time::rfc3339;
+use hallsweep_core::snapshot::Snapshot;
+use hallsweep_core::snapshot::robot::RobotView;
 use hallsweep_core::units::Heading;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
-use hallsweep_core::world::robot::RobotView;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// As `robot( state(stopped), direction(downDir), position(0, 0))`.
 pub fn robot(robot: &RobotView) -> String {
@@ -48,8 +48,8 @@ mod tests {
 
     use super::*;
     use crate::api::fixture::{drawn, idle, piece, searching};
+    use hallsweep_core::robot::RobotState;
     use hallsweep_core::units::{Cell, LuggageId, Pose};
-    use hallsweep_core::world::robot::RobotState;
 
     #[test]
     fn a_robot_is_written_as_old_clients_expect_it() {

@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::vocabulary;
 use hallsweep_core::behaviour::log::NodeState;
 use hallsweep_core::behaviour::{TickLog, Tree};
-use hallsweep_core::world::retrieval::{NodeShown, TreeView, TreesView};
+use hallsweep_core::snapshot::retrieval::{NodeShown, TreeView, TreesView};
 
 /// The ticks of trees on one blackboard.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]

@@ -9,10 +9,10 @@ use super::map::{MapJson, map_revision};
 use super::mission::StrategyJson;
 use super::state::{self, StateJson};
 use super::{cbor, map_text, old_items, retrieval, senml, text};
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{LuggageId, Revision};
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// Something to be seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

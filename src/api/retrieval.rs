@@ -6,10 +6,11 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::vocabulary;
-use hallsweep_core::retrieval::{ArmState, NotFetched};
+use hallsweep_core::arm::ArmState;
+use hallsweep_core::not_fetched::NotFetched;
+use hallsweep_core::snapshot::Snapshot;
+use hallsweep_core::snapshot::retrieval::{NodeShown, RetrievalView, TreeView};
 use hallsweep_core::units::Revision;
-use hallsweep_core::world::retrieval::{NodeShown, RetrievalView, TreeView};
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// The retrieval; its stage is `none` while there is none.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]

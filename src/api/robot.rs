@@ -7,10 +7,10 @@ use super::retrieval::ArmJson;
 use super::robot_parts::{ReplacedJson, replaced};
 use super::time::rfc3339;
 use super::vocabulary;
-use hallsweep_core::robots::Part;
+use hallsweep_core::robot::Part;
+use hallsweep_core::snapshot::robot::{RobotShown, RobotView};
 use hallsweep_core::state::Participant;
 use hallsweep_core::units::{Cell, Revision};
-use hallsweep_core::world::robot::{RobotShown, RobotView};
 
 /// A cell: `{"x":1,"y":2}`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]

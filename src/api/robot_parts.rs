@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::vocabulary;
-use hallsweep_core::robots::{Part, Parts};
+use hallsweep_core::robot::{Part, Parts};
 
 /// What takes the place of a missing part. Nothing takes that of a base; and without arm or gripper nothing is fetched by it.
 const REPLACED: [(Part, &str); 5] = [

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use hallsweep_core::world::robot::RobotView;
+use hallsweep_core::snapshot::robot::RobotView;
 use hallsweep_core::world::temperature::TemperatureView;
 
 /// The unit of a temperature (RFC 8428, section 12.1).

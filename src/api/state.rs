@@ -11,8 +11,8 @@ use super::mission::MissionJson;
 use super::retrieval::RetrievalJson;
 use super::robot::{NamedRobotJson, RobotJson};
 use super::temperature::TemperatureJson;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::resource::Resource;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// The whole state.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -107,7 +107,7 @@ mod tests {
     use super::*;
     use crate::api::fixture::{idle, searching};
     use hallsweep_core::event::RobotId;
-    use hallsweep_core::world::robot::RobotShown;
+    use hallsweep_core::snapshot::robot::RobotShown;
 
     #[test]
     fn the_state_has_the_shape_the_clients_know() {

@@ -2,7 +2,7 @@
 //! stand in `map_text`, the words of old clients in `old_items`.
 
 use super::time::rfc3339;
-use hallsweep_core::world::snapshot::MissionView;
+use hallsweep_core::snapshot::MissionView;
 use hallsweep_core::world::temperature::TemperatureView;
 
 /// The phase, and what holds the robot where anything does: `exploring`, or `exploring, held by operator, awaitingStart`.
@@ -26,7 +26,7 @@ pub fn temperature(view: &TemperatureView) -> String {
 mod tests {
     use super::*;
     use crate::api::fixture::{idle, searching};
-    use hallsweep_core::mission::Hold;
+    use hallsweep_core::hold::Hold;
 
     #[test]
     fn a_line_says_what_one_must_know() {

@@ -6,13 +6,9 @@ use std::borrow::Cow;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 
 use hallsweep_core::behaviour::Status;
-use hallsweep_core::command;
-use hallsweep_core::mission;
-use hallsweep_core::robots;
-use hallsweep_core::search;
-use hallsweep_core::settings;
-use hallsweep_core::units;
-use hallsweep_core::world::{log, robot, temperature};
+use hallsweep_core::snapshot::log;
+use hallsweep_core::world::temperature;
+use hallsweep_core::{command, hold, not_fetched, phase, robot, units};
 
 /// A list: its name in the description, what the words are for, and the words.
 macro_rules! lists {
@@ -34,21 +30,21 @@ macro_rules! lists {
 
 lists! {
     /// Where a mission stands.
-    Phase = mission::PhaseName::ALL.map(mission::PhaseName::name);
+    Phase = phase::PhaseName::ALL.map(phase::PhaseName::name);
     /// Why nothing moves.
-    Hold = mission::Hold::ALL.map(mission::Hold::name);
+    Hold = hold::Hold::ALL.map(hold::Hold::name);
     /// Which way a robot faces.
     Heading = units::Heading::ALL.map(units::Heading::name);
     /// What a robot does.
     RobotState = robot::RobotState::ALL.map(robot::RobotState::name);
     /// What a robot has.
-    Part = robots::Part::ALL.map(robots::Part::name);
+    Part = robot::Part::ALL.map(robot::Part::name);
     /// What the LED does.
     Led = ["off", "blinking"];
     /// What a gripper does.
-    Gripper = hallsweep_core::retrieval::Gripper::ALL.map(hallsweep_core::retrieval::Gripper::name);
+    Gripper = hallsweep_core::arm::Gripper::ALL.map(hallsweep_core::arm::Gripper::name);
     /// The order of a search.
-    StrategyName = search::Strategy::ALL.map(search::Strategy::name);
+    StrategyName = command::Strategy::ALL.map(command::Strategy::name);
     /// What was decided of a piece of luggage, if anything was.
     Verdict = ["pending", "safe", "danger"];
     /// What may be decided of a piece of luggage.
@@ -66,7 +62,7 @@ lists! {
     /// How far a retrieval has come.
     RetrievalStage = ["none", "makingRoom", "fetching", "lettingGo", "goingOut", "comingHome"];
     /// Who fetches.
-    Fetcher = settings::Fetcher::ALL.map(settings::Fetcher::name);
+    Fetcher = not_fetched::Fetcher::ALL.map(not_fetched::Fetcher::name);
     /// What a node of a behaviour tree said.
     NodeStatus = Status::ALL.map(Status::word);
 }

@@ -10,7 +10,7 @@ use tokio::task::JoinHandle;
 use super::AppError;
 use crate::doors::coap::{self, Resources, Socket};
 use crate::runtime::threads::Thread;
-use hallsweep_core::world::snapshot::Snapshot;
+use hallsweep_core::snapshot::Snapshot;
 
 /// A secret of the endpoint's, the states that are shown, and what says when it is over.
 pub(super) type Rest = ([u8; 32], watch::Receiver<Arc<Snapshot>>, watch::Receiver<bool>);

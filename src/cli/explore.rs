@@ -17,7 +17,7 @@ use crate::config::{self, Flag, Sources};
 use crate::robots::{Unusable, sim};
 use crate::telemetry;
 use hallsweep_core::effect::Entry;
-use hallsweep_core::world::snapshot::Snapshot;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_sim::headless::{self, Figures, Verdicts};
 use hallsweep_sim::{Camera, Export};
 

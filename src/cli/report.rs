@@ -126,9 +126,8 @@ pub(super) fn confirm(journal: &Reading, path: &Path) -> Result<(), Failure> {
 mod tests {
     use super::*;
     use crate::storage::scratch::Scratch;
-    use hallsweep_core::command::{Door, Issuer, Verdict};
+    use hallsweep_core::command::{Door, Issuer, Strategy, Verdict};
     use hallsweep_core::effect::{Entry, Fact, Page};
-    use hallsweep_core::search::Strategy;
     use hallsweep_core::units::{Cell, LuggageId, Pose, Seq, WallTime};
     use hallsweep_core::world::luggage::{Luggage, PhotoState};
 

@@ -17,10 +17,11 @@ use super::robots::RobotKind;
 use super::without_effect::without_effect;
 use super::{HttpSettings, OldClients, PairMishaps, Settings, TlsFiles, folder};
 use super::{mqtt, robots};
-use hallsweep_core::command::TemperatureReport;
+use hallsweep_core::command::{Strategy, TemperatureReport};
+use hallsweep_core::not_fetched::Fetcher;
 use hallsweep_core::search::costs::Costs;
-use hallsweep_core::search::{Objective, Sensing, Strategy};
-use hallsweep_core::settings::{Fetcher, Settings as CoreSettings};
+use hallsweep_core::search::{Objective, Sensing};
+use hallsweep_core::settings::Settings as CoreSettings;
 use hallsweep_core::units::Celsius;
 
 /// As many sensors as the thermometer listens to, beside the operator and the robot.

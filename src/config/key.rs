@@ -226,7 +226,8 @@ const fn yes_no(name: &'static str) -> Key {
 mod tests {
     use super::*;
     use crate::config::RobotKind;
-    use hallsweep_core::search::{Objective, Sensing, Strategy};
+    use hallsweep_core::command::Strategy;
+    use hallsweep_core::search::{Objective, Sensing};
 
     #[test]
     fn the_advice_lists_every_strategy() {

@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use super::{Failure, Report, each};
 use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::state::Speaking;
 use hallsweep_core::units::Celsius;
-use hallsweep_core::world::temperature::Speaking;
 
 /// The picture in units of its own.
 pub(super) const WIDTH: usize = 720;

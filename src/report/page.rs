@@ -15,7 +15,7 @@ use crate::api::time::{Zone, rfc3339};
 use crate::phrases::{Language, Phrase};
 use crate::runtime::archive::{NoTake, Unreadable, hex};
 use hallsweep_core::effect::Fact;
-use hallsweep_core::mission::PhaseName;
+use hallsweep_core::phase::PhaseName;
 use hallsweep_core::state::{PersistentState, Reach};
 use hallsweep_core::units::{Seq, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};

@@ -2,10 +2,9 @@
 
 use super::{Failure, each};
 use crate::runtime::archive::{Archive, Unreadable};
-use hallsweep_core::command::Command;
+use hallsweep_core::command::{Command, Strategy};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::mission::Asked;
-use hallsweep_core::search::Strategy;
 use hallsweep_core::units::{Celsius, MissionId, Seq, WallTime};
 
 /// So many sentences are said about what cannot be understood; of the rest, how many there are.

@@ -13,13 +13,12 @@ use super::{Claim, Comparison, Difference, Failure, Report, list};
 use crate::api::journal::{self, Line, arbitrary};
 use crate::phrases::{Language, said_here};
 use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable, hex};
-use hallsweep_core::command::{Door, Issuer};
+use hallsweep_core::command::{Door, Issuer, Strategy};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::Past;
 use hallsweep_core::event::Photo;
-use hallsweep_core::mission::{Hold, Phase};
-use hallsweep_core::search::Strategy;
-use hallsweep_core::state::{Conditions, Participant, PersistentState, Reach, Venue};
+use hallsweep_core::hold::Hold;
+use hallsweep_core::state::{Conditions, Participant, PersistentState, Phase, Reach, Venue};
 use hallsweep_core::units::{Cell, Celsius, LuggageId, MissionId, Pose, Seq, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 

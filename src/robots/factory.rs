@@ -12,7 +12,7 @@ use super::sim::{self, ChosenHall, Controls, Ground, Remote, SimPair, SimRobot, 
 use crate::config::{self, RobotKind, RobotSettings, Settings};
 use crate::runtime::clock::Clock;
 use hallsweep_core::event::RobotId;
-use hallsweep_core::settings::Fetcher;
+use hallsweep_core::not_fetched::Fetcher;
 use hallsweep_core::state::{Participant, Venue};
 use hallsweep_sim::Hall;
 

@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use super::handle::{Gone, Handle};
 use hallsweep_core::command::{Accepted, LuggageRef, Refused, Request};
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::luggage::Luggage;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// How long an accepted command's state is waited for; the loop publishes it before it answers, so this is a bound, not a wait.
 const SEEN_TIME: Duration = Duration::from_millis(500);

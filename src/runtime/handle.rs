@@ -11,9 +11,9 @@ use super::halt::Halter;
 use super::overflow::{OverflowIn, OverflowOut, overflow};
 use hallsweep_core::command::{Accepted, Command, Issuer, Refused, Request};
 use hallsweep_core::event::RobotId;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::Venue;
 use hallsweep_core::units::Epoch;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// Commands that wait for the loop: enough for every operator of a site to press at once.
 pub const COMMANDS: usize = 256;

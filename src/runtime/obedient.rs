@@ -8,8 +8,8 @@ use tokio::sync::{mpsc, watch};
 use super::halt::Halter;
 use super::handle::{COMMANDS, Envelope, Handle};
 use hallsweep_core::command::{Accepted, Command, Issuer, LuggageRef, Refused, Request};
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Epoch, LuggageId};
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// What a door asked to be put on record: who, what, and why it was not taken.
 pub(crate) type Noted = (Issuer, String, Refused);

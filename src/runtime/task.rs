@@ -19,8 +19,8 @@ use hallsweep_core::command::{Command, Issuer, Refused};
 use hallsweep_core::effect::{Effect, Order};
 use hallsweep_core::engine::Engine;
 use hallsweep_core::event::{Event, RobotEvent, RobotId};
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Epoch, Now, Seq, Ticket};
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// How long nothing may happen before the clock is looked at.
 const GLANCE: Duration = Duration::from_secs(1);

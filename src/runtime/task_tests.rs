@@ -5,16 +5,16 @@ use std::time::Duration;
 
 use super::*;
 use crate::runtime::handle::Given;
-use crate::runtime::link::Stamped;
-use crate::runtime::link::{RobotSide, link};
+use crate::runtime::link::{RobotSide, Stamped, link};
 use crate::runtime::within::within;
 use hallsweep_core::command::{Command, Door, Issuer, Request, TemperatureReport};
 use hallsweep_core::effect::{Action, Fact, Page};
 use hallsweep_core::event::{Capabilities, Parts, RobotId};
-use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::hold::Hold;
+use hallsweep_core::phase::PhaseName;
+use hallsweep_core::robot::RobotState;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::{Epoch, Seq};
-use hallsweep_core::world::robot::RobotState;
 
 #[path = "task_figures_tests.rs"]
 mod figures;

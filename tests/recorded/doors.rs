@@ -21,20 +21,21 @@ pub(crate) use hallsweep::runtime::halt::Halter;
 pub(crate) use hallsweep::runtime::handle::{COMMANDS, Envelope, Handle};
 pub(crate) use hallsweep::runtime::store::Store;
 pub(crate) use hallsweep::storage::sqlite::MemoryStore;
+pub(crate) use hallsweep_core::command::Strategy;
 pub(crate) use hallsweep_core::command::{
     CODES, Command, CommandId, LuggageRef, Refusal, RefusalKind, Refused, TemperatureReport, Verdict,
 };
 pub(crate) use hallsweep_core::effect::{Entry, Fact, Page};
 pub(crate) use hallsweep_core::event::{Event, RobotEvent, RobotId};
-pub(crate) use hallsweep_core::mission::{Hold, PhaseName};
-pub(crate) use hallsweep_core::retrieval::Place;
+pub(crate) use hallsweep_core::hold::Hold;
+pub(crate) use hallsweep_core::phase::PhaseName;
+pub(crate) use hallsweep_core::place::Place;
 pub(crate) use hallsweep_core::rng::RandomStream;
-pub(crate) use hallsweep_core::search::Strategy;
 pub(crate) use hallsweep_core::settings::Settings;
+pub(crate) use hallsweep_core::snapshot::Snapshot;
 pub(crate) use hallsweep_core::state::Participant;
 pub(crate) use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId, Revision, Seq};
 pub(crate) use hallsweep_core::world::resource::Resource;
-pub(crate) use hallsweep_core::world::snapshot::Snapshot;
 pub(crate) use hallsweep_sim::headless::Run;
 pub(crate) use hallsweep_sim::pair::{PairSettings, Slip};
 pub(crate) use hallsweep_sim::{Camera, Hall, SimSettings, Truth};

@@ -5,15 +5,15 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;
 
-use hallsweep_core::command::{Accepted, Command, Door, Issuer, Refused, Request};
+use hallsweep_core::command::{Accepted, Command, Door, Issuer, Refused, Request, Strategy};
 use hallsweep_core::effect::{Effect, Entry, Fact, Page};
 use hallsweep_core::engine::{Engine, Recalled};
 use hallsweep_core::event::{Event, RobotId};
-use hallsweep_core::search::Strategy;
-use hallsweep_core::settings::{Fetcher, Settings};
+use hallsweep_core::not_fetched::Fetcher;
+use hallsweep_core::settings::Settings;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Now, Seq, Ticket, WallTime};
-use hallsweep_core::world::snapshot::Snapshot;
 use hallsweep_sim::{BodyPose, Hall, Sim, SimMemory, SimSettings};
 
 /// The program, its disk and its robot.

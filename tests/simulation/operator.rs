@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use hallsweep_core::command::{Accepted, Command, LuggageRef, Move, Refused, TemperatureReport, Verdict};
-use hallsweep_core::mission::{Hold, PhaseName};
-use hallsweep_core::search::Strategy;
+use hallsweep_core::command::{Accepted, Command, LuggageRef, Move, Refused, Strategy, TemperatureReport, Verdict};
+use hallsweep_core::hold::Hold;
+use hallsweep_core::phase::PhaseName;
 use hallsweep_core::settings::Settings;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Cell, Celsius, LuggageId};
-use hallsweep_core::world::snapshot::Snapshot;
 use hallsweep_sim::headless::Run;
 use hallsweep_sim::{Camera, Hall, SimSettings};
 

@@ -2,17 +2,16 @@
 
 use std::sync::Arc;
 
-use hallsweep_core::command::{Command, Verdict};
+use hallsweep_core::command::{Command, Strategy, Verdict};
 use hallsweep_core::effect::Entry;
 use hallsweep_core::engine::{Past, way_behind};
-use hallsweep_core::mission::PhaseName;
-use hallsweep_core::retrieval::Place;
-use hallsweep_core::search::Strategy;
+use hallsweep_core::phase::PhaseName;
+use hallsweep_core::place::Place;
 use hallsweep_core::settings::Settings;
+use hallsweep_core::snapshot::retrieval::RetrievalView;
+use hallsweep_core::snapshot::{MissionView, Progress, Snapshot};
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::Seq;
-use hallsweep_core::world::retrieval::RetrievalView;
-use hallsweep_core::world::snapshot::{MissionView, Progress, Snapshot};
 use hallsweep_core::world::temperature::TemperatureView;
 use hallsweep_sim::headless::Run;
 use hallsweep_sim::pair::PairSettings;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use hallsweep_core::search::Strategy;
+use hallsweep_core::command::Strategy;
 use hallsweep_core::settings::Settings;
 use hallsweep_sim::headless::{Verdicts, explore};
 use hallsweep_sim::{Hall, SimSettings};

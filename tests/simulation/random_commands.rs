@@ -4,13 +4,14 @@ use std::time::Duration;
 
 use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, Refused, Request, TemperatureReport, Verdict};
 use hallsweep_core::event::{Event, RobotEvent, RobotId};
-use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::hold::Hold;
+use hallsweep_core::phase::PhaseName;
 use hallsweep_core::rng::RandomStream;
+use hallsweep_core::robot::RobotState;
 use hallsweep_core::settings::Settings;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
 use hallsweep_core::world::hall_map::Mark;
-use hallsweep_core::world::robot::RobotState;
-use hallsweep_core::world::snapshot::Snapshot;
 use hallsweep_sim::headless::Run;
 use hallsweep_sim::{Hall, SimSettings, Truth};
 

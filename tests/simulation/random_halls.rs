@@ -1,7 +1,8 @@
 //! The explorer on a thousand random halls: all complete, all home, and the map equal to the truth wherever it says anything.
 
+use hallsweep_core::command::Strategy;
+use hallsweep_core::search::Objective;
 use hallsweep_core::search::costs::Costs;
-use hallsweep_core::search::{Objective, Strategy};
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::Mark;

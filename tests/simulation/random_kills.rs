@@ -6,12 +6,13 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use hallsweep_core::command::{Command, LuggageRef, Refused, TemperatureReport, Verdict};
-use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::hold::Hold;
+use hallsweep_core::phase::PhaseName;
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::settings::Settings;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{AlarmId, Cell, LuggageId, Ticket};
 use hallsweep_core::world::hall_map::Mark;
-use hallsweep_core::world::snapshot::Snapshot;
 use hallsweep_sim::{Hall, SimSettings, Truth};
 
 use crate::halls;

@@ -7,15 +7,19 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Duration;
 
+use hallsweep_core::arm::{Gripper, Parcel};
 use hallsweep_core::command::{Command, LuggageRef, Move, TemperatureReport, Verdict};
 use hallsweep_core::event::Piece;
-use hallsweep_core::mission::{Hold, PhaseName};
-use hallsweep_core::retrieval::{Gripper, Parcel, Place, RetrievalFault, Saying, Which};
+use hallsweep_core::hold::Hold;
+use hallsweep_core::pair::{RetrievalFault, Saying};
+use hallsweep_core::phase::PhaseName;
+use hallsweep_core::place::Place;
+use hallsweep_core::retrieval::Which;
 use hallsweep_core::rng::RandomStream;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Cell, LuggageId};
 use hallsweep_core::world::alarm::AlarmCause;
 use hallsweep_core::world::hall_map::Mark;
-use hallsweep_core::world::snapshot::Snapshot;
 use hallsweep_sim::pair::{AstrayMemory, Mishaps, PairSettings, RobotMemory, Slip};
 use hallsweep_sim::{Camera, Hall, SimSettings, Truth};
 

@@ -5,7 +5,7 @@
 use hallsweep_core::command::{Command, LuggageRef, Move, TemperatureReport, Verdict};
 use hallsweep_core::effect::{Action, Effect};
 use hallsweep_core::event::{Ahead, Event, Obstacle, Piece, RobotEvent};
-use hallsweep_core::mission::PhaseName;
+use hallsweep_core::phase::PhaseName;
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::{AlarmId, Cell, LuggageId, Ticket};

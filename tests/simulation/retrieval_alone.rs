@@ -4,14 +4,14 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use hallsweep_core::command::{Command, LuggageRef, TemperatureReport, Verdict};
+use hallsweep_core::command::{Command, LuggageRef, Strategy, TemperatureReport, Verdict};
 use hallsweep_core::event::Piece;
-use hallsweep_core::mission::PhaseName;
+use hallsweep_core::not_fetched::Fetcher;
+use hallsweep_core::phase::PhaseName;
 use hallsweep_core::rng::RandomStream;
-use hallsweep_core::search::Strategy;
-use hallsweep_core::settings::{Fetcher, Settings};
+use hallsweep_core::settings::Settings;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{AlarmId, Cell};
-use hallsweep_core::world::snapshot::Snapshot;
 use hallsweep_sim::{Camera, Hall, SimSettings};
 
 use crate::halls;

@@ -7,9 +7,10 @@ use hallsweep_core::command::{Command, CommandId, Door, Issuer, Refused, Request
 use hallsweep_core::effect::{Effect, Fact};
 use hallsweep_core::engine::{Engine, IDS, Recalled};
 use hallsweep_core::event::{Event, Obstacle};
-use hallsweep_core::mission::{FaultCause, Hold, Phase, PhaseName};
+use hallsweep_core::hold::Hold;
+use hallsweep_core::phase::{FaultCause, PhaseName};
 use hallsweep_core::settings::Settings;
-use hallsweep_core::state::PersistentState;
+use hallsweep_core::state::{PersistentState, Phase};
 use hallsweep_core::units::{AlarmId, Cell, LuggageId, Now, Pose, Revision, Seq};
 use hallsweep_core::world::alarm::Alarm;
 use hallsweep_core::world::hall_map::Mark;

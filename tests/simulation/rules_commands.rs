@@ -6,7 +6,7 @@ use std::sync::Arc;
 use hallsweep_core::command::{Command, CommandId, Door, Issuer, LuggageRef, Note, Refused, Request, TemperatureReport, Verdict};
 use hallsweep_core::effect::{Effect, Fact};
 use hallsweep_core::engine::IDS;
-use hallsweep_core::mission::PhaseName;
+use hallsweep_core::phase::PhaseName;
 use hallsweep_core::units::{Celsius, Epoch, LuggageId};
 
 use crate::bare::{Bare, records};
@@ -255,7 +255,7 @@ fn a_danger_that_could_not_be_recorded_is_taken_when_the_store_is_back() {
 #[test]
 fn while_the_store_is_down_only_a_stop_is_accepted() {
     use hallsweep_core::event::Event;
-    use hallsweep_core::mission::Hold;
+    use hallsweep_core::hold::Hold;
     use hallsweep_core::units::AlarmId;
     let mut bare = Bare::at_a_bag();
     bare.verdict(Verdict::Danger).unwrap();

@@ -3,7 +3,8 @@
 use hallsweep_core::command::{Command, Move, Refused, TemperatureReport, Verdict};
 use hallsweep_core::effect::Action;
 use hallsweep_core::event::{Event, Obstacle, RobotEvent, Whereabouts};
-use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::hold::Hold;
+use hallsweep_core::phase::PhaseName;
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Heading, LuggageId, Pose};
 
 use crate::bare::Bare;

@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use hallsweep_core::command::{Command, LuggageRef, Refused, Verdict};
+use hallsweep_core::command::{Command, LuggageRef, Refused, Strategy, Verdict};
 use hallsweep_core::event::{RobotEvent, Whereabouts};
-use hallsweep_core::mission::PhaseName;
-use hallsweep_core::search::Strategy;
+use hallsweep_core::phase::PhaseName;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::{Cell, Heading, LuggageId, Pose};
 use hallsweep_core::world::hall_map::Mark;
@@ -110,7 +109,7 @@ fn a_piece_left_without_a_photo_is_photographed_again_after_the_next_start() {
     run.give(Command::Start).unwrap();
     run.until("back at the piece", |state| state.mission.inspected == Some(LuggageId(1)));
     assert_eq!(run.state().robot.pose, pose);
-    run.until("its photo, or another failure", |state| state.robot.state == hallsweep_core::world::robot::RobotState::Stopped);
+    run.until("its photo, or another failure", |state| state.robot.state == hallsweep_core::robot::RobotState::Stopped);
     assert_eq!(run.state().luggage.len(), 1, "it stays one record");
 }
 

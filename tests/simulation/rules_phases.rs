@@ -2,7 +2,8 @@
 
 use hallsweep_core::command::{Command, Door, Issuer, Refused, Request, Verdict};
 use hallsweep_core::effect::Fact;
-use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::hold::Hold;
+use hallsweep_core::phase::PhaseName;
 use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId};
 use hallsweep_sim::headless::Run;
 
@@ -200,7 +201,7 @@ fn an_answer_names_the_revision_that_contains_its_effect() {
 /// Rule 10.
 #[test]
 fn the_strategy_is_chosen_only_between_missions() {
-    use hallsweep_core::search::Strategy;
+    use hallsweep_core::command::Strategy;
     let mut run = in_hall("empty-8x8");
     run.give(Command::ChooseStrategy(Strategy::Snail)).unwrap();
     run.give(Command::Start).unwrap();

@@ -4,9 +4,10 @@
 use hallsweep_core::command::{Command, Door, Issuer, Move, Refused, Request};
 use hallsweep_core::effect::Effect;
 use hallsweep_core::event::{Event, RobotEvent};
-use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::hold::Hold;
+use hallsweep_core::phase::PhaseName;
+use hallsweep_core::robot::RobotState;
 use hallsweep_core::units::{AlarmId, Cell, Epoch};
-use hallsweep_core::world::robot::RobotState;
 
 use crate::bare::Bare;
 use crate::operator::{Operator, in_hall};

@@ -3,7 +3,8 @@
 use hallsweep_core::command::{Command, Refused, TemperatureReport, Verdict};
 use hallsweep_core::effect::{Effect, Fact};
 use hallsweep_core::event::{Event, RobotId};
-use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::hold::Hold;
+use hallsweep_core::phase::PhaseName;
 use hallsweep_core::units::LuggageId;
 
 use crate::bare::{Bare, records};

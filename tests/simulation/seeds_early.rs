@@ -1,10 +1,10 @@
 //! The test plans of the seed's first sprints: a robot that can be driven, finds walls, reaches goals and draws the final map.
 
 use hallsweep_core::command::{Command, Move};
-use hallsweep_core::mission::PhaseName;
+use hallsweep_core::phase::PhaseName;
+use hallsweep_core::robot::RobotState;
 use hallsweep_core::units::{Cell, Heading, Pose};
 use hallsweep_core::world::hall_map::Mark;
-use hallsweep_core::world::robot::RobotState;
 
 use crate::operator::{Operator, in_drawn, in_hall};
 

@@ -2,10 +2,10 @@
 
 use hallsweep_core::command::{Command, Verdict};
 use hallsweep_core::effect::Fact;
-use hallsweep_core::mission::PhaseName;
+use hallsweep_core::phase::PhaseName;
+use hallsweep_core::robot::RobotState;
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::Mark;
-use hallsweep_core::world::robot::RobotState;
 use hallsweep_sim::headless::Run;
 
 use crate::operator::{Operator, in_drawn, in_hall};

@@ -3,13 +3,13 @@
 
 use std::collections::BTreeMap;
 
+use hallsweep_core::command::Strategy;
 use hallsweep_core::effect::{Entry, Fact};
-use hallsweep_core::mission::PhaseName;
-use hallsweep_core::search::Strategy;
+use hallsweep_core::phase::PhaseName;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{AlarmId, Cell, LuggageId, MissionId};
 use hallsweep_core::world::alarm::AlarmCause;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// The journal as far as it is kept, and what was shown of numbers so far.
 pub(crate) struct Record {

@@ -3,11 +3,10 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use hallsweep_core::command::{Command, Verdict};
-use hallsweep_core::mission::PhaseName;
-use hallsweep_core::search::Strategy;
+use hallsweep_core::command::{Command, Strategy, Verdict};
+use hallsweep_core::phase::PhaseName;
 use hallsweep_core::settings::Settings;
-use hallsweep_core::world::snapshot::{Snapshot, TimeLeft};
+use hallsweep_core::snapshot::{Snapshot, TimeLeft};
 use hallsweep_sim::headless::Run;
 use hallsweep_sim::{Camera, Hall, SimSettings};
 

@@ -5,17 +5,17 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Duration;
 
-use hallsweep_core::command::{Command, Door, Issuer, Move, Refused, Request, TemperatureReport};
+use hallsweep_core::command::{Command, Door, Issuer, Move, Refused, Request, Strategy, TemperatureReport};
 use hallsweep_core::effect::{Action, Effect, Entry, Fact};
 use hallsweep_core::engine::{Barred, Engine, Recalled};
 use hallsweep_core::event::{Event, RobotEvent, RobotId};
-use hallsweep_core::mission::{Hold, PhaseName};
-use hallsweep_core::robots::Part;
-use hallsweep_core::search::Strategy;
+use hallsweep_core::hold::Hold;
+use hallsweep_core::phase::PhaseName;
+use hallsweep_core::robot::{Part, RobotState};
 use hallsweep_core::settings::Settings;
+use hallsweep_core::snapshot::robot::RobotShown;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Cell, Celsius, Now, OrderId, Seq, WallTime};
-use hallsweep_core::world::robot::{RobotShown, RobotState};
 use hallsweep_sim::{Camera, Hall, Sim, SimSettings};
 
 const FORWARD: Action = Action::Move(Move::Forward);

@@ -210,7 +210,7 @@ fn module_path(source: &Source) -> Vec<String> {
 }
 
 /// Every path of the crate that the code names, in `use` lines and anywhere else, from the top of the crate, with its line.
-fn named_paths(source: &Source) -> Vec<(usize, Vec<String>)> {
+pub(crate) fn named_paths(source: &Source) -> Vec<(usize, Vec<String>)> {
     let file = module_path(source);
     let unit_tests = [file.as_slice(), &["tests".to_owned()]].concat();
     let mut paths = Vec::new();

@@ -4,17 +4,17 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::command::{Accepted, CommandId, Issuer, Move, Note, Refusal, Refused, Verdict};
-use super::event::{Photo, Piece, RobotId};
-use super::mission::{Goal, Hold, Input, Phase};
-use super::retrieval::ArmAction;
-use super::robots::Part;
-use super::search::{Search, Strategy};
-use super::state::{Conditions, PersistentState, Retrieval};
-use super::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, OrderId, Pose, Seq, Ticket, WallTime};
-use super::world::alarm::AlarmCause;
-use super::world::hall_map::Mark;
-use super::world::luggage::Luggage;
+use crate::arm::ArmAction;
+use crate::command::{Accepted, CommandId, Issuer, Move, Note, Refusal, Refused, Strategy, Verdict};
+use crate::event::{Photo, Piece, RobotId};
+use crate::hold::Hold;
+use crate::robot::Part;
+use crate::search::{Goal, Search};
+use crate::state::{Conditions, PersistentState, Phase, Retrieval};
+use crate::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, OrderId, Pose, Seq, Ticket, WallTime};
+use crate::world::alarm::AlarmCause;
+use crate::world::hall_map::Mark;
+use crate::world::luggage::Luggage;
 
 /// Something to be done outside.
 #[derive(Clone, Debug, PartialEq)]
@@ -125,20 +125,6 @@ pub struct Entry {
     pub wall: WallTime,
     /// What happened.
     pub fact: Fact,
-}
-
-impl Fact {
-    /// The fact as it stands in the journal, when `was_dangerous` says of each piece whether it was found so. Entries are never changed, and
-    /// a safe is one before it is final: one that was accepted of a piece that is dangerous was overtaken by the danger before it
-    /// was durable (safety V1), and so it was refused.
-    #[must_use]
-    pub fn as_it_was(self, was_dangerous: impl FnOnce(LuggageId) -> bool) -> Fact {
-        let Fact::Command { issuer, id, command, epoch, luggage: Some(luggage), refused: None } = self else { return self };
-        let was_safe = Input::from_words(&command).is_some_and(|(input, _)| input == Input::Safe);
-        let overtaken = was_safe && was_dangerous(luggage);
-        let refused = overtaken.then(|| Refusal::from(&Refused::Decided { luggage, verdict: Verdict::Danger }));
-        Fact::Command { issuer, id, command, epoch, luggage: Some(luggage), refused }
-    }
 }
 
 /// What is worth keeping for good. `crate::state` folds them into what stands.

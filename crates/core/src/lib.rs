@@ -32,18 +32,16 @@ macro_rules! named {
 }
 
 pub mod behaviour;
-pub mod command;
 pub mod effect;
 pub mod engine;
-pub mod event;
 pub mod mission;
-pub mod refused;
 pub mod retrieval;
 pub mod rng;
-pub mod robots;
 pub mod search;
 pub mod settings;
+pub mod snapshot;
 pub mod state;
-pub mod units;
-pub mod words;
+mod vocabulary;
 pub mod world;
+
+pub use vocabulary::{arm, command, event, hold, not_fetched, pair, phase, place, refused, robot, units, words};

@@ -3,6 +3,7 @@
 use super::search::Objective;
 use super::search::costs::Costs;
 use super::units::Celsius;
+use crate::not_fetched::Fetcher;
 
 /// The settings of an engine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,20 +24,6 @@ pub struct Settings {
     pub costs: Option<Costs>,
     /// Whether a recognised wall reveals the straight line it belongs to as far as the camera sees it.
     pub wall_lines: bool,
-}
-
-named! {
-    ALL by name;
-    /// Who fetches a dangerous piece (mission §4).
-    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub enum Fetcher {
-        /// Two mobile manipulators, SRM1 and SRM2.
-        Pair = "pair",
-        /// The robot that searches, which plays both parts.
-        Discovery = "discovery",
-        /// Nobody: RETRIEVE is refused.
-        None = "none",
-    }
 }
 
 impl Default for Settings {

@@ -1,10 +1,11 @@
 //! How often a forecast of what is left of a search holds: on random halls that its bounds were not read off, at every moment of a search, each
 //! moment weighed by how long it lasts.
 
+use hallsweep_core::command::Strategy;
 use hallsweep_core::search::costs::Costs;
 use hallsweep_core::search::forecast::{FEW, Forecast, forecast};
 use hallsweep_core::search::ways::Ways;
-use hallsweep_core::search::{NextGoal, Objective, Strategy, Terms};
+use hallsweep_core::search::{NextGoal, Objective, Terms};
 
 use crate::compare::{Halls, Kind};
 use crate::family::Family;

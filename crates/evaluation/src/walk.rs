@@ -2,9 +2,9 @@
 //! whose operator finds everything safe, in a hundredth of the time.
 
 use hallsweep_core::command::Move;
+use hallsweep_core::search::Gait;
 use hallsweep_core::search::costs::{Costs, STEP};
 use hallsweep_core::search::grid::{Grid, Square};
-use hallsweep_core::search::outlook::Gait;
 use hallsweep_core::search::ways::Ways;
 use hallsweep_core::search::{NextGoal, Objective, Search, Terms, View};
 use hallsweep_core::units::{Cell, Heading, Pose};
@@ -276,8 +276,8 @@ mod tests {
 
     use super::*;
     use crate::family::{Family, hall};
+    use hallsweep_core::command::Strategy;
     use hallsweep_core::rng::RandomStream;
-    use hallsweep_core::search::Strategy;
     use hallsweep_core::settings::Settings;
     use hallsweep_sim::headless::{Verdicts, explore};
     use hallsweep_sim::{Camera, SimSettings};

@@ -4,10 +4,11 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use hallsweep_core::command::Strategy;
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::search::costs::Costs;
 use hallsweep_core::search::ways::Ways;
-use hallsweep_core::search::{Objective, Strategy, Terms};
+use hallsweep_core::search::{Objective, Terms};
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::Cell;
 use hallsweep_evaluation::Ground;

@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use hallsweep_core::search::Strategy;
+use hallsweep_core::command::Strategy;
 use hallsweep_evaluation::compare::rows::{Row, rows};
 use hallsweep_evaluation::compare::{Entrant, Estimate, Timings, against, over};
 

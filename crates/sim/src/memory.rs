@@ -19,7 +19,7 @@ use super::hall::{Hall, Truth};
 use super::simulator::centre_of;
 use super::sonar::way_to_contact;
 use hallsweep_core::event::Piece;
-use hallsweep_core::retrieval::Place;
+use hallsweep_core::place::Place;
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::Pose;
 

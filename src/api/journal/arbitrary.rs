@@ -8,18 +8,23 @@ use proptest::prelude::*;
 
 use crate::api::door::DOORS;
 use crate::api::problem::refusal;
+use hallsweep_core::arm::Parcel;
 use hallsweep_core::behaviour::Value as TreeValue;
-use hallsweep_core::command::{CommandId, Issuer, Move, Note, Verdict};
+use hallsweep_core::command::{CommandId, Issuer, Move, Note, Strategy as Order, Verdict};
 use hallsweep_core::effect::{Entry, Fact, Unpacked, WrittenOut};
 use hallsweep_core::event::{Piece, RobotId};
-use hallsweep_core::mission::{FaultCause, Goal, Hold, Inspection, Phase, Stage};
+use hallsweep_core::hold::Hold;
+use hallsweep_core::not_fetched::{AloneFault, Fetcher, NotFetched, StuckFault};
+use hallsweep_core::pair::{RetrievalFault, Saying};
+use hallsweep_core::phase::FaultCause;
+use hallsweep_core::place::Place;
 use hallsweep_core::refused::CODES;
-use hallsweep_core::retrieval::{
-    AloneFault, NotFetched, Parcel, Place, RetrievalFault, Saying, StuckFault, Team, TeamStage, TeamState,
+use hallsweep_core::retrieval::Team;
+use hallsweep_core::search::{Goal, Search};
+use hallsweep_core::state::{
+    Conditions, Inspection, Participant, PersistentState, Phase, Reach, Retrieval, RetrievalStage, Stage, TeamStage, TeamState,
+    Venue,
 };
-use hallsweep_core::search::{Search, Strategy as Order};
-use hallsweep_core::settings::Fetcher;
-use hallsweep_core::state::{Conditions, Participant, PersistentState, Reach, Retrieval, RetrievalStage, Venue};
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, Seq, WallTime};
 use hallsweep_core::world::alarm::{Alarm, AlarmCause};
 use hallsweep_core::world::hall_map::{HallMap, Mark, REACH};

@@ -5,10 +5,10 @@ use serde::{Deserialize, Serialize};
 use super::Unparsed;
 use crate::api::door::DOORS;
 use crate::api::fields::in_short;
-use hallsweep_core::command::{Door, Move, Note, Verdict};
+use hallsweep_core::command::{Door, Move, Note, Strategy, Verdict};
 use hallsweep_core::event::RobotId;
-use hallsweep_core::mission::Hold;
-use hallsweep_core::search::{Search, Strategy};
+use hallsweep_core::hold::Hold;
+use hallsweep_core::search::Search;
 use hallsweep_core::units::{Celsius, Epoch, Heading};
 
 /// What an obstacle can be taken for.

@@ -6,8 +6,9 @@ use super::Unparsed;
 use super::names::Step;
 use super::places::{Point, PoseShape};
 use hallsweep_core::event::Piece;
-use hallsweep_core::mission::{FaultCause, Inspection, Phase, Stage};
-use hallsweep_core::retrieval::NotFetched;
+use hallsweep_core::not_fetched::NotFetched;
+use hallsweep_core::phase::FaultCause;
+use hallsweep_core::state::{Inspection, Phase, Stage};
 use hallsweep_core::units::LuggageId;
 
 /// A phase, by the name of the doors.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{Unparsed, names};
 use crate::api::time::rfc3339;
-use hallsweep_core::mission::Goal;
+use hallsweep_core::search::Goal;
 use hallsweep_core::units::{Cell, Pose, WallTime};
 use hallsweep_core::world::hall_map::REACH;
 

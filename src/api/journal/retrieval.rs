@@ -8,8 +8,8 @@ use super::places::Point;
 use super::team::TeamShape;
 use super::{Unparsed, names};
 use hallsweep_core::event::RobotId;
-use hallsweep_core::retrieval::{NotFetched, Place};
-use hallsweep_core::settings::Fetcher;
+use hallsweep_core::not_fetched::{Fetcher, NotFetched};
+use hallsweep_core::place::Place;
 use hallsweep_core::state::{Retrieval, RetrievalStage};
 use hallsweep_core::units::{AlarmId, LuggageId};
 

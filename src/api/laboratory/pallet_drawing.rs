@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use hallsweep_core::retrieval::Place;
+use hallsweep_core::place::Place;
 use hallsweep_core::units::Cell;
 use hallsweep_sim::pallet::{Frame, PalletRun};
 use hallsweep_sim::{BodyPose, Truth};

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::pallet::Pallet;
 use super::pallet_report::ReportJson;
 use crate::api::replay::ReplayJson;
-use hallsweep_core::retrieval::Place;
+use hallsweep_core::place::Place;
 use hallsweep_core::units::Cell;
 use hallsweep_sim::Truth;
 use hallsweep_sim::pair::{ANGLE_LIMIT, FORCE_LIMIT_N, FORCE_N, GAP_LIMIT_M};

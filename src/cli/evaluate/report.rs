@@ -1,7 +1,8 @@
 //! What a comparison came to, as tables for people and as a picture.
 
 use super::{Answer, Measure, Question};
-use hallsweep_core::search::{Strategy, Terms};
+use hallsweep_core::command::Strategy;
+use hallsweep_core::search::Terms;
 use hallsweep_evaluation::compare::{Contest, Entrant, Estimate, against as differences, decisions, over};
 use hallsweep_evaluation::drawing::{self, Band, Dot};
 use hallsweep_evaluation::family::Family;

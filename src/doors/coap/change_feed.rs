@@ -11,7 +11,7 @@ use super::application::{self, Application};
 use crate::doors::pace;
 use crate::runtime::clock::Clock;
 use coap_endpoint::{Answer, Endpoint, SubjectId, limits::PACE};
-use hallsweep_core::world::snapshot::Snapshot;
+use hallsweep_core::snapshot::Snapshot;
 
 pub(super) struct ChangeFeed {
     states: watch::Receiver<Arc<Snapshot>>,

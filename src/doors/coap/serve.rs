@@ -15,7 +15,7 @@ use crate::runtime::clock::Clock;
 use crate::runtime::figures::Connected;
 use crate::runtime::handle::Gone;
 use coap_endpoint::{Backlog, Code, Datagram, Endpoint, Response};
-use hallsweep_core::world::snapshot::Snapshot;
+use hallsweep_core::snapshot::Snapshot;
 
 /// So long requests under way are waited for at the end: within two seconds, with the HTTP door, which ends at the same time.
 const GRACE: Duration = Duration::from_millis(1500);

@@ -76,7 +76,7 @@ mod tests {
             ("POST", "/luggage/3/photo", "", Command::RetakePhoto(LuggageId(3))),
             ("POST", "/alarms/1/acknowledge", "", Command::Acknowledge(AlarmId(1))),
             ("PUT", "/temperature", r#"{"status":"tooHigh"}"#, Command::Temperature(TemperatureReport::TooHigh)),
-            ("PUT", "/strategy", r#"{"name":"snail"}"#, Command::ChooseStrategy(hallsweep_core::search::Strategy::Snail)),
+            ("PUT", "/strategy", r#"{"name":"snail"}"#, Command::ChooseStrategy(hallsweep_core::command::Strategy::Snail)),
         ];
         for (method, path, body, command) in cases {
             check(&app, method, path, body, 200).await;

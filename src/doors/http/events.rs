@@ -18,8 +18,8 @@ use super::problem::Problem;
 use super::watcher::{Wake, Watcher};
 use crate::api::changes::ChangesJson;
 use crate::api::state::StateJson;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// A silent stream says every second that it lives: a reader may call it dead after three.
 pub(super) const HEARTBEAT: Duration = Duration::from_secs(1);

@@ -27,7 +27,7 @@ use crate::api::laboratory::roomba::Roomba;
 use crate::doors::shares::{Limits, Shares};
 use crate::phrases::Language;
 use hallsweep_core::behaviour::Status;
-use hallsweep_core::world::retrieval::{TreeView, TreesView};
+use hallsweep_core::snapshot::retrieval::{TreeView, TreesView};
 
 /// So many runs are computed or wait for it, each of less than a tenth of a second. Of these one key has three at most, and four are kept
 /// for keys that have none or one.

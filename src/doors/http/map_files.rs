@@ -72,8 +72,8 @@ mod tests {
     use crate::api::fixture::{searching, touch};
     use crate::api::map_files::FILES;
     use crate::runtime::within::within;
+    use hallsweep_core::snapshot::Snapshot;
     use hallsweep_core::world::resource::Resource;
-    use hallsweep_core::world::snapshot::Snapshot;
 
     const IMAGE: &Row = &FILES[3];
 

@@ -15,9 +15,10 @@ use super::HttpDoor;
 use super::accept;
 use super::problem::Problem;
 use crate::runtime::figures::{Figures, Series, flag};
-use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::hold::Hold;
+use hallsweep_core::phase::PhaseName;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Celsius;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// The media types of both formats, the one for readers without a preference first.
 pub(super) const FORMATS: [&str; 2] = ["text/plain", "application/openmetrics-text"];

@@ -160,7 +160,8 @@ mod tests {
     use crate::api::problem::refusal as named;
     use hallsweep_core::command::{CommandId, Refused, Verdict};
     use hallsweep_core::event::RobotId;
-    use hallsweep_core::mission::{FaultCause, Hold, PhaseName};
+    use hallsweep_core::hold::Hold;
+    use hallsweep_core::phase::{FaultCause, PhaseName};
     use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId};
 
     /// The codes that stand in the sources of this door, and those that every door has.

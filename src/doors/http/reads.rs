@@ -17,9 +17,9 @@ use crate::api::luggage::LuggageJson;
 use crate::api::resources::{self, Form, ResourceKind, Row};
 use crate::api::robot::RobotBySettingsJson;
 use crate::api::state;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, NoPhoto};
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// The forms of this door: each with what a client accepts, what it is sent as, and its word in tags.
 const FORMS: [(Form, &str, &str, &str); 2] = [
@@ -122,10 +122,10 @@ mod tests {
     use super::super::testing::{TestApp, app, read, text};
     use crate::api::fixture::searching;
     use crate::api::resources::{RESOURCES, ResourceKind};
-    use hallsweep_core::robots::{Part, Parts};
+    use hallsweep_core::robot::{Part, Parts};
+    use hallsweep_core::snapshot::Snapshot;
     use hallsweep_core::state::Participant;
     use hallsweep_core::world::luggage::{Luggage, PhotoState};
-    use hallsweep_core::world::snapshot::Snapshot;
     use std::sync::Arc;
 
     async fn etag(app: &TestApp, path: &str, accept: &str) -> String {

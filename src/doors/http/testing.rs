@@ -27,10 +27,10 @@ use crate::runtime::within::within;
 use hallsweep_core::command::{self, Refused};
 use hallsweep_core::effect::Fact;
 use hallsweep_core::event::Photo;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{LuggageId, MissionId, Seq};
 use hallsweep_core::world::luggage::Luggage;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// A door before a loop that does as it is told.
 pub(super) struct TestApp {

@@ -10,7 +10,7 @@ use super::HttpDoor;
 use super::problem::Problem;
 use super::streams::OpenStream;
 use crate::access::Caller;
-use hallsweep_core::world::snapshot::Snapshot;
+use hallsweep_core::snapshot::Snapshot;
 
 /// How often it is asked whether whoever looks may still look.
 const STILL_KNOWN: Duration = Duration::from_millis(250);

@@ -20,8 +20,8 @@ use crate::runtime::archive_reader::Reader;
 use crate::runtime::obedient::{Script, obedient};
 use crate::runtime::within::within;
 use hallsweep_core::command::Command;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::resource::Resource;
-use hallsweep_core::world::snapshot::Snapshot;
 use mqtt_gate::Broker;
 
 /// A broker with our own session at it.

@@ -3,9 +3,10 @@
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::command::Refusal;
 use hallsweep_core::effect::{Fact, Unpacked, WrittenOut};
+use hallsweep_core::hold::Hold;
+use hallsweep_core::mission::Asked;
 use hallsweep_core::mission::fact_words::hours;
-use hallsweep_core::mission::{Asked, Hold, Phase, Stage};
-use hallsweep_core::state::{Conditions, Retrieval, RetrievalStage};
+use hallsweep_core::state::{Conditions, Phase, Retrieval, RetrievalStage, Stage};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 

@@ -1,8 +1,8 @@
 //! What went wrong: why a mission is in fault, why a piece was not fetched, why there is an alarm.
 
 use crate::phrases::Language;
-use hallsweep_core::mission::FaultCause;
-use hallsweep_core::retrieval::{AloneFault, NotFetched, StuckFault};
+use hallsweep_core::not_fetched::{AloneFault, NotFetched, StuckFault};
+use hallsweep_core::phase::FaultCause;
 use hallsweep_core::world::alarm::AlarmCause;
 
 impl Language {

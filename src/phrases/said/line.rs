@@ -2,8 +2,8 @@
 
 use crate::phrases::Language;
 use hallsweep_core::event::RobotId;
-use hallsweep_core::mission::Hold;
-use hallsweep_core::world::said::{HoldReason, Said, Trouble};
+use hallsweep_core::hold::{Hold, HoldReason};
+use hallsweep_core::snapshot::said::{Said, Trouble};
 
 impl Language {
     /// What a line of the log says.

@@ -11,7 +11,8 @@ mod simulator;
 use std::fmt::Display;
 
 use super::{Language, Phrase};
-use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::hold::Hold;
+use hallsweep_core::phase::PhaseName;
 use hallsweep_core::state::{Conditions, Participant, PersistentState};
 use hallsweep_core::units::{Cell, Celsius, Heading};
 

@@ -2,7 +2,7 @@
 
 use crate::phrases::Language;
 use hallsweep_core::command::{Refusal, Refused};
-use hallsweep_core::mission::Hold;
+use hallsweep_core::hold::Hold;
 
 /// The codes with which the simulator refuses what somebody wants of it.
 const OF_THE_SIMULATOR: [&str; 9] = [

@@ -5,19 +5,22 @@ use std::time::Duration;
 
 use crate::phrases::Language;
 use hallsweep_core::behaviour::state::StateError;
-use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, Note, Refusal, Refused, TemperatureReport, Verdict};
+use hallsweep_core::command::{
+    Command, Door, Issuer, LuggageRef, Move, Note, Refusal, Refused, Strategy, TemperatureReport, Verdict,
+};
 use hallsweep_core::effect::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::event::RobotId;
-use hallsweep_core::mission::{Asked, FaultCause, Hold, Inspection, Phase, PhaseName, Stage};
-use hallsweep_core::retrieval::{AloneFault, NotFetched, RetrievalFault, Saying, StuckFault};
-use hallsweep_core::search::Strategy;
-use hallsweep_core::settings::Fetcher;
-use hallsweep_core::state::{Conditions, Retrieval, RetrievalStage, Venue};
+use hallsweep_core::hold::{Hold, HoldReason};
+use hallsweep_core::mission::Asked;
+use hallsweep_core::not_fetched::{AloneFault, Fetcher, NotFetched, StuckFault};
+use hallsweep_core::pair::{RetrievalFault, Saying};
+use hallsweep_core::phase::{FaultCause, PhaseName};
+use hallsweep_core::snapshot::said::{Said, Trouble};
+use hallsweep_core::state::{Conditions, Inspection, Phase, Retrieval, RetrievalStage, Stage, Venue};
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Seq, WallTime};
 use hallsweep_core::world::alarm::AlarmCause;
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
-use hallsweep_core::world::said::{HoldReason, Said, Trouble};
 
 const ID: LuggageId = LuggageId(3);
 const CELL: Cell = Cell::new(1, 2);

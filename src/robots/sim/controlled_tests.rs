@@ -13,7 +13,7 @@ use crate::runtime::within::within;
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::Action;
 use hallsweep_core::event::{Obstacle, Whereabouts};
-use hallsweep_core::robots::Part;
+use hallsweep_core::robot::Part;
 use hallsweep_core::units::{Epoch, Pose};
 use hallsweep_sim::Camera;
 

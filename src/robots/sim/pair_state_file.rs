@@ -71,7 +71,8 @@ mod tests {
     use super::*;
     use crate::storage::scratch::Scratch;
     use hallsweep_core::event::Piece;
-    use hallsweep_core::retrieval::{BasePose, Place};
+    use hallsweep_core::place::Place;
+    use hallsweep_core::retrieval::BasePose;
     use hallsweep_core::units::Heading;
 
     fn hall(rows: &[&str]) -> Hall {

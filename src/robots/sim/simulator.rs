@@ -19,10 +19,10 @@ use crate::runtime::simulator::{
 };
 use hallsweep_core::command::{Issuer, Refused};
 use hallsweep_core::event::RobotId;
-use hallsweep_core::mission::Hold;
+use hallsweep_core::hold::Hold;
+use hallsweep_core::robot::RobotState;
 use hallsweep_core::state::{Participant, Venue};
 use hallsweep_core::units::Cell;
-use hallsweep_core::world::robot::RobotState;
 use hallsweep_sim::{Hall, Speed, Truth};
 
 /// So long a robot may take to be ready for another hall, and to say that it stands there: it writes its state file first.

@@ -7,9 +7,10 @@ use std::time::Duration;
 use super::{Families, Figures, OTHER};
 use hallsweep_core::command::{CODES, Command, Refusal, Verdict};
 use hallsweep_core::effect::{Fact, Page};
-use hallsweep_core::mission::{Asked, PhaseName};
+use hallsweep_core::mission::Asked;
+use hallsweep_core::phase::PhaseName;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{LuggageId, Pose, Seq};
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// So much waits at most: far more than is handed over before a disk that hangs is given up. What comes beyond is not counted.
 const WAITING: usize = 64 * 1024;
@@ -199,14 +200,13 @@ mod tests {
 
     use super::*;
     use crate::runtime::figures::COMMANDS;
-    use hallsweep_core::command::{Door, Issuer, LuggageRef, Move, RefusalKind, TemperatureReport};
+    use hallsweep_core::command::{Door, Issuer, LuggageRef, Move, RefusalKind, Strategy, TemperatureReport};
     use hallsweep_core::effect::Entry;
     use hallsweep_core::engine::Engine;
     use hallsweep_core::event::Photo;
-    use hallsweep_core::mission::{Phase, in_words};
-    use hallsweep_core::search::Strategy;
+    use hallsweep_core::mission::in_words;
     use hallsweep_core::settings::Settings;
-    use hallsweep_core::state::PersistentState;
+    use hallsweep_core::state::{PersistentState, Phase};
     use hallsweep_core::units::{AlarmId, Cell, Heading, MissionId, WallTime};
     use hallsweep_core::world::alarm::AlarmCause;
     use hallsweep_core::world::luggage::{Luggage, PhotoState};

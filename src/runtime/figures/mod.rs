@@ -18,7 +18,7 @@ use prometheus_client::registry::{Registry, Unit};
 use super::clock::Clock;
 use super::store::StoreStatus;
 use hallsweep_core::command::{CODES, Door, Verdict};
-use hallsweep_core::mission::PhaseName;
+use hallsweep_core::phase::PhaseName;
 use hallsweep_core::units::WallTime;
 
 pub use handed::HandedPages;

@@ -10,13 +10,13 @@ use super::fault::Fault;
 use super::folder::Folder;
 use super::rows::{self, EntryFilter, Kinds};
 use crate::runtime::archive::Sound;
+use hallsweep_core::command::Strategy;
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::{IDS, Recalled, Remembered};
-use hallsweep_core::search::Strategy;
+use hallsweep_core::snapshot::log::Tone;
+use hallsweep_core::snapshot::said::Said;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{MissionId, Seq};
-use hallsweep_core::world::log::Tone;
-use hallsweep_core::world::said::Said;
 
 /// So many entries are recalled for people to read: as many as a console shows without being scrolled for long,
 const LATEST: usize = 60;

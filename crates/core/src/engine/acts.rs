@@ -6,13 +6,15 @@ use std::sync::Arc;
 use super::Engine;
 use crate::effect::{Effect, Fact};
 use crate::event::RobotId;
-use crate::mission::{Act, Hold, Holds, Input, InputContext, Stage};
+use crate::hold::{Hold, HoldReason, Holds};
+use crate::mission::{Act, Input, InputContext};
+use crate::snapshot::log::Tone;
+use crate::snapshot::said::Said;
+use crate::state::Stage;
 use crate::units::{Cell, Celsius, LuggageId};
 use crate::world::alarm::{Alarm, AlarmCause};
 use crate::world::hall_map::Mark;
-use crate::world::log::Tone;
 use crate::world::resource::Resource;
-use crate::world::said::{HoldReason, Said};
 
 impl Engine {
     pub(super) fn perform_all(&mut self, acts: &[Act], context: &InputContext) {

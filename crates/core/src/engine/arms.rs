@@ -3,8 +3,9 @@
 use std::collections::BTreeSet;
 
 use super::Engine;
+use crate::arm::{ArmState, Parcel};
 use crate::event::{Piece, RobotId};
-use crate::retrieval::{ArmState, Parcel, Place};
+use crate::place::Place;
 use crate::state::Retrieval;
 use crate::units::{Cell, OrderId};
 use crate::world::hall_map::Mark;

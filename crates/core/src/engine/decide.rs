@@ -4,8 +4,11 @@ use std::sync::Arc;
 
 use super::Engine;
 use crate::command::{Move, Refused, Request, Verdict};
-use crate::mission::{Act, Case, FaultCause, Guard, Hold, Input, InputContext, Phase, PhaseName, Rule, Stage, To, rules};
+use crate::hold::Hold;
+use crate::mission::{Act, Case, Guard, Input, InputContext, Rule, To, rules};
+use crate::phase::{FaultCause, PhaseName};
 use crate::search::plan::after;
+use crate::state::{Phase, Stage};
 use crate::units::{Cell, Epoch, LuggageId};
 use crate::world::hall_map::Mark;
 

@@ -5,15 +5,19 @@ use super::Engine;
 use crate::command::{Command, LuggageRef, Refusal, Refused, Request, TemperatureReport};
 use crate::effect::Fact;
 use crate::mission::{Asked, InputContext};
+use crate::snapshot::log::Tone;
+use crate::snapshot::said::Said;
 use crate::units::Seq;
-use crate::world::log::Tone;
-use crate::world::said::Said;
 
 impl Engine {
     /// This has happened: what outlives the program follows from it at once, and it goes on record. Its place in the journal.
     pub(super) fn record(&mut self, fact: Fact) -> Seq {
         self.state.follow(&fact, self.now.wall, self.world.revision());
-        self.planner.follow(&fact, &self.state.map);
+        if let Fact::Mark(cell, _) = fact {
+            self.planner.mark(cell, &self.state.map);
+        } else if matches!(fact, Fact::MapEmptied(_)) {
+            self.planner.learn(&self.state.map);
+        }
         self.outbox.record(self.now.wall, fact)
     }
 

@@ -3,9 +3,12 @@
 
 use super::Engine;
 use super::motion::Turn;
+use crate::arm::ArmAction;
 use crate::command::Move;
 use crate::effect::Action;
-use crate::retrieval::{AloneFault, ArmAction, MOST_FAILURES, NotFetched, Place};
+use crate::not_fetched::{AloneFault, NotFetched};
+use crate::place::Place;
+use crate::retrieval::MOST_FAILURES;
 use crate::search::plan::Through;
 use crate::state::RetrievalStage;
 use crate::units::{Cell, Heading, Pose};

@@ -4,16 +4,20 @@ use super::Engine;
 use crate::command::Move;
 use crate::effect::{Action, Effect, Fact, Stamp};
 use crate::event::RobotId;
-use crate::mission::{FaultCause, Goal, Hold, Input, InputContext, Phase, Stage};
-use crate::retrieval::Place;
-use crate::robots::Part;
+use crate::hold::Hold;
+use crate::mission::{Input, InputContext};
+use crate::phase::FaultCause;
+use crate::place::Place;
+use crate::robot::Part;
 use crate::search::plan::Through;
-use crate::search::{NextGoal, Search};
+use crate::search::{Goal, NextGoal, Search};
+use crate::settings::Settings;
+use crate::snapshot::log::Tone;
+use crate::snapshot::said::Said;
+use crate::state::{Phase, Stage};
 use crate::units::{Cell, Now, OrderId};
 use crate::world::hall_map::Mark;
-use crate::world::log::Tone;
 use crate::world::resource::Resource;
-use crate::world::said::Said;
 
 /// After so many looks without an order something is wrong with the search: goals that are given up one after the other are
 /// bounded by the unknown cells of a large hall.
@@ -220,8 +224,9 @@ impl Engine {
     fn next_goal(&mut self) -> Option<Goal> {
         let mut search = self.state.search.clone();
         self.mission.has_news = false;
+        let Settings { objective, sonar_cells, .. } = self.settings;
         loop {
-            let next = self.planner.ask(&mut search, self.state.pose, self.mission.gait, &self.settings);
+            let next = self.planner.ask(&mut search, self.state.pose, self.mission.gait, objective, sonar_cells);
             let (goal, route) = match next {
                 NextGoal::Visit(cell, route) => (Goal::Visit(cell), route),
                 NextGoal::GoHome => (Goal::Home, Vec::new()),

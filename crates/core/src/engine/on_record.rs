@@ -9,16 +9,19 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::Engine;
+use crate::command::Strategy;
 use crate::effect::Effect;
-use crate::mission::{FaultCause, Goal, Hold, Phase, PhaseName};
-use crate::search::Strategy;
+use crate::hold::Hold;
+use crate::phase::{FaultCause, PhaseName};
+use crate::search::Goal;
+use crate::snapshot::Refusals;
+use crate::snapshot::retrieval::RetrievalView;
+use crate::state::Phase;
 use crate::units::{AlarmId, Cell, LuggageId, MissionId, Revision, Seq};
 use crate::world::alarm::Alarm;
 use crate::world::hall_map::HallMap;
 use crate::world::records::LuggageRecords;
 use crate::world::resource::Resource;
-use crate::world::retrieval::RetrievalView;
-use crate::world::snapshot::Refusals;
 
 /// So many views wait at most. When the store lags further behind, the latest takes the place of the one before: what is between is
 /// not shown, and nothing is shown early.

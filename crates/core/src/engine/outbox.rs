@@ -231,7 +231,7 @@ impl Outbox {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::search::Strategy;
+    use crate::command::Strategy;
     use crate::state::PersistentState;
 
     #[test]

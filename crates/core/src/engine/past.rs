@@ -8,12 +8,13 @@ use super::on_record::OnRecord;
 use super::recall::Remembered;
 use crate::effect::{Entry, Fact};
 use crate::mission::TRAIL;
-use crate::robots::RobotId;
+use crate::robot::RobotId;
 use crate::settings::Settings;
+use crate::snapshot::Snapshot;
 use crate::state::PersistentState;
+use crate::state::readings::recall;
 use crate::units::{Cell, Revision, Seq};
 use crate::world::resource::Resource;
-use crate::world::snapshot::Snapshot;
 use crate::world::temperature::{Reading, Thermometer};
 
 /// What is on record of a moment.
@@ -64,7 +65,7 @@ impl Past {
     #[must_use]
     pub fn reading(&self) -> Option<Reading> {
         let mut thermometer = Thermometer::new(Settings::default().threshold, 0.0);
-        thermometer.recall(&self.temperatures);
+        recall(&mut thermometer, &self.temperatures);
         thermometer.latest()
     }
 
@@ -85,7 +86,7 @@ impl Past {
         engine.state = state;
         engine.recall_team();
         engine.mission.trail = trail.into();
-        engine.world.thermometer.recall(&temperatures);
+        recall(&mut engine.world.thermometer, &temperatures);
         for Remembered { wall, tone, said } in latest {
             engine.world.log.put(wall, tone, said);
         }

@@ -3,12 +3,14 @@
 use super::Engine;
 use super::decide::Step;
 use crate::effect::Fact;
-use crate::mission::{FaultCause, Input, InputContext, Inspection, Phase, PhaseName, Stage, To};
+use crate::mission::{Input, InputContext, To};
+use crate::phase::{FaultCause, PhaseName};
+use crate::snapshot::log::Tone;
+use crate::snapshot::said::Said;
+use crate::state::{Inspection, Phase, Stage};
 use crate::units::{Cell, LuggageId};
 use crate::world::hall_map::Mark;
-use crate::world::log::Tone;
 use crate::world::resource::Resource;
-use crate::world::said::Said;
 
 impl Engine {
     /// Decides and carries out an input that cannot be refused.

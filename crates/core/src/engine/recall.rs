@@ -7,15 +7,16 @@ use super::Engine;
 use super::on_record::OnRecord;
 use super::outbox::Outbox;
 use crate::effect::{Effect, Entry, Fact};
-use crate::mission::{Input, InputContext, Phase, PhaseName};
+use crate::mission::{Input, InputContext};
+use crate::phase::PhaseName;
 use crate::settings::Settings;
-use crate::state::{Conditions, PersistentState, Venue};
+use crate::snapshot::log::Tone;
+use crate::snapshot::said::Said;
+use crate::state::{Conditions, PersistentState, Phase, Venue};
 use crate::units::{LuggageId, Now, Pose, Seq, WallTime};
 use crate::world::hall_map::Mark;
-use crate::world::log::Tone;
 use crate::world::luggage::Luggage;
 use crate::world::resource::Resource;
-use crate::world::said::Said;
 
 /// Smaller changes of the wall clock are not put on record: a leap second, or what the machine corrects all the time.
 const CLOCK_SET_MS: i64 = 2000;

@@ -7,13 +7,14 @@ use super::outbox::WaitingAnswer;
 use crate::command::{Accepted, Refused, Verdict};
 use crate::effect::Fact;
 use crate::event::Photo;
-use crate::mission::{Deciding, Input, InputContext, Inspection, Phase, Recording, Stage};
+use crate::mission::{Deciding, Input, InputContext, Recording};
+use crate::snapshot::log::Tone;
+use crate::snapshot::said::Said;
+use crate::state::{Inspection, Phase, Stage};
 use crate::units::{LuggageId, Seq};
 use crate::world::hall_map::Mark;
-use crate::world::log::Tone;
 use crate::world::luggage::{Luggage, PhotoState};
 use crate::world::resource::Resource;
-use crate::world::said::Said;
 
 impl Engine {
     pub(super) fn retake(&mut self, context: &InputContext) {

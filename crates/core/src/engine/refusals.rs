@@ -9,9 +9,9 @@ use super::sharing::{Limits, Sender, Shared};
 use crate::command::{Issuer, Refusal, Refused};
 use crate::effect::Fact;
 use crate::mission::Asked;
+use crate::snapshot::log::Tone;
+use crate::snapshot::said::Said;
 use crate::units::{Now, Seq};
-use crate::world::log::Tone;
-use crate::world::said::Said;
 
 /// More than a person presses in a minute; then one entry in so long. There are fewer keys, at each of the doors, than senders.
 pub(super) const LIMITS: Limits =

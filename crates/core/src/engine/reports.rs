@@ -3,20 +3,23 @@
 use std::sync::Arc;
 
 use super::Engine;
-use crate::command::Move;
+use crate::arm::{ArmAction, ArmState};
+use crate::command::{Move, ROBOT};
 use crate::effect::{Action, Fact, Order};
 use crate::event::{Capabilities, Obstacle, OffCentre, Photo, RobotEvent, RobotId, Whereabouts};
-use crate::mission::{FaultCause, Hold, Input, InputContext, Phase, Stage};
-use crate::retrieval::{ArmAction, ArmState, Place};
-use crate::robots::Part;
+use crate::hold::{Hold, HoldReason};
+use crate::mission::{Input, InputContext};
+use crate::phase::FaultCause;
+use crate::place::Place;
+use crate::robot::Part;
 use crate::search::costs::Costs;
 use crate::search::plan::after;
+use crate::snapshot::log::Tone;
+use crate::snapshot::said::{Said, Trouble};
+use crate::state::{Phase, Stage};
 use crate::units::{Cell, Heading, OrderId, Pose};
 use crate::world::hall_map::{Mark, REACH};
-use crate::world::log::Tone;
 use crate::world::resource::Resource;
-use crate::world::said::{HoldReason, Said, Trouble};
-use crate::world::temperature::ROBOT;
 
 impl Engine {
     /// Takes a report of a robot. One that nobody has said is there is not listened to.

@@ -6,21 +6,22 @@ use std::sync::Arc;
 
 use super::Engine;
 use super::motion::Turn;
+use crate::arm::{ArmAction, Gripper};
 use crate::command::Move;
 use crate::effect::{Action, Fact};
 use crate::event::RobotId;
-use crate::mission::{FaultCause, Input, InputContext, Phase};
-use crate::retrieval::{
-    ArmAction, BasePose, BaseView, Floor, Gear, Gripper, MOST_FAILURES, NotFetched, Place, StuckFault, Which, steer,
-};
-use crate::robots::Part;
-use crate::settings::Fetcher;
-use crate::state::{Retrieval, RetrievalStage};
+use crate::mission::{Input, InputContext};
+use crate::not_fetched::{Fetcher, NotFetched, StuckFault};
+use crate::phase::FaultCause;
+use crate::place::Place;
+use crate::retrieval::{BasePose, BaseView, Floor, Gear, MOST_FAILURES, Which, steer};
+use crate::robot::Part;
+use crate::snapshot::retrieval::RetrievalView;
+use crate::state::{Phase, Retrieval, RetrievalStage};
 use crate::units::{Cell, Heading, LuggageId};
 use crate::world::hall_map::Mark;
 use crate::world::luggage::Luggage;
 use crate::world::resource::Resource;
-use crate::world::retrieval::RetrievalView;
 
 impl Engine {
     /// Those who fetch, by the settings; `None` when they are not there, or nobody is to.

@@ -6,11 +6,12 @@ use super::outbox::WaitingAnswer;
 use crate::command::{Issuer, Refused};
 use crate::effect::Fact;
 use crate::event::RobotId;
-use crate::mission::{Asked, Hold};
+use crate::hold::Hold;
+use crate::mission::Asked;
+use crate::snapshot::log::Tone;
+use crate::snapshot::said::Said;
 use crate::state::Venue;
 use crate::units::{Now, Ticket};
-use crate::world::log::Tone;
-use crate::world::said::Said;
 
 impl Engine {
     /// Somebody did something to what is simulated, in these words, as `the simulator was paused`: it goes into log and journal.

@@ -9,13 +9,12 @@ use std::time::Duration;
 
 use super::Engine;
 use super::sharing::{Limits, Sender, Shared, Sharing};
-use crate::command::{Command, CommandId, Issuer, Request};
+use crate::command::{Command, CommandId, Issuer, OPERATOR, Request};
 use crate::effect::Fact;
 use crate::mission::Asked;
+use crate::snapshot::log::Tone;
+use crate::snapshot::said::Said;
 use crate::units::{Epoch, Ticket, WallTime};
-use crate::world::log::Tone;
-use crate::world::said::Said;
-use crate::world::temperature::OPERATOR;
 
 /// More than a person presses, and less than a disk keeps. The senders are those who pressed in the last seconds.
 const RECORDS: Limits = Limits { burst: 20, earned: Duration::from_millis(200), every: Duration::from_secs(1), senders: 128 };

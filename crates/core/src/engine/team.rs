@@ -7,16 +7,18 @@ use std::time::Duration;
 use super::Engine;
 use super::motion::Turn;
 use crate::effect::Fact;
-use crate::mission::{Hold, Phase};
+use crate::hold::Hold;
+use crate::not_fetched::{Fetcher, NotFetched};
+use crate::pair::Saying;
+use crate::place::Place;
 use crate::retrieval::team::TICK;
-use crate::retrieval::{NotFetched, Place, Proposal, Saying, Team, TeamStage, View, Which};
-use crate::settings::Fetcher;
-use crate::state::{Retrieval, RetrievalStage};
+use crate::retrieval::{Proposal, Team, View, Which};
+use crate::snapshot::log::Tone;
+use crate::snapshot::retrieval::TreesView;
+use crate::snapshot::said::Said;
+use crate::state::{Phase, Retrieval, RetrievalStage, TeamStage};
 use crate::world::alarm::AlarmCause;
-use crate::world::log::Tone;
 use crate::world::resource::Resource;
-use crate::world::retrieval::TreesView;
-use crate::world::said::Said;
 
 /// The trees, and when they were last ticked.
 #[derive(Clone, Debug)]

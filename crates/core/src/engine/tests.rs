@@ -15,7 +15,9 @@ use super::*;
 use crate::command::{Command, Door, Issuer, LuggageRef, Move, TemperatureReport, Verdict};
 use crate::effect::Action;
 use crate::event::{Capabilities, Obstacle, Parts, RobotEvent};
-use crate::mission::{FaultCause, Hold, Holds, Inspection, Phase, PhaseName, Stage};
+use crate::hold::{Hold, Holds};
+use crate::phase::{FaultCause, PhaseName};
+use crate::state::{Inspection, Phase, Stage};
 use crate::units::{AlarmId, Cell, Celsius, OrderId, Pose, Seq, WallTime};
 use crate::world::luggage::{Luggage, PhotoState};
 

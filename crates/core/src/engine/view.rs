@@ -6,14 +6,18 @@ use std::time::Duration;
 use super::Engine;
 use super::on_record::StateView;
 use crate::command::{Move, Refused};
-use crate::mission::{FaultCause, Hold, Input, InputContext, Phase, PhaseName, Stage};
-use crate::robots::{Part, Robot, RobotId};
+use crate::engine::robots::Robot;
+use crate::hold::Hold;
+use crate::mission::{Input, InputContext};
+use crate::phase::{FaultCause, PhaseName};
+use crate::robot::{Part, RobotId, RobotState};
 use crate::search::forecast::forecast;
 use crate::search::plan::cells_along;
+use crate::snapshot::robot::{RobotShown, RobotView};
+use crate::snapshot::{MissionView, Progress, Refusals, Snapshot, TimeLeft};
+use crate::state::{Phase, Stage};
 use crate::world::alarm::AlarmView;
 use crate::world::resource::Resource;
-use crate::world::robot::{RobotShown, RobotState, RobotView};
-use crate::world::snapshot::{MissionView, Progress, Refusals, Snapshot, TimeLeft};
 use crate::world::temperature::{TemperatureStatus, TemperatureView};
 
 /// What is shown of the mission and the robot: put together from several parts of the state.

@@ -3,10 +3,11 @@
 
 use std::fmt::Display;
 
-use super::{Hold, Phase, Stage};
-use crate::command::Refusal;
+use crate::command::{Refusal, Refused, Verdict};
 use crate::effect::{Fact, Unpacked, WrittenOut};
-use crate::state::{Conditions, Retrieval, RetrievalStage, Venue};
+use crate::hold::Hold;
+use crate::mission::Input;
+use crate::state::{Conditions, Phase, Retrieval, RetrievalStage, Stage, Venue};
 use crate::units::LuggageId;
 use crate::world::hall_map::Mark;
 use crate::world::luggage::{Luggage, PhotoState};
@@ -148,13 +149,28 @@ fn list<T: Display>(things: impl IntoIterator<Item = T>) -> String {
     if words.is_empty() { "none".to_owned() } else { words.join(", ") }
 }
 
+impl Fact {
+    /// The fact as it stands in the journal, when `was_dangerous` says of each piece whether it was found so. Entries are never changed, and
+    /// a safe is one before it is final: one that was accepted of a piece that is dangerous was overtaken by the danger before it
+    /// was durable (safety V1), and so it was refused.
+    #[must_use]
+    pub fn as_it_was(self, was_dangerous: impl FnOnce(LuggageId) -> bool) -> Fact {
+        let Fact::Command { issuer, id, command, epoch, luggage: Some(luggage), refused: None } = self else { return self };
+        let was_safe = Input::from_words(&command).is_some_and(|(input, _)| input == Input::Safe);
+        let overtaken = was_safe && was_dangerous(luggage);
+        let refused = overtaken.then(|| Refusal::from(&Refused::Decided { luggage, verdict: Verdict::Danger }));
+        Fact::Command { issuer, id, command, epoch, luggage: Some(luggage), refused }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
 
     use super::*;
     use crate::command::{Door, Issuer, Refused};
-    use crate::mission::{FaultCause, Inspection};
+    use crate::phase::FaultCause;
+    use crate::state::Inspection;
     use crate::units::{Cell, Heading, Pose, WallTime};
     use crate::world::alarm::AlarmCause;
 

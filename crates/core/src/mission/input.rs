@@ -3,13 +3,11 @@
 
 use std::sync::Arc;
 
-use super::FaultCause;
-use crate::command::{Command, Issuer, LuggageRef, Move, Note, TemperatureReport, Verdict};
+use crate::command::{Command, Issuer, LuggageRef, Move, Note, OPERATOR, Strategy, TemperatureReport, Verdict};
 use crate::event::{Obstacle, Photo};
-use crate::search::Strategy;
+use crate::hold::HoldReason;
+use crate::phase::FaultCause;
 use crate::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
-use crate::world::said::HoldReason;
-use crate::world::temperature::OPERATOR;
 
 named! {
     ALL by in_words;

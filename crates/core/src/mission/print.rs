@@ -2,7 +2,8 @@
 
 use super::rule::{Rule, To};
 use super::table::{Row, row};
-use super::{Input, PhaseName, rules};
+use super::{Input, rules};
+use crate::phase::PhaseName;
 
 /// The whole table: what is the same in every phase, then a section a phase; a line an input. Inputs that change nothing are gathered at
 /// the end of each section.

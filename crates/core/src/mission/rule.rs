@@ -1,7 +1,8 @@
 //! The words in which the table is written: what may forbid an input (its guards), what a case depends on, what follows.
 //! Here they are only named and explained; `crate::engine` tests the guards and cases and carries out the acts.
 
-use super::{Hold, PhaseName};
+use crate::hold::Hold;
+use crate::phase::PhaseName;
 
 /// One line of a cell of the table; the first that applies decides.
 #[derive(Clone, Copy, Debug, PartialEq)]

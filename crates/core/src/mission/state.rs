@@ -1,4 +1,4 @@
-//! What of a mission ends with the program: the way ahead and behind, and what is on its way to the store; and what a search is after.
+//! What of a mission ends with the program: the way ahead and behind, and what is on its way to the store.
 //! What outlives the program is `crate::state`.
 
 use std::collections::VecDeque;
@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::pace::Pace;
 use crate::command::{Move, Note, Verdict};
 use crate::effect::Fact;
-use crate::search::outlook::Gait;
+use crate::search::Gait;
 use crate::units::{Cell, LuggageId, Seq, WallTime};
 
 /// How many cells of the way behind the robot are shown.
@@ -31,26 +31,6 @@ pub(crate) struct Mission {
     pub(crate) recording: Vec<Recording>,
     /// Verdicts on their way to the store; at most one a piece.
     pub(crate) deciding: Vec<Deciding>,
-}
-
-/// What a search is after.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Goal {
-    /// A cell to be visited, or found to be an obstacle.
-    Visit(Cell),
-    /// The home cell, before the search goes on.
-    Home,
-}
-
-impl Goal {
-    /// The cell it means.
-    #[must_use]
-    pub const fn cell(self) -> Cell {
-        match self {
-            Goal::Visit(cell) => cell,
-            Goal::Home => Cell::HOME,
-        }
-    }
 }
 
 /// A piece that is not yet on record.

@@ -2,10 +2,8 @@
 //! makes them a command again where they come in. Commands are compared as values, never by their words.
 
 use super::{Input, InputContext};
-use crate::command::{Command, Door, Issuer, LuggageRef, Move, Note, TemperatureReport, Verdict};
-use crate::search::Strategy;
+use crate::command::{Command, Door, Issuer, LuggageRef, Move, Note, OPERATOR, Strategy, TemperatureReport, Verdict};
 use crate::units::{AlarmId, Cell, Celsius, LuggageId};
-use crate::world::temperature::OPERATOR;
 
 /// Where the note begins in the words of a verdict.
 const NOTE: &str = "(note: ";
@@ -103,9 +101,8 @@ fn degrees(words: &str) -> Option<Celsius> {
 #[cfg(test)]
 mod tests {
     use super::{Input, from_words, in_words};
-    use crate::command::{Command, LuggageRef, Move, Note, TemperatureReport, Verdict};
+    use crate::command::{Command, LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict};
     use crate::rng::RandomStream;
-    use crate::search::Strategy;
     use crate::units::{AlarmId, Cell, Celsius, LuggageId};
     use crate::words::{coordinate, number};
 

@@ -1,9 +1,9 @@
 //! How a base turns and drives from one place to the next. Which places, `way` says.
 
-use super::place::Place;
 use super::view::BasePose;
 use crate::command::Move;
 use crate::effect::Action;
+use crate::place::Place;
 use crate::units::{Cell, Heading};
 
 /// Whether a base may back into the next cell. Only forwards does a robot see what it meets.

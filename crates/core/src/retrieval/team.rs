@@ -11,13 +11,14 @@
 
 use std::time::Duration;
 
-use super::Parcel;
-use super::fault::RetrievalFault;
 use super::leaves::routes::Routes;
 use super::leaves::{Output, Performer, REPORTING, catalogue, place_of, seen, written};
-use super::view::{Proposal, Saying, View, Which};
+use super::view::{Proposal, View, Which};
+use crate::arm::Parcel;
 use crate::behaviour::{Blackboard, Status, Tree, TreeError, xml};
 use crate::event::Piece;
+use crate::pair::{RetrievalFault, Saying};
+use crate::state::TeamStage;
 
 /// How often a team is ticked.
 pub const TICK: Duration = Duration::from_millis(100);
@@ -38,19 +39,6 @@ const PARCEL: &str = "parcel";
 
 /// The place of the Supervisor's tree among the three.
 const SUPERVISOR: usize = 2;
-
-/// How far the work has come.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum TeamStage {
-    /// The trees are at work.
-    Working,
-    /// The parcel is lost; it goes on when the call has been acknowledged.
-    Lost,
-    /// Everything has been fetched.
-    Done,
-    /// It cannot go on.
-    Faulted(RetrievalFault),
-}
 
 /// What one tick of the three trees came to.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -278,8 +266,10 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
+    use crate::arm::ArmState;
     use crate::effect::Action;
-    use crate::retrieval::{ArmState, BasePose, BaseView, Place};
+    use crate::place::Place;
+    use crate::retrieval::{BasePose, BaseView};
     use crate::units::{Cell, Heading, Revision};
     use crate::world::hall_map::HallMap;
 
@@ -355,7 +345,7 @@ mod tests {
         let mut team = Team::resume(team.state()).unwrap();
         (team.said, team.stage) = ([Status::Success, Status::Success, Status::Failure], TeamStage::Working);
         let outcome = (0..3).map(|_| ticked(&mut team, corner, None, 0)).find(|outcome| !outcome.proposals.is_empty()).unwrap();
-        let look = Action::Arm(crate::retrieval::ArmAction::FindParcel(over.place));
+        let look = Action::Arm(crate::arm::ArmAction::FindParcel(over.place));
         assert_eq!(outcome.proposals, [Proposal { which: Which::Srm1, action: look }]);
     }
 
@@ -400,7 +390,7 @@ mod tests {
             .map(|proposal| proposal.action)
             .collect();
         assert!(!looks.is_empty(), "the Supervisor is past the barrier");
-        let wanted = Action::Arm(crate::retrieval::ArmAction::FindParcel(Place::Cell(Cell::new(3, 3))));
+        let wanted = Action::Arm(crate::arm::ArmAction::FindParcel(Place::Cell(Cell::new(3, 3))));
         assert!(looks.iter().all(|action| *action == wanted), "{looks:?}");
     }
 }

@@ -3,11 +3,11 @@
 
 use std::collections::BTreeSet;
 
-use super::arm::{ArmAction, ArmState};
-use super::place::Place;
+use crate::arm::{ArmAction, ArmState};
 use crate::effect::Action;
 use crate::event::Piece;
-use crate::robots::RobotId;
+use crate::place::Place;
+use crate::robot::RobotId;
 use crate::units::{Cell, Heading};
 use crate::world::hall_map::HallMap;
 
@@ -121,29 +121,6 @@ impl Proposal {
     #[must_use]
     pub const fn arm(which: Which, action: ArmAction) -> Proposal {
         Proposal { which, action: Action::Arm(action) }
-    }
-}
-
-named! {
-    ALL by name;
-    /// What the pair says to the operator: an alarm, which is to be acknowledged before the trees go on.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub enum Saying {
-        /// No parcel is recognised where one should be.
-        CallOperator = "callOperator",
-        /// The parcel has slipped out of the grippers.
-        PackageLost = "packageLost",
-    }
-}
-
-impl Saying {
-    /// What it says, in words for the operator.
-    #[must_use]
-    pub const fn in_words(self) -> &'static str {
-        match self {
-            Saying::CallOperator => "the pair recognises no parcel: look what stands there, then acknowledge and press START",
-            Saying::PackageLost => "the pair has lost the parcel: look where it lies, then acknowledge and press START",
-        }
     }
 }
 

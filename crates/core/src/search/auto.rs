@@ -3,8 +3,9 @@
 //! does best, whose weights follow the hall too.
 
 use super::entries::Visit;
+use super::view::{Objective, View};
 use super::ways::Ways;
-use super::{Objective, View, scored, spiral};
+use super::{scored, spiral};
 
 /// So many cells along walls are looked at before it is judged where luggage stands. More would find it sooner in halls that are lined with
 /// it, and later in all others.

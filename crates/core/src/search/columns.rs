@@ -1,8 +1,8 @@
 //! To and fro, column after column (boustrophedon): along a column as far as it goes, then into the one beside it. What was left behind
 //! an obstacle is fetched when nothing is nearer.
 
-use super::View;
 use super::entries::{Entry, Visit, best_entry};
+use super::view::View;
 use super::ways::Ways;
 use crate::units::Heading;
 

@@ -4,8 +4,8 @@
 use super::costs::{affordable, in_thousandths};
 use super::far::turn;
 use super::grid::{Grid, Spot, Square, onward};
+use super::view::{Terms, View};
 use super::ways::{Reached, Ways};
-use super::{Terms, View};
 use crate::command::Move;
 use crate::units::{Cell, Heading};
 

@@ -2,8 +2,8 @@
 //! yet, and by what a cell has taken so far. Its bounds were read off random halls; how often they hold on others is told by
 //! `hallsweep evaluate --time-left`.
 
-use super::Strategy;
 use super::grid::{Grid, Square};
+use crate::command::Strategy;
 use crate::units::Cell;
 
 /// From the least to the most, in the unit of what a cell has taken.

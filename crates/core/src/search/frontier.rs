@@ -1,9 +1,9 @@
 //! The nearest unknown cell, with the pocket rule: a cell whose unvisited neighbours would be left over waits for them, so that few lone
 //! cells are left behind to come back for.
 
-use super::View;
 use super::entries::{Entry, Visit, best_entry};
 use super::grid::onward;
+use super::view::View;
 use super::ways::Ways;
 use crate::units::Heading;
 

@@ -23,100 +23,15 @@ pub mod scored;
 mod snail;
 mod spiral;
 pub mod tables;
+mod view;
 pub mod ways;
 pub mod weights;
 
-use self::costs::Costs;
 use self::entries::{Visit, nearest};
-use self::grid::Grid;
-use self::outlook::Gait;
 use self::snail::Snail;
+pub use self::view::{Gait, Goal, NextGoal, Objective, Sensing, Terms, View};
 use self::ways::Ways;
-use super::command::Move;
-use super::units::{Cell, Pose};
-
-named! {
-    ALL by name;
-    /// The ways to search a hall.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-    pub enum Strategy {
-        /// For whoever does not want to choose: the tuned score, or along the walls where that finds luggage sooner.
-        #[default]
-        Auto = "auto",
-        /// Whatever comes to the least by a tuned score of the way there and of what lies round it.
-        Scored = "scored",
-        /// The nearest unknown cell, lone ones first.
-        Frontier = "frontier",
-        /// To and fro, column after column.
-        Columns = "columns",
-        /// Round and round, from the walls inwards.
-        Spiral = "spiral",
-        /// The seeds' *chiocciola*: growing squares, home after each.
-        Snail = "snail",
-    }
-}
-
-named! {
-    ALL by name;
-    /// What a search is to be good at.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-    pub enum Objective {
-        /// Luggage soon.
-        #[default]
-        Find = "find",
-        /// The whole hall with few moves.
-        Cover = "cover",
-    }
-}
-
-named! {
-    ALL by name;
-    /// How a robot learns that a cell is free.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-    pub enum Sensing {
-        /// By driving into it.
-        #[default]
-        Bump = "bump",
-        /// By its front sonar, before it drives.
-        Sonar = "sonar",
-    }
-}
-
-/// What a search is asked to do, and how the robot senses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Terms {
-    /// What it is to be good at.
-    pub objective: Objective,
-    /// So many cells ahead the robot sees whether they are free; 0: it bumps into what is there.
-    pub sonar_cells: u8,
-    /// What moves cost it.
-    pub costs: Costs,
-}
-
-/// What a strategy sees.
-#[derive(Clone, Copy, Debug)]
-pub struct View<'a> {
-    /// What is known of the hall.
-    pub grid: &'a Grid,
-    /// Where the robot stands.
-    pub pose: Pose,
-    /// How it came there.
-    pub gait: Gait,
-    /// What it is asked.
-    pub terms: Terms,
-}
-
-/// What to do next.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum NextGoal {
-    /// Go to this cell, or find out what stands there: by these moves, or without any by the cheapest way there is, unknown cells
-    /// taken for free ones.
-    Visit(Cell, Vec<Move>),
-    /// Go home, and ask again there.
-    GoHome,
-    /// Nothing that can be reached is unknown.
-    Finished,
-}
+use crate::command::Strategy;
 
 /// A search under way.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -200,8 +115,11 @@ fn guarded(proposed: Option<Visit>, view: &View<'_>, ways: &mut Ways) -> NextGoa
 
 #[cfg(test)]
 mod tests {
+    use super::costs::Costs;
+    use super::grid::Grid;
     use super::*;
-    use crate::units::Revision;
+    use crate::command::Move;
+    use crate::units::{Cell, Pose, Revision};
     use crate::world::hall_map::{HallMap, Mark};
 
     /// What is next for a robot at home, of whose neighbours these are walls, when its strategy proposes this.

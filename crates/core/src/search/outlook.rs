@@ -11,7 +11,7 @@
 use super::entries::Entry;
 use super::grid::{Grid, Spot, Square, onward};
 use super::tables::{LINEAR, RUN, SMALL, STARTS, TABLES};
-use super::{Objective, View};
+use super::view::{Gait, Objective, View};
 use crate::command::Move;
 use crate::units::{Cell, Heading};
 
@@ -26,28 +26,6 @@ pub struct Outlook {
     pub linear: [i16; LINEAR],
     /// For each table the row, counted from the first of all.
     pub rows: [u32; TABLES.len()],
-}
-
-/// How a robot came to where it stands, as far as the looks of an entry depend on it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Gait {
-    /// The last turn: −1 to the left, 1 to the right, 0 none yet.
-    pub turn: i8,
-    /// The cells driven straight on since.
-    pub run: u8,
-}
-
-impl Gait {
-    /// The gait after a move.
-    #[must_use]
-    pub const fn after(self, step: Move) -> Gait {
-        match step {
-            Move::Forward => Gait { run: self.run.saturating_add(1), ..self },
-            Move::TurnLeft => Gait { turn: -1, run: 0 },
-            Move::TurnRight => Gait { turn: 1, run: 0 },
-            Move::Backward | Move::NudgeLeft | Move::NudgeRight => self,
-        }
-    }
 }
 
 /// How an entry lies to the way the robot faces where it stands.

@@ -1,15 +1,13 @@
 //! The planner: the occupancy grid as the engine knows it, and the cheapest ways over it to a cell or a pose. What to aim at is a strategy's
 //! business; whether the robot may move is the mission's.
 
+use super::Search;
 use super::costs::{Costs, STEP};
 use super::far::turn;
 use super::grid::{Grid, Spot, Square};
-use super::outlook::Gait;
+use super::view::{Gait, NextGoal, Objective, Terms, View};
 use super::ways::Ways;
-use super::{NextGoal, Search, Terms, View};
 use crate::command::Move;
-use crate::effect::Fact;
-use crate::settings::Settings;
 use crate::units::{Cell, Heading, Pose};
 use crate::world::hall_map::{Bounds, HallMap};
 
@@ -39,19 +37,15 @@ impl Planner {
         self.grid = Grid::of(map);
     }
 
-    /// What this fact has changed in the map, which holds it already.
-    pub(crate) fn follow(&mut self, fact: &Fact, map: &HallMap) {
-        if let Fact::Mark(cell, _) = fact {
-            self.grid.mark(*cell, map.at(*cell));
-        } else if matches!(fact, Fact::MapEmptied(_)) {
-            self.learn(map);
-        }
+    /// A cell of the map was marked.
+    pub(crate) fn mark(&mut self, cell: Cell, map: &HallMap) {
+        self.grid.mark(cell, map.at(cell));
     }
 
     /// What the search wants next of a robot that stands here.
-    pub(crate) fn ask(&mut self, search: &mut Search, pose: Pose, gait: Gait, settings: &Settings) -> NextGoal {
+    pub(crate) fn ask(&mut self, search: &mut Search, pose: Pose, gait: Gait, objective: Objective, sonar_cells: u8) -> NextGoal {
         let Planner { grid, ways, costs } = self;
-        let terms = Terms { objective: settings.objective, sonar_cells: settings.sonar_cells, costs: *costs };
+        let terms = Terms { objective, sonar_cells, costs: *costs };
         search.next(&View { grid, pose, gait, terms }, ways)
     }
 

@@ -1,10 +1,10 @@
 //! The tuned score: of all unknown cells that can be entered, the one for which the way there, and what its surroundings are worth, come
 //! to the least. The weights come from `hallsweep tune`.
 
-use super::View;
 use super::costs::in_thousandths;
 use super::entries::{Entry, Visit, best_entry};
 use super::outlook::{Looking, Outlook};
+use super::view::View;
 use super::ways::Ways;
 use super::weights::Weights;
 use crate::command::Move;

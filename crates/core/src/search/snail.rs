@@ -7,8 +7,8 @@
 
 use super::entries::{Visit, nearest};
 use super::grid::{Square, onward};
+use super::view::{NextGoal, View};
 use super::ways::Ways;
-use super::{NextGoal, View};
 use crate::units::{Cell, Heading};
 use crate::world::hall_map::{Bounds, REACH};
 
@@ -114,9 +114,9 @@ fn nothing_lies_beyond(view: &View<'_>, ways: &mut Ways, ring: i32) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::search::Gait;
     use crate::search::costs::Costs;
     use crate::search::grid::Grid;
-    use crate::search::outlook::Gait;
     use crate::search::{Objective, Terms};
     use crate::units::{Pose, Revision};
     use crate::world::hall_map::{HallMap, Mark};

@@ -1,8 +1,8 @@
 //! Round and round from the walls inwards: what is visited or blocked stays on the robot's right hand as long as it can.
 
-use super::View;
 use super::entries::{Entry, Visit, best_entry};
 use super::grid::onward;
+use super::view::View;
 use super::ways::Ways;
 
 /// What it counts against a cell, in thousandths of a step, that its right side is open.

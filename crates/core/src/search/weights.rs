@@ -14,7 +14,7 @@ use std::sync::LazyLock;
 use super::census::Terrain;
 use super::outlook::Outlook;
 use super::tables::{LINEAR, LINEAR_NAMES, ROWS, STARTS, TABLES};
-use super::{Objective, Terms};
+use super::view::{Objective, Terms};
 
 /// What the numbers of an outlook are worth, in thousandths of a step.
 #[derive(Clone, Debug, PartialEq, Eq)]

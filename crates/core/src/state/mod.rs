@@ -3,24 +3,31 @@
 //! How facts are written and read back is the store's business.
 
 mod conditions;
+mod phase;
+pub(crate) mod readings;
 mod retrieval;
+mod team;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 pub use self::conditions::{Conditions, Participant, Reach, Venue};
+pub use self::phase::{Inspection, Phase, Stage};
+pub use self::readings::Speaking;
 pub use self::retrieval::{Retrieval, RetrievalStage};
+pub use self::team::{TeamStage, TeamState};
 use super::effect::{Entry, Fact};
 use super::event::Piece;
-use super::mission::{Goal, Hold, Holds, Phase};
-use super::robots::RobotId;
-use super::search::{Search, Strategy};
+use super::search::Search;
 use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId, MissionId, Pose, Revision, WallTime};
 use super::world::alarm::{Alarm, AlarmCause};
 use super::world::hall_map::{HallMap, Mark};
 use super::world::luggage::{Decision, Luggage};
 use super::world::records::LuggageRecords;
-use super::world::temperature::OPERATOR;
+use crate::command::{OPERATOR, Strategy};
+use crate::hold::{Hold, Holds};
+use crate::robot::RobotId;
+use crate::search::Goal;
 
 /// So many cells of the map take as much on record as an entry, since rows are written in runs.
 const CELLS_AN_ENTRY: usize = 64;

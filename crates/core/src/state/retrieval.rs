@@ -3,8 +3,8 @@
 
 use std::collections::BTreeSet;
 
-use crate::retrieval::{NotFetched, TeamState};
-use crate::settings::Fetcher;
+use crate::not_fetched::{Fetcher, NotFetched};
+use crate::state::TeamState;
 use crate::units::{AlarmId, Cell, LuggageId};
 
 /// A retrieval under way, or in fault.

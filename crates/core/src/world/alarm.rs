@@ -4,7 +4,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use crate::retrieval::Saying;
+use crate::pair::Saying;
 use crate::units::{AlarmId, Cell, LuggageId, WallTime};
 
 /// One alarm.

@@ -1,21 +1,12 @@
 //! The temperature of the hall: the last reading of every source, compared with the threshold.
 //! Which hold follows from it is the mission's business.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::effect::{Entry, Fact};
+use crate::command::{OPERATOR, OTHERS, ROBOT};
 use crate::units::{Celsius, Now, WallTime};
-
-/// The source of the operator's own readings.
-pub const OPERATOR: &str = "operator";
-
-/// The source of the robot's own thermometer.
-pub const ROBOT: &str = "robot";
-
-/// The source of all for whom there is no room.
-pub const OTHERS: &str = "others";
 
 /// How many sources are listened to: the operator, the hall, and room for the sensors of a large hall.
 pub const SOURCES: usize = 64;
@@ -25,24 +16,6 @@ pub const SILENCE: Duration = Duration::from_secs(30);
 
 /// Shortest time between two updates of an unchanged reading's time, so that a thermometer that reports often does not wake every door.
 const SHOWN_ANEW: Duration = Duration::from_secs(5);
-
-/// The sources that are not silent, as the journal tells.
-#[derive(Clone, Debug, Default)]
-pub struct Speaking(BTreeSet<Arc<str>>);
-
-impl Speaking {
-    /// Whether any source speaks after this.
-    pub fn hear(&mut self, fact: &Fact) -> bool {
-        if let Fact::Temperature(source, _) = fact {
-            self.0.insert(Arc::clone(source));
-        } else if let Fact::ThermometerSilent(source) = fact {
-            self.0.remove(source);
-        } else if let Fact::ProgramStarted(_) = fact {
-            self.0.clear();
-        }
-        !self.0.is_empty()
-    }
-}
 
 /// No sensor has a blank in its name.
 fn is_robot(source: &str) -> bool {
@@ -120,24 +93,12 @@ impl Thermometer {
         }
     }
 
-    /// Takes what the journal tells, oldest first, as it was taken when it happened.
-    pub(crate) fn recall(&mut self, entries: &[Entry]) {
-        for (Entry { wall, fact }, minute) in entries.iter().zip(0..) {
-            // Far enough from one another that each is shown.
-            let now = Now { wall: *wall, since_start: Duration::from_secs(60 * minute) };
-            if let Fact::Temperature(source, celsius) = fact {
-                self.read(source, *celsius, now);
-            } else if let Fact::ThermometerSilent(source) = fact {
-                self.fall_silent(source, *wall);
-            } else if let Fact::ClockSet(by_ms) = fact {
-                self.set_clock(*by_ms);
-            } else if let Fact::ProgramStarted(_) = fact {
-                let said = self.sources.remove(OPERATOR);
-                (self.sources, self.last) = (BTreeMap::new(), None);
-                if let Some(said) = said {
-                    self.remember(said.reading, now);
-                }
-            }
+    /// The program begins anew: nobody has spoken, but what the operator said before is remembered.
+    pub(crate) fn begin_anew(&mut self, now: Now) {
+        let said = self.sources.remove(OPERATOR);
+        (self.sources, self.last) = (BTreeMap::new(), None);
+        if let Some(said) = said {
+            self.remember(said.reading, now);
         }
     }
 

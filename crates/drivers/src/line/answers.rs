@@ -8,7 +8,7 @@ use super::from_robot::FromRobot;
 use super::numbers::Seq;
 use super::picture::{MOST_BYTES, Picture};
 use hallsweep_core::event::{Ahead, Obstacle, OffCentre, RobotEvent};
-use hallsweep_core::robots::Part;
+use hallsweep_core::robot::Part;
 use hallsweep_core::units::{Celsius, Now, OrderId};
 
 /// So long a photo is passed over that nobody waits for any more.

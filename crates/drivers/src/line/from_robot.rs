@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::numbers::{Seq, millis, number, signed};
 use hallsweep_core::event::{Ahead, Obstacle, OffCentre, Parts, Piece, Whereabouts};
-use hallsweep_core::robots::Part;
+use hallsweep_core::robot::Part;
 use hallsweep_core::units::{Cell, Celsius, Heading, Pose};
 
 /// One line of the robot.

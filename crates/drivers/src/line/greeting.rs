@@ -15,7 +15,7 @@ use super::from_robot::Hello;
 use super::numbers::Seq;
 use super::to_robot::ToRobot;
 use hallsweep_core::event::{Capabilities, RobotEvent};
-use hallsweep_core::robots::Part;
+use hallsweep_core::robot::Part;
 use hallsweep_core::units::Now;
 
 /// A robot that takes longer for a cell or a turn stands still.

@@ -17,7 +17,7 @@ use crate::{Driver, Output, Subject};
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order};
 use hallsweep_core::event::{Capabilities, OffCentre, Parts, Photo, RobotEvent};
-use hallsweep_core::robots::Part;
+use hallsweep_core::robot::Part;
 use hallsweep_core::units::{Heading, Now, OrderId, Pose};
 
 mod back;

@@ -3,11 +3,11 @@
 
 use std::time::Duration;
 
-use hallsweep_core::command::{Command, LuggageRef, Verdict};
+use hallsweep_core::command::{Command, LuggageRef, Strategy, Verdict};
 use hallsweep_core::event::RobotEvent;
-use hallsweep_core::mission::{FaultCause, Hold, PhaseName};
+use hallsweep_core::hold::Hold;
+use hallsweep_core::phase::{FaultCause, PhaseName};
 use hallsweep_core::rng::RandomStream;
-use hallsweep_core::search::Strategy;
 use hallsweep_core::world::hall_map::Mark;
 
 use super::page::{Frames, Page, Scene};

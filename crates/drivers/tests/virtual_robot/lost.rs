@@ -3,9 +3,9 @@
 
 use std::time::Duration;
 
-use hallsweep_core::command::{Command, Move};
-use hallsweep_core::mission::{Hold, PhaseName};
-use hallsweep_core::search::Strategy;
+use hallsweep_core::command::{Command, Move, Strategy};
+use hallsweep_core::hold::Hold;
+use hallsweep_core::phase::PhaseName;
 use hallsweep_core::units::Heading;
 use hallsweep_core::world::hall_map::Mark;
 

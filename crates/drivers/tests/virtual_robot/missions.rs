@@ -2,9 +2,8 @@
 
 use std::time::Duration;
 
-use hallsweep_core::command::{Command, LuggageRef, Verdict};
-use hallsweep_core::mission::PhaseName;
-use hallsweep_core::search::Strategy;
+use hallsweep_core::command::{Command, LuggageRef, Strategy, Verdict};
+use hallsweep_core::phase::PhaseName;
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::Mark;
 

@@ -4,16 +4,15 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
-use hallsweep_core::command::{Accepted, Command, Door, Issuer, Refused, Request};
+use hallsweep_core::command::{Accepted, Command, Door, Issuer, Refused, Request, Strategy};
 use hallsweep_core::effect::Effect;
 use hallsweep_core::engine::Engine;
 use hallsweep_core::event::{Event, Photo, RobotEvent, RobotId};
-use hallsweep_core::mission::PhaseName;
-use hallsweep_core::search::Strategy;
+use hallsweep_core::phase::PhaseName;
 use hallsweep_core::settings::Settings;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Now, Ticket, WallTime};
 use hallsweep_core::world::hall_map::Mark;
-use hallsweep_core::world::snapshot::Snapshot;
 use hallsweep_drivers::{Dialect, Driver, Output, Room, VirtualRobot};
 
 use super::server::{Client, Server, Version};

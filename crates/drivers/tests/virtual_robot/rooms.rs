@@ -4,10 +4,9 @@
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use hallsweep_core::command::Command;
-use hallsweep_core::mission::{FaultCause, PhaseName};
+use hallsweep_core::command::{Command, Strategy};
+use hallsweep_core::phase::{FaultCause, PhaseName};
 use hallsweep_core::rng::RandomStream;
-use hallsweep_core::search::Strategy;
 use hallsweep_core::world::hall_map::Mark;
 
 use super::adversities::wobbling;

@@ -110,8 +110,9 @@ pub fn decisions(trials: &[Trial]) -> [Duration; 3] {
 mod tests {
     use super::*;
     use crate::family::Family;
+    use hallsweep_core::command::Strategy;
+    use hallsweep_core::search::Objective;
     use hallsweep_core::search::costs::Costs;
-    use hallsweep_core::search::{Objective, Strategy};
 
     fn contest(family: Family) -> Contest {
         let terms = Terms { objective: Objective::Cover, sonar_cells: 0, costs: Costs::EVEN };

@@ -2,10 +2,11 @@
 
 use std::time::Duration;
 
+use hallsweep_core::command::Strategy;
 use hallsweep_core::search::scored::choose;
 use hallsweep_core::search::ways::Ways;
 use hallsweep_core::search::weights::Weights;
-use hallsweep_core::search::{NextGoal, Search, Strategy, View};
+use hallsweep_core::search::{NextGoal, Search, View};
 use hallsweep_core::units::Cell;
 use hallsweep_sim::Truth;
 use hallsweep_sim::headless::Moves;

@@ -9,9 +9,9 @@ use super::rows::Reading;
 use super::scene::HallOfScene;
 use super::{Hall, Truth, movingai, occupancy, rows, seed_text, toml};
 use crate::bag::Bag;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark};
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// A format in which a hall can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

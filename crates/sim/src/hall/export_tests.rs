@@ -6,8 +6,8 @@ use super::*;
 use crate::bag::{Colour, Kind};
 use crate::headless::{Run, Verdicts, explore_and_tell};
 use crate::{Camera, SimSettings};
+use hallsweep_core::command::Strategy as SearchStrategy;
 use hallsweep_core::event::Piece;
-use hallsweep_core::search::Strategy as SearchStrategy;
 use hallsweep_core::settings::Settings;
 
 /// A hall with everything that can be said of one.

@@ -6,17 +6,17 @@ use std::sync::Arc;
 
 use super::{Moves, Run};
 use crate::{Hall, SimSettings, Truth};
-use hallsweep_core::command::{Command, LuggageRef, Verdict};
+use hallsweep_core::command::{Command, LuggageRef, Strategy, Verdict};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::event::Piece;
-use hallsweep_core::mission::{Hold, PhaseName};
-use hallsweep_core::search::Strategy;
+use hallsweep_core::hold::Hold;
+use hallsweep_core::phase::PhaseName;
 use hallsweep_core::settings::Settings;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::records::LuggageRecords;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// How the operator of such a run answers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -10,7 +10,7 @@
 
 use std::time::Duration;
 
-use hallsweep_core::retrieval::{Controllers, Parcel};
+use hallsweep_core::arm::{Controllers, Parcel};
 use hallsweep_core::rng::RandomStream;
 
 /// The integration step: ten times as fast as the fastest controller needs it.
@@ -195,7 +195,7 @@ impl Holding {
 mod tests {
     use super::*;
     use hallsweep_core::event::Piece;
-    use hallsweep_core::retrieval::Place;
+    use hallsweep_core::place::Place;
 
     const ALL: Controllers = Controllers { force: true, angle: true, distance: true };
 

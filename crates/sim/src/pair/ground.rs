@@ -5,8 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::super::hall::{Hall, Truth};
+use hallsweep_core::arm::Parcel;
 use hallsweep_core::event::Piece;
-use hallsweep_core::retrieval::{Parcel, Place};
+use hallsweep_core::place::Place;
 use hallsweep_core::units::Cell;
 
 /// How far from where it looks the camera recognises a parcel, in steps: a pallet and the floor round it.

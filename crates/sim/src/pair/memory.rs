@@ -12,8 +12,10 @@ use super::grip::{Grip, Held};
 use super::robot::{Astray, Robot, Run, Task, Work};
 use super::settings::{PairSettings, Slip};
 use super::{Ground, Pair};
+use hallsweep_core::arm::{Controllers, Gripper, Parcel};
 use hallsweep_core::event::Piece;
-use hallsweep_core::retrieval::{BasePose, Controllers, Gripper, Parcel, Place, Which};
+use hallsweep_core::place::Place;
+use hallsweep_core::retrieval::{BasePose, Which};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::{Cell, Now};
 

@@ -33,9 +33,11 @@ pub use self::settings::{Mishaps, PairSettings, Slip};
 use super::drive::BodyPose;
 use super::hall::Hall;
 use super::memory::{micro, reseeded};
+use hallsweep_core::arm::{ArmState, Parcel};
 use hallsweep_core::effect::Order;
 use hallsweep_core::event::{Capabilities, Parts, Piece, RobotEvent, Whereabouts};
-use hallsweep_core::retrieval::{ArmState, BasePose, Parcel, Place, Which};
+use hallsweep_core::place::Place;
+use hallsweep_core::retrieval::{BasePose, Which};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::{Cell, Now, Pose};
 

@@ -8,10 +8,12 @@ use super::super::hall::Truth;
 use super::super::sonar::way_to_contact;
 use super::robot::{Astray, Run, Task, Work};
 use super::{Pair, RobotEvent};
+use hallsweep_core::arm::{ArmAction, Gripper};
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order};
 use hallsweep_core::event::Obstacle;
-use hallsweep_core::retrieval::{ArmAction, BasePose, Gripper, Place, Which};
+use hallsweep_core::place::Place;
+use hallsweep_core::retrieval::{BasePose, Which};
 use hallsweep_core::units::Cell;
 
 /// Why an order cannot be done.

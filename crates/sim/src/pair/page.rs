@@ -9,8 +9,10 @@ use super::super::fingerprint::Fingerprint;
 use super::super::page::{Unread, Whose};
 use super::memory::{AstrayMemory, GripMemory, PairMemory, RobotMemory};
 use super::settings::Slip;
+use hallsweep_core::arm::{Controllers, Gripper, Parcel};
 use hallsweep_core::event::Piece;
-use hallsweep_core::retrieval::{BasePose, Controllers, Gripper, Parcel, Place};
+use hallsweep_core::place::Place;
+use hallsweep_core::retrieval::BasePose;
 use hallsweep_core::units::{Cell, Heading};
 
 const MAGIC: &str = "hallsweep simulated pair, version ";

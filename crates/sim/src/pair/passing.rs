@@ -7,7 +7,8 @@ use super::grip::{Grip, STEP};
 use super::orders::moved;
 use super::robot::{Astray, Task, Work};
 use super::{Pair, RobotEvent};
-use hallsweep_core::retrieval::{ArmAction, Controllers, Gripper, Parcel, Which};
+use hallsweep_core::arm::{ArmAction, Controllers, Gripper, Parcel};
+use hallsweep_core::retrieval::Which;
 use hallsweep_core::units::OrderId;
 
 /// How often a lifted parcel's force and angle are told by themselves.

@@ -5,8 +5,10 @@ use std::f64::consts::FRAC_PI_2;
 use std::time::Duration;
 
 use super::super::drive::{BodyPose, normal};
+use hallsweep_core::arm::{ArmAction, Controllers, Gripper};
 use hallsweep_core::event::Obstacle;
-use hallsweep_core::retrieval::{ArmAction, BasePose, Controllers, Gripper, Place};
+use hallsweep_core::place::Place;
+use hallsweep_core::retrieval::BasePose;
 use hallsweep_core::units::{Cell, OrderId, Pose};
 
 #[derive(Clone, Debug)]

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use hallsweep_core::retrieval::Place;
+use hallsweep_core::place::Place;
 
 /// The settings of a simulated pair. Times are in simulated time.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,10 +1,10 @@
 //! Tests of the pair: two robots take a parcel between them, carry it and put it down, and what may come between.
 
 use super::*;
+use hallsweep_core::arm::{ArmAction, Controllers, Gripper};
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::Action;
 use hallsweep_core::event::Obstacle;
-use hallsweep_core::retrieval::{ArmAction, Controllers, Gripper};
 use hallsweep_core::units::{Epoch, Heading, OrderId};
 
 const FORWARD: Action = Action::Move(Move::Forward);

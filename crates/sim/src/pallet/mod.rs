@@ -26,8 +26,10 @@ pub use self::yard::{MOST_PARCELS, ParcelsError, Yard};
 use super::pair::{Holding, Mishaps, Pair, PairSettings};
 use hallsweep_core::behaviour::log::TickLog;
 use hallsweep_core::event::RobotEvent;
+use hallsweep_core::pair::RetrievalFault;
 use hallsweep_core::retrieval::team::TICK;
-use hallsweep_core::retrieval::{RetrievalFault, Team, TeamStage, Which};
+use hallsweep_core::retrieval::{Team, Which};
+use hallsweep_core::state::TeamStage;
 use hallsweep_core::units::{Cell, Now, WallTime};
 
 /// The longest run for each parcel, in simulated time: a hundred times what one takes.

@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use super::super::drive::BodyPose;
 use super::super::pair::{Holding, Pair};
-use hallsweep_core::retrieval::{RetrievalFault, Saying, Team, Which};
+use hallsweep_core::pair::{RetrievalFault, Saying};
+use hallsweep_core::retrieval::{Team, Which};
 
 /// The phases of the scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -131,7 +132,7 @@ impl Frame {
         Frame {
             at,
             bodies: Which::ALL.map(|which| pair.body(which)),
-            closed: Which::ALL.map(|which| pair.arm(which).gripper == hallsweep_core::retrieval::Gripper::Closed),
+            closed: Which::ALL.map(|which| pair.arm(which).gripper == hallsweep_core::arm::Gripper::Closed),
             load: pair.load_m(),
             held: arm.holds.map(|_| held),
             delivered: pair.taken_in().len(),

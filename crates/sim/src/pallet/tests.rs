@@ -9,7 +9,8 @@ use super::*;
 use crate::hall::Hall;
 use crate::pair::Slip;
 use hallsweep_core::behaviour::Status;
-use hallsweep_core::retrieval::{Place, Saying};
+use hallsweep_core::pair::Saying;
+use hallsweep_core::place::Place;
 use hallsweep_core::rng::RandomStream;
 
 fn run(parcels: u32, seed: u64, asked: Asked) -> PalletRun {

@@ -14,7 +14,8 @@ use std::sync::Arc;
 
 use super::super::hall::{Hall, Truth};
 use hallsweep_core::event::Piece;
-use hallsweep_core::retrieval::{BasePose, Floor, Place};
+use hallsweep_core::place::Place;
+use hallsweep_core::retrieval::{BasePose, Floor};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::{Cell, Heading, Revision};
 use hallsweep_core::world::hall_map::{HallMap, Mark};

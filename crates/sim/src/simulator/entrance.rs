@@ -2,7 +2,7 @@
 
 use super::{End, Sim};
 use hallsweep_core::effect::Order;
-use hallsweep_core::retrieval::Place;
+use hallsweep_core::place::Place;
 use hallsweep_core::units::Pose;
 
 impl Sim {

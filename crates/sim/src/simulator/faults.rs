@@ -60,7 +60,7 @@ mod tests {
     use hallsweep_core::command::Move;
     use hallsweep_core::effect::{Action, Order, Stamp};
     use hallsweep_core::event::RobotEvent;
-    use hallsweep_core::robots::Part;
+    use hallsweep_core::robot::Part;
     use hallsweep_core::units::{Epoch, OrderId, Pose, WallTime};
 
     fn now(ms: u64) -> Now {

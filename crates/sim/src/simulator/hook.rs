@@ -4,9 +4,10 @@
 use super::super::hall::Truth;
 use super::super::memory::Taken;
 use super::{Sim, Work};
+use hallsweep_core::arm::{ArmAction, ArmState, Gripper, Parcel};
 use hallsweep_core::effect::Order;
 use hallsweep_core::event::{Piece, RobotEvent};
-use hallsweep_core::retrieval::{ArmAction, ArmState, Gripper, Parcel, Place};
+use hallsweep_core::place::Place;
 use hallsweep_core::units::{Cell, OrderId};
 
 /// What the hook is about to do; a halt leaves it undone.

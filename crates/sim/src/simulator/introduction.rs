@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::super::settings::SimSettings;
 use super::Sim;
 use hallsweep_core::event::{Capabilities, Parts, RobotEvent, Whereabouts};
-use hallsweep_core::robots::Part;
+use hallsweep_core::robot::Part;
 
 impl Sim {
     /// What it says of itself when its link comes up.

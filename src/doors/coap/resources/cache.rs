@@ -9,8 +9,8 @@ use hashlink::LinkedHashMap;
 use super::shows;
 use super::table::Show;
 use coap_endpoint::{Answer, ETag, Format, Response};
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// So many things are kept: every resource in every format and a few dozen pieces of luggage. When there are more, the one that
 /// was made first gives way.

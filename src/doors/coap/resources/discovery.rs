@@ -5,9 +5,9 @@ use super::cache;
 use super::table::{Row, Show, Table};
 use crate::api::resources::ResourceKind;
 use coap_endpoint::{Format, Link, Response, link_format};
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::PhotoState;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// What can be read there.
 const SEE: &str = "hallsweep.see";

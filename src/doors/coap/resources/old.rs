@@ -14,9 +14,9 @@ use crate::api::{old_clients, old_items};
 use coap_endpoint::{Answer, Format, Request};
 use hallsweep_core::command::Command;
 use hallsweep_core::mission::in_words;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::resource::Resource;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// Which of the items changed last. It is looked at each newer state, so that what follows a change without changing an item does
 /// not hide which it was; only what changed is looked at, and no item is written for it.

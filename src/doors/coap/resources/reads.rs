@@ -9,8 +9,8 @@ use super::table::{Representations, Row, Show};
 use super::{Resources, discovery, photos, shows};
 use crate::api::resources::ResourceKind;
 use coap_endpoint::{Answer, ETag, Format, Request, Response};
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::LuggageId;
-use hallsweep_core::world::snapshot::Snapshot;
 
 impl Resources {
     /// What a GET of this is answered with. Whether there is such a thing comes before the question in which format.

@@ -7,10 +7,10 @@ use crate::api::map::map_revision;
 use crate::api::old_items;
 use crate::api::resources::{self, Form};
 use coap_endpoint::Format;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// The numbers of the old model's items, in the order in which observers get them.
 pub(super) const ROBOT: u64 = 0;

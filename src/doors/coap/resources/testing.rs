@@ -16,10 +16,10 @@ use crate::runtime::within::within;
 use coap_endpoint::{Answer, Conditions, Method, Request};
 use hallsweep_core::command::{self, Refused};
 use hallsweep_core::event::Photo;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Cell, LuggageId, MissionId, Seq};
 use hallsweep_core::world::luggage::Luggage;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// A piece of a mission that is over.
 pub(super) const PAST: u64 = 70;

@@ -8,14 +8,13 @@ use super::*;
 use crate::api::cbor;
 use crate::api::fixture::{idle, piece, searching, touch};
 use coap_endpoint::{Code, Format};
-use hallsweep_core::command::{Command, LuggageRef, Move, Note, TemperatureReport, Verdict};
+use hallsweep_core::command::{Command, LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict};
 use hallsweep_core::mission::in_words;
-use hallsweep_core::search::Strategy;
+use hallsweep_core::robot::RobotState;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 use hallsweep_core::world::resource::Resource;
-use hallsweep_core::world::robot::RobotState;
-use hallsweep_core::world::snapshot::Snapshot;
 
 fn accepting(format: Format, request: Request) -> Request {
     Request { accept: Some(format), ..request }

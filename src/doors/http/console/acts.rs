@@ -88,7 +88,7 @@ impl Fields {
         number("id", needed("id", self.id.as_deref())?)
     }
 
-    fn strategy(&self) -> Result<hallsweep_core::search::Strategy, Problem> {
+    fn strategy(&self) -> Result<hallsweep_core::command::Strategy, Problem> {
         let body = StrategyBody::named(needed("name", self.name.as_deref())?);
         Ok(body.strategy()?)
     }

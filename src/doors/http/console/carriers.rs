@@ -4,11 +4,11 @@
 use super::hall::{CELL, draw_luggage, larger, middle, turn, write};
 use super::porch::{Column, Porch};
 use crate::phrases::Language;
-use hallsweep_core::retrieval::Place;
+use hallsweep_core::place::Place;
+use hallsweep_core::snapshot::Snapshot;
+use hallsweep_core::snapshot::robot::RobotShown;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::Luggage;
-use hallsweep_core::world::robot::RobotShown;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// Whether there is anybody, or anything, before the entrance: a robot that fetches, or a piece in the container.
 pub(super) fn has_porch(snapshot: &Snapshot) -> bool {

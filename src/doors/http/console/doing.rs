@@ -5,10 +5,10 @@ use std::fmt::Display;
 
 use super::view::View;
 use crate::phrases::Phrase;
-use hallsweep_core::mission::Hold;
-use hallsweep_core::robots::{Part, Parts};
+use hallsweep_core::hold::Hold;
+use hallsweep_core::robot::{Part, Parts, RobotState};
+use hallsweep_core::snapshot::robot::{RobotShown, RobotView};
 use hallsweep_core::units::WallTime;
-use hallsweep_core::world::robot::{RobotShown, RobotState, RobotView};
 
 /// So many pieces are named to somebody who listens: as many as one remembers.
 const NAMED: usize = 8;
@@ -140,8 +140,8 @@ mod tests {
     use crate::api::fixture::{TEN, searching};
     use crate::phrases::Language;
     use hallsweep_core::retrieval::Which;
-    use hallsweep_core::world::robot::RobotView;
-    use hallsweep_core::world::snapshot::Snapshot;
+    use hallsweep_core::snapshot::Snapshot;
+    use hallsweep_core::snapshot::robot::RobotView;
 
     fn view(snapshot: &Snapshot) -> View<'_> {
         let hall = HallInfo {

@@ -75,7 +75,7 @@ mod tests {
     use super::*;
     use crate::api::fixture::{TEN, idle, piece, searching};
     use hallsweep_core::command::Verdict;
-    use hallsweep_core::world::snapshot::Snapshot;
+    use hallsweep_core::snapshot::Snapshot;
 
     fn view(snapshot: &Snapshot, cell_m: Option<f64>) -> View<'_> {
         let hall =

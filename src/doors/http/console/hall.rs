@@ -8,10 +8,10 @@ use super::carriers::{fetched, fetched_lies_at, has_porch, searcher_at};
 use super::pieces;
 use super::porch::Porch;
 use crate::phrases::Language;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Cell, Heading};
 use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark, TILE};
 use hallsweep_core::world::luggage::Luggage;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// The side of a cell in the picture's units.
 pub(super) const CELL: i32 = 10;

@@ -11,7 +11,7 @@ use super::retrieval::wanted_of_the_operator;
 use super::view::{View, failure};
 use crate::api::luggage::photo_url;
 use crate::phrases::Phrase;
-use hallsweep_core::mission::PhaseName;
+use hallsweep_core::phase::PhaseName;
 use hallsweep_core::units::{LuggageId, WallTime};
 use hallsweep_core::world::alarm::AlarmView;
 use hallsweep_core::world::luggage::Luggage;
@@ -144,7 +144,7 @@ mod tests {
     use crate::api::fixture::{TEN, searching};
     use crate::phrases::Language;
     use hallsweep_core::command::Refused;
-    use hallsweep_core::mission::Hold;
+    use hallsweep_core::hold::Hold;
 
     #[test]
     fn the_incident_says_what_is_halted_and_has_the_one_button_that_goes_on_under_its_heading() {

@@ -23,8 +23,8 @@ use super::timeline::{self, Scale, Timeline, Timelines};
 use super::view::{HallInfo, Then, View, Who};
 use super::{began, hall, pieces, who};
 use crate::phrases::Language;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Cell;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// The least time between two messages: ten a second are as many as an eye can use.
 const PAUSE: Duration = Duration::from_millis(100);

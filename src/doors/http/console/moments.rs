@@ -20,9 +20,9 @@ use super::view::{HallInfo, Then, View, Who};
 use super::{html, who};
 use crate::phrases::Language;
 use crate::runtime::archive::{At, Moment, Sound};
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::Conditions;
 use hallsweep_core::units::{MissionId, Seq, WallTime};
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// `GET missions/{id}/moment`: the page, at the last entry up to `at`; without it at the first.
 pub(in crate::doors::http) async fn page(

@@ -17,20 +17,19 @@ use crate::api::retrieval::ArmJson;
 use crate::api::robot_parts;
 use crate::api::time::rfc3339;
 use crate::phrases::{Language, Phrase};
+use hallsweep_core::arm::ArmState;
 use hallsweep_core::behaviour::Status;
-use hallsweep_core::command::{Note, Refused};
-use hallsweep_core::mission::PhaseName;
-use hallsweep_core::retrieval::ArmState;
-use hallsweep_core::robots::{self, Parts};
-use hallsweep_core::search::Strategy;
-use hallsweep_core::settings::Fetcher;
+use hallsweep_core::command::{Note, Refused, Strategy};
+use hallsweep_core::not_fetched::Fetcher;
+use hallsweep_core::phase::PhaseName;
+use hallsweep_core::robot::{self, Parts};
+use hallsweep_core::snapshot::log::LogLine;
+use hallsweep_core::snapshot::retrieval::{TreeView, TreesView};
+use hallsweep_core::snapshot::robot::RobotShown;
 use hallsweep_core::units::{LuggageId, WallTime};
 use hallsweep_core::world::alarm::AlarmView;
-use hallsweep_core::world::log::LogLine;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
-use hallsweep_core::world::retrieval::{TreeView, TreesView};
-use hallsweep_core::world::robot::RobotShown;
 
 /// Lines of the log on the page; the interface has more.
 const LINES: usize = 40;
@@ -226,7 +225,7 @@ impl Inspect<'_> {
 
 impl Robot<'_> {
     fn sonar(&self) -> String {
-        if self.v.parts().is_some_and(|parts| !parts.has(robots::Part::Sonar)) {
+        if self.v.parts().is_some_and(|parts| !parts.has(robot::Part::Sonar)) {
             return self.v.say("sonar-none").to_string();
         }
         let cm = self.v.snapshot.robot.sonar_cm;
@@ -262,7 +261,7 @@ impl Robot<'_> {
         self.v.parts().map_or_else(|| self.v.say("parts-unknown").to_string(), words)
     }
 
-    const fn part(&self, part: robots::Part) -> Phrase<'static> {
+    const fn part(&self, part: robot::Part) -> Phrase<'static> {
         self.v.say_of("part", part.name())
     }
 
@@ -326,7 +325,7 @@ impl Retrieval<'_> {
 
     /// A hook has no figures of how well it holds.
     fn has_arm(&self, robot: &RobotShown) -> bool {
-        robot.parts.is_some_and(|parts| parts.has(robots::Part::Arm))
+        robot.parts.is_some_and(|parts| parts.has(robot::Part::Arm))
     }
 
     const fn fetcher(&self, fetcher: &Fetcher) -> Phrase<'static> {

@@ -9,9 +9,9 @@ use std::sync::Arc;
 use super::carriers::fetched;
 use super::hall::{CELL, larger, middle, said, shape, write};
 use crate::phrases::Language;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Cell, LuggageId};
 use hallsweep_core::world::luggage::Luggage;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// Every group of pieces.
 pub(super) fn all(language: Language, snapshot: &Snapshot) -> String {

@@ -16,7 +16,7 @@ use super::retrieval::{Row, rows, sign};
 use crate::api::retrieval_record::RetrievalRecordJson;
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::behaviour::Status;
-use hallsweep_core::world::retrieval::{TreeView, TreesView};
+use hallsweep_core::snapshot::retrieval::{TreeView, TreesView};
 
 /// `GET missions/{id}/retrieval`
 pub(in crate::doors::http) async fn page(

@@ -1,12 +1,12 @@
 //! The retrieval on the page: its stages and arms in an operator's words, and its trees as rows that nest as the nodes do. Markup
 //! stands in the templates; the robots in the hall are `carriers`'.
 
+use hallsweep_core::arm::ArmState;
 use hallsweep_core::behaviour::Status;
-use hallsweep_core::mission::Hold;
-use hallsweep_core::retrieval::ArmState;
-use hallsweep_core::settings::Fetcher;
-use hallsweep_core::world::retrieval::NodeShown;
-use hallsweep_core::world::robot::RobotShown;
+use hallsweep_core::hold::Hold;
+use hallsweep_core::not_fetched::Fetcher;
+use hallsweep_core::snapshot::retrieval::NodeShown;
+use hallsweep_core::snapshot::robot::RobotShown;
 
 use crate::api::retrieval::ArmJson;
 use crate::phrases::{Language, Phrase};

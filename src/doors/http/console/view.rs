@@ -17,12 +17,14 @@ use crate::api::time::Zone;
 use crate::doors::http::HttpDoor;
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::command::Refused;
-use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::hold::Hold;
+use hallsweep_core::phase::PhaseName;
+use hallsweep_core::robot::RobotState;
+use hallsweep_core::snapshot::Snapshot;
+use hallsweep_core::snapshot::robot::RobotView;
 use hallsweep_core::state::{Conditions, Participant, Venue};
 use hallsweep_core::units::{Cell, LuggageId, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
-use hallsweep_core::world::robot::{RobotState, RobotView};
-use hallsweep_core::world::snapshot::Snapshot;
 use hallsweep_core::world::temperature::Reading;
 
 /// A snapshot, and what is to be said to the one who pressed a button.

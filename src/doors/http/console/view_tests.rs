@@ -6,15 +6,17 @@ use super::super::page::Page;
 use super::super::parts::PARTS;
 use super::*;
 use crate::api::fixture::{TEN, degrees, idle, searching, touch};
+use hallsweep_core::arm::{ArmState, Parcel};
 use hallsweep_core::event::Piece;
-use hallsweep_core::retrieval::{ArmState, Parcel, Place, Which};
-use hallsweep_core::robots::{Part, Parts};
-use hallsweep_core::settings::Fetcher;
+use hallsweep_core::not_fetched::Fetcher;
+use hallsweep_core::place::Place;
+use hallsweep_core::retrieval::Which;
+use hallsweep_core::robot::{Part, Parts};
+use hallsweep_core::snapshot::retrieval::RetrievalView;
+use hallsweep_core::snapshot::robot::RobotShown;
+use hallsweep_core::snapshot::{Progress, TimeLeft};
 use hallsweep_core::state::Reach;
 use hallsweep_core::world::resource::Resource;
-use hallsweep_core::world::retrieval::RetrievalView;
-use hallsweep_core::world::robot::RobotShown;
-use hallsweep_core::world::snapshot::{Progress, TimeLeft};
 use hallsweep_core::world::temperature::{Reading, TemperatureStatus};
 
 fn view(snapshot: &Snapshot) -> View<'_> {

@@ -16,8 +16,9 @@ use crate::api::fields::in_short;
 use crate::api::simulator::pace;
 use crate::phrases::{Language, Markup, Phrase};
 use crate::runtime::simulator::{Change, HallSource, OtherHall, Pace, SimulatorState};
+use hallsweep_core::robot::RobotState;
+use hallsweep_core::snapshot::robot::RobotView;
 use hallsweep_core::units::Cell;
-use hallsweep_core::world::robot::{RobotState, RobotView};
 
 /// The speeds that are offered; the interface takes any between.
 const SPEEDS: [&str; 8] = ["0.1", "0.5", "1", "2", "5", "10", "50", "max"];

@@ -9,8 +9,8 @@ use super::*;
 use crate::access::Access;
 use crate::api::fixture::{idle, searching};
 use crate::runtime::simulator::{Change, Changing, Faults, HallFacts, OtherHall, Pace};
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Cell;
-use hallsweep_core::world::snapshot::Snapshot;
 
 const ROUTES: [(&str, &str); 13] = [
     ("GET", "/simulator"),
@@ -88,7 +88,7 @@ impl Simulator for Still {
     }
 
     fn put_down(self: Arc<Self>, _: OtherHall, _: Issuer) -> Changing {
-        refused(NotSimulated::Refused(Refused::NotInPhase(hallsweep_core::mission::PhaseName::Exploring)))
+        refused(NotSimulated::Refused(Refused::NotInPhase(hallsweep_core::phase::PhaseName::Exploring)))
     }
 
     fn keep(self: Arc<Self>, name: String, _: String, may_replace: bool, _: Issuer) -> Changing {

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use crate::api::log::LogLineJson;
 use crate::api::resources::{Form, shape};
-use hallsweep_core::world::log::LogLine;
-use hallsweep_core::world::snapshot::Snapshot;
+use hallsweep_core::snapshot::Snapshot;
+use hallsweep_core::snapshot::log::LogLine;
 
 /// Which lines were said.
 #[derive(Default)]

@@ -9,7 +9,7 @@ use super::super::home_assistant::{self, discovery};
 use super::super::publication::Publication;
 use super::super::topics::Topics;
 use super::photos::Photos;
-use hallsweep_core::world::snapshot::Snapshot;
+use hallsweep_core::snapshot::Snapshot;
 
 /// The least time between two states.
 const PACE: Duration = Duration::from_millis(100);

@@ -25,8 +25,8 @@ use super::qak::outgoing;
 use super::topics::Topics;
 use crate::api::resources::ResourceKind;
 use hallsweep_core::event::Photo;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::resource::Resource;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// What stands on the topic of availability while the program is there.
 pub const ONLINE: &str = "online";

@@ -9,11 +9,11 @@ use super::super::qak::outgoing;
 use super::pieces;
 use crate::api::old_items::luggage_state;
 use crate::doors::pace;
+use hallsweep_core::robot::RobotState;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Cell, Pose, Revision};
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
-use hallsweep_core::world::robot::RobotState;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// The least time between two rounds, and so between two messages on the robot: as over HTTP and CoAP.
 const PACE: Duration = Duration::from_millis(20);

@@ -5,9 +5,9 @@ use bytes::Bytes;
 
 use super::pieces;
 use hallsweep_core::event::Photo;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::Luggage;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// The most bytes of a photo that is published: with its topic it must fit a packet of 1 MiB, the largest a careful broker takes.
 pub const PHOTO_MOST: usize = 1024 * 1024 - 1024;

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// The pieces of `newer`, by number, that were not in `older` or of which `differs` (the earlier record, the later one) says so.
 pub(super) fn changed<'a>(

@@ -7,9 +7,9 @@ use std::time::Duration;
 use crate::api::excerpt::excerpt;
 use crate::api::resources::{Form, ResourceKind};
 use crate::doors::pace;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::resource::Resource;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// The least time between two states of one resource, unless it is large: ten a second are enough to watch, and do not fill a slow line.
 const PACE: Duration = Duration::from_millis(100);

@@ -9,11 +9,11 @@ use crate::api::resources::ResourceKind;
 use crate::api::state::StateJson;
 use crate::doors::mqtt::topics::TopicKind;
 use hallsweep_core::command::Verdict;
+use hallsweep_core::robot::RobotState;
+use hallsweep_core::snapshot::log::Tone;
 use hallsweep_core::units::{Cell, LuggageId, Revision, WallTime};
 use hallsweep_core::world::hall_map::Mark;
-use hallsweep_core::world::log::Tone;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
-use hallsweep_core::world::robot::RobotState;
 
 mod numbers;
 
@@ -416,7 +416,7 @@ fn the_state_of_the_vacuum_is_said_when_it_is_another_one() {
     assert_eq!(json(&said, "hallsweep/discovery/homeassistant")["state"], "docked");
     touch(&mut state, 2, &[Resource::Mission]);
     assert_eq!(names(&show(&mut feed, &state, ms(200))), ["mission"]);
-    state.mission.phase = hallsweep_core::mission::PhaseName::Exploring;
+    state.mission.phase = hallsweep_core::phase::PhaseName::Exploring;
     touch(&mut state, 3, &[Resource::Mission]);
     let said = show(&mut feed, &state, ms(400));
     assert_eq!(json(&said, "hallsweep/discovery/homeassistant")["state"], "cleaning");

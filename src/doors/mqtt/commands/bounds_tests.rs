@@ -19,7 +19,7 @@ use hallsweep_core::effect::Page;
 use hallsweep_core::engine::Engine;
 use hallsweep_core::event::{Capabilities, Parts, RobotEvent, RobotId};
 use hallsweep_core::settings::Settings;
-use hallsweep_core::world::snapshot::Snapshot;
+use hallsweep_core::snapshot::Snapshot;
 
 /// So many commands may be under way where nobody signs in.
 const UNDER_WAY: usize = 256;
@@ -206,7 +206,7 @@ async fn a_command_that_comes_again_under_its_name_acts_once_and_is_answered_as_
     say(&commands, "command/start", r#"{"id":"k1"}"#, &here());
     assert_eq!(next(&mut results).await.1, first, "it is answered as before");
     let holds = handle.snapshot().mission.holds.clone();
-    assert!(holds.contains(&hallsweep_core::mission::Hold::Operator), "and does not act again");
+    assert!(holds.contains(&hallsweep_core::hold::Hold::Operator), "and does not act again");
 
     say(&commands, "command/backHome", r#"{"id":"k1"}"#, &here());
     let (_, json) = next(&mut results).await;

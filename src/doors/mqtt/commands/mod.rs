@@ -29,10 +29,10 @@ use crate::runtime::clock::Clock;
 use crate::runtime::figures::Figures;
 use crate::runtime::handle::Handle;
 use hallsweep_core::command::{Command, Refused, Request};
-use hallsweep_core::mission::PhaseName;
+use hallsweep_core::phase::PhaseName;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Epoch;
 use hallsweep_core::world::luggage::PhotoState;
-use hallsweep_core::world::snapshot::Snapshot;
 use mqtt_gate::{AnswerTo, filter};
 
 /// A message that was published just now.

@@ -20,7 +20,7 @@ use crate::doors::seldom::Seldom;
 use crate::doors::shares::Permit;
 use crate::runtime::carry_out::{Done, NotDone};
 use hallsweep_core::command::{CommandId, Refused};
-use hallsweep_core::mission::PhaseName;
+use hallsweep_core::phase::PhaseName;
 use mqtt_gate::AnswerTo;
 
 /// Commands whose results are waited for at once: as many as the loop's queue holds. A STOP beyond them halts, and has no result.

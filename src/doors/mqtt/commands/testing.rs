@@ -11,7 +11,7 @@ use crate::runtime::handle::Handle;
 use crate::runtime::obedient::{Noted, Script, obedient};
 use crate::runtime::within::within;
 use hallsweep_core::command::{Refused, Request};
-use hallsweep_core::world::snapshot::Snapshot;
+use hallsweep_core::snapshot::Snapshot;
 
 /// More results than any test leaves unread.
 const ROOM: usize = 1024;

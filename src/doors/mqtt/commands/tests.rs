@@ -6,8 +6,7 @@ use super::testing::{app, driven_app, here, say, viewer};
 use super::*;
 use crate::api::commands::COMMANDS;
 use crate::api::fixture::{degrees, searching};
-use hallsweep_core::command::{LuggageRef, Move, Note, TemperatureReport, Verdict};
-use hallsweep_core::search::Strategy;
+use hallsweep_core::command::{LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict};
 use hallsweep_core::units::{AlarmId, Cell, LuggageId};
 use hallsweep_core::world::luggage::Luggage;
 

@@ -5,7 +5,7 @@
 use serde_json::{Map, Value, json};
 
 use super::super::topics::Topics;
-use hallsweep_core::mission::PhaseName;
+use hallsweep_core::phase::PhaseName;
 use hallsweep_core::world::resource::Resource;
 
 /// The message for `homeassistant/device/ID/config`, from this version of the program.

@@ -7,9 +7,10 @@ mod tests;
 
 use serde_json::{Value, json};
 
-use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::hold::Hold;
+use hallsweep_core::phase::PhaseName;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Cell;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// What Home Assistant says when it has started.
 pub const BIRTH: &[u8] = b"online";

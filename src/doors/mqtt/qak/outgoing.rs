@@ -4,8 +4,8 @@
 use super::message::{Kind, Message};
 use super::term::Term;
 use crate::api::{map_text, old_items};
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::luggage::Luggage;
-use hallsweep_core::world::snapshot::Snapshot;
 
 /// What every message of the resource model is called.
 pub(super) const MODEL_CONTENT: &str = "modelContent";
@@ -71,8 +71,8 @@ mod tests {
 
     use super::*;
     use crate::api::fixture::{drawn, idle, piece, searching};
+    use hallsweep_core::robot::RobotState;
     use hallsweep_core::units::{Cell, Heading, Pose, WallTime};
-    use hallsweep_core::world::robot::RobotState;
 
     /// What an old console shows of a message.
     fn shown(text: &str) -> &str {

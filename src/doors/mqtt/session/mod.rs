@@ -41,8 +41,8 @@ use crate::runtime::clock::Clock;
 use backoff::Backoff;
 use connection_task::ConnectionTask;
 use hallsweep_core::rng::RandomStream;
+use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::resource::Resource;
-use hallsweep_core::world::snapshot::Snapshot;
 use lost::Lost;
 use mqtt_gate::packet::Version;
 

@@ -13,7 +13,7 @@ use super::photos::{self, Reading};
 use crate::doors::seldom::Seldom;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
-use hallsweep_core::world::snapshot::Snapshot;
+use hallsweep_core::snapshot::Snapshot;
 use mqtt_gate::packet::properties::Property;
 use mqtt_gate::{Announcement, Broker, OwnSubscription};
 

@@ -11,9 +11,8 @@ use super::super::{Archived, Reading, Together, archive_file, connect, schema, w
 use super::testing::*;
 use crate::api::journal;
 use crate::runtime::archive::{At, Moment, Span, Unreadable};
-use hallsweep_core::command::Verdict;
+use hallsweep_core::command::{Strategy as Order, Verdict};
 use hallsweep_core::effect::Fact;
-use hallsweep_core::search::Strategy as Order;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
 

@@ -7,13 +7,12 @@ use super::testing::*;
 use crate::api::journal::{Line, arbitrary};
 use crate::api::journal_words;
 use crate::runtime::archive::{Sound, Span, Unreadable};
-use hallsweep_core::command::{CommandId, Verdict};
+use hallsweep_core::command::{CommandId, Strategy as Order, Verdict};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::{IDS, Recalled};
-use hallsweep_core::search::Strategy as Order;
+use hallsweep_core::snapshot::log::Tone;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Cell, LuggageId, MissionId, Seq};
-use hallsweep_core::world::log::Tone;
 
 /// What a console's log is filled with: what people did and what was found, and no steps.
 #[test]

@@ -10,12 +10,10 @@ use super::super::rows::{self, EntryFilter};
 use super::testing::{photo, taken};
 use crate::runtime::archive::{At, Span};
 use crate::runtime::store::Store;
-use hallsweep_core::command::Verdict;
+use hallsweep_core::command::{Strategy, Verdict};
 use hallsweep_core::effect::{Entry, Fact, Page};
 use hallsweep_core::event::Photo;
-use hallsweep_core::mission::Phase;
-use hallsweep_core::search::Strategy;
-use hallsweep_core::state::PersistentState;
+use hallsweep_core::state::{PersistentState, Phase};
 use hallsweep_core::units::{Cell, LuggageId, MissionId, Pose, Seq, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 

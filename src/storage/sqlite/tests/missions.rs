@@ -6,7 +6,7 @@ use super::testing::*;
 use crate::runtime::archive::{Archive, At, Moment, Sound, Span};
 use hallsweep_core::command::Verdict;
 use hallsweep_core::effect::{Entry, Fact};
-use hallsweep_core::mission::Phase;
+use hallsweep_core::state::Phase;
 use hallsweep_core::units::{Cell, LuggageId, MissionId, Pose, Seq, WallTime};
 use hallsweep_core::world::hall_map::Mark;
 

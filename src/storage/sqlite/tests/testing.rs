@@ -9,12 +9,10 @@ use super::super::{OpenError, Opened, Reading, connect, folder::Folder, open_wit
 use crate::runtime::store::StoreStatus;
 use crate::runtime::within::within;
 use crate::storage::scratch;
-use hallsweep_core::command::{CommandId, Door, Issuer, Verdict};
+use hallsweep_core::command::{CommandId, Door, Issuer, Strategy, Verdict};
 use hallsweep_core::effect::{Entry, Fact, Page};
 use hallsweep_core::event::Photo;
-use hallsweep_core::mission::{Inspection, Phase, Stage};
-use hallsweep_core::search::Strategy;
-use hallsweep_core::state::PersistentState;
+use hallsweep_core::state::{Inspection, PersistentState, Phase, Stage};
 use hallsweep_core::units::{Cell, LuggageId, MissionId, Pose, Seq, WallTime};
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};

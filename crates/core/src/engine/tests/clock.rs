@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::engine::recall::{Recalled, Remembered};
-use crate::world::log::Tone;
-use crate::world::said::Said;
+use crate::snapshot::log::Tone;
+use crate::snapshot::said::Said;
 
 /// What is put on record; all of it is kept.
 fn recorded(engine: &mut Engine) -> Vec<Fact> {

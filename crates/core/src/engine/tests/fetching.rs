@@ -4,9 +4,11 @@
 use std::collections::BTreeSet;
 
 use super::*;
+use crate::arm::{ArmAction, ArmState, Gripper, Parcel};
 use crate::event::Piece;
-use crate::retrieval::{ArmAction, ArmState, Gripper, Parcel, Place, Which};
-use crate::settings::Fetcher;
+use crate::not_fetched::Fetcher;
+use crate::place::Place;
+use crate::retrieval::Which;
 use crate::state::{Retrieval, RetrievalStage};
 use crate::world::hall_map::Mark;
 

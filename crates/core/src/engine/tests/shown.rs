@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::rng::RandomStream;
-use crate::world::snapshot::Refusals;
+use crate::snapshot::Refusals;
 
 fn give(engine: &mut Engine, command: Command) -> Result<Ticket, Refused> {
     engine.handle_command(Request::new(command, Issuer::operator(Door::LOCAL)), now(1))

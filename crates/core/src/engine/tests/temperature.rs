@@ -1,10 +1,10 @@
 //! What was known of the temperature, as the journal tells of it later.
 
 use super::*;
+use crate::command::OPERATOR;
 use crate::effect::Entry;
 use crate::engine::Past;
 use crate::engine::recall::Recalled;
-use crate::world::temperature::OPERATOR;
 
 /// An engine and everything that it put on record.
 struct Kept {

@@ -5,11 +5,11 @@ use super::shared::{
     ANOTHER_DANGER, CHOOSE, DANGER_AT_HOME, DRIVE_IF_STOPPED, EXPLORE_AGAIN, INTO_FAULT, NOT_HERE, NOTHING, RESUME,
     RETAKE_ELSEWHERE, going_home, waiting,
 };
-use crate::mission::PhaseName;
 use crate::mission::rule::Act::{BeginRetrieval, EndRetrieval, Release, RetryBlocked};
 use crate::mission::rule::Rule::{AsInterrupted, Go, RefuseIf, When};
 use crate::mission::rule::To::{Interrupted, Phase};
 use crate::mission::rule::{Case, Guard, Rule};
+use crate::phase::PhaseName;
 
 pub(super) const fn returning_with_alarm(input: PhaseInput) -> &'static [Rule] {
     match input {

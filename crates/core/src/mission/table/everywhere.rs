@@ -1,5 +1,7 @@
 //! The inputs that mean the same in every phase, each with its cell; and which inputs are left to the phases (`search`, `alarm`).
 
+use crate::hold::Hold;
+use crate::mission::Input;
 use crate::mission::rule::Act::{
     Acknowledge, AlarmUnrecorded, Archive, Clear, EmptyMap, EndRetrieval, HearSensor, LedOff, NoteReading, Raise, RecordVerdict,
     Release, Stop,
@@ -7,7 +9,7 @@ use crate::mission::rule::Act::{
 use crate::mission::rule::Rule::{Go, RefuseIf, RefuseIfThen, When};
 use crate::mission::rule::To::{Interrupted, Phase, Stay};
 use crate::mission::rule::{Case, Guard, Rule};
-use crate::mission::{Hold, Input, PhaseName};
+use crate::phase::PhaseName;
 
 #[derive(Clone, Copy, Debug)]
 pub(in crate::mission) enum Row {

@@ -9,8 +9,9 @@ mod search;
 mod shared;
 
 pub(super) use self::everywhere::{Row, row};
+use super::Input;
 use super::rule::Rule;
-use super::{Input, PhaseName};
+use crate::phase::PhaseName;
 
 /// The rules for `input` in `phase`; never empty, and the last always applies.
 pub(crate) const fn rules(phase: PhaseName, input: Input) -> &'static [Rule] {

@@ -6,11 +6,12 @@ use super::shared::{
     ANOTHER_DANGER, CHOOSE, DANGER_AT_HOME, DANGER_ON_THE_WAY, DRIVE, DRIVE_IF_STOPPED, EXPLORE_AGAIN, EXPLORE_ON, GO_HOME,
     INTO_FAULT, NOT_HERE, NOTHING, RECORDED, RESUME, RETAKE_ELSEWHERE, going_home, waiting,
 };
+use crate::hold::Hold;
 use crate::mission::rule::Act::{Begin, FacePiece, LedOff, Raise, RecordPiece, RecordRetake, Release, Retake};
 use crate::mission::rule::Rule::{AsInterrupted, Go, Never, RefuseIf, When};
 use crate::mission::rule::To::{Interrupted, Phase, Stay};
 use crate::mission::rule::{Case, Guard, Rule};
-use crate::mission::{Hold, PhaseName};
+use crate::phase::PhaseName;
 
 pub(super) const fn idle(input: PhaseInput) -> &'static [Rule] {
     match input {

@@ -2,11 +2,11 @@
 //! `everywhere`.
 
 use super::everywhere::PhaseEvent;
-use crate::mission::PhaseName;
 use crate::mission::rule::Act::{AlarmDanger, Archive, AskOperator, Begin, ChooseStrategy, EmptyMap, LedOff, Release};
 use crate::mission::rule::Rule::{Go, Never, RefuseIf, When};
 use crate::mission::rule::To::{Phase, Stay};
 use crate::mission::rule::{Case, Guard, Rule};
+use crate::phase::PhaseName;
 
 pub(super) const NOTHING: &[Rule] = &[Go(Stay, &[])];
 pub(super) const NOT_HERE: &[Rule] = &[Never(Guard::NotInPhase)];

@@ -1,12 +1,12 @@
 //! Leaves that look, reckon and speak: where the pallet and the parcel are, whether everybody is where they should be, and what is said.
 
 use super::{Performer, SEEN, answer, place_in, place_of, robot_in, written};
+use crate::arm::{ArmAction, ArmState, Parcel};
 use crate::behaviour::{Leaf, Status, Value};
 use crate::effect::Action;
-use crate::retrieval::arm::{ArmAction, ArmState, Parcel};
-use crate::retrieval::fault::RetrievalFault;
-use crate::retrieval::place::Place;
-use crate::retrieval::view::{Saying, Which};
+use crate::pair::{RetrievalFault, Saying};
+use crate::place::Place;
+use crate::retrieval::view::Which;
 
 /// How far the distance of the bases may be from what is wanted when a parcel is put down, in micrometres: a box on a shelf has about as
 /// much room.

@@ -2,10 +2,10 @@
 //! difference whether the program was ended in between.
 
 use super::{MOST_FAILURES, Performer, REPORTING, place_in};
+use crate::arm::{ArmAction, ArmState, Gripper};
 use crate::behaviour::{Leaf, Status};
 use crate::effect::Action;
-use crate::retrieval::arm::{ArmAction, ArmState, Gripper};
-use crate::retrieval::fault::RetrievalFault;
+use crate::pair::RetrievalFault;
 use crate::retrieval::view::Which;
 
 impl Performer<'_> {

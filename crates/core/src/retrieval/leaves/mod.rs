@@ -13,13 +13,13 @@ pub(super) use self::ask::seen;
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use super::arm::{ArmState, Parcel};
-use super::fault::RetrievalFault;
-use super::place::Place;
-use super::view::{BaseView, Saying, View, Which};
+use super::view::{BaseView, View, Which};
 use super::way::{Floor, Train};
+use crate::arm::{ArmState, Parcel};
 use crate::behaviour::{Catalogue, Direction, Leaf, LeafKind, Leaves, Port, Status, Value, ValueType};
 use crate::effect::Action;
+use crate::pair::{RetrievalFault, Saying};
+use crate::place::Place;
 use crate::units::Cell;
 use routes::Routes;
 

@@ -3,7 +3,7 @@
 
 use std::collections::VecDeque;
 
-use crate::retrieval::place::Place;
+use crate::place::Place;
 use crate::retrieval::view::Which;
 use crate::retrieval::way::{Floor, Stands, Train};
 use crate::world::hall_map::HallMap;

@@ -169,7 +169,7 @@ fn what_a_robot_has_not_is_refused_or_drawn() {
     assert_eq!(test.events(), [], "nobody asked for that one");
     test.driver.handle_drawing(OrderId(7), drawing.clone(), test.now);
     assert_eq!(test.events(), [RobotEvent::Photo(OrderId(7), drawing)]);
-    for action in [Action::Move(Move::NudgeLeft), Action::Enter, Action::Arm(hallsweep_core::retrieval::ArmAction::Lift)] {
+    for action in [Action::Move(Move::NudgeLeft), Action::Enter, Action::Arm(hallsweep_core::arm::ArmAction::Lift)] {
         test.order(action);
         assert!(matches!(&test.events()[..], [RobotEvent::Failed(OrderId(7), words)] if words.starts_with("the line protocol")));
     }

@@ -6,7 +6,8 @@ use std::collections::BTreeSet;
 use super::super::*;
 use super::slips;
 use crate::hall::{Hall, Truth};
-use hallsweep_core::retrieval::{BasePose, Place};
+use hallsweep_core::place::Place;
+use hallsweep_core::retrieval::BasePose;
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::Heading;
 

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use super::super::*;
 use crate::settings::Camera;
-use hallsweep_core::retrieval::ArmAction;
-use hallsweep_core::retrieval::Place;
+use hallsweep_core::arm::ArmAction;
+use hallsweep_core::place::Place;
 use hallsweep_core::units::{Cell, Epoch};
 
 /// Home, with a piece of two cells to the south of it.

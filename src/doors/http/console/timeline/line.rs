@@ -12,10 +12,9 @@ use crate::phrases::Language;
 use crate::runtime::archive::{At, Happened};
 use hallsweep_core::command::Verdict;
 use hallsweep_core::effect::Fact;
-use hallsweep_core::mission::{Phase, PhaseName};
-use hallsweep_core::state::Conditions;
+use hallsweep_core::phase::PhaseName;
+use hallsweep_core::state::{Conditions, Phase, Speaking};
 use hallsweep_core::units::{Celsius, MissionId, Seq, WallTime};
-use hallsweep_core::world::temperature::Speaking;
 
 /// Entries in a section of the picture.
 const SECTION: usize = 64;
@@ -324,7 +323,7 @@ mod tests {
     use crate::api::fixture::{TEN, degrees, piece};
     use hallsweep_core::command::Issuer;
     use hallsweep_core::effect::Entry;
-    use hallsweep_core::mission::Hold;
+    use hallsweep_core::hold::Hold;
     use hallsweep_core::state::Venue;
     use hallsweep_core::units::{Cell, LuggageId};
 

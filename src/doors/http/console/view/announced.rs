@@ -1,7 +1,7 @@
 //! What is announced to whoever listens and does not look: what changes, and not every step.
 
 use super::{View, sentence};
-use hallsweep_core::mission::PhaseName;
+use hallsweep_core::phase::PhaseName;
 
 impl View<'_> {
     /// The sentence for those who listen instead of looking.

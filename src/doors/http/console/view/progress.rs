@@ -4,10 +4,10 @@ use std::time::Duration;
 
 use super::View;
 use crate::phrases::Phrase;
-use hallsweep_core::mission::PhaseName;
+use hallsweep_core::phase::PhaseName;
+use hallsweep_core::snapshot::TimeLeft;
 use hallsweep_core::state::Reach;
 use hallsweep_core::units::WallTime;
-use hallsweep_core::world::snapshot::TimeLeft;
 
 impl View<'_> {
     pub(in super::super) fn is_begun(&self) -> bool {

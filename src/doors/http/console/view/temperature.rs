@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use super::{View, capital};
 use crate::phrases::{Markup, Phrase};
-use hallsweep_core::mission::Hold;
+use hallsweep_core::command::OPERATOR;
+use hallsweep_core::hold::Hold;
 use hallsweep_core::units::{Celsius, WallTime};
-use hallsweep_core::world::temperature::{OPERATOR, Reading, TemperatureStatus, TemperatureView};
+use hallsweep_core::world::temperature::{Reading, TemperatureStatus, TemperatureView};
 
 /// A reading is said to be old on the bar after this: thermometers and sensors read every 10 s, if not more often.
 const OLD_MS: i64 = 15_000;

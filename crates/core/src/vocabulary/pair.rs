@@ -1,4 +1,4 @@
-//! Why the pair cannot go on, each by a name and in words. What a mission makes of it stands elsewhere.
+//! What the pair calls the operator for, and why it cannot go on, each by a name and in words.
 
 named! {
     ALL by name;
@@ -43,6 +43,29 @@ impl RetrievalFault {
             RetrievalFault::NotAligned => "the pair cannot bring the parcel exactly to where it is to be put down",
             RetrievalFault::TakesTooLong => "one step of the pair's work takes longer than it ever should",
             RetrievalFault::Tree => "a behaviour tree cannot be performed as it is written",
+        }
+    }
+}
+
+named! {
+    ALL by name;
+    /// What the pair says to the operator: an alarm, which is to be acknowledged before the trees go on.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Saying {
+        /// No parcel is recognised where one should be.
+        CallOperator = "callOperator",
+        /// The parcel has slipped out of the grippers.
+        PackageLost = "packageLost",
+    }
+}
+
+impl Saying {
+    /// What it says, in words for the operator.
+    #[must_use]
+    pub const fn in_words(self) -> &'static str {
+        match self {
+            Saying::CallOperator => "the pair recognises no parcel: look what stands there, then acknowledge and press START",
+            Saying::PackageLost => "the pair has lost the parcel: look where it lies, then acknowledge and press START",
         }
     }
 }

@@ -5,10 +5,11 @@ mod words;
 
 use std::sync::Arc;
 
-use super::command::{CommandId, Verdict};
-use super::event::RobotId;
-use super::mission::{FaultCause, Hold, PhaseName};
-use super::units::{AlarmId, Cell, Epoch, LuggageId};
+use crate::command::{CommandId, Verdict};
+use crate::event::RobotId;
+use crate::hold::Hold;
+use crate::phase::{FaultCause, PhaseName};
+use crate::units::{AlarmId, Cell, Epoch, LuggageId};
 
 /// What kind of refusal it is, as far as it makes a difference to whoever is told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

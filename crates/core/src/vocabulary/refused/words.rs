@@ -3,10 +3,11 @@
 
 use std::sync::Arc;
 
-use super::{OTHER_CONTENT, Refusal, Refused};
 use crate::command::{CommandId, Verdict};
-use crate::mission::{FaultCause, Hold, PhaseName};
-use crate::robots::RobotId;
+use crate::hold::Hold;
+use crate::phase::{FaultCause, PhaseName};
+use crate::refused::{OTHER_CONTENT, Refusal, Refused};
+use crate::robot::RobotId;
 use crate::units::{AlarmId, Cell, Epoch, LuggageId};
 
 /// What stands before the holds.

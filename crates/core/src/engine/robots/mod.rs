@@ -2,53 +2,17 @@
 //! one stands is part of `state`, as is where the others do. What a mission wants of them is not decided here.
 
 mod controller;
-mod parts;
 
+use crate::robot::RobotId;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
 pub(crate) use self::controller::RobotController;
-pub use self::parts::{Part, Parts};
+use crate::arm::ArmState;
 use crate::event::Ahead;
-use crate::mission::{Hold, Holds};
-use crate::retrieval::ArmState;
+use crate::hold::{Hold, Holds};
 use crate::units::WallTime;
-
-/// The name by which settings, orders, reports and records mean one robot.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct RobotId(Arc<str>);
-
-impl RobotId {
-    /// The longest name, in bytes: it stands in a topic, a path and a caption.
-    pub const MOST: usize = 32;
-
-    /// `text` as a name: 1 to `MOST` small letters, digits and hyphens, the first a letter; else `None`.
-    #[must_use]
-    pub fn new(text: &str) -> Option<RobotId> {
-        let usable = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'-';
-        let begins = text.bytes().next().is_some_and(|first| first.is_ascii_lowercase());
-        (begins && text.len() <= RobotId::MOST && text.bytes().all(usable)).then(|| RobotId(Arc::from(text)))
-    }
-
-    /// The robot that searches, where nothing else is said.
-    #[must_use]
-    pub fn discovery() -> RobotId {
-        RobotId(Arc::from("discovery"))
-    }
-
-    /// The name.
-    #[must_use]
-    pub fn name(&self) -> &str {
-        &self.0
-    }
-}
-
-impl std::fmt::Display for RobotId {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
 
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Robot {

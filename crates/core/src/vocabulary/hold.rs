@@ -1,6 +1,9 @@
 //! What holds the robot: a set beside the phase. While it is not empty nothing moves (mission §4).
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use crate::units::Celsius;
 
 named! {
     ALL by name;
@@ -116,6 +119,30 @@ impl Holds {
 impl FromIterator<Hold> for Holds {
     fn from_iter<I: IntoIterator<Item = Hold>>(holds: I) -> Holds {
         Holds(holds.into_iter().collect())
+    }
+}
+
+/// What more there is to say of a hold.
+#[derive(Clone, Debug, PartialEq)]
+pub enum HoldReason {
+    /// This was read.
+    Reading(Celsius),
+    /// The sensor of this name is silent.
+    Silent(Arc<str>),
+    /// The sensor of this name was never heard since the program was started.
+    Unheard(Arc<str>),
+    /// In the words of the store, or of the link to a robot.
+    Words(String),
+}
+
+impl std::fmt::Display for HoldReason {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            HoldReason::Reading(celsius) => write!(f, "{celsius}"),
+            HoldReason::Silent(sensor) => f.write_str(sensor),
+            HoldReason::Unheard(sensor) => write!(f, "{sensor} has not been heard yet"),
+            HoldReason::Words(words) => f.write_str(words),
+        }
     }
 }
 

@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use crate::behaviour::{Blackboard, Status, Tree};
-use crate::retrieval::NotFetched;
-use crate::settings::Fetcher;
+use crate::not_fetched::{Fetcher, NotFetched};
 use crate::units::{Cell, LuggageId};
 
 /// A retrieval under way, or in fault.

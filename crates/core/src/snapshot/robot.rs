@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::mission::Hold;
-use crate::retrieval::ArmState;
-use crate::robots::{Parts, RobotId};
+use crate::arm::ArmState;
+use crate::hold::Hold;
+use crate::robot::{Parts, RobotId, RobotState};
 use crate::units::{Pose, WallTime};
 
 /// What is shown of a robot.
@@ -43,21 +43,4 @@ pub struct RobotShown {
     pub arm: Option<ArmState>,
     /// Why it cannot be reached, while that is so and a reason is known.
     pub unreached: Option<Arc<str>>,
-}
-
-named! {
-    ALL by name;
-    /// What a robot does, by the words of the seeds, which have none for an arm.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    #[expect(missing_docs, reason = "the names say it")]
-    pub enum RobotState {
-        Stopped = "stopped",
-        MovingForward = "movingForward",
-        MovingBackward = "movingBackward",
-        RotateLeft = "rotateLeft",
-        RotateRight = "rotateRight",
-        TakingPhoto = "takingPhoto",
-        SendingPhoto = "sendingPhoto",
-        MovingArm = "movingArm",
-    }
 }

@@ -4,13 +4,15 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::alarm::AlarmCause;
 use crate::behaviour::state::StateError;
 use crate::command::{Issuer, Refused};
 use crate::effect::Fact;
-use crate::mission::{Asked, FaultCause, Hold, PhaseName, fact_words};
-use crate::robots::RobotId;
-use crate::units::{Cell, Celsius, LuggageId, Pose};
+use crate::hold::{Hold, HoldReason};
+use crate::mission::{Asked, fact_words};
+use crate::phase::{FaultCause, PhaseName};
+use crate::robot::RobotId;
+use crate::units::{Cell, LuggageId, Pose};
+use crate::world::alarm::AlarmCause;
 
 /// What a line of the log says. `Display` is the sentence.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,19 +72,6 @@ pub enum Said {
     /// What the journal says, recalled from before a restart or of another moment. `Said::fact` makes it.
     Fact(Arc<Fact>),
     /// In the words of others, as those of whoever found a file damaged.
-    Words(String),
-}
-
-/// What more there is to say of a hold.
-#[derive(Clone, Debug, PartialEq)]
-pub enum HoldReason {
-    /// This was read.
-    Reading(Celsius),
-    /// The sensor of this name is silent.
-    Silent(Arc<str>),
-    /// The sensor of this name was never heard since the program was started.
-    Unheard(Arc<str>),
-    /// In the words of the store, or of the link to a robot.
     Words(String),
 }
 
@@ -162,17 +151,6 @@ impl Said {
     }
 }
 
-impl fmt::Display for HoldReason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            HoldReason::Reading(celsius) => write!(f, "{celsius}"),
-            HoldReason::Silent(sensor) => f.write_str(sensor),
-            HoldReason::Unheard(sensor) => write!(f, "{sensor} has not been heard yet"),
-            HoldReason::Words(words) => f.write_str(words),
-        }
-    }
-}
-
 impl Trouble {
     fn tell(&self, robot: &RobotId, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -195,10 +173,10 @@ impl Trouble {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::command::{Command, Door, LuggageRef, Note, Verdict};
+    use crate::command::{Command, Door, LuggageRef, Note, Strategy, Verdict};
     use crate::event::Photo;
-    use crate::search::Strategy;
     use crate::state::PersistentState;
+    use crate::units::Celsius;
     use crate::units::WallTime;
     use crate::world::luggage::{Luggage, PhotoState};
 

@@ -4,10 +4,10 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::command::Move;
-use super::retrieval::{ArmState, Parcel};
-pub use super::robots::{Parts, RobotId};
-use super::units::{Celsius, Heading, OrderId, Pose, Seq};
+use crate::arm::{ArmState, Parcel};
+use crate::command::Move;
+pub use crate::robot::{Parts, RobotId};
+use crate::units::{Celsius, Heading, OrderId, Pose, Seq};
 
 /// Something that happened outside the core.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,12 +3,19 @@
 
 use std::sync::Arc;
 
-pub use super::refused::{CODES, Refusal, RefusalKind, Refused};
+pub use crate::refused::{CODES, Refusal, RefusalKind, Refused};
 
-use super::search::Strategy;
-use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
-use super::words::is_visible;
-use super::world::temperature::{OPERATOR, OTHERS, ROBOT};
+use crate::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
+use crate::words::is_visible;
+
+/// The source of the operator's own readings.
+pub const OPERATOR: &str = "operator";
+
+/// The source of the robot's own thermometer.
+pub const ROBOT: &str = "robot";
+
+/// The source of all for whom there is no room.
+pub const OTHERS: &str = "others";
 
 /// A command with what came with it.
 #[derive(Clone, Debug, PartialEq)]
@@ -291,6 +298,27 @@ pub struct Accepted {
     pub epoch: Epoch,
     /// The piece it concerned, where it concerned one.
     pub luggage: Option<LuggageId>,
+}
+
+named! {
+    ALL by name;
+    /// The ways to search a hall.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub enum Strategy {
+        /// For whoever does not want to choose: the tuned score, or along the walls where that finds luggage sooner.
+        #[default]
+        Auto = "auto",
+        /// Whatever comes to the least by a tuned score of the way there and of what lies round it.
+        Scored = "scored",
+        /// The nearest unknown cell, lone ones first.
+        Frontier = "frontier",
+        /// To and fro, column after column.
+        Columns = "columns",
+        /// Round and round, from the walls inwards.
+        Spiral = "spiral",
+        /// The seeds' *chiocciola*: growing squares, home after each.
+        Snail = "snail",
+    }
 }
 
 #[cfg(test)]

@@ -1,22 +1,29 @@
 //! The state of everything at one revision, immutable and cheap to share: what the doors show.
 
+pub mod log;
+pub mod retrieval;
+pub mod robot;
+pub mod said;
+
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::alarm::AlarmView;
-use super::hall_map::HallMap;
-use super::log::LogLine;
-use super::luggage::Luggage;
-use super::records::LuggageRecords;
-use super::resource::Resource;
-use super::retrieval::RetrievalView;
-use super::robot::{RobotShown, RobotState, RobotView};
-use super::temperature::TemperatureView;
-use crate::mission::{FaultCause, Hold, PhaseName};
+use crate::command::Strategy;
+use crate::hold::Hold;
+use crate::phase::{FaultCause, PhaseName};
 use crate::refused::Refused;
-use crate::search::Strategy;
+use crate::robot::RobotState;
+use crate::snapshot::log::LogLine;
+use crate::snapshot::retrieval::RetrievalView;
+use crate::snapshot::robot::{RobotShown, RobotView};
 use crate::state::Reach;
 use crate::units::{Cell, Epoch, LuggageId, MissionId, Revision};
+use crate::world::alarm::AlarmView;
+use crate::world::hall_map::HallMap;
+use crate::world::luggage::Luggage;
+use crate::world::records::LuggageRecords;
+use crate::world::resource::Resource;
+use crate::world::temperature::TemperatureView;
 
 /// Everything that can be seen, at one moment.
 #[derive(Clone, Debug)]

@@ -1,4 +1,59 @@
-//! What a robot is made of, as far as a mission cares: whoever wants something of a robot asks here whether it has what it takes.
+//! The name of a robot, what it does, and what it is made of, as far as a mission cares: whoever wants something of a robot asks here
+//! whether it has what it takes.
+
+use std::sync::Arc;
+
+/// The name by which settings, orders, reports and records mean one robot.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct RobotId(Arc<str>);
+
+impl RobotId {
+    /// The longest name, in bytes: it stands in a topic, a path and a caption.
+    pub const MOST: usize = 32;
+
+    /// `text` as a name: 1 to `MOST` small letters, digits and hyphens, the first a letter; else `None`.
+    #[must_use]
+    pub fn new(text: &str) -> Option<RobotId> {
+        let usable = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'-';
+        let begins = text.bytes().next().is_some_and(|first| first.is_ascii_lowercase());
+        (begins && text.len() <= RobotId::MOST && text.bytes().all(usable)).then(|| RobotId(Arc::from(text)))
+    }
+
+    /// The robot that searches, where nothing else is said.
+    #[must_use]
+    pub fn discovery() -> RobotId {
+        RobotId(Arc::from("discovery"))
+    }
+
+    /// The name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.0
+    }
+}
+
+impl std::fmt::Display for RobotId {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+named! {
+    ALL by name;
+    /// What a robot does, by the words of the seeds, which have none for an arm.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    #[expect(missing_docs, reason = "the names say it")]
+    pub enum RobotState {
+        Stopped = "stopped",
+        MovingForward = "movingForward",
+        MovingBackward = "movingBackward",
+        RotateLeft = "rotateLeft",
+        RotateRight = "rotateRight",
+        TakingPhoto = "takingPhoto",
+        SendingPhoto = "sendingPhoto",
+        MovingArm = "movingArm",
+    }
+}
 
 named! {
     ALL by name;

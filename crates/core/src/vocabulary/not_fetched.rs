@@ -1,9 +1,22 @@
-//! Why a piece was not fetched, in words and back: the journal keeps the words alone. What ends a run of the pair stands in `fault`.
+//! Who fetches a piece, and why it was not fetched, in words and back: the journal keeps the words alone. What ends a run of the pair stands in `pair`.
 
 use std::fmt;
 
-use super::fault::RetrievalFault;
-use crate::settings::Fetcher;
+use crate::pair::RetrievalFault;
+
+named! {
+    ALL by name;
+    /// Who fetches a dangerous piece (mission §4).
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Fetcher {
+        /// Two mobile manipulators, SRM1 and SRM2.
+        Pair = "pair",
+        /// The robot that searches, which plays both parts.
+        Discovery = "discovery",
+        /// Nobody: RETRIEVE is refused.
+        None = "none",
+    }
+}
 
 /// Between why the robots go out without the piece and why they cannot.
 const AND: &str = "; and ";

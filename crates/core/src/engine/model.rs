@@ -3,12 +3,12 @@
 
 use std::sync::Arc;
 
-use super::log::{Log, Tone};
-use super::resource::Resource;
-use super::said::Said;
-use super::temperature::Thermometer;
 use crate::settings::Settings;
+use crate::snapshot::log::{Log, Tone};
+use crate::snapshot::said::Said;
 use crate::units::{Revision, WallTime};
+use crate::world::resource::Resource;
+use crate::world::temperature::Thermometer;
 
 #[derive(Clone, Debug)]
 pub(crate) struct World {

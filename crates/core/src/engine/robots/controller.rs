@@ -5,8 +5,8 @@ use std::time::Duration;
 use crate::command::Move;
 use crate::effect::{Action, Order};
 use crate::event::Capabilities;
+use crate::robot::RobotState;
 use crate::units::{Epoch, OrderId};
-use crate::world::robot::RobotState;
 
 /// How much longer than the robot's own deadline an answer is waited for: the way there and back.
 const GRACE: Duration = Duration::from_secs(2);

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use super::said::Said;
+use crate::snapshot::said::Said;
 use crate::units::{Seq, WallTime};
 
 /// How many lines are at hand: as many as a person scrolls through; older ones are the journal's.

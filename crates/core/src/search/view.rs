@@ -1,0 +1,110 @@
+//! What a strategy is shown, and what it may want.
+
+use super::costs::Costs;
+use super::grid::Grid;
+use crate::command::Move;
+use crate::units::{Cell, Pose};
+
+named! {
+    ALL by name;
+    /// What a search is to be good at.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub enum Objective {
+        /// Luggage soon.
+        #[default]
+        Find = "find",
+        /// The whole hall with few moves.
+        Cover = "cover",
+    }
+}
+
+named! {
+    ALL by name;
+    /// How a robot learns that a cell is free.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub enum Sensing {
+        /// By driving into it.
+        #[default]
+        Bump = "bump",
+        /// By its front sonar, before it drives.
+        Sonar = "sonar",
+    }
+}
+
+/// What a search is asked to do, and how the robot senses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Terms {
+    /// What it is to be good at.
+    pub objective: Objective,
+    /// So many cells ahead the robot sees whether they are free; 0: it bumps into what is there.
+    pub sonar_cells: u8,
+    /// What moves cost it.
+    pub costs: Costs,
+}
+
+/// How a robot came to where it stands, as far as the looks of an entry depend on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Gait {
+    /// The last turn: −1 to the left, 1 to the right, 0 none yet.
+    pub turn: i8,
+    /// The cells driven straight on since.
+    pub run: u8,
+}
+
+impl Gait {
+    /// The gait after a move.
+    #[must_use]
+    pub const fn after(self, step: Move) -> Gait {
+        match step {
+            Move::Forward => Gait { run: self.run.saturating_add(1), ..self },
+            Move::TurnLeft => Gait { turn: -1, run: 0 },
+            Move::TurnRight => Gait { turn: 1, run: 0 },
+            Move::Backward | Move::NudgeLeft | Move::NudgeRight => self,
+        }
+    }
+}
+
+/// What a strategy sees.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a> {
+    /// What is known of the hall.
+    pub grid: &'a Grid,
+    /// Where the robot stands.
+    pub pose: Pose,
+    /// How it came there.
+    pub gait: Gait,
+    /// What it is asked.
+    pub terms: Terms,
+}
+
+/// What a search is after.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Goal {
+    /// A cell to be visited, or found to be an obstacle.
+    Visit(Cell),
+    /// The home cell, before the search goes on.
+    Home,
+}
+
+impl Goal {
+    /// The cell it means.
+    #[must_use]
+    pub const fn cell(self) -> Cell {
+        match self {
+            Goal::Visit(cell) => cell,
+            Goal::Home => Cell::HOME,
+        }
+    }
+}
+
+/// What to do next.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NextGoal {
+    /// Go to this cell, or find out what stands there: by these moves, or without any by the cheapest way there is, unknown cells
+    /// taken for free ones.
+    Visit(Cell, Vec<Move>),
+    /// Go home, and ask again there.
+    GoHome,
+    /// Nothing that can be reached is unknown.
+    Finished,
+}
