@@ -63,8 +63,7 @@ impl Row {
 mod tests {
     use super::*;
     use crate::api::fixture::searching;
-    use hallsweep_core::event::Piece;
-    use hallsweep_core::units::Cell;
+    use hallsweep_core::units::{Cell, Piece};
     use hallsweep_sim::{Hall, Truth};
 
     fn file(name: &str) -> Vec<u8> {

@@ -6,8 +6,7 @@
 
 use std::collections::HashSet;
 
-use hallsweep_core::event::Piece;
-use hallsweep_core::units::Cell;
+use hallsweep_core::units::{Cell, Piece};
 use hallsweep_sim::{Hall, Truth};
 
 /// Where a base, or the parcel, can be.

@@ -9,7 +9,6 @@ use std::time::Duration;
 
 use hallsweep_core::arm::{Gripper, Parcel};
 use hallsweep_core::command::{Command, LuggageRef, Move, TemperatureReport, Verdict};
-use hallsweep_core::event::Piece;
 use hallsweep_core::hold::Hold;
 use hallsweep_core::pair::{RetrievalFault, Saying};
 use hallsweep_core::phase::PhaseName;
@@ -17,7 +16,7 @@ use hallsweep_core::place::Place;
 use hallsweep_core::retrieval::Which;
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::snapshot::Snapshot;
-use hallsweep_core::units::{Cell, LuggageId};
+use hallsweep_core::units::{Cell, LuggageId, Piece};
 use hallsweep_core::world::alarm::AlarmCause;
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_sim::pair::{AstrayMemory, Mishaps, PairSettings, RobotMemory, Slip};

@@ -4,11 +4,11 @@
 
 use hallsweep_core::command::{Command, LuggageRef, Move, TemperatureReport, Verdict};
 use hallsweep_core::effect::{Action, Effect};
-use hallsweep_core::event::{Ahead, Event, Obstacle, Piece, RobotEvent};
+use hallsweep_core::event::{Ahead, Event, Obstacle, RobotEvent};
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::settings::Settings;
-use hallsweep_core::units::{AlarmId, Cell, LuggageId, Ticket};
+use hallsweep_core::units::{AlarmId, Cell, LuggageId, Piece, Ticket};
 
 use crate::bare::Bare;
 use crate::random_halls::in_turn;

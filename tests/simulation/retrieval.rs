@@ -3,13 +3,12 @@
 use std::sync::Arc;
 
 use hallsweep_core::command::{Command, LuggageRef, Strategy, Verdict};
-use hallsweep_core::event::Piece;
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::place::Place;
 use hallsweep_core::retrieval::Which;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::Snapshot;
-use hallsweep_core::units::LuggageId;
+use hallsweep_core::units::{LuggageId, Piece};
 use hallsweep_sim::headless::Run;
 use hallsweep_sim::pair::PairSettings;
 use hallsweep_sim::{Camera, Hall, SimSettings};

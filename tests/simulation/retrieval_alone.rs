@@ -5,13 +5,12 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use hallsweep_core::command::{Command, LuggageRef, Strategy, TemperatureReport, Verdict};
-use hallsweep_core::event::Piece;
 use hallsweep_core::not_fetched::Fetcher;
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::Snapshot;
-use hallsweep_core::units::{AlarmId, Cell};
+use hallsweep_core::units::{AlarmId, Cell, Piece};
 use hallsweep_sim::{Camera, Hall, SimSettings};
 
 use crate::halls;

@@ -7,14 +7,13 @@ use hallsweep_core::arm::{ArmAction, Gripper, Parcel};
 use hallsweep_core::behaviour::Status;
 use hallsweep_core::command::{Command, LuggageRef, Verdict};
 use hallsweep_core::effect::Action;
-use hallsweep_core::event::Piece;
 use hallsweep_core::not_fetched::Fetcher;
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::place::Place;
 use hallsweep_core::retrieval::Which;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::Snapshot;
-use hallsweep_core::units::Cell;
+use hallsweep_core::units::{Cell, Piece};
 use hallsweep_sim::pair::{Mishaps, PairSettings};
 use hallsweep_sim::{Camera, Hall, SimSettings, Truth};
 

@@ -192,7 +192,7 @@ fn a_refusal_that_ends_raises_the_missions_revision() {
 
 #[test]
 fn a_piece_that_failed_twice_stays_one_record_that_waits() {
-    let mut bare = Bare::in_front_of(Obstacle::Luggage(hallsweep_core::event::Piece(1)));
+    let mut bare = Bare::in_front_of(Obstacle::Luggage(hallsweep_core::units::Piece(1)));
     bare.photo_fails();
     bare.give(Command::BackHome).unwrap();
     bare.drive_on();

@@ -2,10 +2,10 @@
 
 use hallsweep_core::command::{Command, Refused, TemperatureReport, Verdict};
 use hallsweep_core::effect::Effect;
-use hallsweep_core::event::{Event, Obstacle, Piece, RobotEvent, RobotId};
+use hallsweep_core::event::{Event, Obstacle, RobotEvent, RobotId};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::phase::PhaseName;
-use hallsweep_core::units::{AlarmId, Celsius, LuggageId, MissionId};
+use hallsweep_core::units::{AlarmId, Celsius, LuggageId, MissionId, Piece};
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::resource::Resource;
 

@@ -8,14 +8,14 @@ use std::time::Duration;
 use hallsweep_core::command::{Command, Door, Issuer, Refused, Request};
 use hallsweep_core::effect::{Action, Effect, Entry, Order, Page};
 use hallsweep_core::engine::{Engine, Recalled};
-use hallsweep_core::event::{Event, Piece, RobotEvent, RobotId, Whereabouts};
+use hallsweep_core::event::{Event, RobotEvent, RobotId, Whereabouts};
 use hallsweep_core::place::Place;
 use hallsweep_core::retrieval::{BasePose, Which};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::PersistentState;
-use hallsweep_core::units::{Cell, Now, Pose, Seq, Ticket, WallTime};
+use hallsweep_core::units::{Cell, Now, Piece, Pose, Seq, Ticket, WallTime};
 use hallsweep_sim::pair::{Pair, PairMemory, PairSettings};
 use hallsweep_sim::{BodyPose, Hall, Sim, SimMemory, SimSettings, Truth};
 

@@ -22,11 +22,7 @@ use super::message::Token;
 use super::network::{Network, is_this_machine};
 use super::request::Request;
 use super::response::Response;
-use super::subject::{Subject, Target};
-
-/// One observation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(super) struct ObserverId(u64);
+use super::subject::{ObserverId, Subject, Target};
 
 /// How an observer acknowledges. Registering again changes nothing of it, so that nobody keeps a place by that alone.
 #[derive(Clone, Copy, Debug)]

@@ -10,10 +10,11 @@ use super::exchange::MessageKey;
 use super::inward::ReplyTo;
 use super::limits::PEERS;
 use super::message::{Kind, Outgoing, Token, empty};
-use super::observe::{Notification, ObserverId};
+use super::observe::Notification;
 use super::reliable::{About, Late, Sent};
 use super::reply::{self, ReplyOptions};
 use super::response::{Answer, Response};
+use super::subject::ObserverId;
 use super::{Endpoint, Open, Transmit};
 
 impl Endpoint {

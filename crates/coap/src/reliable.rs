@@ -8,7 +8,7 @@ use std::time::Duration;
 use super::chance::Chance;
 use super::limits::{ACK_SPREAD, ACK_TIMEOUT, MAX_RETRANSMIT, RELIABLE_PEERS, WAITING};
 use super::message::Outgoing;
-use super::observe::ObserverId;
+use super::subject::ObserverId;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum About {

@@ -6,9 +6,12 @@ use std::sync::Arc;
 
 use super::format::Format;
 use super::knowledge::Thing;
-use super::observe::ObserverId;
 use super::request::Request;
 use super::response::Response;
+
+/// One observation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(super) struct ObserverId(pub(super) u64);
 
 /// What two observers must have in common to be told the same.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

@@ -6,12 +6,12 @@ use std::time::Duration;
 
 use crate::arm::ArmAction;
 use crate::command::{Accepted, CommandId, Issuer, Move, Note, Refusal, Refused, Strategy, Verdict};
-use crate::event::{Photo, Piece, RobotId};
+use crate::event::{Photo, RobotId};
 use crate::hold::Hold;
 use crate::robot::Part;
 use crate::search::{Goal, Search};
 use crate::state::{Conditions, PersistentState, Phase, Retrieval};
-use crate::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, OrderId, Pose, Seq, Ticket, WallTime};
+use crate::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, OrderId, Piece, Pose, Seq, Ticket, WallTime};
 use crate::world::alarm::AlarmCause;
 use crate::world::hall_map::Mark;
 use crate::world::luggage::Luggage;

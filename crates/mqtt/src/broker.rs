@@ -8,17 +8,18 @@ use std::time::Duration;
 
 use crate::connection::refusals::Lines;
 use crate::filter;
+use crate::grant::Grant;
 use crate::limits::AWAY;
 use crate::message::{Draft, Message};
 use crate::packet::Qos;
 use crate::packet::connect::Will;
 use crate::packet::properties::{Property, that_go_on};
 use crate::passage::{Passage, Router};
-use crate::readers::{Found, Reader, Readers};
+use crate::readers::{Found, Readers};
 use crate::retained::Retained;
 use crate::rights::{Payer, Rights, Tier};
-use crate::subscriber::{Delivery, Subscriber};
-use crate::subscription::{Grant, Subscription};
+use crate::subscriber::{Delivery, Reader, Subscriber};
+use crate::subscription::Subscription;
 
 /// What all connections of a broker share.
 #[derive(Debug)]

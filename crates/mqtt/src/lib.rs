@@ -16,6 +16,7 @@ mod broker;
 mod connection;
 pub mod filter;
 mod frame;
+mod grant;
 pub mod limits;
 mod message;
 mod outbox;

@@ -8,7 +8,10 @@ use bytes::Bytes;
 
 use crate::limits::MESSAGE_COST;
 use crate::packet::Qos;
-use crate::subscriber::SubscriberId;
+
+/// Tells one subscriber from others, for as long as the program runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SubscriberId(pub(crate) u64);
 
 /// A message as it was published.
 #[derive(Debug)]

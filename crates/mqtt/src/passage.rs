@@ -5,8 +5,7 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use crate::message::Message;
-use crate::readers::Reader;
-use crate::subscriber::{Delivery, Subscriber};
+use crate::subscriber::{Delivery, Reader, Subscriber};
 
 /// Carries messages to those who subscribed. Nothing here may block.
 pub trait Router: Debug + Send + Sync {

@@ -6,22 +6,10 @@ use std::ops::Bound;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::packet::Qos;
+use super::grant::Grant;
+use super::message::SubscriberId;
 use super::passage::Router;
-use super::subscriber::{Subscriber, SubscriberId};
-use super::subscription::{Grant, Ids};
-
-/// Who reads something, and how.
-#[derive(Clone, Debug)]
-pub(crate) struct Reader {
-    pub(crate) subscriber: Arc<Subscriber>,
-    /// How surely it is to reach him at the most.
-    pub(crate) qos: Qos,
-    /// Whether he is told that it is to be kept.
-    pub(crate) as_published: bool,
-    /// The numbers of his subscriptions that match.
-    pub(crate) ids: Ids,
-}
+use super::subscriber::{Reader, Subscriber};
 
 /// All who read what is published on one topic.
 #[derive(Clone, Debug, Default)]
@@ -218,6 +206,7 @@ mod tests {
     use crate::filter::tests::{level, some_filter};
     use crate::limits::LAG_BYTES;
     use crate::message::{Draft, Message};
+    use crate::packet::Qos;
     use crate::packet::filters::Options;
     use crate::subscriber::Delivery;
     use crate::subscription::Subscription;

@@ -14,13 +14,13 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::{Context, Poll, Waker};
 use std::time::Duration;
 
+use super::grant::Ids;
 use super::limits::{
     FORGIVEN, FORGIVEN_LONGEST, HEAVIEST, LAG, LAG_BYTES, MENDED, PATIENCE, QUEUE, QUEUE_BYTES, RELIEF, RELIEF_BYTES,
 };
 use super::message::Message;
+use super::message::SubscriberId;
 use super::packet::Qos;
-use super::readers::Reader;
-use super::subscription::Ids;
 
 /// So much room for deliveries is kept when none waits.
 const ROOM: usize = 256;
@@ -28,9 +28,17 @@ const ROOM: usize = 256;
 /// Nothing was missed.
 const NOTHING: u64 = u64::MAX;
 
-/// Tells one subscriber from others, for as long as the program runs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct SubscriberId(u64);
+/// Who reads something, and how.
+#[derive(Clone, Debug)]
+pub(crate) struct Reader {
+    pub(crate) subscriber: Arc<Subscriber>,
+    /// How surely it is to reach him at the most.
+    pub(crate) qos: Qos,
+    /// Whether he is told that it is to be kept.
+    pub(crate) as_published: bool,
+    /// The numbers of his subscriptions that match.
+    pub(crate) ids: Ids,
+}
 
 /// What waits for one subscriber, and since when it does not keep up.
 #[derive(Debug)]

@@ -1,9 +1,10 @@
 //! What waits for one subscriber, what he loses, and for how long publishers wait for him. Kept apart because they are many.
 
 use super::*;
+use crate::grant::Grant;
 use crate::limits::STILL;
 use crate::message::Draft;
-use crate::subscription::{Grant, Subscription};
+use crate::subscription::Subscription;
 
 const NOW: Duration = Duration::from_secs(100);
 

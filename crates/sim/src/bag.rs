@@ -3,8 +3,7 @@
 
 use std::sync::Arc;
 
-use hallsweep_core::event::Piece;
-use hallsweep_core::units::Cell;
+use hallsweep_core::units::{Cell, Piece};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bag {

@@ -3,8 +3,7 @@
 
 use super::bag::Bag;
 use super::hall::{Hall, Truth};
-use hallsweep_core::event::Piece;
-use hallsweep_core::units::Cell;
+use hallsweep_core::units::{Cell, Piece};
 
 /// FNV-1a over 64 bits: the same on every machine and in every version, which the standard library's hashes are not.
 pub(super) struct Fingerprint(u64);

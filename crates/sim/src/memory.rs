@@ -16,12 +16,10 @@ use std::time::Duration;
 
 use super::drive::{BodyPose, normal};
 use super::hall::{Hall, Truth};
-use super::simulator::centre_of;
 use super::sonar::way_to_contact;
-use hallsweep_core::event::Piece;
 use hallsweep_core::place::Place;
 use hallsweep_core::rng::RandomStream;
-use hallsweep_core::units::Pose;
+use hallsweep_core::units::{Cell, Piece, Pose};
 
 /// A robot halts by itself at most this long after the program has died (safety S5), in simulated time.
 const WATCHDOG: Duration = Duration::from_millis(500);
@@ -211,6 +209,12 @@ pub(crate) fn micro(metres_or_radians: f64) -> i64 {
 #[expect(clippy::cast_precision_loss, reason = "it is at most a few million")]
 pub(crate) fn whole(micro: i64) -> f64 {
     micro as f64 / 1e6
+}
+
+/// The way out is north of home, where the seeds' halls have nothing.
+pub(crate) fn centre_of(pose: Pose, outside: u8, cell_m: f64) -> BodyPose {
+    let cell = Cell::new(pose.cell.x, pose.cell.y - i32::from(outside));
+    BodyPose::centred(Pose { cell, ..pose }, cell_m)
 }
 
 #[cfg(test)]

@@ -16,8 +16,7 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use super::fingerprint::Fingerprint;
 use super::hall::Hall;
 use super::memory::{Astray, SimMemory, Taken, Underway};
-use hallsweep_core::event::Piece;
-use hallsweep_core::units::{Cell, Heading, Pose};
+use hallsweep_core::units::{Cell, Heading, Piece, Pose};
 
 /// The size of everything before the slots: room for the longest name, should each of its letters be written as six.
 const HEAD: usize = 2048;

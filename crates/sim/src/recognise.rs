@@ -33,8 +33,7 @@ fn further_cells(hall: &Hall, pose: Pose, side: Heading) -> u16 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use hallsweep_core::event::Piece;
-    use hallsweep_core::units::Cell;
+    use hallsweep_core::units::{Cell, Piece};
 
     fn check(rows: &[&str], heading: Heading, expect: Obstacle) {
         let hall = Hall::from_rows("test", rows).unwrap();

@@ -123,8 +123,7 @@ impl Thermometer {
 mod tests {
     use super::*;
     use crate::settings::Camera;
-    use hallsweep_core::event::Piece;
-    use hallsweep_core::units::{Cell, Heading};
+    use hallsweep_core::units::{Cell, Heading, Piece};
 
     const EAST: Pose = Pose { cell: Cell::HOME, heading: Heading::East };
 

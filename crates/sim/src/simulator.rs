@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use super::drive::{BodyPose, Chassis, Motion, Wheels, normal};
 use super::hall::Hall;
-use super::memory::{SimMemory, Taken, reseeded, without};
+use super::memory::{SimMemory, Taken, centre_of, reseeded, without};
 use super::senses::{Senses, Thermometer};
 use super::settings::SimSettings;
 use super::sonar::way_to_contact;
@@ -18,7 +18,7 @@ use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order};
 use hallsweep_core::event::{Obstacle, RobotEvent};
 use hallsweep_core::rng::RandomStream;
-use hallsweep_core::units::{Cell, Now, OrderId, Pose};
+use hallsweep_core::units::{Now, OrderId, Pose};
 
 mod entrance;
 mod faults;
@@ -367,12 +367,6 @@ impl Sim {
             Some(Task { work: Work::Photograph { .. } | Work::Handle { .. }, .. }) | None => self.body,
         }
     }
-}
-
-/// The way out is north of home, where the seeds' halls have nothing.
-pub(crate) fn centre_of(pose: Pose, outside: u8, cell_m: f64) -> BodyPose {
-    let cell = Cell::new(pose.cell.x, pose.cell.y - i32::from(outside));
-    BodyPose::centred(Pose { cell, ..pose }, cell_m)
 }
 
 impl Work {

@@ -12,7 +12,7 @@ use hallsweep_core::arm::Parcel;
 use hallsweep_core::behaviour::Value as TreeValue;
 use hallsweep_core::command::{CommandId, Issuer, Move, Note, Strategy as Order, Verdict};
 use hallsweep_core::effect::{Entry, Fact, Unpacked, WrittenOut};
-use hallsweep_core::event::{Piece, RobotId};
+use hallsweep_core::event::RobotId;
 use hallsweep_core::hold::Hold;
 use hallsweep_core::not_fetched::{AloneFault, Fetcher, NotFetched, StuckFault};
 use hallsweep_core::pair::{RetrievalFault, Saying};
@@ -25,7 +25,7 @@ use hallsweep_core::state::{
     Conditions, Inspection, Participant, PersistentState, Phase, Reach, Retrieval, RetrievalStage, Stage, TeamStage, TeamState,
     Venue,
 };
-use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, Seq, WallTime};
+use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Piece, Pose, Revision, Seq, WallTime};
 use hallsweep_core::world::alarm::{Alarm, AlarmCause};
 use hallsweep_core::world::hall_map::{HallMap, Mark, REACH};
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};

@@ -15,8 +15,7 @@ use super::{Picture, Unparsed, map, names, places, retrieval};
 use crate::api::problem::refusal;
 use hallsweep_core::command::{CommandId, Issuer, Refusal};
 use hallsweep_core::effect::{Fact, Unpacked, WrittenOut};
-use hallsweep_core::event::Piece;
-use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId, Seq};
+use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId, Piece, Seq};
 use hallsweep_core::world::alarm::AlarmCause;
 
 /// A fact, by its kind.

@@ -6,8 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::places::{Moment, Point, PoseShape};
 use super::{Unparsed, names};
-use hallsweep_core::event::Piece;
-use hallsweep_core::units::{AlarmId, LuggageId};
+use hallsweep_core::units::{AlarmId, LuggageId, Piece};
 use hallsweep_core::world::alarm::{Alarm, AlarmCause};
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
 

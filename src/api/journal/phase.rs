@@ -5,11 +5,10 @@ use serde::{Deserialize, Serialize};
 use super::Unparsed;
 use super::names::Step;
 use super::places::{Point, PoseShape};
-use hallsweep_core::event::Piece;
 use hallsweep_core::not_fetched::NotFetched;
 use hallsweep_core::phase::FaultCause;
 use hallsweep_core::state::{Inspection, Phase, Stage};
-use hallsweep_core::units::LuggageId;
+use hallsweep_core::units::{LuggageId, Piece};
 
 /// A phase, by the name of the doors.
 #[derive(Serialize, Deserialize)]

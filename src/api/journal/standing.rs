@@ -13,10 +13,9 @@ use super::phase::PhaseShape;
 use super::places::{GoalShape, Point, PoseShape};
 use super::retrieval::RetrievalShape;
 use super::{Unparsed, names, retrieval};
-use hallsweep_core::event::Piece;
 use hallsweep_core::event::RobotId;
 use hallsweep_core::state::PersistentState;
-use hallsweep_core::units::{AlarmId, LuggageId, MissionId, Pose};
+use hallsweep_core::units::{AlarmId, LuggageId, MissionId, Piece, Pose};
 use hallsweep_core::world::records::LuggageRecords;
 
 /// Everything that stands.

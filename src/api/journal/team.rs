@@ -7,10 +7,10 @@ use super::Unparsed;
 use super::places::Point;
 use hallsweep_core::arm::Parcel;
 use hallsweep_core::behaviour::{Status, Value, ValueType};
-use hallsweep_core::event::Piece;
 use hallsweep_core::pair::RetrievalFault;
 use hallsweep_core::place::Place;
 use hallsweep_core::state::{TeamStage, TeamState};
+use hallsweep_core::units::Piece;
 
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]

@@ -17,10 +17,10 @@ use crate::robots::waits::done;
 use crate::runtime::clock::Clock;
 use crate::runtime::link::{RobotSide, Stamped};
 use hallsweep_core::effect::Order;
-use hallsweep_core::event::{Capabilities, Piece, RobotEvent};
+use hallsweep_core::event::{Capabilities, RobotEvent};
 use hallsweep_core::place::Place;
 use hallsweep_core::retrieval::{BasePose, Which};
-use hallsweep_core::units::{Cell, Now, Pose};
+use hallsweep_core::units::{Cell, Now, Piece, Pose};
 use hallsweep_sim::Speed;
 use hallsweep_sim::pair::{Pair, PairSettings};
 

@@ -70,10 +70,9 @@ impl PairStateFile {
 mod tests {
     use super::*;
     use crate::storage::scratch::Scratch;
-    use hallsweep_core::event::Piece;
     use hallsweep_core::place::Place;
     use hallsweep_core::retrieval::BasePose;
-    use hallsweep_core::units::Heading;
+    use hallsweep_core::units::{Heading, Piece};
 
     fn hall(rows: &[&str]) -> Hall {
         Hall::from_rows("first", rows).expect("a good hall")

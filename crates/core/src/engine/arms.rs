@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 
 use super::Engine;
 use crate::arm::{ArmState, Parcel};
-use crate::event::{Piece, RobotId};
+use crate::event::RobotId;
 use crate::place::Place;
 use crate::state::Retrieval;
-use crate::units::{Cell, OrderId};
+use crate::units::{Cell, OrderId, Piece};
 use crate::world::hall_map::Mark;
 use crate::world::resource::Resource;
 

@@ -2,9 +2,9 @@
 
 use super::Engine;
 use crate::effect::Fact;
-use crate::event::{Ahead, Obstacle, Piece};
+use crate::event::{Ahead, Obstacle};
 use crate::mission::{Input, InputContext};
-use crate::units::{Cell, Heading, Pose};
+use crate::units::{Cell, Heading, Piece, Pose};
 use crate::world::hall_map::{Mark, REACH};
 use crate::world::luggage::Luggage;
 

@@ -106,7 +106,7 @@ impl Engine {
         Ticked { team: team.unwrap_or_default(), at: None, is_awake: true }
     }
 
-    pub(super) fn wanted_piece(&self) -> Option<crate::event::Piece> {
+    pub(super) fn wanted_piece(&self) -> Option<crate::units::Piece> {
         let luggage = self.state.retrieval.as_ref()?.luggage;
         self.state.luggage.get(luggage)?.piece
     }

@@ -16,9 +16,9 @@ use super::leaves::{Output, Performer, REPORTING, catalogue, place_of, seen, wri
 use super::view::{Proposal, View, Which};
 use crate::arm::Parcel;
 use crate::behaviour::{Blackboard, Status, Tree, TreeError, xml};
-use crate::event::Piece;
 use crate::pair::{RetrievalFault, Saying};
 use crate::state::TeamStage;
+use crate::units::Piece;
 
 /// How often a team is ticked.
 pub const TICK: Duration = Duration::from_millis(100);

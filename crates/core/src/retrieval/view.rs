@@ -5,10 +5,9 @@ use std::collections::BTreeSet;
 
 use crate::arm::{ArmAction, ArmState};
 use crate::effect::Action;
-use crate::event::Piece;
 use crate::place::Place;
 use crate::robot::RobotId;
-use crate::units::{Cell, Heading};
+use crate::units::{Cell, Heading, Piece};
 use crate::world::hall_map::HallMap;
 
 named! {

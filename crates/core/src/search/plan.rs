@@ -81,7 +81,15 @@ impl Planner {
     }
 }
 
-pub(super) fn way(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal: Cell, through: Through) -> Option<Vec<Move>> {
+impl Ways {
+    /// The cheapest way to a cell, unknown ones taken for free; towards it, when it lies beyond what is known.
+    #[must_use]
+    pub fn way_over_unknown(&mut self, grid: &Grid, costs: Costs, start: Pose, goal: Cell) -> Option<Vec<Move>> {
+        way(grid, self, costs, start, goal, Through::Unknown)
+    }
+}
+
+fn way(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal: Cell, through: Through) -> Option<Vec<Move>> {
     // What is known, and the cells next to it.
     let area = grid.known().including(start.cell).grown(1);
     if !area.contains(goal) {

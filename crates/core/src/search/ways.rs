@@ -80,12 +80,6 @@ impl Ways {
         self.way_to_cell(grid, costs, start, goal, |spot| grid.here(spot) == Square::Visited)
     }
 
-    /// The cheapest way to a cell, unknown ones taken for free; towards it, when it lies beyond what is known.
-    #[must_use]
-    pub fn way_over_unknown(&mut self, grid: &Grid, costs: Costs, start: Pose, goal: Cell) -> Option<Vec<Move>> {
-        super::plan::way(grid, self, costs, start, goal, super::plan::Through::Unknown)
-    }
-
     /// `left` is what a way from there to the goal costs at least, and no less than a move on is nearer. False when there were more
     /// states than are looked at.
     pub(crate) fn search(

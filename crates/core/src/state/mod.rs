@@ -17,7 +17,6 @@ pub use self::readings::Speaking;
 pub use self::retrieval::{Retrieval, RetrievalStage};
 pub use self::team::{TeamStage, TeamState};
 use super::effect::{Entry, Fact};
-use super::event::Piece;
 use super::search::Search;
 use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId, MissionId, Pose, Revision, WallTime};
 use super::world::alarm::{Alarm, AlarmCause};
@@ -28,6 +27,7 @@ use crate::command::{OPERATOR, Strategy};
 use crate::hold::{Hold, Holds};
 use crate::robot::RobotId;
 use crate::search::Goal;
+use crate::units::Piece;
 
 /// So many cells of the map take as much on record as an entry, since rows are written in runs.
 const CELLS_AN_ENTRY: usize = 64;

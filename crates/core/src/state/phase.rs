@@ -2,9 +2,8 @@
 //! What leads from one to the next stands in `table`.
 
 use crate::command::Move;
-use crate::event::Piece;
 use crate::phase::{FaultCause, PhaseName};
-use crate::units::{Cell, LuggageId, Pose};
+use crate::units::{Cell, LuggageId, Piece, Pose};
 
 /// Where the mission stands.
 #[derive(Clone, Debug, PartialEq)]

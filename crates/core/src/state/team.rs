@@ -4,8 +4,8 @@
 use crate::arm::Parcel;
 use crate::behaviour::state::TreeState;
 use crate::behaviour::{Status, Value};
-use crate::event::Piece;
 use crate::pair::RetrievalFault;
+use crate::units::Piece;
 
 /// How far the work has come.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -2,8 +2,8 @@
 //!
 //! Quantities are whole numbers of small units, so that what is written down is read back exactly.
 
-use crate::event::Piece;
 use crate::place::Place;
+use crate::units::Piece;
 
 /// One bounded thing for an arm, or for the camera on it, to do. The controllers are started, which takes no time, and go on by
 /// themselves, under a halt too, until the parcel is released.

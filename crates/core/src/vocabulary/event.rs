@@ -7,7 +7,7 @@ use std::time::Duration;
 use crate::arm::{ArmState, Parcel};
 use crate::command::Move;
 pub use crate::robot::{Parts, RobotId};
-use crate::units::{Celsius, Heading, OrderId, Pose, Seq};
+use crate::units::{Celsius, Heading, OrderId, Piece, Pose, Seq};
 
 /// Something that happened outside the core.
 #[derive(Clone, Debug, PartialEq)]
@@ -133,10 +133,6 @@ pub enum Obstacle {
     /// It cannot tell.
     Unknown,
 }
-
-/// The number by which the camera knows a piece of luggage again. It says nothing about records.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Piece(pub u32);
 
 /// A photo as the camera gave it.
 #[derive(Clone, PartialEq, Eq)]

@@ -231,6 +231,10 @@ numbers! {
     Ticket;
 }
 
+/// The number by which the camera knows a piece of luggage again. It says nothing about records.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Piece(pub u32);
+
 #[cfg(test)]
 mod tests {
     use super::*;

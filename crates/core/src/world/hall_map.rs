@@ -3,96 +3,13 @@
 
 use std::sync::Arc;
 
+pub use super::area::{Bounds, Mark};
 pub use super::tiles::{TILE, Tile, cells_of};
 use super::tiles::{Tiles, place_in_tile, tile_of};
 use crate::units::{Cell, Revision};
 
 /// No cell further from home than this, in either direction, is kept: a robot that reports more is wrong.
 pub const REACH: i32 = 8192;
-
-named! {
-    by name;
-    /// What is known of a cell.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-    pub enum Mark {
-        /// Nothing.
-        #[default]
-        Unknown = "unknown",
-        /// Its sonar has seen that it is free; the robot was not there yet.
-        Seen = "seen",
-        /// The robot was there: it is free.
-        Visited = "visited",
-        /// A wall.
-        Wall = "wall",
-        /// An inspected piece of luggage, or an obstacle that could not be told from one.
-        Luggage = "luggage",
-        /// An obstacle that still has to be inspected.
-        NotInspected = "notInspected",
-    }
-}
-
-impl Mark {
-    /// Whether the robot is still to go there, and nothing is known to stand in its way.
-    #[must_use]
-    pub const fn is_unvisited(self) -> bool {
-        matches!(self, Mark::Unknown | Mark::Seen)
-    }
-
-    /// Whether the robot cannot go there.
-    #[must_use]
-    pub const fn is_obstacle(self) -> bool {
-        matches!(self, Mark::Wall | Mark::Luggage | Mark::NotInspected)
-    }
-}
-
-/// A rectangle of cells, borders included.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Bounds {
-    /// The north-west corner.
-    pub least: Cell,
-    /// The south-east corner.
-    pub most: Cell,
-}
-
-impl Bounds {
-    /// The rectangle of one cell.
-    #[must_use]
-    pub const fn of(cell: Cell) -> Bounds {
-        Bounds { least: cell, most: cell }
-    }
-
-    /// The least rectangle that also holds `cell`.
-    pub(crate) fn including(self, cell: Cell) -> Bounds {
-        Bounds {
-            least: Cell::new(self.least.x.min(cell.x), self.least.y.min(cell.y)),
-            most: Cell::new(self.most.x.max(cell.x), self.most.y.max(cell.y)),
-        }
-    }
-
-    /// Larger by so many cells on every side.
-    #[must_use]
-    pub const fn grown(self, by: i32) -> Bounds {
-        Bounds { least: Cell::new(self.least.x - by, self.least.y - by), most: Cell::new(self.most.x + by, self.most.y + by) }
-    }
-
-    /// Whether it holds `cell`.
-    #[must_use]
-    pub const fn contains(self, cell: Cell) -> bool {
-        cell.x >= self.least.x && cell.y >= self.least.y && cell.x <= self.most.x && cell.y <= self.most.y
-    }
-
-    /// Columns.
-    #[must_use]
-    pub const fn width(self) -> i32 {
-        self.most.x - self.least.x + 1
-    }
-
-    /// Rows.
-    #[must_use]
-    pub const fn height(self) -> i32 {
-        self.most.y - self.least.y + 1
-    }
-}
 
 /// Everything known of the hall.
 #[derive(Clone, Debug)]

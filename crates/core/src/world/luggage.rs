@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use crate::command::{Note, Verdict};
-use crate::event::{Photo, Piece};
-use crate::units::{Cell, LuggageId, Pose, WallTime};
+use crate::event::Photo;
+use crate::units::{Cell, LuggageId, Piece, Pose, WallTime};
 
 /// The record of one piece.
 #[derive(Clone, Debug, PartialEq)]

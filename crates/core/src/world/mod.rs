@@ -1,6 +1,7 @@
 //! The resource model: hall map, luggage, temperature and alarms.
 
 pub mod alarm;
+mod area;
 pub mod hall_map;
 pub mod luggage;
 pub mod records;

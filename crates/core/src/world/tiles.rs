@@ -12,7 +12,7 @@
 
 use std::sync::Arc;
 
-use super::hall_map::{Bounds, Mark};
+use super::area::{Bounds, Mark};
 use crate::units::{Cell, Revision};
 
 /// The side of a tile in cells.

@@ -4,9 +4,9 @@ use std::fmt;
 use std::time::Duration;
 
 use super::numbers::{Seq, millis, number, signed};
-use hallsweep_core::event::{Ahead, Obstacle, OffCentre, Parts, Piece, Whereabouts};
+use hallsweep_core::event::{Ahead, Obstacle, OffCentre, Parts, Whereabouts};
 use hallsweep_core::robot::Part;
-use hallsweep_core::units::{Cell, Celsius, Heading, Pose};
+use hallsweep_core::units::{Cell, Celsius, Heading, Piece, Pose};
 
 /// One line of the robot.
 #[derive(Clone, Debug, PartialEq)]

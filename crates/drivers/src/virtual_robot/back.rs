@@ -1,14 +1,11 @@
 //! The way back to the centre of its cell: along the way it faces, and, where its scene file says that it stands beside the centre,
 //! across that too.
 
-use super::legs::CENTRED;
+use super::measures::{CENTRED, FEELS};
 use super::{Aim, TURN, VirtualRobot, Way};
 use hallsweep_core::effect::Action;
 use hallsweep_core::event::{RobotEvent, Whereabouts};
 use hallsweep_core::units::Pose;
-
-/// How far ahead it feels whether a step is complete.
-pub(super) const FEELS: f64 = 0.3;
 
 /// As far beside the centre it may stand, in cells: nearer than that it meets nothing that is not in its way.
 const BESIDE: f64 = 0.15;

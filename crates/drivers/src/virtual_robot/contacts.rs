@@ -2,25 +2,19 @@
 
 use std::time::Duration;
 
-use super::legs::LATENCY;
-use super::memory::STEPS;
+use super::measures::{LATE_WORD, LATENCY, SLOWEST, STEPS};
 use super::reckoning::{DRIFT, Drift};
 use super::room::{BORDER, REACHED};
 use super::unheard::Unheard;
 use super::{Aim, Leg, Stage, Then, VirtualRobot, Way};
-use hallsweep_core::event::{Obstacle, Piece, RobotEvent, Whereabouts};
-use hallsweep_core::units::{Cell, Heading, Pose};
+use hallsweep_core::event::{Obstacle, RobotEvent, Whereabouts};
+use hallsweep_core::units::{Cell, Heading, Piece, Pose};
 
 /// Up to here what it meets while it feels is what it touched already.
 const TOUCHED: f64 = 0.12;
 
-/// A latency beyond this is none: the page has hung.
-pub(super) const SLOWEST: Duration = Duration::from_millis(500);
-
 /// A contact that is heard so long after the end of a step, with nothing met since, was one of that step.
 const LATE: Duration = Duration::from_secs(3);
-
-pub(super) const LATE_WORD: &str = "the word that it had met something came too late";
 
 /// So often something may be met on the way back to the centre.
 const HINDERED: u8 = 2;

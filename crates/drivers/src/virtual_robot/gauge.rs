@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use super::legs::{TURNS_LATE, legs};
-use super::memory::STEPS;
+use super::measures::STEPS;
 use super::{Aim, TURN, Then, VirtualRobot};
 use hallsweep_core::event::RobotEvent;
 use hallsweep_core::units::{Heading, Pose};

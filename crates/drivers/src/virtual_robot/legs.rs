@@ -3,15 +3,11 @@
 
 use std::time::Duration;
 
-use super::back::FEELS;
-use super::contacts::LATE_WORD;
+use super::measures::{CENTRED, FEELS, LATE_WORD, LATENCY};
 use super::{Aim, Command, Dialect, Leg, Stage, Then, VirtualRobot, Way};
 use crate::Output;
 use hallsweep_core::event::RobotEvent;
 use hallsweep_core::units::{Heading, Pose};
-
-/// What the word of a contact takes, before it was measured: a frame of the page, and the way.
-pub(super) const LATENCY: Duration = Duration::from_millis(30);
 
 /// Behind the end of a move so long is waited for the word of a contact at its very end, beside the latency to and fro.
 const MARGIN: Duration = Duration::from_millis(60);
@@ -21,9 +17,6 @@ pub(super) const TURNS_LATE: Duration = Duration::from_millis(120);
 
 /// The same before the latency was measured: the first contact may come as late as this.
 const FIRST_MARGIN: Duration = Duration::from_millis(400);
-
-/// Nearer to the centre than a frame of the page brings it, it is centred.
-pub(super) const CENTRED: f64 = 0.04;
 
 /// No leg lasts longer, so that a robot whose program has died stops within half a second (safety S5). What is longer is driven in several.
 const LONGEST: Duration = Duration::from_millis(450);

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::contacts::SLOWEST;
+use super::measures::{SLOWEST, STEPS};
 use super::reckoning::Reckoning;
 use super::unheard::Unheard;
 use super::{Aim, Dialect, VirtualRobot};
@@ -12,9 +12,6 @@ use hallsweep_core::units::Heading;
 
 /// The version of what is written.
 const VERSION: u32 = 1;
-
-/// Steps quicker or slower than these are none.
-pub(super) const STEPS: [Duration; 2] = [Duration::from_millis(20), Duration::from_secs(10)];
 
 /// Words that are longer are cut.
 const MOST: usize = 300;

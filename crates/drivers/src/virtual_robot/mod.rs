@@ -26,6 +26,7 @@ mod gauge;
 mod greeting;
 mod leg;
 mod legs;
+mod measures;
 mod memory;
 mod reckoning;
 mod room;

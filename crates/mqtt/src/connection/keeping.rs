@@ -7,12 +7,13 @@ use std::time::Duration;
 
 use super::client_writer::ClientWriter;
 use super::sending::{Cause, Unacknowledged};
+use crate::grant::Grant;
 use crate::limits::{KEPT_ROOM, KEPT_STEPS, KEPT_UNDER_WAY};
+use crate::message::SubscriberId;
 use crate::outbox::Outbox;
 use crate::packet::Qos;
 use crate::retained::{Retained, Walk};
-use crate::subscriber::{self, SubscriberId};
-use crate::subscription::Grant;
+use crate::subscriber;
 
 #[derive(Debug, Default)]
 pub(super) struct Deliveries {

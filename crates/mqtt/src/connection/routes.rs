@@ -8,12 +8,12 @@ use crate::Broker;
 use crate::filter::{self, Unfit};
 use crate::frame::Malformed;
 use crate::limits::{LONG, PIECE, PROPERTIES};
-use crate::message::Message;
+use crate::message::{Message, SubscriberId};
 use crate::packet::reason::Reason;
 use crate::packet::text;
 use crate::readers::Found;
 use crate::rights::Tier;
-use crate::subscriber::{Subscriber, SubscriberId};
+use crate::subscriber::Subscriber;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Route {

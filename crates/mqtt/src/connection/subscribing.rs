@@ -6,11 +6,11 @@ use std::sync::Arc;
 use super::{ClientConnection, Ended};
 use crate::filter::{self, Shared, Unfit};
 use crate::frame::{Kind, Malformed};
+use crate::grant::Grant;
 use crate::limits::{FILTER_BYTES, FILTERS};
 use crate::packet::filters::{Filters, Options, RetainHandling};
 use crate::packet::reason::Reason;
 use crate::packet::{Version, write};
-use crate::subscription::Grant;
 
 /// Why a filter is not taken.
 #[derive(Clone, Copy, Debug, thiserror::Error)]

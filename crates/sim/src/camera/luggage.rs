@@ -3,9 +3,8 @@
 //! Lengths are in cells of half a metre; a piece may be 0.76 wide for one cell, and a cell longer for each one more.
 
 use super::super::bag::{Bag, Kind};
-use super::solid::{Shape, Solid};
+use super::solid::{Shape, Solid, Surface};
 use super::space::{Paint, Vector, vector};
-use super::surface::Surface;
 
 const RUBBER: Paint = Paint(34.0, 34.0, 37.0);
 const STEEL: Paint = Paint(176.0, 180.0, 186.0);

@@ -10,8 +10,7 @@ use super::solid::{self, Place};
 use super::space::vector;
 use super::view::{HEIGHT, View, WIDTH};
 use super::{Exposure, caption, png, room};
-use hallsweep_core::event::Piece;
-use hallsweep_core::units::Cell;
+use hallsweep_core::units::{Cell, Piece};
 
 /// How far luggage is looked for, in cells: further away it would be a few pixels.
 const SIGHT: i32 = 12;

@@ -3,7 +3,6 @@
 
 use super::canvas::{Canvas, Frame};
 use super::space::{Paint, Vector, smooth, vector};
-use super::surface::Surface;
 use super::view::{EYE, HORIZON, View, as_float};
 
 /// A body and what it is covered with, in the coordinates of its piece: right, front, up from the middle of its foot.
@@ -12,6 +11,22 @@ pub(super) struct Solid {
     pub(super) shape: Shape,
     pub(super) surface: Surface,
     pub(super) paint: Paint,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Surface {
+    /// One colour, dull.
+    Plain,
+    /// One colour, shiny.
+    Metal,
+    /// Ribbed hard plastic with a zip round the middle.
+    Shell,
+    /// Cloth with a seam along the edges of its broad sides.
+    Cloth,
+    /// Cloth with dark ends, straps round it and a zip on top.
+    Roll,
+    /// Brown board with tape and print.
+    Board,
 }
 
 #[derive(Clone, Copy, Debug)]

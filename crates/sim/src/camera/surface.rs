@@ -1,24 +1,8 @@
 //! What the surface of a solid looks like: ribs, seams, tape, print, gloss, and the light on it.
 
 use super::font;
-use super::solid::{Shape, Solid};
+use super::solid::{Shape, Solid, Surface};
 use super::space::{HAZE, Paint, Vector, smooth, vector, wrapped};
-
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Surface {
-    /// One colour, dull.
-    Plain,
-    /// One colour, shiny.
-    Metal,
-    /// Ribbed hard plastic with a zip round the middle.
-    Shell,
-    /// Cloth with a seam along the edges of its broad sides.
-    Cloth,
-    /// Cloth with dark ends, straps round it and a zip on top.
-    Roll,
-    /// Brown board with tape and print.
-    Board,
-}
 
 const DARK: Paint = Paint(30.0, 30.0, 33.0);
 const TAPE: Paint = Paint(205.0, 186.0, 142.0);

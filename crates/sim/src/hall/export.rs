@@ -124,12 +124,8 @@ impl Export {
         format!("{} × {} cells of {cell_m} m, {} of luggage", bounds.width(), bounds.height(), pieces(self.hall.pieces().len()))
     }
 
-    pub(super) const fn hall(&self) -> &Hall {
-        &self.hall
-    }
-
     /// Every square, row after row from the north, with what is known of it where not everything is.
-    pub(super) fn squares(&self) -> impl Iterator<Item = (Truth, Option<Mark>)> {
+    fn squares(&self) -> impl Iterator<Item = (Truth, Option<Mark>)> {
         let marks = self.marks.iter().flatten().copied().map(Some).chain(std::iter::repeat(None));
         self.hall.squares.iter().copied().zip(marks)
     }
@@ -140,15 +136,15 @@ impl Export {
         match format {
             Format::Toml => toml::write(&self.hall).into_bytes(),
             Format::MovingAi => movingai::write(&self.hall).into_bytes(),
-            Format::Occupancy => occupancy::yaml(self, &format!("{stem}.pgm")).into_bytes(),
-            Format::SeedText => seed_text::write(self).into_bytes(),
+            Format::Occupancy => occupancy::yaml(&self.hall, &format!("{stem}.pgm")).into_bytes(),
+            Format::SeedText => seed_text::write(&self.hall, self.squares()).into_bytes(),
         }
     }
 
     /// The image of the format `Occupancy`.
     #[must_use]
     pub fn image(&self) -> Vec<u8> {
-        occupancy::image(self)
+        occupancy::image(&self.hall, self.squares())
     }
 
     /// All files of this format, and what they do not say: they are read again and compared.

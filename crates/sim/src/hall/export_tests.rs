@@ -7,8 +7,8 @@ use crate::bag::{Colour, Kind};
 use crate::headless::{Run, Verdicts, explore_and_tell};
 use crate::{Camera, SimSettings};
 use hallsweep_core::command::Strategy as SearchStrategy;
-use hallsweep_core::event::Piece;
 use hallsweep_core::settings::Settings;
+use hallsweep_core::units::Piece;
 
 /// A hall with everything that can be said of one.
 const RICH: &str = r##"
@@ -181,7 +181,7 @@ fn a_map_that_is_half_explored_says_what_is_not_known() {
     let hall = Hall::from_rows("half", &["S.......", "........", "........", "........"]).unwrap();
     let state = explored(&hall, 10);
     let export = Export::explored("half", 0.5, &state);
-    let bounds = export.hall().bounds();
+    let bounds = export.hall.bounds();
     let unknown = export.squares().filter(|(_, mark)| *mark == Some(Mark::Unknown)).count();
     assert!(unknown > 0);
     let places = || (bounds.least.y..=bounds.most.y).flat_map(|y| (bounds.least.x..=bounds.most.x).map(move |x| Cell::new(x, y)));
@@ -226,7 +226,7 @@ fn a_map_that_is_explored_is_the_hall_with_walls_round_it() {
     .unwrap();
     let (sim, settings) = (SimSettings::new(7, Camera::Stub), Settings::default());
     let figures = explore_and_tell(&hall, sim, settings, SearchStrategy::Snail, Verdicts::AllSafe, |_, _| ());
-    let hall_again = Export::explored("x", hall.cell_m(), &figures.state).hall().clone();
+    let hall_again = Export::explored("x", hall.cell_m(), &figures.state).hall.clone();
     let bounds = hall.bounds();
     assert_eq!(hall_again.bounds(), bounds.grown(1));
     for y in bounds.least.y - 1..=bounds.most.y + 1 {

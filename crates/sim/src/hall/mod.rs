@@ -12,6 +12,7 @@ mod files;
 mod movingai;
 mod occupancy;
 mod pgm;
+mod pixel;
 mod pixels;
 mod rows;
 mod scene;
@@ -27,9 +28,8 @@ pub use scene::{Floor, HallOfScene, MovingObstacle, PLAYER, Player, Scene, Scene
 
 use crate::bag::Bag;
 use crate::curve::Curve;
-use hallsweep_core::event::Piece;
 use hallsweep_core::state::Reach;
-use hallsweep_core::units::Cell;
+use hallsweep_core::units::{Cell, Piece};
 use hallsweep_core::world::hall_map::Bounds;
 
 /// The most columns or rows of a hall: a kilometre of cells of half a metre, and a few megabytes.

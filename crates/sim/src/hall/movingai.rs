@@ -137,8 +137,7 @@ pub(super) fn write(hall: &Hall) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use hallsweep_core::event::Piece;
-    use hallsweep_core::units::Cell;
+    use hallsweep_core::units::{Cell, Piece};
     use hallsweep_core::world::hall_map::Bounds;
 
     const MAP: &str = "type octile\r\nheight 3\r\nwidth 4\r\nmap\r\n@@.T\r\nO.GS\r\nWTT.\r\n";

@@ -7,8 +7,8 @@ use serde::Deserialize;
 use serde_saphyr::Spanned;
 
 use super::error::{HallError, HallFault};
-use super::export::Export;
-use super::pixels::{Image, MAX_IMAGE_SIDE, Pixel};
+use super::pixel::{MAX_IMAGE_SIDE, Pixel};
+use super::pixels::Image;
 use super::rows::{self, Reading, drawn};
 use super::{Hall, Truth, USUAL_CELL_M, pgm};
 use hallsweep_core::units::Cell;
@@ -349,8 +349,7 @@ fn whole(cells: f64) -> usize {
 }
 
 /// The YAML file; `image_file` is how its image is called.
-pub(super) fn yaml(export: &Export, image_file: &str) -> String {
-    let hall = export.hall();
+pub(super) fn yaml(hall: &Hall, image_file: &str) -> String {
     let (bounds, home, cell_m) = (hall.bounds(), hall.home(), hall.cell_m());
     // World (0, 0) is the centre of the home cell; the image is laid by its south-west corner.
     let metres = |cells: i32| to_micrometres(-(f64::from(cells) + 0.5) * cell_m);
@@ -364,16 +363,16 @@ pub(super) fn yaml(export: &Export, image_file: &str) -> String {
     )
 }
 
-/// The image, a pixel a cell.
-pub(super) fn image(export: &Export) -> Vec<u8> {
+/// The image, a pixel a cell, of these squares with what is known of each.
+pub(super) fn image(hall: &Hall, squares: impl Iterator<Item = (Truth, Option<Mark>)>) -> Vec<u8> {
     let grey = |(truth, mark): (Truth, Option<Mark>)| match truth {
         Truth::Free => FREE,
         Truth::Luggage(_) => LUGGAGE,
         Truth::Wall if mark == Some(Mark::Unknown) => UNKNOWN,
         Truth::Wall => OCCUPIED,
     };
-    let pixels: Vec<u8> = export.squares().map(grey).collect();
-    pgm::write(usize::try_from(export.hall().bounds().width()).unwrap_or(1), &pixels)
+    let pixels: Vec<u8> = squares.map(grey).collect();
+    pgm::write(usize::try_from(hall.bounds().width()).unwrap_or(1), &pixels)
 }
 
 fn to_micrometres(metres: f64) -> f64 {

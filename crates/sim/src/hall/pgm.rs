@@ -2,7 +2,7 @@
 //! known here.
 
 use super::error::HallFault;
-use super::pixels::{Pixel, sides};
+use super::pixel::{Pixel, sides};
 
 /// A PGM image of which some rows have been read.
 #[derive(Debug)]

@@ -7,9 +7,7 @@ use png::{BitDepth, ColorType, Decoder, Limits, Reader, Transformations};
 
 use super::error::HallFault;
 use super::pgm::Pgm;
-
-/// The most columns or rows of an image: a hall of the largest size with eight pixels a cell's side.
-pub(super) const MAX_IMAGE_SIDE: u32 = 16_384;
+use super::pixel::{Pixel, sides};
 
 /// The most bytes of an image file.
 pub(super) const MAX_IMAGE_BYTES: u64 = 64 << 20;
@@ -21,15 +19,6 @@ const PNG_BEGIN: &[u8] = b"\x89PNG\r\n\x1a\n";
 
 /// `map_server` reads these; here they are refused by name.
 const BMP_BEGIN: &[u8] = b"BM";
-
-/// How light a pixel is, from 0 to 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Pixel {
-    /// The mean of its colours.
-    pub(super) shade: f64,
-    /// How opaque it is, in an image where that is said.
-    pub(super) alpha: Option<f64>,
-}
 
 /// An image of which some rows have been read.
 pub(super) enum Image<'a> {
@@ -102,15 +91,6 @@ fn png_row(reader: &mut Reader<Cursor<&[u8]>>, row: &mut Vec<Pixel>) -> Result<(
 fn mean(colours: &[f64]) -> f64 {
     let count = u32::try_from(colours.len()).unwrap_or(1);
     colours.iter().sum::<f64>() / f64::from(count.max(1))
-}
-
-/// The sides of an image within the bounds.
-pub(super) fn sides(width: u64, height: u64) -> Result<(u32, u32), HallFault> {
-    if width == 0 || height == 0 {
-        return Err(HallFault::EmptyImage(width, height));
-    }
-    let side = |pixels: u64| u32::try_from(pixels).ok().filter(|pixels| *pixels <= MAX_IMAGE_SIDE);
-    side(width).zip(side(height)).ok_or(HallFault::ImageTooLarge(width, height, MAX_IMAGE_SIDE))
 }
 
 #[cfg(test)]

@@ -6,8 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::error::{HallError, HallFault};
 use super::{Hall, MAX_PIECES, MAX_SIDE, Plan, Truth};
 use crate::bag::Bag;
-use hallsweep_core::event::Piece;
-use hallsweep_core::units::Cell;
+use hallsweep_core::units::{Cell, Piece};
 use hallsweep_core::world::hall_map::Bounds;
 
 /// A drawing once read: the plan, and which letter is which piece.

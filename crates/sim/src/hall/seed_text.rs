@@ -2,7 +2,6 @@
 //! a line a row with commas, `|r, 1, X, `, or all rows in one line, each ended by `@`.
 
 use super::error::{HallError, HallFault};
-use super::export::Export;
 use super::rows::{Reading, drawn, sides};
 use super::{Hall, Truth};
 use hallsweep_core::world::hall_map::Mark;
@@ -55,11 +54,10 @@ fn read_row(reading: &mut Reading, index: usize, row: &str) -> Result<(), HallFa
 }
 
 /// A line a row, with `r` where the robot starts.
-pub(super) fn write(export: &Export) -> String {
-    let hall = export.hall();
+pub(super) fn write(hall: &Hall, squares: impl Iterator<Item = (Truth, Option<Mark>)>) -> String {
     let (home, width) = (hall.home(), usize::try_from(hall.bounds().width()).unwrap_or(1));
     let mut text = String::new();
-    for (index, (truth, mark)) in export.squares().enumerate() {
+    for (index, (truth, mark)) in squares.enumerate() {
         let cell = drawn(index % width, index / width);
         let letter = match (truth, mark) {
             _ if cell == home => 'r',

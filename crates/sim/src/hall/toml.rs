@@ -13,8 +13,7 @@ use super::rows::{self, Drawing};
 use super::{Hall, MAX_SIDE, Plan, Truth, USUAL_CELL_M};
 use crate::bag::{Bag, Colour, Kind};
 use crate::curve::Curve;
-use hallsweep_core::event::Piece;
-use hallsweep_core::units::Celsius;
+use hallsweep_core::units::{Celsius, Piece};
 
 /// The most keyframes of a temperature: one a minute for a day and more.
 const MAX_TEMPERATURES: usize = 2048;

@@ -13,14 +13,14 @@ use crate::{Hall, Sim, SimSettings};
 use hallsweep_core::command::{Accepted, Command, Door, Issuer, Move, Refused, Request, Strategy};
 use hallsweep_core::effect::{Action, Effect, Entry, Page};
 use hallsweep_core::engine::Engine;
-use hallsweep_core::event::{Event, Piece, RobotEvent, RobotId};
+use hallsweep_core::event::{Event, RobotEvent, RobotId};
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::place::Place;
 use hallsweep_core::retrieval::{BasePose, Which};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::Snapshot;
-use hallsweep_core::units::{Cell, Now, Pose, Ticket, WallTime};
+use hallsweep_core::units::{Cell, Now, Piece, Pose, Ticket, WallTime};
 
 /// 2026-01-01T08:00:00Z: the day on which every simulated run begins, at a second drawn from its seed.
 const FIRST_DAY_MS: i64 = 1_767_254_400_000;

@@ -194,8 +194,8 @@ impl Holding {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use hallsweep_core::event::Piece;
     use hallsweep_core::place::Place;
+    use hallsweep_core::units::Piece;
 
     const ALL: Controllers = Controllers { force: true, angle: true, distance: true };
 

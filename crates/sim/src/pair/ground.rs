@@ -6,9 +6,8 @@ use std::sync::Arc;
 
 use super::super::hall::{Hall, Truth};
 use hallsweep_core::arm::Parcel;
-use hallsweep_core::event::Piece;
 use hallsweep_core::place::Place;
-use hallsweep_core::units::Cell;
+use hallsweep_core::units::{Cell, Piece};
 
 /// How far from where it looks the camera recognises a parcel, in steps: a pallet and the floor round it.
 const SIGHT: u32 = 12;

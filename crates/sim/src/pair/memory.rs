@@ -13,11 +13,10 @@ use super::robot::{Astray, Robot, Run, Task, Work};
 use super::settings::{PairSettings, Slip};
 use super::{Ground, Pair};
 use hallsweep_core::arm::{Controllers, Gripper, Parcel};
-use hallsweep_core::event::Piece;
 use hallsweep_core::place::Place;
 use hallsweep_core::retrieval::{BasePose, Which};
 use hallsweep_core::rng::RandomStream;
-use hallsweep_core::units::{Cell, Now};
+use hallsweep_core::units::{Cell, Now, Piece};
 
 /// A robot halts by itself at most this long after the program has died (safety S5), in simulated time.
 const WATCHDOG: Duration = Duration::from_millis(500);

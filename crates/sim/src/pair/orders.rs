@@ -187,7 +187,7 @@ impl Pair {
     fn contact(&self, which: Which, to: Place) -> (f64, Option<Obstacle>) {
         let Place::Cell(cell) = to else { return (1.0, None) };
         let partner = self.robots[which.other().index()].is_in_or_enters(to, self.now) && self.grip.is_none();
-        let truth = if partner { Truth::Luggage(hallsweep_core::event::Piece(0)) } else { self.ground.truth(cell) };
+        let truth = if partner { Truth::Luggage(hallsweep_core::units::Piece(0)) } else { self.ground.truth(cell) };
         let Some(way) = way_to_contact(truth) else { return (1.0, None) };
         let stands = self.robots[which.index()].stands;
         let is_ahead = stands.place.cell().is_some_and(|here| here.ahead(stands.heading) == cell);

@@ -13,11 +13,10 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::super::hall::{Hall, Truth};
-use hallsweep_core::event::Piece;
 use hallsweep_core::place::Place;
 use hallsweep_core::retrieval::{BasePose, Floor};
 use hallsweep_core::rng::RandomStream;
-use hallsweep_core::units::{Cell, Heading, Revision};
+use hallsweep_core::units::{Cell, Heading, Piece, Revision};
 use hallsweep_core::world::hall_map::{HallMap, Mark};
 
 /// The most parcels: three full rows of a pallet. More would take simulated hours and show nothing new.

@@ -9,9 +9,9 @@
 //! Rotate ◄── 0.5 s ─── GoBack
 //! ```
 
+use super::driver::Driver;
 use super::phase::{Motion, Phase, TURNS};
 use super::room::Velocity;
-use super::run::Driver;
 use hallsweep_core::rng::RandomStream;
 
 /// The state machine of seed 001.

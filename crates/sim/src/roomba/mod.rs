@@ -11,6 +11,7 @@
 
 mod compare;
 mod drawing;
+mod driver;
 mod floor;
 mod length;
 mod machine;

@@ -1,11 +1,12 @@
 //! A run of the Roomba: what it did tick by tick, and what that came to. Everything happens in simulated time.
 //! How a run is drawn stands in `drawing`; how two are compared, in `compare`.
 
+use super::driver::Driver;
 use super::floor::{self, Floor};
 use super::length::RunLength;
 use super::machine::Machine;
-use super::phase::{Motion, Phase};
-use super::room::{Body, TICKS_PER_SECOND, Velocity};
+use super::phase::Phase;
+use super::room::{Body, TICKS_PER_SECOND};
 use super::tree::Tree;
 use crate::BodyPose;
 
@@ -125,15 +126,6 @@ impl Run {
             Controller::Tree => driven_by(Tree::new(seed), controller, seed, length, Body::START),
         }
     }
-}
-
-/// Whoever says in each tick how fast the body is to go.
-pub(super) trait Driver {
-    /// One tick: `bumper` is whether a wall cut the last move short.
-    fn tick(&mut self, bumper: bool) -> Velocity;
-
-    /// What was done in the last tick.
-    fn motion(&self) -> Motion;
 }
 
 /// A run that begins with the body as it is given.

@@ -3,9 +3,10 @@
 use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
 
+use super::driver::Driver;
 use super::machine::Machine;
 use super::room::Body;
-use super::run::{Driver, driven_by};
+use super::run::driven_by;
 use super::tree::Tree;
 use super::*;
 use crate::BodyPose;

@@ -3,9 +3,9 @@
 
 use std::time::Duration;
 
+use super::driver::Driver;
 use super::phase::{Motion, Phase, TURNS};
 use super::room::{TICKS_PER_SECOND, Velocity};
-use super::run::Driver;
 use hallsweep_core::behaviour::{self, Blackboard, Catalogue, Leaf, LeafKind, Leaves, Status, xml};
 use hallsweep_core::rng::RandomStream;
 

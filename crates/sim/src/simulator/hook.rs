@@ -6,9 +6,9 @@ use super::super::memory::Taken;
 use super::{Sim, Work};
 use hallsweep_core::arm::{ArmAction, ArmState, Gripper, Parcel};
 use hallsweep_core::effect::Order;
-use hallsweep_core::event::{Piece, RobotEvent};
+use hallsweep_core::event::RobotEvent;
 use hallsweep_core::place::Place;
-use hallsweep_core::units::{Cell, OrderId};
+use hallsweep_core::units::{Cell, OrderId, Piece};
 
 /// What the hook is about to do; a halt leaves it undone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -114,7 +114,7 @@ fn a_step_into_an_obstacle_makes_contact_and_stays_off_centre_until_recentred() 
     let events = run.perform(Action::Move(Move::Forward));
     assert_eq!(
         events,
-        [RobotEvent::Sonar(Some(0)), RobotEvent::Blocked(OrderId(1), Obstacle::Luggage(hallsweep_core::event::Piece(1)))]
+        [RobotEvent::Sonar(Some(0)), RobotEvent::Blocked(OrderId(1), Obstacle::Luggage(hallsweep_core::units::Piece(1)))]
     );
     assert!(run.sim.is_off_centre() && (run.body().y_m - 0.1).abs() < 1e-9);
     assert_eq!(run.now, Duration::from_millis(66), "a fifth of a step");
@@ -343,7 +343,7 @@ fn luggage_that_was_taken_away_is_not_met_any_more() {
     let mut run = Run::new(&["S", "a"]);
     assert!(matches!(run.perform(Action::Move(Move::Forward)).last(), Some(RobotEvent::Blocked(..))));
     run.perform(Action::Recentre);
-    let empty = run.sim.hall.rearranged(&std::collections::BTreeMap::from([(hallsweep_core::event::Piece(1), None)]));
+    let empty = run.sim.hall.rearranged(&std::collections::BTreeMap::from([(hallsweep_core::units::Piece(1), None)]));
     run.sim.handle_hall(Arc::new(empty));
     assert!(is_done(&run.perform(Action::Move(Move::Forward))));
 }

@@ -7,7 +7,6 @@ use super::super::parts::PARTS;
 use super::*;
 use crate::api::fixture::{TEN, degrees, idle, searching, touch};
 use hallsweep_core::arm::{ArmState, Parcel};
-use hallsweep_core::event::Piece;
 use hallsweep_core::not_fetched::Fetcher;
 use hallsweep_core::place::Place;
 use hallsweep_core::retrieval::Which;
@@ -16,6 +15,7 @@ use hallsweep_core::snapshot::retrieval::RetrievalView;
 use hallsweep_core::snapshot::robot::RobotShown;
 use hallsweep_core::snapshot::{Progress, TimeLeft};
 use hallsweep_core::state::Reach;
+use hallsweep_core::units::Piece;
 use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::temperature::{Reading, TemperatureStatus};
 

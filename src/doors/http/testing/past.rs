@@ -9,14 +9,13 @@ use hallsweep_core::arm::{ArmState, Parcel};
 use hallsweep_core::command::{Issuer, Refusal, Refused, Strategy};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::Past;
-use hallsweep_core::event::Piece;
 use hallsweep_core::hold::Hold;
 use hallsweep_core::not_fetched::Fetcher;
 use hallsweep_core::place::Place;
 use hallsweep_core::retrieval::team::TICK;
 use hallsweep_core::retrieval::{BasePose, BaseView, Team, View};
 use hallsweep_core::state::{PersistentState, Phase, Retrieval, RetrievalStage};
-use hallsweep_core::units::{Cell, Celsius, Heading, LuggageId, MissionId, Pose, Revision, Seq, WallTime};
+use hallsweep_core::units::{Cell, Celsius, Heading, LuggageId, MissionId, Piece, Pose, Revision, Seq, WallTime};
 use hallsweep_core::world::hall_map::HallMap;
 
 /// A mission that cannot be read.

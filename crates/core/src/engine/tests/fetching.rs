@@ -5,11 +5,11 @@ use std::collections::BTreeSet;
 
 use super::*;
 use crate::arm::{ArmAction, ArmState, Gripper, Parcel};
-use crate::event::Piece;
 use crate::not_fetched::Fetcher;
 use crate::place::Place;
 use crate::retrieval::Which;
 use crate::state::{Retrieval, RetrievalStage};
+use crate::units::Piece;
 use crate::world::hall_map::Mark;
 
 /// Started again with the piece off the floor: what is on record says where the robot stands, and only the robot what it holds.

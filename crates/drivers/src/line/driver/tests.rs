@@ -5,8 +5,8 @@ use super::*;
 use crate::line::MOST_BYTES;
 use crate::line::picture::PNG;
 use hallsweep_core::effect::Stamp;
-use hallsweep_core::event::{Ahead, Obstacle, Piece};
-use hallsweep_core::units::WallTime;
+use hallsweep_core::event::{Ahead, Obstacle};
+use hallsweep_core::units::{Piece, WallTime};
 
 #[test]
 fn every_action_is_said_in_its_word() {

@@ -13,8 +13,7 @@ use crate::bag::{Bag, Kind};
 use crate::hall::error::HallFault;
 use crate::hall::rows::{Reading, sides};
 use crate::hall::{Hall, Plan, Truth};
-use hallsweep_core::event::Piece;
-use hallsweep_core::units::Cell;
+use hallsweep_core::units::{Cell, Piece};
 use hallsweep_core::world::hall_map::Bounds;
 
 /// What the page calls the edge of the floor.

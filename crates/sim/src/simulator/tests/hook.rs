@@ -69,7 +69,7 @@ fn a_halt_leaves_the_piece_where_it_is() {
 #[test]
 fn what_it_cannot_do_is_refused_in_words() {
     let mut sim = robot();
-    sim.taken.carried = Some(hallsweep_core::event::Piece(9));
+    sim.taken.carried = Some(hallsweep_core::units::Piece(9));
     order(&mut sim, ArmAction::CloseGripper, 0);
     order(&mut sim, ArmAction::Lift, 1);
     sim.pose.cell = Cell::new(2, 2);

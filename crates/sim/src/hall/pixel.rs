@@ -1,0 +1,24 @@
+//! One pixel, and how many an image may have.
+
+use super::error::HallFault;
+
+/// The most columns or rows of an image: a hall of the largest size with eight pixels a cell's side.
+pub(super) const MAX_IMAGE_SIDE: u32 = 16_384;
+
+/// How light a pixel is, from 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Pixel {
+    /// The mean of its colours.
+    pub(super) shade: f64,
+    /// How opaque it is, in an image where that is said.
+    pub(super) alpha: Option<f64>,
+}
+
+/// The sides of an image within the bounds.
+pub(super) fn sides(width: u64, height: u64) -> Result<(u32, u32), HallFault> {
+    if width == 0 || height == 0 {
+        return Err(HallFault::EmptyImage(width, height));
+    }
+    let side = |pixels: u64| u32::try_from(pixels).ok().filter(|pixels| *pixels <= MAX_IMAGE_SIDE);
+    side(width).zip(side(height)).ok_or(HallFault::ImageTooLarge(width, height, MAX_IMAGE_SIDE))
+}
