@@ -50,10 +50,10 @@ use data_folder::DataFolder;
 pub use emulator::emulate;
 pub use entry::Entry;
 use entry::Opened;
-pub use error::AppError;
+pub use error::{AppError, Port};
 use mqtt::Mqtt;
 use ports::Ports;
-pub use ports::{Doors, Place, Port};
+pub use ports::{Doors, Place};
 use threads::Threads;
 
 /// What is still busy this long after everything has ended (a photo being drawn) is left behind.

@@ -9,6 +9,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 use crate::config::{self, Flag, Settings, Sources, from_here, sources};
+use crate::storage::sqlite::Reading;
 use crate::telemetry;
 use hallsweep_core::mission::table_markdown;
 
@@ -209,6 +210,19 @@ impl Folder {
     fn sources(&self, more: Option<Flag>) -> Sources {
         let data = self.data.clone().map(|value| Flag::given("--data", value));
         sources(self.config.clone(), data.into_iter().chain(more).collect())
+    }
+
+    /// Where it is.
+    fn path(&self) -> Result<PathBuf, Failure> {
+        let folder = settings(&self.sources(None))?.store;
+        folder.ok_or_else(|| {
+            Failure::Run("the setting store.folder says none, so nothing is kept: name a folder with --data".to_owned())
+        })
+    }
+
+    /// The journal in it.
+    fn open(&self) -> Result<Reading, Failure> {
+        Ok(Reading::open(&self.path()?)?)
     }
 }
 

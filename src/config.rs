@@ -18,17 +18,19 @@ mod host;
 mod key;
 mod layers;
 mod mqtt;
+mod reading;
 mod robot_address;
 mod robots;
 mod without_effect;
 
 pub use bind::{At, Bind, from_here};
+pub use environment::{Flag, Sources};
 pub use error::SettingsError;
 pub use key::{KEYS, Key, Kind};
-pub use layers::{DEFAULTS, Flag, Sources};
+pub use layers::DEFAULTS;
 pub use mqtt::{Broker, Login, MqttRouter, MqttSettings, OtherBroker};
-pub use robot_address::RobotAddress;
-pub use robots::{MOST_ROBOTS, RobotKind};
+pub use robot_address::{RobotAddress, RobotKind};
+pub use robots::MOST_ROBOTS;
 
 /// Everything that can be set, with every value known to be usable.
 #[derive(Clone, Debug, PartialEq)]

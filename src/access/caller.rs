@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use super::keyring::Keyring;
 use super::keys::{OPERATOR, SignedIn};
+use super::moment::Moment;
 use super::network::is_this_machine;
 use super::role::{Need, Role};
-use super::session::Moment;
 
 #[derive(Clone, Debug)]
 pub enum Access {

@@ -8,7 +8,8 @@ use std::time::Duration;
 use super::error::AccessError;
 use super::file::{KeyFile, Stamp, written};
 use super::keys::{Keys, SignedIn};
-use super::session::{self, Moment, Person};
+use super::moment::Moment;
+use super::session::{self, Person};
 use super::token::{chance, hexadecimal};
 use crate::storage::private_file::Readers;
 
@@ -204,7 +205,7 @@ mod tests {
         let cookie = keyring.sign_in(&old, &Person::new("Anna").unwrap(), NOW).unwrap();
         let (by_token, by_cookie) = (keyring.check(&old).unwrap(), keyring.session(&cookie, NOW).unwrap());
         assert!(keyring.still_knows(&by_token, NOW) && keyring.still_knows(&by_cookie, NOW));
-        let later = Moment { elapsed: NOW.elapsed + Duration::from_secs(session::SESSION_S.unsigned_abs()), ..NOW };
+        let later = Moment { elapsed: NOW.elapsed + Duration::from_secs(crate::access::SESSION_S.unsigned_abs()), ..NOW };
         assert!(!keyring.still_knows(&by_cookie, later), "a session ends by itself");
         let mut keys = (*keyring.keys()).clone();
         keys.rotate("operator").unwrap();

@@ -6,8 +6,8 @@ use sha2::{Digest, Sha256};
 use subtle::ConstantTimeEq;
 
 use super::error::AccessError;
+use super::moment::End;
 use super::role::Role;
-use super::session::End;
 use super::token::Token;
 
 /// The name of the key that is made at first start.

@@ -3,13 +3,45 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-use super::Port;
 use crate::access::AccessError;
 use crate::doors::http::TlsError;
 use crate::doors::mqtt;
 use crate::robots::Unusable;
 use crate::robots::emulator::EmulatorError;
 use crate::storage::sqlite::OpenError;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Port {
+    Http,
+    Coap,
+    Mqtt,
+}
+
+impl Port {
+    pub const fn name(self) -> &'static str {
+        match self {
+            Port::Http => "HTTP",
+            Port::Coap => "CoAP",
+            Port::Mqtt => "MQTT",
+        }
+    }
+
+    pub const fn flag(self) -> &'static str {
+        match self {
+            Port::Http => "--http",
+            Port::Coap => "--coap",
+            Port::Mqtt => "--mqtt",
+        }
+    }
+
+    pub const fn usual(self) -> u16 {
+        match self {
+            Port::Http => 8080,
+            Port::Coap => 5683,
+            Port::Mqtt => 1883,
+        }
+    }
+}
 
 /// Why the program cannot begin, or not go on. `Display` is the line for whoever started it.
 #[derive(Debug, thiserror::Error)]

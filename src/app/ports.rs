@@ -6,7 +6,7 @@ use std::net::{SocketAddr, TcpListener, UdpSocket};
 
 use socket2::{Domain, Socket, Type};
 
-use super::AppError;
+use super::error::{AppError, Port};
 use crate::config::{At, Bind, Broker, Settings};
 use crate::doors::coap::beside;
 
@@ -21,39 +21,6 @@ pub(super) fn raise_descriptors() -> u64 {
         Err(error) => {
             tracing::debug!(%error, "the number of open files and connections cannot be raised");
             rlimit::getrlimit(rlimit::Resource::NOFILE).map_or(DESCRIPTORS, |(soft, _)| soft)
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Port {
-    Http,
-    Coap,
-    Mqtt,
-}
-
-impl Port {
-    pub const fn name(self) -> &'static str {
-        match self {
-            Port::Http => "HTTP",
-            Port::Coap => "CoAP",
-            Port::Mqtt => "MQTT",
-        }
-    }
-
-    pub const fn flag(self) -> &'static str {
-        match self {
-            Port::Http => "--http",
-            Port::Coap => "--coap",
-            Port::Mqtt => "--mqtt",
-        }
-    }
-
-    pub const fn usual(self) -> u16 {
-        match self {
-            Port::Http => 8080,
-            Port::Coap => 5683,
-            Port::Mqtt => 1883,
         }
     }
 }

@@ -71,7 +71,7 @@ struct Which {
 }
 
 pub fn run(asked: &Journal) -> Result<(), Failure> {
-    let folder = folder(&asked.folder)?;
+    let folder = asked.folder.path()?;
     if matches!(asked.what, Some(What::Rebuild)) {
         let entries = sqlite::rebuild(&folder)?;
         return super::print(&format!("the tables are made anew, from the {entries} entries that they follow from"));
@@ -96,18 +96,6 @@ pub fn run(asked: &Journal) -> Result<(), Failure> {
         }
         What::Rebuild | What::Archive { .. } | What::Unpack { .. } => Ok(()),
     }
-}
-
-/// The journal in the folder that is meant.
-pub(super) fn open(asked: &Folder) -> Result<Reading, Failure> {
-    Ok(Reading::open(&folder(asked)?)?)
-}
-
-pub(super) fn folder(asked: &Folder) -> Result<PathBuf, Failure> {
-    let folder = super::settings(&asked.sources(None))?.store;
-    folder.ok_or_else(|| {
-        Failure::Run("the setting store.folder says none, so nothing is kept: name a folder with --data".to_owned())
-    })
 }
 
 impl From<Unreadable> for Failure {

@@ -49,7 +49,7 @@ fn language(tag: &str) -> Result<Language, String> {
 
 /// Writes it.
 pub fn run(asked: &Reported) -> Result<(), Failure> {
-    let archive = super::journal::open(&asked.folder)?.archive();
+    let archive = asked.folder.open()?.archive();
     let mission = MissionId(asked.mission);
     if archive.mission(mission)?.is_none() {
         return Err(Failure::Run(format!(
@@ -58,7 +58,7 @@ pub fn run(asked: &Reported) -> Result<(), Failure> {
     }
     let path = &*asked.output;
     if !is_standard_output(path) {
-        let data = super::journal::folder(&asked.folder)?;
+        let data = asked.folder.path()?;
         distinct([&*data], [path])?;
         if sqlite::is_within(&data, path) {
             let words = "would lie among the files of the data folder: name one elsewhere";

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::*;
-use crate::config::{Broker, Flag, KEYS, MqttRouter, Sources, Speed, load};
+use crate::config::{At, Broker, Flag, KEYS, MqttRouter, Sources, Speed, load};
 
 fn environment(name: &str, value: &str) -> Sources {
     Sources { environment: vec![(name.to_owned(), value.to_owned())], ..Sources::default() }

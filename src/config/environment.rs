@@ -8,7 +8,8 @@
 //!   HALLSWEEP_REQUIRE_CLIENTS        the tests' own
 //! ```
 
-use super::Sources;
+use std::path::PathBuf;
+
 use super::key::{KEYS, Key};
 
 /// How environment variables that are settings begin; sections and keys follow, set apart by two underscores.
@@ -30,6 +31,22 @@ pub(super) fn nearly(name: &str) -> Option<&'static Key> {
     let plain = |text: &str| text.replace(['_', '.'], "").to_lowercase();
     let meant = plain(name.strip_prefix(OURS).filter(|_| !name.starts_with(PREFIX))?);
     KEYS.iter().find(|key| plain(key.name) == meant)
+}
+
+#[derive(Clone, Debug, Default)]
+pub struct Sources {
+    pub file: Option<PathBuf>,
+    /// Names and values of environment variables.
+    pub environment: Vec<(String, String)>,
+    pub flags: Vec<Flag>,
+}
+
+#[derive(Clone, Debug)]
+pub struct Flag {
+    /// The flag, as `--http`.
+    pub flag: &'static str,
+    pub key: &'static str,
+    pub value: String,
 }
 
 impl Sources {

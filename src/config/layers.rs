@@ -11,14 +11,14 @@
 //! laid over the defaults of `[robot]`.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use figment::util::nest;
 use figment::value::{Dict, Map, Value};
 use figment::{Figment, Metadata, Profile, Provider};
 use serde::Deserialize;
 
-use super::environment::{self, PREFIX};
+use super::environment::{self, Flag, PREFIX, Sources};
 use super::error::SettingsError;
 use super::key::{Key, Kind, ROBOT, ROBOTS};
 use hallsweep_core::event::RobotId;
@@ -27,22 +27,6 @@ use hallsweep_core::event::RobotId;
 pub const DEFAULTS: &str = include_str!("../../config/default.toml");
 
 const BY_DEFAULT: &str = "config/default.toml";
-
-#[derive(Clone, Debug, Default)]
-pub struct Sources {
-    pub file: Option<PathBuf>,
-    /// Names and values of environment variables.
-    pub environment: Vec<(String, String)>,
-    pub flags: Vec<Flag>,
-}
-
-#[derive(Clone, Debug)]
-pub struct Flag {
-    /// The flag, as `--http`.
-    pub flag: &'static str,
-    pub key: &'static str,
-    pub value: String,
-}
 
 impl Flag {
     /// This flag with this value; the table says which setting it means.

@@ -4,10 +4,10 @@ use std::fmt;
 use std::path::PathBuf;
 
 use super::bind::Bind;
-use super::check::{bind, read};
 use super::error::SettingsError;
 use super::host::host_and_port;
 use super::layers::Layers;
+use super::reading::{bind, read};
 
 /// The usual port of a broker.
 const PLAIN: u16 = 1883;

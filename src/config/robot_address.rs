@@ -4,11 +4,44 @@
 use std::fmt;
 use std::net::IpAddr;
 
-use super::check::read;
 use super::error::SettingsError;
 use super::host;
 use super::layers::Layers;
-use super::robots::RobotKind;
+use super::reading::read;
+
+/// What a robot is, and so which adapter speaks to it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RobotKind {
+    /// The simulated robot of this program.
+    Sim,
+    /// The virtual robot of a browser's page, over TCP.
+    VirtualTcp,
+    /// The same over WebSocket, as its version of 2021 has it.
+    VirtualWs,
+    /// A robot that speaks our line protocol, over TCP or a serial device.
+    Line,
+}
+
+impl RobotKind {
+    pub const ALL: [RobotKind; 4] = [RobotKind::Sim, RobotKind::VirtualTcp, RobotKind::VirtualWs, RobotKind::Line];
+
+    pub const fn name(self) -> &'static str {
+        match self {
+            RobotKind::Sim => "sim",
+            RobotKind::VirtualTcp => "virtual-tcp",
+            RobotKind::VirtualWs => "virtual-ws",
+            RobotKind::Line => "line",
+        }
+    }
+
+    /// Whether one of them may measure how far it is to what is ahead; it says itself whether it does.
+    pub const fn may_have_sonar(self) -> bool {
+        match self {
+            RobotKind::Sim | RobotKind::Line => true,
+            RobotKind::VirtualTcp | RobotKind::VirtualWs => false,
+        }
+    }
+}
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RobotAddress {

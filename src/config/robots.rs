@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use super::check::{NumberOrWord, count, number, read, sensing, within};
 use super::error::SettingsError;
 use super::key::ROBOTS;
 use super::layers::Layers;
-use super::robot_address::robot_address;
+use super::reading::{NumberOrWord, count, number, read, sensing, within};
+use super::robot_address::{RobotKind, robot_address};
 use super::{RobotSettings, Settings, Speed};
 use hallsweep_core::event::RobotId;
 use hallsweep_core::retrieval::Which;
@@ -18,40 +18,6 @@ use hallsweep_core::search::Sensing;
 /// As many robots as there may be, the one that searches among them: their links share one thread, over which a STOP goes to each
 /// before anything else (safety S7), and each simulated one may have a photo drawn at any moment.
 pub const MOST_ROBOTS: usize = 8;
-
-/// What a robot is, and so which adapter speaks to it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RobotKind {
-    /// The simulated robot of this program.
-    Sim,
-    /// The virtual robot of a browser's page, over TCP.
-    VirtualTcp,
-    /// The same over WebSocket, as its version of 2021 has it.
-    VirtualWs,
-    /// A robot that speaks our line protocol, over TCP or a serial device.
-    Line,
-}
-
-impl RobotKind {
-    pub const ALL: [RobotKind; 4] = [RobotKind::Sim, RobotKind::VirtualTcp, RobotKind::VirtualWs, RobotKind::Line];
-
-    pub const fn name(self) -> &'static str {
-        match self {
-            RobotKind::Sim => "sim",
-            RobotKind::VirtualTcp => "virtual-tcp",
-            RobotKind::VirtualWs => "virtual-ws",
-            RobotKind::Line => "line",
-        }
-    }
-
-    /// Whether one of them may measure how far it is to what is ahead; it says itself whether it does.
-    pub const fn may_have_sonar(self) -> bool {
-        match self {
-            RobotKind::Sim | RobotKind::Line => true,
-            RobotKind::VirtualTcp | RobotKind::VirtualWs => false,
-        }
-    }
-}
 
 impl Settings {
     /// All robots, the one that searches first.

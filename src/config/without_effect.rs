@@ -1,11 +1,12 @@
 //! What somebody has set that does nothing: settings of the simulator beside a robot that is not simulated, and the other way round.
 //! The program starts all the same, and says which they are; what is wrong with a value is said elsewhere.
 
-use super::check::{read, sensing};
 use super::error::SettingsError;
 use super::key::{ROBOT, ROBOTS};
 use super::layers::Layers;
-use super::robots::{self, RobotKind};
+use super::reading::{read, sensing};
+use super::robot_address::RobotKind;
+use super::robots;
 use hallsweep_core::search::Sensing;
 
 /// What is set of a robot and means something for some kinds alone.

@@ -7,8 +7,6 @@ use fluent_bundle::FluentResource;
 use fluent_bundle::concurrent::FluentBundle;
 use unic_langid::LanguageIdentifier;
 
-use super::phrase::Phrase;
-
 /// A language that the pages speak.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Language {
@@ -86,16 +84,6 @@ impl Language {
     /// The languages that are not this one.
     pub fn others(self) -> impl Iterator<Item = Language> {
         Language::ALL.into_iter().filter(move |other| *other != self)
-    }
-
-    /// The phrase with this id.
-    pub const fn say(self, id: &str) -> Phrase<'_> {
-        Phrase::new(self, "", id)
-    }
-
-    /// The phrase of one of a family, as `phase-` and `exploring`: for what has a name already.
-    pub const fn say_of<'a>(self, family: &'a str, member: &'a str) -> Phrase<'a> {
-        Phrase::new(self, family, member)
     }
 
     /// The phrases of the scripts with these names, by id, as JSON. A script puts values where `{ $name }` stands.

@@ -23,6 +23,18 @@ pub struct Markup(String);
 /// So large a number is still exact as Fluent has numbers.
 const EXACT: u64 = 1 << 53;
 
+impl Language {
+    /// The phrase with this id.
+    pub const fn say(self, id: &str) -> Phrase<'_> {
+        Phrase::new(self, "", id)
+    }
+
+    /// The phrase of one of a family, as `phase-` and `exploring`: for what has a name already.
+    pub const fn say_of<'a>(self, family: &'a str, member: &'a str) -> Phrase<'a> {
+        Phrase::new(self, family, member)
+    }
+}
+
 impl<'a> Phrase<'a> {
     pub(super) const fn new(language: Language, family: &'a str, id: &'a str) -> Phrase<'a> {
         Phrase { language, family, id, values: Vec::new() }

@@ -8,8 +8,8 @@ use tokio::sync::{mpsc, oneshot, watch};
 
 use super::figures::Figures;
 use super::halt::Halter;
-use super::overflow::{OverflowIn, OverflowOut, overflow};
-use hallsweep_core::command::{Accepted, Command, Issuer, Refused, Request};
+use super::overflow::{Answer, OverflowIn, OverflowOut, overflow};
+use hallsweep_core::command::{Command, Issuer, Refused, Request};
 use hallsweep_core::event::RobotId;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::Venue;
@@ -33,8 +33,6 @@ pub enum Envelope {
     /// These simulated robots are to be put down in the hall of this name, and who asks for it.
     PutDown(Issuer, Venue, Vec<RobotId>, oneshot::Sender<Answer>),
 }
-
-pub(super) type Answer = Result<Accepted, Refused>;
 
 /// The doors' end: commands in, snapshots out.
 #[derive(Clone, Debug)]

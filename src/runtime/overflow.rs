@@ -7,8 +7,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::{Notify, oneshot};
 
-use super::handle::Answer;
-use hallsweep_core::command::{Door, Issuer, Refused, Request};
+use hallsweep_core::command::{Accepted, Door, Issuer, Refused, Request};
+
+pub(super) type Answer = Result<Accepted, Refused>;
 
 /// So many senders are told apart: more than there are keys, at each of the doors. Those beyond are counted together, door by door.
 const SENDERS: usize = 512;

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::pallet::Pallet;
-use super::pallet_report::ReportJson;
+use super::pallet_report::{ReportJson, short};
 use crate::api::replay::ReplayJson;
 use hallsweep_core::place::Place;
 use hallsweep_core::units::Cell;
@@ -67,11 +67,6 @@ struct FrameJson(f64, BodyJson, BodyJson, Option<[f64; 3]>, Option<[f64; 3]>, us
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "PalletBody")]
 struct BodyJson(f64, f64, f64, bool);
-
-/// A tenth of a millimetre, or of a milliradian, is finer than any picture.
-pub(super) fn short(number: f64) -> f64 {
-    (number * 1e4).round() / 1e4
-}
 
 const fn xy(cell: Cell) -> Xy {
     (cell.x, cell.y)

@@ -5,7 +5,6 @@ use serde::Serialize;
 
 use super::mishap::{AskedFault, Missed, missed};
 use super::pallet::{kind, words};
-use super::pallet_json::short;
 use hallsweep_sim::pair::Spread;
 use hallsweep_sim::pallet::{Entry, Figures, News, PalletFault, PalletRun};
 
@@ -130,4 +129,9 @@ impl From<PalletFault> for FaultJson {
     fn from(fault: PalletFault) -> FaultJson {
         FaultJson { name: fault.name(), words: fault.in_words() }
     }
+}
+
+/// A tenth of a millimetre, or of a milliradian, is finer than any picture.
+pub(super) fn short(number: f64) -> f64 {
+    (number * 1e4).round() / 1e4
 }

@@ -6,8 +6,9 @@ use axum::http::request::Parts;
 use axum::http::{HeaderMap, HeaderName};
 
 use super::HttpDoor;
-use super::gate::{LetIn, Peer, allowed, issuer};
+use super::gate::{allowed, issuer};
 use super::hearing::{Arrived, Pressed};
+use super::peer::{LetIn, Peer};
 use super::problem::Problem;
 use crate::access::{Caller, Need};
 use crate::api::command::no_command_id;

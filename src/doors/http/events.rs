@@ -13,7 +13,7 @@ use futures_util::stream::{self, Stream, StreamExt};
 use serde::Serialize;
 
 use super::HttpDoor;
-use super::gate::LetIn;
+use super::peer::LetIn;
 use super::problem::Problem;
 use super::watcher::{Wake, Watcher};
 use crate::api::changes::ChangesJson;

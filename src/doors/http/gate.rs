@@ -1,11 +1,7 @@
 //! The gate before every route: who somebody is, by bearer token or session cookie, and whether that is enough. What a route
 //! asks stands in the table (`routes`); what keys are, in `crate::access`.
 
-use std::net::IpAddr;
-use std::sync::Arc;
-
-use axum::extract::{FromRequestParts, Request, State};
-use axum::http::request::Parts;
+use axum::extract::{Request, State};
 use axum::http::{HeaderMap, HeaderValue, Method, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Redirect, Response};
@@ -13,6 +9,7 @@ use axum::response::{IntoResponse, Redirect, Response};
 use super::HttpDoor;
 use super::guard::is_for_people;
 use super::hearing::Pressed;
+use super::peer::{Peer, cookies};
 use super::problem::{NotTaken, Problem};
 use super::scanning::KEYS;
 use super::sign_in::{Undone, sign_in_page};
@@ -20,18 +17,6 @@ use crate::access::{Access, Caller, Moment, Need, Network};
 use crate::api::door;
 use crate::api::fields::in_short;
 use hallsweep_core::command::{self, Issuer, Refused};
-
-/// The other end of a connection. The accept loop puts it into every request.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Peer {
-    /// Its address, as the system says; what a proxy writes into headers is not believed.
-    pub(super) address: IpAddr,
-    /// Whether nobody between can read along.
-    pub(super) is_encrypted: bool,
-}
-
-/// Whoever sent a request, once the gate has let it through.
-pub(super) struct LetIn(pub(super) Caller);
 
 /// A gate that asks for this.
 #[derive(Clone)]
@@ -45,13 +30,6 @@ enum Shown {
     Nothing,
     Token(String),
     Sessions(Vec<String>),
-}
-
-impl Peer {
-    /// The address for records.
-    pub(super) fn name(self) -> Arc<str> {
-        Arc::from(self.address.to_canonical().to_string())
-    }
 }
 
 impl Gate {
@@ -68,23 +46,6 @@ pub(super) fn issuer(caller: &Caller, door: command::Door, peer: Peer) -> Issuer
 /// Nothing when he may do what asks for `need`, else what to tell him.
 pub(super) fn allowed(caller: &Caller, need: Need) -> Result<(), Refused> {
     caller.may(need).map_err(Refused::NotAllowed)
-}
-
-/// A route that was not put behind a gate lets nobody in.
-impl<S: Send + Sync> FromRequestParts<S> for LetIn {
-    type Rejection = Problem;
-
-    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<LetIn, Problem> {
-        parts.extensions.get().cloned().map(LetIn).ok_or_else(Problem::not_signed_in)
-    }
-}
-
-impl<S: Send + Sync> FromRequestParts<S> for Peer {
-    type Rejection = Problem;
-
-    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Peer, Problem> {
-        parts.extensions.get().copied().ok_or_else(Problem::internal)
-    }
 }
 
 impl HttpDoor {
@@ -231,13 +192,6 @@ fn tokens(headers: &HeaderMap) -> impl Iterator<Item = String> {
 
 fn sessions(headers: &HeaderMap, cookie: &str) -> Vec<String> {
     cookies(headers, cookie).map(str::to_owned).take(KEYS).collect()
-}
-
-/// The values of the cookies of this name.
-pub(super) fn cookies<'a>(headers: &'a HeaderMap, cookie: &'a str) -> impl Iterator<Item = &'a str> {
-    let cookies = headers.get_all(header::COOKIE).iter().filter_map(|value| value.to_str().ok());
-    let pairs = cookies.flat_map(|value| value.split(';')).filter_map(|pair| pair.trim().split_once('='));
-    pairs.filter(move |(name, _)| *name == cookie).map(|(_, value)| value)
 }
 
 #[cfg(test)]

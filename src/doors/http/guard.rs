@@ -18,11 +18,11 @@ use tower_http::set_header::SetResponseHeaderLayer;
 
 use super::HttpDoor;
 use super::accept::{codings, preferred};
-use super::gate::Peer;
 use super::language::spoken;
+use super::peer::Peer;
+use super::prefix::local;
 use super::prefix::{is_page, relative};
 use super::problem::{Detail, Problem, halted, in_words};
-use super::sign_in::local;
 use crate::api::fields::in_short;
 use crate::phrases::Language;
 

@@ -10,10 +10,10 @@ use axum::response::{IntoResponse, Redirect, Response};
 use serde::Deserialize;
 
 use super::accept::range;
-use super::gate::{LetIn, Peer, cookies};
+use super::peer::{LetIn, Peer, cookies};
+use super::prefix::local;
 use super::problem::Problem;
 use super::reading::Form;
-use super::sign_in::local;
 use crate::access::Caller;
 use crate::phrases::Language;
 

@@ -20,6 +20,7 @@ mod missions;
 mod mqtt;
 mod old;
 mod openapi;
+mod peer;
 mod places;
 mod prefix;
 mod problem;
@@ -199,7 +200,7 @@ impl HttpDoor {
 /// A request that comes from this address, encrypted or not: the accept loop says so of every one, and whoever asks the router
 /// without it must, too.
 pub fn coming_from<B>(mut request: Request<B>, address: IpAddr, is_encrypted: bool) -> Request<B> {
-    request.extensions_mut().insert(gate::Peer { address, is_encrypted });
+    request.extensions_mut().insert(peer::Peer { address, is_encrypted });
     request
 }
 

@@ -21,8 +21,8 @@ use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt, DuplexStream
 use tokio::sync::oneshot;
 
 use super::HttpDoor;
-use super::gate::{LetIn, Peer};
 use super::guard::is_foreign;
+use super::peer::{LetIn, Peer};
 use super::problem::Problem;
 use crate::access::{Access, Caller};
 use crate::doors::vestibule::Vestibule;

@@ -10,6 +10,9 @@ use axum::response::Response;
 /// Tag behind which a page's `<base>` is inserted: templates write addresses relative to the root.
 const HEAD: &str = "<head>";
 
+/// A longer way back is not remembered.
+pub(super) const LONGEST_PATH: usize = 512;
+
 /// Makes redirects and a page's addresses relative to the path that was asked for.
 pub(super) async fn relative(request: Request, next: Next) -> Response {
     let root = root(request.uri().path());
@@ -39,6 +42,18 @@ pub(super) fn root(path: &str) -> String {
 
 pub(super) fn is_page(response: &Response) -> bool {
     response.headers().get(header::CONTENT_TYPE).is_some_and(|kind| kind.as_bytes().starts_with(b"text/html"))
+}
+
+/// Where to go after signing in: a path of this door, never another place. Steps up, which browsers also read from `%2e`, and
+/// slashes that a proxy alone takes for some would lead out of the prefix of a proxy.
+pub(super) fn local(next: Option<&str>) -> &str {
+    let plain = |path: &str| path.to_ascii_lowercase().replace("%2e", ".");
+    let steps_up = |path: &str| plain(path).contains("%2f") || plain(path).split(['/', '?', '#']).any(|part| part == "..");
+    let is_local = |path: &&str| {
+        let visible = path.bytes().all(|byte| byte.is_ascii_graphic() && byte != b'\\');
+        path.starts_with('/') && !path.starts_with("//") && visible && !steps_up(path) && path.len() <= LONGEST_PATH
+    };
+    next.filter(is_local).unwrap_or("/")
 }
 
 #[cfg(test)]

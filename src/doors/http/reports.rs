@@ -12,9 +12,9 @@ use futures_util::{StreamExt, stream};
 use tokio::sync::mpsc;
 
 use super::HttpDoor;
-use super::gate::LetIn;
 use super::language::Spoken;
 use super::missions::unknown;
+use super::peer::LetIn;
 use super::problem::Problem;
 use super::query::Query;
 use super::reading::Number;

@@ -10,8 +10,9 @@ use axum::response::{Html, IntoResponse, Redirect, Response};
 use serde::Deserialize;
 
 use super::HttpDoor;
-use super::gate::{LetIn, Peer};
 use super::language::Spoken;
+use super::peer::{LetIn, Peer};
+use super::prefix::local;
 use super::reading::Form;
 use super::scanning::names;
 use crate::access::{Access, Network, Person};
@@ -24,9 +25,6 @@ pub(super) fn cookie_name(port: u16) -> Arc<str> {
 /// How long a browser keeps the cookie, in seconds: the longest that browsers allow. They count by their machine's wall clock; when the
 /// session ends is decided here.
 const KEPT_S: u64 = 400 * 24 * 60 * 60;
-
-/// A longer way back is not remembered.
-const LONGEST_PATH: usize = 512;
 
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct SignInQuery {
@@ -196,18 +194,6 @@ fn cookie(door: &HttpDoor, session: &str, kept_s: u64, peer: Peer) -> HeaderMap 
     let cookie = format!("{}={session}; Max-Age={kept_s}; HttpOnly; SameSite=Strict{secure}", door.cookie());
     let cookie = HeaderValue::from_str(&cookie).expect("a session is letters, digits, dots, - and _");
     HeaderMap::from_iter([(header::SET_COOKIE, cookie)])
-}
-
-/// Where to go after signing in: a path of this door, never another place. Steps up, which browsers also read from `%2e`, and
-/// slashes that a proxy alone takes for some would lead out of the prefix of a proxy.
-pub(super) fn local(next: Option<&str>) -> &str {
-    let plain = |path: &str| path.to_ascii_lowercase().replace("%2e", ".");
-    let steps_up = |path: &str| plain(path).contains("%2f") || plain(path).split(['/', '?', '#']).any(|part| part == "..");
-    let is_local = |path: &&str| {
-        let visible = path.bytes().all(|byte| byte.is_ascii_graphic() && byte != b'\\');
-        path.starts_with('/') && !path.starts_with("//") && visible && !steps_up(path) && path.len() <= LONGEST_PATH
-    };
-    next.filter(is_local).unwrap_or("/")
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ use serde_json::Value;
 use tokio::sync::watch;
 use tower_service::Service;
 
-use super::gate::Peer;
+use super::peer::Peer;
 use super::prefix::root;
 use super::{Hosts, HttpDoor, router};
 use crate::access::{Access, Keyring, Keys, OPERATOR, Role};

@@ -15,13 +15,12 @@ use tokio::sync::oneshot;
 
 use super::client_ids::{ClientIds, Memory, Name};
 use super::commands::Commands;
-use super::embedded::Running;
 use super::hearing::Hearing;
 use super::identity::{Identity, Unknown};
 use super::incoming::{IncomingConnection, Origin, Reader, Writer};
 use super::introduction::{SentAway, introduction};
 use super::limits::{CONNECT_TIME, LEAVING, WAITING};
-use super::pump::{self, Ends};
+use super::pump::{self, Ends, Running};
 use super::read_ahead::{Left, Pool, Taker, read_ahead};
 use super::seats::Seats;
 use crate::access::{Attempts, Network};

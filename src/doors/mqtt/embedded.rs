@@ -11,6 +11,7 @@ use tokio::task::JoinSet;
 
 use super::clients::Clients;
 use super::incoming::{IncomingConnection, Origin};
+use super::pump::Running;
 use crate::access::Access;
 use crate::doors::listeners::Listeners;
 use crate::doors::write_timeout::WriteTimeoutStream;
@@ -21,9 +22,6 @@ const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
 /// So long the last words may take to reach the clients when the program ends; it is to end within two seconds.
 const LAST_WORDS: Duration = Duration::from_millis(500);
-
-/// Changes, or is closed, when the program ends.
-pub(super) type Running = watch::Receiver<()>;
 
 /// How clients come to our own broker.
 pub struct Ways {

@@ -10,11 +10,11 @@ use std::time::Duration;
 
 use bytes::BytesMut;
 use tokio::io::AsyncWriteExt;
+use tokio::sync::watch;
 use tokio::task::unconstrained;
 
 use super::client_ids::ClientId;
 use super::desk::Desk;
-use super::embedded::Running;
 use super::identity::Identity;
 use super::incoming::Writer;
 use super::read_ahead::{Left, READ, Taker};
@@ -42,6 +42,9 @@ const BREATH: Duration = Duration::from_millis(2);
 
 /// A client that takes so many bytes reads what waits for it.
 const MUCH: usize = 64 * 1024;
+
+/// Changes, or is closed, when the program ends.
+pub(super) type Running = watch::Receiver<()>;
 
 pub(super) struct Ends {
     pub(super) client: Writer,

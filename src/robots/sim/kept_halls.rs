@@ -8,7 +8,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use super::chosen_hall::file_of;
-use super::offered_halls::fitting;
 use crate::runtime::simulator::{NotSimulated, is_hall_name};
 use crate::storage::small_file::SmallFile;
 use crate::storage::{files, names};
@@ -135,6 +134,17 @@ fn name_of(file: &Path) -> Option<String> {
 
 fn file(data: &Path, name: &str) -> SmallFile {
     SmallFile::of(data, names::HALL, name)
+}
+
+/// A hall that a page can draw.
+pub(super) fn fitting(hall: Hall) -> Result<Hall, NotSimulated> {
+    let (width, height) = size(&hall);
+    NotSimulated::too_large(width, height).map_or(Ok(hall), Err)
+}
+
+/// Columns and rows.
+pub(super) fn size(hall: &Hall) -> (u32, u32) {
+    (hall.bounds().width().unsigned_abs(), hall.bounds().height().unsigned_abs())
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::kept_halls::KeptHalls;
+use super::kept_halls::{KeptHalls, fitting};
 use crate::runtime::simulator::{NotSimulated, is_hall_name};
 use hallsweep_sim::Hall;
 
@@ -85,17 +85,6 @@ impl Offered {
         }
         self.kept.discard(name)
     }
-}
-
-/// A hall that a page can draw.
-pub(super) fn fitting(hall: Hall) -> Result<Hall, NotSimulated> {
-    let (width, height) = size(&hall);
-    NotSimulated::too_large(width, height).map_or(Ok(hall), Err)
-}
-
-/// Columns and rows.
-pub(super) fn size(hall: &Hall) -> (u32, u32) {
-    (hall.bounds().width().unsigned_abs(), hall.bounds().height().unsigned_abs())
 }
 
 #[cfg(test)]

@@ -11,7 +11,8 @@ use std::time::Duration;
 use tokio::sync::{Mutex, mpsc, oneshot, watch};
 
 use super::chosen_hall::{ChosenHall, file_of};
-use super::offered_halls::{Offered, fitting, size};
+use super::kept_halls::{fitting, size};
+use super::offered_halls::Offered;
 use super::remote::{Controls, Ground, Move};
 use crate::runtime::handle::{Gone, Handle};
 use crate::runtime::simulator::{

@@ -9,7 +9,7 @@ use rusqlite::{Connection, OptionalExtension, Params, Row, params};
 use super::connect::Reader;
 use super::fault::{Fault, Then, count};
 use super::folder::Folder;
-use super::memory::{self, MemoryJournal};
+use super::memory::{self, MemoryJournal, MemoryStore};
 use super::photos::Pictures;
 use super::rows::{self, EntryFilter, Kinds};
 use super::{chain, connect, marker, moments, project, recall};
@@ -110,6 +110,12 @@ fn ask_folder<T: Default>(
 }
 
 /// A number beyond those of the store is that of nothing.
+impl MemoryStore {
+    pub fn archive(&self) -> Arc<dyn Archive> {
+        Arc::new(SqliteArchive::Memory(Arc::clone(&self.journal)))
+    }
+}
+
 impl Archive for SqliteArchive {
     fn photo(&self, luggage: LuggageId) -> Result<Option<Photo>, Unreadable> {
         let Ok(id) = i64::try_from(luggage.0) else { return Ok(None) };

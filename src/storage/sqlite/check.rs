@@ -6,9 +6,9 @@ use rusqlite::types::Value;
 
 use super::fault::{ALL, Fault, Then, count, one_line};
 use super::folder::Folder;
+use super::of_archives::Records;
 use super::photos::PICTURES;
 use super::rows::{self, EntryFilter};
-use super::together::Records;
 use super::{chain, head, marker, project, recall, schema};
 use crate::api::journal::Picture;
 use crate::runtime::archive::Head;

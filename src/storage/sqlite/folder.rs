@@ -6,7 +6,6 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::fault::Fault;
-use super::photos::Pictures;
 use crate::api::journal::Picture;
 use crate::storage::files;
 use crate::storage::names::{self, Name};
@@ -47,11 +46,6 @@ impl Folder {
     /// Whether it is an archive.
     pub(super) fn is_archive(&self) -> bool {
         self.is_archive
-    }
-
-    /// Where its photos are.
-    pub(super) fn pictures(&self) -> Pictures<'_> {
-        if self.is_archive { Pictures::Table } else { Pictures::Files(self) }
     }
 
     pub(super) fn path(&self) -> &Path {

@@ -8,12 +8,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use rusqlite::{Connection, OptionalExtension, params};
 use tokio::sync::watch;
 
-use super::archive::SqliteArchive;
 use super::fault::{Fault, Then, whole};
 use super::photos::{PICTURES, Pictures};
 use super::{connect, pages, recall, schema};
 use crate::api::journal;
-use crate::runtime::archive::{Archive, Sound};
+use crate::runtime::archive::Sound;
 use crate::runtime::store::{Store, StoreStatus};
 use hallsweep_core::effect::{Fact, Page};
 use hallsweep_core::state::PersistentState;
@@ -95,10 +94,6 @@ impl Default for MemoryStore {
 impl MemoryStore {
     pub fn new() -> MemoryStore {
         MemoryStore::default()
-    }
-
-    pub fn archive(&self) -> Arc<dyn Archive> {
-        Arc::new(SqliteArchive::Memory(Arc::clone(&self.journal)))
     }
 }
 

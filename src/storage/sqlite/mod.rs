@@ -22,6 +22,7 @@ mod head;
 mod marker;
 mod memory;
 mod moments;
+mod of_archives;
 mod pages;
 mod photos;
 mod project;

@@ -34,6 +34,13 @@ pub(super) enum Pictures<'a> {
     Table,
 }
 
+impl Folder {
+    /// Where its photos are.
+    pub(super) fn pictures(&self) -> Pictures<'_> {
+        if self.is_archive() { Pictures::Table } else { Pictures::Files(self) }
+    }
+}
+
 impl Pictures<'_> {
     /// Writes a photo, in a folder so that it lasts, before anything on record names it.
     pub(super) fn keep(self, connection: &Connection, photo: &Photo) -> Result<Picture, Fault> {

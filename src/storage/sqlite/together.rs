@@ -15,13 +15,11 @@ use super::archive_file::{digest_of, refused};
 use super::check::check;
 use super::fault::{Fault, Then};
 use super::folder::Folder;
-use super::rows::{self, EntryFilter};
+use super::of_archives::Records;
 use super::schema::{self, Format};
 use super::{chain, connect};
-use crate::api::journal::Line;
 use crate::runtime::archive::{Head, Unreadable};
-use hallsweep_core::effect::{Entry, Fact, Unpacked, WrittenOut};
-use hallsweep_core::units::{MissionId, Seq};
+use hallsweep_core::units::Seq;
 
 /// What was found between a journal and archives.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,49 +28,6 @@ pub struct Together {
     pub archives: usize,
     /// What is wrong, a sentence each; nothing, when each is as it was written out and they follow on one another from the first entry on.
     pub faults: Vec<String>,
-}
-
-/// What a journal or archive has on record of archives.
-#[derive(Debug, Default)]
-pub(super) struct Records {
-    written_out: Vec<WrittenOut>,
-    unpacked: Vec<Unpacked>,
-}
-
-impl Records {
-    pub(super) fn of(connection: &Connection) -> Result<Records, Fault> {
-        let mut records = Records::default();
-        records.add(connection)?;
-        Ok(records)
-    }
-
-    fn add(&mut self, connection: &Connection) -> Result<(), Fault> {
-        let of_archives = EntryFilter { kinds: rows::Kinds::OfArchives, ..EntryFilter::default() };
-        rows::each(connection, of_archives, |_, line| {
-            let Ok(Line { entry: Entry { fact, .. }, .. }) = line else { return Ok(()) };
-            if let Fact::WrittenOut(record) = fact {
-                self.written_out.push(record);
-            } else if let Fact::Unpacked(record) = fact {
-                self.unpacked.push(record);
-            }
-            Ok(())
-        })
-    }
-
-    /// What was written out last, if that was all up to this entry.
-    pub(super) fn written_out(&self, until: Seq) -> Option<&WrittenOut> {
-        self.written_out.iter().rfind(|record| record.until == until)
-    }
-
-    /// What was written out with this mission in it.
-    pub(super) fn with_mission(&self, mission: MissionId) -> Option<&WrittenOut> {
-        self.written_out.iter().find(|record| (record.missions.0..=record.missions.1).contains(&mission))
-    }
-
-    /// What was unpacked, if it begins here.
-    pub(super) fn unpacked(&self, begins: Head) -> Option<&Unpacked> {
-        self.unpacked.iter().rfind(|record| record.behind == begins.seq && record.page == begins.hex())
-    }
 }
 
 /// An archive that can be read, with the page behind which it begins and its last.

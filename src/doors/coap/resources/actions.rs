@@ -2,27 +2,19 @@
 //! core is `Resources`' business; the old resource's words are in `old`.
 
 use super::problem::{Problem, words};
+use super::table::Action;
 use super::{old, shows};
 use crate::access::Need;
 use crate::api::answer::AnswerJson;
 use crate::api::cbor;
 use crate::api::command::no_command_id;
-use crate::api::commands::{self, CommandKind, Payload};
+use crate::api::commands::{self, Payload};
 use crate::api::fields::{self, Body, in_short};
 use crate::api::resources;
 use crate::runtime::carry_out::Done;
 use coap_endpoint::{Code, Format, Request, Response};
 use hallsweep_core::command::{Command, CommandId};
 use hallsweep_core::units::Epoch;
-
-/// Something that can be asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Action {
-    /// A command of the table.
-    Command(CommandKind),
-    /// A bare word of an old client.
-    OldWord,
-}
 
 /// What goes with a command beside what it says.
 #[derive(Clone, Debug, PartialEq, Eq)]

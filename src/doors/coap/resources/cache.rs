@@ -1,14 +1,14 @@
 //! What is shown, kept until it changes: a GET of what has not changed makes nothing anew, and all who observe a thing share one
 //! body. What is shown stands in `shows`.
 
-use std::hash::Hasher;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use hashlink::LinkedHashMap;
 
+use super::etag::tag;
 use super::shows;
 use super::table::Show;
-use coap_endpoint::{Answer, ETag, Format, Response};
+use coap_endpoint::{Answer, Format, Response};
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 
@@ -59,37 +59,6 @@ impl RepresentationCache {
             things.pop_front();
         }
         copies
-    }
-}
-
-/// The tag of what these parts tell apart; the same parts have the same tag in every run and on every machine.
-pub(super) fn tag(parts: &[&[u8]]) -> ETag {
-    let mut hasher = Fnv::default();
-    for part in parts {
-        hasher.write(&(part.len() as u64).to_be_bytes());
-        hasher.write(part);
-    }
-    ETag::new(&hasher.finish().to_be_bytes()).expect("a number of 64 bits is eight bytes")
-}
-
-/// FNV-1a of 64 bits: the standard library does not promise that its own hash stays the same.
-struct Fnv(u64);
-
-impl Default for Fnv {
-    fn default() -> Fnv {
-        Fnv(0xCBF2_9CE4_8422_2325)
-    }
-}
-
-impl Hasher for Fnv {
-    fn finish(&self) -> u64 {
-        self.0
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        for byte in bytes {
-            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01B3);
-        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! `/.well-known/core`: the table as links, a path with a number once for each thing there is (RFC 6690). How links are filtered
 //! and written stands in `super::super::links`.
 
-use super::cache;
+use super::etag::tag;
 use super::table::{Row, Show, Table};
 use crate::api::resources::ResourceKind;
 use coap_endpoint::{Format, Link, Response, link_format};
@@ -18,7 +18,7 @@ const ACT: &str = "hallsweep.act";
 /// The links that the queries let through, as an answer.
 pub(super) fn filtered(snapshot: &Snapshot, queries: &[String]) -> Response {
     let list = listing(snapshot, queries);
-    Response { tag: Some(cache::tag(&[&list])), max_age: Some(0), ..Response::content(Format::LINKS, list) }
+    Response { tag: Some(tag(&[&list])), max_age: Some(0), ..Response::content(Format::LINKS, list) }
 }
 
 /// The links that the queries let through.

@@ -6,6 +6,7 @@ mod actions;
 mod cache;
 mod caller;
 mod discovery;
+mod etag;
 mod old;
 mod photos;
 mod problem;
@@ -18,13 +19,12 @@ mod testing;
 
 use std::sync::Arc;
 
-use self::actions::Action;
 use self::cache::RepresentationCache;
 use self::caller::Caller;
 use self::old::OldModel;
 use self::photos::Photos;
 use self::problem::Problem;
-use self::table::{Found, Table};
+use self::table::{Action, Found, Table};
 use super::application::{Application, Reply};
 use crate::api::door;
 use crate::api::fields::in_short;

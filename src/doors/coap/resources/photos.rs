@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::cache;
+use super::etag;
 use super::problem::{Problem, words};
 use crate::runtime::archive_reader::Reader;
 use coap_endpoint::{Answer, ETag, Format, Request, Response};
@@ -50,7 +50,7 @@ impl Photos {
 /// The tag of a piece's photo, as its record is now.
 pub(super) fn tag(piece: &Luggage) -> ETag {
     let take = piece.take().unwrap_or(0);
-    cache::tag(&[&piece.id.0.to_be_bytes(), &take.to_be_bytes(), &piece.taken.unix_ms.to_be_bytes()])
+    etag::tag(&[&piece.id.0.to_be_bytes(), &take.to_be_bytes(), &piece.taken.unix_ms.to_be_bytes()])
 }
 
 /// The same, of a piece that has a photo.
@@ -112,7 +112,7 @@ mod tests {
     #[test]
     fn a_photo_that_was_taken_again_is_read_again() {
         let (photos, id) = (Photos::default(), LuggageId(3));
-        let (old, new) = (cache::tag(&[b"1"]), cache::tag(&[b"2"]));
+        let (old, new) = (etag::tag(&[b"1"]), etag::tag(&[b"2"]));
         photos.keep(id, false, photo(4, old));
         assert!(photos.kept(id, Some(old)).is_some() && photos.kept(id, Some(new)).is_none());
         assert!(photos.kept(id, None).is_none(), "it may have been taken again before its mission was put away");
@@ -122,7 +122,7 @@ mod tests {
 
     #[test]
     fn a_photo_is_plain_bytes_for_whoever_wants_these() {
-        let picture = Arc::new(photo(4, cache::tag(&[b"t"])));
+        let picture = Arc::new(photo(4, etag::tag(&[b"t"])));
         let wanted = |photo: &Arc<Response>, accept| {
             labelled(Arc::clone(photo), &Request { accept, ..get("/luggage/3/photo") }).map(|answer| answer.response)
         };
@@ -143,11 +143,11 @@ mod tests {
     fn only_the_last_photos_are_kept_and_the_last_one_always() {
         let photos = Photos::default();
         for id in 0..20 {
-            photos.keep(LuggageId(id), true, photo(MOST_BYTES / 4, cache::tag(&[b"t"])));
+            photos.keep(LuggageId(id), true, photo(MOST_BYTES / 4, etag::tag(&[b"t"])));
         }
         let ids: Vec<u64> = (0..20).filter(|id| photos.kept(LuggageId(*id), None).is_some()).collect();
         assert_eq!(ids, [16, 17, 18, 19]);
-        photos.keep(LuggageId(99), true, photo(2 * MOST_BYTES, cache::tag(&[b"t"])));
+        photos.keep(LuggageId(99), true, photo(2 * MOST_BYTES, etag::tag(&[b"t"])));
         assert!(photos.kept(LuggageId(99), None).is_some() && photos.kept(LuggageId(19), None).is_none());
     }
 }

@@ -2,8 +2,7 @@
 //! of `api::resources` and `api::commands`, and what is only here. Routing, the answer to a wrong method, `/.well-known/core` and
 //! the table in `docs/coap.md` are walks over it; what is not listed is not there.
 
-use super::actions::Action;
-use crate::api::commands::{self, COMMANDS, Methods, Subject};
+use crate::api::commands::{self, COMMANDS, CommandKind, Methods, Subject};
 use crate::api::resources::{self, Form, RESOURCES, ResourceKind};
 use coap_endpoint::{Format, Method};
 
@@ -44,6 +43,15 @@ pub(super) enum Show {
     OldItems,
     /// The list of all this.
     Links,
+}
+
+/// Something that can be asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Action {
+    /// A command of the table.
+    Command(CommandKind),
+    /// A bare word of an old client.
+    OldWord,
 }
 
 /// Where a path leads.

@@ -1,7 +1,7 @@
 //! The robots that fetch, in the picture of the hall: where each stands, its name, its arm reaching to the piece, and the piece where
 //! it is now. The robot that searches is drawn by `hall`, before the entrance by `porch`.
 
-use super::hall::{CELL, draw_luggage, larger, middle, turn, write};
+use super::drawing::{CELL, draw_luggage, larger, middle, turn, write};
 use super::porch::{Column, Porch};
 use crate::phrases::Language;
 use hallsweep_core::place::Place;

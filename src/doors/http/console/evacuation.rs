@@ -4,7 +4,7 @@
 use std::fmt::Write;
 
 use super::carriers::is_at;
-use super::hall::CELL;
+use super::drawing::CELL;
 use super::view::View;
 use crate::phrases::Language;
 use hallsweep_core::units::Cell;

@@ -2,25 +2,15 @@
 //! everything that moves; the luggage is drawn by `pieces`. One cell is `CELL` units; runs of equal cells are one stroke of one path, so that a large hall stays
 //! light. Frames, legend and colours stand in template and style sheet.
 
-use std::fmt::Write;
-
 use super::carriers::{fetched, fetched_lies_at, has_porch, searcher_at};
+use super::drawing::{CELL, draw_luggage, larger, middle, shown, turn, write};
 use super::pieces;
 use super::porch::Porch;
 use crate::phrases::Language;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Cell, Heading};
-use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark, TILE};
+use hallsweep_core::world::hall_map::{HallMap, Mark, TILE};
 use hallsweep_core::world::luggage::Luggage;
-
-/// The side of a cell in the picture's units.
-pub(super) const CELL: i32 = 10;
-
-/// The picture grows by this many cells at a time, so that it does not jump with every step.
-const GROWTH: i32 = 4;
-
-/// The picture is never smaller than this, in cells.
-const LEAST: (i32, i32) = (16, 12);
 
 /// As much of the way behind is shown, in cells.
 const TRAIL: usize = 48;
@@ -34,19 +24,8 @@ const LABELS: i32 = 24;
 /// As far ahead as the sonar's ray is drawn, in cells.
 const RAY: i32 = 8;
 
-/// A picture of up to this many cells is drawn as it is; in a wider one what must be seen is drawn larger than its cell.
-const READABLE: i32 = 32;
-
 /// More frontier than this is not drawn: it would be most of what is sent with every step.
 const FRONTIER: usize = 2000;
-
-/// The part of the hall that is shown, in cells: what is known, rounded outwards.
-pub(super) fn shown(map: &HallMap) -> Bounds {
-    let known = map.known_bounds();
-    let least = Cell::new(round_down(known.least.x.min(-1)), round_down(known.least.y.min(-1)));
-    let far = |least: i32, most: i32, size: i32| least + size.max(round_up(most - least + 2)) - 1;
-    Bounds { least, most: Cell::new(far(least.x, known.most.x, LEAST.0), far(least.y, known.most.y, LEAST.1)) }
-}
 
 /// The `viewBox` of the hall as it is now, with who waits before its entrance.
 pub(super) fn view_box_now(snapshot: &Snapshot) -> String {
@@ -61,13 +40,6 @@ pub(super) fn view_box(map: &HallMap, porch: Option<Porch>) -> String {
     let width = shown.width() * CELL + margin;
     let wide = porch.map_or(width, |porch| width.max(porch.east() + margin - left));
     format!("{left} {top} {wide} {}", shown.height() * CELL + margin + higher)
-}
-
-/// How many times its size the robot and its like are drawn in, so that they can be seen in a large hall too.
-pub(super) fn larger(map: &HallMap) -> i32 {
-    let shown = shown(map);
-    let widest = shown.width().max(shown.height() * LEAST.0 / LEAST.1);
-    (widest + READABLE - 1) / READABLE
 }
 
 pub(super) fn tile_id(corner: Cell) -> String {
@@ -196,16 +168,6 @@ fn draw_robot((x, y): (i32, i32), turn: i32, size: i32, led_blinking: bool, clas
     )
 }
 
-/// Degrees from north, clockwise.
-pub(super) const fn turn(heading: Heading) -> i32 {
-    match heading {
-        Heading::North => 0,
-        Heading::East => 90,
-        Heading::South => 180,
-        Heading::West => 270,
-    }
-}
-
 fn runs(map: &HallMap, corner: Cell, wanted: Mark) -> String {
     let mut path = String::new();
     for y in corner.y..corner.y + TILE {
@@ -251,33 +213,6 @@ fn home(language: Language, group: &mut String, size: i32) {
     );
 }
 
-/// A piece that is not in its cell, or not alone there.
-pub(super) fn draw_luggage(language: Language, group: &mut String, piece: &Luggage, (x, y): (i32, i32), size: i32) {
-    let verdict = piece.verdict_name();
-    let (shape, letter, said) = (shape(verdict), language.say_of("letter", verdict), said(language, piece));
-    write(
-        group,
-        format_args!(
-            "<g class=\"piece {verdict}\" transform=\"translate({x} {y}) scale({size})\">{shape}<text y=\"2\">{letter}</text>\
-             <title>{said}</title></g>"
-        ),
-    );
-}
-
-/// What is said of a piece in the picture.
-pub(super) fn said(language: Language, piece: &Luggage) -> String {
-    language.say("piece-is").with("id", piece.id).with("verdict", language.verdict(piece.verdict_name())).to_string()
-}
-
-/// The shape of a verdict, which has a letter, too: nobody need know colours apart.
-pub(super) fn shape(verdict: &str) -> &'static str {
-    match verdict {
-        "safe" => "<circle r=\"4.2\"/>",
-        "danger" => "<path d=\"M0 -5L5 4H-5Z\"/>",
-        _ => "<rect x=\"-4.2\" y=\"-4.2\" width=\"8.4\" height=\"8.4\"/>",
-    }
-}
-
 fn route(language: Language, group: &mut String, snapshot: &Snapshot, size: i32) {
     let route = &snapshot.mission.route;
     if !route.is_empty() {
@@ -316,22 +251,6 @@ fn points(cells: impl Iterator<Item = Cell>) -> String {
         write(&mut points, format_args!("{x},{y} "));
     }
     points
-}
-
-pub(super) const fn middle(cell: Cell) -> (i32, i32) {
-    (cell.x * CELL + CELL / 2, cell.y * CELL + CELL / 2)
-}
-
-const fn round_down(cells: i32) -> i32 {
-    if cells >= -1 { -1 } else { cells.div_euclid(GROWTH) * GROWTH - 1 }
-}
-
-const fn round_up(cells: i32) -> i32 {
-    (cells + GROWTH - 1).div_euclid(GROWTH) * GROWTH
-}
-
-pub(super) fn write(text: &mut String, words: std::fmt::Arguments<'_>) {
-    text.write_fmt(words).expect("writing into a string does not fail");
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ mod acts;
 mod began;
 mod carriers;
 mod doing;
+mod drawing;
 mod evacuation;
 mod hall;
 mod incident;

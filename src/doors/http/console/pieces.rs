@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::carriers::fetched;
-use super::hall::{CELL, larger, middle, said, shape, write};
+use super::drawing::{CELL, larger, middle, said, shape, write};
 use crate::phrases::Language;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Cell, LuggageId};

@@ -1,7 +1,7 @@
 //! The place before the entrance, beyond the northern edge of the picture: who waits there, and the container with what was secured.
 //! The cells of the hall are `hall`'s, the robots `carriers`'.
 
-use super::hall::{CELL, larger, middle, shown, write};
+use super::drawing::{CELL, larger, middle, shown, write};
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::units::{Cell, LuggageId};
 use hallsweep_core::world::hall_map::HallMap;

@@ -11,13 +11,14 @@ use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::sync::Notify;
 use tokio::time::{Sleep, sleep, timeout};
 
-use super::connection_task::{ConnectionTask, Shared, put};
+use super::connection_task::{ConnectionTask, HEADER_BYTES, HEADER_TIME, put};
 use super::context::ServerContext;
 use super::frames::Frames;
-use super::judge::{Given, Judge};
+use super::judge::Judge;
+use super::shared::{Given, Shared};
 use super::stop_search::{Heard, HeardRequest, StopSearch};
 use crate::api::door;
-use crate::doors::http::gate::Peer;
+use crate::doors::http::peer::Peer;
 use crate::doors::http::places::{Claim, Place};
 use crate::doors::http::problem::Problem;
 use crate::doors::http::watcher::closed;
@@ -25,14 +26,8 @@ use crate::doors::vestibule::Waiting;
 use crate::doors::write_timeout::WriteTimeoutStream;
 use crate::runtime::figures::Connected;
 
-/// How long a client may take over a request's headers, and how long it may be silent between two requests.
-pub(super) const HEADER_TIME: Duration = Duration::from_secs(20);
-
 /// How long a first request waits for its body before it gets a task: most come whole, and others cost little so long.
 const WHOLE_TIME: Duration = Duration::from_millis(100);
-
-/// How long a request's line and headers may be together; longer ones are answered with 431.
-pub(super) const HEADER_BYTES: usize = 64 * 1024;
 
 /// So much is read at once, in bytes, and so much at first; others have their turn after that, and after so many heads. A newcomer waits
 /// for the turns of a thousand at most, which together take some hundredths of a second.

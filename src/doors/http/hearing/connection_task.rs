@@ -1,11 +1,10 @@
 //! Request after request with hyper, from the bytes that were heard; each gets whoever is at the other end, and the STOP that was
 //! heard in it, written into it. A client that is gone is answered into nothing, so that what it sent before is carried out.
 
-use std::collections::BTreeMap;
 use std::io;
 use std::pin::Pin;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::{Context, Poll};
 use std::time::Duration;
 
@@ -22,46 +21,24 @@ use tokio::io::{AsyncRead, AsyncWrite, AsyncWriteExt, DuplexStream, ReadBuf};
 use tokio::sync::{Notify, watch};
 use tokio::task::JoinSet;
 
-use super::connection::{HEADER_BYTES, HEADER_TIME};
 use super::context::ServerContext;
-use super::judge::Given;
-use crate::doors::http::gate::Peer;
+use super::shared::{Pressed, Shared};
+use crate::doors::http::peer::Peer;
 use crate::doors::http::places::Place;
 use crate::doors::http::watcher::closed;
 use crate::doors::write_timeout::WriteTimeoutStream;
-use hallsweep_core::units::Epoch;
+
+/// How long a client may take over a request's headers, and how long it may be silent between two requests.
+pub(super) const HEADER_TIME: Duration = Duration::from_secs(20);
+
+/// How long a request's line and headers may be together; longer ones are answered with 431.
+pub(super) const HEADER_BYTES: usize = 64 * 1024;
 
 /// So much waits between hearing and hyper, in bytes.
 const PIPE: usize = 16 * 1024;
 
-/// STOPs that were heard on one connection and wait for hyper to come to their requests, at most: each is kept in some 1.5 KiB. Of
-/// more the requests give a STOP once again.
-const PRESSES: usize = 128;
-
 /// So long after a client is gone what it has sent is carried out; an endless answer ends then.
 const GONE_TIME: Duration = Duration::from_secs(2);
-
-/// The STOP that was heard in a request, if one was, or will be in its body; taken by its handler.
-#[derive(Clone)]
-pub(in crate::doors::http) struct Pressed {
-    shared: Arc<Shared>,
-    number: u64,
-}
-
-/// The epoch in which a request's head was heard: a STOP that came after it outdates it, however late it is carried out (safety S4).
-#[derive(Clone, Copy)]
-pub(in crate::doors::http) struct Arrived(pub(in crate::doors::http) Epoch);
-
-/// What the thread that hears and the task that answers tell each other.
-pub(super) struct Shared {
-    presses: Mutex<BTreeMap<u64, Given>>,
-    /// From which request on they came in which epoch.
-    epochs: Mutex<BTreeMap<u64, Epoch>>,
-    /// Whether an answer hands the connection over; it is the last.
-    is_handed_over: watch::Sender<bool>,
-    /// Whether an answer without an end has begun.
-    is_endless: watch::Sender<bool>,
-}
 
 /// The task that answers a connection, on another runtime; it ends when this is dropped.
 pub(super) struct ConnectionTask {
@@ -70,80 +47,6 @@ pub(super) struct ConnectionTask {
     /// Closed when nothing more can be answered; nothing is ever sent.
     pub(super) over: watch::Receiver<()>,
     task: JoinSet<()>,
-}
-
-impl Pressed {
-    pub(in crate::doors::http) fn take(&self) -> Option<Given> {
-        self.shared.presses().remove(&self.number)
-    }
-
-    pub(in crate::doors::http) fn is_there(&self) -> bool {
-        self.shared.presses().contains_key(&self.number)
-    }
-}
-
-impl Shared {
-    pub(super) fn new() -> Arc<Shared> {
-        Arc::new(Shared {
-            presses: Mutex::default(),
-            epochs: Mutex::default(),
-            is_handed_over: watch::Sender::default(),
-            is_endless: watch::Sender::default(),
-        })
-    }
-
-    /// The head of the request of this number was heard in this epoch.
-    pub(super) fn came(&self, number: u64, epoch: Epoch) {
-        let mut epochs = self.epochs();
-        // Of too many changes the oldest stands: nothing is taken for newer than it is.
-        if epochs.len() < PRESSES && epochs.values().next_back() != Some(&epoch) {
-            epochs.insert(number, epoch);
-        }
-    }
-
-    fn arrived(&self, number: u64) -> Option<Arrived> {
-        let mut epochs = self.epochs();
-        let (first, epoch) = epochs.range(..=number).next_back().map(|(first, epoch)| (*first, *epoch))?;
-        *epochs = epochs.split_off(&first);
-        Some(Arrived(epoch))
-    }
-
-    fn epochs(&self) -> MutexGuard<'_, BTreeMap<u64, Epoch>> {
-        self.epochs.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    pub(super) fn keep(&self, number: u64, given: Given) {
-        let mut presses = self.presses();
-        if presses.len() < PRESSES {
-            presses.insert(number, given);
-        }
-    }
-
-    /// Whether a STOP waits for its request.
-    pub(super) fn has_heard(&self) -> bool {
-        !self.presses().is_empty()
-    }
-
-    pub(super) fn is_handed_over(&self) -> bool {
-        *self.is_handed_over.borrow()
-    }
-
-    pub(super) async fn handed_over(&self) {
-        let mut is_handed_over = self.is_handed_over.subscribe();
-        // Whoever waits holds the sender.
-        drop(is_handed_over.wait_for(|is_handed_over| *is_handed_over).await);
-    }
-
-    /// Forgets the STOPs of requests before this, which nobody took.
-    fn forget_before(&self, number: u64) {
-        let mut presses = self.presses();
-        let later = presses.split_off(&number);
-        *presses = later;
-    }
-
-    fn presses(&self) -> MutexGuard<'_, BTreeMap<u64, Given>> {
-        self.presses.lock().unwrap_or_else(PoisonError::into_inner)
-    }
 }
 
 impl ConnectionTask {
@@ -364,6 +267,7 @@ impl<W: AsyncWrite + Unpin> AsyncWrite for Transport<W> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::shared::PRESSES;
     use super::*;
 
     /// Safety A5.

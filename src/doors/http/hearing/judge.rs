@@ -1,23 +1,18 @@
 //! Who asks, by the same rules as the guard and the gate: what they would turn away does not halt. Of several keys any that is right
 //! is enough, since a STOP with a wrong one too is a STOP with a fault.
 
-use std::future::Future;
-use std::pin::Pin;
-
 use axum::http::{HeaderMap, HeaderName, HeaderValue, header};
 
+use super::shared::Given;
 use crate::access::Need;
 use crate::doors::http::HttpDoor;
 use crate::doors::http::command_sender::{IDEMPOTENCY_KEY, command_id};
-use crate::doors::http::gate::{Peer, allowed, by_path, issuer};
+use crate::doors::http::gate::{allowed, by_path, issuer};
 use crate::doors::http::guard::{Hosts, is_foreign};
+use crate::doors::http::peer::Peer;
 use crate::doors::http::places::Claim;
 use crate::doors::http::scanning::{Field, Head, names};
-use crate::runtime::carry_out::{Done, NotDone};
 use hallsweep_core::command::{Command, Request};
-
-/// A STOP that was given, and what becomes of it.
-pub(in crate::doors::http) type Given = Pin<Box<dyn Future<Output = Result<Done, NotDone>> + Send>>;
 
 /// A STOP of somebody who may stop.
 pub(super) enum Press {

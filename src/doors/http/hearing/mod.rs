@@ -11,11 +11,14 @@
 mod connection;
 mod connection_task;
 mod context;
+mod conversation;
 mod frames;
 mod judge;
+mod shared;
 mod stop_search;
 
 #[cfg(test)]
 pub(super) use connection::AHEAD;
-pub(super) use connection_task::{Arrived, Pressed};
-pub(super) use context::{ServerContext, converse};
+pub(super) use context::ServerContext;
+pub(super) use conversation::converse;
+pub(super) use shared::{Arrived, Pressed};

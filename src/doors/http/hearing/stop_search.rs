@@ -1,7 +1,8 @@
 //! What is heard of one connection: its requests one by one, and a STOP given as soon as it has come, be it named by a head or said by
 //! a body. How the bytes come, and where they go, is the connection's business.
 
-use super::judge::{Given, Judge, Press};
+use super::judge::{Judge, Press};
+use super::shared::Given;
 use crate::api::halt::{says_halt, says_halt_from};
 use crate::doors::http::places::Claim;
 use crate::doors::http::scanning::{self, BodyLength, Scanner, names};

@@ -12,8 +12,9 @@ use axum::http::request::Parts;
 use axum::response::{IntoResponse, Response};
 
 use super::HttpDoor;
-use super::gate::{LetIn, Peer, issuer};
+use super::gate::issuer;
 use super::language::spoken;
+use super::peer::{LetIn, Peer};
 use super::problem::{Problem, in_words};
 use super::query::Query;
 use super::reading::{HallFile, HallPayload, JsonPayload, Named};

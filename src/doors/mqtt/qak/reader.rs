@@ -37,6 +37,16 @@ pub enum Unreadable {
     },
 }
 
+impl Term {
+    /// Reads one term and nothing beside it. Blanks may stand between any two of its parts.
+    ///
+    /// # Errors
+    /// When `text` is longer than `LENGTH`, nested deeper than `DEPTH`, or no term.
+    pub fn parse(text: &str) -> Result<Term, Unreadable> {
+        Reader::whole(text)
+    }
+}
+
 /// A text, as far as it has been read.
 pub(super) struct Reader<'a> {
     text: &'a str,

@@ -3,7 +3,6 @@
 
 use std::fmt;
 
-use super::reader::Reader;
 pub use super::reader::{DEPTH, LENGTH, Unreadable};
 
 /// `startCmd`, `12`, or `content(robot(state(stopped)))`.
@@ -21,14 +20,6 @@ pub enum Term {
 pub struct Number(String);
 
 impl Term {
-    /// Reads one term and nothing beside it. Blanks may stand between any two of its parts.
-    ///
-    /// # Errors
-    /// When `text` is longer than `LENGTH`, nested deeper than `DEPTH`, or no term.
-    pub fn parse(text: &str) -> Result<Term, Unreadable> {
-        Reader::whole(text)
-    }
-
     pub fn atom(text: impl Into<String>) -> Term {
         Term::Atom(text.into())
     }

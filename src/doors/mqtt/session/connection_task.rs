@@ -9,10 +9,11 @@ use super::super::publication::Publication;
 use super::super::topics::HOME_ASSISTANT_STATUS;
 use super::Session;
 use super::conversation::Conversation;
+use super::event::{Event, Heard};
 use super::kept::Kept;
 use super::lost::Lost;
 use super::photos::{self, Reading};
-use super::transport::{Event, Heard, Transport};
+use super::transport::Transport;
 use mqtt_gate::AnswerTo;
 use mqtt_gate::packet::Version;
 

@@ -10,10 +10,10 @@ use rumqttc::v5::mqttbytes::v5::{
 use rumqttc::v5::{AsyncClient, Event as Happened, MqttOptions};
 
 use super::super::publication::{LARGEST, Publication};
+use super::event::{Event, Heard};
 use super::link::{BESIDE, IN_FLIGHT, IN_FLIGHT_BELOW, Link, network};
 use super::lost::Lost;
 use super::times::Times;
-use super::transport::{Event, Heard};
 use mqtt_gate::packet::properties::Property;
 
 pub(super) struct Five(AsyncClient);

@@ -5,6 +5,7 @@
 mod backoff;
 mod connection_task;
 mod conversation;
+mod event;
 mod five;
 mod inflight;
 mod kept;

@@ -6,10 +6,10 @@ use rumqttc::{
 };
 
 use super::super::publication::{LARGEST, Publication};
+use super::event::{Event, Heard};
 use super::link::{BESIDE, IN_FLIGHT, IN_FLIGHT_BELOW, Link, network};
 use super::lost::Lost;
 use super::times::Times;
-use super::transport::{Event, Heard};
 
 pub(super) struct Three(AsyncClient);
 

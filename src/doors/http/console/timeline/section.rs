@@ -11,7 +11,7 @@
 
 use askama::filters::{Html, escape};
 
-use super::super::hall::write;
+use super::super::drawing::write;
 use hallsweep_core::units::Celsius;
 
 /// To the right of every moment there can be.

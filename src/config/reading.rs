@@ -1,0 +1,79 @@
+//! Single settings, read as what they are to be, or what is wrong with them.
+
+use figment::value::{Num, Value};
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+
+use super::bind::{At, Bind};
+use super::error::SettingsError;
+use super::key::{Key, Kind};
+use super::layers::Layers;
+use hallsweep_core::search::Sensing;
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+pub(super) enum NumberOrWord {
+    Number(f64),
+    Word(String),
+}
+
+pub(super) fn read<T: DeserializeOwned>(layers: &Layers, key: &str) -> Result<T, SettingsError> {
+    layers.figment().extract_inner(key).map_err(|_| wrong_type(layers, key))
+}
+
+/// What to say of a value that is not of the kind of its setting: what it is instead. The advice says what is wanted.
+fn wrong_type(layers: &Layers, key: &str) -> SettingsError {
+    let is_whole = Key::named(key).is_some_and(|key| key.kind == Kind::Whole);
+    let problem = match layers.figment().find_value(key) {
+        Ok(Value::String(..) | Value::Char(..)) => "it is a text",
+        Ok(Value::Bool(..)) => "it is a yes or no",
+        Ok(Value::Num(_, Num::F32(_) | Num::F64(_))) if is_whole => "it is not a whole number",
+        Ok(Value::Num(..)) if is_whole => "it is out of range",
+        Ok(Value::Num(_, Num::I128(_) | Num::U128(_))) => "it is out of range",
+        Ok(Value::Num(..)) => "it is a number",
+        Ok(Value::Array(..)) => "it is a list",
+        Ok(Value::Dict(..)) => "it is a table",
+        Ok(Value::Empty(..)) | Err(_) => "it is missing",
+    };
+    layers.wrong(key, problem)
+}
+
+pub(super) fn bind(layers: &Layers, key: &str) -> Result<Bind, SettingsError> {
+    let written: String = read(layers, key)?;
+    let at = At::read(&written).ok_or_else(|| layers.wrong(key, "it is not an address with a port"))?;
+    Ok(Bind { at, is_chosen: layers.is_chosen(key) })
+}
+
+/// The value of this name.
+pub(super) fn one_of<T: Copy>(
+    layers: &Layers,
+    key: &str,
+    all: &[T],
+    name: fn(T) -> &'static str,
+    wrong: &str,
+) -> Result<T, SettingsError> {
+    let written: String = read(layers, key)?;
+    all.iter().copied().find(|value| name(*value) == written).ok_or_else(|| layers.wrong(key, wrong))
+}
+
+pub(super) fn sensing(layers: &Layers) -> Result<Sensing, SettingsError> {
+    one_of(layers, "mission.sensing", &Sensing::ALL, Sensing::name, "there is no such sensing")
+}
+
+/// A number within the bounds that the table gives it.
+pub(super) fn number(layers: &Layers, key: &str) -> Result<f64, SettingsError> {
+    within(layers, key, read(layers, key)?)
+}
+
+/// A whole number within the bounds of its setting.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is whole, and its setting bounds it")]
+pub(super) fn count(layers: &Layers, key: &str) -> Result<u32, SettingsError> {
+    let value = number(layers, key)?;
+    if value.fract() == 0.0 { Ok(value as u32) } else { Err(layers.wrong(key, "it is not a whole number")) }
+}
+
+pub(super) fn within(layers: &Layers, key: &str, value: f64) -> Result<f64, SettingsError> {
+    let problem = if value.is_nan() { "it stands for no number" } else { "it is out of range" };
+    let is_beyond = Key::named(key).is_some_and(|key| key.is_beyond(value));
+    if is_beyond { Err(layers.wrong(key, problem)) } else { Ok(value) }
+}

@@ -1,0 +1,113 @@
+//! What the thread that hears and the task that answers tell each other of one connection.
+
+use std::collections::BTreeMap;
+use std::pin::Pin;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use tokio::sync::watch;
+
+use crate::runtime::carry_out::{Done, NotDone};
+use hallsweep_core::units::Epoch;
+
+/// STOPs that were heard on one connection and wait for hyper to come to their requests, at most: each is kept in some 1.5 KiB. Of
+/// more the requests give a STOP once again.
+pub(super) const PRESSES: usize = 128;
+
+/// A STOP that was given, and what becomes of it.
+pub(in crate::doors::http) type Given = Pin<Box<dyn Future<Output = Result<Done, NotDone>> + Send>>;
+
+/// The STOP that was heard in a request, if one was, or will be in its body; taken by its handler.
+#[derive(Clone)]
+pub(in crate::doors::http) struct Pressed {
+    pub(super) shared: Arc<Shared>,
+    pub(super) number: u64,
+}
+
+/// The epoch in which a request's head was heard: a STOP that came after it outdates it, however late it is carried out (safety S4).
+#[derive(Clone, Copy)]
+pub(in crate::doors::http) struct Arrived(pub(in crate::doors::http) Epoch);
+
+/// What the thread that hears and the task that answers tell each other.
+pub(super) struct Shared {
+    presses: Mutex<BTreeMap<u64, Given>>,
+    /// From which request on they came in which epoch.
+    epochs: Mutex<BTreeMap<u64, Epoch>>,
+    /// Whether an answer hands the connection over; it is the last.
+    pub(super) is_handed_over: watch::Sender<bool>,
+    /// Whether an answer without an end has begun.
+    pub(super) is_endless: watch::Sender<bool>,
+}
+
+impl Pressed {
+    pub(in crate::doors::http) fn take(&self) -> Option<Given> {
+        self.shared.presses().remove(&self.number)
+    }
+
+    pub(in crate::doors::http) fn is_there(&self) -> bool {
+        self.shared.presses().contains_key(&self.number)
+    }
+}
+
+impl Shared {
+    pub(super) fn new() -> Arc<Shared> {
+        Arc::new(Shared {
+            presses: Mutex::default(),
+            epochs: Mutex::default(),
+            is_handed_over: watch::Sender::default(),
+            is_endless: watch::Sender::default(),
+        })
+    }
+
+    /// The head of the request of this number was heard in this epoch.
+    pub(super) fn came(&self, number: u64, epoch: Epoch) {
+        let mut epochs = self.epochs();
+        // Of too many changes the oldest stands: nothing is taken for newer than it is.
+        if epochs.len() < PRESSES && epochs.values().next_back() != Some(&epoch) {
+            epochs.insert(number, epoch);
+        }
+    }
+
+    pub(super) fn arrived(&self, number: u64) -> Option<Arrived> {
+        let mut epochs = self.epochs();
+        let (first, epoch) = epochs.range(..=number).next_back().map(|(first, epoch)| (*first, *epoch))?;
+        *epochs = epochs.split_off(&first);
+        Some(Arrived(epoch))
+    }
+
+    fn epochs(&self) -> MutexGuard<'_, BTreeMap<u64, Epoch>> {
+        self.epochs.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(super) fn keep(&self, number: u64, given: Given) {
+        let mut presses = self.presses();
+        if presses.len() < PRESSES {
+            presses.insert(number, given);
+        }
+    }
+
+    /// Whether a STOP waits for its request.
+    pub(super) fn has_heard(&self) -> bool {
+        !self.presses().is_empty()
+    }
+
+    pub(super) fn is_handed_over(&self) -> bool {
+        *self.is_handed_over.borrow()
+    }
+
+    pub(super) async fn handed_over(&self) {
+        let mut is_handed_over = self.is_handed_over.subscribe();
+        // Whoever waits holds the sender.
+        drop(is_handed_over.wait_for(|is_handed_over| *is_handed_over).await);
+    }
+
+    /// Forgets the STOPs of requests before this, which nobody took.
+    pub(super) fn forget_before(&self, number: u64) {
+        let mut presses = self.presses();
+        let later = presses.split_off(&number);
+        *presses = later;
+    }
+
+    pub(super) fn presses(&self) -> MutexGuard<'_, BTreeMap<u64, Given>> {
+        self.presses.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

@@ -1,0 +1,54 @@
+//! Who is at the other end of a connection, and who sent a request.
+
+use std::net::IpAddr;
+use std::sync::Arc;
+
+use axum::extract::FromRequestParts;
+use axum::http::request::Parts;
+use axum::http::{HeaderMap, header};
+
+use super::problem::Problem;
+use crate::access::Caller;
+
+/// The other end of a connection. The accept loop puts it into every request.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Peer {
+    /// Its address, as the system says; what a proxy writes into headers is not believed.
+    pub(super) address: IpAddr,
+    /// Whether nobody between can read along.
+    pub(super) is_encrypted: bool,
+}
+
+/// Whoever sent a request, once the gate has let it through.
+pub(super) struct LetIn(pub(super) Caller);
+
+impl Peer {
+    /// The address for records.
+    pub(super) fn name(self) -> Arc<str> {
+        Arc::from(self.address.to_canonical().to_string())
+    }
+}
+
+/// A route that was not put behind a gate lets nobody in.
+impl<S: Send + Sync> FromRequestParts<S> for LetIn {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<LetIn, Problem> {
+        parts.extensions.get().cloned().map(LetIn).ok_or_else(Problem::not_signed_in)
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for Peer {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Peer, Problem> {
+        parts.extensions.get().copied().ok_or_else(Problem::internal)
+    }
+}
+
+/// The values of the cookies of this name.
+pub(super) fn cookies<'a>(headers: &'a HeaderMap, cookie: &'a str) -> impl Iterator<Item = &'a str> {
+    let cookies = headers.get_all(header::COOKIE).iter().filter_map(|value| value.to_str().ok());
+    let pairs = cookies.flat_map(|value| value.split(';')).filter_map(|pair| pair.trim().split_once('='));
+    pairs.filter(move |(name, _)| *name == cookie).map(|(_, value)| value)
+}
