@@ -75,7 +75,7 @@ pub fn serve_robot(settings: &Settings, robot: Adapter, announce: impl FnOnce(Do
 
 fn serve_with(settings: &Settings, robot: Option<Adapter>, announce: impl FnOnce(Doors, &Entry)) -> Result<(), AppError> {
     let robots = Robots::of(settings)?;
-    let notes = data_folder::write_out_old(settings).into_iter().collect();
+    let notes = data_folder::write_out_old(settings).into_iter().chain(mqtt::note(settings)).collect();
     let runtime = threads::ordinary().map_err(AppError::System)?;
     let served = runtime.block_on(serve_hall(settings, (robots, robot), notes, announce));
     runtime.shutdown_timeout(LEFT_BEHIND);
@@ -181,8 +181,8 @@ async fn start(
     }
     let mut engine = engine(settings, kept.recalled.take(), halter.watch().now().epoch, &clock);
     for words in in_doubt.iter().chain(&kept.notes) {
-        tracing::warn!(words, "the data folder needs to be seen to");
-        engine.note_damage(words, clock.now());
+        tracing::warn!(words, "an operator should know");
+        engine.note(words, clock.now());
     }
     for further in robots.ids().skip(1) {
         engine.add_robot(further.clone(), clock.now());

@@ -42,7 +42,7 @@ impl DataFolder {
         keys: Option<String>,
         mut notes: Vec<String>,
     ) -> Result<DataFolder, AppError> {
-        let Some(folder) = &settings.store else { return Ok(DataFolder::nowhere()) };
+        let Some(folder) = &settings.store else { return Ok(DataFolder::nowhere(notes)) };
         if fs::metadata(folder.join(".")).is_err_and(|error| error.kind() == ErrorKind::PermissionDenied) {
             return Err(AppError::ClosedFolder(folder.clone()));
         }
@@ -104,16 +104,9 @@ impl DataFolder {
         ))
     }
 
-    fn nowhere() -> DataFolder {
+    fn nowhere(notes: Vec<String>) -> DataFolder {
         let store = MemoryStore::new();
-        DataFolder {
-            archive: store.archive(),
-            store: Box::new(store),
-            recalled: None,
-            elsewhere: false,
-            stops: None,
-            notes: Vec::new(),
-        }
+        DataFolder { archive: store.archive(), store: Box::new(store), recalled: None, elsewhere: false, stops: None, notes }
     }
 }
 

@@ -12,10 +12,12 @@ use crate::access::{self, Access};
 use crate::config::{self, MqttRouter, MqttSettings, OtherBroker, Settings};
 use crate::doors::http;
 use crate::doors::listeners::Listeners;
+#[cfg(feature = "rumqttd-router")]
+use crate::doors::mqtt::RumqttdRouter;
 use crate::doors::mqtt::commands::{ANSWERS, Answer, Commands};
 use crate::doors::mqtt::session::{Link, OwnSession, Parts, Session, Times, believing};
 use crate::doors::mqtt::topics::Topics;
-use crate::doors::mqtt::{Clients, IncomingConnection, Origin, RumqttdRouter, Ways, serve};
+use crate::doors::mqtt::{Clients, IncomingConnection, Origin, Ways, serve};
 use crate::doors::room::Room;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::handle::Handle;
@@ -89,14 +91,27 @@ impl Common {
     }
 }
 
+/// What an operator is told where rumqttd is to route and this program was built without it.
+pub(super) fn note(settings: &Settings) -> Option<String> {
+    let asks = matches!(settings.mqtt.broker, Some(config::Broker::Own { router: MqttRouter::Rumqttd, .. }));
+    (asks && !cfg!(feature = "rumqttd-router")).then(|| {
+        "mqtt.router is rumqttd, which this hallsweep was built without, so its own router brings MQTT messages: set mqtt.router to own, or \
+         build hallsweep with --features rumqttd-router"
+            .to_owned()
+    })
+}
+
 fn own(common: Common, (listeners, router): (Listeners, MqttRouter), (threads, room): (&Threads, Room), access: Access) -> Mqtt {
     let (answer, answers) = mpsc::channel(ANSWERS);
     let (visit, web_clients) = mpsc::channel(WEB_CLIENTS);
     let (commands, shutdown) = (common.commands(answer), common.shutdown());
     let topics = common.topics.clone();
     let broker = Arc::new(match router {
-        MqttRouter::Own => Broker::new(topics),
+        #[cfg(feature = "rumqttd-router")]
         MqttRouter::Rumqttd => Broker::with_router(topics, RumqttdRouter::start(threads.gate.handle().clone())),
+        #[cfg(not(feature = "rumqttd-router"))]
+        MqttRouter::Rumqttd => Broker::new(topics),
+        MqttRouter::Own => Broker::new(topics),
     });
     let clients = Clients::with_room(Arc::clone(&broker), commands, room);
     let spoken_of = (common.topics, common.home_assistant);

@@ -42,12 +42,3 @@ pub(super) const READ_AHEAD: usize = 16 * 1024 * 1024;
 
 /// beside what can always be read of each.
 pub(super) const ALWAYS_AHEAD: usize = 64 * 1024;
-
-/// Clients with a link to rumqttd at once, where that routes: those who are here, those who are remembered, and those just leaving.
-pub(super) const LINKS: usize = 2 * CONNECTIONS;
-
-/// Topics and filters that one rumqttd is shown, which forgets none: of more another one takes its place.
-pub(super) const SHOWN: usize = 16 * 1024;
-
-/// Messages that are on their way through it. Of more the oldest go past it.
-pub(super) const TRANSIT: usize = 4096;

@@ -18,6 +18,7 @@ mod pump;
 pub mod qak;
 mod read_ahead;
 mod rights;
+#[cfg(feature = "rumqttd-router")]
 mod rumqttd;
 mod seats;
 pub mod session;
@@ -26,4 +27,5 @@ pub mod topics;
 pub use clients::Clients;
 pub use embedded::{Ways, serve};
 pub use incoming::{IncomingConnection, Origin, Reader, Writer};
+#[cfg(feature = "rumqttd-router")]
 pub use rumqttd::RumqttdRouter;

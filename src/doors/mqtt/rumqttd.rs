@@ -20,9 +20,18 @@ use rumqttd::{Notification, RouterConfig};
 use tokio::runtime::Handle;
 use tokio::task::JoinSet;
 
-use super::limits::{LINKS, SHOWN, TRANSIT};
+use super::limits::CONNECTIONS;
 use crate::runtime::clock::Clock;
 use mqtt_gate::{Passage, Router, Subscriber};
+
+/// Clients with a link to rumqttd at once, where that routes: those who are here, those who are remembered, and those just leaving.
+const LINKS: usize = 2 * CONNECTIONS;
+
+/// Topics and filters that one rumqttd is shown, which forgets none: of more another one takes its place.
+const SHOWN: usize = 16 * 1024;
+
+/// Messages that are on their way through it. Of more the oldest go past it.
+const TRANSIT: usize = 4096;
 
 /// How often it is looked whether something has been on its way for too long,
 const GLANCE: Duration = Duration::from_millis(25);

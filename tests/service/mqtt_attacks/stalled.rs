@@ -51,9 +51,23 @@ fn those_who_read_miss_nothing_beside_those_who_do_not() {
 }
 
 /// Safety A5.
+#[cfg(feature = "rumqttd-router")]
 #[test]
 fn those_who_read_miss_nothing_beside_those_who_do_not_where_rumqttd_routes() {
     miss_nothing(Siege::routed_by("rumqttd"));
+}
+
+/// The setting of a program that was built with it does not keep this one from starting.
+#[cfg(not(feature = "rumqttd-router"))]
+#[test]
+fn without_rumqttd_the_programs_own_router_takes_its_place_and_the_console_and_the_log_say_so() {
+    let siege = Siege::routed_by("rumqttd");
+    let told = "--features rumqttd-router";
+    let state = siege.program.json("state");
+    assert!(state["log"].to_string().contains(told), "{state:#}");
+    assert!(siege.program.read("/", &[]).text().contains(told), "the console says it");
+    assert!(siege.said().contains(told), "the log says it");
+    miss_nothing(siege);
 }
 
 fn miss_nothing(mut siege: Siege) {

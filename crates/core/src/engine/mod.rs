@@ -181,8 +181,8 @@ impl Engine {
         self.record(Fact::Strategy(self.state.strategy));
     }
 
-    /// Notes what an operator must know of the files in which this is kept (safety R5).
-    pub fn note_damage(&mut self, words: &str, now: Now) {
+    /// Notes what an operator should know of this start: damaged files (safety R5), or a setting that has no effect.
+    pub fn note(&mut self, words: &str, now: Now) {
         self.begin(now);
         self.world.write(now.wall, Tone::Warning, Said::Words(words.to_owned()));
     }
