@@ -1,6 +1,8 @@
 //! The rules of the app as a test: who may name whom, headers, sizes, the one clock. It reads the sources and names file and
 //! line of everything that breaks a rule. Each rule is in a file of its own, with a test that it finds what it should.
 
+#[path = "tidy/circles.rs"]
+mod circles;
 #[path = "tidy/crates.rs"]
 mod crates;
 #[path = "tidy/dependencies.rs"]

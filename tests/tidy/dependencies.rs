@@ -204,7 +204,7 @@ fn door(source: &Source) -> Option<String> {
 }
 
 /// The modules from the top of the crate down to the file: `src/a/b.rs` and `src/a/b/mod.rs` are both `a`, `b`.
-fn module_path(source: &Source) -> Vec<String> {
+pub(crate) fn module_path(source: &Source) -> Vec<String> {
     let path = source.path.trim_start_matches("src/").trim_end_matches(".rs").trim_end_matches("/mod");
     path.split('/').map(str::to_owned).collect()
 }
@@ -236,7 +236,7 @@ fn begins_path(before: &str) -> bool {
 }
 
 /// Where a path leads that is named in the module `own`; `None` when it climbs out of the crate.
-fn from_the_top(own: &[String], path: &[String]) -> Option<Vec<String>> {
+pub(crate) fn from_the_top(own: &[String], path: &[String]) -> Option<Vec<String>> {
     let mut place = own.to_vec();
     for name in path {
         match name.as_str() {
@@ -250,7 +250,7 @@ fn from_the_top(own: &[String], path: &[String]) -> Option<Vec<String>> {
 }
 
 /// The lines of code, with a `use` that spans several joined into its first.
-fn joined_uses(code: &str) -> Vec<(usize, String)> {
+pub(crate) fn joined_uses(code: &str) -> Vec<(usize, String)> {
     let mut lines: Vec<(usize, String)> = Vec::new();
     let mut open = false;
     for (number, line) in code.lines().enumerate() {
@@ -264,7 +264,7 @@ fn joined_uses(code: &str) -> Vec<(usize, String)> {
 }
 
 /// Whether a line begins a `use`, whoever may see it, or names a crate in the old way.
-fn is_use(line: &str) -> bool {
+pub(crate) fn is_use(line: &str) -> bool {
     let line = line.trim_start();
     let seen_by = line.strip_prefix("pub").map_or(line, |rest| match rest.strip_prefix('(') {
         Some(inner) => inner.split_once(')').map_or("", |(_, rest)| rest),
@@ -274,7 +274,7 @@ fn is_use(line: &str) -> bool {
 }
 
 /// Every path that is written here, groups spread out: `a::{b, c::d}` gives `a, b` and `a, c, d`.
-fn expanded(path: &str) -> Vec<Vec<String>> {
+pub(crate) fn expanded(path: &str) -> Vec<Vec<String>> {
     let path = path.trim_start();
     if let Some(group) = path.strip_prefix('{') {
         return members(group).iter().filter(|member| !member.trim().is_empty()).flat_map(|member| expanded(member)).collect();
