@@ -26,6 +26,7 @@ use hallsweep::runtime::task::{Course, Task};
 use hallsweep::storage::sqlite::MemoryStore;
 use hallsweep_core::engine::Engine;
 use hallsweep_core::event::{Capabilities, Parts, RobotEvent, RobotId};
+use hallsweep_core::hold::Hold;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::Epoch;
 
@@ -79,6 +80,7 @@ impl TestApp {
         let (states, resources) = (handle.watch(), Resources::new(handle.clone(), reader.clone(), false));
         let mut until = closed;
         let coap_ended = async move { drop(until.wait_for(|closing| *closing).await) };
+        let mut seen = handle.watch();
         let door = HttpDoor::new(handle, reader, "bench", Access::Open);
         let (began, late, standing) = (AtomicU64::new(0), AtomicU64::new(0), AtomicBool::new(true));
         let watched = Arc::new(Watched { began, late, standing, on_halt: Box::new(on_halt) });
@@ -87,6 +89,9 @@ impl TestApp {
         tokio::spawn(coap::serve(socket, [7; 32], resources, states, coap_ended));
         tokio::spawn(Wheels { side, watched: Arc::clone(&watched) }.run());
         tokio::spawn(http::serve(listener.into(), door, Front::default(), async { drop(ended.await) }));
+        // A START before that is refused.
+        let linked = seen.wait_for(|snapshot| !snapshot.mission.holds.contains(&Hold::RobotLink)).await;
+        drop(linked.expect("the loop runs"));
         TestApp { address, coap, mqtt, watched, closing, course, _door: end }
     }
 }
