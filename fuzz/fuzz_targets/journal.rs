@@ -4,8 +4,8 @@
 
 use hallsweep_core::state::PersistentState;
 use hallsweep_fuzz::api::journal::{Line, Unparsed, body, line, read_body, read_line, read_record, record};
+use hallsweep_fuzz::core::command::Strategy;
 use hallsweep_fuzz::core::engine::{Engine, Recalled};
-use hallsweep_fuzz::core::search::Strategy;
 use hallsweep_fuzz::core::settings::Settings;
 use hallsweep_fuzz::core::units::{Now, Seq};
 use libfuzzer_sys::fuzz_target;
