@@ -36,7 +36,7 @@ named! {
 pub struct Terms {
     /// What it is to be good at.
     pub objective: Objective,
-    /// So many cells ahead the robot sees whether they are free; 0: it bumps into what is there.
+    /// Reach of its sonar, in cells; 0 where it finds out by driving into what is there.
     pub sonar_cells: u8,
     /// What moves cost it.
     pub costs: Costs,

@@ -21,7 +21,7 @@ use crate::doors::vestibule::Waiting;
 /// How long a client may take to agree on encryption.
 const HANDSHAKE_TIME: Duration = Duration::from_secs(10);
 
-/// So much is heard of a newcomer at once, in bytes: a STOP is shorter.
+/// Bytes read from a newcomer before its turn comes; a STOP is shorter.
 const FIRST_WORDS: usize = 1024;
 
 /// One connection, to its end or until its place is needed. What a client does wrong with it is the client's business.
