@@ -178,7 +178,13 @@ fn unprivileged(command: &Command) -> Command {
         bare = Command::new("setpriv");
         bare.args(["--bounding-set", "-dac_override,-dac_read_search", "--"]).arg(command.get_program());
     }
-    bare.args(command.get_args()).envs(command.get_envs().filter_map(|(name, value)| Some((name, value?))));
+    bare.args(command.get_args());
+    for (name, value) in command.get_envs() {
+        match value {
+            Some(value) => bare.env(name, value),
+            None => bare.env_remove(name),
+        };
+    }
     bare
 }
 
