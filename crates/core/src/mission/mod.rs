@@ -1,5 +1,5 @@
-//! The mission: its phases, what holds it, and the one total table that says what every input does in every phase.
-//! The table and its words are here; `crate::engine` carries its acts out.
+//! The mission: the one total table that says what every input does in every phase, and its words. Phases stand in `crate::state`;
+//! `crate::engine` carries the acts out.
 
 mod asked;
 pub mod fact_words;
