@@ -61,6 +61,7 @@ FROM tools AS dependencies
 # `check` finds out whether it can be built, and goes no further than the stage `program`.
 ARG COMPILE=build
 COPY Cargo.toml Cargo.lock build.rs ./
+COPY crates/behaviour-trees/Cargo.toml crates/behaviour-trees/
 COPY crates/coap/Cargo.toml crates/coap/
 COPY crates/core/Cargo.toml crates/core/
 COPY crates/drivers/Cargo.toml crates/drivers/

@@ -4,7 +4,7 @@
 
 use std::time::Duration;
 
-use hallsweep_fuzz::core::behaviour::{Blackboard, Catalogue, Document, Findings, Mocks, Status, Tree, TreeError, TreeState, xml};
+use hallsweep_fuzz::behaviour_trees::{Blackboard, Catalogue, Document, Findings, Mocks, Status, Tree, TreeError, TreeState, xml};
 use libfuzzer_sys::fuzz_target;
 
 /// The longest sentence: it repeats a few words of the file, never the file. The longest attribute is as long as the input.

@@ -8,5 +8,6 @@ pub mod doors;
 #[path = "../../src/runtime/mod.rs"]
 pub mod runtime;
 
+pub use behaviour_trees;
 pub use hallsweep_core as core;
 pub use hallsweep_sim as sim;

@@ -9,8 +9,8 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::vocabulary;
-use hallsweep_core::behaviour::log::NodeState;
-use hallsweep_core::behaviour::{TickLog, Tree};
+use behaviour_trees::log::NodeState;
+use behaviour_trees::{TickLog, Tree};
 use hallsweep_core::snapshot::retrieval::{NodeShown, TreeView, TreesView};
 
 /// The ticks of trees on one blackboard.
@@ -86,7 +86,7 @@ impl ReplayJson {
 
 impl TreeLogJson {
     fn new(tree: &Tree, log: &TickLog) -> TreeLogJson {
-        let label = |node: hallsweep_core::behaviour::NodeView<'_>| NodeLabelJson {
+        let label = |node: behaviour_trees::NodeView<'_>| NodeLabelJson {
             path: node.path.to_owned(),
             name: node.name.to_owned(),
             kind: node.id.to_owned(),
@@ -117,7 +117,7 @@ impl TreeLogJson {
         };
         let mut nodes: Vec<NodeShown> = self.nodes.iter().map(idle).collect();
         for (index, status, is_ticked) in self.up_to(t).flat_map(|tick| &tick.nodes) {
-            if let Some((node, status)) = nodes.get_mut(*index).zip(hallsweep_core::behaviour::Status::named(status)) {
+            if let Some((node, status)) = nodes.get_mut(*index).zip(behaviour_trees::Status::named(status)) {
                 (node.status, node.is_ticked) = (status, *is_ticked);
             }
         }
@@ -125,8 +125,8 @@ impl TreeLogJson {
     }
 }
 
-impl From<&hallsweep_core::behaviour::log::TickRecord> for TickJson {
-    fn from(record: &hallsweep_core::behaviour::log::TickRecord) -> TickJson {
+impl From<&behaviour_trees::log::TickRecord> for TickJson {
+    fn from(record: &behaviour_trees::log::TickRecord) -> TickJson {
         let nodes = record.nodes.iter().map(|(node, standing)| changed((node.0 as usize, standing)));
         let held = record.entries.iter().map(|(name, value)| (name.to_string(), value.as_ref().map(ToString::to_string)));
         TickJson { t: seconds(record.at), tick: record.tick, nodes: nodes.collect(), entries: held.collect() }

@@ -10,7 +10,7 @@ use super::journal_words::words;
 use super::replay::{ReplayJson, seconds};
 use super::time::rfc3339;
 use super::vocabulary;
-use hallsweep_core::behaviour::TickLog;
+use behaviour_trees::TickLog;
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::retrieval::Team;
 use hallsweep_core::state::Retrieval;

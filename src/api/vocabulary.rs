@@ -5,7 +5,7 @@ use std::borrow::Cow;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 
-use hallsweep_core::behaviour::Status;
+use behaviour_trees::Status;
 use hallsweep_core::snapshot::log;
 use hallsweep_core::world::temperature;
 use hallsweep_core::{command, hold, not_fetched, phase, robot, units};

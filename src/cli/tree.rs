@@ -1,15 +1,15 @@
 //! `hallsweep tree`: looks at files of behaviour trees, writes them back, and runs them with mocks for their leaves.
-//! What a tree does stands in `hallsweep_core::behaviour`, how a tick is printed in `shown`.
+//! What a tree does stands in `behaviour_trees`, how a tick is printed in `shown`.
 
 use std::fs::File;
 use std::io::{Read, stdin};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use behaviour_trees::document::{Document, Element};
+use behaviour_trees::error::Reason;
+use behaviour_trees::{Blackboard, Catalogue, Findings, Mocks, Status, Tree, TreeError, Value, ValueType, xml};
 use clap::{Args, Subcommand};
-use hallsweep_core::behaviour::document::{Document, Element};
-use hallsweep_core::behaviour::error::Reason;
-use hallsweep_core::behaviour::{Blackboard, Catalogue, Findings, Mocks, Status, Tree, TreeError, Value, ValueType, xml};
 
 use super::Failure;
 use crate::telemetry;
@@ -237,7 +237,7 @@ fn tick(flags: &Run) -> Result<(), Failure> {
         return Err(refused(format!("{file}:{place}: there is no mock for the leaf {name}{}", mock_it(name))));
     }
     for (name, text) in entries {
-        let unfit = |unfit: hallsweep_core::behaviour::blackboard::Unfit| refused(unfit.to_string());
+        let unfit = |unfit: behaviour_trees::blackboard::Unfit| refused(unfit.to_string());
         blackboard.set(&name, value(&text, &blackboard, &name)).map_err(unfit)?;
     }
     let period = Duration::from_millis(flags.period);

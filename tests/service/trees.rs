@@ -57,7 +57,7 @@ const NAVIGATION: [(&str, &str); 2] = [
 fn nodes_that_another_file_declares_are_known_by_it_and_trees_of_leaves_run() {
     let model = ["--model", "models.xml"];
     let (code, out, _) = said("models", &NAVIGATION, &["tree", "check", "tree.xml", "models.xml", model[0], model[1]]);
-    let foreign = "RecoveryNode is a <Control> of the file's own: hallsweep performs only those of BehaviorTree.CPP, and a mock stands for a \
+    let foreign = "RecoveryNode is a <Control> of the file's own: only those of BehaviorTree.CPP are performed, and a mock stands for a \
                    leaf alone, so a tree with it can be checked but not run";
     let expected = format!(
         "tree.xml: well formed: Main (3 nodes), Only Leaves (1 node); Main runs\n\

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use behaviour_trees::Status;
 use hallsweep_core::arm::{ArmAction, Gripper, Parcel};
-use hallsweep_core::behaviour::Status;
 use hallsweep_core::command::{Command, LuggageRef, Verdict};
 use hallsweep_core::effect::Action;
 use hallsweep_core::not_fetched::Fetcher;

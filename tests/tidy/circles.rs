@@ -10,8 +10,16 @@ use super::reading::{Source, sources};
 const FILES: usize = 4;
 
 /// The folders of the crates.
-const CRATES: [&str; 7] =
-    ["", "crates/coap/", "crates/core/", "crates/drivers/", "crates/evaluation/", "crates/mqtt/", "crates/sim/"];
+const CRATES: [&str; 8] = [
+    "",
+    "crates/behaviour-trees/",
+    "crates/coap/",
+    "crates/core/",
+    "crates/drivers/",
+    "crates/evaluation/",
+    "crates/mqtt/",
+    "crates/sim/",
+];
 
 type Path = Vec<String>;
 

@@ -35,6 +35,7 @@ const RULES: [Rule; 13] = [
         modules: &["access", "runtime"],
         // Of the simulator what drives nothing of the hall: the laboratory, which is arithmetic, and how halls are written in files.
         crates: &[
+            "behaviour_trees",
             "hallsweep_core",
             "hallsweep_sim",
             "jiff",
@@ -46,7 +47,11 @@ const RULES: [Rule; 13] = [
             "thiserror",
         ],
     },
-    Rule { module: "phrases", modules: &[], crates: &["askama", "fluent_bundle", "hallsweep_core", "serde_json", "unic_langid"] },
+    Rule {
+        module: "phrases",
+        modules: &[],
+        crates: &["behaviour_trees", "askama", "fluent_bundle", "hallsweep_core", "serde_json", "unic_langid"],
+    },
     Rule {
         module: "report",
         modules: &["api", "phrases", "runtime"],
@@ -56,6 +61,7 @@ const RULES: [Rule; 13] = [
         module: "doors",
         modules: &["access", "runtime", "api", "phrases", "report"],
         crates: &[
+            "behaviour_trees",
             "askama",
             "axum",
             "bytes",
@@ -120,6 +126,7 @@ const RULES: [Rule; 13] = [
         module: "cli",
         modules: &["access", "api", "app", "config", "doors", "phrases", "report", "robots", "storage", "runtime", "telemetry"],
         crates: &[
+            "behaviour_trees",
             "clap",
             "hallsweep_core",
             "hallsweep_evaluation",

@@ -5,11 +5,10 @@ use super::dependencies::named_paths;
 use super::reading::{Source, root, sources};
 
 /// The modules at the top of the core, from the ground up. Each may name its own layer and those below.
-const LAYERS: [&[&str]; 11] = [
+const LAYERS: [&[&str]; 10] = [
     &["rng"],
     // Its modules stand at the top of the crate under their own names.
     &["vocabulary"],
-    &["behaviour"],
     &["world"],
     &["search"],
     &["settings"],

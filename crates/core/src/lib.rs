@@ -31,7 +31,6 @@ macro_rules! named {
     };
 }
 
-pub mod behaviour;
 pub mod effect;
 pub mod engine;
 pub mod mission;

@@ -8,8 +8,8 @@ use proptest::prelude::*;
 
 use crate::api::door::DOORS;
 use crate::api::problem::refusal;
+use behaviour_trees::Value as TreeValue;
 use hallsweep_core::arm::Parcel;
-use hallsweep_core::behaviour::Value as TreeValue;
 use hallsweep_core::command::{CommandId, Issuer, Move, Note, Strategy as Order, Verdict};
 use hallsweep_core::effect::{Entry, Fact, Unpacked, WrittenOut};
 use hallsweep_core::event::RobotId;

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::Unparsed;
 use super::places::Point;
+use behaviour_trees::{Status, Value, ValueType};
 use hallsweep_core::arm::Parcel;
-use hallsweep_core::behaviour::{Status, Value, ValueType};
 use hallsweep_core::pair::RetrievalFault;
 use hallsweep_core::place::Place;
 use hallsweep_core::state::{TeamStage, TeamState};

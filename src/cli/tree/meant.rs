@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use hallsweep_core::behaviour::{Catalogue, Document, Element, Tree, mock};
+use behaviour_trees::{Catalogue, Document, Element, Tree, mock};
 
 /// What stands for all leaves that have no mock of their own.
 const ALL_OTHERS: &str = "*";
@@ -63,7 +63,7 @@ fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
 
 #[cfg(test)]
 mod tests {
-    use hallsweep_core::behaviour::{Blackboard, Mocks, xml};
+    use behaviour_trees::{Blackboard, Mocks, xml};
 
     use super::*;
 

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use hallsweep_core::behaviour::kind::Family;
-use hallsweep_core::behaviour::{Blackboard, Fault, NodeId, Status, Tree, Value};
+use behaviour_trees::kind::Family;
+use behaviour_trees::{Blackboard, Fault, NodeId, Status, Tree, Value};
 use serde::Serialize;
 
 #[derive(Serialize)]

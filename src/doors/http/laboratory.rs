@@ -26,7 +26,7 @@ use crate::api::laboratory::pallet::Pallet;
 use crate::api::laboratory::roomba::Roomba;
 use crate::doors::shares::{Limits, Shares};
 use crate::phrases::Language;
-use hallsweep_core::behaviour::Status;
+use behaviour_trees::Status;
 use hallsweep_core::snapshot::retrieval::{TreeView, TreesView};
 
 /// So many runs are computed or wait for it, each of less than a tenth of a second. Of these one key has three at most, and four are kept

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::phrases::Language;
-use hallsweep_core::behaviour::state::StateError;
+use behaviour_trees::state::StateError;
 use hallsweep_core::command::{
     Command, Door, Issuer, LuggageRef, Move, Note, Refusal, Refused, Strategy, TemperatureReport, Verdict,
 };

@@ -2,14 +2,14 @@
 
 use super::leaves::routes::Routes;
 use super::team::Team;
-use crate::behaviour::state::StateError;
 use crate::state::TeamState;
+use behaviour_trees::state::StateError;
 
 impl Team {
     /// How it stands now.
     #[must_use]
     pub fn state(&self) -> TeamState {
-        let held = |entry: &crate::behaviour::blackboard::Entry| Some((entry.name().to_owned(), entry.value()?.clone()));
+        let held = |entry: &behaviour_trees::blackboard::Entry| Some((entry.name().to_owned(), entry.value()?.clone()));
         let [one, two, three] = &self.trees;
         TeamState {
             trees: [one.state(), two.state(), three.state()],

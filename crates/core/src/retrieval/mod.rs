@@ -1,4 +1,4 @@
-//! The pair that fetches a piece: what its two robots can do and say, where they can be, and the ways they find.
+//! The pair that fetches a piece: its trees with their leaves, and the ways that its robots find.
 //! Who may move when, and what is on record of it, is the engine's business.
 
 mod kept;

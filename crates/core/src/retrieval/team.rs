@@ -15,10 +15,10 @@ use super::leaves::routes::Routes;
 use super::leaves::{Output, Performer, REPORTING, catalogue, place_of, seen, written};
 use super::view::{Proposal, View, Which};
 use crate::arm::Parcel;
-use crate::behaviour::{Blackboard, Status, Tree, TreeError, xml};
 use crate::pair::{RetrievalFault, Saying};
 use crate::state::TeamStage;
 use crate::units::Piece;
+use behaviour_trees::{Blackboard, Status, Tree, TreeError, xml};
 
 /// How often a team is ticked.
 pub const TICK: Duration = Duration::from_millis(100);

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::behaviour::{Blackboard, Status, Tree};
 use crate::not_fetched::{Fetcher, NotFetched};
 use crate::units::{Cell, LuggageId};
+use behaviour_trees::{Blackboard, Status, Tree};
 
 /// A retrieval under way, or in fault.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,7 +4,6 @@
 use std::fmt;
 use std::sync::Arc;
 
-use crate::behaviour::state::StateError;
 use crate::command::{Issuer, Refused};
 use crate::effect::Fact;
 use crate::hold::{Hold, HoldReason};
@@ -13,6 +12,7 @@ use crate::phase::{FaultCause, PhaseName};
 use crate::robot::RobotId;
 use crate::units::{Cell, LuggageId, Pose};
 use crate::world::alarm::AlarmCause;
+use behaviour_trees::state::StateError;
 
 /// What a line of the log says. `Display` is the sentence.
 #[derive(Clone, Debug, PartialEq)]

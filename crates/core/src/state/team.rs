@@ -2,10 +2,10 @@
 //! themselves.
 
 use crate::arm::Parcel;
-use crate::behaviour::state::TreeState;
-use crate::behaviour::{Status, Value};
 use crate::pair::RetrievalFault;
 use crate::units::Piece;
+use behaviour_trees::state::TreeState;
+use behaviour_trees::{Status, Value};
 
 /// How far the work has come.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -24,7 +24,7 @@ use self::record::begun;
 pub use self::record::{Entry, Figures, Frame, News, PalletFault, Phase};
 pub use self::yard::{MOST_PARCELS, ParcelsError, Yard};
 use super::pair::{Holding, Mishaps, Pair, PairSettings};
-use hallsweep_core::behaviour::log::TickLog;
+use behaviour_trees::log::TickLog;
 use hallsweep_core::event::RobotEvent;
 use hallsweep_core::pair::RetrievalFault;
 use hallsweep_core::retrieval::team::TICK;

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::*;
 use crate::hall::Hall;
 use crate::pair::Slip;
-use hallsweep_core::behaviour::Status;
+use behaviour_trees::Status;
 use hallsweep_core::pair::Saying;
 use hallsweep_core::place::Place;
 use hallsweep_core::rng::RandomStream;

@@ -6,7 +6,7 @@ use std::time::Duration;
 use super::driver::Driver;
 use super::phase::{Motion, Phase, TURNS};
 use super::room::{TICKS_PER_SECOND, Velocity};
-use hallsweep_core::behaviour::{self, Blackboard, Catalogue, Leaf, LeafKind, Leaves, Status, xml};
+use behaviour_trees::{Blackboard, Catalogue, Leaf, LeafKind, Leaves, Status, xml};
 use hallsweep_core::rng::RandomStream;
 
 /// The tree as a file that the usual graphical editor opens.
@@ -19,7 +19,7 @@ const ROUNDS: u32 = 2;
 /// The behaviour tree of seed 001.
 #[derive(Debug)]
 pub(super) struct Tree {
-    tree: behaviour::Tree,
+    tree: behaviour_trees::Tree,
     blackboard: Blackboard,
     leaves: Wheels,
 }
@@ -41,7 +41,7 @@ impl Tree {
         let mut blackboard = Blackboard::new();
         let catalogue = Catalogue::new(Phase::ALL.map(|phase| LeafKind::action(phase.name(), Vec::new())).into());
         let document = xml::read(FILE).expect("the file is a part of the program, and the tests read it");
-        let tree = behaviour::Tree::build(&document, None, &catalogue, &mut blackboard)
+        let tree = behaviour_trees::Tree::build(&document, None, &catalogue, &mut blackboard)
             .expect("the file is a part of the program, and the tests build it");
         let mut turns = RandomStream::new(seed, TURNS);
         let motion = Motion::begin(Phase::MoveForward, &mut turns);

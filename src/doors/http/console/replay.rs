@@ -15,7 +15,7 @@ use super::html;
 use super::retrieval::{Row, rows, sign};
 use crate::api::retrieval_record::RetrievalRecordJson;
 use crate::phrases::{Language, Phrase};
-use hallsweep_core::behaviour::Status;
+use behaviour_trees::Status;
 use hallsweep_core::snapshot::retrieval::{TreeView, TreesView};
 
 /// `GET missions/{id}/retrieval`

@@ -1,8 +1,8 @@
 //! The retrieval on the page: its stages and arms in an operator's words, and its trees as rows that nest as the nodes do. Markup
 //! stands in the templates; the robots in the hall are `carriers`'.
 
+use behaviour_trees::Status;
 use hallsweep_core::arm::ArmState;
-use hallsweep_core::behaviour::Status;
 use hallsweep_core::hold::Hold;
 use hallsweep_core::not_fetched::Fetcher;
 use hallsweep_core::snapshot::retrieval::NodeShown;

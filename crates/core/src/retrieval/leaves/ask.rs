@@ -2,11 +2,11 @@
 
 use super::{Performer, SEEN, answer, place_in, place_of, robot_in, written};
 use crate::arm::{ArmAction, ArmState, Parcel};
-use crate::behaviour::{Leaf, Status, Value};
 use crate::effect::Action;
 use crate::pair::{RetrievalFault, Saying};
 use crate::place::Place;
 use crate::retrieval::view::Which;
+use behaviour_trees::{Leaf, Status, Value};
 
 /// How far the distance of the bases may be from what is wanted when a parcel is put down, in micrometres: a box on a shelf has about as
 /// much room.

@@ -6,7 +6,6 @@ use std::time::Duration;
 
 use super::routes::Plan;
 use super::{MOST_FAILURES, Performer, place_in, robot_in};
-use crate::behaviour::{Leaf, Status};
 use crate::command::Move;
 use crate::effect::Action;
 use crate::pair::RetrievalFault;
@@ -16,6 +15,7 @@ use crate::retrieval::view::Which;
 use crate::retrieval::way::{Stands, Train};
 use crate::units::Cell;
 use crate::world::hall_map::Mark;
+use behaviour_trees::{Leaf, Status};
 
 /// How long the last few centimetres may take: dozens of tries.
 const ADJUSTING: Duration = Duration::from_secs(600);

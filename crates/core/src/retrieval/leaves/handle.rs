@@ -3,10 +3,10 @@
 
 use super::{MOST_FAILURES, Performer, REPORTING, place_in};
 use crate::arm::{ArmAction, ArmState, Gripper};
-use crate::behaviour::{Leaf, Status};
 use crate::effect::Action;
 use crate::pair::RetrievalFault;
 use crate::retrieval::view::Which;
+use behaviour_trees::{Leaf, Status};
 
 impl Performer<'_> {
     /// Both arms do this until each says that it is done.

@@ -16,11 +16,11 @@ use std::time::Duration;
 use super::view::{BaseView, View, Which};
 use super::way::{Floor, Train};
 use crate::arm::{ArmState, Parcel};
-use crate::behaviour::{Catalogue, Direction, Leaf, LeafKind, Leaves, Port, Status, Value, ValueType};
 use crate::effect::Action;
 use crate::pair::{RetrievalFault, Saying};
 use crate::place::Place;
 use crate::units::Cell;
+use behaviour_trees::{Catalogue, Direction, Leaf, LeafKind, Leaves, Port, Status, Value, ValueType};
 use routes::Routes;
 
 /// Orders that a robot may fail to carry out one after the other before the leaf gives up: once may be chance, thrice is not.

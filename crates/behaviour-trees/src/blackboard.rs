@@ -1,0 +1,324 @@
+//! The blackboard: named entries by which the nodes of a tree, and trees that share it, tell each other what they know.
+//! Names are looked up when a tree is built; a tick goes by slots. Scopes of subtrees are resolved in `build`.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::value::{LONGEST_TEXT, Value, ValueType};
+
+/// The most entries of one blackboard: more than all ports of the largest tree that people draw.
+pub const MOST_ENTRIES: usize = 8192;
+
+/// The place of an entry; it stays the same as long as the blackboard lives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Slot(u32);
+
+impl Slot {
+    const fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// One entry.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    name: Arc<str>,
+    ty: ValueType,
+    value: Option<Value>,
+    written: u64,
+    /// A port names it, or something was written there: only then may a script write it with `=`.
+    is_there: bool,
+}
+
+impl Entry {
+    /// Its name; that of an entry of a subtree begins with the path of the subtree.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What may be put there.
+    #[must_use]
+    pub const fn value_type(&self) -> ValueType {
+        self.ty
+    }
+
+    /// What was put there last, if anything was.
+    #[must_use]
+    pub const fn value(&self) -> Option<&Value> {
+        self.value.as_ref()
+    }
+
+    /// The number of the write that put it there; greater than that of every earlier write on this blackboard.
+    #[must_use]
+    pub const fn written(&self) -> u64 {
+        self.written
+    }
+}
+
+/// Why something cannot be put on the blackboard.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Unfit {
+    /// The entry has another type.
+    #[error("the entry {{{name}}} is of type {} and cannot hold \"{value}\"", ty.word())]
+    Type {
+        /// The entry.
+        name: Arc<str>,
+        /// What it holds.
+        ty: ValueType,
+        /// What was to be put there.
+        value: String,
+    },
+    /// Two ports want the entry to have two types.
+    #[error("the entry {{{name}}} is of type {} elsewhere, and of type {} here", before.word(), now.word())]
+    TwoTypes {
+        /// The entry.
+        name: Arc<str>,
+        /// What it was before.
+        before: ValueType,
+        /// What it is to be.
+        now: ValueType,
+    },
+    /// The text is too long.
+    #[error("the text for the entry {{{name}}} is {length} bytes long, and {LONGEST_TEXT} is the most")]
+    TooLong {
+        /// The entry.
+        name: Arc<str>,
+        /// How long it is, in bytes.
+        length: usize,
+    },
+    /// There are too many entries.
+    #[error("there are more than {MOST_ENTRIES} entries on the blackboard")]
+    TooMany,
+}
+
+/// Entries by name and by slot. Several trees can be built on one.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Blackboard {
+    entries: Vec<Entry>,
+    by_name: BTreeMap<Arc<str>, Slot>,
+    writes: u64,
+}
+
+impl Blackboard {
+    /// One without entries.
+    #[must_use]
+    pub fn new() -> Blackboard {
+        Blackboard::default()
+    }
+
+    /// All entries, in the order in which they came to be.
+    pub fn entries(&self) -> impl Iterator<Item = &Entry> {
+        self.entries.iter()
+    }
+
+    /// How often something was written so far.
+    #[must_use]
+    pub const fn writes(&self) -> u64 {
+        self.writes
+    }
+
+    /// Where the entry of this name is.
+    #[must_use]
+    pub fn slot(&self, name: &str) -> Option<Slot> {
+        self.by_name.get(name).copied()
+    }
+
+    /// What the entry of this name holds.
+    #[must_use]
+    pub fn get(&self, name: &str) -> Option<&Value> {
+        self.value(self.slot(name)?)
+    }
+
+    /// Puts something into the entry of this name, which is made if need be.
+    ///
+    /// # Errors
+    /// If it does not fit the type of the entry, or there are too many.
+    pub fn set(&mut self, name: &str, value: Value) -> Result<(), Unfit> {
+        let slot = self.declare(name, ValueType::Any)?;
+        self.put(slot, value)
+    }
+
+    /// Makes an entry of this name and type, or finds the one that is there.
+    ///
+    /// # Errors
+    /// If the one that is there has another type, or what it holds is not of this type.
+    pub fn declare(&mut self, name: &str, ty: ValueType) -> Result<Slot, Unfit> {
+        if let Some(slot) = self.slot(name) {
+            let entry = &mut self.entries[slot.index()];
+            entry.is_there = true;
+            if ty == ValueType::Any || ty == entry.ty {
+                return Ok(slot);
+            }
+            if entry.ty != ValueType::Any {
+                return Err(Unfit::TwoTypes { name: entry.name.clone(), before: entry.ty, now: ty });
+            }
+            if let Some(value) = &entry.value {
+                let fitting = value.converted(ty);
+                entry.value =
+                    Some(fitting.ok_or_else(|| Unfit::Type { name: entry.name.clone(), ty, value: value.to_string() })?);
+            }
+            entry.ty = ty;
+            return Ok(slot);
+        }
+        let slot = self.mention(name)?;
+        let entry = &mut self.entries[slot.index()];
+        entry.is_there = true;
+        entry.ty = ty;
+        Ok(slot)
+    }
+
+    /// Where the entry of this name is or will be; for scripts, of which some make an entry and others want it to be there.
+    pub(crate) fn mention(&mut self, name: &str) -> Result<Slot, Unfit> {
+        if let Some(slot) = self.slot(name) {
+            return Ok(slot);
+        }
+        if self.entries.len() >= MOST_ENTRIES {
+            return Err(Unfit::TooMany);
+        }
+        let slot = Slot(u32::try_from(self.entries.len()).map_err(|_| Unfit::TooMany)?);
+        let name: Arc<str> = Arc::from(name);
+        self.entries.push(Entry { name: name.clone(), ty: ValueType::Any, value: None, written: 0, is_there: false });
+        self.by_name.insert(name, slot);
+        Ok(slot)
+    }
+
+    /// What the entry in this slot holds.
+    #[must_use]
+    pub fn value(&self, slot: Slot) -> Option<&Value> {
+        self.entries.get(slot.index())?.value.as_ref()
+    }
+
+    /// Whether a port names the entry in this slot, or something was written there.
+    pub(crate) fn is_there(&self, slot: Slot) -> bool {
+        self.entries.get(slot.index()).is_some_and(|entry| entry.is_there)
+    }
+
+    /// The entry in this slot.
+    #[must_use]
+    pub fn entry(&self, slot: Slot) -> Option<&Entry> {
+        self.entries.get(slot.index())
+    }
+
+    /// Puts something into a slot, converted to the type of its entry where nothing is lost by it.
+    ///
+    /// # Errors
+    /// If it does not fit.
+    pub fn put(&mut self, slot: Slot, value: Value) -> Result<(), Unfit> {
+        let Some(entry) = self.entries.get_mut(slot.index()) else { return Err(Unfit::TooMany) };
+        if let Value::Text(text) = &value
+            && text.len() > LONGEST_TEXT
+        {
+            return Err(Unfit::TooLong { name: entry.name.clone(), length: text.len() });
+        }
+        let value = if entry.ty == ValueType::Any || value.value_type() == entry.ty {
+            value
+        } else {
+            let fitting = value.converted(entry.ty);
+            fitting.ok_or_else(|| Unfit::Type { name: entry.name.clone(), ty: entry.ty, value: value.to_string() })?
+        };
+        self.writes += 1;
+        entry.value = Some(value);
+        entry.is_there = true;
+        entry.written = self.writes;
+        Ok(())
+    }
+
+    /// Takes the text in this slot for a number if it is one and no port wants it otherwise: a script can count with it then.
+    pub(crate) fn take_for_number(&mut self, slot: Slot) {
+        if let Some(entry) = self.entries.get_mut(slot.index())
+            && entry.ty == ValueType::Any
+            && let Some(Value::Text(text)) = &entry.value
+            && text.starts_with(|letter: char| letter.is_ascii_digit() || letter == '-' || letter == '.')
+            && text.trim_end() == &**text
+            && let Some(number) = [ValueType::Int, ValueType::Number].into_iter().find_map(|ty| Value::parse(text, ty))
+        {
+            entry.value = Some(number);
+        }
+    }
+
+    /// Takes an entry away, so far as scripts see: `=` wants it to be made again. Its slot and its type stay.
+    pub(crate) fn remove(&mut self, slot: Slot) {
+        self.unset(slot);
+        if let Some(entry) = self.entries.get_mut(slot.index()) {
+            entry.is_there = false;
+        }
+    }
+
+    /// Takes away what an entry holds; the entry stays.
+    pub fn unset(&mut self, slot: Slot) {
+        if let Some(entry) = self.entries.get_mut(slot.index()) {
+            self.writes += 1;
+            entry.value = None;
+            entry.written = self.writes;
+        }
+    }
+
+    /// Takes up what was kept: these entries hold these values, and all others nothing. First build the trees, then restore.
+    ///
+    /// # Errors
+    /// If a value does not fit its entry.
+    pub fn restore<'k>(&mut self, kept: impl IntoIterator<Item = (&'k str, Value)>) -> Result<(), Unfit> {
+        self.clear();
+        kept.into_iter().try_for_each(|(name, value)| self.set(name, value))
+    }
+
+    /// Takes away what all entries hold, the barriers of `Sync` included, as for a new run. Texts that a tree was built with
+    /// (`<SubTree … speed="2"/>`) go, too: a new run is best built anew.
+    pub fn clear(&mut self) {
+        for index in 0..self.entries.len() {
+            self.unset(Slot(u32::try_from(index).unwrap_or(u32::MAX)));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_entry_keeps_its_type_and_takes_what_can_be_read_as_one() {
+        let mut blackboard = Blackboard::new();
+        let slot = blackboard.declare("speed", ValueType::Number).expect("it is new");
+        blackboard.put(slot, Value::text("1.5")).expect("a text that is a number");
+        assert_eq!(blackboard.get("speed"), Some(&Value::Number(1.5)));
+        let refused = blackboard.put(slot, Value::text("fast")).expect_err("no number");
+        assert_eq!(refused.to_string(), "the entry {speed} is of type number and cannot hold \"fast\"");
+        let refused = blackboard.declare("speed", ValueType::Cell).expect_err("two types");
+        assert_eq!(refused.to_string(), "the entry {speed} is of type number elsewhere, and of type cell here");
+        assert_eq!(blackboard.get("speed"), Some(&Value::Number(1.5)));
+    }
+
+    #[test]
+    fn what_was_put_before_a_type_was_known_is_read_as_that_type() {
+        let mut blackboard = Blackboard::new();
+        blackboard.set("goal", Value::text("3;4")).expect("a new entry takes all");
+        blackboard.declare("goal", ValueType::Cell).expect("a cell is in it");
+        assert_eq!(blackboard.get("goal").and_then(Value::as_cell), Some(crate::value::Cell { x: 3, y: 4 }));
+        blackboard.set("other", Value::text("x")).expect("a new entry takes all");
+        assert!(blackboard.declare("other", ValueType::Int).is_err());
+    }
+
+    #[test]
+    fn every_write_has_a_number_of_its_own() {
+        let mut blackboard = Blackboard::new();
+        blackboard.set("a", Value::Int(1)).expect("it fits");
+        blackboard.set("b", Value::Int(1)).expect("it fits");
+        blackboard.set("a", Value::Int(1)).expect("it fits");
+        let written: Vec<u64> = blackboard.entries().map(Entry::written).collect();
+        assert_eq!(written, [3, 2]);
+        blackboard.clear();
+        assert!(blackboard.entries().all(|entry| entry.value().is_none() && entry.written() > 3));
+    }
+
+    #[test]
+    fn a_blackboard_is_bounded() {
+        let mut blackboard = Blackboard::new();
+        for number in 0..MOST_ENTRIES {
+            blackboard.declare(&number.to_string(), ValueType::Any).expect("there is room");
+        }
+        assert_eq!(blackboard.declare("one more", ValueType::Any), Err(Unfit::TooMany));
+        let long = Value::text(&"x".repeat(LONGEST_TEXT + 1));
+        assert!(matches!(blackboard.set("0", long), Err(Unfit::TooLong { .. })));
+    }
+}

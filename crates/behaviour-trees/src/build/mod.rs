@@ -1,0 +1,380 @@
+//! From a document to a tree that can be ticked: every name is looked up here, and everything that is wrong in a file is refused here
+//! or in `xml`. Where entries of subtrees are stands in `scope`, what is bound to ports in `ports`.
+
+mod ports;
+mod scope;
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use self::scope::Scopes;
+use super::blackboard::Blackboard;
+use super::document::{Attribute, Document, Element, Form, Model, Place, TreeDefinition};
+use super::error::{Reason, TreeError, format_4_name};
+use super::findings::Findings;
+use super::kind::{BuiltIn, Family};
+use super::leaf::Catalogue;
+use super::tree::{DEEPEST, Kind, Label, Live, MOST_NODES, MOST_TEXT, Node, Shape, Tree};
+use crate::fnv1a;
+
+/// The most nodes and the most bytes of attributes of all trees of a file together, each with its subtrees, when the file is checked:
+/// two hundred trees may use one that is as large as a tree may be.
+const MOST_TOGETHER: (usize, usize) = (20 * MOST_NODES, 4 * MOST_TEXT);
+
+impl Tree {
+    /// A tree of a document, its main one unless another is named, on a blackboard. Several trees can be built on one blackboard; in
+    /// the scope of their main trees entries of one name are one entry.
+    ///
+    /// # Errors
+    /// What is found first to be wrong in the file, with its place. The blackboard may have got entries by then.
+    pub fn build(
+        document: &Document,
+        main: Option<&str>,
+        catalogue: &Catalogue,
+        blackboard: &mut Blackboard,
+    ) -> Result<Tree, TreeError> {
+        let tree = document.main_tree(main)?;
+        let mut findings = Findings::default();
+        document.whole(catalogue, &mut findings);
+        let (built, _) = Tree::built(document, tree, catalogue, blackboard, &mut findings);
+        findings.first()?;
+        // Of the notes only nodes that cannot be performed are made here.
+        findings.notes().first().map_or(Ok(built), |note| Err(note.clone()))
+    }
+
+    /// A tree, without what is wrong in it, and how many nodes and bytes of attributes were looked at.
+    fn built(
+        document: &Document,
+        tree: &TreeDefinition,
+        catalogue: &Catalogue,
+        blackboard: &mut Blackboard,
+        findings: &mut Findings,
+    ) -> (Tree, (usize, usize)) {
+        let scopes = Scopes::new(&tree.id, blackboard);
+        let shape = Shape { leaf_kinds: catalogue.kinds().to_vec(), ..Shape::default() };
+        let mut builder = Builder {
+            document,
+            catalogue,
+            blackboard,
+            findings,
+            scopes,
+            shape,
+            paths: BTreeSet::new(),
+            open: Vec::new(),
+            depth: 0,
+            nodes: 0,
+            text: 0,
+            fingerprint: 0,
+        };
+        if let Err(fault) = builder.tree(tree, 0, "") {
+            builder.findings.fault(fault);
+        }
+        let live = vec![Live::default(); builder.shape.nodes.len()];
+        let looked_at = (builder.nodes, builder.text);
+        let fingerprint = builder.fingerprint;
+        let built = Tree { id: Arc::from(tree.id.as_str()), shape: builder.shape, live, clock: 0, ticks: 0, fingerprint };
+        (built, looked_at)
+    }
+}
+
+impl Document {
+    /// The tree of this ID, or else the main one: that which the document names, or its only one.
+    pub(crate) fn main_tree(&self, id: Option<&str>) -> Result<&TreeDefinition, TreeError> {
+        let refuse = |reason| TreeError::at(Place { line: 1, column: 1 }, reason);
+        match (id.or(self.main.as_deref()), &self.trees[..]) {
+            (Some(id), _) => self.tree(id).ok_or_else(|| refuse(Reason::UnknownTree(id.to_owned()))),
+            (None, [only]) => Ok(only),
+            (None, []) => Err(refuse(Reason::NoTree)),
+            (None, several) => {
+                let ids: Vec<&str> = several.iter().map(|tree| tree.id.as_str()).collect();
+                Err(refuse(Reason::NoMain(ids.join(", "))))
+            }
+        }
+    }
+
+    /// That each tree has an ID of its own, which is not that of a kind of node, and that none is in another file.
+    fn whole(&self, catalogue: &Catalogue, findings: &mut Findings) {
+        for include in &self.includes {
+            findings.fault(TreeError::at(include.place, Reason::Include));
+        }
+        for (number, tree) in self.trees.iter().enumerate() {
+            let earlier = self.trees[..number].iter().find(|earlier| earlier.id == tree.id);
+            let is_use = |tree: &TreeDefinition| Model::note(&tree.notes, "_fullpath").is_some();
+            let is_twin = |earlier: &TreeDefinition| is_use(earlier) && is_use(tree) && is_same(&earlier.root, &tree.root);
+            if earlier.is_some_and(|earlier| !is_twin(earlier)) {
+                findings.fault(TreeError::at(tree.place, Reason::TwiceId(tree.id.clone())));
+            }
+            if BuiltIn::named(&tree.id).is_some() || catalogue.place(&tree.id).is_some() {
+                findings.fault(TreeError::at(tree.place, Reason::TakenId(tree.id.clone())));
+            }
+        }
+    }
+
+    /// Looks at all trees of the document as they would be built, also those that the main one does not use. A file of several trees
+    /// needs no main one here.
+    pub fn check(&self, catalogue: &Catalogue, findings: &mut Findings) {
+        if self.main.is_some()
+            && let Err(fault) = self.main_tree(None)
+        {
+            findings.fault(fault);
+        }
+        self.whole(catalogue, findings);
+        self.names(findings);
+        let (mut nodes, mut text) = (0, 0);
+        for tree in &self.trees {
+            let (_, looked_at) = Tree::built(self, tree, catalogue, &mut Blackboard::new(), findings);
+            nodes += looked_at.0;
+            text += looked_at.1;
+            let (most_nodes, most_text) = MOST_TOGETHER;
+            let too_many = match (nodes > most_nodes, text > most_text) {
+                (true, _) => ("nodes in the trees so far, each with its subtrees", most_nodes),
+                (_, true) => ("bytes of attributes in the trees so far, each with its subtrees", most_text),
+                (false, false) => continue,
+            };
+            return findings.fault(TreeError::at(tree.place, Reason::TooMany { what: too_many.0, most: too_many.1 }));
+        }
+    }
+
+    /// Notes the names of trees, nodes and ports that BehaviorTree.CPP refuses since version 4.10.
+    fn names(&self, findings: &mut Findings) {
+        let ids = self.trees.iter().map(|tree| (tree.place, &tree.id, false));
+        let models = self.models.iter().flat_map(|model| {
+            let ports = model.ports.iter().map(|port| (port.place, &port.name, true));
+            std::iter::once((model.place, &model.id, false)).chain(ports)
+        });
+        for (place, name, is_port) in ids.chain(models) {
+            let is_bad = |letter: char| letter.is_ascii_control() || " <>&\"'/\\:*?|.".contains(letter);
+            let why = match name.as_str() {
+                "Root" | "root" if !is_port => "it is reserved there",
+                "ID" | "name" if is_port => "it is reserved there",
+                name if name.contains(is_bad) => "it may have no blanks, and none of < > & \" ' / \\ : * ? | . in it",
+                name if is_port && name.starts_with(|letter: char| letter.is_ascii_digit()) => {
+                    "that of a port begins with a letter"
+                }
+                _ => continue,
+            };
+            findings.note(TreeError::at(place, Reason::RefusedThere { name: name.clone(), why }));
+        }
+    }
+}
+
+/// Whether two trees of one ID are one. BehaviorTree.CPP writes a tree once for each of its uses, and where each node stood in that.
+fn is_same(one: &Element, other: &Element) -> bool {
+    fn said(element: &Element) -> impl Iterator<Item = &Attribute> {
+        element.attributes.iter().filter(|said| !matches!(said.name.as_str(), "_uid" | "_fullpath"))
+    }
+    let is_alike = (&one.id, one.form, &one.name) == (&other.id, other.form, &other.name) && said(one).eq(said(other));
+    let children = one.children.iter().zip(&other.children);
+    is_alike && one.children.len() == other.children.len() && children.into_iter().all(|(one, other)| is_same(one, other))
+}
+
+struct Builder<'a> {
+    document: &'a Document,
+    catalogue: &'a Catalogue,
+    blackboard: &'a mut Blackboard,
+    findings: &'a mut Findings,
+    scopes: Scopes,
+    shape: Shape,
+    /// Paths that are taken.
+    paths: BTreeSet<Arc<str>>,
+    /// The trees that the node being built is in, from the outermost.
+    open: Vec<&'a str>,
+    depth: usize,
+    /// The nodes so far, those that are refused included.
+    nodes: usize,
+    /// The bytes of attributes so far.
+    text: usize,
+    /// Over everything that the nodes so far say.
+    fingerprint: u64,
+}
+
+/// What an element names.
+enum Found<'a> {
+    Node(Kind),
+    /// A control node or decorator that nobody here performs.
+    Declared(&'a Model),
+}
+
+/// What is wrong goes to the findings; an error is that after which the tree cannot be looked at any further.
+impl<'a> Builder<'a> {
+    fn tree(&mut self, tree: &'a TreeDefinition, scope: usize, prefix: &str) -> Result<(), TreeError> {
+        self.open.push(&tree.id);
+        self.node(&tree.root, scope, prefix)?;
+        self.open.pop();
+        Ok(())
+    }
+
+    fn node(&mut self, element: &'a Element, scope: usize, prefix: &str) -> Result<(), TreeError> {
+        let refuse = |reason| Err(TreeError::at(element.place, reason));
+        if self.depth >= DEEPEST {
+            return refuse(Reason::TooDeep);
+        }
+        self.nodes += 1;
+        if self.nodes > MOST_NODES {
+            return refuse(Reason::TooManyNodes);
+        }
+        self.text += element.attributes.iter().map(|attribute| attribute.name.len() + attribute.value.len()).sum::<usize>();
+        if self.text > MOST_TEXT {
+            return refuse(Reason::TooMuchText);
+        }
+        let kind = match self.kind(element) {
+            Ok(Found::Node(kind)) => kind,
+            Ok(Found::Declared(model)) => {
+                self.declared(element, model, scope);
+                return self.children(element, scope, prefix);
+            }
+            Err(reason) => {
+                self.findings.fault(TreeError::at(element.place, reason));
+                return self.children(element, scope, prefix);
+            }
+        };
+        let (family, children) = match kind {
+            // The child of a subtree stands elsewhere.
+            Kind::BuiltIn(BuiltIn::SubTree) => (Family::Decorator, (0, 0)),
+            Kind::BuiltIn(kind) => (kind.family(), kind.children()),
+            Kind::Leaf(_) => (Family::Leaf, (0, 0)),
+        };
+        self.count_children(element, children);
+        self.count_async(element, kind);
+        self.note(element);
+        let at = self.shape.nodes.len();
+        let (path, name) = self.path(element, prefix, at + 1);
+        let conditions = self.conditions(element, scope);
+        let ports = to_u32(self.shape.bindings.len());
+        let label = Label {
+            name: Arc::from(name),
+            path: path.clone(),
+            id: Arc::from(if kind == Kind::BuiltIn(BuiltIn::SubTree) { "SubTree" } else { element.id.as_str() }),
+            place: element.place,
+            depth: u16::try_from(self.depth).unwrap_or(u16::MAX),
+        };
+        self.shape.nodes.push(Node { kind, family, end: 0, ports, port_count: 0, conditions });
+        self.shape.labels.push(label);
+        self.bind(element, kind, scope, to_u32(at));
+        self.shape.nodes[at].port_count = u16::try_from(self.shape.bindings.len() - ports as usize).unwrap_or(u16::MAX);
+        if kind == Kind::BuiltIn(BuiltIn::SubTree) {
+            self.subtree(element, scope, &path)?;
+        } else {
+            self.children(element, scope, prefix)?;
+        }
+        self.shape.nodes[at].end = to_u32(self.shape.nodes.len());
+        Ok(())
+    }
+
+    fn children(&mut self, element: &'a Element, scope: usize, prefix: &str) -> Result<(), TreeError> {
+        self.depth += 1;
+        for child in &element.children {
+            self.node(child, scope, prefix)?;
+        }
+        self.depth -= 1;
+        Ok(())
+    }
+
+    fn subtree(&mut self, element: &'a Element, scope: usize, path: &str) -> Result<(), TreeError> {
+        let document: &'a Document = self.document;
+        let reason = match document.tree(&element.id) {
+            None => Reason::UnknownTree(element.id.clone()),
+            Some(tree) if self.open.contains(&tree.id.as_str()) => Reason::Recursive(tree.id.clone()),
+            Some(tree) => {
+                let (inner, given) = self.enter(element, scope, path);
+                self.depth += 1;
+                self.tree(tree, inner, &format!("{path}/"))?;
+                self.depth -= 1;
+                given.into_iter().for_each(|slot| self.blackboard.take_for_number(slot));
+                return Ok(());
+            }
+        };
+        self.findings.fault(TreeError::at(element.place, reason));
+        Ok(())
+    }
+
+    /// What an element names: a node of the engine, a leaf, a node that a file declares, or, by its own name, nothing else.
+    fn kind(&self, element: &Element) -> Result<Found<'a>, Reason> {
+        let id = &element.id;
+        if id.is_empty() {
+            return Err(Reason::NoId(element.form.word().to_owned()));
+        }
+        if element.form == Form::SubTree {
+            return Ok(Found::Node(Kind::BuiltIn(BuiltIn::SubTree)));
+        }
+        let (found, fits) = if let Some(kind) = BuiltIn::named(id) {
+            let fits = match element.form {
+                Form::Compact => true,
+                Form::Control => kind.family() == Family::Control,
+                Form::Decorator => kind.family() == Family::Decorator,
+                Form::Action => kind.family() == Family::Leaf && kind != BuiltIn::ScriptCondition,
+                Form::Condition => kind == BuiltIn::ScriptCondition,
+                Form::SubTree => false,
+            };
+            (Found::Node(Kind::BuiltIn(kind)), fits)
+        } else if let Some(place) = self.catalogue.place(id) {
+            let is_condition = self.catalogue.kinds()[place].is_condition;
+            let form = if is_condition { Form::Condition } else { Form::Action };
+            (Found::Node(Kind::Leaf(place)), [Form::Compact, form].contains(&element.form))
+        } else if let Some(model) = self.catalogue.declared(id).filter(|model| model.form != Form::SubTree) {
+            (Found::Declared(model), [Form::Compact, model.form].contains(&element.form))
+        } else if let Some(now) = format_4_name(id) {
+            return Err(Reason::Format3 { written: id.clone(), now });
+        } else if element.children.is_empty() {
+            return Err(Reason::UnknownNode(id.clone()));
+        } else {
+            return Err(Reason::UnknownParent(id.clone()));
+        };
+        if fits { Ok(found) } else { Err(Reason::WrongForm { id: id.clone(), written: element.form.word() }) }
+    }
+
+    /// A node that is declared and not performed: what is written of it is looked at like that of any other.
+    fn declared(&mut self, element: &Element, model: &Model, scope: usize) {
+        let most = if model.form == Form::Decorator { 1 } else { usize::MAX };
+        self.count_children(element, (1, most));
+        self.conditions(element, scope);
+        self.bind_declared(element, model, scope);
+        let reason = Reason::NotPerformed { id: model.id.clone(), form: model.form.word() };
+        self.findings.note(TreeError::at(element.place, reason));
+    }
+
+    fn count_children(&mut self, element: &Element, (least, most): (usize, usize)) {
+        let count = element.children.len();
+        if (least..=most).contains(&count) {
+            return;
+        }
+        let wanted = match (least, most) {
+            (0, 0) => "none".to_owned(),
+            (least, usize::MAX) => format!("{least} or more"),
+            (least, most) if least == most => least.to_string(),
+            (least, most) => format!("{least} to {most}"),
+        };
+        self.findings.fault(TreeError::at(element.place, Reason::Children { id: element.id.clone(), count, wanted }));
+    }
+
+    /// As BehaviorTree.CPP has it: one asynchronous child would have the other halted in each tick.
+    fn count_async(&mut self, element: &Element, kind: Kind) {
+        let is_async = |child: &&Element| child.id == BuiltIn::AsyncSequence.word();
+        if kind == Kind::BuiltIn(BuiltIn::ReactiveSequence) && element.children.iter().filter(is_async).count() > 1 {
+            self.findings.fault(TreeError::at(element.place, Reason::TwoAsync));
+        }
+    }
+
+    /// Another word in a file is another tree.
+    fn note(&mut self, element: &Element) {
+        let attributes = element.attributes.iter().map(|attribute| format!("{}={}", attribute.name, attribute.value));
+        let words: Vec<String> = attributes.collect();
+        let said = format!("{} {:?} {:?} {words:?} {}", self.depth, element.id, element.name, element.children.len());
+        self.fingerprint = fnv1a(&format!("{:x}{said}", self.fingerprint));
+    }
+
+    /// The path of a node, as BehaviorTree.CPP makes it, and its name. Where two nodes would have the same, the UID tells them apart.
+    fn path<'e>(&mut self, element: &'e Element, prefix: &str, uid: usize) -> (Arc<str>, &'e str) {
+        let name = element.name.as_deref().unwrap_or(&element.id);
+        let named = format!("{prefix}{name}");
+        let is_taken = name == element.id || self.paths.contains(named.as_str());
+        let path: Arc<str> = if is_taken { Arc::from(format!("{named}::{uid}")) } else { Arc::from(named) };
+        self.paths.insert(path.clone());
+        (path, name)
+    }
+}
+
+/// Numbers of nodes and ports are bounded by `MOST_NODES` and by what a file can hold.
+fn to_u32(number: usize) -> u32 {
+    u32::try_from(number).expect("a file is too short for so many")
+}

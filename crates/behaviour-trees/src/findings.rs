@@ -1,0 +1,59 @@
+//! Everything that is wrong with a file of trees, and what its author should know besides.
+
+use std::collections::BTreeSet;
+
+use super::error::TreeError;
+use crate::fnv1a;
+
+/// Maximum number of faults that are named, and of notes; further faults are counted.
+pub const MOST_FAULTS: usize = 100;
+
+/// Faults, for which a file is refused, and notes, for which it is not.
+#[derive(Debug, Default)]
+pub struct Findings {
+    faults: Vec<TreeError>,
+    notes: Vec<TreeError>,
+    /// Place and sentence of every fault. A subtree is looked at wherever it is used, and its faults are told once.
+    seen: BTreeSet<(u32, u32, u64)>,
+}
+
+impl Findings {
+    pub(crate) fn fault(&mut self, fault: TreeError) {
+        let key = (fault.place.line, fault.place.column, fnv1a(&fault.reason.to_string()));
+        if self.seen.insert(key) && self.faults.len() < MOST_FAULTS {
+            self.faults.push(fault);
+        }
+    }
+
+    /// Notes of one reason are told once, at the first place.
+    pub(crate) fn note(&mut self, note: TreeError) {
+        if self.notes.len() < MOST_FAULTS && !self.notes.contains(&note) {
+            self.notes.push(note);
+        }
+    }
+
+    /// The fault that was found first, as an error.
+    pub(crate) fn first(&self) -> Result<(), TreeError> {
+        self.faults.first().map_or(Ok(()), |fault| Err(fault.clone()))
+    }
+
+    /// The faults in the order of the file, [`MOST_FAULTS`] at most.
+    #[must_use]
+    pub fn faults(&self) -> Vec<&TreeError> {
+        let mut faults: Vec<&TreeError> = self.faults.iter().collect();
+        faults.sort_by_key(|fault| (fault.place.line, fault.place.column));
+        faults
+    }
+
+    /// Number of faults that [`Findings::faults`] does not name.
+    #[must_use]
+    pub fn more(&self) -> usize {
+        self.seen.len() - self.faults.len()
+    }
+
+    /// What is worth knowing and no fault, in the order in which it was found.
+    #[must_use]
+    pub fn notes(&self) -> &[TreeError] {
+        &self.notes
+    }
+}

@@ -1,0 +1,298 @@
+//! The kinds of nodes that the engine brings with it: their names, their ports, how many children they have.
+//! What they do stands in `tick`; leaves are in `leaf`.
+
+use super::value::ValueType;
+
+named! {
+    /// The nodes of BehaviorTree.CPP 4 that are here, by their names in a file, and `Sync`, which is ours.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum BuiltIn {
+        /// One child after the other; a failure ends it.
+        Sequence = "Sequence",
+        /// A sequence that goes on at the child that failed.
+        SequenceWithMemory = "SequenceWithMemory",
+        /// A sequence that gives the tick back after each child.
+        AsyncSequence = "AsyncSequence",
+        /// A sequence that begins at its first child in every tick.
+        ReactiveSequence = "ReactiveSequence",
+        /// One child after the other; a success ends it.
+        Fallback = "Fallback",
+        /// A fallback that gives the tick back after each child.
+        AsyncFallback = "AsyncFallback",
+        /// A fallback that begins at its first child in every tick.
+        ReactiveFallback = "ReactiveFallback",
+        /// All children, until enough have succeeded or failed.
+        Parallel = "Parallel",
+        /// All children, until all are done.
+        ParallelAll = "ParallelAll",
+        /// A condition, then one of two children to its end.
+        IfThenElse = "IfThenElse",
+        /// A condition in every tick, and one of two children beside it.
+        WhileDoElse = "WhileDoElse",
+        /// Its children as a sequence, and the last one when that fails.
+        TryCatch = "TryCatch",
+        /// One of 2 children by the value of an entry, or the last.
+        Switch2 = "Switch2",
+        /// One of 3 children by the value of an entry, or the last.
+        Switch3 = "Switch3",
+        /// One of 4 children by the value of an entry, or the last.
+        Switch4 = "Switch4",
+        /// One of 5 children by the value of an entry, or the last.
+        Switch5 = "Switch5",
+        /// One of 6 children by the value of an entry, or the last.
+        Switch6 = "Switch6",
+        /// Success for failure, and failure for success.
+        Inverter = "Inverter",
+        /// Its child again when it fails.
+        RetryUntilSuccessful = "RetryUntilSuccessful",
+        /// Its child again when it succeeds.
+        Repeat = "Repeat",
+        /// Its child for so long at most.
+        Timeout = "Timeout",
+        /// Its child after so long.
+        Delay = "Delay",
+        /// Success, whatever its child comes to.
+        ForceSuccess = "ForceSuccess",
+        /// Failure, whatever its child comes to.
+        ForceFailure = "ForceFailure",
+        /// Its child a single time.
+        RunOnce = "RunOnce",
+        /// Its child again and again until it fails.
+        KeepRunningUntilFailure = "KeepRunningUntilFailure",
+        /// Its child for each whole number of a queue.
+        LoopInt = "LoopInt",
+        /// Its child for each truth of a queue.
+        LoopBool = "LoopBool",
+        /// Its child for each number of a queue.
+        LoopDouble = "LoopDouble",
+        /// Its child for each text of a queue.
+        LoopString = "LoopString",
+        /// Its child when an entry was written, else SKIPPED.
+        SkipUnlessUpdated = "SkipUnlessUpdated",
+        /// Its child when an entry was written, else RUNNING.
+        WaitValueUpdate = "WaitValueUpdate",
+        /// Another tree, with a blackboard of its own.
+        SubTree = "SubTree",
+        /// SUCCESS.
+        AlwaysSuccess = "AlwaysSuccess",
+        /// FAILURE.
+        AlwaysFailure = "AlwaysFailure",
+        /// Writes an entry.
+        SetBlackboard = "SetBlackboard",
+        /// Empties an entry.
+        UnsetBlackboard = "UnsetBlackboard",
+        /// RUNNING for so long.
+        Sleep = "Sleep",
+        /// Carries out a script.
+        Script = "Script",
+        /// Asks a script.
+        ScriptCondition = "ScriptCondition",
+        /// Whether an entry was written since it was asked last.
+        WasEntryUpdated = "WasEntryUpdated",
+        /// Its child if a script says so.
+        Precondition = "Precondition",
+        /// Waits until all parties of a barrier have come to it.
+        Sync = "Sync",
+    }
+}
+
+named! {
+    /// What a node is to its children.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum Family {
+        /// It has several.
+        Control = "Control",
+        /// It has one.
+        Decorator = "Decorator",
+        /// It has none.
+        Leaf = "Action",
+    }
+}
+
+/// What may be written for a port of a built-in node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Written {
+    /// A literal of this type, or an entry.
+    Value(ValueType),
+    /// A literal alone, since it is looked at when the tree is built.
+    Literal,
+    /// The name of an entry.
+    EntryName,
+    /// An entry of this type, in braces.
+    Output(ValueType),
+}
+
+/// A port of a built-in node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct BuiltInPort {
+    pub(crate) name: &'static str,
+    pub(crate) written: Written,
+    pub(crate) needed: Needed,
+}
+
+/// Whether a file must set a port.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Needed {
+    Yes,
+    No,
+    Otherwise(&'static str),
+}
+
+const fn value(name: &'static str, ty: ValueType, needed: Needed) -> BuiltInPort {
+    BuiltInPort { name, written: Written::Value(ty), needed }
+}
+
+const fn literal(name: &'static str, needed: Needed) -> BuiltInPort {
+    BuiltInPort { name, written: Written::Literal, needed }
+}
+
+const fn entry_name(name: &'static str) -> BuiltInPort {
+    BuiltInPort { name, written: Written::EntryName, needed: Needed::Yes }
+}
+
+/// The ports of the loops: a text with `;` between the elements, or an entry that holds one.
+const fn queue(element: ValueType) -> [BuiltInPort; 3] {
+    let value = BuiltInPort { name: "value", written: Written::Output(element), needed: Needed::No };
+    [self::value("queue", ValueType::Text, Needed::Yes), literal("if_empty", Needed::Otherwise("SUCCESS")), value]
+}
+
+const LOOPS: [(BuiltIn, ValueType); 4] = [
+    (BuiltIn::LoopInt, ValueType::Int),
+    (BuiltIn::LoopBool, ValueType::Bool),
+    (BuiltIn::LoopDouble, ValueType::Number),
+    (BuiltIn::LoopString, ValueType::Text),
+];
+
+const SWITCH: [BuiltInPort; 7] = [
+    value("variable", ValueType::Any, Needed::No),
+    value("case_1", ValueType::Any, Needed::No),
+    value("case_2", ValueType::Any, Needed::No),
+    value("case_3", ValueType::Any, Needed::No),
+    value("case_4", ValueType::Any, Needed::No),
+    value("case_5", ValueType::Any, Needed::No),
+    value("case_6", ValueType::Any, Needed::No),
+];
+
+impl BuiltIn {
+    /// The kind of this name.
+    #[must_use]
+    pub fn named(word: &str) -> Option<BuiltIn> {
+        BuiltIn::ALL.into_iter().find(|kind| kind.word() == word)
+    }
+
+    /// What it is to its children.
+    #[must_use]
+    pub const fn family(self) -> Family {
+        use BuiltIn as B;
+        match self {
+            B::Sequence | B::SequenceWithMemory | B::AsyncSequence | B::ReactiveSequence | B::Fallback | B::AsyncFallback => {
+                Family::Control
+            }
+            B::ReactiveFallback | B::Parallel | B::ParallelAll | B::IfThenElse | B::WhileDoElse | B::TryCatch => Family::Control,
+            B::Switch2 | B::Switch3 | B::Switch4 | B::Switch5 | B::Switch6 => Family::Control,
+            B::Inverter | B::RetryUntilSuccessful | B::Repeat | B::Timeout | B::Delay | B::ForceSuccess | B::ForceFailure => {
+                Family::Decorator
+            }
+            B::RunOnce | B::KeepRunningUntilFailure | B::SubTree | B::Precondition => Family::Decorator,
+            B::LoopInt | B::LoopBool | B::LoopDouble | B::LoopString | B::SkipUnlessUpdated | B::WaitValueUpdate => {
+                Family::Decorator
+            }
+            B::AlwaysSuccess | B::AlwaysFailure | B::SetBlackboard | B::UnsetBlackboard | B::Sleep => Family::Leaf,
+            B::Script | B::ScriptCondition | B::WasEntryUpdated | B::Sync => Family::Leaf,
+        }
+    }
+
+    /// How many cases a switch has; 0 for what is none.
+    pub(crate) const fn cases(self) -> usize {
+        if !matches!(self, BuiltIn::Switch2 | BuiltIn::Switch3 | BuiltIn::Switch4 | BuiltIn::Switch5 | BuiltIn::Switch6) {
+            return 0;
+        }
+        // They stand one after the other.
+        2 + self as usize - BuiltIn::Switch2 as usize
+    }
+
+    /// What a loop takes from its queue.
+    pub(crate) fn element(self) -> Option<ValueType> {
+        LOOPS.into_iter().find(|(kind, _)| *kind == self).map(|(_, element)| element)
+    }
+
+    /// It remembers which write of an entry it has seen.
+    pub(crate) const fn looks_at_writes(self) -> bool {
+        matches!(self, BuiltIn::SkipUnlessUpdated | BuiltIn::WaitValueUpdate | BuiltIn::WasEntryUpdated)
+    }
+
+    /// The least and the most children that it may have.
+    pub(crate) const fn children(self) -> (usize, usize) {
+        if self.cases() > 0 {
+            return (self.cases() + 1, self.cases() + 1);
+        }
+        if matches!(self, BuiltIn::IfThenElse | BuiltIn::WhileDoElse) {
+            return (2, 3);
+        }
+        if matches!(self, BuiltIn::TryCatch) {
+            return (2, usize::MAX);
+        }
+        match self.family() {
+            Family::Control => (1, usize::MAX),
+            Family::Decorator => (1, 1),
+            Family::Leaf => (0, 0),
+        }
+    }
+
+    /// Its ports, in the order in which they are bound.
+    pub(crate) const fn ports(self) -> &'static [BuiltInPort] {
+        use Needed::{No, Otherwise, Yes};
+        use ValueType::{Any, Bool, Int, Number, Text};
+        match self {
+            BuiltIn::Parallel => {
+                const { &[value("success_count", Int, Otherwise("-1")), value("failure_count", Int, Otherwise("1"))] }
+            }
+            BuiltIn::ParallelAll => const { &[value("max_failures", Int, Otherwise("1"))] },
+            BuiltIn::Switch2 | BuiltIn::Switch3 | BuiltIn::Switch4 | BuiltIn::Switch5 | BuiltIn::Switch6 => {
+                SWITCH.split_at(self.cases() + 1).0
+            }
+            BuiltIn::RetryUntilSuccessful => const { &[value("num_attempts", Int, Yes)] },
+            BuiltIn::Repeat => const { &[value("num_cycles", Int, Yes)] },
+            BuiltIn::Timeout | BuiltIn::Sleep => const { &[value("msec", Int, Yes)] },
+            BuiltIn::Delay => const { &[value("delay_msec", Int, Yes)] },
+            BuiltIn::RunOnce => const { &[value("then_skip", Bool, Otherwise("true"))] },
+            BuiltIn::TryCatch => const { &[value("catch_on_halt", Bool, Otherwise("false"))] },
+            BuiltIn::LoopInt => const { &queue(Int) },
+            BuiltIn::LoopBool => const { &queue(Bool) },
+            BuiltIn::LoopDouble => const { &queue(Number) },
+            BuiltIn::LoopString => const { &queue(Text) },
+            BuiltIn::SkipUnlessUpdated | BuiltIn::WaitValueUpdate | BuiltIn::WasEntryUpdated => const { &[entry_name("entry")] },
+            BuiltIn::SetBlackboard => const { &[value("value", Any, Yes), entry_name("output_key")] },
+            BuiltIn::UnsetBlackboard => const { &[entry_name("key")] },
+            BuiltIn::Script | BuiltIn::ScriptCondition => const { &[literal("code", Yes)] },
+            BuiltIn::Precondition => const { &[literal("if", Yes), literal("else", Otherwise("FAILURE"))] },
+            BuiltIn::Sync => const { &[literal("parties", Yes), literal("party", No)] },
+            BuiltIn::Sequence | BuiltIn::SequenceWithMemory | BuiltIn::AsyncSequence | BuiltIn::ReactiveSequence => &[],
+            BuiltIn::Fallback | BuiltIn::AsyncFallback | BuiltIn::ReactiveFallback => &[],
+            BuiltIn::IfThenElse | BuiltIn::WhileDoElse | BuiltIn::Inverter | BuiltIn::ForceSuccess | BuiltIn::ForceFailure => &[],
+            BuiltIn::KeepRunningUntilFailure | BuiltIn::SubTree | BuiltIn::AlwaysSuccess | BuiltIn::AlwaysFailure => &[],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_is_known_by_its_name_and_has_the_children_of_its_family() {
+        for kind in BuiltIn::ALL {
+            assert_eq!(BuiltIn::named(kind.word()), Some(kind));
+            let (least, most) = kind.children();
+            match kind.family() {
+                Family::Control => assert!(least >= 1 && most > 1, "{kind:?}"),
+                Family::Decorator => assert_eq!((least, most), (1, 1), "{kind:?}"),
+                Family::Leaf => assert_eq!((least, most), (0, 0), "{kind:?}"),
+            }
+        }
+        let cases = BuiltIn::ALL.map(BuiltIn::cases).into_iter().filter(|cases| *cases > 0);
+        assert_eq!(cases.collect::<Vec<usize>>(), [2, 3, 4, 5, 6]);
+        assert_eq!(BuiltIn::Switch3.ports().len(), 4);
+        assert_eq!(BuiltIn::Switch3.children(), (4, 4));
+    }
+}

@@ -1,0 +1,326 @@
+//! Leaves: what a tree asks and does. Here stand what a leaf is called and what ports it has, the catalogue of those that a tree may
+//! name, and the trait of whoever performs them.
+//! What the leaves of the hall, of the Roomba and of the two manipulators do stands with them.
+
+use std::borrow::Cow;
+use std::time::Duration;
+
+use super::blackboard::{Blackboard, Slot, Unfit};
+use super::document::{Document, Form, Model, ModelPort};
+use super::kind::BuiltIn;
+use super::status::Status;
+use super::tree::{Label, NodeId};
+use super::value::{Value, ValueType};
+use crate::value::Cell;
+
+named! {
+    /// Whether a leaf reads a port, writes it, or both.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum Direction {
+        /// It reads it: a literal or an entry.
+        In = "input_port",
+        /// It writes it: an entry.
+        Out = "output_port",
+        /// It does both.
+        InOut = "inout_port",
+    }
+}
+
+/// A port of a leaf.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Port {
+    /// The attribute by which a file sets it.
+    pub name: Cow<'static, str>,
+    /// Whether it is read or written.
+    pub direction: Direction,
+    /// What goes through it.
+    pub ty: ValueType,
+    /// What it is, as text, when a file says nothing.
+    pub default: Option<Cow<'static, str>>,
+}
+
+impl Port {
+    /// A port that is read.
+    #[must_use]
+    pub const fn input(name: &'static str, ty: ValueType) -> Port {
+        Port { name: Cow::Borrowed(name), direction: Direction::In, ty, default: None }
+    }
+
+    /// A port that is written.
+    #[must_use]
+    pub const fn output(name: &'static str, ty: ValueType) -> Port {
+        Port { name: Cow::Borrowed(name), direction: Direction::Out, ty, default: None }
+    }
+
+    /// A port as a file declares it. An empty default is none, as in BehaviorTree.CPP.
+    #[must_use]
+    pub fn of_model(port: &ModelPort) -> Port {
+        let default = Model::note(&port.notes, "default").filter(|default| !default.is_empty());
+        Port {
+            name: Cow::Owned(port.name.clone()),
+            direction: port.direction,
+            ty: Model::note(&port.notes, "type").map_or(ValueType::Any, ValueType::of_model),
+            default: default.map(|default| Cow::Owned(default.to_owned())),
+        }
+    }
+
+    /// The same, with a default.
+    #[must_use]
+    pub fn or(self, default: &'static str) -> Port {
+        Port { default: Some(Cow::Borrowed(default)), ..self }
+    }
+}
+
+/// A kind of leaf: its name in files, and its ports.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeafKind {
+    /// The name of its element, or the `ID` of its `<Action>` or `<Condition>`.
+    pub name: Cow<'static, str>,
+    /// It asks and changes nothing: it is written as a `<Condition>`, and ought to be done at once.
+    pub is_condition: bool,
+    /// Its ports; a leaf names them by their places in this list.
+    pub ports: Vec<Port>,
+}
+
+impl LeafKind {
+    /// One that does something.
+    #[must_use]
+    pub const fn action(name: &'static str, ports: Vec<Port>) -> LeafKind {
+        LeafKind { name: Cow::Borrowed(name), is_condition: false, ports }
+    }
+
+    /// One that asks something.
+    #[must_use]
+    pub const fn condition(name: &'static str, ports: Vec<Port>) -> LeafKind {
+        LeafKind { name: Cow::Borrowed(name), is_condition: true, ports }
+    }
+}
+
+/// The leaves that a tree may name. A leaf is known to its performer by its place in this list.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Catalogue {
+    kinds: Vec<LeafKind>,
+    /// Control nodes and decorators that are declared and not performed, and subtrees.
+    declared: Vec<Model>,
+}
+
+impl Catalogue {
+    /// These leaves. Of two with one name the first counts.
+    #[must_use]
+    pub const fn new(kinds: Vec<LeafKind>) -> Catalogue {
+        Catalogue { kinds, declared: Vec::new() }
+    }
+
+    /// All of them.
+    #[must_use]
+    pub fn kinds(&self) -> &[LeafKind] {
+        &self.kinds
+    }
+
+    /// The place of the leaf of this name.
+    #[must_use]
+    pub fn place(&self, name: &str) -> Option<usize> {
+        self.kinds.iter().position(|kind| kind.name == name)
+    }
+
+    /// With what a file declares in its `<TreeNodesModel>`, unless the names are taken: that of the trees, or another.
+    pub fn add_models(&mut self, document: &Document) {
+        for model in document.models.iter().filter(|model| BuiltIn::named(&model.id).is_none()) {
+            if matches!(model.form, Form::Action | Form::Condition) {
+                let ports = model.ports.iter().map(Port::of_model).collect();
+                let name = Cow::Owned(model.id.clone());
+                self.add(LeafKind { name, is_condition: model.form == Form::Condition, ports });
+            } else if self.place(&model.id).is_none() && self.declared(&model.id).is_none() {
+                self.declared.push(model.clone());
+            }
+        }
+    }
+
+    /// The control node, decorator or subtree of this name that a file declares.
+    #[must_use]
+    pub fn declared(&self, name: &str) -> Option<&Model> {
+        self.declared.iter().find(|model| model.id == name)
+    }
+
+    /// With one more at the end, unless its name is taken.
+    pub fn add(&mut self, kind: LeafKind) {
+        if self.place(&kind.name).is_none() && self.declared(&kind.name).is_none() {
+            self.kinds.push(kind);
+        }
+    }
+
+    /// With one more, or with the ports that the one of this name has not yet; for leaves that are known by their use alone.
+    pub(crate) fn add_or_widen(&mut self, kind: LeafKind) {
+        let Some(place) = self.place(&kind.name) else { return self.kinds.push(kind) };
+        let known = &mut self.kinds[place];
+        for port in kind.ports {
+            if !known.ports.iter().any(|other| other.name == port.name) {
+                known.ports.push(port);
+            }
+        }
+    }
+}
+
+/// Whoever performs the leaves of a tree.
+pub trait Leaves {
+    /// Performs a leaf, or goes on with it: RUNNING, SUCCESS, FAILURE or SKIPPED. SKIPPED leaves it as it stands: one that ran still
+    /// does, and may be halted. IDLE ends the tick with an error.
+    fn tick(&mut self, leaf: &mut Leaf<'_>) -> Status;
+
+    /// Ends a leaf that runs, and no other. It is IDLE afterwards.
+    fn halt(&mut self, leaf: &mut Leaf<'_>);
+}
+
+/// What a port of a node is bound to.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Binding {
+    /// Nothing: the file does not name it, and it has no default.
+    Unset,
+    Literal(Value),
+    Slot(Slot),
+}
+
+/// A leaf while it is performed: which one it is, and its ports.
+#[derive(Debug)]
+pub struct Leaf<'a> {
+    pub(crate) kind: usize,
+    pub(crate) node: NodeId,
+    pub(crate) label: &'a Label,
+    pub(crate) ports: &'a [Port],
+    pub(crate) bindings: &'a [Binding],
+    pub(crate) blackboard: &'a mut Blackboard,
+    pub(crate) is_starting: bool,
+    pub(crate) elapsed: Duration,
+    pub(crate) misuse: Option<Misuse>,
+}
+
+/// What a leaf did with a port that cannot be done.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Misuse {
+    /// There is no such port.
+    #[error("it has no port number {0}")]
+    NoPort(usize),
+    /// The port is read only.
+    #[error("it writes its port {0}, which is one to be read")]
+    ReadOnly(String),
+    /// The value does not fit the entry.
+    #[error("it writes its port {port}: {unfit}")]
+    Unfit {
+        /// The port.
+        port: String,
+        /// Why.
+        unfit: Unfit,
+    },
+}
+
+impl Leaf<'_> {
+    /// Its place in the catalogue.
+    #[must_use]
+    pub const fn kind(&self) -> usize {
+        self.kind
+    }
+
+    /// Which node of the tree it is.
+    #[must_use]
+    pub const fn node(&self) -> NodeId {
+        self.node
+    }
+
+    /// Its name in the file: `name="…"`, or that of its kind.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.label.name
+    }
+
+    /// Where it is in the tree, as the graphical editor says it.
+    #[must_use]
+    pub fn path(&self) -> &str {
+        &self.label.path
+    }
+
+    /// The name of its kind.
+    #[must_use]
+    pub fn id(&self) -> &str {
+        &self.label.id
+    }
+
+    /// It was not running before this tick.
+    #[must_use]
+    pub const fn is_starting(&self) -> bool {
+        self.is_starting
+    }
+
+    /// How long it has been running: zero when it starts. Time in which the tree is not ticked does not count.
+    #[must_use]
+    pub const fn elapsed(&self) -> Duration {
+        self.elapsed
+    }
+
+    /// What a port holds, by its place in the list of its kind. None if the file does not set it, or nothing was written there yet.
+    #[must_use]
+    pub fn read(&self, port: usize) -> Option<&Value> {
+        match self.bindings.get(port)? {
+            Binding::Unset => None,
+            Binding::Literal(value) => Some(value),
+            Binding::Slot(slot) => self.blackboard.value(*slot),
+        }
+    }
+
+    /// The port of this name; for those who perform leaves that they do not know, as mocks do.
+    #[must_use]
+    pub fn port(&self, name: &str) -> Option<usize> {
+        self.ports.iter().position(|port| port.name == name)
+    }
+
+    /// What a port holds, as a text.
+    #[must_use]
+    pub fn text(&self, port: usize) -> Option<&str> {
+        self.read(port)?.as_text()
+    }
+
+    /// What a port holds, as a whole number.
+    #[must_use]
+    pub fn int(&self, port: usize) -> Option<i64> {
+        self.read(port)?.as_int()
+    }
+
+    /// What a port holds, as a number.
+    #[must_use]
+    pub fn number(&self, port: usize) -> Option<f64> {
+        self.read(port)?.as_number()
+    }
+
+    /// What a port holds, as a truth.
+    #[must_use]
+    pub fn truth(&self, port: usize) -> Option<bool> {
+        self.read(port)?.as_bool()
+    }
+
+    /// What a port holds, as a cell.
+    #[must_use]
+    pub fn cell(&self, port: usize) -> Option<Cell> {
+        self.read(port)?.as_cell()
+    }
+
+    /// Writes an entry by a port. A port that the file does not set is written to nobody. What does not fit ends the tick with an
+    /// error.
+    pub fn write(&mut self, port: usize, value: Value) {
+        if let Err(misuse) = self.try_write(port, value) {
+            self.misuse.get_or_insert(misuse);
+        }
+    }
+
+    fn try_write(&mut self, port: usize, value: Value) -> Result<(), Misuse> {
+        let (Some(spec), Some(binding)) = (self.ports.get(port), self.bindings.get(port)) else {
+            return Err(Misuse::NoPort(port));
+        };
+        match (spec.direction, binding) {
+            (Direction::In, _) => Err(Misuse::ReadOnly(spec.name.to_string())),
+            (Direction::Out | Direction::InOut, Binding::Slot(slot)) => {
+                let put = self.blackboard.put(*slot, value);
+                put.map_err(|unfit| Misuse::Unfit { port: spec.name.to_string(), unfit })
+            }
+            (Direction::Out | Direction::InOut, Binding::Unset | Binding::Literal(_)) => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! Behaviour trees: the engine, by the rules of BehaviorTree.CPP 4, whose files it reads and writes. START HERE.
+//! What the leaves of a tree do is not here: whoever performs them is a `Leaves`. The rules of every node stand beside the code that performs it.
+//!
+//! ```text
+//!   file ─ xml::read ─► Document ─ Tree::build ─► Tree ─ tick(blackboard, leaves, time) ─► Status
+//!            ▲             │        (every name     │  ▲                │
+//!            └ xml::write ─┘         looked up)     │  └── resume ◄── state
+//!                                                   └► nodes(), log::TickLog
+//! ```
+//! `findings`: all that is wrong with a file. `status`, `value`: what nodes say and ports hold. `blackboard`: the entries. `leaf`: the catalogue of leaves and who performs them.
+//! `kind`: the engine's own nodes. `build`: names, ports and scopes. `tree`: the row of nodes. `tick`: the rules. `script`: the
+//! language of conditions. `state`: going on after a restart. `log`: what each tick changed. `mock`: leaves by script.
+
+/// Declares an enum whose variants have one fixed word each, with the list of them in their order.
+macro_rules! named {
+    ($(#[$meta:meta])* $vis:vis enum $name:ident { $($(#[$doc:meta])* $variant:ident = $word:literal,)* }) => {
+        $(#[$meta])*
+        $vis enum $name {
+            $($(#[$doc])* $variant,)*
+        }
+
+        impl $name {
+            /// All of them, in the order in which they are listed.
+            $vis const ALL: [$name; [$($word),*].len()] = [$($name::$variant),*];
+
+            /// The fixed word for it.
+            #[must_use]
+            $vis const fn word(self) -> &'static str {
+                match self {
+                    $($name::$variant => $word,)*
+                }
+            }
+        }
+    };
+}
+
+pub mod blackboard;
+mod build;
+pub mod document;
+pub mod error;
+pub mod findings;
+pub mod kind;
+pub mod leaf;
+pub mod log;
+pub mod mock;
+pub mod script;
+pub mod state;
+pub mod status;
+pub mod tick;
+pub mod tree;
+pub mod value;
+pub mod xml;
+
+pub use self::blackboard::Blackboard;
+pub use self::document::{Document, Element};
+pub use self::error::TreeError;
+pub use self::findings::Findings;
+pub use self::leaf::{Catalogue, Direction, Leaf, LeafKind, Leaves, Port};
+pub use self::log::TickLog;
+pub use self::mock::Mocks;
+pub use self::state::TreeState;
+pub use self::status::Status;
+pub use self::tick::Fault;
+pub use self::tree::{NodeId, NodeView, Tree};
+pub use self::value::{Cell, Value, ValueType};
+
+/// FNV-1a over the bytes of a text: what was kept with it is known again by another version of the program.
+fn fnv1a(text: &str) -> u64 {
+    text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
+/// The example of the README is a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,0 +1,210 @@
+//! The log of a tree's ticks: of each tick only what changed, enough to show how every node stood and what every entry held then.
+//! How it is written down or shown is the business of others.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::blackboard::Blackboard;
+use super::status::Status;
+use super::tree::{NodeId, NodeView, Tree};
+use super::value::Value;
+
+/// The most changes that a log holds: an hour of a tree in which ten nodes change in each of ten ticks a second. What is older is
+/// summed up in how things stood before the oldest tick that is left.
+pub const MOST_CHANGES: usize = 360_000;
+
+/// How a node stands after a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct NodeState {
+    /// Its status once the tick is over.
+    pub after: Status,
+    /// What it said in the tick, if it was ticked in it.
+    pub returned: Option<Status>,
+}
+
+/// What one tick changed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TickRecord {
+    /// The number of the tick, counted from 1.
+    pub tick: u64,
+    /// When it was, by the clock of whoever keeps the log: a tree's own time stands still while nobody ticks it.
+    pub at: Duration,
+    /// The nodes that stand otherwise than in the record before.
+    pub nodes: Vec<(NodeId, NodeState)>,
+    /// The entries that hold something else than in the record before, by whomever they were written; `None` holds nothing any more.
+    pub entries: Vec<(Arc<str>, Option<Value>)>,
+}
+
+impl TickRecord {
+    fn changes(&self) -> usize {
+        // A tick without changes takes room as well.
+        1 + self.nodes.len() + self.entries.len()
+    }
+}
+
+/// Everything that is known of one tick.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Moment {
+    /// How each node stands, by its number.
+    pub nodes: Vec<NodeState>,
+    /// What each entry holds.
+    pub entries: BTreeMap<Arc<str>, Value>,
+}
+
+/// Nodes and entries that are otherwise than before.
+type Changes = (Vec<(NodeId, NodeState)>, Vec<(Arc<str>, Option<Value>)>);
+
+impl Moment {
+    fn of(tree: &Tree, blackboard: &Blackboard) -> Moment {
+        let held = blackboard.entries().filter_map(|entry| Some((Arc::from(entry.name()), entry.value()?.clone())));
+        let standing = |node: NodeView<'_>| NodeState { after: node.after, returned: node.returned };
+        Moment { nodes: tree.nodes().map(standing).collect(), entries: held.collect() }
+    }
+
+    /// The nodes and the entries that are otherwise in another moment of the same tree.
+    fn changes(&self, other: &Moment) -> Changes {
+        let before = self.nodes.iter().copied().chain(std::iter::repeat(NodeState::default()));
+        let nodes = (0..).map(NodeId).zip(other.nodes.iter().copied()).zip(before);
+        let nodes = nodes.filter(|((_, now), before)| now != before).map(|(node, _)| node).collect();
+        let gone = self.entries.keys().filter(|name| !other.entries.contains_key(*name)).map(|name| (Arc::clone(name), None));
+        let held = other.entries.iter().filter(|(name, value)| self.entries.get(*name) != Some(*value));
+        let held = held.map(|(name, value)| (Arc::clone(name), Some(value.clone())));
+        (nodes, gone.chain(held).collect())
+    }
+
+    fn apply(&mut self, record: &TickRecord) {
+        for (node, standing) in &record.nodes {
+            let at = node.0 as usize;
+            if at >= self.nodes.len() {
+                self.nodes.resize(at + 1, NodeState::default());
+            }
+            self.nodes[at] = *standing;
+        }
+        for (name, value) in &record.entries {
+            match value {
+                Some(value) => self.entries.insert(name.clone(), value.clone()),
+                None => self.entries.remove(name),
+            };
+        }
+    }
+}
+
+/// The ticks of one tree.
+#[derive(Clone, Debug)]
+pub struct TickLog {
+    most: usize,
+    changes: usize,
+    /// Before the first record that is left.
+    before: Moment,
+    /// After the last record.
+    last: Moment,
+    records: VecDeque<TickRecord>,
+}
+
+impl Default for TickLog {
+    fn default() -> TickLog {
+        TickLog::new(MOST_CHANGES)
+    }
+}
+
+impl TickLog {
+    /// A log that holds at most so many changes.
+    #[must_use]
+    pub fn new(most: usize) -> TickLog {
+        TickLog { most, changes: 0, before: Moment::default(), last: Moment::default(), records: VecDeque::new() }
+    }
+
+    /// Notes what the last tick of the tree, at this time, has changed; nothing when that tick was noted before. To be called after each
+    /// tick, also after one that ended with a fault; of a tree that is gone on with from its written state it notes what has changed since.
+    pub fn note(&mut self, tree: &Tree, blackboard: &Blackboard, at: Duration) {
+        if self.records.back().map_or(0, |last| last.tick) == tree.ticks() {
+            return;
+        }
+        let moment = Moment::of(tree, blackboard);
+        let (nodes, entries) = self.last.changes(&moment);
+        self.last = moment;
+        self.push(TickRecord { tick: tree.ticks(), at, nodes, entries });
+    }
+
+    fn push(&mut self, record: TickRecord) {
+        self.changes += record.changes();
+        self.records.push_back(record);
+        while self.changes > self.most
+            && self.records.len() > 1
+            && let Some(oldest) = self.records.pop_front()
+        {
+            self.changes -= oldest.changes();
+            self.before.apply(&oldest);
+        }
+    }
+
+    /// The ticks that are left, the oldest first.
+    pub fn records(&self) -> impl Iterator<Item = &TickRecord> {
+        self.records.iter()
+    }
+
+    /// How everything stood after this tick; None for one that is not in the log (any more).
+    #[must_use]
+    pub fn moment(&self, tick: u64) -> Option<Moment> {
+        let first = self.records.front()?.tick;
+        let last = self.records.back()?.tick;
+        if !(first..=last).contains(&tick) {
+            return None;
+        }
+        let mut moment = self.before.clone();
+        moment.nodes.resize(self.last.nodes.len().max(moment.nodes.len()), NodeState::default());
+        self.records.iter().take_while(|record| record.tick <= tick).for_each(|record| moment.apply(record));
+        Some(moment)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mock::Mocks;
+    use crate::{Catalogue, xml};
+
+    const FILE: &str = r#"<root BTCPP_format="4"><BehaviorTree ID="T"><Repeat num_cycles="-1"><Sequence>
+        <Script code="n := 1; n += 1"/><Work/><AlwaysFailure _skipIf="n == 2"/></Sequence></Repeat></BehaviorTree></root>"#;
+
+    /// A log with room for `most` changes, and what really stood after each of 30 ticks.
+    fn logged(most: usize) -> (TickLog, Vec<Moment>) {
+        let document = xml::read(FILE).expect("it is a good file");
+        let mut mocks = Mocks::default();
+        mocks.add("Work=RUNNING*2,SUCCESS,RUNNING,SUCCESS").expect("it is well written");
+        let catalogue = mocks.catalogue(&document, Catalogue::default());
+        let mut blackboard = Blackboard::new();
+        let mut tree = Tree::build(&document, None, &catalogue, &mut blackboard).expect("its names are known");
+        let mut log = TickLog::new(most);
+        let mut moments = Vec::new();
+        for _ in 0..30 {
+            tree.tick(&mut blackboard, &mut mocks, Duration::from_millis(100)).expect("no fault");
+            log.note(&tree, &blackboard, tree.clock());
+            moments.push(Moment::of(&tree, &blackboard));
+        }
+        (log, moments)
+    }
+
+    #[test]
+    fn every_tick_can_be_shown_again_from_its_changes() {
+        let (log, moments) = logged(MOST_CHANGES);
+        for (tick, moment) in (1..).zip(&moments) {
+            assert_eq!(log.moment(tick).as_ref(), Some(moment), "tick {tick}");
+        }
+        assert_eq!((log.moment(0), log.moment(31)), (None, None));
+        assert!(log.records().any(|record| record.nodes.is_empty()), "a tick like the one before changes nothing");
+    }
+
+    #[test]
+    fn a_log_that_is_full_forgets_its_oldest_ticks_and_shows_the_others_as_they_were() {
+        let (log, moments) = logged(20);
+        let left: Vec<u64> = log.records().map(|record| record.tick).collect();
+        assert!(left.len() < 30 && left.last() == Some(&30), "{left:?}");
+        assert_eq!(log.moment(left[0] - 1), None);
+        for tick in left {
+            let at = usize::try_from(tick).expect("it is small") - 1;
+            assert_eq!(log.moment(tick).as_ref(), Some(&moments[at]), "tick {tick}");
+        }
+    }
+}

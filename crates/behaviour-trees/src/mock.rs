@@ -1,0 +1,225 @@
+//! Leaves that say what they were told to say: for tests of trees.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use super::document::{Document, Element, Form};
+use super::kind::BuiltIn;
+use super::leaf::{Catalogue, Direction, Leaf, LeafKind, Leaves, Port};
+use super::status::Status;
+use super::tree::{Kind, NodeId, NodeView, Tree};
+use super::value::{Value, ValueType};
+
+/// The name of the mock for every leaf that has none of its own.
+const ALL_OTHERS: &str = "*";
+
+/// Leaves by script. One is found by the path of its node, else by its name, else by the name of its kind, else it is `*`.
+#[derive(Clone, Debug, Default)]
+pub struct Mocks {
+    mocks: BTreeMap<String, Mock>,
+    /// How often each node has been ticked.
+    ticks: BTreeMap<NodeId, u64>,
+    halted: Vec<NodeId>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Mock {
+    /// What it says, and in how many ticks.
+    says: Vec<(Status, u64)>,
+    /// What it writes in each tick that it ends, by the names of its ports.
+    writes: Vec<(String, String)>,
+}
+
+/// Why a text is no mock.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum MockError {
+    /// There is no `=`.
+    #[error("{0:?} should be NAME=STATUS,STATUS*3,…")]
+    NoName(String),
+    /// A word that is no status.
+    #[error("{0:?} is no status: a mock says RUNNING, SUCCESS, FAILURE or SKIPPED, and RUNNING*3 in three ticks")]
+    NoStatus(String),
+}
+
+impl Mocks {
+    /// Adds `NAME=STATUS,STATUS*3,…`: what successive ticks of such a leaf say; the last one stays.
+    ///
+    /// # Errors
+    /// If it is written otherwise.
+    pub fn add(&mut self, text: &str) -> Result<(), MockError> {
+        let named = text.rsplit_once('=').filter(|(name, _)| !name.is_empty());
+        let (name, list) = named.ok_or_else(|| MockError::NoName(text.to_owned()))?;
+        let says = list.split(',').map(said).collect::<Result<Vec<(Status, u64)>, MockError>>()?;
+        self.mocks.entry(name.to_owned()).or_default().says = says;
+        Ok(())
+    }
+
+    /// Whenever such a leaf succeeds, it writes this text to this port.
+    pub fn write(&mut self, name: &str, port: &str, text: &str) {
+        self.mocks.entry(name.to_owned()).or_default().writes.push((port.to_owned(), text.to_owned()));
+    }
+
+    /// The nodes that were halted since this was asked last, in their order.
+    pub fn take_halted(&mut self) -> Vec<NodeId> {
+        std::mem::take(&mut self.halted)
+    }
+
+    /// A catalogue with the leaves of another, those that the document declares, and those that it names and a mock stands for: of
+    /// these every attribute is a port.
+    #[must_use]
+    pub fn catalogue(&self, document: &Document, mut known: Catalogue) -> Catalogue {
+        known.add_models(document);
+        for tree in &document.trees {
+            self.add_leaves(&tree.root, &mut known);
+        }
+        known
+    }
+
+    /// The first leaf of a tree for which there is no mock.
+    #[must_use]
+    pub fn missing<'t>(&self, tree: &'t Tree) -> Option<NodeView<'t>> {
+        let is_leaf = |node: &NodeView<'_>| matches!(node.kind, Kind::Leaf(_));
+        tree.nodes().filter(is_leaf).find(|node| self.of([node.path, node.name, node.id]).is_none())
+    }
+
+    fn add_leaves(&self, element: &Element, known: &mut Catalogue) {
+        if is_leaf(element) && known.declared(&element.id).is_none() && self.stands_for(element) {
+            let attributes = element.attributes.iter().filter(|attribute| !attribute.name.starts_with('_'));
+            let ports = attributes.map(|attribute| Port {
+                name: Cow::Owned(attribute.name.clone()),
+                direction: Direction::InOut,
+                ty: ValueType::Any,
+                default: None,
+            });
+            let name = Cow::Owned(element.id.clone());
+            known.add_or_widen(LeafKind { name, is_condition: element.form == Form::Condition, ports: ports.collect() });
+        }
+        element.children.iter().for_each(|child| self.add_leaves(child, known));
+    }
+
+    /// A name with `/` or `::` may be a path, which is known when the tree is built.
+    fn stands_for(&self, element: &Element) -> bool {
+        let name = element.name.as_deref().unwrap_or(&element.id);
+        let is_path = |key: &String| key.rsplit('/').next().is_some_and(|last| last.split("::").next() == Some(name));
+        self.mocks.iter().any(|(key, mock)| {
+            let is_meant = key == name || *key == element.id || key == ALL_OTHERS || is_path(key);
+            is_meant && !mock.says.is_empty()
+        })
+    }
+
+    /// The mock for a leaf of this path, name and kind.
+    fn of(&self, keys: [&str; 3]) -> Option<&Mock> {
+        keys.into_iter().chain([ALL_OTHERS]).filter_map(|key| self.mocks.get(key)).find(|mock| !mock.says.is_empty())
+    }
+}
+
+/// All leaves of a file for which a mock can stand, those of trees that do not run included.
+#[must_use]
+pub fn leaves(document: &Document) -> Vec<&Element> {
+    fn add<'d>(element: &'d Element, leaves: &mut Vec<&'d Element>) {
+        leaves.extend(Some(element).filter(|element| is_leaf(element)));
+        element.children.iter().for_each(|child| add(child, leaves));
+    }
+    let mut leaves = Vec::new();
+    document.trees.iter().for_each(|tree| add(&tree.root, &mut leaves));
+    leaves
+}
+
+/// An element without children that is none of the engine's.
+fn is_leaf(element: &Element) -> bool {
+    let may_be = matches!(element.form, Form::Compact | Form::Action | Form::Condition);
+    may_be && element.children.is_empty() && BuiltIn::named(&element.id).is_none()
+}
+
+/// `STATUS` or `STATUS*3`.
+fn said(text: &str) -> Result<(Status, u64), MockError> {
+    let no_status = || MockError::NoStatus(text.to_owned());
+    let (word, times) = text.trim().split_once('*').unwrap_or((text.trim(), "1"));
+    let status = Status::named(&word.trim().to_ascii_uppercase()).filter(|status| *status != Status::Idle);
+    let times = times.trim().parse().ok().filter(|times| *times > 0);
+    status.zip(times).ok_or_else(no_status)
+}
+
+impl Leaves for Mocks {
+    fn tick(&mut self, leaf: &mut Leaf<'_>) -> Status {
+        let ticks = self.ticks.entry(leaf.node()).or_default();
+        let before = *ticks;
+        *ticks += 1;
+        let Some(mock) = self.of([leaf.path(), leaf.name(), leaf.id()]) else { return Status::Failure };
+        let mut left = before;
+        let says = mock.says.iter().find(|(_, times)| {
+            let is_now = left < *times;
+            left = left.saturating_sub(*times);
+            is_now
+        });
+        let status = says.or(mock.says.last()).map_or(Status::Failure, |(status, _)| *status);
+        if status == Status::Success {
+            let keys = [leaf.path(), leaf.name(), leaf.id(), ALL_OTHERS].map(str::to_owned);
+            let writes: Vec<(String, String)> =
+                keys.iter().filter_map(|key| self.mocks.get(key)).flat_map(|mock| mock.writes.clone()).collect();
+            for (port, text) in writes {
+                if let Some(port) = leaf.port(&port) {
+                    leaf.write(port, Value::text(&text));
+                }
+            }
+        }
+        status
+    }
+
+    fn halt(&mut self, leaf: &mut Leaf<'_>) {
+        self.halted.push(leaf.node());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+    use crate::Blackboard;
+
+    fn leaf(id: &str, name: &str) -> Element {
+        Element::new(id, Vec::new()).named(name).with("at", "{here}")
+    }
+
+    #[test]
+    fn a_mock_is_found_by_name_then_by_kind_and_its_last_status_stays() {
+        let document = Document::of("T", Element::new("Parallel", vec![leaf("Go", "a"), leaf("Go", "b"), leaf("See", "c")]));
+        let mut mocks = Mocks::default();
+        for text in ["b=RUNNING*2,SUCCESS", "Go=running", "*=SKIPPED,RUNNING"] {
+            mocks.add(text).expect("it is well written");
+        }
+        mocks.write("b", "at", "3;4");
+        let mut blackboard = Blackboard::new();
+        let catalogue = mocks.catalogue(&document, Catalogue::default());
+        let mut tree = Tree::build(&document, None, &catalogue, &mut blackboard).expect("all leaves have mocks");
+        assert_eq!(mocks.missing(&tree), None);
+        let mut said = Vec::new();
+        for _ in 0..3 {
+            tree.tick(&mut blackboard, &mut mocks, Duration::ZERO).expect("no fault");
+            said.push(tree.nodes().skip(1).map(|node| node.status()).collect::<Vec<Status>>());
+        }
+        use Status::{Running, Skipped, Success};
+        assert_eq!(said, [[Running, Running, Skipped], [Running, Running, Running], [Running, Success, Running]]);
+        assert_eq!(blackboard.get("here"), Some(&Value::text("3;4")));
+    }
+
+    #[test]
+    fn what_is_no_mock_is_said() {
+        let refused = |text: &str| Mocks::default().add(text).expect_err(text).to_string();
+        assert_eq!(refused("Go"), "\"Go\" should be NAME=STATUS,STATUS*3,…");
+        assert!(refused("Go=IDLE").starts_with("\"IDLE\" is no status"));
+        assert!(refused("Go=RUNNING*0").starts_with("\"RUNNING*0\" is no status"));
+    }
+
+    #[test]
+    fn a_leaf_without_a_mock_is_found_if_its_tree_uses_it() {
+        let go = Document::of("T", leaf("Go", "a")).with_tree("unused", leaf("Fly", "b"));
+        let catalogue = Catalogue::new(vec![LeafKind::action("Go", vec![Port::output("at", ValueType::Any)])]);
+        let tree = Tree::build(&go, None, &catalogue, &mut Blackboard::new()).expect("its leaf is known");
+        let mut mocks = Mocks::default();
+        assert_eq!(mocks.missing(&tree).map(|node| node.name), Some("a"));
+        mocks.add("Go=SUCCESS").expect("it is well written");
+        assert_eq!(mocks.missing(&tree), None);
+    }
+}

@@ -1,0 +1,390 @@
+//! Nodes with several children.
+//! The rules are those of BehaviorTree.CPP 4 as its sources have them, down to what is reset when; where they surprise, a comment says so.
+
+use super::{Faulted, Leaves, Node, Outcome, Run, Status, children};
+use crate::tree::Shape;
+use crate::value::Value;
+
+impl<'a, L: Leaves> Run<'a, L> {
+    /// Sequence and Fallback: `end` is the status of a child that ends it. An asynchronous one gives the tick back after each child
+    /// that did not run before.
+    pub(super) fn in_order(&mut self, at: usize, node: &Node, end: Status, is_async: bool) -> Outcome {
+        let shape: &'a Shape = self.shape;
+        let first = at + 1;
+        self.begin(at);
+        let mut child = match self.live[at].cursor {
+            0 => first,
+            cursor => cursor as usize,
+        };
+        while child < node.end as usize {
+            let was_idle = self.live[child].status == Status::Idle;
+            let said = self.tick(child)?;
+            let next = shape.nodes[child].end;
+            match said {
+                Status::Running => {
+                    self.live[at].cursor = place(child);
+                    return Ok(Status::Running);
+                }
+                Status::Skipped => self.live[at].count += 1,
+                Status::Idle => return self.unexpected(at, child, said),
+                Status::Success | Status::Failure if said == end => {
+                    self.reset_children(at, node);
+                    self.live[at].cursor = 0;
+                    return Ok(said);
+                }
+                Status::Success | Status::Failure => {
+                    if is_async && was_idle && next < node.end {
+                        self.live[at].cursor = next;
+                        return Ok(Status::Running);
+                    }
+                }
+            }
+            child = next as usize;
+        }
+        let are_all_skipped = self.live[at].count as usize == children(shape, at, node).count();
+        self.reset_children(at, node);
+        self.live[at].cursor = 0;
+        self.live[at].count = 0;
+        Ok(if are_all_skipped { Status::Skipped } else { opposite(end) })
+    }
+
+    /// It goes on at the child that failed, also after a halt, and gives the tick back after each child.
+    pub(super) fn sequence_with_memory(&mut self, at: usize, node: &Node) -> Outcome {
+        let shape: &'a Shape = self.shape;
+        self.begin(at);
+        let mut child = match self.live[at].cursor {
+            0 => at + 1,
+            cursor => cursor as usize,
+        };
+        while child < node.end as usize {
+            self.live[at].cursor = place(child);
+            let was_idle = self.live[child].status == Status::Idle;
+            let said = self.tick(child)?;
+            let next = shape.nodes[child].end;
+            match said {
+                Status::Running => return Ok(Status::Running),
+                Status::Failure => {
+                    for later in children(shape, at, node).filter(|later| *later >= child) {
+                        self.reset(later);
+                    }
+                    return Ok(Status::Failure);
+                }
+                Status::Success => {
+                    if was_idle && next < node.end {
+                        self.live[at].cursor = next;
+                        return Ok(Status::Running);
+                    }
+                }
+                Status::Skipped => self.live[at].count += 1,
+                Status::Idle => return self.unexpected(at, child, said),
+            }
+            child = next as usize;
+        }
+        let are_all_skipped = self.live[at].count as usize == children(shape, at, node).count();
+        self.reset_children(at, node);
+        self.live[at].cursor = 0;
+        self.live[at].count = 0;
+        Ok(if are_all_skipped { Status::Skipped } else { Status::Success })
+    }
+
+    /// A sequence or a fallback that begins anew counts the skipped children anew.
+    fn begin(&mut self, at: usize) {
+        let live = &mut self.live[at];
+        if live.status == Status::Idle {
+            live.count = 0;
+        }
+        live.status = Status::Running;
+    }
+
+    /// The reactive ones: every tick begins at the first child, and of those that run only one is left.
+    pub(super) fn reactive(&mut self, at: usize, node: &Node, end: Status) -> Outcome {
+        let shape: &'a Shape = self.shape;
+        let mut are_all_skipped = true;
+        self.live[at].status = Status::Running;
+        for child in children(shape, at, node) {
+            let said = self.tick(child)?;
+            are_all_skipped &= said == Status::Skipped;
+            match said {
+                Status::Running => {
+                    for other in children(shape, at, node).filter(|other| *other != child) {
+                        self.reset(other);
+                    }
+                    return Ok(Status::Running);
+                }
+                Status::Skipped => self.reset(child),
+                Status::Idle => return self.unexpected(at, child, said),
+                Status::Success | Status::Failure if said == end => {
+                    self.reset_children(at, node);
+                    return Ok(said);
+                }
+                Status::Success | Status::Failure => {}
+            }
+        }
+        self.reset_children(at, node);
+        Ok(if are_all_skipped { Status::Skipped } else { opposite(end) })
+    }
+
+    pub(super) fn parallel(&mut self, at: usize, node: &Node) -> Outcome {
+        let shape: &'a Shape = self.shape;
+        let count = children(shape, at, node).count();
+        let wanted = self.number(at, node, 0)?;
+        let (successes, failures) = (self.threshold(at, node, 0, count)?, self.threshold(at, node, 1, count)?);
+        self.live[at].status = Status::Running;
+        let mut skipped = 0;
+        for child in children(shape, at, node) {
+            if !self.live[child].is_counted {
+                match self.tick(child)? {
+                    Status::Skipped => skipped += 1,
+                    Status::Success => {
+                        self.live[child].is_counted = true;
+                        self.live[at].count += 1;
+                    }
+                    Status::Failure => {
+                        self.live[child].is_counted = true;
+                        self.live[at].failures += 1;
+                    }
+                    Status::Running => {}
+                    Status::Idle => return self.unexpected(at, child, Status::Idle),
+                }
+            }
+            let (succeeded, failed) = (self.live[at].count as usize, self.live[at].failures as usize);
+            // A skipped child stands in for a success only where the wanted number is counted from the end.
+            if succeeded >= successes || (wanted < 0 && succeeded + skipped >= successes) {
+                return self.decided(at, node, Status::Success);
+            }
+            if count.saturating_sub(failed) < successes || failed == failures {
+                return self.decided(at, node, Status::Failure);
+            }
+        }
+        Ok(if skipped == count { Status::Skipped } else { Status::Running })
+    }
+
+    fn decided(&mut self, at: usize, node: &Node, status: Status) -> Outcome {
+        self.uncount(at);
+        self.reset_children(at, node);
+        Ok(status)
+    }
+
+    pub(super) fn parallel_all(&mut self, at: usize, node: &Node) -> Outcome {
+        let shape: &'a Shape = self.shape;
+        let count = children(shape, at, node).count();
+        let most_failures = self.threshold(at, node, 0, count)?;
+        self.live[at].status = Status::Running;
+        let mut skipped = 0;
+        for child in children(shape, at, node) {
+            if self.live[child].is_counted {
+                continue;
+            }
+            match self.tick(child)? {
+                Status::Success => self.live[child].is_counted = true,
+                Status::Failure => {
+                    self.live[child].is_counted = true;
+                    self.live[at].failures += 1;
+                }
+                Status::Running => {}
+                Status::Skipped => skipped += 1,
+                Status::Idle => return self.unexpected(at, child, Status::Idle),
+            }
+        }
+        if skipped == count {
+            return Ok(Status::Skipped);
+        }
+        let done = children(shape, at, node).filter(|child| self.live[*child].is_counted).count();
+        if skipped + done < count {
+            return Ok(Status::Running);
+        }
+        let has_failed = self.live[at].failures as usize >= most_failures;
+        self.decided(at, node, if has_failed { Status::Failure } else { Status::Success })
+    }
+
+    /// How many children a threshold means: −1 is all of them, −2 all but one.
+    fn threshold(&mut self, at: usize, node: &Node, port: usize, count: usize) -> Result<usize, Faulted> {
+        let number = self.number(at, node, port)?;
+        let all = i64::try_from(count).unwrap_or(i64::MAX);
+        let meant = if number < 0 { all.saturating_add(number).saturating_add(1).max(0) } else { number };
+        match usize::try_from(meant) {
+            Ok(meant) if meant <= count => Ok(meant),
+            _ => self.fault(at, format!("its port {} is {number}, and it has {count} children", self.port_name(node, port))),
+        }
+    }
+
+    /// A parallel node knows no results any more.
+    pub(super) fn uncount(&mut self, at: usize) {
+        let shape: &'a Shape = self.shape;
+        self.live[at].count = 0;
+        self.live[at].failures = 0;
+        for child in children(shape, at, &shape.nodes[at]) {
+            self.live[child].is_counted = false;
+        }
+    }
+
+    /// The condition is asked until it is done, and not again before the chosen child is.
+    pub(super) fn if_then_else(&mut self, at: usize, node: &Node) -> Outcome {
+        let shape: &'a Shape = self.shape;
+        self.live[at].status = Status::Running;
+        if self.live[at].cursor == 0 {
+            let condition = at + 1;
+            let then = shape.nodes[condition].end;
+            let otherwise = shape.nodes[then as usize].end;
+            match self.tick(condition)? {
+                Status::Running => return Ok(Status::Running),
+                Status::Success => self.live[at].cursor = then,
+                Status::Failure if otherwise < node.end => self.live[at].cursor = otherwise,
+                Status::Failure => return Ok(Status::Failure),
+                said @ (Status::Skipped | Status::Idle) => return self.unexpected(at, condition, said),
+            }
+        }
+        let chosen = self.live[at].cursor as usize;
+        let said = self.tick(chosen)?;
+        if said != Status::Running {
+            self.reset_children(at, node);
+            self.live[at].cursor = 0;
+        }
+        Ok(said)
+    }
+
+    /// The children but the last as a sequence; when one fails the last follows in the same tick, and whatever it comes to is a
+    /// failure. `has_begun`: it is at the last.
+    pub(super) fn try_catch(&mut self, at: usize, node: &Node) -> Outcome {
+        let shape: &'a Shape = self.shape;
+        let last = self.last_child(at, node);
+        if self.live[at].status == Status::Idle {
+            self.live[at].has_begun = false;
+        }
+        self.begin(at);
+        let mut child = match self.live[at].cursor {
+            0 => at + 1,
+            cursor => cursor as usize,
+        };
+        while !self.live[at].has_begun && child < last {
+            match self.tick(child)? {
+                Status::Running => {
+                    self.live[at].cursor = place(child);
+                    return Ok(Status::Running);
+                }
+                Status::Failure => {
+                    self.reset_children(at, node);
+                    self.live[at].has_begun = true;
+                }
+                Status::Success => {}
+                Status::Skipped => self.live[at].count += 1,
+                Status::Idle => return self.unexpected(at, child, Status::Idle),
+            }
+            child = shape.nodes[child].end as usize;
+        }
+        self.live[at].cursor = 0;
+        if self.live[at].has_begun {
+            if self.tick(last)? == Status::Running {
+                return Ok(Status::Running);
+            }
+            self.reset_children(at, node);
+            self.live[at].has_begun = false;
+            return Ok(Status::Failure);
+        }
+        let are_all_skipped = self.live[at].count as usize + 1 == children(shape, at, node).count();
+        self.reset_children(at, node);
+        self.live[at].count = 0;
+        Ok(if are_all_skipped { Status::Skipped } else { Status::Success })
+    }
+
+    /// Whoever halts a TryCatch goes on at once: its last child has this one tick to clean up.
+    pub(super) fn catch_on_halt(&mut self, at: usize, node: &Node) {
+        let is_wanted = self.port(node, 0).and_then(Value::as_bool).unwrap_or(false);
+        if !is_wanted || self.live[at].has_begun {
+            return;
+        }
+        let last = self.last_child(at, node);
+        for child in children(self.shape, at, node).filter(|child| *child < last) {
+            self.reset(child);
+        }
+        // A fault is told at the end of the tick; what still runs is halted with the other children.
+        let _ = self.tick(last);
+    }
+
+    fn last_child(&self, at: usize, node: &Node) -> usize {
+        children(self.shape, at, node).last().unwrap_or(at + 1)
+    }
+
+    /// The condition is asked in every tick, and the child that it does not choose is halted.
+    pub(super) fn while_do_else(&mut self, at: usize, node: &Node) -> Outcome {
+        let shape: &'a Shape = self.shape;
+        self.live[at].status = Status::Running;
+        let condition = at + 1;
+        let body = shape.nodes[condition].end as usize;
+        let otherwise = shape.nodes[body].end as usize;
+        let has_otherwise = otherwise < node.end as usize;
+        let said = match self.tick(condition)? {
+            Status::Running => return Ok(Status::Running),
+            Status::Success => {
+                if has_otherwise {
+                    self.reset(otherwise);
+                }
+                self.tick(body)?
+            }
+            Status::Failure if has_otherwise => {
+                self.reset(body);
+                self.tick(otherwise)?
+            }
+            Status::Failure => Status::Failure,
+            said @ (Status::Skipped | Status::Idle) => return self.unexpected(at, condition, said),
+        };
+        if said != Status::Running {
+            self.reset_children(at, node);
+        }
+        Ok(said)
+    }
+
+    /// The child of the case that the variable equals, else the last; another one that ran is halted.
+    pub(super) fn switch(&mut self, at: usize, node: &Node, cases: usize) -> Outcome {
+        let shape: &'a Shape = self.shape;
+        let variable = self.port(node, 0);
+        let chosen = (1..=cases).position(|case| match (variable, self.port(node, case)) {
+            (Some(variable), Some(case)) => equals(variable, case),
+            (None, _) | (_, None) => false,
+        });
+        let chosen = chosen.unwrap_or(cases);
+        let Some(child) = children(shape, at, node).nth(chosen) else {
+            return self.fault(at, "it has not as many children as cases");
+        };
+        let before = self.live[at].cursor as usize;
+        if before != 0 && before != child {
+            self.reset(before);
+        }
+        let said = self.tick(child)?;
+        match said {
+            Status::Running => self.live[at].cursor = place(child),
+            Status::Skipped => self.live[at].cursor = 0,
+            Status::Success | Status::Failure | Status::Idle => {
+                self.reset_children(at, node);
+                self.live[at].cursor = 0;
+            }
+        }
+        Ok(said)
+    }
+}
+
+/// The precision of a `float`, with which BehaviorTree.CPP compares.
+pub(crate) const EPSILON: f64 = 1.192_092_895_507_812_5e-7;
+
+/// Whether a variable is the case: as texts, or else as numbers.
+fn equals(variable: &Value, case: &Value) -> bool {
+    if variable.to_string() == case.to_string() {
+        return true;
+    }
+    match (variable.as_number(), case.as_number()) {
+        (Some(variable), Some(case)) => (variable - case).abs() <= EPSILON,
+        (None, _) | (_, None) => false,
+    }
+}
+
+const fn opposite(status: Status) -> Status {
+    match status {
+        Status::Success => Status::Failure,
+        Status::Failure => Status::Success,
+        Status::Idle | Status::Running | Status::Skipped => status,
+    }
+}
+
+fn place(child: usize) -> u32 {
+    u32::try_from(child).expect("a tree has no more than MOST_NODES nodes")
+}

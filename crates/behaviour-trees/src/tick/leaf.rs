@@ -1,0 +1,135 @@
+//! Nodes without children: those of the catalogue, which somebody else performs, and the engine's own.
+
+use std::time::Duration;
+
+use super::{Leaves, Node, NodeId, Outcome, Run, Status};
+use crate::leaf::{Binding, Leaf, Misuse};
+use crate::script::Script;
+use crate::tree::Shape;
+use crate::value::Value;
+
+impl<'a, L: Leaves> Run<'a, L> {
+    pub(super) fn leaf(&mut self, at: usize, node: &Node, kind: usize) -> Outcome {
+        let live = &mut self.live[at];
+        let is_starting = live.status != Status::Running;
+        if is_starting {
+            live.since = self.clock;
+        }
+        let (said, misuse) = self.with_leaf(at, node, kind, is_starting, |leaves, leaf| leaves.tick(leaf));
+        if let Some(misuse) = misuse {
+            return self.fault(at, misuse.to_string());
+        }
+        match said {
+            Status::Idle => self.fault(at, "it said IDLE, which is for nodes that are not ticked"),
+            Status::Running | Status::Success | Status::Failure | Status::Skipped => Ok(said),
+        }
+    }
+
+    pub(super) fn halt_leaf(&mut self, at: usize, node: &Node, kind: usize) {
+        let ((), misuse) = self.with_leaf(at, node, kind, false, |leaves, leaf| leaves.halt(leaf));
+        if let Some(misuse) = misuse {
+            let _ = self.fault::<()>(at, misuse.to_string());
+        }
+    }
+
+    fn with_leaf<R>(
+        &mut self,
+        at: usize,
+        node: &Node,
+        kind: usize,
+        is_starting: bool,
+        work: impl FnOnce(&mut L, &mut Leaf<'_>) -> R,
+    ) -> (R, Option<Misuse>) {
+        let shape: &'a Shape = self.shape;
+        let first = node.ports as usize;
+        let mut leaf = Leaf {
+            kind,
+            node: NodeId(u32::try_from(at).unwrap_or(u32::MAX)),
+            label: &shape.labels[at],
+            ports: &shape.leaf_kinds[kind].ports,
+            bindings: &shape.bindings[first..first + usize::from(node.port_count)],
+            blackboard: self.blackboard,
+            is_starting,
+            elapsed: Duration::from_nanos(self.clock.saturating_sub(self.live[at].since)),
+            misuse: None,
+        };
+        let done = work(self.leaves, &mut leaf);
+        (done, leaf.misuse)
+    }
+
+    /// An entry is copied, or a text written; where there is nothing to copy, it fails.
+    pub(super) fn set_blackboard(&mut self, at: usize, node: &Node) -> Outcome {
+        let Some(value) = self.port(node, 0).cloned() else { return Ok(Status::Failure) };
+        let Binding::Slot(slot) = self.shape.bindings[node.ports as usize + 1] else {
+            return self.fault(at, "its port output_key names no entry");
+        };
+        // A text that is written where something else is becomes a value of that type.
+        let before = self.blackboard.value(slot).map(Value::value_type);
+        let value = before.and_then(|ty| value.converted(ty)).unwrap_or(value);
+        match self.blackboard.put(slot, value) {
+            Ok(()) => Ok(Status::Success),
+            Err(unfit) => self.fault(at, unfit.to_string()),
+        }
+    }
+
+    pub(super) fn unset_blackboard(&mut self, node: &Node) -> Outcome {
+        if let Binding::Slot(slot) = self.shape.bindings[node.ports as usize] {
+            self.blackboard.remove(slot);
+        }
+        Ok(Status::Success)
+    }
+
+    pub(super) fn sleep(&mut self, at: usize, node: &Node) -> Outcome {
+        if self.live[at].status == Status::Success {
+            // Ticked again without having been reset, as the condition of a WhileDoElse is: it does not sleep twice.
+            return Ok(Status::Success);
+        }
+        if self.live[at].status != Status::Running {
+            let time = self.milliseconds(at, node)?;
+            self.live[at].since = self.clock.saturating_add(time);
+            return Ok(if time == 0 { Status::Success } else { Status::Running });
+        }
+        // `since` is when it is over: the port is read once.
+        Ok(if self.clock < self.live[at].since { Status::Running } else { Status::Success })
+    }
+
+    pub(super) fn script(&mut self, at: usize) -> Outcome {
+        let script = self.script_of(at);
+        self.carry_out(at, script)?;
+        Ok(Status::Success)
+    }
+
+    pub(super) fn script_condition(&mut self, at: usize) -> Outcome {
+        let script = self.script_of(at);
+        Ok(if self.holds(at, script)? { Status::Success } else { Status::Failure })
+    }
+
+    /// The script of a node that has one; they are in the order of the nodes.
+    pub(super) fn script_of(&self, at: usize) -> &'a Script {
+        let shape: &'a Shape = self.shape;
+        let number = u32::try_from(at).unwrap_or(u32::MAX);
+        let found = shape.scripts.binary_search_by_key(&number, |(node, _)| *node);
+        &shape.scripts[found.expect("whoever builds such a node gives it a script")].1
+    }
+
+    /// A barrier: whoever waits here has come to it, and it opens when all have. The first binding is the party that waits, the others
+    /// are all parties.
+    pub(super) fn sync(&mut self, node: &Node) -> Outcome {
+        let shape: &'a Shape = self.shape;
+        let first = node.ports as usize;
+        let (waiting, parties) = shape.bindings[first..first + usize::from(node.port_count)].split_at(1);
+        for binding in waiting {
+            if let Binding::Slot(slot) = binding
+                && self.blackboard.value(*slot) != Some(&Value::Bool(true))
+            {
+                // The entry is one that only barriers write, and of this type.
+                let _ = self.blackboard.put(*slot, Value::Bool(true));
+            }
+        }
+        let has_come = |binding: &Binding| match binding {
+            Binding::Slot(slot) => self.blackboard.value(*slot) == Some(&Value::Bool(true)),
+            Binding::Literal(_) | Binding::Unset => false,
+        };
+        Ok(if parties.iter().all(has_come) { Status::Success } else { Status::Running })
+    }
+}

@@ -1,0 +1,331 @@
+//! A tree that can be ticked: its nodes in one row, and how each of them stands.
+//! How it comes from a document stands in `build`, what a tick does in `tick`.
+//!
+//! ```text
+//!   Sequence ──┬─ Fallback ─┬─ NearObj            nodes:   0 Sequence  1 Fallback  2 NearObj  3 ApproachObject  4 Sync
+//!              │            └─ ApproachObject     end:     5           4           3          4                 5
+//!              └─ Sync
+//! ```
+//! A node's children begin behind it, and each ends where the next begins.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::blackboard::Blackboard;
+use super::document::Place;
+use super::kind::{BuiltIn, Family};
+use super::leaf::{Binding, LeafKind, Leaves};
+use super::script::Script;
+use super::status::Status;
+use super::tick::{Fault, Run};
+
+/// The most nodes of a tree, those of its subtrees included: trees that people draw have some hundreds, and a few subtrees that use
+/// each other twice would otherwise fill the memory.
+pub const MOST_NODES: usize = 10_000;
+
+/// The most bytes of attributes in a tree, those of its subtrees counted at each use: a file may have its longest scripts in a subtree
+/// that is used a thousand times, and each use is built.
+pub const MOST_TEXT: usize = 2 << 20;
+
+/// How deep a tree may be, subtrees included: a tick goes down by calls, and the stack of a thread must hold them all.
+pub const DEEPEST: usize = 128;
+
+/// Which node of a tree: its place in preorder, from 0. The graphical editor's UID is one more.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct NodeId(pub u32);
+
+/// What a node does: one of the engine's, or the leaf at this place of the catalogue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// One of the engine's.
+    BuiltIn(BuiltIn),
+    /// A leaf of the catalogue.
+    Leaf(usize),
+}
+
+/// What a node is called.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Label {
+    pub(crate) name: Arc<str>,
+    pub(crate) path: Arc<str>,
+    pub(crate) id: Arc<str>,
+    pub(crate) place: Place,
+    pub(crate) depth: u16,
+}
+
+/// A node of the row: what never changes while the tree runs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Node {
+    pub(crate) kind: Kind,
+    pub(crate) family: Family,
+    /// Where its subtree ends.
+    pub(crate) end: u32,
+    pub(crate) ports: u32,
+    pub(crate) port_count: u16,
+    /// The place of its scripts in `Shape::conditions`.
+    pub(crate) conditions: Option<u32>,
+}
+
+/// The scripts round a node, by when they are asked.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Conditions {
+    pub(crate) failure_if: Option<Script>,
+    pub(crate) success_if: Option<Script>,
+    pub(crate) skip_if: Option<Script>,
+    pub(crate) keep_while: Option<Script>,
+    pub(crate) on_success: Option<Script>,
+    pub(crate) on_failure: Option<Script>,
+    pub(crate) on_halted: Option<Script>,
+    pub(crate) post: Option<Script>,
+}
+
+/// Everything of a tree that does not change.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Shape {
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) labels: Vec<Label>,
+    pub(crate) bindings: Vec<Binding>,
+    pub(crate) conditions: Vec<Conditions>,
+    /// The scripts of `Script`, `ScriptCondition` and `Precondition`, by node.
+    pub(crate) scripts: Vec<(u32, Script)>,
+    /// What `Precondition` and the loops say when they do not tick their child, by node.
+    pub(crate) otherwise: Vec<(u32, Status)>,
+    pub(crate) leaf_kinds: Vec<LeafKind>,
+}
+
+/// How a node stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Live {
+    pub(crate) status: Status,
+    /// What it said when it was ticked last.
+    pub(crate) returned: Status,
+    /// A parallel parent has its result.
+    pub(crate) is_counted: bool,
+    /// What a node remembers: that its time runs, that it has run, that its condition held, that it is at the last child.
+    pub(crate) has_begun: bool,
+    /// The timer of a Timeout has run out while its child was not running.
+    pub(crate) is_spent: bool,
+    /// The child to go on with, by its place in the row; 0 is the first.
+    pub(crate) cursor: u32,
+    /// Skipped children, successes, attempts, or elements.
+    pub(crate) count: u32,
+    pub(crate) failures: u32,
+    /// The tree's time when it began, in nanoseconds; or the number of the write that it has seen.
+    pub(crate) since: u64,
+    /// The number of the tick in which it was ticked last.
+    pub(crate) ticked: u64,
+}
+
+/// A tree that can be ticked, on the blackboard that it was built on.
+#[derive(Clone, Debug)]
+pub struct Tree {
+    pub(crate) id: Arc<str>,
+    pub(crate) shape: Shape,
+    pub(crate) live: Vec<Live>,
+    /// The time that this tree has been ticked for, in nanoseconds.
+    pub(crate) clock: u64,
+    pub(crate) ticks: u64,
+    /// What tells it from another tree: see `state`.
+    pub(crate) fingerprint: u64,
+}
+
+/// A node as it is after a tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NodeView<'a> {
+    /// Which one.
+    pub node: NodeId,
+    /// Where it is, as BehaviorTree.CPP says it (`fullPath`): names of subtrees, and its own, joined with `/`; with `::` and its UID
+    /// where it has no name of its own. No two nodes have the same.
+    pub path: &'a str,
+    /// Its name, or that of its kind.
+    pub name: &'a str,
+    /// The name of its kind.
+    pub id: &'a str,
+    /// What it does.
+    pub kind: Kind,
+    /// What it is to its children; leaves of the catalogue are leaves.
+    pub family: Family,
+    /// How far below the root it is.
+    pub depth: usize,
+    /// Where it stands in its file.
+    pub place: Place,
+    /// How it stands once the tick is over: IDLE where its parent has reset it.
+    pub after: Status,
+    /// What it said in the last tick, if it was ticked in it.
+    pub returned: Option<Status>,
+}
+
+impl NodeView<'_> {
+    /// What it said in the last tick if it was ticked in it, else how it stands.
+    #[must_use]
+    pub fn status(&self) -> Status {
+        self.returned.unwrap_or(self.after)
+    }
+}
+
+impl Tree {
+    /// The ID of the tree.
+    #[must_use]
+    pub fn id(&self) -> &str {
+        &self.id
+    }
+
+    /// Ticks the tree once. `since_last` is the time since the last tick: Timeout, Delay, Sleep and `Leaf::elapsed` count this time,
+    /// so that whoever does not tick a tree stops its time. After SUCCESS or FAILURE the next tick begins anew.
+    ///
+    /// # Errors
+    /// If a node cannot be performed: a script that divides by zero, an entry that holds nothing where a number is needed. Then the
+    /// whole tree has been halted.
+    pub fn tick<L: Leaves>(
+        &mut self,
+        blackboard: &mut Blackboard,
+        leaves: &mut L,
+        since_last: Duration,
+    ) -> Result<Status, Fault> {
+        self.clock = self.clock.saturating_add(nanoseconds(since_last));
+        self.ticks += 1;
+        let mut run = self.run(blackboard, leaves);
+        let outcome = run.tick(0);
+        let fault = run.fault.take();
+        match (outcome, fault) {
+            (Ok(status), None) => {
+                if status.is_completed() {
+                    self.live[0].status = Status::Idle;
+                }
+                Ok(status)
+            }
+            (_, Some(fault)) => {
+                self.halt(blackboard, leaves);
+                Err(fault)
+            }
+            (Err(_), None) => unreachable!("whoever says that a tick cannot go on says why"),
+        }
+    }
+
+    /// Halts every node that is running. The next tick begins at the root.
+    pub fn halt<L: Leaves>(&mut self, blackboard: &mut Blackboard, leaves: &mut L) {
+        let mut run = self.run(blackboard, leaves);
+        run.halt_all();
+    }
+
+    fn run<'a, L: Leaves>(&'a mut self, blackboard: &'a mut Blackboard, leaves: &'a mut L) -> Run<'a, L> {
+        Run { shape: &self.shape, live: &mut self.live, blackboard, leaves, clock: self.clock, number: self.ticks, fault: None }
+    }
+
+    /// All nodes in preorder, as they are after the last tick.
+    pub fn nodes(&self) -> impl Iterator<Item = NodeView<'_>> {
+        let rows = self.shape.nodes.iter().zip(&self.shape.labels).zip(&self.live);
+        rows.zip(0..).map(|(((node, label), live), number)| NodeView {
+            node: NodeId(number),
+            path: &label.path,
+            name: &label.name,
+            id: &label.id,
+            kind: node.kind,
+            family: node.family,
+            depth: usize::from(label.depth),
+            place: label.place,
+            after: live.status,
+            returned: (live.ticked == self.ticks && self.ticks > 0).then_some(live.returned),
+        })
+    }
+
+    /// How the root stands: RUNNING between the ticks of a run, else IDLE.
+    #[must_use]
+    pub fn status(&self) -> Status {
+        self.live[0].status
+    }
+
+    /// How often it was ticked.
+    #[must_use]
+    pub const fn ticks(&self) -> u64 {
+        self.ticks
+    }
+
+    /// The tree's own time: what its ticks were told, added up.
+    #[must_use]
+    pub const fn clock(&self) -> Duration {
+        Duration::from_nanos(self.clock)
+    }
+}
+
+/// 584 years at most.
+pub(crate) fn nanoseconds(time: Duration) -> u64 {
+    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::leaf::{Catalogue, Leaf, LeafKind, Port};
+    use crate::value::Cell;
+    use crate::value::{Value, ValueType};
+    use crate::xml;
+
+    /// Drives to the goal in three ticks, and says there where it is.
+    #[derive(Default)]
+    struct Driver {
+        halted: Vec<String>,
+        elapsed: Vec<u128>,
+    }
+
+    impl Leaves for Driver {
+        fn tick(&mut self, leaf: &mut Leaf<'_>) -> Status {
+            self.elapsed.push(leaf.elapsed().as_millis());
+            if leaf.elapsed() < Duration::from_millis(200) {
+                return Status::Running;
+            }
+            let goal = leaf.cell(0).expect("the goal is set");
+            leaf.write(1, Value::Cell(goal));
+            Status::Success
+        }
+
+        fn halt(&mut self, leaf: &mut Leaf<'_>) {
+            self.halted.push(leaf.name().to_owned());
+        }
+    }
+
+    fn catalogue() -> Catalogue {
+        let ports = vec![Port::input("goal", ValueType::Cell), Port::output("at", ValueType::Cell)];
+        Catalogue::new(vec![LeafKind::action("Drive", ports)])
+    }
+
+    const FILE: &str = r#"<root BTCPP_format="4"><BehaviorTree ID="Go">
+        <Sequence><Drive name="out" goal="3;4" at="{here}"/><Drive name="back" goal="0;0" at="{here}"/></Sequence>
+    </BehaviorTree></root>"#;
+
+    #[test]
+    fn a_tree_from_a_file_runs_its_leaves_in_their_own_time() {
+        let document = xml::read(FILE).expect("it is a good file");
+        let mut blackboard = Blackboard::new();
+        let mut tree = Tree::build(&document, None, &catalogue(), &mut blackboard).expect("its names are known");
+        let mut driver = Driver::default();
+        let mut tick = |tree: &mut Tree| tree.tick(&mut blackboard, &mut driver, Duration::from_millis(100)).expect("no fault");
+        let said: Vec<Status> = (0..5).map(|_| tick(&mut tree)).collect();
+        assert_eq!(said, [Status::Running, Status::Running, Status::Running, Status::Running, Status::Success]);
+        assert_eq!(driver.elapsed, [0, 100, 200, 0, 100, 200]);
+        assert_eq!(blackboard.get("here"), Some(&Value::Cell(Cell { x: 0, y: 0 })));
+        assert!(tree.nodes().all(|node| node.after == Status::Idle), "who is done is reset");
+    }
+
+    #[test]
+    fn a_halt_reaches_the_leaf_that_runs_and_no_other() {
+        let document = xml::read(FILE).expect("it is a good file");
+        let mut blackboard = Blackboard::new();
+        let mut tree = Tree::build(&document, None, &catalogue(), &mut blackboard).expect("its names are known");
+        let mut driver = Driver::default();
+        for _ in 0..4 {
+            tree.tick(&mut blackboard, &mut driver, Duration::from_millis(100)).expect("no fault");
+        }
+        tree.halt(&mut blackboard, &mut driver);
+        assert_eq!(driver.halted, ["back"]);
+        assert_eq!(tree.status(), Status::Idle);
+    }
+
+    #[test]
+    fn paths_are_those_of_the_graphical_editor() {
+        let document = xml::read(FILE).expect("it is a good file");
+        let tree = Tree::build(&document, None, &catalogue(), &mut Blackboard::new()).expect("its names are known");
+        let paths: Vec<&str> = tree.nodes().map(|node| node.path).collect();
+        assert_eq!(paths, ["Sequence::1", "out", "back"]);
+    }
+}

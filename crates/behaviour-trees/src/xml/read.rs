@@ -1,0 +1,350 @@
+//! From the text of a file to a document. Here is refused what is no XML and what is no file of trees; what the nodes mean is looked at
+//! in `build`.
+
+use std::cell::Cell;
+
+use roxmltree::{Document as Xml, Node, ParsingOptions};
+
+use crate::document::{Attribute, Document, Element, Form, Kept, Model, ModelPort, Place, TreeDefinition};
+use crate::error::{Reason, TreeError, format_4_name};
+use crate::findings::Findings;
+use crate::leaf::Direction;
+use crate::tree::DEEPEST;
+
+/// The longest file that is read, in bytes: a hundred times what a large mission needs.
+pub const LONGEST_FILE: usize = 1 << 20;
+
+/// The most elements of a file, comments and texts between them counted: three times as many as a tree may have nodes.
+const MOST_XML_NODES: u32 = 1 << 15;
+
+/// The most trees of a file: each is looked at with all that it uses.
+const MOST_TREES: usize = 200;
+
+/// The most models of a file: every element is looked for among them.
+const MOST_MODELS: usize = 500;
+
+/// Maximum number of ports of a model: each use of a leaf binds them all.
+const MOST_PORTS: usize = 256;
+
+/// The most attributes of an element, more than any node has ports; each is looked for among all.
+const MOST_ATTRIBUTES: usize = 64;
+
+/// Reads a file.
+///
+/// # Errors
+/// The first thing that is wrong, with its place.
+pub fn read(text: &str) -> Result<Document, TreeError> {
+    let mut findings = Findings::default();
+    let document = read_with(text, &mut findings);
+    findings.first()?;
+    Ok(document.expect("a file without a fault is a document"))
+}
+
+/// Reads a file and collects everything that is wrong with it. What was read although there are faults can be checked further, so that
+/// all faults are known at once; it is nothing to run or write. None if the rest of the file cannot be looked at.
+pub fn read_with(text: &str, findings: &mut Findings) -> Option<Document> {
+    parsed(text, findings).map_err(|error| findings.fault(error)).ok()
+}
+
+fn parsed(text: &str, findings: &mut Findings) -> Result<Document, TreeError> {
+    let start = Place { line: 1, column: 1 };
+    if text.len() > LONGEST_FILE {
+        return Err(TreeError::at(start, Reason::TooLong { length: text.len(), most: LONGEST_FILE }));
+    }
+    let lines = Lines::of(text);
+    look_at_attributes(&lines)?;
+    let options = ParsingOptions { nodes_limit: MOST_XML_NODES, ..ParsingOptions::default() };
+    let xml = Xml::parse_with_options(text, options).map_err(|error| {
+        let at = error.pos();
+        if error == roxmltree::Error::NodesLimitReached {
+            let what = "elements, comments and texts between them in one file";
+            return TreeError::at(start, Reason::TooMany { what, most: MOST_XML_NODES as usize });
+        }
+        // The place stands in front already.
+        let said = error.to_string();
+        let said = said.strip_suffix(&format!(" at {at}")).unwrap_or(&said);
+        TreeError::at(Place { line: at.row, column: at.col }, Reason::NotXml(said.to_owned()))
+    })?;
+    Reader { xml: &xml, lines, findings }.document()
+}
+
+/// The parser compares each attribute with all others of its element, and each namespace with all that hold there: what would take it
+/// long is refused before.
+fn look_at_attributes(lines: &Lines<'_>) -> Result<(), TreeError> {
+    let text = lines.text;
+    let refuse = |at: usize, reason: Reason| Err(TreeError::at(lines.place(at), reason));
+    let behind = |from: usize, end: &str| text[from..].find(end).map(|found| from + found + end.len());
+    let (mut at, mut is_root) = (0, true);
+    while let Some(open) = text[at..].find('<').map(|found| at + found) {
+        let passed = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
+        if let Some((begin, end)) = passed.into_iter().find(|(begin, _)| text[open..].starts_with(begin)) {
+            let Some(end) = behind(open + begin.len(), end) else { return Ok(()) };
+            at = end;
+            continue;
+        }
+        let mut attributes = 0;
+        at = open + 1;
+        while let Some(next) = text[at..].find(['"', '\'', '>']).map(|found| at + found) {
+            // The root may declare prefixes: a schema is named by an attribute with one.
+            let is_refused = |word: &str| word.starts_with("xmlns") && !(is_root && word.starts_with("xmlns:"));
+            if text[at..next].split_ascii_whitespace().any(is_refused) {
+                return refuse(open, Reason::Namespace);
+            }
+            let quote = text.as_bytes()[next];
+            at = next + 1;
+            if quote == b'>' {
+                break;
+            }
+            attributes += 1;
+            if attributes > MOST_ATTRIBUTES {
+                return refuse(open, Reason::TooMany { what: "attributes in one element", most: MOST_ATTRIBUTES });
+            }
+            let Some(end) = behind(at, if quote == b'"' { "\"" } else { "'" }) else { return Ok(()) };
+            at = end;
+        }
+        is_root = false;
+    }
+    Ok(())
+}
+
+/// The text, and where in it things are.
+struct Lines<'x> {
+    text: &'x str,
+    /// Where each line begins, in bytes: looking for it anew for each node would take quadratic time.
+    starts: Vec<usize>,
+    /// The place that was asked for last, in bytes, and its column: most are a little behind it, and a file may be one long line.
+    last: Cell<(usize, usize)>,
+}
+
+impl<'x> Lines<'x> {
+    fn of(text: &'x str) -> Lines<'x> {
+        let starts = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
+        Lines { text, starts, last: Cell::new((0, 1)) }
+    }
+
+    fn place(&self, at: usize) -> Place {
+        let line = self.starts.partition_point(|start| *start <= at);
+        let start = self.starts[line - 1];
+        let (last, before) = self.last.get();
+        let (from, counted) = if (start..=at).contains(&last) { (last, before) } else { (start, 1) };
+        let column = counted + self.text[from..at].chars().count();
+        self.last.set((at, column));
+        let number = |number| u32::try_from(number).unwrap_or(u32::MAX);
+        Place { line: number(line), column: number(column) }
+    }
+}
+
+struct Reader<'x, 'f> {
+    xml: &'x Xml<'x>,
+    lines: Lines<'x>,
+    findings: &'f mut Findings,
+}
+
+/// What is wrong goes to the findings; an error is that after which the file cannot be read on.
+impl<'x> Reader<'x, '_> {
+    fn of(&self, node: Node<'_, '_>) -> Place {
+        self.lines.place(node.range().start)
+    }
+
+    fn refuse<T>(&self, node: Node<'_, '_>, reason: Reason) -> Result<T, TreeError> {
+        Err(TreeError::at(self.of(node), reason))
+    }
+
+    fn fault(&mut self, node: Node<'_, '_>, reason: Reason) {
+        let place = self.of(node);
+        self.findings.fault(TreeError::at(place, reason));
+    }
+
+    fn document(&mut self) -> Result<Document, TreeError> {
+        let root = self.xml.root_element();
+        let is_foreign = |node: &Node<'_, '_>| {
+            let has_prefix = node.attributes().any(|attribute| attribute.namespace().is_some());
+            node.tag_name().namespace().is_some() || has_prefix && *node != root
+        };
+        if let Some(foreign) = root.descendants().filter(Node::is_element).find(is_foreign) {
+            return self.refuse(foreign, Reason::Misplaced(name(foreign).to_owned()));
+        }
+        if name(root) != "root" {
+            return self.refuse(root, Reason::NotTrees(name(root).to_owned()));
+        }
+        let mut document = Document::default();
+        for (prefix, uri) in root.namespaces().filter_map(|declared| Some((declared.name()?, declared.uri()))) {
+            document.notes.push(Attribute { place: self.of(root), ..Attribute::new(&format!("xmlns:{prefix}"), uri) });
+        }
+        let mut format = None;
+        for attribute in self.attributes(root) {
+            match attribute.name.as_str() {
+                "BTCPP_format" => format = Some(attribute.value),
+                "main_tree_to_execute" => document.main = Some(attribute.value),
+                _ => document.notes.push(attribute),
+            }
+        }
+        match format {
+            Some(format) if format == "4" => {}
+            Some(format) => self.fault(root, Reason::Format(format)),
+            None => self.fault(root, Reason::NoFormat),
+        }
+        let (mut nameless, mut has_models) = (0, false);
+        for child in self.elements(root) {
+            match name(child) {
+                "BehaviorTree" if document.trees.len() == MOST_TREES => {
+                    return self.refuse(child, Reason::TooMany { what: "trees in one file", most: MOST_TREES });
+                }
+                "BehaviorTree" => document.trees.push(self.tree(child, &mut nameless)?),
+                "TreeNodesModel" => {
+                    if std::mem::replace(&mut has_models, true) {
+                        self.fault(child, Reason::SecondModel);
+                    }
+                    self.models(child, &mut document)?;
+                }
+                "include" => document.includes.push(self.kept(child, 0)?),
+                other => self.fault(child, Reason::Misplaced(other.to_owned())),
+            }
+        }
+        if document.trees.is_empty() && document.includes.is_empty() && document.models.is_empty() {
+            self.fault(root, Reason::NoTree);
+        }
+        Ok(document)
+    }
+
+    /// A tree without an ID is called as BehaviorTree.CPP calls it.
+    fn tree(&mut self, node: Node<'x, 'x>, nameless: &mut u32) -> Result<TreeDefinition, TreeError> {
+        let given = if node.has_attribute("ID") { self.with_id(node) } else { None };
+        let (id, notes) = given.unwrap_or_else(|| {
+            *nameless += 1;
+            (format!("BehaviorTree_{}", *nameless - 1), self.attributes(node))
+        });
+        let (place, children) = (self.of(node), self.elements(node));
+        if children.len() != 1 {
+            self.fault(node, Reason::Roots { id: id.clone(), count: children.len() });
+        }
+        let root = match children.first() {
+            Some(root) => self.element(*root, 0)?,
+            // It stands for what is missing: the fault is told already.
+            None => Element { place, ..Element::new("AlwaysSuccess", Vec::new()) },
+        };
+        Ok(TreeDefinition { id, notes, root, place })
+    }
+
+    fn element(&mut self, node: Node<'x, 'x>, depth: usize) -> Result<Element, TreeError> {
+        if depth >= DEEPEST {
+            return self.refuse(node, Reason::TooDeep);
+        }
+        let place = self.of(node);
+        let mut attributes = self.attributes(node);
+        let mut take = |name: &str| {
+            let at = attributes.iter().position(|attribute| attribute.name == name)?;
+            Some(attributes.remove(at).value)
+        };
+        let (given_id, element_name) = (take("ID"), take("name"));
+        let form = Form::ALL.into_iter().find(|form| form.word() == name(node)).unwrap_or(Form::Compact);
+        if form == Form::Compact && given_id.is_some() && format_4_name(name(node)).is_none() {
+            self.fault(node, Reason::NeedlessId(name(node).to_owned()));
+        }
+        let id = if form == Form::Compact { name(node).to_owned() } else { given_id.unwrap_or_default() };
+        if id.is_empty() {
+            self.fault(node, Reason::NoId(name(node).to_owned()));
+        }
+        let children = self.elements(node).into_iter().map(|child| self.element(child, depth + 1));
+        let children = children.collect::<Result<Vec<Element>, TreeError>>()?;
+        Ok(Element { id, form, name: element_name, attributes, children, place })
+    }
+
+    fn models(&mut self, node: Node<'x, 'x>, document: &mut Document) -> Result<(), TreeError> {
+        for child in self.elements(node) {
+            let form = Form::ALL.into_iter().find(|form| *form != Form::Compact && form.word() == name(child));
+            let Some(form) = form else {
+                document.kept.push(self.kept(child, 0)?);
+                continue;
+            };
+            if document.models.len() == MOST_MODELS {
+                return self.refuse(child, Reason::TooMany { what: "models in one file", most: MOST_MODELS });
+            }
+            let Some((id, notes)) = self.with_id(child) else { continue };
+            if document.models.iter().any(|model| model.id == id) {
+                self.fault(child, Reason::TwiceId(id.clone()));
+            }
+            let (mut ports, mut kept) = (Vec::new(), Vec::new());
+            for part in self.elements(child) {
+                // navigation2 writes a word of its own for ports that are read and written.
+                let word = if name(part) == "bidirectional_port" { Direction::InOut.word() } else { name(part) };
+                match Direction::ALL.into_iter().find(|direction| direction.word() == word) {
+                    Some(direction) => ports.extend(self.model_port(part, direction)),
+                    None => kept.push(self.kept(part, 0)?),
+                }
+            }
+            if ports.len() > MOST_PORTS {
+                return self.refuse(child, Reason::TooMany { what: "ports in one model", most: MOST_PORTS });
+            }
+            document.models.push(Model { form, id, notes, ports, kept, place: self.of(child) });
+        }
+        Ok(())
+    }
+
+    fn model_port(&mut self, node: Node<'x, 'x>, direction: Direction) -> Option<ModelPort> {
+        let mut notes = self.attributes(node);
+        let Some(at) = notes.iter().position(|note| note.name == "name") else {
+            self.fault(node, Reason::NoName(name(node).to_owned()));
+            return None;
+        };
+        let port = notes.remove(at).value;
+        if let Some(child) = node.children().find(Node::is_element) {
+            self.fault(child, Reason::Misplaced(name(child).to_owned()));
+        }
+        Some(ModelPort { direction, name: port, notes, text: text(node), place: self.of(node) })
+    }
+
+    /// An element with all that is in it, whatever it says.
+    fn kept(&mut self, node: Node<'x, 'x>, depth: usize) -> Result<Kept, TreeError> {
+        if depth >= DEEPEST {
+            return self.refuse(node, Reason::TooDeep);
+        }
+        let children = node.children().filter(Node::is_element).map(|child| self.kept(child, depth + 1));
+        let children = children.collect::<Result<Vec<Kept>, TreeError>>()?;
+        let (attributes, place) = (self.attributes(node), self.of(node));
+        Ok(Kept { name: name(node).to_owned(), attributes, text: text(node), children, place })
+    }
+
+    /// The ID of an element that must have one, and its other attributes.
+    fn with_id(&mut self, node: Node<'x, 'x>) -> Option<(String, Vec<Attribute>)> {
+        let mut notes = self.attributes(node);
+        let at = notes.iter().position(|note| note.name == "ID" && !note.value.is_empty());
+        if at.is_none() {
+            self.fault(node, Reason::NoId(name(node).to_owned()));
+        }
+        Some((notes.remove(at?).value, notes))
+    }
+
+    fn attributes(&self, node: Node<'_, '_>) -> Vec<Attribute> {
+        let attribute = |attribute: roxmltree::Attribute<'_, '_>| Attribute {
+            // With its prefix.
+            name: self.lines.text[attribute.range_qname()].to_owned(),
+            value: attribute.value().to_owned(),
+            place: self.lines.place(attribute.range().start),
+        };
+        node.attributes().map(attribute).collect()
+    }
+
+    /// The elements in an element; comments are overlooked, texts are not.
+    fn elements(&mut self, node: Node<'x, 'x>) -> Vec<Node<'x, 'x>> {
+        let mut elements = Vec::new();
+        for child in node.children() {
+            if child.is_element() {
+                elements.push(child);
+            } else if let Some(text) = child.text().filter(|text| child.is_text() && !text.trim().is_empty()) {
+                self.fault(child, Reason::Text(text.trim().chars().take(40).collect()));
+            }
+        }
+        elements
+    }
+}
+
+fn name<'n>(node: Node<'n, '_>) -> &'n str {
+    node.tag_name().name()
+}
+
+/// What is written in an element, between its children.
+fn text(node: Node<'_, '_>) -> String {
+    let text: String = node.children().filter_map(|child| child.text().filter(|_| child.is_text())).collect();
+    text.trim().to_owned()
+}
