@@ -66,6 +66,7 @@ COPY crates/coap/Cargo.toml crates/coap/
 COPY crates/core/Cargo.toml crates/core/
 COPY crates/drivers/Cargo.toml crates/drivers/
 COPY crates/evaluation/Cargo.toml crates/evaluation/
+COPY crates/laboratory/Cargo.toml crates/laboratory/
 COPY crates/mqtt/Cargo.toml crates/mqtt/
 COPY crates/sim/Cargo.toml crates/sim/
 RUN sed -i '/^\[\[\(test\|bench\)\]\]$/,/^$/d' Cargo.toml crates/*/Cargo.toml \

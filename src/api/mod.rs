@@ -20,7 +20,6 @@ pub mod hall_files;
 pub mod halt;
 pub mod journal;
 pub mod journal_words;
-pub mod laboratory;
 pub mod log;
 pub mod luggage;
 pub mod map;

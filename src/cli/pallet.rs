@@ -1,15 +1,13 @@
 //! `hallsweep pallet`: two mobile manipulators carry parcels from a pallet to a target area, led by the three behaviour trees, in
-//! simulated time. The scenario itself runs in `hallsweep_sim::pallet`; here its phases are printed, its figures, and a picture.
+//! simulated time. The scenario itself runs in `hallsweep_laboratory::pallet`; here its phases are printed, its figures, and a picture.
 
 use std::path::PathBuf;
 
 use clap::Args;
 
 use super::Failure;
-use crate::api::laboratory::mishap::{AskedFault, BeyondError, asked, missed, parcel_number};
-use crate::api::laboratory::pallet::{TITLE, drawing, rows, words};
-use crate::api::laboratory::pallet_report::ReportJson;
-use hallsweep_sim::pallet::{Asked, Figures, PalletRun};
+use hallsweep_laboratory::pallet::{Asked, AskedFault, BeyondError, Figures, PalletRun, ReportJson, TITLE};
+use hallsweep_laboratory::pallet::{asked, drawing, missed, parcel_number, rows, words};
 
 /// The flags of `pallet`.
 #[derive(Args, Clone, Debug)]

@@ -1,13 +1,12 @@
 //! `hallsweep roomba`: the Roomba of seed 001 as state machine, as behaviour tree or as both, in simulated time.
-//! The runs and their drawing are made by `hallsweep_sim::roomba`; here they are asked for and said in words.
+//! The runs and their drawing are made by `hallsweep_laboratory::roomba`; here they are asked for and said in words.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::Failure;
-use crate::api::laboratory::roomba::Roomba as Runs;
-use hallsweep_sim::roomba::{Controller, RunLength};
+use hallsweep_laboratory::roomba::{Controller, Roomba as Runs, RunLength};
 
 /// The flags of `roomba`.
 #[derive(Args, Clone, Debug)]

@@ -33,7 +33,7 @@ const RULES: [Rule; 13] = [
         module: "api",
         // The table of commands says what each asks of its sender; what is shown of the simulator is said by its port.
         modules: &["access", "runtime"],
-        // Of the simulator what drives nothing of the hall: the laboratory, which is arithmetic, and how halls are written in files.
+        // Of the simulator how halls are written in files.
         crates: &[
             "behaviour_trees",
             "hallsweep_core",
@@ -68,6 +68,7 @@ const RULES: [Rule; 13] = [
             "coap_endpoint",
             "flate2",
             "hallsweep_core",
+            "hallsweep_laboratory",
             "hashlink",
             "subtle",
             "futures_util",
@@ -130,6 +131,7 @@ const RULES: [Rule; 13] = [
             "clap",
             "hallsweep_core",
             "hallsweep_evaluation",
+            "hallsweep_laboratory",
             "hallsweep_sim",
             "indicatif",
             "rustls",

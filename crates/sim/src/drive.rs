@@ -42,7 +42,8 @@ impl BodyPose {
     }
 
     /// Where it is after `t` seconds at `v` metres a second forward and `omega` radians a second clockwise.
-    pub(super) fn after(self, v: f64, omega: f64, t: f64) -> BodyPose {
+    #[must_use]
+    pub fn after(self, v: f64, omega: f64, t: f64) -> BodyPose {
         if omega == 0.0 {
             let (dx, dy) = self.ahead();
             return BodyPose { x_m: self.x_m + v * t * dx, y_m: self.y_m + v * t * dy, theta: self.theta };
@@ -89,7 +90,8 @@ impl Chassis {
 }
 
 /// An angle in `-π..=π`.
-pub(super) fn normal(angle: f64) -> f64 {
+#[must_use]
+pub fn normal(angle: f64) -> f64 {
     // An angle that is within already stays as it is, to the last bit: a body that has not moved is still centred.
     if angle.abs() <= PI {
         return angle;

@@ -1,6 +1,5 @@
 //! The simulated robot and its hall: a hall as data, a body on two wheels, a sonar, a camera; and core and simulator in one plain
-//! loop, in simulated time (`headless`). It waits for nothing: `now` is an argument. The Roomba of seed 001 has a room of its own
-//! (`roomba`).
+//! loop, in simulated time (`headless`). It waits for nothing: `now` is an argument.
 //!
 //! ```text
 //!  hall files ─► hall ─┐
@@ -19,16 +18,14 @@ pub mod headless;
 mod memory;
 pub mod page;
 pub mod pair;
-pub mod pallet;
 mod recognise;
-pub mod roomba;
 mod senses;
 mod settings;
 mod simulator;
 mod sonar;
 mod speed;
 
-pub use drive::BodyPose;
+pub use drive::{BodyPose, normal};
 pub use hall::{Export, Format, Hall, HallError, HallFault, MAX_PIECES, Truth, Written};
 pub use hall::{Floor, HallOfScene, MovingObstacle, PLAYER, Player, Scene, SceneSonar, StaticObstacle};
 pub use memory::SimMemory;

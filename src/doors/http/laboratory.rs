@@ -21,13 +21,13 @@ use super::peer::LetIn;
 use super::problem::Problem;
 use super::query::Query;
 use crate::access::Caller;
-use crate::api::laboratory::mishap::Mishap;
-use crate::api::laboratory::pallet::Pallet;
-use crate::api::laboratory::roomba::Roomba;
+use crate::api::replay::ReplayJson;
 use crate::doors::shares::{Limits, Shares};
 use crate::phrases::Language;
 use behaviour_trees::Status;
 use hallsweep_core::snapshot::retrieval::{TreeView, TreesView};
+use hallsweep_laboratory::pallet::{Mishap, Pallet};
+use hallsweep_laboratory::roomba::Roomba;
 
 /// So many runs are computed or wait for it, each of less than a tenth of a second. Of these one key has three at most, and four are kept
 /// for keys that have none or one.
@@ -60,7 +60,11 @@ pub(super) async fn roomba(State(door): State<HttpDoor>, LetIn(caller): LetIn, q
 /// `GET laboratory/pallet`
 pub(super) async fn pallet(State(door): State<HttpDoor>, LetIn(caller): LetIn, query: Query) -> Result<Response, Problem> {
     let asked = AskedPallet::of(&query)?;
-    Ok(json(door.computed(&caller, move || Ok(asked.run()?.json())).await?))
+    let run = move || {
+        let pallet = asked.run()?;
+        Ok(pallet.json(ReplayJson::new(pallet.logs())))
+    };
+    Ok(json(door.computed(&caller, run).await?))
 }
 
 fn json(text: String) -> Response {
@@ -402,5 +406,14 @@ mod tests {
             assert_eq!(status, 422, "{path}?{query}");
             assert!(problem["detail"].as_str().unwrap().starts_with(words), "{problem}");
         }
+    }
+    #[test]
+    fn trees_stand_at_the_end_of_a_run_as_after_the_last_tick_of_their_log() {
+        let pallet = Pallet::new(1, 1, Vec::new(), Default::default()).unwrap();
+        let trees = pallet.trees();
+        let ids: Vec<&str> = trees.trees.iter().map(|tree| &*tree.id).collect();
+        assert_eq!(ids, ["SRM1", "SRM2", "Supervisor"]);
+        let shown = ReplayJson::new(pallet.logs()).shown(pallet.figures().took.as_secs_f64());
+        assert_eq!((trees.ticks, trees), (320, shown));
     }
 }

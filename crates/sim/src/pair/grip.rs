@@ -178,7 +178,7 @@ pub struct Holding {
 
 impl Holding {
     /// With what was held at another time.
-    pub(crate) fn join(&mut self, other: &Holding) {
+    pub fn join(&mut self, other: &Holding) {
         self.force_n.join(&other.force_n);
         self.angle_rad.join(&other.angle_rad);
         self.gap_m.join(&other.gap_m);

@@ -6,9 +6,8 @@ use std::fmt::Write;
 use super::super::problem::Problem;
 use super::super::query::Query;
 use crate::api::fields::in_short;
-use crate::api::laboratory::mishap::{Asked, AskedFault, BeyondError, Mishap, asked};
-use crate::api::laboratory::pallet::Pallet;
-use crate::api::laboratory::roomba::Roomba;
+use hallsweep_laboratory::pallet::{Asked, AskedFault, BeyondError, Mishap, Pallet, asked};
+use hallsweep_laboratory::roomba::Roomba;
 
 /// The longest run of the Roomba that is shown, in seconds: ten minutes fill the room with lines, and take a few milliseconds to compute.
 pub(in crate::doors::http) const LONGEST_S: u64 = 600;

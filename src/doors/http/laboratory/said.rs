@@ -1,10 +1,9 @@
 //! The laboratory's runs in the language of the page: their figures, what happens in them, and the words in the drawings. The command
-//! line says the same in English, by `api::laboratory`.
+//! line says the same in English, by `hallsweep_laboratory`.
 
-use crate::api::laboratory::mishap::{AskedFault, Missed};
-use crate::api::laboratory::pallet::{Entry, Figures as Carried, News, Pallet, PalletFault, Spread, kind};
-use crate::api::laboratory::roomba::{Controller, Figures, Parting, Phase, Roomba, Run, Transition, Words};
 use crate::phrases::Language;
+use hallsweep_laboratory::pallet::{AskedFault, Entry, Figures as Carried, Missed, News, Pallet, PalletFault, Spread, kind};
+use hallsweep_laboratory::roomba::{Controller, Figures, Parting, Phase, Roomba, Run, Transition, Words};
 
 /// A figure: its name, and what it is in each run.
 pub(super) type Row = (String, Vec<String>);
@@ -155,8 +154,7 @@ pub(super) fn fault(language: Language, fault: PalletFault) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::laboratory::mishap::{Mishap, asked};
-    use crate::api::laboratory::pallet;
+    use hallsweep_laboratory::pallet::{self, Mishap, asked};
     use std::time::Duration;
 
     fn roomba() -> Roomba {

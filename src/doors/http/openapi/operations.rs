@@ -14,14 +14,12 @@ use crate::api::answer::AnswerJson;
 use crate::api::changes::ChangesJson;
 use crate::api::commands::{self, COMMANDS, CommandKind, Methods};
 use crate::api::hall_files::ReadHall;
-use crate::api::laboratory::mishap::Mishap;
-use crate::api::laboratory::pallet::PalletJson;
-use crate::api::laboratory::roomba::RoombaJson;
 use crate::api::map::MapJson;
 use crate::api::map_files::FILES;
 use crate::api::mission_record::{EventListJson, MissionListJson, MissionWholeJson, MomentJson};
 use crate::api::old_clients;
 use crate::api::problem::ProblemKind;
+use crate::api::replay::ReplayJson;
 use crate::api::resources::{self, Form, RESOURCES};
 use crate::api::retrieval_record::RetrievalRecordJson;
 use crate::api::robot::RobotBySettingsJson;
@@ -29,6 +27,8 @@ use crate::api::schemas::Schemas;
 use crate::api::simulator::{ChangeBody, HallBody, SimulatorJson};
 use crate::phrases::Language;
 use hallsweep_core::command::Command;
+use hallsweep_laboratory::pallet::{Mishap, PalletJson};
+use hallsweep_laboratory::roomba::RoombaJson;
 
 const JSON: &str = "application/json";
 const TEXT: &str = "text/plain";
@@ -230,7 +230,7 @@ fn laboratory(schemas: &mut Schemas) -> Vec<Operation> {
         of("/api/v1/laboratory/pallet", "getPallet", "The pallet scenario, with every tick of its trees")
             .asked("parcels", "How many stand on the pallet.", usual(number(1, MOST_PARCELS), USUAL_PARCELS))
             .asked("fault", "What is to go wrong, and at which parcel.", faults)
-            .answers(JSON, schemas.sent::<PalletJson>()),
+            .answers(JSON, schemas.sent::<PalletJson<ReplayJson>>()),
     ]
 }
 

@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use super::Yard;
+use super::yard::Yard;
 use hallsweep_core::arm::{ArmState, Parcel};
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order};

@@ -3,14 +3,15 @@
 use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
 
+use super::compare::parting;
 use super::driver::Driver;
 use super::machine::Machine;
-use super::room::Body;
+use super::room::{Body, RADIUS_M, ROOM_LENGTH_M, ROOM_WIDTH_M};
 use super::run::driven_by;
 use super::tree::Tree;
 use super::*;
-use crate::BodyPose;
 use hallsweep_core::rng::RandomStream;
+use hallsweep_sim::BodyPose;
 
 const SEEDS: u64 = 300;
 
@@ -75,7 +76,7 @@ fn a_turn_ends_at_its_angle_from_where_it_began() {
     for pair in turns {
         let heading = |tick: u32| run.frames[tick as usize].pose;
         let (before, after) = (heading(pair[0].tick), heading(pair[1].tick));
-        assert!(crate::drive::normal(after.theta - before.theta - pair[0].angle.unwrap()).abs() < 1e-9, "{pair:?}");
+        assert!(hallsweep_sim::normal(after.theta - before.theta - pair[0].angle.unwrap()).abs() < 1e-9, "{pair:?}");
         assert_eq!((before.x_m, before.y_m), (after.x_m, after.y_m), "a turn stays where it is");
     }
 }
@@ -89,7 +90,7 @@ fn the_robot_never_leaves_the_room_nor_goes_faster_than_it_can() {
             assert!((RADIUS_M..=ROOM_LENGTH_M - RADIUS_M).contains(&x_m) && (RADIUS_M..=ROOM_WIDTH_M - RADIUS_M).contains(&y_m));
             let before = pair[0].pose;
             assert!((x_m - before.x_m).hypot(y_m - before.y_m) <= 0.5 / 60.0 + 1e-9);
-            assert!(crate::drive::normal(theta - before.theta).abs() <= 2.0 / 60.0 + 1e-9);
+            assert!(hallsweep_sim::normal(theta - before.theta).abs() <= 2.0 / 60.0 + 1e-9);
         }
     }
 }

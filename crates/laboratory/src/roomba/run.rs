@@ -8,7 +8,7 @@ use super::machine::Machine;
 use super::phase::Phase;
 use super::room::{Body, TICKS_PER_SECOND};
 use super::tree::Tree;
-use crate::BodyPose;
+use hallsweep_sim::BodyPose;
 
 /// Who drives the Roomba.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,7 +4,7 @@
 use super::room::{RADIUS_M, ROOM_LENGTH_M, ROOM_WIDTH_M};
 
 /// The side of a square, in metres: a third of the radius, so that what a corner or a narrow gap leaves is seen.
-pub const SQUARE_M: f64 = 0.05;
+pub(super) const SQUARE_M: f64 = 0.05;
 
 /// How many squares lie along x.
 const COLUMNS: usize = 128;

@@ -49,7 +49,7 @@ pub trait Words {
 
 /// The words for the command line.
 #[derive(Clone, Copy, Debug)]
-pub struct English;
+pub(super) struct English;
 
 impl Words for English {
     fn title(&self, run: &Run) -> String {
@@ -81,7 +81,7 @@ impl Words for English {
 
 /// Runs side by side as one SVG document, in the order in which they are given.
 #[must_use]
-pub fn svg(runs: &[&Run], said: &dyn Words) -> String {
+pub(super) fn svg(runs: &[&Run], said: &dyn Words) -> String {
     let (width, height) = (ROOM_LENGTH_M * SCALE + 2.0 * MARGIN, HEAD + ROOM_WIDTH_M * SCALE + FOOT);
     let rooms = runs.iter().fold(0.0, |count, _| count + 1.0);
     let whole = width * rooms;

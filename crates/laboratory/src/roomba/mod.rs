@@ -18,14 +18,14 @@ mod machine;
 mod phase;
 mod room;
 mod run;
+mod shown;
 #[cfg(test)]
 mod tests;
 mod tree;
 
-pub use compare::{Parting, parting};
-pub use drawing::{English, Words, svg};
-pub use floor::SQUARE_M;
+pub use compare::Parting;
+pub use drawing::Words;
 pub use length::{RunLength, RunLengthError};
 pub use phase::Phase;
-pub use room::{RADIUS_M, ROOM_LENGTH_M, ROOM_WIDTH_M, TICKS_PER_SECOND};
-pub use run::{Controller, Figures, Frame, Run, Transition};
+pub use run::{Controller, Figures, Run, Transition};
+pub use shown::{FigureRow, Roomba, RoombaJson};

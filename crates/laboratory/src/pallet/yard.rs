@@ -12,12 +12,12 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::sync::Arc;
 
-use super::super::hall::{Hall, Truth};
 use hallsweep_core::place::Place;
 use hallsweep_core::retrieval::{BasePose, Floor};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::{Cell, Heading, Piece, Revision};
 use hallsweep_core::world::hall_map::{HallMap, Mark};
+use hallsweep_sim::{Hall, Truth};
 
 /// The most parcels: three full rows of a pallet. More would take simulated hours and show nothing new.
 pub const MOST_PARCELS: u32 = 24;

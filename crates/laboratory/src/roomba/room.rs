@@ -11,19 +11,19 @@
 //!          6.4 m
 //! ```
 
-use crate::drive::BodyPose;
+use hallsweep_sim::BodyPose;
 
 /// How long the room is along x, in metres (docs/laboratory.md).
-pub const ROOM_LENGTH_M: f64 = 6.4;
+pub(super) const ROOM_LENGTH_M: f64 = 6.4;
 
 /// How wide the room is along y, in metres (docs/laboratory.md).
-pub const ROOM_WIDTH_M: f64 = 4.8;
+pub(super) const ROOM_WIDTH_M: f64 = 4.8;
 
 /// The radius of the round body, in metres (docs/laboratory.md).
-pub const RADIUS_M: f64 = 0.17;
+pub(super) const RADIUS_M: f64 = 0.17;
 
 /// How often in a second the Roomba decides and moves (docs/laboratory.md).
-pub const TICKS_PER_SECOND: u32 = 60;
+pub(super) const TICKS_PER_SECOND: u32 = 60;
 
 /// The fastest that it drives, in metres a second (docs/laboratory.md).
 const MAX_LINEAR: f64 = 1.0;

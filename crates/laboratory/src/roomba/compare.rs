@@ -16,7 +16,7 @@ pub struct Parting {
 
 /// The first transition at which two runs differ, if they do.
 #[must_use]
-pub fn parting(one: &Run, other: &Run) -> Option<Parting> {
+pub(super) fn parting(one: &Run, other: &Run) -> Option<Parting> {
     let most = one.transitions.len().max(other.transitions.len());
     (0..most).find(|index| !is_same(one, other, *index)).map(|common| {
         let next = |run: &Run| (run.controller, run.transitions.get(common).copied());

@@ -1,29 +1,15 @@
-//! The pallet scenario in simulated time: a yard, the simulated pair, its three trees and a simulated operator, joined in one plain loop.
-//! It waits for nothing, and the same seed gives the same run. `hallsweep pallet` and the laboratory run it; what the trees do stands in
-//! `hallsweep_core::retrieval`.
-//!
-//! ```text
-//!   team ── proposals ─► gate ── orders ─► pair          every 100 ms, unless something holds the robots
-//!    ▲  └── sayings ─► operator (acknowledges, START)      │
-//!    └────────── view ◄── crew (what is known) ◄── reports ┘
-//! ```
+//! A run of the scenario: what happens next, and what a person may do in it.
 
-mod crew;
-mod operator;
-mod record;
 #[cfg(test)]
 mod tests;
-mod yard;
 
 use std::sync::Arc;
 use std::time::Duration;
 
-use self::crew::Crew;
-use self::operator::{Deed, Operator};
-use self::record::begun;
-pub use self::record::{Entry, Figures, Frame, News, PalletFault, Phase};
-pub use self::yard::{MOST_PARCELS, ParcelsError, Yard};
-use super::pair::{Holding, Mishaps, Pair, PairSettings};
+use super::crew::Crew;
+use super::operator::{Deed, Operator};
+use super::record::{Entry, Figures, Frame, News, PalletFault, Phase, begun};
+use super::yard::{ParcelsError, Yard};
 use behaviour_trees::log::TickLog;
 use hallsweep_core::event::RobotEvent;
 use hallsweep_core::pair::RetrievalFault;
@@ -31,6 +17,7 @@ use hallsweep_core::retrieval::team::TICK;
 use hallsweep_core::retrieval::{Team, Which};
 use hallsweep_core::state::TeamStage;
 use hallsweep_core::units::{Cell, Now, WallTime};
+use hallsweep_sim::pair::{Holding, Mishaps, Pair, PairSettings};
 
 /// The longest run for each parcel, in simulated time: a hundred times what one takes.
 const LONGEST: Duration = Duration::from_secs(4 * 3600);

@@ -1,12 +1,15 @@
-//! The Roomba's runs as doors and command line show them. What happens in a run stands in `hallsweep_sim::roomba`.
+//! The Roomba's runs as doors and command line show them. What happens in a run stands in `run`.
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
-pub use hallsweep_sim::roomba::{Controller, Figures, Parting, Phase, Run, Transition, Words};
-use hallsweep_sim::roomba::{
-    English, Frame, RADIUS_M, ROOM_LENGTH_M, ROOM_WIDTH_M, RunLength, RunLengthError, SQUARE_M, TICKS_PER_SECOND, parting, svg,
-};
+use super::compare::{Parting, parting};
+use super::drawing::{English, Words, svg};
+use super::floor::SQUARE_M;
+use super::length::{RunLength, RunLengthError};
+use super::phase::Phase;
+use super::room::{RADIUS_M, ROOM_LENGTH_M, ROOM_WIDTH_M, TICKS_PER_SECOND};
+use super::run::{Controller, Figures, Frame, Run, Transition};
 
 /// Every which tick is a frame, with those that end a phase: fifteen a second make a picture that moves evenly.
 const FRAME_TICKS: u32 = TICKS_PER_SECOND / 15;
@@ -19,8 +22,9 @@ pub struct Roomba {
 }
 
 /// A figure in words: its name, and what it is in each run.
-pub type Row = (&'static str, Vec<String>);
+pub type FigureRow = (&'static str, Vec<String>);
 
+/// What a program gets: times in seconds, lengths in metres.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct RoombaJson {
     seed: u64,
@@ -151,7 +155,7 @@ impl Roomba {
     }
 
     /// What the runs came to, a row a figure.
-    pub fn figures(&self) -> Vec<Row> {
+    pub fn figures(&self) -> Vec<FigureRow> {
         let row = |name, value: &dyn Fn(&Figures) -> String| {
             (name, self.runs.iter().map(|run| value(&run.figures)).collect::<Vec<String>>())
         };

@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use super::super::drive::BodyPose;
-use super::super::pair::{Holding, Pair};
 use hallsweep_core::pair::{RetrievalFault, Saying};
 use hallsweep_core::retrieval::{Team, Which};
+use hallsweep_sim::BodyPose;
+use hallsweep_sim::pair::{Holding, Pair};
 
 /// The phases of the scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

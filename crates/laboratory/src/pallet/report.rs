@@ -4,9 +4,10 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::mishap::{AskedFault, Missed, missed};
-use super::pallet::{kind, words};
+use super::record::{Entry, Figures, News, PalletFault};
+use super::run::PalletRun;
+use super::words::{kind, words};
 use hallsweep_sim::pair::Spread;
-use hallsweep_sim::pallet::{Entry, Figures, News, PalletFault, PalletRun};
 
 /// What was asked for, what passed, and the figures.
 #[derive(Serialize, JsonSchema)]
@@ -79,6 +80,7 @@ struct FaultJson {
 }
 
 impl ReportJson {
+    /// Of a run that has ended.
     pub fn new(run: &PalletRun, figures: &Figures, faults: &[AskedFault]) -> ReportJson {
         ReportJson {
             seed: figures.seed,

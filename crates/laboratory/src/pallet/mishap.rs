@@ -3,9 +3,9 @@
 use std::fmt;
 use std::str::FromStr;
 
+use super::run::{Asked, PalletRun};
+use super::yard::MOST_PARCELS;
 use hallsweep_sim::pair::Slip;
-pub use hallsweep_sim::pallet::Asked;
-use hallsweep_sim::pallet::{MOST_PARCELS, PalletRun};
 
 /// Steps after which a parcel that is to be lost on the way slips: far from both ends of most ways.
 const LOST_AFTER: u32 = 3;

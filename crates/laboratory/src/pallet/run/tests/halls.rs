@@ -5,11 +5,11 @@ use std::collections::BTreeSet;
 
 use super::super::*;
 use super::slips;
-use crate::hall::{Hall, Truth};
 use hallsweep_core::place::Place;
 use hallsweep_core::retrieval::BasePose;
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::Heading;
+use hallsweep_sim::{Hall, Truth};
 
 /// A hall with one bag somewhere, the pair outside, and the container at the entrance.
 fn hall_with_bag(seed: u64, share: f64) -> Yard {

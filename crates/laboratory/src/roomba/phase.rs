@@ -197,7 +197,7 @@ mod tests {
         while !motion.is_over() {
             let before = body.pose.theta;
             body = body.driven(motion.tick());
-            turned += crate::drive::normal(body.pose.theta - before);
+            turned += hallsweep_sim::normal(body.pose.theta - before);
             if motion.ticks == 60 {
                 after_a_second = turned;
             }

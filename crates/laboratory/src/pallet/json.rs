@@ -4,18 +4,19 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::pallet::Pallet;
-use super::pallet_report::{ReportJson, short};
-use crate::api::replay::ReplayJson;
+use super::record::Frame;
+use super::report::{ReportJson, short};
+use super::shown::Pallet;
+use super::yard::Yard;
 use hallsweep_core::place::Place;
 use hallsweep_core::units::Cell;
 use hallsweep_sim::Truth;
 use hallsweep_sim::pair::{ANGLE_LIMIT, FORCE_LIMIT_N, FORCE_N, GAP_LIMIT_M};
-use hallsweep_sim::pallet::{Frame, Yard};
 
-/// The whole run.
+/// The whole run, beside what its trees did, in the shape that the caller gives it.
 #[derive(Serialize, JsonSchema)]
-pub struct PalletJson {
+#[schemars(rename = "PalletJson")]
+pub struct PalletJson<Replay> {
     #[serde(flatten)]
     report: ReportJson,
     yard: YardJson,
@@ -25,7 +26,7 @@ pub struct PalletJson {
     lying: Vec<(f64, Vec<Xy>)>,
     /// `trees`: those of SRM1, SRM2 and the Supervisor, tick by tick.
     #[serde(flatten)]
-    replay: ReplayJson,
+    replay: Replay,
 }
 
 /// `[column, row]`
@@ -72,8 +73,15 @@ const fn xy(cell: Cell) -> Xy {
     (cell.x, cell.y)
 }
 
-impl From<&Pallet> for PalletJson {
-    fn from(pallet: &Pallet) -> PalletJson {
+impl Pallet {
+    /// Everything in one JSON object.
+    pub fn json<Replay: Serialize>(&self, replay: Replay) -> String {
+        serde_json::to_string(&PalletJson::new(self, replay)).expect("runs are finite numbers and words, which JSON can hold")
+    }
+}
+
+impl<Replay> PalletJson<Replay> {
+    fn new(pallet: &Pallet, replay: Replay) -> PalletJson<Replay> {
         let around = |wanted: f64, limit: f64| [wanted - limit, wanted + limit];
         PalletJson {
             report: ReportJson::new(&pallet.run, &pallet.figures, &pallet.faults),
@@ -89,7 +97,7 @@ impl From<&Pallet> for PalletJson {
                 .iter()
                 .map(|(at, cells)| (short(at.as_secs_f64()), cells.iter().copied().map(xy).collect()))
                 .collect(),
-            replay: ReplayJson::new(pallet.run.team().trees().iter().zip(pallet.run.logs())),
+            replay,
         }
     }
 }

@@ -5,13 +5,14 @@ mod halls;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::super::yard::MOST_PARCELS;
 use super::*;
-use crate::hall::Hall;
-use crate::pair::Slip;
 use behaviour_trees::Status;
 use hallsweep_core::pair::Saying;
 use hallsweep_core::place::Place;
 use hallsweep_core::rng::RandomStream;
+use hallsweep_sim::Hall;
+use hallsweep_sim::pair::Slip;
 
 fn run(parcels: u32, seed: u64, asked: Asked) -> PalletRun {
     PalletRun::new(parcels, seed, asked).unwrap()
@@ -90,9 +91,12 @@ fn the_phases_of_the_scenario_pass_in_their_order_for_every_parcel() {
 fn force_angle_and_distance_stay_within_their_limits_while_parcels_are_carried() {
     for seed in 0..20 {
         let held = run(2, seed, Asked::default()).finish().holding;
-        assert!(held.force_n.worst() < crate::pair::FORCE_LIMIT_N / 2.0 && held.force_n.rms() > 0.0, "seed {seed}: {held:?}");
-        assert!(held.angle_rad.worst() < crate::pair::ANGLE_LIMIT / 3.0, "seed {seed}: {held:?}");
-        assert!(held.gap_m.worst() < crate::pair::GAP_LIMIT_M / 2.0, "seed {seed}: {held:?}");
+        assert!(
+            held.force_n.worst() < hallsweep_sim::pair::FORCE_LIMIT_N / 2.0 && held.force_n.rms() > 0.0,
+            "seed {seed}: {held:?}"
+        );
+        assert!(held.angle_rad.worst() < hallsweep_sim::pair::ANGLE_LIMIT / 3.0, "seed {seed}: {held:?}");
+        assert!(held.gap_m.worst() < hallsweep_sim::pair::GAP_LIMIT_M / 2.0, "seed {seed}: {held:?}");
     }
 }
 

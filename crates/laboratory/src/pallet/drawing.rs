@@ -3,9 +3,10 @@
 
 use std::fmt::Write;
 
+use super::record::Frame;
+use super::run::PalletRun;
 use hallsweep_core::place::Place;
 use hallsweep_core::units::Cell;
-use hallsweep_sim::pallet::{Frame, PalletRun};
 use hallsweep_sim::{BodyPose, Truth};
 
 /// The side of a cell in the picture, in its own units.

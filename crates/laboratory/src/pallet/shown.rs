@@ -1,16 +1,15 @@
-//! A run of the pallet scenario as doors and command line show it: its events and figures in words, its trees as they stand at the end.
-//! The drawing and the JSON stand in the files beside this one, what happens in the run in `hallsweep_sim::pallet`.
+//! A run that has ended, with the frames that a picture of it needs, and its trees as they stand at the end.
 
 use std::time::Duration;
 
+use super::drawing::drawing;
 use super::mishap::{AskedFault, Missed, missed};
-pub use super::pallet_drawing::{TITLE, drawing};
-pub use super::pallet_json::PalletJson;
+use super::record::{Entry, Figures, Frame, PalletFault};
+use super::run::{Asked, PalletRun};
+use super::yard::ParcelsError;
+use behaviour_trees::{TickLog, Tree};
 use hallsweep_core::snapshot::retrieval::TreesView;
 use hallsweep_core::units::Cell;
-pub use hallsweep_sim::pair::Spread;
-use hallsweep_sim::pallet::{Asked, Frame, PalletRun, ParcelsError};
-pub use hallsweep_sim::pallet::{Entry, Figures, News, PalletFault, Phase};
 
 /// How often a frame is taken: so often that a straight line between two of them shows no corner that was not driven.
 const FRAME_EVERY: Duration = Duration::from_millis(200);
@@ -48,11 +47,6 @@ impl Pallet {
         }
         let figures = run.figures();
         Ok(Pallet { run, faults, figures, frames, lying })
-    }
-
-    /// Everything in one JSON object.
-    pub fn json(&self) -> String {
-        serde_json::to_string(&PalletJson::from(self)).expect("runs are finite numbers and words, which JSON can hold")
     }
 
     /// The yard and the ways that were driven, under this title.
@@ -93,6 +87,11 @@ impl Pallet {
         trees.blackboard.sort();
         trees
     }
+
+    /// Each tree with the log of its ticks.
+    pub fn logs(&self) -> impl Iterator<Item = (&Tree, &TickLog)> {
+        self.run.team().trees().iter().zip(self.run.logs())
+    }
 }
 
 /// Adds a frame; the last one gives way to it when nothing has changed in between.
@@ -107,54 +106,12 @@ fn keep(frames: &mut Vec<Frame>, frame: Frame) {
     frames.push(frame);
 }
 
-/// What kind of thing an event is, by a fixed name.
-pub const fn kind(news: News) -> &'static str {
-    match news {
-        News::Began(_) => "phase",
-        News::Said(_) => "alarm",
-        News::Acknowledged => "acknowledged",
-        News::Started => "start",
-        News::Lost => "lost",
-        News::Stopped => "stop",
-        News::Restarted => "restart",
-    }
-}
-
-/// An event in words.
-pub fn words(entry: &Entry) -> String {
-    match entry.news {
-        News::Began(phase) => format!("phase {}: {}", phase.number(), phase.in_words()),
-        News::Said(saying) => format!("ALARM: {}", saying.in_words()),
-        News::Acknowledged => "the operator has acknowledged the alarm".to_owned(),
-        News::Started => "START is pressed".to_owned(),
-        News::Lost => "the parcel slips out of the grippers".to_owned(),
-        News::Stopped => "STOP: both robots are halted".to_owned(),
-        News::Restarted => "the program was started again".to_owned(),
-    }
-}
-
-/// A row for each figure.
-pub fn rows(figures: &Figures) -> [(&'static str, String); 7] {
-    let holding = &figures.holding;
-    let error = |spread: &Spread, scale: f64, unit: &str| {
-        format!("{:.2} {unit} (root mean square {:.2} {unit})", spread.worst() * scale, spread.rms() * scale)
-    };
-    [
-        ("parcels", format!("{} of {} in the target area", figures.delivered, figures.parcels)),
-        ("time", format!("{:.1} s, {} ticks", figures.took.as_secs_f64(), figures.ticks)),
-        ("losses", figures.losses.to_string()),
-        ("worst force error", error(&holding.force_n, 1.0, "N")),
-        ("worst angle error", error(&holding.angle_rad, 1000.0, "mrad")),
-        ("worst gap error", error(&holding.gap_m, 1000.0, "mm")),
-        ("seed", figures.seed.to_string()),
-    ]
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::drawing::TITLE;
     use super::super::mishap::{Mishap, asked};
+    use super::super::record::News;
     use super::*;
-    use crate::api::replay::ReplayJson;
     use serde_json::{Value, json};
 
     fn ran(parcels: u32, faults: &[AskedFault]) -> Pallet {
@@ -162,7 +119,7 @@ mod tests {
     }
 
     fn told(pallet: &Pallet) -> Value {
-        serde_json::from_str(&pallet.json()).unwrap()
+        serde_json::from_str(&pallet.json(())).unwrap()
     }
 
     #[test]
@@ -224,15 +181,5 @@ mod tests {
         let drawing = ran(1, &[]).drawing(TITLE);
         assert!(drawing.starts_with("<svg xmlns=") && drawing.trim_end().ends_with("</svg>"));
         assert_eq!(drawing.matches("<polyline").count(), 3, "SRM1, SRM2 and the parcel");
-    }
-
-    #[test]
-    fn the_trees_stand_as_after_the_last_tick_of_their_log() {
-        let pallet = ran(1, &[]);
-        let trees = pallet.trees();
-        let ids: Vec<&str> = trees.trees.iter().map(|tree| &*tree.id).collect();
-        assert_eq!(ids, ["SRM1", "SRM2", "Supervisor"]);
-        let logged = ReplayJson::new(pallet.run.team().trees().iter().zip(pallet.run.logs()));
-        assert_eq!((trees.ticks, trees), (320, logged.shown(pallet.figures.took.as_secs_f64())));
     }
 }

@@ -1,0 +1,32 @@
+//! The pallet scenario in simulated time: a yard, the simulated pair, its three trees and a simulated operator, joined in one plain loop
+//! (`run`). The same seed gives the same run. What the trees do stands in `hallsweep_core::retrieval`.
+//!
+//! ```text
+//!   team ── proposals ─► gate ── orders ─► pair          every 100 ms, unless something holds the robots
+//!    ▲  └── sayings ─► operator (acknowledges, START)      │
+//!    └────────── view ◄── crew (what is known) ◄── reports ┘
+//! ```
+
+mod crew;
+mod drawing;
+mod json;
+mod mishap;
+mod operator;
+mod record;
+mod report;
+mod run;
+mod shown;
+mod words;
+mod yard;
+
+pub use drawing::{TITLE, drawing};
+pub use json::PalletJson;
+pub use mishap::{AskedFault, BeyondError, FaultError, Mishap, Missed, asked, missed, parcel_number};
+pub use record::{Entry, Figures, Frame, News, PalletFault, Phase};
+pub use report::ReportJson;
+pub use run::{Asked, PalletRun};
+pub use shown::Pallet;
+pub use words::{kind, rows, words};
+pub use yard::{MOST_PARCELS, ParcelsError, Yard};
+// Figures hold them.
+pub use hallsweep_sim::pair::Spread;
