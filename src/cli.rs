@@ -13,7 +13,6 @@ use crate::storage::sqlite::Reading;
 use crate::telemetry;
 use hallsweep_core::mission::table_markdown;
 
-pub mod evaluate;
 pub mod explore;
 mod failure;
 pub mod hall;
@@ -29,7 +28,6 @@ pub mod roomba;
 pub mod serve;
 pub mod token;
 pub mod tree;
-pub mod tune;
 
 pub use failure::Failure;
 
@@ -52,8 +50,9 @@ pub enum Task {
     Serve(Serve),
     /// Run one mission without doors at full speed, and print the map and what it came to.
     Explore(explore::Explore),
-    /// Compare strategies of search on the same halls: random ones of a family, built-in ones, or files.
-    Evaluate(evaluate::Evaluate),
+    /// Answers with the command of the program that compares strategies since this release; so does `tune`.
+    #[command(hide = true, disable_help_flag = true)]
+    Evaluate(Moved),
     /// Let two mobile manipulators carry parcels from a pallet to a target area, and print the phases and what it came to.
     Pallet(pallet::Pallet),
     /// Ask a running hallsweep whether it is well: exit code 0 if so, 1 if not.
@@ -72,8 +71,9 @@ pub enum Task {
     Roomba(roomba::Roomba),
     /// Play a robot that speaks the line protocol, over TCP or a serial device: the simulated one, until SIGINT, SIGTERM or SIGHUP.
     RobotEmulator(robot_emulator::RobotEmulator),
-    /// Find weights for the search by walks through random halls, and write them to a file.
-    Tune(tune::Tune),
+    /// Answers as `evaluate` does.
+    #[command(hide = true, disable_help_flag = true)]
+    Tune(Moved),
     /// Print the table of the mission, phase by phase, as markdown.
     Table,
 }
@@ -136,6 +136,24 @@ impl Search {
     fn flags(&self) -> impl Iterator<Item = (&'static str, &Option<String>)> {
         [("--strategy", &self.strategy), ("--goal", &self.goal), ("--sensing", &self.sensing), ("--costs", &self.costs)]
             .into_iter()
+    }
+}
+
+/// Whatever was asked of a command that is one of `hallsweep-evaluation` now.
+#[derive(Args, Clone, Debug)]
+pub struct Moved {
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    flags: Vec<String>,
+}
+
+impl Moved {
+    /// The new command, for whoever typed the old one.
+    pub fn refuse(self, name: &str) -> Result<(), Failure> {
+        let flags: String = self.flags.iter().map(|flag| format!(" {flag}")).collect();
+        Err(Failure::Usage(format!(
+            "`{name}` belongs to another program now; in the source of hallsweep, run:\n\
+             cargo run --release -p hallsweep-evaluation -- {name}{flags}"
+        )))
     }
 }
 
@@ -323,7 +341,7 @@ mod tests {
 
     #[test]
     fn only_serve_takes_another_robot() {
-        for arguments in ["hallsweep explore --robot sim", "hallsweep evaluate --robot sim", "hallsweep pallet --robot sim"] {
+        for arguments in ["hallsweep explore --robot sim", "hallsweep pallet --robot sim"] {
             let refused = Cli::try_parse_from(arguments.split_whitespace()).expect_err(arguments);
             assert_eq!(refused.kind(), clap::error::ErrorKind::UnknownArgument, "{arguments}");
         }

@@ -4,8 +4,8 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use hallsweep::cli::{
-    Cli, Failure, Task, end, evaluate, explore, hall, healthcheck, journal, pallet, print_table, report, robot_emulator, roomba,
-    serve, token, tree, tune,
+    Cli, Failure, Task, end, explore, hall, healthcheck, journal, pallet, print_table, report, robot_emulator, roomba, serve,
+    token, tree,
 };
 
 fn main() -> ExitCode {
@@ -25,8 +25,8 @@ fn run(task: Task) -> Result<(), Failure> {
         Task::Tree(asked) => tree::run(&asked),
         Task::RobotEmulator(flags) => robot_emulator::run(&flags),
         Task::Roomba(flags) => roomba::run(&flags),
-        Task::Evaluate(flags) => evaluate::run(&flags),
-        Task::Tune(flags) => tune::run(&flags),
+        Task::Evaluate(asked) => asked.refuse("evaluate"),
+        Task::Tune(asked) => asked.refuse("tune"),
         Task::Table => print_table(),
     }
 }

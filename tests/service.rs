@@ -19,8 +19,6 @@ mod damage;
 mod data_files;
 #[path = "service/earlier.rs"]
 mod earlier;
-#[path = "service/evaluate.rs"]
-mod evaluate;
 #[path = "service/explore.rs"]
 mod explore;
 #[path = "service/few_descriptors.rs"]

@@ -35,13 +35,7 @@ impl OutputFile {
         to.map(|to| OutputFile { path: place, to }).map_err(|error| unwritable(path, &error))
     }
 
-    /// Writes the result in the place of what is there.
-    pub(super) fn write(self, text: &str) -> Result<(), Failure> {
-        let path = self.path.clone();
-        self.fill(|out| out.write_all(text.as_bytes()).map_err(|error| unwritable(&path, &error)))
-    }
-
-    /// The same of what is written a part at a time.
+    /// Puts what is written, a part at a time, in the place of what is there.
     pub(super) fn fill(mut self, write: impl FnOnce(&mut dyn Write) -> Result<(), Failure>) -> Result<(), Failure> {
         match &mut self.to {
             To::StandardOutput => write(&mut io::stdout().lock()),
@@ -122,6 +116,10 @@ mod tests {
     use super::*;
     use crate::storage::scratch::Scratch;
 
+    fn of_today(out: &mut dyn Write) -> Result<(), Failure> {
+        out.write_all(b"of today").map_err(|error| Failure::Run(error.to_string()))
+    }
+
     fn names(folder: &Path) -> Vec<String> {
         let mut names: Vec<String> =
             fs::read_dir(folder).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
@@ -147,7 +145,7 @@ mod tests {
             (vec!["older".to_owned()], "of yesterday".to_owned())
         );
         for path in [&older, &fresh] {
-            OutputFile::open(path).unwrap().write("of today").unwrap();
+            OutputFile::open(path).unwrap().fill(of_today).unwrap();
             assert_eq!(fs::read_to_string(path).unwrap(), "of today");
         }
         assert_eq!(names(&scratch.0), ["fresh", "older"]);
@@ -162,7 +160,7 @@ mod tests {
         fs::write(&file, "of yesterday").unwrap();
         fs::set_permissions(&file, fs::Permissions::from_mode(0o600)).unwrap();
         symlink(&file, &link).unwrap();
-        OutputFile::open(&link).unwrap().write("of today").unwrap();
+        OutputFile::open(&link).unwrap().fill(of_today).unwrap();
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(fs::read_to_string(&file).unwrap(), "of today");
         assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);

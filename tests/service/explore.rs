@@ -120,28 +120,32 @@ fn what_a_search_cannot_be_asked_for_is_said_with_what_it_can() {
     }
 }
 
-/// As short as can be: what it writes can be read, names its flags, and is the same again.
 #[test]
-fn tune_writes_weights_that_are_the_same_again_and_says_at_once_where_it_cannot() {
-    let folder = std::env::temp_dir().join(format!("hallsweep-tune-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).expect("the temporary directory can be written");
-    let tune = |name: &str, more: &[&str]| {
-        let out = folder.join(name);
-        let out = out.to_str().expect("a printable path");
-        run(&[&["tune", "--generations", "1", "--rounds", "1", "--halls", "2", "--horizon", "20", "--out", out], more].concat())
-    };
-    for name in ["one", "two"] {
-        assert!(tune(name, &["--goal", "find"]).status.success());
+fn a_hall_that_is_read_is_not_written_over_by_the_log() {
+    let hall = std::env::temp_dir().join(format!("hallsweep-{}-read.toml", std::process::id()));
+    let hall = hall.to_str().expect("a printable path");
+    assert!(run(&["hall", "convert", "seed", hall, "--force"]).status.success());
+    let before = std::fs::read(hall).expect("it was written");
+    let output = run(&["explore", "--hall", hall, "--log", hall]);
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(2) && error.contains("named for something else already"), "{error}");
+    assert_eq!(std::fs::read(hall).expect("it is there"), before);
+    std::fs::remove_file(hall).expect("it is ours");
+}
+
+/// Both for one release.
+#[test]
+fn evaluate_and_tune_answer_with_the_command_of_the_program_that_they_belong_to_now() {
+    for (typed, command) in [
+        (&["evaluate", "--halls", "airport", "--json"][..], "evaluate --halls airport --json"),
+        (&["tune", "--help"], "tune --help"),
+        (&["tune"], "tune"),
+    ] {
+        let output = run(typed);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.ends_with(&format!("\ncargo run --release -p hallsweep-evaluation -- {command}\n")), "{said}");
     }
-    let read = |name: &str| std::fs::read_to_string(folder.join(name)).expect("it was written");
-    assert_eq!(read("one"), read("two"));
-    assert!(read("one").starts_with("# What an unknown cell is worth to a search: hallsweep tune --goal find --sonar 0"));
-    let from = folder.join("one");
-    assert!(tune("three", &["--from", from.to_str().expect("a printable path")]).status.success());
-    assert_eq!(tune("no/such/folder", &[]).status.code(), Some(1));
-    assert_eq!(tune("four", &["--goal", "win"]).status.code(), Some(2));
-    assert_eq!(tune("four", &["--halls", "0"]).status.code(), Some(2));
-    std::fs::remove_dir_all(&folder).expect("the folder is ours");
 }
 
 /// A pocket in the north-west corner, a hall with a piece, and a closed room with another.

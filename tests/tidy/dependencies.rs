@@ -130,7 +130,6 @@ const RULES: [Rule; 13] = [
             "behaviour_trees",
             "clap",
             "hallsweep_core",
-            "hallsweep_evaluation",
             "hallsweep_laboratory",
             "hallsweep_sim",
             "indicatif",

@@ -46,7 +46,7 @@ fn the_figures_of_the_page_are_those_that_walks_through_its_halls_come_to() {
         let (_, rest) = PAGE.split_once(before).unwrap_or_else(|| panic!("the page says `{before}N`"));
         rest.split(|letter: char| !letter.is_ascii_digit()).next().and_then(|number| number.parse().ok()).expect("a number")
     };
-    let (count, seed) = (number("hallsweep evaluate --count "), number(" --seed ") as u64);
+    let (count, seed) = (number("hallsweep-evaluation evaluate --count "), number(" --seed ") as u64);
     assert!(count >= 600, "the means of fewer halls are the luck of the draw");
     let (_, table) =
         PAGE.split_once("| hall | snail | columns | spiral | frontier | auto | auto less frontier |\n").expect("the table");

@@ -1,10 +1,22 @@
-//! Comparisons on the command line: the same halls for all, in tables, JSON, CSV and pictures.
+//! The program: comparisons in tables, JSON, CSV and pictures, the same halls for all, and weights in files.
 
 use std::path::Path;
+use std::process::{Command, Output};
 
+use hallsweep_core::command::Strategy;
+use hallsweep_core::search::Objective;
+use hallsweep_core::search::costs::Costs;
+use hallsweep_core::settings::Settings;
+use hallsweep_sim::headless::{Verdicts, explore};
+use hallsweep_sim::{Hall, SimSettings};
 use serde_json::Value;
 
-use crate::program::run;
+/// A hall of two pieces, as a map of MovingAI.
+const HALL: &str = "type octile\nheight 4\nwidth 6\nmap\n......\n.T....\n......\n....T.\n";
+
+fn run(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_hallsweep-evaluation")).args(arguments).output().expect("it was built")
+}
 
 fn evaluate(arguments: &[&str]) -> String {
     let output = run(&[&["evaluate", "--count", "4"], arguments].concat());
@@ -40,7 +52,7 @@ fn the_same_flags_walk_through_the_same_halls_by_the_same_moves() {
 fn without_halls_it_is_the_table_of_the_documentation() {
     let table = evaluate(&["--strategies", "columns,frontier,auto"]);
     let rows: Vec<&str> = table.lines().collect();
-    let page = include_str!("../../docs/search.md");
+    let page = include_str!("../../../docs/search.md");
     let documented = page
         .lines()
         .skip_while(|line| !line.ends_with("| auto less frontier |"))
@@ -54,12 +66,14 @@ fn without_halls_it_is_the_table_of_the_documentation() {
 }
 
 #[test]
+#[expect(clippy::cast_precision_loss, reason = "no mission makes 2^53 moves")]
 fn a_walk_makes_the_moves_that_a_mission_makes() {
-    let explored =
-        run(&["explore", "--json", "--hall", "airport", "--verdicts", "all-safe", "--costs", "1,1,1", "--goal", "cover"]);
-    let mission: Value = serde_json::from_slice(&explored.stdout).expect("one JSON object");
+    let hall = Hall::named_or_file("airport").expect("it is built in");
+    let settings = Settings { objective: Objective::Cover, costs: Costs::read("1,1,1"), ..Settings::default() };
+    let mission = explore(&hall.into(), SimSettings::default(), settings, Strategy::Auto, Verdicts::AllSafe, |_| {});
     let walks = without_times(&evaluate(&["--halls", "airport", "--strategies", "auto", "--goal", "cover", "--json"]));
-    assert_eq!(walks["comparisons"][0]["strategies"][0]["moves_per_cell"]["mean"], mission["moves_per_cell"]);
+    let moves = mission.moves.total() as f64 / mission.cells as f64;
+    assert_eq!(walks["comparisons"][0]["strategies"][0]["moves_per_cell"]["mean"], moves);
 }
 
 #[test]
@@ -131,27 +145,22 @@ fn a_file_that_cannot_be_written_is_refused_before_the_walks_and_older_ones_stay
 #[test]
 fn a_file_that_is_read_or_named_twice_is_not_written() {
     let folder = tempdir("evaluate-twice");
-    let hall = folder.join("hall.toml").display().to_string();
-    assert!(run(&["hall", "convert", "seed", &hall, "--force"]).status.success());
-    let before = std::fs::read(&hall).expect("it was written");
+    let hall = folder.join("hall.map").display().to_string();
+    std::fs::write(&hall, HALL).expect("the folder of tests can be written");
     let figures = folder.join("figures").display().to_string();
-    for flags in [
-        ["evaluate", "--halls", &hall, "--csv", &hall],
-        ["evaluate", "--csv", &figures, "--plot", &figures],
-        ["explore", "--hall", &hall, "--log", &hall],
-    ] {
+    for flags in [["evaluate", "--halls", &hall, "--csv", &hall], ["evaluate", "--csv", &figures, "--plot", &figures]] {
         let output = run(&flags);
         let error = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.code() == Some(2) && error.contains("named for something else already"), "{error}");
     }
-    assert_eq!(std::fs::read(&hall).expect("it is there"), before);
+    assert_eq!(std::fs::read_to_string(&hall).expect("it is there"), HALL);
 }
 
 #[test]
 fn tours_of_two_halls_of_one_name_are_two_pictures_in_a_folder_that_is_made() {
     let folder = tempdir("evaluate-tours");
-    let hall = folder.join("hall.toml").display().to_string();
-    assert!(run(&["hall", "convert", "seed", &hall, "--force"]).status.success());
+    let hall = folder.join("seed.map").display().to_string();
+    std::fs::write(&hall, HALL).expect("the folder of tests can be written");
     let tours = folder.join("tours/of/two");
     let halls = format!("seed,{hall}");
     evaluate(&["--halls", &halls, "--strategies", "auto", "--tours", &tours.display().to_string()]);
@@ -176,4 +185,28 @@ fn how_often_the_time_left_holds_is_told_for_each_family() {
     assert_eq!(table.lines().filter(|line| line.contains(" %")).count(), 9, "{table}");
     let refused = run(&["evaluate", "--time-left", "--halls", "airport"]);
     assert_eq!(refused.status.code(), Some(2), "it has halls of its own");
+}
+
+/// As short as can be: what it writes can be read, names its flags, and is the same again.
+#[test]
+fn tune_writes_weights_that_are_the_same_again_and_says_at_once_where_it_cannot() {
+    let folder = tempdir("tune");
+    let tune = |name: &str, more: &[&str]| {
+        let out = folder.join(name);
+        let out = out.to_str().expect("a printable path");
+        run(&[&["tune", "--generations", "1", "--rounds", "1", "--halls", "2", "--horizon", "20", "--out", out], more].concat())
+    };
+    for name in ["one", "two"] {
+        assert!(tune(name, &["--goal", "find"]).status.success());
+    }
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).expect("it was written");
+    assert_eq!(read("one"), read("two"));
+    assert!(
+        read("one").starts_with("# What an unknown cell is worth to a search: hallsweep-evaluation tune --goal find --sonar 0")
+    );
+    let from = folder.join("one");
+    assert!(tune("three", &["--from", from.to_str().expect("a printable path")]).status.success());
+    assert_eq!(tune("no/such/folder", &[]).status.code(), Some(1));
+    assert_eq!(tune("four", &["--goal", "win"]).status.code(), Some(2));
+    assert_eq!(tune("four", &["--halls", "0"]).status.code(), Some(2));
 }

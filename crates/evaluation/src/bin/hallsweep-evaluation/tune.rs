@@ -1,4 +1,4 @@
-//! `hallsweep tune`: finds weights for the score of unknown cells, and writes them to a file.
+//! `hallsweep-evaluation tune`: finds weights for the score of unknown cells, and writes them to a file.
 //! How they are found stands in `hallsweep_evaluation::tune`; here it is asked for, and its progress shown.
 
 use std::fmt::Write as _;
@@ -21,7 +21,7 @@ use hallsweep_evaluation::tune::{Lessons, Round, Task, cross_entropy};
 /// The flags of `tune`.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "The same flags find the same weights, and a file of weights says by which flags it was made.")]
-pub struct Tune {
+pub(crate) struct Tune {
     /// What the search is to be good at: find, cover.
     #[arg(long, value_name = "NAME", default_value = "cover", value_parser = objective)]
     goal: Objective,
@@ -72,7 +72,7 @@ const MOST_BYTES: u64 = 4 * 1024 * 1024;
 const SMALLEST: i16 = 20;
 
 /// Tunes, and writes what it came to.
-pub fn run(flags: &Tune) -> Result<(), Failure> {
+pub(crate) fn run(flags: &Tune) -> Result<(), Failure> {
     let terms = Terms { objective: flags.goal, sonar_cells: flags.sonar, costs: flags.costs };
     let task = Task { terms, sides: flags.sides, families: flags.halls_of.clone(), seed: flags.seed };
     let bar = progress_bar(if flags.from.is_some() { 0 } else { flags.generations } + flags.rounds);
@@ -113,7 +113,7 @@ impl Tune {
         let from = self.from.as_ref().map_or_else(String::new, |path| format!(" --from {}", path.display()));
         let families: Vec<String> = self.halls_of.iter().map(Family::to_string).collect();
         format!(
-            "What an unknown cell is worth to a search: hallsweep tune --goal {} --sonar {} --costs {} --halls-of {} \
+            "What an unknown cell is worth to a search: hallsweep-evaluation tune --goal {} --sonar {} --costs {} --halls-of {} \
              --sides {},{} --seed {} \
              --generations {} --rounds {} --halls {} --horizon {}{from}",
             self.goal.name(),

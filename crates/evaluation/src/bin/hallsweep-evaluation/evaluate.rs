@@ -1,8 +1,9 @@
-//! `hallsweep evaluate`: strategies on the same halls, and what came of it.
+//! `hallsweep-evaluation evaluate`: strategies on the same halls, and what came of it.
 //! The walks are made by `hallsweep_evaluation::compare`; here they are asked for, their progress shown and their results written.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -10,7 +11,6 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::Failure;
 use super::output_file::{OutputFile, distinct, unwritable};
 use super::tune::{costs, objective, read_weights};
-use crate::runtime::clock::Clock;
 use hallsweep_core::command::Strategy;
 use hallsweep_core::search::costs::Costs;
 use hallsweep_core::search::ways::Ways;
@@ -29,7 +29,7 @@ mod written;
 #[command(after_help = "Without --halls: the table of docs/search.md, which takes less than a minute.\n\
     Families of random halls: empty, luggage-PERCENT, walls, islands, pockets, corridors, maze; with their size, as luggage-10:50x50.\n\
     The same flags walk through the same halls by the same moves; only the times of decisions differ.")]
-pub struct Evaluate {
+pub(crate) struct Evaluate {
     /// A family of random halls with its size, a hall by its name, or a hall file; several with commas between them. Without any, what the
     /// table asks is asked.
     #[arg(long, value_name = "HALLS", value_delimiter = ',')]
@@ -96,7 +96,7 @@ impl Answer {
 }
 
 /// Compares, and prints what it came to.
-pub fn run(flags: &Evaluate) -> Result<(), Failure> {
+pub(crate) fn run(flags: &Evaluate) -> Result<(), Failure> {
     if flags.time_left {
         return super::print(&time_left(flags));
     }
@@ -144,12 +144,13 @@ fn time_left(flags: &Evaluate) -> String {
     report::time_left(&held)
 }
 
+#[expect(clippy::disallowed_methods, reason = "how long a decision takes is one of the figures")]
 fn compare(questions: Vec<Question>, entrants: &[Entrant]) -> Vec<Answer> {
     let searches: usize = questions.iter().map(|question| question.contest.halls.count() * entrants.len()).sum();
-    let (bar, clock) = (progress_bar(searches as u64), Clock::default());
+    let (bar, start) = (progress_bar(searches as u64), Instant::now());
     let answer = |question: Question| {
         bar.set_message(question.contest.halls.to_string());
-        let trials = question.contest.run(entrants, || clock.since_start(), || bar.inc(1));
+        let trials = question.contest.run(entrants, || start.elapsed(), || bar.inc(1));
         Answer { question, trials }
     };
     let answers = questions.into_iter().map(answer).collect();

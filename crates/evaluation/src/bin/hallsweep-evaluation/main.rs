@@ -1,0 +1,55 @@
+//! `hallsweep-evaluation`: strategies of search compared over many halls, and weights found for the search. The library beside it walks
+//! and counts; here it is asked, and what comes of it printed and written into files.
+
+mod evaluate;
+mod output_file;
+mod tune;
+
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Compares strategies of search over many halls, and finds weights for the search.
+#[derive(Debug, Parser)]
+#[command(version)]
+struct Cli {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Debug, Subcommand)]
+enum Task {
+    /// Compare strategies of search on the same halls: random ones of a family, built-in ones, or files.
+    Evaluate(evaluate::Evaluate),
+    /// Find weights for the search by walks through random halls, and write them to a file.
+    Tune(tune::Tune),
+}
+
+/// Why a task ended without its result.
+#[derive(Debug, thiserror::Error)]
+enum Failure {
+    /// Flags that do not fit together: exit code 2, as for a mistyped flag.
+    #[error("{0}")]
+    Usage(String),
+    /// Exit code 1.
+    #[error("{0}")]
+    Run(String),
+}
+
+fn main() -> ExitCode {
+    let ended = match Cli::parse().task {
+        Task::Evaluate(flags) => evaluate::run(&flags),
+        Task::Tune(flags) => tune::run(&flags),
+    };
+    let Err(failure) = ended else { return ExitCode::SUCCESS };
+    // Nobody is left to be told when standard error is closed too.
+    let _told = writeln!(io::stderr(), "hallsweep-evaluation: {failure}");
+    ExitCode::from(if matches!(failure, Failure::Usage(_)) { 2 } else { 1 })
+}
+
+fn print(text: &str) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    let printed = writeln!(out, "{text}").and_then(|()| out.flush());
+    printed.map_err(|error| Failure::Run(format!("standard output cannot be written: {error}")))
+}
