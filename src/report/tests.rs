@@ -10,9 +10,10 @@ use sha2::{Digest, Sha256};
 use super::edition_tests::words;
 use super::scaled::tests::{noise, png};
 use super::{Claim, Comparison, Difference, Failure, Report, list};
-use crate::api::journal::{self, Line, arbitrary};
+use crate::api::journal::arbitrary;
+use crate::api::partial_archive::PartialArchive;
 use crate::phrases::{Language, said_here};
-use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable, hex};
+use crate::runtime::archive::{At, Happened, Head, Moment, NoTake, Sound, Unreadable, hex};
 use hallsweep_core::command::{Door, Issuer, Strategy};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::Past;
@@ -36,11 +37,6 @@ pub(super) struct Mission {
 impl Mission {
     pub(super) fn of(entries: Vec<Entry>) -> Mission {
         Mission { entries, photo: Ok(b"bag"), damage: Vec::new(), lost_after: None }
-    }
-
-    fn happened(&self) -> impl Iterator<Item = Happened> {
-        let damaged = |seq| (seq == 3).then(|| Unreadable("a mouse was at it".to_owned()));
-        self.entries.iter().zip(1..).map(move |(entry, seq)| (Seq(seq), damaged(seq).map_or_else(|| Ok(entry.clone()), Err)))
     }
 
     pub(super) fn report(&self, language: Language) -> String {
@@ -67,66 +63,32 @@ impl Mission {
     }
 }
 
-impl Archive for Mission {
-    fn photo(&self, _: LuggageId) -> Result<Option<Photo>, Unreadable> {
-        Ok(None)
-    }
-
+impl PartialArchive for Mission {
     fn take(&self, _: LuggageId, take: u32) -> Result<Option<Photo>, NoTake> {
         let photo = Photo { bytes: self.photo.clone()?.into(), media_type: "image/png" };
         Ok((take < 4).then_some(photo))
     }
 
-    fn luggage(&self, _: LuggageId) -> Result<Option<Luggage>, Unreadable> {
-        Ok(None)
-    }
-
-    fn missions(&self, _: Option<MissionId>, _: usize) -> Result<Vec<MissionRecord>, Unreadable> {
-        Ok(Vec::new())
-    }
-
-    fn mission(&self, _: MissionId) -> Result<Option<MissionRecord>, Unreadable> {
-        Ok(None)
-    }
-
-    fn state(&self, _: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
-        Ok(None)
-    }
-
-    fn moments(&self, _: MissionId, _: &[At]) -> Result<Vec<Moment>, Unreadable> {
+    fn moments(&self, _: MissionId, _: &[At]) -> Vec<Moment> {
         let mut state = PersistentState::first(Strategy::default());
         self.entries.iter().filter(|entry| !matches!(entry.fact, Fact::State(_))).for_each(|entry| state.apply(entry));
         let past = Past { seq: Seq(9), state, trail: Vec::new(), temperatures: Vec::new(), latest: Vec::new() };
         let wall = WallTime::default();
-        Ok(vec![Moment { past: Sound { of: past, damage: self.damage.clone() }, wall, earlier: None, later: None }])
+        vec![Moment { past: Sound { of: past, damage: self.damage.clone() }, wall, earlier: None, later: None }]
     }
 
-    fn entries(&self, _: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable> {
-        Ok(self.happened().filter(|(seq, _)| *seq > span.after && *seq <= span.until).take(most).collect())
+    fn entries(&self, _: MissionId) -> Vec<Happened> {
+        let damaged = |seq| (seq == 3).then(|| Unreadable("a mouse was at it".to_owned()));
+        let happened = |(entry, seq): (&Entry, u64)| (Seq(seq), damaged(seq).map_or_else(|| Ok(entry.clone()), Err));
+        self.entries.iter().zip(1..).map(happened).collect()
     }
 
-    fn lines(&self, _: MissionId, span: Span, most: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
-        let line = |(seq, entry): Happened| match entry {
-            Ok(entry) => (seq, journal::line(&Line { seq, mission: Some(MISSION), entry, picture: None })),
-            Err(Unreadable(why)) => (seq, journal::unreadable(seq, &why)),
-        };
-        Ok(self.entries(MISSION, span, most)?.into_iter().map(line).collect())
+    fn head(&self, until: Seq) -> Option<Head> {
+        Some(Head { seq: until.min(Seq(self.entries.len() as u64)), digest: [0xa5; 32] })
     }
 
-    fn head(&self, _: MissionId, until: Seq) -> Result<Option<Head>, Unreadable> {
-        Ok(Some(Head { seq: until.min(Seq(self.entries.len() as u64)), digest: [0xa5; 32] }))
-    }
-
-    fn lost_after(&self) -> Result<Option<Seq>, Unreadable> {
-        Ok(self.lost_after)
-    }
-
-    fn timeline(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable> {
-        self.entries(mission, span, most)
-    }
-
-    fn retrieval(&self, _: MissionId, _: usize) -> Result<Vec<Happened>, Unreadable> {
-        Ok(Vec::new())
+    fn lost_after(&self) -> Option<Seq> {
+        self.lost_after
     }
 }
 

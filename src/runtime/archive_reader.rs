@@ -59,64 +59,12 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     use super::*;
-    use crate::runtime::archive::{At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span};
-    use hallsweep_core::event::Photo;
-    use hallsweep_core::state::PersistentState;
-    use hallsweep_core::units::{LuggageId, MissionId, Seq};
-    use hallsweep_core::world::luggage::Luggage;
+    use crate::api::partial_archive::PartialArchive;
 
     /// There is nothing in it.
     struct Empty;
 
-    impl Archive for Empty {
-        fn photo(&self, _: LuggageId) -> Result<Option<Photo>, Unreadable> {
-            Ok(None)
-        }
-
-        fn take(&self, _: LuggageId, _: u32) -> Result<Option<Photo>, NoTake> {
-            Ok(None)
-        }
-
-        fn luggage(&self, _: LuggageId) -> Result<Option<Luggage>, Unreadable> {
-            Ok(None)
-        }
-
-        fn missions(&self, _: Option<MissionId>, _: usize) -> Result<Vec<MissionRecord>, Unreadable> {
-            Ok(Vec::new())
-        }
-
-        fn mission(&self, _: MissionId) -> Result<Option<MissionRecord>, Unreadable> {
-            Ok(None)
-        }
-
-        fn state(&self, _: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
-            Ok(None)
-        }
-
-        fn moments(&self, _: MissionId, _: &[At]) -> Result<Vec<Moment>, Unreadable> {
-            Ok(Vec::new())
-        }
-
-        fn timeline(&self, _: MissionId, _: Span, _: usize) -> Result<Vec<Happened>, Unreadable> {
-            Ok(Vec::new())
-        }
-
-        fn entries(&self, _: MissionId, _: Span, _: usize) -> Result<Vec<Happened>, Unreadable> {
-            Ok(Vec::new())
-        }
-
-        fn lines(&self, _: MissionId, _: Span, _: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
-            Ok(Vec::new())
-        }
-
-        fn head(&self, _: MissionId, _: Seq) -> Result<Option<Head>, Unreadable> {
-            Ok(None)
-        }
-
-        fn retrieval(&self, _: MissionId, _: usize) -> Result<Vec<Happened>, Unreadable> {
-            Ok(Vec::new())
-        }
-    }
+    impl PartialArchive for Empty {}
 
     fn reader() -> Reader {
         Reader::new(Arc::new(Empty))

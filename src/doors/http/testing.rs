@@ -18,8 +18,8 @@ use super::peer::Peer;
 use super::prefix::root;
 use super::{Hosts, HttpDoor, router};
 use crate::access::{Access, Keyring, Keys, OPERATOR, Role};
-use crate::api::journal::{self, Line};
-use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable};
+use crate::api::partial_archive::PartialArchive;
+use crate::runtime::archive::{At, Happened, MissionRecord, Moment, NoTake, Sound, Unreadable};
 use crate::runtime::archive_reader::Reader;
 pub(super) use crate::runtime::obedient::Noted;
 use crate::runtime::obedient::{Script, obedient};
@@ -29,8 +29,7 @@ use hallsweep_core::effect::Fact;
 use hallsweep_core::event::Photo;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::PersistentState;
-use hallsweep_core::units::{LuggageId, MissionId, Seq};
-use hallsweep_core::world::luggage::Luggage;
+use hallsweep_core::units::{LuggageId, MissionId};
 
 /// A door before a loop that does as it is told.
 pub(super) struct TestApp {
@@ -44,7 +43,7 @@ pub(super) struct TestApp {
 /// One picture for every piece, and the two missions of `past`.
 struct Pictures;
 
-impl Archive for Pictures {
+impl PartialArchive for Pictures {
     fn photo(&self, _: LuggageId) -> Result<Option<Photo>, Unreadable> {
         Ok(Some(Photo { bytes: Arc::from(*b"\x89PNG"), media_type: "image/png" }))
     }
@@ -58,13 +57,8 @@ impl Archive for Pictures {
         }
     }
 
-    fn luggage(&self, _: LuggageId) -> Result<Option<Luggage>, Unreadable> {
-        Ok(None)
-    }
-
-    fn missions(&self, before: Option<MissionId>, most: usize) -> Result<Vec<MissionRecord>, Unreadable> {
-        let older = |record: &MissionRecord| before.is_none_or(|before| record.id < before);
-        Ok(past::missions().into_iter().filter(older).take(most).collect())
+    fn missions(&self) -> Vec<MissionRecord> {
+        past::missions().into()
     }
 
     fn mission(&self, mission: MissionId) -> Result<Option<MissionRecord>, Unreadable> {
@@ -74,41 +68,25 @@ impl Archive for Pictures {
         Ok(past::missions().into_iter().find(|record| record.id == mission))
     }
 
-    fn state(&self, mission: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
-        Ok((mission == MissionId(1)).then(past::state).map(|of| Sound { of, damage: vec![past::DAMAGE.to_owned()] }))
+    fn state(&self, mission: MissionId) -> Option<Sound<PersistentState>> {
+        (mission == MissionId(1)).then(past::state).map(|of| Sound { of, damage: vec![past::DAMAGE.to_owned()] })
     }
 
-    fn moments(&self, mission: MissionId, at: &[At]) -> Result<Vec<Moment>, Unreadable> {
+    fn moments(&self, mission: MissionId, at: &[At]) -> Vec<Moment> {
         let moments: Option<Vec<Moment>> = at.iter().map(|at| past::moment(*at)).collect();
-        Ok(moments.filter(|_| mission == MissionId(1)).unwrap_or_default())
+        moments.filter(|_| mission == MissionId(1)).unwrap_or_default()
     }
 
-    fn timeline(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable> {
-        let on_it = |(_, entry): &Happened| entry.as_ref().map_or(true, |entry| !matches!(entry.fact, Fact::Pose(_)));
-        Ok(self.entries(mission, span, usize::MAX)?.into_iter().filter(on_it).take(most).collect())
+    fn entries(&self, mission: MissionId) -> Vec<Happened> {
+        if mission == MissionId(1) { past::entries() } else { Vec::new() }
     }
 
-    fn entries(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable> {
-        let of_it =
-            past::entries().into_iter().filter(|(seq, _)| mission == MissionId(1) && *seq > span.after && *seq <= span.until);
-        Ok(of_it.take(most).collect())
+    fn is_on_timeline(&self, (_, entry): &Happened) -> bool {
+        entry.as_ref().map_or(true, |entry| !matches!(entry.fact, Fact::Pose(_)))
     }
 
-    fn lines(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
-        let line = |(seq, entry): Happened| match entry {
-            Ok(entry) => (seq, journal::line(&Line { seq, mission: Some(mission), entry, picture: None })),
-            Err(Unreadable(why)) => (seq, journal::unreadable(seq, &why)),
-        };
-        Ok(self.entries(mission, span, most)?.into_iter().map(line).collect())
-    }
-
-    fn head(&self, _: MissionId, _: Seq) -> Result<Option<Head>, Unreadable> {
-        Ok(None)
-    }
-
-    fn retrieval(&self, mission: MissionId, most: usize) -> Result<Vec<Happened>, Unreadable> {
-        let of_it = past::retrieval().into_iter().filter(|_| mission == MissionId(1));
-        Ok(of_it.take(most).collect())
+    fn retrieval(&self, mission: MissionId) -> Vec<Happened> {
+        if mission == MissionId(1) { past::retrieval() } else { Vec::new() }
     }
 }
 

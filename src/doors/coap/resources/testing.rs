@@ -9,7 +9,8 @@ use tokio::sync::watch;
 use super::super::application::{Application, Reply};
 use super::Resources;
 use crate::api::fixture::piece;
-use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable};
+use crate::api::partial_archive::PartialArchive;
+use crate::runtime::archive::Unreadable;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::obedient::{Noted, Script, obedient};
 use crate::runtime::within::within;
@@ -17,8 +18,7 @@ use coap_endpoint::{Answer, Conditions, Method, Request};
 use hallsweep_core::command::{self, Refused};
 use hallsweep_core::event::Photo;
 use hallsweep_core::snapshot::Snapshot;
-use hallsweep_core::state::PersistentState;
-use hallsweep_core::units::{Cell, LuggageId, MissionId, Seq};
+use hallsweep_core::units::{Cell, LuggageId};
 use hallsweep_core::world::luggage::Luggage;
 
 /// A piece of a mission that is over.
@@ -40,15 +40,11 @@ pub(super) struct TestApp {
 /// One picture for every piece there is.
 struct Pictures(Arc<AtomicUsize>);
 
-impl Archive for Pictures {
+impl PartialArchive for Pictures {
     fn photo(&self, luggage: LuggageId) -> Result<Option<Photo>, Unreadable> {
         self.0.fetch_add(1, Ordering::SeqCst);
         let photo = Photo { bytes: Arc::from(*b"\x89PNG"), media_type: "image/png" };
         Ok((luggage.0 <= PAST).then_some(photo))
-    }
-
-    fn take(&self, luggage: LuggageId, _: u32) -> Result<Option<Photo>, NoTake> {
-        Ok(self.photo(luggage)?)
     }
 
     fn luggage(&self, luggage: LuggageId) -> Result<Option<Luggage>, Unreadable> {
@@ -57,42 +53,6 @@ impl Archive for Pictures {
             UNREADABLE => Err(Unreadable("the disk is on strike".to_owned())),
             _ => Ok(None),
         }
-    }
-
-    fn missions(&self, _: Option<MissionId>, _: usize) -> Result<Vec<MissionRecord>, Unreadable> {
-        Ok(Vec::new())
-    }
-
-    fn mission(&self, _: MissionId) -> Result<Option<MissionRecord>, Unreadable> {
-        Ok(None)
-    }
-
-    fn state(&self, _: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
-        Ok(None)
-    }
-
-    fn moments(&self, _: MissionId, _: &[At]) -> Result<Vec<Moment>, Unreadable> {
-        Ok(Vec::new())
-    }
-
-    fn timeline(&self, _: MissionId, _: Span, _: usize) -> Result<Vec<Happened>, Unreadable> {
-        Ok(Vec::new())
-    }
-
-    fn entries(&self, _: MissionId, _: Span, _: usize) -> Result<Vec<Happened>, Unreadable> {
-        Ok(Vec::new())
-    }
-
-    fn lines(&self, _: MissionId, _: Span, _: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
-        Ok(Vec::new())
-    }
-
-    fn head(&self, _: MissionId, _: Seq) -> Result<Option<Head>, Unreadable> {
-        Ok(None)
-    }
-
-    fn retrieval(&self, _: MissionId, _: usize) -> Result<Vec<Happened>, Unreadable> {
-        Ok(Vec::new())
     }
 }
 

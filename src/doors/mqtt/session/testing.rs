@@ -18,15 +18,14 @@ use super::super::commands::Commands;
 use super::super::publication::LARGEST;
 use super::super::topics::Topics;
 use super::{Link, Parts, Session, Times};
-use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable};
+use crate::api::partial_archive::PartialArchive;
+use crate::runtime::archive::Unreadable;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::obedient::{Script, obedient};
 use crate::runtime::within::within;
 use hallsweep_core::event::Photo;
 use hallsweep_core::snapshot::Snapshot;
-use hallsweep_core::state::PersistentState;
-use hallsweep_core::units::{LuggageId, MissionId, Seq};
-use hallsweep_core::world::luggage::Luggage;
+use hallsweep_core::units::LuggageId;
 use mqtt_gate::packet::Version;
 
 /// A session that runs, and all that it is told.
@@ -215,52 +214,8 @@ impl Peer {
 /// One picture for every piece there is.
 pub(in super::super) struct Album;
 
-impl Archive for Album {
+impl PartialArchive for Album {
     fn photo(&self, _: LuggageId) -> Result<Option<Photo>, Unreadable> {
         Ok(Some(Photo { bytes: Arc::from(*b"\x89PNG"), media_type: "image/png" }))
-    }
-
-    fn take(&self, luggage: LuggageId, _: u32) -> Result<Option<Photo>, NoTake> {
-        Ok(self.photo(luggage)?)
-    }
-
-    fn luggage(&self, _: LuggageId) -> Result<Option<Luggage>, Unreadable> {
-        Ok(None)
-    }
-
-    fn missions(&self, _: Option<MissionId>, _: usize) -> Result<Vec<MissionRecord>, Unreadable> {
-        Ok(Vec::new())
-    }
-
-    fn mission(&self, _: MissionId) -> Result<Option<MissionRecord>, Unreadable> {
-        Ok(None)
-    }
-
-    fn state(&self, _: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
-        Ok(None)
-    }
-
-    fn moments(&self, _: MissionId, _: &[At]) -> Result<Vec<Moment>, Unreadable> {
-        Ok(Vec::new())
-    }
-
-    fn timeline(&self, _: MissionId, _: Span, _: usize) -> Result<Vec<Happened>, Unreadable> {
-        Ok(Vec::new())
-    }
-
-    fn entries(&self, _: MissionId, _: Span, _: usize) -> Result<Vec<Happened>, Unreadable> {
-        Ok(Vec::new())
-    }
-
-    fn lines(&self, _: MissionId, _: Span, _: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
-        Ok(Vec::new())
-    }
-
-    fn head(&self, _: MissionId, _: Seq) -> Result<Option<Head>, Unreadable> {
-        Ok(None)
-    }
-
-    fn retrieval(&self, _: MissionId, _: usize) -> Result<Vec<Happened>, Unreadable> {
-        Ok(Vec::new())
     }
 }
