@@ -23,7 +23,6 @@ const WHOLE: usize = 256;
 
 /// The resources that changed; what did not is absent.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[expect(missing_docs, reason = "the fields are documented at `StateJson`")]
 pub struct ChangesJson {
     pub revision: u64,
     #[serde(skip_serializing_if = "Option::is_none")]

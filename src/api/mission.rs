@@ -78,7 +78,6 @@ pub struct SecondsLeftJson {
 /// What each button would be refused with; null where it would not be.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
-#[expect(missing_docs, reason = "the fields are documented at `Refusals`")]
 pub struct RefusalsJson {
     pub start: Option<String>,
     pub back_home: Option<String>,

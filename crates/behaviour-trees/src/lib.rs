@@ -11,6 +11,8 @@
 //! `kind`: the engine's own nodes. `build`: names, ports and scopes. `tree`: the row of nodes. `tick`: the rules. `script`: the
 //! language of conditions. `state`: going on after a restart. `log`: what each tick changed. `mock`: leaves by script.
 
+#![warn(missing_docs)]
+
 /// Declares an enum whose variants have one fixed word each, with the list of them in their order.
 macro_rules! named {
     ($(#[$meta:meta])* $vis:vis enum $name:ident { $($(#[$doc:meta])* $variant:ident = $word:literal,)* }) => {

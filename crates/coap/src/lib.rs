@@ -9,6 +9,8 @@
 //!                                            reliable ◄─┘ (what this side sends and wants acknowledged)
 //! ```
 
+#![warn(missing_docs)]
+
 use std::collections::{BTreeMap, VecDeque};
 use std::net::SocketAddr;
 use std::sync::Arc;

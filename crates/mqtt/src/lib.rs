@@ -12,6 +12,8 @@
 //! Begin with [`ClientConnection`]. The program owns the sockets: it hands in what came ([`ClientConnection::handle_client`]) with the
 //! time, sends what is in [`ClientConnection::to_client`], and waits for what others publish ([`Subscriber::poll_come`]).
 
+#![warn(missing_docs)]
+
 mod broker;
 mod connection;
 pub mod filter;

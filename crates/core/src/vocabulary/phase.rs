@@ -6,7 +6,6 @@ named! {
     ALL by name;
     /// The phases by the names that every door shows.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-    #[expect(missing_docs, reason = "the variants are documented at `state::Phase`")]
     pub enum PhaseName {
         #[default]
         Idle = "idle",

@@ -42,7 +42,6 @@ named! {
     ALL by name;
     /// What a robot does, by the words of the seeds, which have none for an arm.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    #[expect(missing_docs, reason = "the names say it")]
     pub enum RobotState {
         Stopped = "stopped",
         MovingForward = "movingForward",

@@ -48,7 +48,6 @@ pub struct Thing {
 
 /// From where to where, on both axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[expect(missing_docs, reason = "the header of the file says what x and y are")]
 pub struct Extent {
     pub x: (f64, f64),
     pub y: (f64, f64),

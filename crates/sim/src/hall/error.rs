@@ -27,7 +27,6 @@ impl std::error::Error for HallError {}
 
 /// What is wrong with a hall file, with the offending value and what to do.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[expect(missing_docs, reason = "the messages say it")]
 pub enum HallFault {
     #[error("cannot read this file ({0}): give the path of a .toml, .map, .yaml or .txt file, or one of the built-in halls {1}")]
     Unreadable(String, String),

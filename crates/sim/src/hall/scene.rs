@@ -65,7 +65,6 @@ pub struct Floor {
 
 /// The robot as it stands when the page is opened.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[expect(missing_docs, reason = "the header of the file says what x and z are")]
 pub struct Player {
     pub x: f64,
     pub z: f64,
@@ -75,7 +74,6 @@ pub struct Player {
 
 /// A box on the floor as it stands there; the player's middle keeps half of its side away from it.
 #[derive(Clone, Debug, PartialEq)]
-#[expect(missing_docs, reason = "the header of the file says what x and z are")]
 pub struct StaticObstacle {
     pub name: String,
     pub min_x: f64,
@@ -94,7 +92,6 @@ impl StaticObstacle {
 
 /// A thing that moves to and fro along an axis.
 #[derive(Clone, Debug, PartialEq)]
-#[expect(missing_docs, reason = "the header of the file says what x and z are")]
 pub struct MovingObstacle {
     pub name: String,
     pub x: f64,
@@ -109,7 +106,6 @@ pub struct MovingObstacle {
 
 /// A sonar that stands in the hall.
 #[derive(Clone, Debug, PartialEq)]
-#[expect(missing_docs, reason = "the header of the file says what x and z are")]
 pub struct SceneSonar {
     pub name: String,
     pub x: f64,
