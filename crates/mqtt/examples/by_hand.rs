@@ -1,5 +1,5 @@
-//! A client's bytes through a connection, by hand: what is heard as a command, and what the client is answered. A program does the same
-//! behind a socket.
+//! Puts a client's bytes through a connection by hand, and prints which commands were heard and what the client is
+//! answered. A program does the same behind a socket.
 #![expect(clippy::print_stdout, reason = "an example shows what comes out")]
 
 use std::{sync::Arc, time::Duration};
@@ -10,7 +10,7 @@ use mqtt_gate::packet::connect::Connect;
 use mqtt_gate::packet::write::{self, Welcome};
 use mqtt_gate::{Broker, ClientConnection, CommandDecision, Ended, Epoch, Listener, Rights, Said, Session, Terms, Tier};
 
-/// Everybody may do everything, and commands are taken on one topic.
+/// Lets everybody publish and share everything, and takes commands on one topic.
 #[derive(Debug)]
 struct Open;
 
@@ -28,7 +28,7 @@ impl Rights for Open {
     }
 }
 
-/// Prints what it hears; `stop` is urgent.
+/// Prints what it hears; a payload of `stop` is urgent.
 struct Printer;
 
 impl Listener for Printer {
@@ -64,7 +64,7 @@ fn main() -> Result<(), Ended> {
     write::publish(&mut said, b"site/robot/command", b"start", Qos::One, 3, false);
     connection.handle_client(&mut said, Duration::from_secs(1))?;
 
-    // What it has said itself comes to it, too, since it follows all of `site`.
+    // Its own message comes back to it, since it subscribes to all of `site`.
     connection.handle_come(Duration::from_secs(1));
     let waiting = connection.to_client().remaining();
     println!("to the client: {}", connection.to_client().copy_to_bytes(waiting).escape_ascii());

@@ -1,4 +1,4 @@
-//! What all connections of a broker share. Each part looks after its own lock.
+//! The state that all connections of a broker share. Each part looks after its own lock.
 
 use std::future::poll_fn;
 use std::hash::{BuildHasher, Hash, RandomState};
@@ -21,39 +21,39 @@ use crate::rights::{Payer, Rights, Tier};
 use crate::subscriber::{Delivery, Reader, Subscriber};
 use crate::subscription::Subscription;
 
-/// What all connections of a broker share.
+/// The state that all connections of a broker share.
 #[derive(Debug)]
 pub struct Broker {
     pub(crate) rights: Box<dyn Rights>,
     pub(crate) retained: Retained,
     pub(crate) readers: Arc<Readers>,
-    /// The bytes of all messages that anybody has.
+    /// Total size in bytes of all messages that anybody still holds.
     alive: Arc<AtomicUsize>,
-    /// What is written of refusals.
+    /// Limits how many lines about refusals reach the log.
     pub(crate) lines: Lines,
-    /// Nobody outside can know two texts of one print.
+    /// Randomly seeded, so that nobody outside can construct two texts with the same fingerprint.
     hasher: RandomState,
 }
 
-/// What the program itself says.
+/// A message that the program itself publishes.
 #[derive(Clone, Copy, Debug)]
 pub struct Announcement<'a> {
-    /// Where: any topic.
+    /// Its topic, which may be any.
     pub topic: &'a str,
-    /// What.
+    /// Its payload.
     pub payload: &'a [u8],
-    /// Whether it is kept, if there is room.
+    /// Whether it is retained, if there is room.
     pub retain: bool,
-    /// What those of MQTT 5 are told beside it.
+    /// Properties that clients of MQTT 5 get with it.
     pub properties: &'a [Property<'a>],
 }
 
-/// What the program itself listens to.
+/// A subscription of the program itself.
 #[derive(Debug)]
 pub struct OwnSubscription(Subscription);
 
 impl<'a> Announcement<'a> {
-    /// One with nothing beside it, that is not kept.
+    /// A message without properties that is not retained.
     #[must_use]
     pub const fn passing(topic: &'a str, payload: &'a [u8]) -> Announcement<'a> {
         Announcement { topic, payload, retain: false, properties: &[] }
@@ -61,13 +61,13 @@ impl<'a> Announcement<'a> {
 }
 
 impl Broker {
-    /// A broker at which nothing was said yet, and which brings messages to those who read them itself.
+    /// A broker without messages, which delivers to subscribers itself.
     #[must_use]
     pub fn new(rights: impl Rights + 'static) -> Broker {
         Broker::of(rights, None)
     }
 
-    /// One for which this router does it.
+    /// A broker whose messages this router delivers.
     #[must_use]
     pub fn with_router(rights: impl Rights + 'static, router: impl Router + 'static) -> Broker {
         Broker::of(rights, Some(Box::new(router)))
@@ -84,18 +84,19 @@ impl Broker {
         }
     }
 
-    /// Whether one may leave a will there: asked before its CONNECT is answered.
+    /// Whether a client may leave a will on this topic. Ask before its CONNECT is answered.
     #[must_use]
     pub fn may_leave_will(&self, who: Tier, topic: &str) -> bool {
         filter::topic(topic).is_ok() && self.rights.may_leave_will(who, topic)
     }
 
-    /// Whether one may share this filter with others: asked of those that are shared.
+    /// Whether a client may share this filter with others. Asked for shared filters only.
     pub(crate) fn may_share(&self, who: Tier, filter: &str) -> bool {
         self.rights.may_share(who, filter)
     }
 
-    /// The program itself says something at QoS 1, and waits for nobody. What is to be kept is so, if there is room: whether there was.
+    /// Publishes a message of the program at QoS 1, without waiting for any subscriber. Returns whether there was room
+    /// to retain it, if it is to be retained.
     pub fn publish(&self, announcement: &Announcement<'_>) -> bool {
         let Announcement { topic, payload, retain, properties } = *announcement;
         let properties = that_go_on(properties.iter().copied());
@@ -111,12 +112,12 @@ impl Broker {
         let message = self.message(draft);
         let is_kept =
             !retain || self.rights.is_for_commands(topic) || self.retained.keep(&Payer::Program, &message, Duration::ZERO);
-        // Kept first: a newcomer that nobody knew of yet finds it there.
+        // Retained first, so that a subscriber who arrives between the two steps finds it there.
         self.send(&message, &self.readers.of(topic, None));
         is_kept
     }
 
-    /// A will is published, `now` on the clock of all connections, for somebody who may leave it.
+    /// Publishes the will of a client that may leave it; `now` is on the clock of all connections.
     pub(crate) fn publish_will(&self, will: &Will, payer: &Payer, now: Duration) {
         let message = self.message(Draft {
             topic: Arc::from(will.topic.as_str()),
@@ -133,7 +134,7 @@ impl Broker {
         self.send(&message, &self.readers.of(&will.topic, None));
     }
 
-    /// The program itself subscribes to these filters, each of which has to be a good one.
+    /// Subscribes the program itself to these filters, each of which has to be valid.
     #[must_use]
     pub fn subscribe(&self, filters: &[&str]) -> OwnSubscription {
         let mut subscription = Subscription::new(&self.readers);
@@ -143,7 +144,7 @@ impl Broker {
         OwnSubscription(subscription)
     }
 
-    /// How many bytes the messages take that wait for clients and are not kept.
+    /// Size in bytes of the messages that wait for clients and are not retained.
     #[must_use]
     pub fn beside(&self) -> usize {
         let kept = self.retained.bytes();
@@ -154,7 +155,8 @@ impl Broker {
         Arc::new(Message::new(draft, self.retained.stamp(), &self.alive))
     }
 
-    /// To each of those who read it, and to one of each group. Groups are of the gate alone: no router knows of them.
+    /// Sends a message to each of its readers, and to one of each group. Groups are the gate's alone: no router knows
+    /// of them.
     pub(crate) fn send(&self, message: &Arc<Message>, readers: &Found) {
         let put = |reader: &Reader| reader.subscriber.put(Delivery::of(message, reader), || self.has_room_for_away());
         match self.readers.router().filter(|_| !readers.each.is_empty()) {
@@ -164,7 +166,7 @@ impl Broker {
         self.readers.in_turn(&readers.groups).for_each(put);
     }
 
-    /// Whether something may wait for one who is away: he cannot read, and may be many.
+    /// Whether messages may wait for a client that is away: it cannot read them, and there may be many such clients.
     pub(crate) fn has_room_for_away(&self) -> bool {
         self.beside() <= AWAY
     }
@@ -175,7 +177,7 @@ impl Broker {
 }
 
 impl OwnSubscription {
-    /// The next message.
+    /// Waits for the next message.
     pub async fn next(&self) -> Arc<Message> {
         let subscriber: &Subscriber = self.0.subscriber();
         loop {

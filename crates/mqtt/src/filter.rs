@@ -1,23 +1,24 @@
-//! Topics and filters (section 4.7): which are good, and which topic a filter matches. Who may use them is not here.
+//! Topics and filters (section 4.7): which are valid, and which topics a filter matches. Who may use them is not
+//! decided here.
 
 use super::limits::{LEVELS, TOPIC};
 
-/// The character after the slash, in the order of bytes.
+/// The character after the slash in the order of bytes.
 const AFTER_SLASH: char = '0';
 
-/// Why the gate does not take a topic or a filter, though the standard may allow it.
+/// Why the gate refuses a topic or a filter, though the standard may allow it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unfit {
-    /// Longer than is taken.
+    /// Longer than the limit.
     #[error("it is longer than {TOPIC} bytes")]
     Long,
-    /// Deeper than is taken.
+    /// More levels than the limit.
     #[error("it has more than {LEVELS} levels")]
     Deep,
-    /// `$…`.
+    /// It begins with `$`.
     #[error("it begins with `$`, and there is nothing like that here")]
     Dollar,
-    /// `#` or `+` where they cannot be.
+    /// `#` or `+` in a place where the standard forbids it.
     #[error("it has `#` or `+` where they cannot be")]
     Wildcards,
     /// `$share/…` without a name, or with nothing behind it.
@@ -25,25 +26,23 @@ pub enum Unfit {
     Share,
 }
 
-/// A filter that is shared: `$share/NAME/FILTER` (MQTT 5, section 4.8.2).
+/// A shared filter: `$share/NAME/FILTER` (MQTT 5, section 4.8.2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Shared<'a> {
-    /// Who shares it.
     pub(crate) group: &'a str,
-    /// What.
     pub(crate) filter: &'a str,
 }
 
-/// The parts of a filter that is shared; `None`: it is not.
+/// The parts of a shared filter; `None`: the filter is not shared.
 pub(crate) fn shared(filter: &str) -> Option<Shared<'_>> {
     let (group, filter) = filter.strip_prefix("$share/")?.split_once('/')?;
     Some(Shared { group, filter })
 }
 
-/// Whether a shared filter is taken, and its parts; `None`: it is not shared.
+/// Checks a shared filter and returns its parts; `None`: the filter is not shared.
 ///
 /// # Errors
-/// Why not.
+/// Why the filter is refused.
 pub(crate) fn share(text: &str) -> Result<Option<Shared<'_>>, Unfit> {
     if text != "$share" && !text.starts_with("$share/") {
         return Ok(None);
@@ -56,7 +55,7 @@ pub(crate) fn share(text: &str) -> Result<Option<Shared<'_>>, Unfit> {
     filter(shared.filter).map(|()| Some(shared))
 }
 
-/// Whether there may be a topic that both filters match.
+/// Whether some topic could match both filters.
 #[must_use]
 pub fn overlap(one: &str, other: &str) -> bool {
     let (mut one, mut other) = (one.split('/'), other.split('/'));
@@ -64,25 +63,25 @@ pub fn overlap(one: &str, other: &str) -> bool {
         match (one.next(), other.next()) {
             (Some("#"), _) | (_, Some("#")) | (None, None) => return true,
             (Some(a), Some(b)) if a == b || a == "+" || b == "+" => {}
-            // `a/#` matches `a`, too.
+            // `a/#` matches `a` as well.
             _ => return false,
         }
     }
 }
 
-/// Whether a topic, not empty and without wildcards, is taken.
+/// Checks a topic that is not empty and has no wildcards.
 ///
 /// # Errors
-/// Why not.
+/// Why the topic is refused.
 pub fn topic(topic: &str) -> Result<(), Unfit> {
     measure(topic)?;
     if topic.starts_with('$') { Err(Unfit::Dollar) } else { Ok(()) }
 }
 
-/// Whether a filter, not empty, is taken.
+/// Checks a filter that is not empty.
 ///
 /// # Errors
-/// Why not.
+/// Why the filter is refused.
 pub fn filter(filter: &str) -> Result<(), Unfit> {
     measure(filter)?;
     if filter.starts_with('$') {
@@ -93,7 +92,7 @@ pub fn filter(filter: &str) -> Result<(), Unfit> {
     if before_last.contains('#') || !filter.split('/').all(is_whole) { Err(Unfit::Wildcards) } else { Ok(()) }
 }
 
-/// Whether a filter matches a topic. `#` and `+` at the head match no `$…` (section 4.7.2).
+/// Whether a filter matches a topic. `#` and `+` in the first level match no `$…` (section 4.7.2).
 #[cfg(test)]
 pub(crate) fn matches(filter: &str, topic: &str) -> bool {
     if topic.starts_with('$') && filter.starts_with(['+', '#']) {
@@ -111,7 +110,7 @@ pub(crate) fn matches(filter: &str, topic: &str) -> bool {
     levels.next().is_none()
 }
 
-/// What every topic that a filter matches begins with: the levels before the first wildcard.
+/// The levels before the filter's first wildcard, with which every topic that it matches begins.
 pub(crate) fn stem(filter: &str) -> &str {
     match filter.find(['+', '#']) {
         Some(wildcard) => filter[..wildcard].strip_suffix('/').unwrap_or(""),
@@ -124,17 +123,17 @@ pub(crate) fn stem(filter: &str) -> &str {
 pub(crate) enum Next {
     /// This topic matches.
     Here,
-    /// None before this one does.
+    /// No topic before this one matches.
     From(String),
-    /// No later one does.
+    /// No later topic matches.
     Nowhere,
 }
 
-/// Whether a filter matches this topic; if not, where the next one can be that it matches. So whoever looks goes level by level, as
-/// in a tree, and passes over what lies between.
+/// Whether a filter matches this topic; if not, where the next topic can be that it matches. A search thus goes level
+/// by level, as in a tree, and skips what lies between.
 pub(crate) fn look(filter: &str, topic: &str) -> Next {
     if topic.starts_with('$') && filter.starts_with(['+', '#']) {
-        // Behind all of these.
+        // A place after all topics that begin with `$`.
         return Next::From("%".to_owned());
     }
     let mut wanted_levels = filter.split('/').peekable();
@@ -161,7 +160,7 @@ pub(crate) fn look(filter: &str, topic: &str) -> Next {
     if rest.is_none() { Next::Here } else { behind(&topic[..start]) }
 }
 
-/// Behind everything below these levels, which end with a slash.
+/// The place after everything below these levels, which end with a slash.
 fn behind(levels: &str) -> Next {
     levels.strip_suffix('/').map_or(Next::Nowhere, |above| Next::From(format!("{above}{AFTER_SLASH}")))
 }
@@ -179,7 +178,7 @@ pub(crate) mod tests {
 
     use super::*;
 
-    /// A level of a topic, some of which sort before and behind the slash.
+    /// A level of a topic; some of them sort before the slash and some after it.
     pub(crate) fn level() -> impl Strategy<Value = &'static str> {
         prop::sample::select(vec!["", "a", "b", "ab", "a!", "a0", "$a", "é"])
     }

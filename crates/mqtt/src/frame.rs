@@ -1,5 +1,5 @@
-//! Where packets begin and end in a stream of bytes (section 2.2, in both versions), and what can be wrong with one. What is in a packet
-//! is read in `packet`.
+//! Where packets begin and end in a stream of bytes (section 2.2 of both versions), and what can be wrong with one. The
+//! contents of packets are read in `packet`.
 
 use super::limits::{ALIASES, PACKET_FILTERS};
 use super::packet::reason::Reason;
@@ -23,104 +23,104 @@ pub enum Kind {
     Pingreq,
     Pingresp,
     Disconnect,
-    /// Of MQTT 5 alone.
+    /// MQTT 5 only.
     Auth,
 }
 
 /// The packet at the head of a stream: its kind, and where its parts are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame {
-    /// What it is.
+    /// The kind of packet.
     pub kind: Kind,
-    /// The four flags beside the kind; those of all kinds but PUBLISH are as they must be.
+    /// The four flag bits beside the kind. Those of all kinds but PUBLISH have been checked.
     pub flags: u8,
-    /// Bytes before the body.
+    /// Number of bytes before the body.
     pub head: usize,
-    /// Bytes in all.
+    /// Number of bytes in all.
     pub length: usize,
 }
 
 /// What is wrong with a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Malformed {
-    /// No packet begins so.
+    /// The first byte begins no packet.
     #[error("no packet begins with the byte {0:#04x}")]
     Kind(u8),
-    /// The length does not end.
+    /// The length field has no end.
     #[error("the length of a packet has more than four bytes")]
     Length,
-    /// Too long for this sender.
+    /// The packet is longer than its sender may send.
     #[error("a packet of {length} bytes is longer than the {limit} that are taken")]
     TooLong {
         /// Its length in bytes.
         length: usize,
-        /// The most.
+        /// The limit in bytes.
         limit: usize,
     },
-    /// It ends within something.
+    /// The packet ends within this field.
     #[error("a packet ends within its {0}")]
     Short(&'static str),
-    /// It goes on where it should end.
+    /// The packet goes on for this many bytes after its last field.
     #[error("{0} bytes follow the end of a packet")]
     Trailing(usize),
-    /// Text that is none.
+    /// This field is no valid text.
     #[error("the {0} of a packet is not UTF-8, or has a U+0000 in it")]
     Text(&'static str),
-    /// A QoS beyond 2, or flags beside it.
+    /// A QoS above 2, or flags beside it.
     #[error("{0:#04x} is no QoS")]
     Qos(u8),
-    /// Marked as a duplicate of what is never sent twice.
+    /// Marked as a duplicate, though it is of a kind that is never sent twice.
     #[error("a PUBLISH of QoS 0 is marked as a duplicate")]
     Duplicate,
-    /// The packet id 0.
+    /// The packet id is 0.
     #[error("a packet has the id 0")]
     Id,
-    /// A topic to publish on that is empty or has wildcards.
+    /// The topic to publish on is empty or has wildcards.
     #[error("a PUBLISH has an empty topic, or one with wildcards")]
     Topic,
-    /// A SUBSCRIBE or UNSUBSCRIBE of nothing.
+    /// A SUBSCRIBE or UNSUBSCRIBE without filters.
     #[error("a packet names no filter, or an empty one")]
     Filters,
-    /// A SUBSCRIBE or UNSUBSCRIBE of too many.
+    /// A SUBSCRIBE or UNSUBSCRIBE with too many filters.
     #[error("a packet names more than {PACKET_FILTERS} filters")]
     ManyFilters,
-    /// Flags of a CONNECT that contradict each other.
+    /// The flags of a CONNECT contradict each other.
     #[error("the flags {0:#04x} of a CONNECT contradict each other")]
     ConnectFlags(u8),
-    /// A property that is none, or cannot stand there.
+    /// An unknown property, or one that is not allowed in this packet.
     #[error("the property {0:#04x} is not known, or cannot stand where it does")]
     Property(u8),
-    /// A property that stands there once, and did already.
+    /// A property that may occur only once occurs twice.
     #[error("the property {0:#04x} stands in a packet twice")]
     PropertyTwice(u8),
-    /// A property that cannot say what it says.
+    /// A property with a value that it cannot have.
     #[error("the property {0:#04x} says what it cannot say")]
     PropertyValue(u8),
-    /// Options of a subscription that do not exist.
+    /// Subscription options that do not exist.
     #[error("{0:#04x} are no options of a subscription")]
     Options(u8),
-    /// Whoever shares a subscription with others cannot leave out what is its own.
+    /// A shared subscription with No Local, which the standard forbids.
     #[error("a shared subscription has the option No Local")]
     SharedNoLocal,
-    /// A topic alias beyond those that are taken.
+    /// A topic alias above the limit.
     #[error("a PUBLISH has the topic alias {0}, and at most {ALIASES} are taken, from 1 on")]
     Alias(u16),
-    /// A topic alias that stands for no topic.
+    /// A topic alias that was never set.
     #[error("a PUBLISH has no topic, and its topic alias stands for none")]
     NoTopic,
-    /// A session that ended with its connection is to last now.
+    /// A DISCONNECT asks to extend a session that was to end with its connection.
     #[error("a DISCONNECT asks for a session that its CONNECT has not asked for")]
     SessionExpiry,
-    /// A reason that there is not.
+    /// An unknown reason code.
     #[error("the packet cannot have the reason {0:#04x}")]
     Reason(u8),
-    /// A CONNECT of some other protocol.
+    /// A CONNECT of another protocol.
     #[error("a CONNECT is for a protocol that is not MQTT")]
     Protocol,
 }
 
 impl Malformed {
-    /// What one of MQTT 5 is told: whether it is the form that is wrong, or what is said in it (section 4.13).
+    /// The reason code for a client of MQTT 5: whether the form of the packet is wrong or what it says (section 4.13).
     #[must_use]
     pub const fn reason(self) -> Reason {
         match self {
@@ -176,7 +176,7 @@ impl Kind {
             .filter(|kind| kind.flags().is_none_or(|flags| flags == first & 15))
     }
 
-    /// The flags of this kind; `None`: they tell something.
+    /// The flags that this kind must have; `None`: they carry information.
     const fn flags(self) -> Option<u8> {
         if matches!(self, Kind::Publish) {
             return None;
@@ -184,7 +184,7 @@ impl Kind {
         Some(if matches!(self, Kind::Pubrel | Kind::Subscribe | Kind::Unsubscribe) { 2 } else { 0 })
     }
 
-    /// The first byte of such a packet, its flags as they must be; those of a PUBLISH are all clear.
+    /// The first byte of such a packet, with the flags that it must have; those of a PUBLISH are all clear.
     #[must_use]
     pub const fn first_byte(self) -> u8 {
         let flags = match self.flags() {
@@ -195,10 +195,11 @@ impl Kind {
     }
 }
 
-/// The packet at the head of a stream, once it is there whole; `limit` in bytes for the whole of it.
+/// Finds the packet at the head of a stream, once all of it has arrived; `limit` is the maximum length of the whole
+/// packet in bytes.
 ///
 /// # Errors
-/// As soon as it is seen that no packet can begin so, or that it would be too long.
+/// As soon as the first bytes show that they begin no packet, or one that would be too long.
 pub fn frame(stream: &[u8], limit: usize) -> Result<Option<Frame>, Malformed> {
     let Some(&first) = stream.first() else { return Ok(None) };
     let kind = Kind::of(first).ok_or(Malformed::Kind(first))?;
@@ -211,7 +212,7 @@ pub fn frame(stream: &[u8], limit: usize) -> Result<Option<Frame>, Malformed> {
     Ok((stream.len() >= length).then_some(Frame { kind, flags: first & 15, head, length }))
 }
 
-/// The remaining length at the head of this, and in how many bytes it is written.
+/// The remaining length at the head of these bytes, and how many bytes it occupies.
 pub(crate) fn length(bytes: &[u8]) -> Result<Option<(usize, usize)>, Malformed> {
     let mut length = 0;
     for (place, &byte) in bytes.iter().take(4).enumerate() {

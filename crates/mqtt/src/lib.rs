@@ -1,16 +1,17 @@
-//! MQTT 3.1.1 and 5 on the server's side, as arithmetic on bytes: no socket, no clock, no task is here. It is a whole broker, but for what is
-//! the program's business: who is let in, and how bytes are moved.
+//! MQTT 3.1.1 and 5 on the server's side, as arithmetic on bytes: a whole broker without sockets, clocks and tasks.
+//! Authentication and moving the bytes are left to the program.
 //!
 //! ```text
 //!   client ──► frame ──► packet ──► ClientConnection ──► Listener: commands, and what is urgent
 //!                                    │
-//!                                    │  Broker: rights, kept messages, who reads what
+//!                                    │  Broker: rights, retained messages, who reads what
 //!                                    ▼
-//!   others ◄── Outbox ◄── ClientConnection ◄── Subscriber: what waits for one, and how far he is behind
+//!   others ◄── Outbox ◄── ClientConnection ◄── Subscriber: what waits for a client, and how far it is behind
 //! ```
 //!
-//! Begin with [`ClientConnection`]. The program owns the sockets: it hands in what came ([`ClientConnection::handle_client`]) with the
-//! time, sends what is in [`ClientConnection::to_client`], and waits for what others publish ([`Subscriber::poll_come`]).
+//! Begin with [`ClientConnection`]. The program owns the sockets: it hands in the received bytes with the time
+//! ([`ClientConnection::handle_client`]), sends what is in [`ClientConnection::to_client`], and waits for what others
+//! publish ([`Subscriber::poll_come`]).
 
 #![warn(missing_docs)]
 

@@ -1,4 +1,4 @@
-//! One message, which all who get it have in common, and which is counted for as long as anybody has it.
+//! One message, shared by all who receive it and counted for as long as anybody holds it.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -9,7 +9,7 @@ use bytes::Bytes;
 use crate::limits::MESSAGE_COST;
 use crate::packet::Qos;
 
-/// Tells one subscriber from others, for as long as the program runs.
+/// Identifies a subscriber for as long as the program runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SubscriberId(pub(crate) u64);
 
@@ -19,21 +19,22 @@ pub struct Message {
     topic: Arc<str>,
     payload: Box<[u8]>,
     qos: Qos,
-    /// Whether it was to be kept.
+    /// Whether it was to be retained.
     retain: bool,
-    /// What its publisher said beside it, written as properties of MQTT 5.
+    /// Its publisher's properties, in the encoding of MQTT 5.
     properties: Box<[u8]>,
-    /// From when on it is good for nobody.
+    /// When it expires.
     expires_at: Option<Duration>,
-    /// Who published it, if that was a client that is here.
+    /// Who published it, if that was a connected client.
     publisher: Option<SubscriberId>,
-    /// What is kept later than this was kept no earlier than this message was published.
+    /// Position in the order of retained messages: whatever is retained with a higher stamp was retained no earlier
+    /// than this was published.
     pub(crate) stamp: u64,
-    /// The bytes of all messages that anybody has.
+    /// Total size in bytes of all messages that anybody holds.
     alive: Arc<AtomicUsize>,
 }
 
-/// What is to become a message.
+/// The parts of a message to be made.
 #[derive(Clone, Debug)]
 pub(crate) struct Draft<'a> {
     pub(crate) topic: Arc<str>,
@@ -45,12 +46,12 @@ pub(crate) struct Draft<'a> {
     pub(crate) publisher: Option<SubscriberId>,
 }
 
-/// A message, for the sake of its payload.
+/// Shares a message's payload without a copy, and holds the message for that long.
 struct Payload(Arc<Message>);
 
 #[cfg(test)]
 impl<'a> Draft<'a> {
-    /// One with nothing beside it.
+    /// A draft without properties.
     pub(crate) fn plain(topic: &str, payload: &'a [u8], qos: Qos) -> Draft<'a> {
         Draft { topic: Arc::from(topic), payload, qos, retain: false, properties: &[], expires_at: None, publisher: None }
     }
@@ -65,19 +66,19 @@ impl Message {
         message
     }
 
-    /// Where it was published.
+    /// The topic on which it was published.
     #[must_use]
     pub fn topic(&self) -> &str {
         &self.topic
     }
 
-    /// What was said.
+    /// Its payload.
     #[must_use]
     pub fn payload(&self) -> &[u8] {
         &self.payload
     }
 
-    /// How it was published: nobody gets it more surely than that.
+    /// The QoS at which it was published, which no subscriber's copy exceeds.
     #[must_use]
     pub const fn qos(&self) -> Qos {
         self.qos
@@ -91,19 +92,18 @@ impl Message {
         &self.properties
     }
 
-    /// For how long it is good still, in seconds, if not for ever; `Some(0)`: for no longer (MQTT 5, section 3.3.2.3.3).
+    /// The seconds until it expires; `None`: it never does, `Some(0)`: it has expired (MQTT 5, section 3.3.2.3.3).
     pub(crate) fn good_for_s(&self, now: Duration) -> Option<u32> {
         let left = self.expires_at?.saturating_sub(now);
-        // One that has begun is a whole one: only what is over is 0.
+        // Rounded up, so that 0 stands for expired messages only.
         Some(u32::try_from(left.as_millis().div_ceil(1000)).unwrap_or(u32::MAX))
     }
 
-    /// Whether it is good for nobody any more.
+    /// Whether it has expired.
     pub(crate) fn is_over(&self, now: Duration) -> bool {
         self.expires_at.is_some_and(|at| at <= now)
     }
 
-    /// Whether this one has published it.
     pub(crate) fn is_by(&self, subscriber: SubscriberId) -> bool {
         self.publisher == Some(subscriber)
     }
@@ -112,7 +112,7 @@ impl Message {
         self.expires_at
     }
 
-    /// What it takes, in bytes, about.
+    /// Approximate memory that it takes, in bytes.
     pub(crate) fn cost(&self) -> usize {
         MESSAGE_COST + self.topic.len() + self.payload.len() + self.properties.len()
     }
@@ -121,7 +121,7 @@ impl Message {
         Arc::clone(&self.topic)
     }
 
-    /// Its payload, which is not copied, and with it the whole of it.
+    /// Its payload without a copy; the whole message lives as long.
     pub(crate) fn shared_payload(self: &Arc<Message>) -> Bytes {
         Bytes::from_owner(Payload(Arc::clone(self)))
     }

@@ -1,31 +1,31 @@
-//! What waits for one client, in order: bytes of its own, and the payloads of long messages, which all who wait for one have in
-//! common. What took much room gives it back when it has gone out. How much may wait is not decided here.
+//! What waits to be sent to one client, in order: bytes of its own, and payloads of long messages, which all receivers
+//! share. Buffers that grew large are released when their bytes have been sent. How much may wait is not decided here.
 
 use std::collections::VecDeque;
 use std::io::IoSlice;
 
 use bytes::{Buf, Bytes, BytesMut};
 
-/// So much room of what has gone out is kept for what comes, in bytes.
+/// Most empty buffer space retained for later use, in bytes.
 const ROOM: usize = 16 * 1024;
 
-/// Small messages wait together in pieces of about so many bytes: one piece of them all would grow by doubling, and have most of its
-/// room for nothing.
+/// Size of the pieces in which small messages wait, in bytes, approximately: one buffer for all of them would grow by
+/// doubling, and most of it would be empty.
 const CHUNK: usize = 16 * 1024;
 
-/// In a piece with less room than this none is begun.
+/// A piece with less free space than this, in bytes, is not written to any more.
 const SPARE: usize = 2 * 1024;
 
-/// What waits for a client.
+/// The bytes that wait to be sent to a client.
 #[derive(Debug, Default)]
 pub struct Outbox {
-    /// What goes out first,
+    /// Complete pieces, which go out first.
     before: VecDeque<Piece>,
-    /// how many bytes that is,
+    /// Size of `before` in bytes.
     length: usize,
-    /// and how many of these are its own;
+    /// Bytes of `before` that no other client shares.
     own: usize,
-    /// then this.
+    /// The piece that is being written, which goes out last.
     last: BytesMut,
 }
 
@@ -36,7 +36,7 @@ struct Piece {
 }
 
 impl Outbox {
-    /// Where more bytes of its own are written, at the end.
+    /// The buffer to which further bytes are appended.
     pub fn end(&mut self) -> &mut BytesMut {
         if self.last.len() > CHUNK - SPARE {
             self.seal();
@@ -45,7 +45,7 @@ impl Outbox {
         &mut self.last
     }
 
-    /// What others have as well comes next.
+    /// Appends bytes that are shared with other clients.
     pub(crate) fn share(&mut self, bytes: Bytes) {
         self.seal();
         self.length += bytes.len();
@@ -54,7 +54,7 @@ impl Outbox {
         }
     }
 
-    /// What was written until now goes out in one piece.
+    /// Completes the last piece.
     fn seal(&mut self) {
         let bytes = self.last.split().freeze();
         self.own += bytes.len();
@@ -64,13 +64,13 @@ impl Outbox {
         }
     }
 
-    /// How many bytes wait.
+    /// Number of bytes that wait.
     #[must_use]
     pub fn len(&self) -> usize {
         self.length + self.last.len()
     }
 
-    /// How many of them nobody else has.
+    /// Number of waiting bytes that no other client shares.
     pub(crate) fn own(&self) -> usize {
         self.own + self.last.len()
     }
@@ -81,7 +81,7 @@ impl Outbox {
         self.len() == 0
     }
 
-    /// Nothing waits any more.
+    /// Drops everything that waits.
     pub fn clear(&mut self) {
         *self = Outbox::default();
     }
@@ -124,7 +124,7 @@ impl Buf for Outbox {
     }
 }
 
-/// Gives back the room of what has gone out, when it is much. The capacity does not say so: what has gone out is no part of it.
+/// Releases a large buffer that has been sent. Its capacity does not tell, since sent bytes are no part of it.
 fn give_back(gone: &mut BytesMut) {
     if gone.is_empty() && gone.try_reclaim(ROOM + 1) {
         *gone = BytesMut::new();
@@ -181,7 +181,7 @@ mod tests {
         assert!(rooms.sum::<usize>() + last <= 300_000 * 5 / 4);
     }
 
-    /// A long message that has gone out costs nothing any more.
+    /// A long message takes no memory after it was sent.
     #[test]
     fn the_room_of_what_has_gone_out_is_given_back() {
         let mut outbox = Outbox::default();

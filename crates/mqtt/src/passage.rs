@@ -1,5 +1,5 @@
-//! How a message gets to those who read it when another router than the gate itself carries it there. Whoever it has not been brought to
-//! has it when the passage is over, however that ends: a router may be slow, lose messages or die, and nobody misses anything.
+//! Delivery of a message by a router other than the gate itself. Readers whom the router has not reached get the
+//! message when its passage is dropped, so that nobody misses one: a router may be slow, lose messages or die.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -7,30 +7,31 @@ use std::sync::Arc;
 use crate::message::Message;
 use crate::subscriber::{Delivery, Reader, Subscriber};
 
-/// Carries messages to those who subscribed. Nothing here may block.
+/// Carries messages to subscribers. No method may block.
 pub trait Router: Debug + Send + Sync {
-    /// From now on what is published on topics that this filter matches reaches this subscriber.
+    /// From now on, delivers messages on topics that this filter matches to this subscriber.
     fn subscribe(&self, filter: &str, subscriber: &Arc<Subscriber>);
 
-    /// It does not any more.
+    /// Undoes `subscribe`.
     fn unsubscribe(&self, filter: &str, subscriber: &Arc<Subscriber>);
 
-    /// A message is to be brought to those who read it.
+    /// Delivers a message to its readers.
     fn carry(&self, passage: Passage);
 }
 
-/// A message on its way to those who read it.
+/// A message on its way to its readers.
 #[derive(Debug)]
 pub struct Passage {
     message: Arc<Message>,
-    /// To whom it was not brought yet.
+    /// Readers whom it has not reached yet.
     readers: Vec<Reader>,
-    /// Whether it may wait for one who is away.
+    /// Whether it may wait for a subscriber that is away.
     has_room: bool,
 }
 
 impl Passage {
-    /// It waits for its readers from now on, as if it had come already: whoever publishes in a flood waits for those who read.
+    /// Begins the delivery. The message counts as waiting for its readers at once, since flooding publishers wait for
+    /// those.
     pub(crate) fn begin(message: Arc<Message>, readers: &[Reader], has_room: bool) -> Passage {
         for reader in readers {
             reader.subscriber.expect(&message);
@@ -38,13 +39,13 @@ impl Passage {
         Passage { message, readers: readers.to_vec(), has_room }
     }
 
-    /// Where it was published.
+    /// The topic on which it was published.
     #[must_use]
     pub fn topic(&self) -> &str {
         self.message.topic()
     }
 
-    /// It has come to this one. What was brought before, or is not for him, changes nothing.
+    /// Delivers the message to this subscriber. Nothing happens if it had it already, or is not among its readers.
     pub fn arrive(&mut self, subscriber: &Arc<Subscriber>) {
         let place = self.readers.iter().position(|reader| Arc::ptr_eq(&reader.subscriber, subscriber));
         if let Some(place) = place {
@@ -58,7 +59,7 @@ impl Passage {
         reader.subscriber.put(Delivery::of(&self.message, reader), || self.has_room);
     }
 
-    /// Whether it has come to all.
+    /// Whether the message has reached all its readers.
     #[must_use]
     pub fn is_over(&self) -> bool {
         self.readers.is_empty()

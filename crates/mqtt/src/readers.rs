@@ -1,5 +1,5 @@
-//! Who reads what: the filters of all who subscribe, in order, so that those that match a topic are found level by level and nothing
-//! else is looked at. What waits for each stands in `subscriber`.
+//! Who reads what: the filters of all subscribers, sorted, so that those that match a topic are found level by level
+//! without looking at others. What waits for each subscriber stands in `subscriber`.
 
 use std::collections::BTreeMap;
 use std::ops::Bound;
@@ -11,27 +11,27 @@ use super::message::SubscriberId;
 use super::passage::Router;
 use super::subscriber::{Reader, Subscriber};
 
-/// All who read what is published on one topic.
+/// All readers of one topic.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Found {
-    /// Each of them gets it,
+    /// Readers that each get the message.
     pub(crate) each: Vec<Reader>,
-    /// and of each of these groups, who share a subscription, one.
+    /// Groups with a shared subscription; one reader of each group gets the message.
     pub(crate) groups: Vec<Vec<Reader>>,
 }
 
 #[derive(Debug, Default)]
 pub(crate) struct Readers {
-    /// Raised by every change, so that who looked before looks again.
+    /// Raised by every change, so that cached results are looked up again.
     generation: AtomicU64,
     held: Mutex<Held>,
-    /// Raised with each message for groups, so that each of them has his turn.
+    /// Raised with each message for groups, so that their members take turns.
     turns: AtomicUsize,
-    /// Who brings messages to them; `None`: the broker itself.
+    /// Delivers messages to the readers; `None`: the broker itself does.
     router: Option<Box<dyn Router>>,
 }
 
-/// Who holds a filter, and in which group.
+/// A subscriber that holds a filter, and its group.
 #[derive(Clone, Debug)]
 struct Holder {
     subscriber: Arc<Subscriber>,
@@ -46,7 +46,7 @@ impl Found {
         self.each.is_empty() && self.groups.is_empty()
     }
 
-    /// All who may get it.
+    /// All readers that may get the message.
     pub(crate) fn all(&self) -> impl Iterator<Item = &Reader> {
         self.each.iter().chain(self.groups.iter().flatten())
     }
@@ -73,13 +73,13 @@ impl Readers {
         self.router.as_deref()
     }
 
-    /// What changes whenever the readers of any topic may have.
+    /// A number that changes whenever the readers of any topic may have changed.
     pub(crate) fn generation(&self) -> u64 {
         self.generation.load(Ordering::Acquire)
     }
 
-    /// Those who get what is published on this topic: each once, as well as any of his filters that match (section 3.3.5); but not its
-    /// publisher by a filter that leaves out his own.
+    /// The readers of a topic. Each occurs once, on the best terms of its matching filters (section 3.3.5). The
+    /// publisher is left out where its filter says No Local.
     pub(crate) fn of(&self, topic: &str, publisher: Option<SubscriberId>) -> Found {
         let levels: Vec<&str> = topic.split('/').collect();
         let is_left_out = |holder: &Holder| holder.grant.options.no_local && publisher == Some(holder.subscriber.id());
@@ -102,7 +102,8 @@ impl Readers {
         found
     }
 
-    /// Of each group the one whose turn it is: one who keeps up, if any does, else one who is here, since others cannot read.
+    /// One reader of each group, in turns: one that keeps up, if any does, else one that is connected, since others
+    /// cannot read.
     pub(crate) fn in_turn<'a>(&self, groups: &'a [Vec<Reader>]) -> impl Iterator<Item = &'a Reader> {
         let turn = if groups.is_empty() { 0 } else { self.turns.fetch_add(1, Ordering::Relaxed) };
         groups.iter().filter_map(move |group| {
@@ -146,7 +147,7 @@ impl Readers {
     }
 }
 
-/// Those who hold several filters are one reader each.
+/// Merges the entries of readers that hold several matching filters.
 fn merge(readers: &mut Vec<Reader>) {
     readers.sort_unstable_by_key(|reader| Arc::as_ptr(&reader.subscriber));
     readers.dedup_by(|other, one| {
@@ -161,7 +162,8 @@ fn merge(readers: &mut Vec<Reader>) {
     });
 }
 
-/// Those whose filters begin with these levels, which end with a slash, and match the others of a topic.
+/// Finds the holders of filters that begin with the levels of `above`, which end with a slash, and match the remaining
+/// `levels` of a topic.
 fn collect(held: &Held, above: &mut String, levels: &[&str], found: &mut dyn FnMut(&[Holder])) {
     let Some((level, below)) = levels.split_first() else { return };
     let length = above.len();
@@ -212,7 +214,7 @@ mod tests {
     use crate::subscription::Subscription;
 
     proptest! {
-        /// Going level by level finds exactly what comparing with each finds.
+        /// The search level by level finds exactly what a comparison with each filter finds.
         #[test]
         fn those_are_found_whose_filters_match(
             filters in prop::collection::btree_set(some_filter(), 0..40),
@@ -250,7 +252,8 @@ mod tests {
         assert!(readers.held().is_empty());
     }
 
-    /// Options that differ: whoever wants to know that something is to be kept is told so, and by which of his subscriptions it comes.
+    /// The filters' options differ: a subscriber that wants the RETAIN flag gets it, and the ids of all its matching
+    /// subscriptions.
     #[test]
     fn whoever_holds_several_filters_gets_what_any_of_them_promises_and_all_their_numbers() {
         let (readers, one): (_, Arc<Subscriber>) = (Readers::default(), Arc::default());

@@ -1,5 +1,5 @@
-//! The kept messages of the whole broker: the last one of each topic that was to be kept, bounded in number and bytes, for all and for
-//! each key. Who may put one here, and how they come to a subscriber, stands in `connection`.
+//! The retained messages of the broker: the latest one of each topic, bounded in number and bytes, in total and for
+//! each key. Who may put one here, and how they reach a subscriber, stands in `connection`.
 
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Bound;
@@ -18,40 +18,40 @@ use super::rights::Payer;
 #[derive(Debug, Default)]
 pub(crate) struct Retained {
     shelf: Mutex<Shelf>,
-    /// That of the latest one.
+    /// The stamp of the latest message.
     stamp: AtomicU64,
 }
 
-/// How far what is kept for one filter was gone through. Topics that come and go meanwhile do not matter.
+/// Progress through what is retained for one filter. Topics may come and go meanwhile.
 #[derive(Debug)]
 pub(crate) struct Walk {
     filter: Arc<str>,
-    /// Only what was kept after this.
+    /// Only messages with a higher stamp are found.
     since: u64,
-    /// The next topic is this one or a later one; `None`: there is none.
+    /// The first topic that was not looked at yet; `None`: all were.
     from: Option<String>,
 }
 
-/// It is not looked more often than this for what is over, among all that is kept.
+/// Shortest time between two searches of all messages for expired ones.
 const BETWEEN_LOOKS: Duration = Duration::from_secs(1);
 
 #[derive(Debug, Default)]
 struct Shelf {
     kept: BTreeMap<Arc<str>, Entry>,
-    /// What each key keeps; it has no line here when that is nothing.
+    /// What each key has retained; keys without messages have no entry.
     shares: HashMap<Arc<str>, Used>,
     clients: Used,
     program: Used,
-    /// Nothing is over before this,
+    /// No message expires before this time.
     first_over: Option<Duration>,
-    /// and it is not looked for what is before that.
+    /// No search for expired messages before this time.
     looks_at: Duration,
 }
 
 #[derive(Debug)]
 struct Entry {
     message: Arc<Message>,
-    /// Later ones have higher ones.
+    /// Later messages have higher stamps.
     stamp: u64,
     payer: Payer,
 }
@@ -63,15 +63,16 @@ struct Used {
 }
 
 impl Retained {
-    /// Keeps a message in the place of the one that was there; an empty one takes that away. Whether there was room: without it nothing
-    /// is kept there any more, since what was is not so now.
+    /// Retains a message in place of the topic's earlier one, or removes that one if the payload is empty. Returns
+    /// whether there was room; without room the topic retains nothing, since the earlier message is no longer true.
     pub(crate) fn keep(&self, payer: &Payer, message: &Arc<Message>, now: Duration) -> bool {
         let mut shelf = self.shelf();
         shelf.remove(message.topic());
         if message.payload().is_empty() || message.is_over(now) {
             return true;
         }
-        // Whoever reads it without the lock does so to know what came later, and that has a higher one in any case.
+        // Those who read the stamp without the lock want to know what came later, and anything later has a higher stamp
+        // in any case.
         let stamp = self.stamp.fetch_add(1, Ordering::AcqRel) + 1;
         let entry = Entry { message: Arc::clone(message), stamp, payer: payer.clone() };
         match shelf.put(entry) {
@@ -80,7 +81,7 @@ impl Retained {
         }
     }
 
-    /// The next one of a walk, which goes on for no more steps than there are left; without one it is over, or they are used up.
+    /// The next message of a walk, within this many steps. `None`: the walk is over, or no steps are left.
     pub(crate) fn next(&self, walk: &mut Walk, steps: &mut usize, now: Duration) -> Option<Arc<Message>> {
         let shelf = self.shelf();
         while *steps > 0 {
@@ -101,7 +102,7 @@ impl Retained {
         None
     }
 
-    /// What is kept from now on is later than this.
+    /// A stamp that is lower than that of anything retained from now on.
     pub(crate) fn stamp(&self) -> u64 {
         self.stamp.load(Ordering::Acquire)
     }
@@ -111,7 +112,7 @@ impl Retained {
         self.shelf().kept.len()
     }
 
-    /// What all that is kept takes.
+    /// Size of all retained messages in bytes.
     pub(crate) fn bytes(&self) -> usize {
         let shelf = self.shelf();
         shelf.clients.bytes + shelf.program.bytes
@@ -123,7 +124,7 @@ impl Retained {
 }
 
 impl Walk {
-    /// From the first one on, of those that were kept after this stamp.
+    /// A walk from the first message on, through those with a higher stamp than `since`.
     pub(crate) fn new(filter: Arc<str>, since: u64) -> Walk {
         let from = Some(stem(&filter).to_owned());
         Walk { filter, since, from }
@@ -153,12 +154,12 @@ impl Shelf {
         }
     }
 
-    /// Takes away what is good for nobody any more; whether there was any.
+    /// Removes expired messages, and returns whether there were any.
     fn clear(&mut self, now: Duration) -> bool {
         if now < self.looks_at || self.first_over.is_none_or(|first| first > now) {
             return false;
         }
-        // Looking through all is dear, and whoever has something kept that is over soon is cheap.
+        // A search through everything is expensive, and a message that expires soon is cheap to store.
         self.looks_at = now + BETWEEN_LOOKS;
         let over: Vec<_> =
             self.kept.values().filter(|entry| entry.message.is_over(now)).map(|entry| entry.message.shared_topic()).collect();
@@ -167,7 +168,7 @@ impl Shelf {
         !over.is_empty()
     }
 
-    /// Puts one there, when there is room in the pool, and in the payer's share of it; else it comes back.
+    /// Stores a message when the pool and its payer's share have room; otherwise returns it.
     fn put(&mut self, entry: Entry) -> Result<(), Entry> {
         let bytes = entry.message.cost();
         let share = match &entry.payer {

@@ -1,4 +1,4 @@
-//! What is kept, for how long, at whose cost, and that it is found as the standard's own words say.
+//! Retained messages: which are stored, for how long, at whose cost, and that searches find what the standard says.
 
 use proptest::prelude::*;
 
@@ -39,7 +39,7 @@ fn topic() -> impl Strategy<Value = String> {
 }
 
 proptest! {
-    /// Going level by level finds exactly what comparing with each finds, in as many turns as it may take.
+    /// The search level by level, in any number of turns, finds exactly what a comparison with each topic finds.
     #[test]
     fn what_is_found_is_what_the_filter_matches(
         kept in prop::collection::btree_set(topic().prop_filter("not empty", |topic| !topic.is_empty()), 0..40),
@@ -81,7 +81,7 @@ fn what_was_kept_since_is_told_from_what_was_there() {
     assert_eq!(newer, ["b", "c"]);
 }
 
-/// What lies beside the way costs nothing.
+/// Messages outside the filter's levels cost no steps.
 #[test]
 fn what_others_have_kept_costs_nobody_a_step_who_does_not_ask_for_it() {
     let retained = Retained::default();
@@ -151,7 +151,7 @@ fn a_key_keeps_its_share_and_leaves_others_theirs() {
     assert!(!retained.say(&greedy, "a/newer", b"y", Qos::Zero));
 }
 
-/// However much some keys keep, there is room for others who keep little, in places and in bytes.
+/// Reserved places and bytes stay free for keys that retain little.
 #[test]
 fn keys_that_keep_much_leave_room_for_those_that_keep_little() {
     let (short, long): (&[u8], &[u8]) = (b"x", &[7; 100 * 1024]);
@@ -194,7 +194,7 @@ fn what_the_program_says_has_room_whatever_others_have_kept_and_an_end_as_well()
     assert!(all(&retained, "a/0", 0).is_empty(), "what it said before is not so any more");
 }
 
-/// A message that is over is found by nobody, and gives its place to one that wants it.
+/// An expired message is not found, and its place is free.
 #[test]
 fn what_is_over_is_not_kept_for_longer() {
     let (retained, at) = (Retained::default(), Duration::from_secs);

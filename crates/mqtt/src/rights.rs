@@ -1,43 +1,44 @@
-//! Who somebody is, and what the program has to say of topics: who may publish and leave a will where, and where commands are taken.
-//! What a command is good for is judged by whoever hears it.
+//! What clients may do: who may publish, leave a will or share a filter where, and where commands are accepted. Whether
+//! a command is allowed is decided by the listener that hears it.
 
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// How large a part of what clients have in common one of them may use, and what he may do.
+/// The rights of a client, and how large a part of the common resources it may use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tier {
-    /// A full share.
+    /// All rights, and a full share.
     Full,
-    /// A small one, of a part that all such have together: for those who only look, say.
+    /// Few rights, and a small share from a part common to all such clients, such as those that only watch.
     Limited,
 }
 
-/// At whose cost something is kept.
+/// The account to which a retained message is charged.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Payer {
-    /// The program that runs the broker: it has room of its own.
+    /// The program that runs the broker, which has its own room.
     Program,
-    /// Somebody where nobody signs in: no share can be told from another.
+    /// Clients of a broker without authentication, which cannot be told apart.
     Anybody,
-    /// Whoever has this key.
+    /// All clients with this key.
     Key(Arc<str>),
 }
 
-/// What the program has to say of topics, which is asked once for each topic that a client changes to, and must not block. The program
-/// itself is asked nothing.
+/// The program's rules about topics. They are asked once for each topic that a client changes to, must not block, and
+/// do not apply to the program itself.
 pub trait Rights: Debug + Send + Sync {
-    /// Whether commands are taken there: such a message is heard before it goes on, and is never kept.
+    /// Whether commands are accepted on this topic. Messages there are heard before they go on, and are never retained.
     fn is_for_commands(&self, topic: &str) -> bool;
 
-    /// Whether one may publish there. Nobody is asked about where commands are taken: whoever hears those decides.
+    /// Whether a client may publish on this topic. Not asked for topics of commands, where the listener decides.
     fn may_publish(&self, who: Tier, topic: &str) -> bool;
 
-    /// Whether one may leave a will there: where he may publish, and never a command, since nobody stands behind it when it is read.
+    /// Whether a client may leave a will on this topic: wherever it may publish, but never a command, since nobody
+    /// stands behind it when it is published.
     fn may_leave_will(&self, who: Tier, topic: &str) -> bool {
         !self.is_for_commands(topic) && self.may_publish(who, topic)
     }
 
-    /// Whether one may share this filter with others, each of whom gets then only a part of what is published there.
+    /// Whether a client may share this filter with others, each of which then gets only a part of the messages.
     fn may_share(&self, who: Tier, filter: &str) -> bool;
 }

@@ -1,11 +1,11 @@
-//! What was published for one subscriber and has not gone out to its client: its queue, which it has also while it is away, and how far
-//! behind it is. Whoever publishes in a flood is made to wait for those who read. A subscriber who does not read is not waited for long,
-//! and then for a good while not at all: he alone misses messages, the oldest first, and it is noted that he did. Who reads what stands
-//! in `readers`.
+//! The queue of one subscriber: messages that were published for it and have not gone out to its client, which may be
+//! away, and how far it is behind. Flooding publishers wait for subscribers that read. One that does not read is waited
+//! for only briefly, and then not at all for a while: it alone loses messages, the oldest first, and the loss is noted.
+//! Who reads what stands in `readers`.
 //!
 //! ```text
-//!   publisher ─ put(message) for each whose filters match ─► Subscriber ─ next() ─► its connection
-//!        waits while it is more than LAG behind, until it is no more than RELIEF, or until it is forgiven
+//!   publisher ─ put(message) for each matching reader ─► Subscriber ─ next() ─► its connection
+//!        waits while it is more than LAG behind, until it is at most RELIEF behind or is forgiven
 //! ```
 
 use std::collections::VecDeque;
@@ -22,65 +22,65 @@ use super::message::Message;
 use super::message::SubscriberId;
 use super::packet::Qos;
 
-/// So much room for deliveries is kept when none waits.
+/// Empty places kept in the queue when nothing waits.
 const ROOM: usize = 256;
 
-/// Nothing was missed.
+/// Stands for nothing missed.
 const NOTHING: u64 = u64::MAX;
 
-/// Who reads something, and how.
+/// A subscriber with the terms on which it reads a topic.
 #[derive(Clone, Debug)]
 pub(crate) struct Reader {
     pub(crate) subscriber: Arc<Subscriber>,
-    /// How surely it is to reach him at the most.
+    /// The highest QoS at which it is sent messages.
     pub(crate) qos: Qos,
-    /// Whether he is told that it is to be kept.
+    /// Whether its messages carry the RETAIN flag with which they were published.
     pub(crate) as_published: bool,
-    /// The numbers of his subscriptions that match.
+    /// The ids of its matching subscriptions.
     pub(crate) ids: Ids,
 }
 
-/// What waits for one subscriber, and since when it does not keep up.
+/// The queue of one subscriber, and since when it has been behind.
 #[derive(Debug)]
 pub struct Subscriber {
     id: SubscriberId,
     queue: Mutex<Queue>,
-    /// What waits in the queue weighs so much.
+    /// Weight of the messages in the queue.
     lag: AtomicUsize,
-    /// Publishers who are to be woken when it has caught up.
+    /// Publishers to wake when it has caught up.
     waiting: Mutex<Vec<Waker>>,
-    /// Since when it was behind whenever somebody looked, in milliseconds on the clock of all connections; 0: it is not.
+    /// Since when every check found it behind, in milliseconds on the clock of all connections; 0: it is not behind.
     behind_since_ms: AtomicU64,
-    /// Since when its client keeps more from coming, on the same clock; 0: it takes what comes.
+    /// Since when its client has read nothing, on the same clock; 0: it reads.
     still_since_ms: AtomicU64,
-    /// Until then nobody waits for it;
+    /// Until when nobody waits for it, on the same clock.
     forgiven_until_ms: AtomicU64,
-    /// that was for so long;
+    /// Duration of that time.
     forgiven_for_ms: AtomicU64,
-    /// and it began then.
+    /// When that time began, on the same clock.
     forgiven_at_ms: AtomicU64,
-    /// It did not get all messages: what was kept after this stamp it may not know.
+    /// Stamp after which retained messages may be new to it, since it missed some.
     missed: AtomicU64,
 }
 
 #[derive(Debug, Default)]
 struct Queue {
     waiting: VecDeque<Delivery>,
-    /// How many bytes the messages in it take, which others may have as well.
+    /// Size in bytes of the queued messages, which other subscribers may share.
     bytes: usize,
     presence: Presence,
-    /// Who is to be woken when something comes.
+    /// The connection to wake when something comes.
     taker: Option<Waker>,
 }
 
-/// Whether somebody takes what waits.
+/// Whether a connection takes messages from the queue.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Presence {
     #[default]
     Here,
-    /// Nobody does now, and somebody may later.
+    /// None does now, but one may later.
     Away,
-    /// Nobody ever will.
+    /// None ever will again.
     Gone,
 }
 
@@ -88,16 +88,16 @@ enum Presence {
 #[derive(Clone, Debug)]
 pub(crate) struct Delivery {
     pub(crate) message: Arc<Message>,
-    /// The lesser of that of the message and that of the subscription.
+    /// The lesser of the message's QoS and the subscription's.
     pub(crate) qos: Qos,
-    /// Whether it comes with the flag of what is to be kept.
+    /// The RETAIN flag that it is sent with.
     pub(crate) retain: bool,
-    /// The numbers of the subscriptions by which it comes.
+    /// The ids of the subscriptions that match.
     pub(crate) ids: Ids,
 }
 
 impl Queue {
-    /// Which of the messages is lost, if it has more than it may.
+    /// The index of the message to drop, if the queue exceeds its limits.
     fn too_much(&self, lag: usize) -> Option<usize> {
         let older = self.waiting.len().checked_sub(1).filter(|older| *older > 0)?;
         if lag > QUEUE {
@@ -109,7 +109,7 @@ impl Queue {
 }
 
 impl Delivery {
-    /// At the lesser of its own quality and that of the subscription (section 3.8.4).
+    /// At the lesser of the message's QoS and the subscription's (section 3.8.4).
     pub(crate) fn of(message: &Arc<Message>, reader: &Reader) -> Delivery {
         Delivery {
             message: Arc::clone(message),
@@ -148,7 +148,7 @@ impl Subscriber {
         self.id
     }
 
-    /// Nobody takes what comes now, and somebody may later; without room for it nothing waits.
+    /// Its client is away and may come back. Without room the queue is emptied.
     pub(crate) fn go_away(&self, has_room: bool) {
         let mut queue = self.queue();
         (queue.presence, queue.taker) = (Presence::Away, None);
@@ -161,35 +161,35 @@ impl Subscriber {
         self.wake_all();
     }
 
-    /// Somebody takes what comes again.
     pub(crate) fn come_back(&self) {
         self.queue().presence = Presence::Here;
     }
 
-    /// Nobody ever takes anything any more: whoever waits for it need not.
+    /// Its client will never come back, so nobody needs to wait for it.
     pub(crate) fn go(&self) {
         *self.queue() = Queue { presence: Presence::Gone, ..Queue::default() };
         self.lag.store(0, Ordering::Relaxed);
         self.wake_all();
     }
 
-    /// A message is on its way to it, and counts as if it had come.
+    /// Counts a message that is on its way to it as if it had arrived.
     pub(crate) fn expect(&self, message: &Message) {
         self.lag.fetch_add(weight(message), Ordering::Relaxed);
     }
 
-    /// It is not on its way any more: it comes just now.
+    /// Ends the count of `expect`, as the message arrives now.
     pub(crate) fn unexpect(&self, message: &Message) {
         self.lag.fetch_sub(weight(message), Ordering::Relaxed);
     }
 
-    /// A message for it. Of more than there is room for the oldest are lost; `has_room` says whether something may wait for one who is away.
+    /// Queues a message, and drops the oldest beyond the limits; `has_room` says whether messages may wait for
+    /// subscribers that are away.
     pub(crate) fn put(&self, delivery: Delivery, has_room: impl FnOnce() -> bool) {
         let stamp = delivery.message.stamp;
         let mut queue = self.queue();
         match queue.presence {
             Presence::Here => {}
-            // Whoever is away cannot read, and may be many.
+            // A subscriber that is away cannot read, and there may be many of them.
             Presence::Away if delivery.qos > Qos::Zero && has_room() => {}
             Presence::Away => {
                 self.miss(stamp);
@@ -212,7 +212,8 @@ impl Subscriber {
         }
     }
 
-    /// The next message that goes out, if there is one; none that is to be acknowledged, when its client has acknowledged too little.
+    /// The next message to send, if there is one. Without a window, that is none which has to be acknowledged, since
+    /// the client has acknowledged too little.
     pub(crate) fn next(&self, has_window: bool) -> Option<Delivery> {
         let mut queue = self.queue();
         queue.waiting.front().filter(|next| has_window || next.qos == Qos::Zero)?;
@@ -231,13 +232,13 @@ impl Subscriber {
         Some(delivery)
     }
 
-    /// Whether more waits for it, this being its bytes, than for one who has caught up.
+    /// Whether publishers that wait for it go on waiting, with this many bytes in its queue.
     fn is_unrelieved(&self, bytes: usize) -> bool {
         self.lag.load(Ordering::Relaxed) > RELIEF || bytes > RELIEF_BYTES
     }
 
-    /// Whether something waits for it that can go out; `has_window` says whether that may be something to be acknowledged. Else whoever asks
-    /// is woken when it does.
+    /// Ready when a message waits that can be sent; `has_window` says whether that may be one that has to be
+    /// acknowledged. Otherwise wakes the caller when one does.
     pub fn poll_come(&self, has_window: bool, cx: &Context<'_>) -> Poll<()> {
         let mut queue = self.queue();
         if queue.waiting.front().is_some_and(|next| has_window || next.qos == Qos::Zero) {
@@ -249,17 +250,17 @@ impl Subscriber {
         Poll::Pending
     }
 
-    /// How many bytes the messages take that wait for it, which others may have as well.
+    /// Size in bytes of the messages that wait for it, which other subscribers may share.
     pub(crate) fn bytes(&self) -> usize {
         self.queue().bytes
     }
 
-    /// How many bytes it takes that they wait.
+    /// Size in bytes of the queue itself, without the messages.
     pub(crate) fn own_bytes(&self) -> usize {
         self.queue().waiting.len() * size_of::<Delivery>()
     }
 
-    /// Whether somebody takes what comes for it.
+    /// Whether its client is connected.
     pub(crate) fn is_here(&self) -> bool {
         self.queue().presence == Presence::Here
     }
@@ -270,12 +271,12 @@ impl Subscriber {
         self.queue().waiting.is_empty()
     }
 
-    /// It does not get a message before which nothing was kept after this stamp.
+    /// Notes that it misses a message; whatever was retained up to this stamp came before that message.
     pub(crate) fn miss(&self, stamp: u64) {
         self.missed.fetch_min(stamp, Ordering::Relaxed);
     }
 
-    /// What it has missed is made up for: what was kept after this stamp it may not know.
+    /// Notes that it misses a message; anything retained since that message was published has a higher stamp than this.
     pub(crate) fn take_missed(&self) -> Option<u64> {
         let missed = self.missed.swap(NOTHING, Ordering::Relaxed);
         (missed != NOTHING).then_some(missed)
@@ -289,16 +290,16 @@ impl Subscriber {
         is_behind
     }
 
-    /// Whether it is here, and more waits for it than for one who keeps up.
+    /// Whether it is connected and further behind than one that keeps up.
     pub(crate) fn lags(&self) -> bool {
         let queue = self.queue();
         queue.presence == Presence::Here && (self.lag.load(Ordering::Relaxed) > LAG || queue.bytes > LAG_BYTES)
     }
 
-    /// Whether it has caught up; else whoever asks is woken when it has, or nobody waits for it any more.
+    /// Ready when it has caught up. Otherwise wakes the caller when it has, or when nobody waits for it any more.
     pub fn poll_relieved(&self, cx: &Context<'_>) -> Poll<()> {
         let mut waiting = self.waiting();
-        // Looked at under the lock, so that whoever takes something off it meanwhile finds whom to wake.
+        // Checked under the lock, so that whoever takes a message meanwhile finds the waker.
         if !self.is_unrelieved(self.bytes()) {
             return Poll::Ready(());
         }
@@ -321,8 +322,8 @@ impl Subscriber {
         self.queue.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Whether its client keeps more from coming: as much waits for it as may wait, however little of that it takes now and then, or
-    /// it has acknowledged nothing since it was first said so.
+    /// Notes whether its client has stopped reading: its queue is full, however little it takes now and then, or it has
+    /// acknowledged nothing since the window was first found full.
     pub(crate) fn note_still(&self, is_full: bool, is_unacknowledged: bool, now: Duration) {
         match (is_full, is_unacknowledged) {
             (true, _) => self.still_since_ms.store(1, Ordering::Relaxed),
@@ -333,9 +334,9 @@ impl Subscriber {
         }
     }
 
-    /// Somebody waited for it, and waits `still` for one who does not read. If it was behind for so long, or for as long as anybody is
-    /// waited for, it is not waited for during a while, longer each time; one that had caught up in between is waited for again.
-    /// Whether that is so.
+    /// Notes that a publisher waited for it, and waits `still` for subscribers that do not read. If it was behind for
+    /// that long, or for the longest wait, nobody waits for it during a while, longer each time; one that had caught up
+    /// in between is waited for again. Returns whether nobody waits for it now.
     pub(crate) fn forgive(&self, now: Duration, still: Duration) -> bool {
         let lasts = |since: u64, time: Duration| since != 0 && ms(now).saturating_sub(since) >= ms(time);
         let behind_since = self.behind_since_ms.load(Ordering::Relaxed);
@@ -353,8 +354,8 @@ impl Subscriber {
         true
     }
 
-    /// It has caught up. Whoever was forgiven once is waited for again at once, whoever was so several times in a while only later:
-    /// nobody is to slow others down by reading now and then.
+    /// Notes that it has caught up. Publishers wait for it again at once if it was forgiven once, and later if it was
+    /// forgiven repeatedly: nobody is to slow others down by reading now and then.
     fn relieve(&self) {
         self.behind_since_ms.store(0, Ordering::Relaxed);
         if self.forgiven_for_ms.load(Ordering::Relaxed) <= ms(FORGIVEN) {
@@ -364,7 +365,7 @@ impl Subscriber {
     }
 }
 
-/// What a message counts while it waits for somebody: a long one is there once for all who wait for it.
+/// The weight of a message in a queue: a long one is in memory once for all its readers.
 fn weight(message: &Message) -> usize {
     message.cost().min(HEAVIEST)
 }

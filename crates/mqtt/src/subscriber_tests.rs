@@ -1,4 +1,5 @@
-//! What waits for one subscriber, what he loses, and for how long publishers wait for him. Kept apart because they are many.
+//! What waits for one subscriber, what it loses, and how long publishers wait for it. In a file of their own because
+//! they are many.
 
 use super::*;
 use crate::grant::Grant;
@@ -8,7 +9,7 @@ use crate::subscription::Subscription;
 
 const NOW: Duration = Duration::from_secs(100);
 
-/// A message that weighs so much, being long enough.
+/// A message of this weight, with a payload that is long enough for it.
 fn delivery(weight: usize, stamp: u64) -> Delivery {
     let draft = |payload| Draft::plain("a", payload, Qos::One);
     let least = Message::new(draft(b""), stamp, &Arc::default()).cost();
@@ -23,14 +24,14 @@ fn owe(subscriber: &Subscriber, bytes: usize) {
     weights.chain(last).for_each(|weight| subscriber.put(delivery(weight, 0), || true));
 }
 
-/// Its client takes so much that no more than this waits.
+/// Lets its client read until at most this much waits.
 fn reads_down_to(subscriber: &Subscriber, most: usize) {
     while subscriber.lag.load(Ordering::Relaxed) > most {
         assert!(subscriber.next(true).is_some());
     }
 }
 
-/// It is behind, and was waited for as long as anybody waits, until then.
+/// Puts it behind, and has a publisher wait for it the longest time, until then.
 fn stall(subscriber: &Subscriber, until: Duration) {
     owe(subscriber, LAG + 1);
     assert!(subscriber.is_behind(until - PATIENCE));
@@ -53,7 +54,7 @@ async fn whoever_lags_is_waited_for_until_he_has_caught_up() {
     waiting.await.expect("he has caught up");
 }
 
-/// Long ones weigh little each.
+/// Long messages weigh little each.
 #[test]
 fn whoever_has_a_few_long_messages_before_him_is_waited_for_too() {
     let subscriber = Subscriber::default();
@@ -93,7 +94,7 @@ fn whoever_does_not_read_is_not_waited_for_longer_and_longer() {
     assert!(!lag.is_behind(again + FORGIVEN) && lag.is_behind(again + 2 * FORGIVEN));
 }
 
-/// Several wait for several: one whose wait is over is no reason not to wait for those who read.
+/// One publisher's finished wait is no reason for others not to wait for a subscriber that reads.
 #[test]
 fn whoever_has_caught_up_in_between_is_not_forgiven() {
     let lag = Subscriber::default();
@@ -107,7 +108,8 @@ fn whoever_has_caught_up_in_between_is_not_forgiven() {
     assert!(!lag.is_behind(NOW + 2 * PATIENCE), "now it does not");
 }
 
-/// What stands behind a flood does not wait long for one who does not read, and no healthy one is taken for such a one.
+/// An urgent message behind a flood is not delayed for long by a subscriber that does not read, and no healthy
+/// subscriber is mistaken for one.
 #[test]
 fn whoever_does_not_read_is_waited_for_only_a_moment() {
     let behind = || {
@@ -166,7 +168,8 @@ fn of_more_than_there_is_room_for_the_oldest_are_lost_and_that_is_known() {
     assert_eq!((subscriber.lag.load(Ordering::Relaxed), subscriber.bytes()), (0, 0));
 }
 
-/// Long ones weigh little each, and there is an end to their bytes; one alone may be longer, and no short one is lost for it.
+/// Long messages weigh little each, and their bytes are limited; a single one may be longer, and no short one is lost
+/// for it.
 #[test]
 fn there_is_an_end_to_the_bytes_of_what_waits() {
     let subscriber = Subscriber::default();
@@ -178,7 +181,7 @@ fn there_is_an_end_to_the_bytes_of_what_waits() {
     assert_eq!(subscriber.next(true).map(|first| first.message.stamp), Some(77));
 }
 
-/// Nobody waits for one who is not here, however much waits for him.
+/// Nobody waits for a subscriber that is away, however much waits for it.
 #[test]
 fn whoever_is_away_is_not_waited_for_and_whoever_is_gone_gets_nothing() {
     let readers = Arc::default();

@@ -1,5 +1,5 @@
-//! The filters that one subscriber holds, and what was granted for each. Who reads what by them stands in `readers`, what waits for him in
-//! `subscriber`.
+//! The filters of one subscriber, with the terms granted for each. Who reads what by them stands in `readers`, and what
+//! waits for the subscriber in `subscriber`.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -10,13 +10,13 @@ use super::limits::{FILTER_BYTES, FILTERS};
 use super::readers::Readers;
 use super::subscriber::Subscriber;
 
-/// A subscriber and the filters that it holds; it is one no more when this is dropped.
+/// A subscriber and its filters, which end when this is dropped.
 #[derive(Debug)]
 pub(crate) struct Subscription {
     subscriber: Arc<Subscriber>,
     readers: Arc<Readers>,
     held: BTreeMap<Arc<str>, Grant>,
-    /// Bytes of the filters held.
+    /// Total size of the filters in bytes.
     bytes: usize,
 }
 
@@ -29,7 +29,6 @@ impl Subscription {
         &self.subscriber
     }
 
-    /// The filters that it holds, with what was granted for each.
     pub(crate) fn held(&self) -> &BTreeMap<Arc<str>, Grant> {
         &self.held
     }
@@ -40,7 +39,8 @@ impl Subscription {
         self.held.contains_key(filter) || (count <= FILTERS && bytes <= FILTER_BYTES)
     }
 
-    /// From now on what is published there comes to it, or, when the filter is a shared one, to it or another.
+    /// Adds a filter; its messages reach this subscriber from now on, or another of the group when the filter is
+    /// shared.
     pub(crate) fn hold(&mut self, filter: &str, grant: Grant) -> Arc<str> {
         let name: Arc<str> = Arc::from(filter);
         if self.held.insert(Arc::clone(&name), grant).is_none() {
@@ -53,7 +53,7 @@ impl Subscription {
         name
     }
 
-    /// Lets a filter go; whether it was held.
+    /// Removes a filter, and returns whether it was held.
     pub(crate) fn strike(&mut self, filter: &str) -> bool {
         if self.held.remove(filter).is_none() {
             return false;

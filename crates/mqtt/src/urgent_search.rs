@@ -1,6 +1,6 @@
-//! Where a client says something urgent in what has come from it, before anything of that is judged: it is to be heard although much
-//! stands before it, and whatever is wrong with it. No more of a packet is read than names it, in whatever pieces it comes; what is
-//! wrong with packets is found in `frame`, `packet` and `connection`, later.
+//! Finds urgent messages in a client's bytes before anything else is read or checked: they are to be heard although
+//! much stands before them, and whatever is wrong with them. Only the part of a packet that names the command is
+//! needed, in whatever pieces it arrives. Errors in packets are found later, in `frame`, `packet` and `connection`.
 
 use std::collections::HashMap;
 
@@ -10,31 +10,31 @@ use super::limits::{ALIASES, PROPERTIES, TOPIC};
 use super::packet::properties::Property;
 use super::packet::{Fields, Version};
 
-/// So much of a packet is looked at when it comes in pieces, in bytes: what is urgent is named at its beginning, behind its topic and, in
-/// MQTT 5, its properties, and is to be no longer than some KiB.
+/// Bytes of a packet that are searched when it comes in pieces: an urgent payload stands at its beginning, behind the
+/// topic and, in MQTT 5, the properties, and is at most some KiB long.
 const LOOKED_AT: usize = 8 * 1024 + PROPERTIES;
 
-/// What has come of a packet is looked at again when it is so much more, in parts of what it was.
+/// A part of a packet is searched again when it has grown by the fraction 1/`MORE`.
 const MORE: usize = 16;
 
-/// The topics for which a number stands in MQTT 5 (topic alias).
+/// Topic aliases of MQTT 5.
 type Aliases = HashMap<u16, Box<[u8]>>;
 
-/// The search through all that one client sends after its CONNECT.
+/// The search through everything that one client sends after its CONNECT.
 #[derive(Debug, Default)]
 pub struct UrgentSearch {
-    /// Where in the stream the packet under way begins.
+    /// Position in the stream where the current packet begins.
     begins: u64,
-    /// How it begins, when it is not there whole;
+    /// The beginning of the current packet, when it has not arrived as a whole.
     beginning: Vec<u8>,
-    /// and how much of it was looked at or passed over.
+    /// How many bytes of the current packet were searched or skipped.
     seen: usize,
-    /// How much of its beginning was there when it was last asked what is urgent.
+    /// Length of `beginning` at the last time that the listener was asked.
     asked: usize,
     is_found: bool,
-    /// It cannot be said any more where packets begin.
+    /// Set when the ends of packets cannot be found any more.
     is_lost: bool,
-    /// In MQTT 5, in which properties stand before a payload, and a number may stand for a topic.
+    /// Topic aliases in MQTT 5; `None` in MQTT 3.1.1.
     aliases: Option<Aliases>,
 }
 
@@ -46,14 +46,15 @@ struct Head {
 }
 
 impl UrgentSearch {
-    /// The search through what a client of this version sends.
+    /// A search through what a client of this version sends.
     #[must_use]
     pub fn new(version: Version) -> UrgentSearch {
         UrgentSearch { aliases: (version == Version::Five).then(Aliases::new), ..UrgentSearch::default() }
     }
 
-    /// Goes on with `bytes`, which follow those before, up to the next urgent message: where in the stream its packet begins. What was
-    /// looked through is taken off `bytes`; `None` when nothing is left of them. `hear` is asked what is urgent, and so hears it.
+    /// Continues with `bytes`, which follow those of the last call, up to the next urgent message, and returns where in
+    /// the stream its packet begins. Searched bytes are removed from `bytes`; `None` when all were searched. `hear`
+    /// decides what is urgent, and thereby hears it.
     pub fn next(&mut self, bytes: &mut &[u8], mut hear: impl FnMut(Said<'_>) -> bool) -> Option<u64> {
         while !bytes.is_empty() && !self.is_lost {
             if self.seen == 0
@@ -81,7 +82,7 @@ impl UrgentSearch {
         None
     }
 
-    /// Takes a piece of a packet that is not there whole, and asks again when more of it has come.
+    /// Takes a piece of a packet that has not arrived as a whole, and asks `hear` again when it has grown enough.
     fn piece(&mut self, bytes: &mut &[u8], hear: &mut impl FnMut(Said<'_>) -> bool) -> Option<u64> {
         let wanted = match Head::of(&self.beginning) {
             Ok(Some(head)) => head.length,
@@ -101,7 +102,7 @@ impl UrgentSearch {
             }
         };
         let (begins, is_whole) = (self.begins, self.seen >= head.length);
-        // Not for each byte of a long one: that would cost the more the longer it is.
+        // Asking for each byte of a long packet would cost the more the longer it is.
         let has_grown = self.beginning.len() >= self.asked + (self.asked / MORE).max(1) || self.asked < TOPIC * 2;
         let is_asked = !self.is_found && room > 0 && (is_whole || bytes.is_empty() && has_grown);
         if is_asked {
@@ -119,14 +120,15 @@ impl UrgentSearch {
 }
 
 impl Head {
-    /// `None` when not enough has come; an error for a length that does not end, behind which nobody knows where the next packet begins.
+    /// `None` when too little has arrived; an error for a length field without end, behind which nobody knows where the
+    /// next packet begins.
     fn of(bytes: &[u8]) -> Result<Option<Head>, Malformed> {
         let Some((&first, rest)) = bytes.split_first() else { return Ok(None) };
         Ok(length(rest)?.map(|(body, bytes)| Head { first, head: 1 + bytes, length: 1 + bytes + body }))
     }
 
-    /// Whether a PUBLISH, when its topic has come, says something urgent: without the properties of MQTT 5 and, if that is spoken, with
-    /// them.
+    /// Whether a PUBLISH whose topic has arrived is urgent, read without the properties of MQTT 5 and, in that version,
+    /// with them as well.
     fn is_urgent(self, packet: &[u8], aliases: Option<&Aliases>, hear: &mut impl FnMut(Said<'_>) -> bool) -> bool {
         self.readings(packet).into_iter().flatten().any(|(topic, rest)| {
             let plain = Said { topic, payload: rest, answer_to: None };
@@ -140,7 +142,7 @@ impl Head {
         })
     }
 
-    /// Learns for which topic a number is to stand from now on.
+    /// Stores the topic alias that a PUBLISH sets.
     fn learn(self, packet: &[u8], aliases: Option<&mut Aliases>) {
         let Some(aliases) = aliases else { return };
         for (topic, rest) in self.readings(packet).into_iter().flatten().filter(|(topic, _)| !topic.is_empty()) {
@@ -153,8 +155,8 @@ impl Head {
         }
     }
 
-    /// The topic of a PUBLISH, and what follows it and its id. There is no QoS 3, so that nobody knows whether an id follows then: both
-    /// are tried.
+    /// The topic of a PUBLISH, and what follows it, with and without an id: QoS 3 does not exist, so nobody knows
+    /// whether an id follows there, and both are tried.
     fn readings(self, packet: &[u8]) -> [Option<(&[u8], &[u8])>; 2] {
         let nothing = [None, None];
         if self.first >> 4 != Kind::Publish as u8 {
@@ -172,20 +174,20 @@ impl Head {
     }
 }
 
-/// What stands behind the topic of a PUBLISH of MQTT 5, as far as it has come.
+/// The part of a PUBLISH of MQTT 5 behind its topic, as far as it has arrived.
 #[derive(Default)]
 struct Five<'a> {
-    /// A bit for each topic alias that is named, of which there is to be one.
+    /// A bit for each topic alias that the properties name; a valid packet names at most one.
     aliases: u16,
     answer_to: Option<AnswerTo<'a>>,
-    /// `None`: the properties are not there whole.
+    /// `None`: the properties have not arrived as a whole.
     payload: Option<&'a [u8]>,
 }
 
-/// The first byte of a topic alias.
+/// The identifier of the property topic alias.
 const ALIAS: u8 = 0x23;
 
-/// That of a number that may be one; 0: it may not.
+/// The bit of a topic alias; 0 for one that is out of range.
 const fn bit(alias: u16) -> u16 {
     if alias >= 1 && alias <= ALIASES { 1 << alias } else { 0 }
 }
@@ -199,7 +201,7 @@ impl<'a> Five<'a> {
     fn read(rest: &'a [u8]) -> Five<'a> {
         let Ok(Some((size, own))) = length(rest) else { return Five::default() };
         if size > PROPERTIES {
-            // A message with so many is not taken, and names no topic.
+            // A message with larger properties is refused, so it sets no alias.
             return Five { payload: rest.get(own + size..), ..Five::default() };
         }
         let payload = rest.get(own + size..);
@@ -214,7 +216,8 @@ impl<'a> Five<'a> {
                 correlation = Some(data);
             }
         }
-        // Behind what is no property nobody knows where the next one begins: whatever looks like an alias may be one.
+        // Behind an invalid property nobody knows where the next one begins, so anything that looks like an alias may
+        // be one.
         for said in fields.rest().windows(3) {
             if let [ALIAS, high, low] = said {
                 aliases |= bit(u16::from_be_bytes([*high, *low]));
@@ -230,7 +233,6 @@ mod tests {
 
     use super::*;
 
-    /// A packet with this first byte.
     fn packet(first: u8, body: &[u8]) -> Vec<u8> {
         let length = body.len();
         let low = |length: usize| u8::try_from(length & 0x7F).unwrap();
@@ -244,12 +246,12 @@ mod tests {
         packet(first, &[&length.to_be_bytes(), topic.as_bytes(), rest].concat())
     }
 
-    /// On `stop` everything is urgent, and on `word` what begins so.
+    /// On `stop` everything is urgent, and on `word` payloads that begin with that text.
     fn is_urgent(said: Said<'_>) -> bool {
         said.topic == b"stop" || said.topic == b"word" && said.payload.starts_with(b"stop")
     }
 
-    /// Where a search finds urgent messages in these pieces.
+    /// Any payload on the topic `stop` is urgent, and on `word` those that begin with `stop`.
     fn found<'a>(search: &mut UrgentSearch, pieces: impl IntoIterator<Item = &'a [u8]>) -> Vec<u64> {
         let mut found = Vec::new();
         for mut piece in pieces {
@@ -276,7 +278,6 @@ mod tests {
         ]
     }
 
-    /// A PUBLISH of MQTT 5.
     #[derive(Clone, Debug)]
     struct PacketOfFive {
         topic: &'static str,
@@ -320,7 +321,7 @@ mod tests {
             prop_assert_eq!(&found(&mut UrgentSearch::default(), stream.chunks(1)), &expected);
         }
 
-        /// In MQTT 5, with properties and topic aliases.
+        /// With properties and topic aliases.
         #[test]
         fn every_urgent_message_of_mqtt_5_is_found(
             packets in prop::collection::vec(any_packet_of_five(), 1..12),
@@ -359,7 +360,7 @@ mod tests {
         }
     }
 
-    /// The rest need never come.
+    /// The rest of the packet need never come.
     #[test]
     fn an_urgent_message_is_found_as_soon_as_its_topic_has_come() {
         let mut search = UrgentSearch::default();
@@ -373,7 +374,8 @@ mod tests {
         );
     }
 
-    /// A length that no packet may have, and an urgent message before a packet of which nobody knows where it ends.
+    /// A length that no packet may have, and an urgent message before bytes in which the end of a packet cannot be
+    /// found.
     #[test]
     fn an_urgent_message_that_is_too_long_is_found_and_one_before_nonsense() {
         let too_long = [&[0x30, 0xFF, 0xFF, 0xFF, 0x7F, 0, 4][..], b"stop"].concat();
@@ -384,7 +386,7 @@ mod tests {
         assert!(found(&mut search, [&stop[..]]).is_empty(), "nobody knows where it begins");
     }
 
-    /// In MQTT 5 properties stand before the payload.
+    /// In MQTT 5, properties stand before the payload.
     #[test]
     fn a_word_is_found_behind_the_properties_of_mqtt_5_when_that_is_spoken() {
         let plain = publish(0x30, "word", b"\0stop");
@@ -398,7 +400,7 @@ mod tests {
         assert_eq!(found(&mut UrgentSearch::default(), [&all[..]]), places[3..], "in MQTT 3.1.1 there are none");
     }
 
-    /// In MQTT 5 a number may stand for a topic that was named before.
+    /// In MQTT 5, an alias may stand for a topic that was named before.
     #[test]
     fn a_topic_is_known_by_the_number_that_stands_for_it() {
         let named = publish(0x30, "stop", &[3, 0x23, 0, 2]);
@@ -431,7 +433,7 @@ mod tests {
         );
     }
 
-    /// Whatever is wrong beside it.
+    /// Other properties of the packet may be invalid.
     #[test]
     fn a_topic_is_known_by_its_number_among_properties_that_are_none() {
         let named = publish(0x30, "stop", &[3, 0x23, 0, 1]);

@@ -1,5 +1,5 @@
-//! How one client is told things: in the version that it speaks, in no longer packets than it takes, and with short names for topics, if
-//! it wants some.
+//! Writes packets for one client: in its version of MQTT, no longer than it accepts, and with topic aliases, if it
+//! wants them.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -16,7 +16,7 @@ use crate::subscriber::Delivery;
 pub(super) struct ClientWriter {
     version: Version,
     reception: Reception,
-    /// The topics that have a short name, which is their place, counted from 1 on.
+    /// Topics that have an alias, which is their index plus 1.
     aliases: Vec<Arc<str>>,
 }
 
@@ -29,7 +29,7 @@ impl ClientWriter {
         self.version
     }
 
-    /// A message, with its id and whether it was sent before; whether the client takes one of its length.
+    /// Writes a PUBLISH with its id and its DUP flag. Returns false when it is longer than the client accepts.
     pub(super) fn publish(
         &mut self,
         delivery: &Delivery,
@@ -69,7 +69,7 @@ impl ClientWriter {
         true
     }
 
-    /// PUBACK, PUBREC, PUBREL or PUBCOMP, with why, and that in words, if there are any.
+    /// Writes a PUBACK, PUBREC, PUBREL or PUBCOMP with its reason code, and the reason in words, if there are any.
     pub(super) fn ack(&self, kind: Kind, id: u16, (reason, words): (Reason, &str), out: &mut Outbox) {
         if self.version == Version::Three || reason == Reason::Success && words.is_empty() {
             return write::ack(out.end(), kind, id);
@@ -77,14 +77,13 @@ impl ClientWriter {
         write::ack_with(out.end(), kind, id, reason, self.words(words));
     }
 
-    /// The last word.
     pub(super) fn disconnect(&self, reason: Reason, words: &str, out: &mut Outbox) {
         if self.version == Version::Five {
             write::disconnect(out.end(), reason, self.words(words));
         }
     }
 
-    /// What may be said of why, to one who wants to know, and takes packets that are long enough.
+    /// The reason in words, for a client that asked for such and accepts packets that are long enough.
     pub(super) fn words<'a>(&self, words: &'a str) -> Option<&'a str> {
         let is_wanted = self.reception.wants_words && self.reception.largest > WITH_WORDS;
         (is_wanted && !words.is_empty()).then_some(words)

@@ -1,5 +1,5 @@
-//! Which messages of a client were dealt with before. A command is taken for one that was heard already only when it says so itself,
-//! and is the same in every byte: an urgent one is never lost here.
+//! Which messages of a client were handled before. A command counts as a duplicate only when its sender marks it so and
+//! every byte is the same, so that an urgent command is never lost here.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -8,14 +8,15 @@ use crate::limits::{HANDLED, UNRELEASED};
 use crate::packet::Qos;
 use crate::packet::publish::Publish;
 
-/// The print of what was no command.
+/// Stands for the fingerprint of a message that is no command.
 const NO_COMMAND: u64 = 0;
 
 #[derive(Debug, Default)]
 pub(super) struct Duplicates {
-    /// Messages of QoS 2 that the client has not released, by id, with the prints of those that were commands.
+    /// Ids of the messages of QoS 2 that the client has not released, with the fingerprints of those that were
+    /// commands.
     unreleased: BTreeMap<u16, u64>,
-    /// Ids and prints of the latest commands of QoS 1.
+    /// Ids and fingerprints of the latest commands of QoS 1.
     commands: VecDeque<(u16, u64)>,
 }
 
@@ -28,19 +29,19 @@ impl Duplicates {
         self.unreleased
     }
 
-    /// Whether this is a message of QoS 2 that came before.
+    /// Whether this message of QoS 2 came before and was not released yet.
     pub(super) fn is_unreleased(&self, publish: &Publish<'_>) -> bool {
         publish.qos == Qos::Two && self.unreleased.contains_key(&publish.id)
     }
 
-    /// Whether this command, of this print, was heard before.
+    /// Whether a command with this fingerprint was heard before.
     pub(super) fn was_heard(&self, publish: &Publish<'_>, print: u64) -> bool {
         publish.is_duplicate
             && (self.commands.contains(&(publish.id, print))
                 || publish.qos == Qos::Two && self.unreleased.get(&publish.id) == Some(&print))
     }
 
-    /// A message was dealt with; `print` if it was a command.
+    /// Notes that a message was handled; `print` is its fingerprint, if it was a command.
     pub(super) fn handled(&mut self, publish: &Publish<'_>, print: Option<u64>) -> Result<(), Ended> {
         match (publish.qos, print) {
             (Qos::One, Some(print)) => {
@@ -61,7 +62,7 @@ impl Duplicates {
         Ok(())
     }
 
-    /// It will not send that one again; whether it was one.
+    /// Notes that the client will not send this message of QoS 2 again. Returns whether it was waiting for that.
     pub(super) fn released(&mut self, id: u16) -> bool {
         self.unreleased.remove(&id).is_some()
     }

@@ -1,4 +1,5 @@
-//! Why a connection ends. Those that only whoever moves the bytes can know are here, too, so that there is one list of them.
+//! Why a connection ends. Reasons that only the owner of the socket can know are here too, so that there is one list of
+//! them.
 
 use crate::frame::{Kind, Malformed};
 use crate::limits::UNRELEASED;
@@ -7,51 +8,51 @@ use crate::packet::reason::Reason;
 /// Why a connection ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Ended {
-    /// The client took its leave: it leaves no will.
+    /// The client sent a DISCONNECT that discards its will.
     #[error("the client took its leave")]
     Left,
-    /// The client went, and wants its will to be published.
+    /// The client sent a DISCONNECT that asks for its will to be published.
     #[error("the client went, and left its will")]
     LeftWithWill,
     /// The connection is closed or broken.
     #[error("the connection is gone")]
     Gone,
-    /// A packet was wrong.
+    /// A packet was malformed.
     #[error("the client sent nonsense: {0}")]
     Malformed(#[from] Malformed),
-    /// A packet that no client sends, or a second CONNECT.
+    /// The client sent a packet that no client sends, or a second CONNECT.
     #[error("the client sent a {0:?}, which is not for it to send")]
     Unexpected(Kind),
-    /// Nothing was heard for too long.
+    /// The client was silent for too long.
     #[error("the client was silent for too long")]
     Idle,
-    /// It sends more messages of QoS 2 than it may, and releases none.
+    /// The client has more messages of QoS 2 unreleased than are allowed.
     #[error("the client has more than {UNRELEASED} messages of QoS 2 that it has not released")]
     Unreleased,
-    /// It asks for more than there is room for.
+    /// The client asked for more than there is room for.
     #[error("the client has more than {most} {what}")]
     TooMuch {
-        /// Of what.
+        /// What it asked for.
         what: &'static str,
-        /// The most.
+        /// The limit that it exceeded.
         most: usize,
     },
     /// Another connection has the same client id.
     #[error("another connection came with the same client id")]
     TakenOver,
-    /// Its place is somebody else's.
+    /// The connection had to make room for another one.
     #[error("there were too many connections, or too much waited to be read, and it gave way to others")]
     GaveWay,
-    /// Its key is not known any more.
+    /// Its key was removed or is no longer valid.
     #[error("its key is not known any more")]
     NotKnown,
-    /// The program ends: wills are not published.
+    /// The program ends; wills are not published.
     #[error("the program ends")]
     Closing,
 }
 
 impl Ended {
-    /// What one of MQTT 5 is told of it; `None`: it is the one who has gone.
+    /// The reason code for a client of MQTT 5; `None` when the client itself has gone.
     #[must_use]
     pub const fn reason(self) -> Option<Reason> {
         match self {

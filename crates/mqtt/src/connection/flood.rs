@@ -1,4 +1,5 @@
-//! Whether a client publishes in a flood, and how long it then waits for one who does not read: only such a one is made to wait.
+//! Whether a client publishes in a flood, and how long it then waits for a subscriber that does not read. Clients that
+//! publish at an ordinary rate never wait.
 
 use std::time::Duration;
 
@@ -9,14 +10,15 @@ use crate::limits::{CLIENT_ROOM, NO_FLOOD, STILL, STILL_SHORTEST};
 pub(super) struct Flood {
     since: Duration,
     passed: u64,
-    /// How often it waited in vain, no second having passed in between.
+    /// How often in succession it waited in vain, with less than a second in between.
     in_vain: u32,
-    /// The last time.
+    /// When it last waited in vain.
     waited_at: Duration,
 }
 
 impl Flood {
-    /// Within one second more came than an ordinary client publishes: so many more were passed on by `now`.
+    /// Counts messages passed on by `now`. Returns whether more were passed on within one second than an ordinary
+    /// client publishes.
     pub(super) fn handle_passed(&mut self, passed: u64, now: Duration) -> bool {
         if now.saturating_sub(self.since) >= Duration::from_secs(1) {
             (self.since, self.passed) = (now, 0);
@@ -25,14 +27,15 @@ impl Flood {
         self.passed > NO_FLOOD
     }
 
-    /// It waited in vain for somebody who does not read.
+    /// Notes that it waited in vain for a subscriber that does not read.
     pub(super) const fn handle_waited(&mut self, now: Duration) {
         self.in_vain = self.in_vain.saturating_add(1);
         self.waited_at = now;
     }
 
-    /// How long it waits for the next one: half as long each time, so that any number of them who stop reading one after the other
-    /// hold up what it says, something urgent perhaps, no longer than two do.
+    /// How long to wait for the next subscriber that does not read. Each wait is half as long as the one before, so
+    /// that any number of subscribers that stop reading one after the other delay this client, and an urgent message of
+    /// it, no longer than two do.
     pub(super) fn still(&mut self, now: Duration) -> Duration {
         if now.saturating_sub(self.waited_at) >= Duration::from_secs(1) {
             self.in_vain = 0;
@@ -43,23 +46,26 @@ impl Flood {
 }
 
 impl ClientConnection {
-    /// To be told whenever something has happened: whoever publishes for this client waits for it no longer than for one who reads.
+    /// Call this whenever something has happened: publishers then wait for a client that takes nothing no longer than
+    /// for one that does not read.
     pub fn note_room(&self, now: Duration) {
         let is_full = self.to_client.len() >= CLIENT_ROOM;
         self.subscription.subscriber().note_still(is_full, !self.unacknowledged.has_window(), now);
     }
 
-    /// Until when it waits for those of [`ClientConnection::poll_behind`], if they do not catch up before: then it is to be asked again.
+    /// Until when to wait for the subscribers of [`ClientConnection::poll_behind`], unless they catch up before. Ask
+    /// again then.
     #[must_use]
     pub fn waits_until(&mut self, now: Duration) -> Duration {
         now + self.flood.still(now).max(STILL_SHORTEST)
     }
 
-    /// It has waited until then for those who are behind still. Whoever was waited for long enough is not waited for during a while.
+    /// Ends a wait for those that are still behind. A subscriber that was waited for long enough is not waited for
+    /// during a while.
     pub fn handle_waited(&mut self, now: Duration) {
         let still = self.flood.still(now);
         let behind = self.routes.behind(now);
-        // For all of them together it has waited once.
+        // All of them together count as one wait.
         if behind.iter().filter(|reader| reader.forgive(now, still)).count() > 0 {
             self.flood.handle_waited(now);
         }
@@ -70,7 +76,7 @@ impl ClientConnection {
 mod tests {
     use super::*;
 
-    /// What an ordinary client says is read at once, and what is urgent above all.
+    /// An ordinary client's messages, and urgent ones above all, are read at once.
     #[test]
     fn only_whoever_says_much_within_a_second_publishes_in_a_flood() {
         let mut flood = Flood::default();

@@ -1,5 +1,6 @@
-//! The kept messages on their way to one client: those of one filter after the other, no more at once than the client takes. Which are
-//! kept is looked up as they go, so that the newest goes out, and nothing is held back for a client that does not read.
+//! Retained messages on their way to one client: one filter after the other, and no more at once than the client takes.
+//! They are looked up as they go out, so that the client gets the newest, and nothing is held in memory for a client
+//! that does not read.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -18,7 +19,7 @@ use crate::subscriber;
 #[derive(Debug, Default)]
 pub(super) struct Deliveries {
     waiting: VecDeque<Delivery>,
-    /// Whether the next one waits for acknowledgements.
+    /// Whether the next message waits for acknowledgements.
     is_held_up: bool,
 }
 
@@ -26,18 +27,18 @@ pub(super) struct Deliveries {
 struct Delivery {
     walk: Walk,
     grant: Grant,
-    /// The client was here when it was published, and missed it.
+    /// Whether the client was connected when the message was published, and missed it.
     is_missed: bool,
 }
 
 impl Deliveries {
-    /// All that is kept for a filter is to go out, as was granted for it.
+    /// Starts to send all retained messages that match a filter, on the terms of its grant.
     pub(super) fn start(&mut self, filter: Arc<str>, grant: Grant) {
         self.stop(&filter);
         self.waiting.push_back(Delivery { walk: Walk::new(filter, 0), grant, is_missed: false });
     }
 
-    /// All that was kept for a filter after this stamp goes out anew, unless all of it is on its way anyhow.
+    /// Sends again what was retained for a filter after this stamp, unless all of it is on its way anyhow.
     pub(super) fn repeat(&mut self, filter: Arc<str>, grant: Grant, since: u64) {
         if !self.waiting.iter().any(|delivery| delivery.walk.filter() == &*filter) {
             self.waiting.push_back(Delivery { walk: Walk::new(filter, since), grant, is_missed: true });
@@ -53,7 +54,7 @@ impl Deliveries {
         !self.waiting.is_empty() && !self.is_held_up
     }
 
-    /// Puts before the client what there is room for, and what is found in one turn.
+    /// Hands the client as many messages as it has room for and as one turn finds.
     pub(super) fn fill(
         &mut self,
         retained: &Retained,
@@ -61,7 +62,7 @@ impl Deliveries {
         (writer, out): (&mut ClientWriter, &mut Outbox),
         (whose, now): (SubscriberId, Duration),
     ) {
-        // Half of them at once, so that they are not looked up for each.
+        // Refills when half of them are acknowledged, so that there is not one look-up for each.
         self.is_held_up &= unacknowledged.kept() > KEPT_UNDER_WAY / 2 || !unacknowledged.has_window();
         let mut steps = KEPT_STEPS;
         while steps > 0 && out.len() < KEPT_ROOM {

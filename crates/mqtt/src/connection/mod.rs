@@ -1,5 +1,5 @@
-//! One connection after its CONNECT was accepted: bytes of the client go in, and bytes for it come out. It reads no clock and no socket;
-//! whoever pumps the bytes does, and keeps them from piling up.
+//! One connection after its CONNECT was accepted: the client's bytes go in, and bytes for the client come out. It reads
+//! no clock and no socket; whoever moves the bytes does, and keeps them from piling up.
 
 mod client_writer;
 mod duplicates;
@@ -46,25 +46,25 @@ use crate::rights::{Payer, Tier};
 use crate::subscriber::Subscriber;
 use crate::subscription::Subscription;
 
-/// With whom, and on what terms.
+/// Who the client is, and on what terms it connects.
 pub struct Terms {
     /// What it may do.
     pub tier: Tier,
-    /// Who it is, for the log,
+    /// Its name in the log.
     pub name: Arc<str>,
-    /// and whether that is the name of a key, which has its shares.
+    /// Whether `name` is the name of a key, which has its own share of what is retained.
     pub has_key: bool,
-    /// Who hears its commands.
+    /// Hears its commands.
     pub listener: Arc<dyn Listener>,
-    /// How it came; its will only when [`Broker::may_leave_will`] allows it.
+    /// Its CONNECT. Leave the will in it only when [`Broker::may_leave_will`] allows it.
     pub connect: Connect,
-    /// What is remembered of it from earlier connections.
+    /// Its session from earlier connections.
     pub session: Session,
-    /// What it is told first: the CONNACK, or the rest of it.
+    /// The bytes that it is sent first: the CONNACK, or the rest of it.
     pub greeting: Bytes,
 }
 
-/// One connection.
+/// One client's connection.
 pub struct ClientConnection {
     tier: Tier,
     payer: Payer,
@@ -75,19 +75,19 @@ pub struct ClientConnection {
     session_expiry_s: u32,
     silence: Duration,
     heard_at: Duration,
-    /// When it was last told what time it is.
+    /// The latest time that it was told.
     now: Duration,
     writer: ClientWriter,
     to_client: Outbox,
-    /// The topics to which the client gave a number.
+    /// Topic aliases that the client has set.
     aliases: HashMap<u16, Arc<[u8]>>,
     routes: Routes,
     flood: Flood,
-    /// How many bytes of the client were taken since its CONNECT,
+    /// Bytes of the client that were handled since its CONNECT.
     taken: u64,
-    /// what is known of some packets to come, in order,
+    /// Marks of packets to come, in their order.
     marks: VecDeque<Mark>,
-    /// and in which epoch the one came that is taken just now.
+    /// The epoch in which the packet arrived that is being handled.
     arrived: Option<Epoch>,
     duplicates: Duplicates,
     subscription: Subscription,
@@ -97,13 +97,14 @@ pub struct ClientConnection {
 }
 
 impl ClientConnection {
-    /// A connection that was just accepted, `now` on the clock of all later calls. What waited for a remembered session comes at once.
+    /// A connection that was just accepted; `now` is on the clock of all later calls. Messages that waited for its
+    /// session go out at once.
     #[must_use]
     pub fn new(terms: Terms, broker: Arc<Broker>, now: Duration) -> ClientConnection {
         let version = terms.connect.version();
         let Connect { reception, session_expiry_s, keep_alive_s, will: left, .. } = terms.connect;
         let one_and_a_half = Duration::from_millis(1500 * u64::from(keep_alive_s));
-        // A will that waits is not published any more.
+        // The client is back, so a delayed will is not published any more.
         let Session { subscription, unreleased, mut unacknowledged, .. } = terms.session;
         let subscription = subscription.unwrap_or_else(|| Subscription::new(&broker.readers));
         subscription.subscriber().come_back();
@@ -139,26 +140,27 @@ impl ClientConnection {
         }
     }
 
-    /// To be told in order, before the packet is taken that begins there.
+    /// Tells what is known of a packet. Call it in the order of the packets, before the marked packet is handled.
     pub fn handle_mark(&mut self, mark: Mark) {
-        // Those of packets that were taken are needed no more: a client may say for ever what nobody looks them up for.
+        // Marks of handled packets are dropped: a client could send packets for ever that nobody looks them up for.
         while self.next_mark(|begins, taken| begins < taken).is_some() {}
         self.marks.push_back(mark);
     }
 
-    /// Takes all whole packets from the head of what the client sent.
+    /// Handles all complete packets at the head of what the client sent.
     ///
     /// # Errors
-    /// When the connection has come to its end; what was before that is done.
+    /// When the connection has ended; everything before that is done.
     pub fn handle_client(&mut self, bytes: &mut BytesMut, now: Duration) -> Result<(), Ended> {
         while self.handle_turn(bytes, now)? {}
         Ok(())
     }
 
-    /// Takes some whole packets from the head of what the client sent, no more than are taken at once; whether there may be more.
+    /// Handles a limited number of complete packets at the head of what the client sent. Returns whether there may be
+    /// more.
     ///
     /// # Errors
-    /// When the connection has come to its end; what was before that is done.
+    /// When the connection has ended; everything before that is done.
     pub fn handle_turn(&mut self, bytes: &mut BytesMut, now: Duration) -> Result<bool, Ended> {
         self.now = now;
         let (mut read, mut packets) = (0, 0);
@@ -189,25 +191,26 @@ impl ClientConnection {
         outcome
     }
 
-    /// Something has come for the client: [`Subscriber::poll_come`].
+    /// Call this when [`Subscriber::poll_come`] is ready.
     pub fn handle_come(&mut self, now: Duration) {
         self.now = now;
         self.deliver();
     }
 
-    /// Something of [`ClientConnection::to_client`] was taken: there may be more for it now.
+    /// Call this when bytes of [`ClientConnection::to_client`] were sent: there may be room for more.
     pub fn handle_drained(&mut self, now: Duration) {
         self.now = now;
         self.deliver();
     }
 
-    /// Whether [`ClientConnection::handle_drained`] has more to do now, though nothing was taken: the rest waits for its turn.
+    /// Whether [`ClientConnection::handle_drained`] has more to do now, although nothing was sent, because its turn was
+    /// used up.
     #[must_use]
     pub fn wants_turn(&self) -> bool {
         self.to_client.len() < KEPT_ROOM && self.deliveries.goes_on()
     }
 
-    /// The time of [`ClientConnection::poll_timeout`] may have come.
+    /// Call this at the time of [`ClientConnection::poll_timeout`].
     ///
     /// # Errors
     /// `Ended::Idle` when the client was silent for too long.
@@ -215,16 +218,16 @@ impl ClientConnection {
         if now >= self.heard_at + self.silence { Err(Ended::Idle) } else { Ok(()) }
     }
 
-    /// The connection has ended: one of MQTT 5 is told why, and a will that was left is published, at once or when its time has come. When
-    /// the program ends, nobody is to read it, and the client is not the one who has gone.
+    /// Ends the connection: tells a client of MQTT 5 why, and publishes its will, at once or after its delay. When the
+    /// program ends, no will is published: nobody is there to read it, and the client is not the one who has gone.
     pub fn handle_end(&mut self, why: Ended, now: Duration) {
         self.now = now;
         if why == Ended::NotKnown {
-            // Nobody is remembered whose key is gone.
+            // A client whose key is gone has no session.
             self.session_expiry_s = 0;
         }
         if why == Ended::GaveWay && !self.to_client.is_empty() {
-            // What waited for it may be why; and behind half a message nothing can be said.
+            // What waited may be the reason for the end, and no packet can follow half a message.
             self.to_client.clear();
         } else if let Some(reason) = why.reason() {
             self.writer.disconnect(reason, &why.to_string(), &mut self.to_client);
@@ -244,13 +247,13 @@ impl ClientConnection {
         }
     }
 
-    /// What is for the client.
+    /// The bytes for the client.
     pub const fn to_client(&mut self) -> &mut Outbox {
         &mut self.to_client
     }
 
-    /// To be asked whenever something has happened, with the time: the subscribers whom this client has to wait for before anything
-    /// more of it is taken; none, when it has not published in a flood.
+    /// The subscribers that this client has to wait for before more of it is handled; none, unless it publishes in a
+    /// flood. Ask whenever something has happened.
     pub fn poll_behind(&mut self, now: Duration) -> Vec<Arc<Subscriber>> {
         self.note_room(now);
         let passed = self.routes.take_passed();
@@ -265,19 +268,19 @@ impl ClientConnection {
         behind
     }
 
-    /// What was published for this client and has not gone out yet.
+    /// The queue of what was published for this client and has not gone out yet.
     #[must_use]
     pub fn subscriber(&self) -> Arc<Subscriber> {
         Arc::clone(self.subscription.subscriber())
     }
 
-    /// When the client was silent for too long, if it stays so.
+    /// When the client will have been silent for too long, if it stays silent.
     #[must_use]
     pub fn poll_timeout(&self) -> Duration {
         self.heard_at + self.silence
     }
 
-    /// What is to be remembered of it; `None`: nothing.
+    /// The session to store for it; `None`: nothing is to be stored.
     #[must_use]
     pub fn into_session(mut self) -> Option<Session> {
         if self.session_expiry_s == 0 {
@@ -323,7 +326,7 @@ impl ClientConnection {
         ack::read(body, kind, self.writer.version())
     }
 
-    /// A DISCONNECT: why the connection ends.
+    /// Handles a DISCONNECT and returns why the connection ends.
     fn leave(&mut self, body: &[u8]) -> Ended {
         let disconnect = match disconnect::read(body, self.writer.version()) {
             Ok(disconnect) => disconnect,
@@ -340,15 +343,16 @@ impl ClientConnection {
 
     fn ping(&mut self, body: &[u8]) -> Result<(), Ended> {
         empty(body)?;
-        // Whoever reads none of many answers does not miss one.
+        // A client that reads none of many answers would not notice one that is missing.
         if self.to_client.len() < CLIENT_ROOM {
             self.to_client.end().extend_from_slice(&write::PINGRESP);
         }
         Ok(())
     }
 
-    /// Puts before the client what there is room for: first what it did not acknowledge before, and what is kept and was asked for, then
-    /// what was published, and when nothing of that is left, of what he has missed the newest that is kept.
+    /// Fills the outbox as far as there is room: first with messages that were sent and not acknowledged, and retained
+    /// ones that were asked for, then with what was published, and after that with the newest retained messages on
+    /// topics where the client missed something.
     fn deliver(&mut self) {
         self.unacknowledged.resend(&mut self.writer, &mut self.to_client, self.now);
         self.fill();
@@ -367,8 +371,8 @@ impl ClientConnection {
         self.deliveries.fill(&self.broker.retained, &mut self.unacknowledged, client, (whose, self.now));
     }
 
-    /// Whoever has got all that waited gets of each topic on which he has missed something the newest that is kept, as somebody who was
-    /// here all the time.
+    /// Sends a client that has emptied its queue the newest retained message of each topic on which it missed
+    /// something, as to one that was subscribed all the time.
     fn catch_up(&mut self) {
         let subscriber = self.subscription.subscriber();
         if !subscriber.is_empty() {

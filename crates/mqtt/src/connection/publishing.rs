@@ -1,4 +1,4 @@
-//! PUBLISH of a client, its will, and its acknowledgements. Which topics are whose stands in `routes`.
+//! PUBLISH packets of a client, its will, and its acknowledgements. What becomes of a topic stands in `routes`.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -16,22 +16,21 @@ use crate::packet::reason::Reason;
 use crate::packet::{Qos, Version, text};
 use crate::rights::Tier;
 
-/// What became of a message, as its sender is told: in MQTT 5, and in words.
+/// What the sender of a message is told became of it, as MQTT 5's reason code and in words.
 #[derive(Clone, Debug)]
 struct Told {
     reason: Reason,
     words: String,
 }
 
-/// It was taken, and that is all.
 const TAKEN: Told = Told { reason: Reason::Success, words: String::new() };
 
-/// Of what is to be kept, and cannot be.
+/// For a message that was to be retained and could not be.
 const NOT_KEPT: &str = "it cannot be kept, there being too many kept messages; it was passed on";
 
 impl ClientConnection {
-    /// A PUBLISH: `packet` is the whole of it. Whatever becomes of it, its sender is told that it has arrived (section 3.3.5), and in
-    /// MQTT 5 what became of it.
+    /// Handles a PUBLISH, of which `packet` is the whole. Its arrival is acknowledged whatever becomes of it (section
+    /// 3.3.5), in MQTT 5 with what became of it.
     pub(super) fn publish(&mut self, frame: &Frame, packet: &[u8]) -> Result<(), Ended> {
         let publish = publish::read(frame, packet, self.writer.version())?;
         let named = self.named(publish)?;
@@ -51,9 +50,10 @@ impl ClientConnection {
         Ok(())
     }
 
-    /// The topic for which a number stands, which the client gave it before (MQTT 5, section 3.3.2.3.4); `None`: it is there itself.
+    /// Puts the topic in place of the topic alias (MQTT 5, section 3.3.2.3.4); `None`: the packet names its topic
+    /// itself.
     fn named(&mut self, mut publish: Publish<'_>) -> Result<Option<Arc<[u8]>>, Malformed> {
-        // A message with more is not taken, and names no topic.
+        // A message with larger properties is refused, so it sets no alias.
         let is_taken = publish.properties.bytes().len() <= PROPERTIES;
         let alias =
             publish.properties.find_map(|property| if let Property::TopicAlias(alias) = property { Some(alias) } else { None });
@@ -63,7 +63,7 @@ impl ClientConnection {
             (Some(alias), true) => self.aliases.get(&alias).map(Arc::clone).map(Some).ok_or(Malformed::NoTopic),
             (Some(alias), false) => {
                 self.aliases.remove(&alias);
-                // Longer ones are not taken, and are not kept either.
+                // A longer topic is refused, so it is not stored either.
                 if publish.topic.len() <= TOPIC {
                     self.aliases.insert(alias, publish.topic.into());
                 }
@@ -74,13 +74,12 @@ impl ClientConnection {
         }
     }
 
-    /// The client will not send a message of QoS 2 again.
     pub(super) fn released(&mut self, id: u16) {
         let reason = if self.duplicates.released(id) { Reason::Success } else { Reason::UnknownId };
         self.writer.ack(Kind::Pubcomp, id, (reason, ""), &mut self.to_client);
     }
 
-    /// Whether a will may be published where it is to be; a refusal is noted.
+    /// Whether this will may be published on its topic; notes a refusal.
     pub(super) fn may_publish(&mut self, will: &Will) -> bool {
         let route = self.routes.route(will.topic.as_bytes(), self.tier, &self.broker);
         let is_allowed = self.broker.rights.may_leave_will(self.tier, &will.topic) && route == Ok(Route::Pass);
@@ -98,8 +97,8 @@ impl ClientConnection {
         Ok(self.forward(publish, publish.retain))
     }
 
-    /// A message on the topic of the last route goes on to whoever reads it, and is kept, if it is to be. Kept first: a newcomer that
-    /// nobody knew of yet finds it there.
+    /// Passes a message on to the readers of the last route's topic, and retains it, if it is to be retained. Retained
+    /// first, so that a subscriber who arrives between the two steps finds it there.
     fn forward(&mut self, publish: &Publish<'_>, retain: bool) -> Told {
         let publisher = self.subscription.subscriber().id();
         let is_read = self.routes.is_read(publisher, &self.broker);
@@ -127,7 +126,8 @@ impl ClientConnection {
         Told { reason, words: NOT_KEPT.to_owned() }
     }
 
-    /// What may be a command is heard before anything can go wrong with it: what is urgent is heard even when there is no room left for it.
+    /// Hears a possible command before anything else can fail, so that an urgent one is heard even when there is no
+    /// room left.
     fn hear(&mut self, publish: &Publish<'_>) -> Result<Told, Ended> {
         let topic = text(publish.topic, "topic")?;
         let print = self.broker.print((publish.topic, publish.payload));
@@ -152,20 +152,20 @@ impl ClientConnection {
         Ok(told)
     }
 
-    /// What was heard goes on to whoever reads it, if it can.
+    /// Passes a heard message on to its readers, if that is possible.
     fn pass_on(&mut self, publish: &Publish<'_>, topic: &str) -> Result<(), Dropped> {
         filter::topic(topic).map_err(Dropped::Unfit)?;
         if publish.properties.bytes().len() > PROPERTIES {
             return Err(Dropped::Properties);
         }
-        // What somebody says beside it who may only stop, nobody needs to know.
+        // A client that may only stop sends no properties to others: nobody needs them.
         let properties = if self.tier == Tier::Full { publish.properties } else { Properties::default() };
         self.forward(&Publish { properties, ..*publish }, false);
         Ok(())
     }
 
-    /// Looks up what is known of the packet that is taken just now: its epoch, and whether it was heard ahead when it came, which is
-    /// not done twice.
+    /// Returns whether the packet being handled was heard on arrival, in which case it is not heard again, and notes
+    /// its epoch.
     fn heard_ahead(&mut self) -> bool {
         let mut heard_ahead = false;
         while let Some(mark) = self.next_mark(|begins, taken| begins <= taken) {
@@ -174,7 +174,7 @@ impl ClientConnection {
         heard_ahead
     }
 
-    /// The next mark, if it stands where this is so; its epoch is that of what comes behind it.
+    /// Takes the next mark, if `is_there` accepts its place, and makes its epoch that of the packets behind it.
     pub(super) fn next_mark(&mut self, is_there: impl Fn(u64, u64) -> bool) -> Option<Mark> {
         let mark = self.marks.front().copied().filter(|mark| is_there(mark.begins, self.taken))?;
         self.marks.pop_front();
@@ -192,7 +192,7 @@ impl ClientConnection {
         Ok(why.told())
     }
 
-    /// Of a message of QoS 2 that is refused its sender is told so in MQTT 5: it is over then (section 4.3.3).
+    /// A refused message of QoS 2 is over at once in MQTT 5, since its sender is told (section 4.3.3).
     fn need_not_be_released(&self, publish: &Publish<'_>, is_refused: bool) -> bool {
         is_refused && publish.qos == Qos::Two && self.writer.version() == Version::Five
     }

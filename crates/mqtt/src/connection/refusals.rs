@@ -1,20 +1,20 @@
-//! What a client was refused, for the log: the first, and then ever fewer of them, since a client may go on for ever, and come again as often
-//! as it likes.
+//! Logs what a client was refused: the first refusal, and then ever fewer, since a client may go on for ever and
+//! reconnect as often as it likes.
 
 use std::fmt::Display;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-/// How many characters of a client's text stand in the log.
+/// Maximum number of characters of a client's text in the log.
 const SHOWN: usize = 80;
 
-/// So many lines are written of all clients,
+/// Maximum number of lines about refusals of all clients in one `PERIOD`.
 const LINES: u32 = 20;
 
-/// in so long.
+/// The time over which `LINES` are counted.
 const PERIOD: Duration = Duration::from_secs(10);
 
-/// How many lines were written of all clients.
+/// When the period began, and how many lines were written in it for all clients.
 #[derive(Debug, Default)]
 pub(crate) struct Lines(Mutex<(Duration, u32)>);
 
@@ -25,7 +25,6 @@ pub(super) struct Refusals {
 }
 
 impl Lines {
-    /// Whether one more is written.
     pub(crate) fn admit(&self, now: Duration) -> bool {
         let mut lines = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if now >= lines.0 {

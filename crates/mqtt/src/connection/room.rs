@@ -1,24 +1,24 @@
-//! How much waits for a client, and whether there is room for more. What is done when there is none, is the business of whoever moves the
-//! bytes.
+//! How much waits for a client, and whether there is room for more. What happens when there is none is decided by
+//! whoever moves the bytes.
 
 use super::{ClientConnection, Mark};
 use crate::limits::{ANSWER_ROOM, CLIENT_ROOM};
 
 impl ClientConnection {
-    /// How many bytes of answers and messages wait for the client, which nobody else has.
+    /// Size in bytes of the answers and messages that wait for this client alone.
     #[must_use]
     pub fn held(&self) -> usize {
         let queue = self.subscription.subscriber().own_bytes();
         self.to_client.own() + queue + size_of::<Mark>() * self.marks.len()
     }
 
-    /// How many bytes of what waits for its client, or for its answers, others may have as well.
+    /// Size in bytes of what waits for this client, or for its answers, and may be shared with other clients.
     #[must_use]
     pub fn shared(&self) -> usize {
         self.to_client.len() - self.to_client.own() + self.subscription.subscriber().bytes() + self.unacknowledged.bytes()
     }
 
-    /// How many bytes wait for clients beside what each has alone and what is kept.
+    /// Size in bytes of what waits for clients and is neither one client's alone nor retained.
     #[must_use]
     pub fn beside(&self) -> usize {
         self.broker.beside()
@@ -36,7 +36,7 @@ impl ClientConnection {
         self.to_client.len() < CLIENT_ROOM
     }
 
-    /// Whether something may go out that the client is to acknowledge.
+    /// Whether a message may go out that the client has to acknowledge.
     #[must_use]
     pub fn has_window(&self) -> bool {
         self.unacknowledged.has_window()

@@ -1,4 +1,4 @@
-//! What becomes of a message by its topic, and who gets it.
+//! What becomes of a message by its topic, and who receives it.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -18,9 +18,9 @@ use crate::subscriber::Subscriber;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Route {
     Pass,
-    /// It may be a command: whoever hears those decides.
+    /// The topic may carry a command; the listener decides.
     Hear,
-    /// It is acknowledged, and that is all.
+    /// The message is acknowledged and goes nowhere.
     Drop(Dropped),
 }
 
@@ -35,7 +35,7 @@ pub(super) enum Dropped {
 }
 
 impl Dropped {
-    /// What its sender is told, in MQTT 5.
+    /// The reason code for a sender of MQTT 5.
     pub(super) const fn reason(self) -> Reason {
         match self {
             Dropped::Forbidden => Reason::NotAuthorized,
@@ -45,20 +45,20 @@ impl Dropped {
     }
 }
 
-/// The topic before, since many clients have but one, and what became of it.
+/// The latest topic and its route, cached because many clients publish on one topic only.
 #[derive(Debug)]
 pub(super) struct Routes {
     topic: Arc<str>,
     route: Option<Route>,
-    /// Who reads it, as of this generation of readers;
+    /// The topic's readers, as of `generation`.
     readers: Found,
     generation: Option<u64>,
-    /// something was sent to them, and it was not looked yet who is behind.
+    /// Whether messages were sent and it was not checked yet which readers are behind.
     is_unsettled: bool,
-    /// Messages that somebody reads, since somebody asked, and what they take.
+    /// Messages for readers since `take_passed` was last called, where a long message counts more than once ([`LONG`]).
     passed: u64,
     piece: usize,
-    /// Readers who were behind when something was published for them.
+    /// Readers that were behind when something was published for them.
     behind: Vec<Arc<Subscriber>>,
 }
 
@@ -89,12 +89,11 @@ impl Routes {
         Ok(route)
     }
 
-    /// The topic of the last question.
     pub(super) fn topic(&self) -> Arc<str> {
         Arc::clone(&self.topic)
     }
 
-    /// Whether somebody reads now what this one publishes there.
+    /// Whether anybody reads what this client publishes on the topic.
     pub(super) fn is_read(&mut self, publisher: SubscriberId, broker: &Broker) -> bool {
         let generation = broker.readers.generation();
         if self.generation != Some(generation) {
@@ -104,7 +103,6 @@ impl Routes {
         !self.readers.is_empty()
     }
 
-    /// Sends a message on it to those who read it.
     pub(super) fn send(&mut self, message: &Arc<Message>, publisher: SubscriberId, broker: &Broker) {
         if !self.is_read(publisher, broker) {
             return;
@@ -115,7 +113,7 @@ impl Routes {
         self.is_unsettled = true;
     }
 
-    /// Looks who of those to whom something was sent is behind.
+    /// Checks which of the readers that were sent something are behind.
     pub(super) fn settle(&mut self) {
         if !std::mem::take(&mut self.is_unsettled) {
             return;
@@ -127,7 +125,7 @@ impl Routes {
         }
     }
 
-    /// Whether so much was passed on since this was asked that it is to be looked whether somebody lags.
+    /// Whether so much was passed on since the last `true` that lagging readers have to be looked for.
     pub(super) const fn take_piece(&mut self) -> bool {
         let is_piece = self.piece >= PIECE;
         if is_piece {

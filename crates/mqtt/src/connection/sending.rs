@@ -1,5 +1,6 @@
-//! Messages that go out to one client, and those that it has not acknowledged yet, which go out again in the next connection of its
-//! session (section 4.4). How they are written stands in `client_writer`; which go out, and when, is decided elsewhere.
+//! Messages on their way to one client, and those that it has not acknowledged, which go out again in the next
+//! connection of its session (section 4.4). How they are written stands in `client_writer`; which go out, and when, is
+//! decided elsewhere.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -12,19 +13,19 @@ use crate::packet::Qos;
 use crate::packet::reason::Reason;
 use crate::subscriber::Delivery;
 
-/// What a client has not acknowledged, the oldest first.
+/// Messages that a client has not acknowledged, the oldest first.
 #[derive(Debug, Default)]
 pub(super) struct Unacknowledged {
-    /// What was sent in an earlier connection, and not yet in this one,
+    /// Sent in an earlier connection, and not yet in this one.
     unsent: VecDeque<Sent>,
-    /// and what was.
+    /// Sent in this connection.
     sent: VecDeque<Sent>,
-    /// So many may be.
+    /// Maximum number of messages in `sent`.
     window: usize,
     last_id: u16,
-    /// How many of them were sent because they were kept.
+    /// How many of them were sent because they were retained.
     kept: usize,
-    /// What they take.
+    /// Size in bytes of their messages.
     bytes: usize,
 }
 
@@ -33,51 +34,49 @@ struct Sent {
     id: u16,
     cause: Cause,
     qos: Qos,
-    /// `None`: the client has it, and is to say that it knows that (PUBCOMP).
+    /// `None`: the client has the message, and only its PUBCOMP is missing.
     delivery: Option<Delivery>,
 }
 
-/// Why a message goes out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cause {
-    /// It was published just now.
     Published,
-    /// It is kept.
+    /// It is a retained message.
     Kept,
 }
 
 impl Unacknowledged {
-    /// A new connection begins, whose client leaves so many unacknowledged: all goes out again.
+    /// Begins a new connection, in which the client leaves at most `receive_maximum` messages unacknowledged:
+    /// everything is to go out again.
     pub(super) fn begin(&mut self, receive_maximum: u16) {
         self.window = WINDOW.min(usize::from(receive_maximum));
-        // What was sent again before is older than what was not yet.
+        // What was sent again already is older than what was not yet.
         self.sent.append(&mut self.unsent);
         std::mem::swap(&mut self.sent, &mut self.unsent);
     }
 
-    /// Whether more may go out that is to be acknowledged.
+    /// Whether more may go out that has to be acknowledged.
     pub(super) fn has_window(&self) -> bool {
         self.unsent.is_empty() && self.sent.len() < self.window && self.bytes < WINDOW_BYTES
     }
 
-    /// How many bytes the messages take, which others may have as well.
+    /// Size in bytes of the messages, which other clients may share.
     pub(super) const fn bytes(&self) -> usize {
         self.bytes
     }
 
-    /// Gives them all up; the stamp of the oldest, if there was one.
+    /// Drops them all, and returns the stamp of the oldest, if there was one.
     pub(super) fn clear(&mut self) -> Option<u64> {
         let given_up = std::mem::take(self);
         let all = given_up.unsent.iter().chain(&given_up.sent);
         all.filter_map(|sent| Some(sent.delivery.as_ref()?.message.stamp)).min()
     }
 
-    /// How many of those that were sent because they were kept are not acknowledged.
     pub(super) const fn kept(&self) -> usize {
         self.kept
     }
 
-    /// Sends a message; what its client would not take is as good as sent (MQTT 5, section 3.1.2.11.4).
+    /// Sends a message. One that is longer than the client accepts counts as sent (MQTT 5, section 3.1.2.11.4).
     pub(super) fn send(
         &mut self,
         delivery: Delivery,
@@ -94,7 +93,7 @@ impl Unacknowledged {
         }
     }
 
-    /// Sends again what was sent in an earlier connection, as far as the client lets it.
+    /// Sends again what was sent in an earlier connection, as far as the client's window allows.
     pub(super) fn resend(&mut self, writer: &mut ClientWriter, out: &mut Outbox, now: Duration) {
         while let Some(next) = self.unsent.front() {
             match &next.delivery {
@@ -112,7 +111,7 @@ impl Unacknowledged {
         }
     }
 
-    /// The client has this one, whichever of the answers to one of its QoS this is: PUBACK, or PUBCOMP. What it was not sent does not matter.
+    /// Handles a PUBACK or PUBCOMP, whichever ends a message of this QoS. An unknown id is ignored.
     pub(super) fn acknowledged(&mut self, id: u16, kind: Kind) {
         let is_meant = |sent: &Sent| sent.id == id && (kind == Kind::Puback) == (sent.qos == Qos::One);
         if let Some(sent) = self.sent.iter().position(is_meant).and_then(|place| self.sent.remove(place)) {
@@ -120,7 +119,7 @@ impl Unacknowledged {
         }
     }
 
-    /// The client has this one of QoS 2, and is told that it need not remember that any longer; one that it does not want is over.
+    /// Handles a PUBREC: answers with PUBREL, unless the client refused the message, which is then over.
     pub(super) fn received(&mut self, id: u16, is_refused: bool, (writer, out): (&mut ClientWriter, &mut Outbox)) {
         if is_refused {
             return self.acknowledged(id, Kind::Pubcomp);
@@ -138,7 +137,7 @@ impl Unacknowledged {
         self.bytes -= sent.delivery.map_or(0, |delivery| delivery.message.cost());
     }
 
-    /// The next id that no other message has.
+    /// The next id that no other message uses.
     fn next_id(&mut self) -> u16 {
         loop {
             self.last_id = self.last_id % u16::MAX + 1;

@@ -1,5 +1,5 @@
-//! What is remembered of a client between its connections, for how long, and the will that waits until it is over or the client takes too
-//! long to come back.
+//! The session of a client between its connections, how long it lasts, and the will that waits until the session ends
+//! or the client has been away for its delay.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -11,16 +11,17 @@ use crate::packet::connect::Will;
 use crate::rights::Payer;
 use crate::subscription::Subscription;
 
-/// What is remembered of a client between its connections. While it is away, what is to reach it surely waits for it here.
+/// What the broker stores of a client between its connections. While the client is away, messages of QoS 1 and 2 wait
+/// for it here.
 #[derive(Debug, Default)]
 pub struct Session {
-    /// Its filters, and its queue; `None`: it was never here.
+    /// Its filters and its queue; `None`: it was never here.
     pub(crate) subscription: Option<Subscription>,
-    /// The ids of its messages of QoS 2 that it has not released, and by what such a message is known.
+    /// Ids of its messages of QoS 2 that it has not released, with the fingerprints by which such a message is
+    /// recognised.
     pub(crate) unreleased: BTreeMap<u16, u64>,
-    /// Messages that were sent and that it has not acknowledged.
     pub(super) unacknowledged: Unacknowledged,
-    /// When it is over, on the clock of all connections, if ever.
+    /// When the session ends, on the clock of all connections; `None`: never.
     pub(super) expires_at: Option<Duration>,
     pub(super) will: Option<LateWill>,
 }
@@ -29,14 +30,14 @@ pub struct Session {
 #[derive(Debug)]
 pub struct LateWill {
     pub(super) will: Will,
-    /// By then the client is to be back.
+    /// When the will is published, unless the client is back.
     pub(super) due: Duration,
     pub(super) payer: Payer,
     pub(super) broker: Arc<Broker>,
 }
 
 impl Session {
-    /// The filters it holds.
+    /// The filters that the client holds.
     pub fn filters(&self) -> impl Iterator<Item = &str> {
         self.subscription.iter().flat_map(Subscription::held).map(|(filter, _)| &**filter)
     }
@@ -47,32 +48,32 @@ impl Session {
         self.unreleased.len()
     }
 
-    /// When something is to be done about it, if its client does not come back: [`Session::handle_timeout`].
+    /// When to call [`Session::handle_timeout`], if the client does not come back.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
         self.will.as_ref().map(|will| will.due).into_iter().chain(self.expires_at).min()
     }
 
-    /// The time of [`Session::poll_timeout`] may have come: whether the session is over ([`Session::end`]), and a will that has waited long
-    /// enough, which is to be published.
+    /// Call this at the time of [`Session::poll_timeout`]. Returns whether the session is over, in which case
+    /// [`Session::end`] is to be called, and a will that is due, which is to be published.
     pub fn handle_timeout(&mut self, now: Duration) -> (bool, Option<LateWill>) {
         let is_over = self.expires_at.is_some_and(|at| at <= now);
         (is_over, self.will.take_if(|will| will.due <= now))
     }
 
-    /// The session is over: a will that waits is published.
+    /// Ends the session, and publishes a will that waits.
     pub fn end(mut self, now: Duration) {
         self.will.take().into_iter().for_each(|will| will.publish(now));
     }
 
-    /// Its client goes on in another way: a will that waits is not published.
+    /// Drops a waiting will, because its client has connected again in another way.
     pub fn withdraw_will(&mut self) {
         self.will = None;
     }
 }
 
 impl LateWill {
-    /// It is published.
+    /// Publishes the will.
     pub fn publish(self, now: Duration) {
         self.broker.publish_will(&self.will, &self.payer, now);
     }

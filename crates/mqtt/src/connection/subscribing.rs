@@ -12,7 +12,6 @@ use crate::packet::filters::{Filters, Options, RetainHandling};
 use crate::packet::reason::Reason;
 use crate::packet::{Version, write};
 
-/// Why a filter is not taken.
 #[derive(Clone, Copy, Debug, thiserror::Error)]
 enum NotTaken {
     #[error(transparent)]
@@ -59,7 +58,8 @@ impl ClientConnection {
                 }
             }
         }
-        // What was published before goes out before, and what is kept at once, so that it does not matter what came in the same piece.
+        // Earlier messages go out before the subscription holds, and retained ones at once, so that the result does not
+        // depend on what came in the same piece.
         self.deliver();
         match self.writer.version() {
             Version::Three => write::suback(self.to_client.end(), filters.id, &codes),
@@ -97,7 +97,7 @@ impl ClientConnection {
         Ok(())
     }
 
-    /// A packet with more filters than are taken ends the connection, and that is said.
+    /// Logs and ends a connection whose packet has more filters than are accepted.
     fn few<'a>(&mut self, filters: Result<Filters<'a>, Malformed>) -> Result<Filters<'a>, Ended> {
         if let Err(wrong @ Malformed::ManyFilters) = filters {
             self.refusals.note(b"", wrong, (&self.broker.lines, self.now));
@@ -105,7 +105,8 @@ impl ClientConnection {
         Ok(filters?)
     }
 
-    /// Takes a filter, and says whether it is shared, or says why not. When it is held with other options, those are changed.
+    /// Accepts a filter, with its new options if it was held before. Returns whether it is shared, or why it was
+    /// refused.
     fn accept(&mut self, filter: &str, grant: Grant) -> Result<(Arc<str>, bool), NotTaken> {
         let shared = filter::share(filter)?;
         match shared {

@@ -1,30 +1,30 @@
-//! Packets that answer another, by its id: PUBACK, PUBREC, PUBREL, PUBCOMP.
+//! Packets that answer another one by its id: PUBACK, PUBREC, PUBREL and PUBCOMP.
 
 use super::properties::{Place, Properties};
 use super::{Fields, Version};
 use crate::frame::{Kind, Malformed};
 
-/// What is answered.
+/// An acknowledgement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ack {
-    /// Whose answer it is.
+    /// The id of the packet that it answers.
     pub id: u16,
-    /// The reason code; 0: all is well.
+    /// The reason code; 0 means success.
     pub reason: u8,
 }
 
 impl Ack {
-    /// Whether it says that something was not taken.
+    /// Whether it refuses the packet that it answers.
     #[must_use]
     pub const fn is_refusal(self) -> bool {
         self.reason >= 0x80
     }
 }
 
-/// Reads one.
+/// Reads an acknowledgement.
 ///
 /// # Errors
-/// When it is none: of MQTT 3.1.1, when the body is anything but an id.
+/// When the body is malformed: in MQTT 3.1.1, anything but an id.
 pub fn read(body: &[u8], kind: Kind, version: Version) -> Result<Ack, Malformed> {
     let mut fields = Fields::new(body);
     let id = fields.id()?;
@@ -38,7 +38,7 @@ pub fn read(body: &[u8], kind: Kind, version: Version) -> Result<Ack, Malformed>
     fields.end().map(|()| Ack { id, reason })
 }
 
-/// One of the reasons that there are for these packets (section 3.4.2.1 and those like it).
+/// Reads a reason code and checks that this kind of packet may have it (section 3.4.2.1 and those like it).
 fn reason(fields: &mut Fields<'_>, kind: Kind) -> Result<u8, Malformed> {
     match fields.byte("reason")? {
         reason @ (0x00 | 0x92) => Ok(reason),
@@ -48,7 +48,7 @@ fn reason(fields: &mut Fields<'_>, kind: Kind) -> Result<u8, Malformed> {
     }
 }
 
-/// The id and the codes of a SUBACK.
+/// Reads the id and the codes of a SUBACK.
 #[cfg(test)]
 pub(crate) fn read_suback(body: &[u8]) -> Result<(u16, &[u8]), Malformed> {
     let mut fields = Fields::new(body);

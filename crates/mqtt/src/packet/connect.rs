@@ -1,4 +1,4 @@
-//! CONNECT (section 3.1): who comes, and what it leaves behind. Whether it is let in is not decided here.
+//! CONNECT (section 3.1): who connects, and what it leaves behind. Whether it may connect is not decided here.
 
 use bytes::Bytes;
 
@@ -9,76 +9,76 @@ use super::{Fields, Qos, Version};
 use crate::frame::Malformed;
 use crate::limits::PROPERTIES;
 
-/// A session that lasts for ever.
+/// Session expiry of a session that never ends.
 pub const FOR_EVER_S: u32 = u32::MAX;
 
 /// A CONNECT.
 #[derive(Clone, Default, PartialEq, Eq)]
 pub struct Connect {
-    /// By what name it calls itself; may be empty.
+    /// The client id, which may be empty.
     pub client_id: String,
-    /// Whether it begins anew, whatever is remembered of it.
+    /// Whether it begins a new session, even if there is an old one.
     pub clean_start: bool,
-    /// How long it is to be remembered when it has gone, in seconds; [`FOR_EVER_S`]: for ever.
+    /// How long its session is stored after the connection, in seconds; [`FOR_EVER_S`]: for ever.
     pub session_expiry_s: u32,
-    /// Its longest silence in seconds; 0: it may be silent for ever.
+    /// Its longest silence in seconds; 0: no limit.
     pub keep_alive_s: u16,
-    /// What is published when it goes without a word.
+    /// The message to publish when it goes without a DISCONNECT.
     pub will: Option<Will>,
-    /// How it wants to be told things.
+    /// Which packets it wants to receive.
     pub reception: Reception,
-    /// By what its sender can be known.
+    /// What it shows of its identity.
     pub credentials: Credentials,
 }
 
-/// How a client wants to be told things.
+/// Which packets a client wants to receive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reception {
-    /// So many messages it may leave unacknowledged.
+    /// Most messages that it leaves unacknowledged at a time.
     pub receive_maximum: u16,
-    /// It takes no longer packet than this, in bytes.
+    /// Longest packet that it accepts, in bytes.
     pub largest: u32,
-    /// So many topics may have a short name.
+    /// Most topic aliases that it accepts.
     pub aliases: u16,
-    /// Whether it wants to be told in words why.
+    /// Whether it wants reasons in words.
     pub wants_words: bool,
 }
 
 /// A last will.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Will {
-    /// Where: a topic without wildcards.
+    /// Its topic, without wildcards.
     pub topic: String,
-    /// What.
+    /// Its payload.
     pub payload: Bytes,
-    /// How often it comes to those who subscribed.
+    /// The QoS at which it is published.
     pub qos: Qos,
-    /// Whether it is kept.
+    /// Whether it is retained.
     pub retain: bool,
-    /// So long its client may take to come back, in seconds, before it is published.
+    /// How long the client may take to come back, in seconds, before the will is published.
     pub delay_s: u32,
-    /// So long it is good for, in seconds.
+    /// How long after its publication the will expires, in seconds.
     pub expiry_s: Option<u32>,
-    /// What goes on with it, written as the properties of MQTT 5.
+    /// Its properties, in the encoding of MQTT 5.
     pub properties: Bytes,
 }
 
-/// Why a CONNECT is not one to go on with.
+/// Why a CONNECT cannot be accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoConnect {
-    /// It speaks some other version.
+    /// It speaks this other version of the protocol.
     #[error("it speaks level {0} of the protocol, and only 4 and 5, which are MQTT 3.1.1 and 5, are spoken here")]
     Level(u8),
     /// It is malformed.
     #[error("{1}")]
     Malformed(Version, Malformed),
-    /// It wants to show who it is in some other way (enhanced authentication).
+    /// It asks for enhanced authentication, which is not supported.
     #[error("it wants to show in several steps who it is, and only a name and a password are taken")]
     Authentication,
 }
 
 impl NoConnect {
-    /// What the client is told before the connection is closed; in its own version.
+    /// The bytes to send before the connection is closed, in the client's version.
     #[must_use]
     pub fn answer(self) -> Vec<u8> {
         let five = |reason: Reason| Connack { words: Some(&self.to_string()), ..Connack::of(reason) }.written(u32::MAX);
@@ -92,14 +92,14 @@ impl NoConnect {
 }
 
 impl Default for Reception {
-    /// Whatever there is.
+    /// The defaults of the standard: no limits, and no topic aliases.
     fn default() -> Reception {
         Reception { receive_maximum: u16::MAX, largest: u32::MAX, aliases: 0, wants_words: true }
     }
 }
 
 impl Connect {
-    /// What it speaks.
+    /// The version that the client speaks.
     #[must_use]
     pub const fn version(&self) -> Version {
         self.credentials.version
@@ -107,7 +107,7 @@ impl Connect {
 }
 
 impl std::fmt::Debug for Connect {
-    /// Without name and password, which are in no log.
+    /// Leaves out name and password, which belong in no log.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "Connect({:?})", self.client_id)
     }
@@ -116,7 +116,7 @@ impl std::fmt::Debug for Connect {
 /// Reads the body of a CONNECT.
 ///
 /// # Errors
-/// When it is of another version, or wrong.
+/// When it speaks another version, or is malformed.
 pub fn read(body: &[u8]) -> Result<Connect, NoConnect> {
     let mut fields = Fields::new(body);
     let version = version(&mut fields)?;
@@ -124,7 +124,7 @@ pub fn read(body: &[u8]) -> Result<Connect, NoConnect> {
     connect.ok_or(NoConnect::Authentication)
 }
 
-/// `None`: it wants to show in some other way who it is.
+/// Reads a CONNECT of this version; `None`: it asks for enhanced authentication.
 fn read_of(version: Version, fields: &mut Fields<'_>) -> Result<Option<Connect>, Malformed> {
     let flags = flags(fields.byte("flags")?, version)?;
     let clean_start = flags & 2 != 0;
@@ -165,25 +165,25 @@ fn read_of(version: Version, fields: &mut Fields<'_>) -> Result<Option<Connect>,
     Ok(is_known.then_some(connect))
 }
 
-/// By what the sender of a CONNECT can be known, as far as that can be read of one that is wrong, or of another version.
+/// The credentials in a CONNECT, as far as they can be read even when it is malformed or of another version.
 #[derive(Clone, Default, PartialEq, Eq)]
 pub struct Credentials {
-    /// Its name.
+    /// The user name.
     pub name: Option<String>,
-    /// Its password.
+    /// The password.
     pub password: Option<Bytes>,
-    /// What it speaks; 3.1.1, if that is neither.
+    /// The version that it speaks; 3.1.1, if it is neither that nor 5.
     pub version: Version,
 }
 
 impl std::fmt::Debug for Credentials {
-    /// Without name and password, which are in no log.
+    /// Leaves out name and password, which belong in no log.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Credentials").field("version", &self.version).finish_non_exhaustive()
     }
 }
 
-/// Reads the credentials in the body of a CONNECT, whatever else is wrong.
+/// Reads the credentials in the body of a CONNECT, whatever else is wrong with it.
 #[must_use]
 pub fn credentials(body: &[u8]) -> Credentials {
     let mut credentials = Credentials::default();
@@ -214,7 +214,7 @@ fn read_credentials(fields: &mut Fields<'_>, credentials: &mut Credentials) -> R
     Ok(())
 }
 
-/// What MQTT 5 has before some fields (section 2.2.2).
+/// Skips the properties that MQTT 5 has before some fields (section 2.2.2).
 fn skip_properties(fields: &mut Fields<'_>, version: Version) -> Result<(), Malformed> {
     let mut length = 0;
     for place in 0..if version == Version::Five { 4 } else { 0 } {
@@ -238,7 +238,7 @@ fn version(fields: &mut Fields<'_>) -> Result<Version, NoConnect> {
     }
 }
 
-/// The flags, when they do not contradict each other.
+/// Checks that the flags do not contradict each other.
 fn flags(flags: u8, version: Version) -> Result<u8, Malformed> {
     let will_without_a_will = flags & 4 == 0 && flags & 0x38 != 0;
     let password_without_a_name = version == Version::Three && flags & 0x80 == 0 && flags & 0x40 != 0;
@@ -283,7 +283,7 @@ fn will(fields: &mut Fields<'_>, flags: u8, version: Version) -> Result<Will, Ma
 mod tests {
     use super::*;
 
-    /// A body: protocol, level, flags, 60 s, and these fields.
+    /// A body: protocol, level, flags, a keep alive of 60 s, and these fields.
     fn body(protocol: &str, level: u8, flags: u8, fields: &[&[u8]]) -> Vec<u8> {
         let field = |bytes: &[u8]| [&u16::try_from(bytes.len()).unwrap().to_be_bytes(), bytes].concat();
         let fields = fields.iter().flat_map(|bytes| field(bytes));
@@ -302,7 +302,7 @@ mod tests {
         assert_eq!((clean.clean_start, clean.session_expiry_s, clean.version()), (true, 0, Version::Three));
     }
 
-    /// A body of MQTT 5 with these properties, before the client id and in the will, which has flags and all.
+    /// A body of MQTT 5 with these properties before the client id, and these of its will.
     fn five(flags: u8, properties: &[Property<'_>], of_will: &[Property<'_>]) -> Vec<u8> {
         let mut out = bytes::BytesMut::from(&body("MQTT", 5, flags, &[])[..]);
         let put = |out: &mut bytes::BytesMut, properties: &[Property<'_>]| {
@@ -374,7 +374,7 @@ mod tests {
         }
     }
 
-    /// Who asks is known whatever else is wrong.
+    /// Credentials are read whatever else is wrong.
     #[test]
     fn who_sends_a_connect_is_read_although_it_is_wrong_or_of_another_version() {
         let me = |version| Credentials { name: Some("me".to_owned()), password: Some(Bytes::from("secret")), version };

@@ -1,22 +1,22 @@
-//! DISCONNECT (section 3.14): how a client takes its leave.
+//! DISCONNECT (section 3.14): how a client ends its connection.
 
 use super::properties::{Place, Properties, Property};
 use super::{Fields, Version};
 use crate::frame::Malformed;
 
-/// What a client says when it goes.
+/// A client's DISCONNECT.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Disconnect {
-    /// The reason code; 0: all is well, and no will is left.
+    /// The reason code; 0: a normal end, which discards the will.
     pub reason: u8,
-    /// How long it wants to be remembered now, in seconds; `None`: as it said before.
+    /// How long its session is to be stored now, in seconds; `None`: as its CONNECT said.
     pub session_expiry_s: Option<u32>,
 }
 
-/// Reads one.
+/// Reads a DISCONNECT.
 ///
 /// # Errors
-/// When it is none: of MQTT 3.1.1, when there is a body.
+/// When it is malformed: in MQTT 3.1.1, when it has a body.
 pub fn read(body: &[u8], version: Version) -> Result<Disconnect, Malformed> {
     let mut fields = Fields::new(body);
     let mut disconnect = Disconnect { reason: 0, session_expiry_s: None };

@@ -1,48 +1,49 @@
-//! SUBSCRIBE and UNSUBSCRIBE (sections 3.8 and 3.10): an id and filters. Whether a filter is a good one stands in `filter`.
+//! SUBSCRIBE and UNSUBSCRIBE (sections 3.8 and 3.10): an id and filters. Whether a filter is valid is checked in
+//! `filter`.
 
 use super::properties::{Place, Properties, Property};
 use super::{Fields, Qos, Version};
 use crate::frame::Malformed;
 use crate::limits::PACKET_FILTERS;
 
-/// The filters of a SUBSCRIBE with what is wanted for each, or of an UNSUBSCRIBE.
+/// The filters of a SUBSCRIBE, each with its options, or those of an UNSUBSCRIBE.
 #[derive(Clone, Copy, Debug)]
 pub struct Filters<'a> {
     /// The packet's id.
     pub id: u16,
-    /// What stands before each message of these subscriptions, in MQTT 5.
+    /// The subscription id, which messages of these subscriptions carry (MQTT 5).
     pub subscription_id: Option<u32>,
     fields: Fields<'a>,
-    /// The version of the options that stand behind each filter; `None`: there are none.
+    /// The version of the options behind each filter; `None`: there are none.
     options: Option<Version>,
 }
 
-/// What is wanted of a subscription (MQTT 5, section 3.8.3.1).
+/// The options of a subscription (MQTT 5, section 3.8.3.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
-    /// How surely messages are to come, at the most.
+    /// The highest QoS at which messages are sent.
     pub qos: Qos,
-    /// What the subscriber itself publishes is left out.
+    /// Whether the subscriber's own messages are left out.
     pub no_local: bool,
-    /// What was published to be kept comes with that flag.
+    /// Whether messages carry the RETAIN flag with which they were published.
     pub as_published: bool,
-    /// When what is kept is sent.
+    /// When retained messages are sent.
     pub kept: RetainHandling,
 }
 
-/// When what is kept is sent to whoever subscribes.
+/// When a SUBSCRIBE is answered with the retained messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RetainHandling {
     /// Each time.
     Always,
-    /// When the subscription was not there before.
+    /// When the subscription is new.
     New,
     /// Never.
     Never,
 }
 
 impl Options {
-    /// At this quality, and else as in MQTT 3.1.1.
+    /// This QoS, and otherwise the options of MQTT 3.1.1.
     #[must_use]
     pub const fn at(qos: Qos) -> Options {
         Options { qos, no_local: false, as_published: false, kept: RetainHandling::Always }
@@ -67,7 +68,7 @@ impl<'a> Filters<'a> {
     /// Reads a SUBSCRIBE.
     ///
     /// # Errors
-    /// When it is none.
+    /// When it is malformed.
     pub fn of_subscribe(body: &'a [u8], version: Version) -> Result<Filters<'a>, Malformed> {
         Filters::read(body, version, Place::Subscribe)
     }
@@ -75,7 +76,7 @@ impl<'a> Filters<'a> {
     /// Reads an UNSUBSCRIBE.
     ///
     /// # Errors
-    /// When it is none.
+    /// When it is malformed.
     pub fn of_unsubscribe(body: &'a [u8], version: Version) -> Result<Filters<'a>, Malformed> {
         Filters::read(body, version, Place::Unsubscribe)
     }
@@ -171,7 +172,7 @@ mod tests {
         assert_eq!(unsubscribe.map(|(filter, _)| filter).collect::<Vec<_>>(), ["a"]);
     }
 
-    /// A packet's work is bounded.
+    /// The work for one packet is bounded.
     #[test]
     fn a_packet_has_so_many_filters_and_more_are_not_even_read() {
         let of = |count: usize| [&[0, 7][..], &[0, 1, b'a'].repeat(count)].concat();

@@ -1,5 +1,5 @@
-//! What is in a packet, read strictly by MQTT 3.1.1 and 5, and packets written. No reader allocates but that of CONNECT, none panics on any
-//! bytes; none decides what may be done.
+//! The contents of packets, read strictly by MQTT 3.1.1 and 5, and packets written. Only the reader of CONNECT
+//! allocates, and none panics on any bytes. What a packet may do is not decided here.
 
 pub mod ack;
 pub mod connect;
@@ -22,7 +22,7 @@ pub enum Version {
     Five,
 }
 
-/// How often a message comes (section 4.3).
+/// Quality of service: how often a message is delivered (section 4.3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Qos {
@@ -35,7 +35,7 @@ pub enum Qos {
 }
 
 impl Qos {
-    /// The QoS of this number.
+    /// The QoS with this number.
     ///
     /// # Errors
     /// `Malformed::Qos` for all but 0, 1 and 2.
@@ -49,7 +49,7 @@ impl Qos {
     }
 }
 
-/// The fields of a body, one after the other.
+/// Reads the fields of a body, one after the other.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fields<'a>(&'a [u8]);
 
@@ -76,7 +76,7 @@ impl<'a> Fields<'a> {
         Ok(u32::from_be_bytes(bytes))
     }
 
-    /// A number in one to four bytes (section 1.5.5).
+    /// A variable byte integer: one to four bytes (section 1.5.5).
     pub(super) fn variable(&mut self, what: &'static str) -> Result<u32, Malformed> {
         let (number, own) = length(self.0)?.ok_or(Malformed::Short(what))?;
         self.0 = &self.0[own..];
@@ -110,7 +110,7 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// Text as the standard has it (section 1.5.3): UTF-8 without a U+0000.
+/// Text by section 1.5.3: UTF-8 without U+0000.
 pub(crate) fn text<'a>(bytes: &'a [u8], what: &'static str) -> Result<&'a str, Malformed> {
     std::str::from_utf8(bytes).ok().filter(|_| !bytes.contains(&0)).ok_or(Malformed::Text(what))
 }

@@ -1,11 +1,12 @@
-//! The properties of MQTT 5 (section 2.2.2): what may be said beside the fields of a packet. They are read strictly, and none is copied.
+//! The properties of MQTT 5 (section 2.2.2), which may stand beside the fields of a packet. They are read strictly, and
+//! none is copied.
 
 use bytes::{BufMut, BytesMut};
 
 use super::Fields;
 use crate::frame::{Malformed, length};
 
-/// One property, with what it says.
+/// One property with its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names are those of the standard, table 2-4")]
 pub enum Property<'a> {
@@ -31,7 +32,7 @@ pub enum Property<'a> {
     MaximumPacket(u32),
 }
 
-/// Where properties stand: in which packet of a client, or in its will.
+/// A place for properties: a packet of a client, or the will in one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names are those of the packets")]
 pub enum Place {
@@ -44,12 +45,12 @@ pub enum Place {
     Disconnect,
 }
 
-/// The properties of one packet, read and found good, one after the other.
+/// The properties of one packet, which have been checked.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Properties<'a>(&'a [u8]);
 
 impl<'a> Properties<'a> {
-    /// Reads those at the head of what is left.
+    /// Reads and checks the properties at the head of `fields`.
     pub(super) fn read(fields: &mut Fields<'a>, place: Place) -> Result<Properties<'a>, Malformed> {
         let properties = Properties(split(fields)?);
         let (mut rest, mut seen) = (Fields::new(properties.0), 0_u64);
@@ -68,19 +69,19 @@ impl<'a> Properties<'a> {
         Ok(properties)
     }
 
-    /// Those at the head of what is left, whatever they are.
+    /// Reads the properties at the head of `fields` without checking whether they may stand there.
     #[cfg(test)]
     pub(crate) fn of_server(fields: &mut Fields<'a>) -> Properties<'a> {
         Properties(split(fields).unwrap())
     }
 
-    /// As they are written.
+    /// The encoded properties.
     pub(crate) const fn bytes(self) -> &'a [u8] {
         self.0
     }
 }
 
-/// The bytes of the properties at the head of what is left.
+/// The bytes of the properties at the head of `fields`.
 fn split<'a>(fields: &mut Fields<'a>) -> Result<&'a [u8], Malformed> {
     let wrong = Malformed::Short("properties");
     let (size, own) = length(fields.rest())?.ok_or(wrong)?;
@@ -98,14 +99,14 @@ impl<'a> Iterator for Properties<'a> {
         }
         let mut fields = Fields::new(self.0);
         let property = Property::read(&mut fields).ok();
-        // What is wrong ends them; nothing is, once they were read.
+        // An error ends the iteration; there is none in properties that were checked.
         self.0 = if property.is_some() { fields.rest() } else { &[] };
         property
     }
 }
 
 impl<'a> Property<'a> {
-    /// The first byte of each.
+    /// The identifier, which is the first byte of the property.
     const fn id(self) -> u8 {
         match self {
             Property::PayloadFormat(_) => 0x01,
@@ -184,7 +185,7 @@ impl<'a> Property<'a> {
         }
     }
 
-    /// Whether a client may say this there.
+    /// Whether a client may send this property in this place.
     const fn stands_in(self, place: Place) -> bool {
         match self {
             Property::User(..) => true,
@@ -209,7 +210,7 @@ impl<'a> Property<'a> {
         }
     }
 
-    /// Whether what it says can be said at all.
+    /// Checks the value against the range of its property.
     fn check(self) -> Result<(), Malformed> {
         let is_good = match self {
             Property::PayloadFormat(flag) | Property::RequestProblem(flag) | Property::RequestResponse(flag) => flag <= 1,
@@ -233,7 +234,7 @@ impl<'a> Property<'a> {
         if is_good { Ok(()) } else { Err(Malformed::PropertyValue(self.id())) }
     }
 
-    /// Whether it goes on with a message to those who read it, as it is.
+    /// Whether it is forwarded unchanged to the readers of a message.
     pub(crate) const fn goes_on(self) -> bool {
         matches!(
             self,
@@ -246,14 +247,14 @@ impl<'a> Property<'a> {
     }
 }
 
-/// What goes on with a message, written.
+/// The encoding of the properties that are forwarded with a message.
 pub(crate) fn that_go_on<'a>(properties: impl IntoIterator<Item = Property<'a>>) -> BytesMut {
     let mut out = BytesMut::new();
     properties.into_iter().filter(|property| property.goes_on()).for_each(|property| property.write(&mut out));
     out
 }
 
-/// In how many bytes a number of this kind is written.
+/// Number of bytes that encode this number as a variable byte integer.
 pub(crate) const fn variable_length(number: usize) -> usize {
     match number {
         0..=0x7F => 1,

@@ -1,4 +1,4 @@
-//! The head of a PUBLISH (section 3.3). Whether its topic is one, is asked apart, since senders use few topics and send much.
+//! The head of a PUBLISH (section 3.3). The topic is checked elsewhere, since senders use few topics and send much.
 
 use super::properties::{Place, Properties};
 use super::{Fields, Qos, Version};
@@ -7,26 +7,26 @@ use crate::frame::{Frame, Malformed};
 /// A PUBLISH.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Publish<'a> {
-    /// The bytes of its topic; none in MQTT 5, when a topic alias stands for it.
+    /// The bytes of its topic; empty in MQTT 5 when a topic alias stands for it.
     pub topic: &'a [u8],
-    /// What is said.
+    /// The payload.
     pub payload: &'a [u8],
-    /// How often it comes.
+    /// The QoS at which it is sent.
     pub qos: Qos,
     /// Its id; 0 at QoS 0.
     pub id: u16,
-    /// Whether it may have been sent before.
+    /// The DUP flag: it may have been sent before.
     pub is_duplicate: bool,
-    /// Whether it is to be kept.
+    /// Whether it is to be retained.
     pub retain: bool,
-    /// What is said beside that, in MQTT 5.
+    /// Its properties; empty in MQTT 3.1.1.
     pub properties: Properties<'a>,
 }
 
 /// Reads a PUBLISH; `packet` is the whole of it.
 ///
 /// # Errors
-/// When it is none.
+/// When it is malformed.
 pub fn read<'a>(frame: &Frame, packet: &'a [u8], version: Version) -> Result<Publish<'a>, Malformed> {
     let qos = Qos::of(frame.flags >> 1 & 3)?;
     let is_duplicate = frame.flags & 8 != 0;

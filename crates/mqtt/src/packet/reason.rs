@@ -1,6 +1,6 @@
 //! The reason codes of MQTT 5 (section 2.4).
 
-/// Why something is so, as one of MQTT 5 is told.
+/// A reason code of MQTT 5.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 #[expect(missing_docs, reason = "the names are those of the standard, table 2-6")]

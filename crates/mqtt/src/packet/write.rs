@@ -1,4 +1,4 @@
-//! Packets, written. Nobody here asks whether they are wise.
+//! Writes packets. Whether a packet is allowed is not checked here.
 
 use bytes::{BufMut, BytesMut};
 
@@ -8,35 +8,35 @@ use super::reason::Reason;
 use crate::frame::Kind;
 use crate::limits::{ALIASES, CLIENT_PACKET, UNRELEASED};
 
-/// PINGRESP.
+/// A whole PINGRESP.
 pub const PINGRESP: [u8; 2] = [Kind::Pingresp.first_byte(), 0];
 
-/// The flag of a PUBLISH that may have been sent before.
+/// The DUP flag of a PUBLISH.
 const DUPLICATE: u8 = 8;
 
 /// The code of a SUBACK for a filter that is refused.
 pub const REFUSED: u8 = 0x80;
 
-/// What a CONNACK says (section 3.2.2.3).
+/// The return code of a CONNACK (section 3.2.2.3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Welcome {
-    /// Come in.
+    /// The client may go on.
     Accepted = 0,
-    /// This version is not spoken.
+    /// This version is not supported.
     Version,
-    /// No such client id.
+    /// The client id is not accepted.
     ClientId,
-    /// The broker is not there, or full.
+    /// The broker is not available, or full.
     Unavailable,
-    /// Name or password are not known.
+    /// User name or password are wrong.
     Login,
-    /// This may not be done: a forbidden will.
+    /// The client may not do this, such as leave its will.
     NotAllowed,
 }
 
 impl Welcome {
-    /// The same in words.
+    /// The return code in words.
     #[must_use]
     pub const fn in_words(self) -> &'static str {
         match self {
@@ -49,7 +49,7 @@ impl Welcome {
         }
     }
 
-    /// The same for one of MQTT 5.
+    /// The reason code for a client of MQTT 5.
     #[must_use]
     pub const fn reason(self) -> Reason {
         match self {
@@ -66,28 +66,28 @@ impl Welcome {
 /// A CONNACK of MQTT 5 (section 3.2.2).
 #[derive(Clone, Copy, Debug)]
 pub struct Connack<'a> {
-    /// Whether and why not it is let in.
+    /// Whether the client is accepted, and if not, why.
     pub reason: Reason,
-    /// Whether something is remembered of it.
+    /// Whether the broker has a session of the client.
     pub session_present: bool,
-    /// How long it is remembered, in seconds, when that is another time than it wished.
+    /// How long the session is stored, in seconds, where that differs from the client's wish.
     pub session_expiry_s: Option<u32>,
-    /// The client id that it has got, having none.
+    /// The client id that was assigned to a client without one.
     pub assigned_id: Option<&'a str>,
-    /// Its keep alive, in seconds, when it is another than it wished.
+    /// The keep alive in seconds, where that differs from the client's wish.
     pub keep_alive_s: Option<u16>,
-    /// The same in words.
+    /// The reason in words.
     pub words: Option<&'a str>,
 }
 
 impl Connack<'_> {
-    /// Nothing but this.
+    /// A CONNACK with this reason and nothing else.
     #[must_use]
     pub const fn of(reason: Reason) -> Connack<'static> {
         Connack { reason, session_present: false, session_expiry_s: None, assigned_id: None, keep_alive_s: None, words: None }
     }
 
-    /// Written; with what need not be said only when the client takes so many bytes.
+    /// Writes the CONNACK, and leaves optional parts out when it would be longer than `largest` bytes.
     #[must_use]
     pub fn written(self, largest: u32) -> Vec<u8> {
         let needed = [
@@ -113,13 +113,13 @@ impl Connack<'_> {
     }
 }
 
-/// A CONNACK of MQTT 3.1.1.
+/// Writes a CONNACK of MQTT 3.1.1.
 #[must_use]
 pub const fn connack(welcome: Welcome, session_present: bool) -> [u8; 4] {
     [Kind::Connack.first_byte(), 2, session_present as u8, welcome as u8]
 }
 
-/// A CONNECT with this client id, name and password, and without a will.
+/// Writes a CONNECT with this client id, name and password, and without a will.
 pub fn connect(out: &mut BytesMut, client_id: &str, clean_session: bool, keep_alive_s: u16, (name, password): (&str, &str)) {
     head(out, Kind::Connect.first_byte(), 16 + client_id.len() + name.len() + password.len());
     text(out, "MQTT");
@@ -128,7 +128,7 @@ pub fn connect(out: &mut BytesMut, client_id: &str, clean_session: bool, keep_al
     [client_id, name, password].into_iter().for_each(|field| text(out, field));
 }
 
-/// A PUBLISH of MQTT 3.1.1; `id` is of no matter at QoS 0.
+/// Writes a PUBLISH of MQTT 3.1.1; `id` is not used at QoS 0.
 pub fn publish(out: &mut BytesMut, topic: &[u8], payload: &[u8], qos: Qos, id: u16, retain: bool) {
     PublishHead { topic, qos, id, retain, is_duplicate: false, properties: None }.with(out, payload);
 }
@@ -136,26 +136,25 @@ pub fn publish(out: &mut BytesMut, topic: &[u8], payload: &[u8], qos: Qos, id: u
 /// All of a PUBLISH but its payload.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PublishHead<'a> {
-    /// Empty, when an alias stands for it.
+    /// Empty when an alias stands for it.
     pub(crate) topic: &'a [u8],
     pub(crate) qos: Qos,
     /// 0 at QoS 0.
     pub(crate) id: u16,
     pub(crate) retain: bool,
-    /// Whether it may have been sent before.
+    /// The DUP flag.
     pub(crate) is_duplicate: bool,
-    /// For one of MQTT 5.
+    /// `None` for MQTT 3.1.1.
     pub(crate) properties: Option<PublishProperties<'a>>,
 }
 
-/// What is said beside that in MQTT 5.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PublishProperties<'a> {
     pub(crate) expiry_s: Option<u32>,
     pub(crate) alias: Option<u16>,
-    /// The numbers of the subscriptions by which it comes.
+    /// The ids of the subscriptions that match.
     pub(crate) ids: &'a [u32],
-    /// What its publisher said, written.
+    /// Its publisher's properties, encoded.
     pub(crate) others: &'a [u8],
 }
 
@@ -166,7 +165,7 @@ impl PublishHead<'_> {
         out.put_slice(payload);
     }
 
-    /// How long it is in all with a payload of so many bytes.
+    /// Length of the whole packet, in bytes, with a payload of this many bytes.
     pub(crate) fn length(&self, payload: usize) -> usize {
         let rest = self.rest() + payload;
         1 + variable_length(rest) + rest
@@ -178,7 +177,7 @@ impl PublishHead<'_> {
         2 + self.topic.len() + id + properties
     }
 
-    /// What comes before a payload of so many bytes.
+    /// Writes everything that stands before a payload of this many bytes.
     pub(crate) fn before(self, out: &mut BytesMut, payload: usize) {
         let again = if self.is_duplicate && self.qos > Qos::Zero { DUPLICATE } else { 0 };
         let first = Kind::Publish.first_byte() | again | (self.qos as u8) << 1 | u8::from(self.retain);
@@ -208,13 +207,13 @@ impl PublishProperties<'_> {
     }
 }
 
-/// PUBACK, PUBREC, PUBREL or PUBCOMP, when all is well; in MQTT 3.1.1 UNSUBACK as well.
+/// Writes a successful PUBACK, PUBREC, PUBREL or PUBCOMP; in MQTT 3.1.1 UNSUBACK as well.
 pub fn ack(out: &mut BytesMut, kind: Kind, id: u16) {
     let [high, low] = id.to_be_bytes();
     out.put_slice(&[kind.first_byte(), 2, high, low]);
 }
 
-/// PUBACK, PUBREC, PUBREL or PUBCOMP of MQTT 5, with why, and perhaps with that in words.
+/// Writes a PUBACK, PUBREC, PUBREL or PUBCOMP of MQTT 5 with its reason.
 pub fn ack_with(out: &mut BytesMut, kind: Kind, id: u16, reason: Reason, words: Option<&str>) {
     let properties = reason_string(words);
     head(out, kind.first_byte(), 3 + properties.len());
@@ -223,12 +222,12 @@ pub fn ack_with(out: &mut BytesMut, kind: Kind, id: u16, reason: Reason, words: 
     out.put_slice(&properties);
 }
 
-/// A SUBACK with a code for each filter.
+/// Writes a SUBACK with a code for each filter.
 pub fn suback(out: &mut BytesMut, id: u16, codes: &[u8]) {
     codes_of(out, Kind::Suback, id, (&[], codes));
 }
 
-/// A SUBACK or an UNSUBACK of MQTT 5 with a code for each filter, and perhaps with why in words.
+/// Writes a SUBACK or an UNSUBACK of MQTT 5 with a code for each filter.
 pub fn codes_five(out: &mut BytesMut, kind: Kind, id: u16, codes: &[u8], words: Option<&str>) {
     codes_of(out, kind, id, (&reason_string(words), codes));
 }
@@ -240,7 +239,7 @@ fn codes_of(out: &mut BytesMut, kind: Kind, id: u16, (properties, codes): (&[u8]
     out.put_slice(codes);
 }
 
-/// A DISCONNECT of MQTT 5.
+/// Writes a DISCONNECT of MQTT 5.
 pub fn disconnect(out: &mut BytesMut, reason: Reason, words: Option<&str>) {
     let properties = reason_string(words);
     head(out, Kind::Disconnect.first_byte(), 1 + properties.len());
@@ -248,7 +247,7 @@ pub fn disconnect(out: &mut BytesMut, reason: Reason, words: Option<&str>) {
     out.put_slice(&properties);
 }
 
-/// A SUBSCRIBE to these filters, of which there is at least one.
+/// Writes a SUBSCRIBE to these filters, of which there is at least one.
 pub fn subscribe(out: &mut BytesMut, id: u16, filters: &[(&str, Qos)]) {
     head(out, Kind::Subscribe.first_byte(), 2 + filters.iter().map(|(filter, _)| 3 + filter.len()).sum::<usize>());
     out.put_u16(id);
@@ -258,7 +257,7 @@ pub fn subscribe(out: &mut BytesMut, id: u16, filters: &[(&str, Qos)]) {
     }
 }
 
-/// An UNSUBSCRIBE from these filters, of which there is at least one.
+/// Writes an UNSUBSCRIBE from these filters, of which there is at least one.
 pub fn unsubscribe(out: &mut BytesMut, id: u16, filters: &[&str]) {
     head(out, Kind::Unsubscribe.first_byte(), 2 + filters.iter().map(|filter| 2 + filter.len()).sum::<usize>());
     out.put_u16(id);
@@ -272,7 +271,7 @@ fn head(out: &mut BytesMut, first: u8, length: usize) {
     put_variable(out, length as u32);
 }
 
-/// Properties, and before them how many bytes they are.
+/// The encoded properties, with their length before them.
 fn written(properties: &[Property<'_>]) -> BytesMut {
     let (mut out, mut all) = (BytesMut::new(), BytesMut::new());
     properties.iter().for_each(|property| property.write(&mut all));
@@ -281,7 +280,7 @@ fn written(properties: &[Property<'_>]) -> BytesMut {
     out
 }
 
-/// Why in words, as the properties of a packet that has no others.
+/// The reason in words, as the only property of a packet.
 fn reason_string(words: Option<&str>) -> BytesMut {
     words.map_or_else(|| written(&[]), |words| written(&[Property::ReasonString(words)]))
 }
@@ -290,7 +289,7 @@ fn text(out: &mut BytesMut, text: &str) {
     bytes(out, text.as_bytes());
 }
 
-/// A length in two bytes, and as many bytes. What is written here came out of such a field, or is short.
+/// A field with its length in two bytes. All values come from such a field, or are short.
 fn bytes(out: &mut BytesMut, bytes: &[u8]) {
     out.put_u16(u16::try_from(bytes.len()).expect("it was read from a field of at most so many bytes, or is bounded by TOPIC"));
     out.put_slice(bytes);

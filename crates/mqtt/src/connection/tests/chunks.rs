@@ -1,4 +1,4 @@
-//! Bytes come in pieces of any size: what comes of them is the same.
+//! A client's bytes may come in pieces of any size: the outcome is the same.
 
 use bytes::BytesMut;
 use proptest::prelude::*;
@@ -8,17 +8,15 @@ use super::scene::{OPERATOR, STOP, Scene, in_words, publish, subscribe, taken, u
 use crate::Ended;
 use crate::packet::Qos;
 
-/// What came of a client's bytes.
 #[derive(Debug, PartialEq)]
 struct Outcome {
     ended: Option<Ended>,
     heard: Vec<String>,
     to_others: Vec<String>,
-    /// Messages and answers, each in their order; which of them comes first is not said.
+    /// Messages and answers, each in their order; which of them comes first is open.
     to_client: (Vec<String>, Vec<String>),
 }
 
-/// Gives a connection these pieces, one after the other.
 fn outcome<'a>(pieces: impl Iterator<Item = &'a [u8]>) -> Outcome {
     let mut scene = Scene::of(OPERATOR);
     let mut everybody = scene.everybody();

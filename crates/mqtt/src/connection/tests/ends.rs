@@ -1,4 +1,4 @@
-//! How connections end: silence, leave, nonsense, and wills.
+//! How connections end: silence, DISCONNECT, malformed packets, and wills.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! What a client of MQTT 5 says, what others hear of it in either version, and what it is told.
+//! Clients of MQTT 5: what they send, what others receive of it in either version, and what they are answered.
 
 use std::time::Duration;
 
@@ -92,7 +92,7 @@ fn a_number_stands_for_a_topic_and_one_that_does_not_ends_the_connection() {
     assert_eq!(ends(&[alias("a", 1), long, alias("", 1)].concat()), Ended::Malformed(Malformed::NoTopic), "it is not a any more");
 }
 
-/// As the search for what is urgent has it.
+/// The search for urgent messages has the same rule.
 #[test]
 fn a_message_with_too_many_properties_names_no_topic() {
     let (long, mut scene) = ("x".repeat(PROPERTIES), scene(&broker(), |_| {}));
@@ -101,7 +101,7 @@ fn a_message_with_too_many_properties_names_no_topic() {
     assert_eq!(ended, Err(Ended::Malformed(Malformed::NoTopic)));
 }
 
-/// It reaches everybody who follows commands, and they may believe what stands beside it.
+/// A STOP reaches everybody who follows commands, and they may trust the properties beside it.
 #[test]
 fn what_a_viewer_says_beside_a_stop_goes_no_further() {
     let broker = broker();
@@ -115,7 +115,7 @@ fn what_a_viewer_says_beside_a_stop_goes_no_further() {
     }
 }
 
-/// A STOP by number is one.
+/// A STOP whose topic is given by an alias is still a STOP.
 #[test]
 fn a_command_is_heard_though_a_number_stands_for_its_topic() {
     let mut scene = scene(&broker(), |_| {});
@@ -124,7 +124,7 @@ fn a_command_is_heard_though_a_number_stands_for_its_topic() {
     assert_eq!(scene.heard(), [format!("{STOP} 1"), format!("{STOP} 2")]);
 }
 
-/// Section 3.3.2.3.4, to a client: no more than it wants.
+/// Section 3.3.2.3.4, to a client: no more aliases than it wants.
 #[test]
 fn topics_are_given_numbers_for_those_who_want_some() {
     let broker = broker();

@@ -1,4 +1,4 @@
-//! What is remembered of a client of MQTT 5, for how long, and the will that waits.
+//! Sessions of MQTT 5: how long they last, and the will that waits.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -30,7 +30,7 @@ fn gone(mut scene: Scene, why: Ended) -> Option<Session> {
     scene.connection.into_session()
 }
 
-/// Time goes on: whether the session is over, its will having been published, if it is due.
+/// Lets time pass. Returns whether the session is over; a will that is due is published.
 fn is_over(session: &mut Session, now: Duration) -> bool {
     let (is_over, will) = session.handle_timeout(now);
     will.into_iter().for_each(|will| will.publish(now));
@@ -110,7 +110,7 @@ fn a_client_that_is_back_in_time_leaves_no_will_and_one_that_wants_it_leaves_it(
     assert!(watcher.read().is_empty(), "the program ends");
 }
 
-/// Nothing of others is taken for over, and it is itself good for as long as it says, from when it is published on.
+/// An early will ends nobody else's messages, and its own expiry counts from its publication.
 #[test]
 fn a_will_that_comes_early_is_published_by_the_time_that_it_is() {
     let (broker, at) = (broker(), Duration::from_secs);
@@ -143,7 +143,7 @@ fn nobody_is_remembered_whose_key_is_gone() {
     assert_eq!(watcher.read().len(), 1, "there is nothing that its will could wait for");
 }
 
-/// What began to go out may be over when its client is back.
+/// A message that was already sent once may expire before its client is back.
 #[test]
 fn what_is_over_is_not_sent_again() {
     let broker = broker();
@@ -158,7 +158,7 @@ fn what_is_over_is_not_sent_again() {
     assert_eq!(back.told(), ["Publish a=long q1 #2 again"]);
 }
 
-/// Section 4.9: however many were under way before.
+/// Section 4.9, however many were under way before.
 #[test]
 fn what_was_not_acknowledged_comes_again_no_faster_than_the_client_bears() {
     let broker = broker();

@@ -1,4 +1,5 @@
-//! A STOP behind its sender's own flood, and those who do not read it: simulated, no time passing but that for which the sender waits.
+//! A STOP behind its sender's own flood, and subscribers that do not read it. Simulated: no time passes but that for
+//! which the sender waits.
 
 use std::time::Duration;
 
@@ -8,13 +9,11 @@ use super::scene::{OPERATOR, STOP, Scene, broker, publish};
 use crate::limits::{PATIENCE, QUEUE_BYTES, STILL};
 use crate::packet::Qos;
 
-/// So deep the STOP stands, in messages of a kibibyte.
+/// How many messages of one kibibyte stand before the STOP.
 const DEEP: usize = 4096;
 
-/// When the sender begins.
 const BEGINS: Duration = Duration::from_secs(100);
 
-/// The flood, and a STOP behind it.
 fn flood() -> BytesMut {
     let mut said = BytesMut::new();
     let message = publish(0x30, "flood/a", &"x".repeat(1000), 0);
@@ -23,8 +22,8 @@ fn flood() -> BytesMut {
     said
 }
 
-/// How long it takes until the STOP is heard beside so many subscribers, of whom one after the other stops reading
-/// every so many turns. Whoever reads is never found behind.
+/// How long it takes until the STOP is heard beside `crowd` subscribers, of whom one more stops reading every `every`
+/// turns. One that reads is never found behind.
 fn waited(crowd: usize, every: usize) -> Duration {
     let broker = broker();
     let mut readers: Vec<Scene> = (0..crowd).map(|_| Scene::at_broker(&broker, OPERATOR, |_| {})).collect();
@@ -53,7 +52,7 @@ fn waited(crowd: usize, every: usize) -> Duration {
     now - BEGINS
 }
 
-/// Nobody who stops reading holds up what an honest client says for long.
+/// Subscribers that stop reading delay an honest client only briefly.
 #[test]
 fn a_stop_four_mebibytes_deep_in_its_senders_flood_waits_less_than_a_tenth_of_a_second_for_those_who_do_not_read() {
     assert_eq!(waited(1, 0), STILL, "it is waited for, in case it reads again");
@@ -64,8 +63,8 @@ fn a_stop_four_mebibytes_deep_in_its_senders_flood_waits_less_than_a_tenth_of_a_
     assert!(2 * STILL < Duration::from_millis(100) && 2 * STILL < PATIENCE);
 }
 
-/// Each may have cost much, and there may be many of them. The newest is not lost, kept or not, and what is kept comes when nothing else
-/// does.
+/// Each subscriber may have used much room, and there may be many of them. The newest message is not lost, retained or
+/// not, and a retained one arrives when nothing else does.
 #[test]
 fn of_a_flood_whose_readers_are_not_waited_for_the_newest_waits_and_the_stop_behind_it_is_heard() {
     let mut sender = Scene::of(OPERATOR);

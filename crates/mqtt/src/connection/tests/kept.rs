@@ -1,4 +1,4 @@
-//! Kept messages: they all arrive, at the right QoS, and only as fast as they are taken.
+//! Retained messages: they all arrive, at the right QoS, and only as fast as they are taken.
 
 use std::collections::BTreeSet;
 
@@ -22,7 +22,7 @@ fn keep(scene: &Scene, topic: &str, payload: &str, qos: Qos) -> bool {
     scene.broker.retained.keep(&Payer::Anybody, &message, scene.now)
 }
 
-/// What a client gets that acknowledges everything, and the most that it had to acknowledge at once.
+/// Everything that a client receives while it acknowledges all of it, and the most that it had to acknowledge at once.
 fn all_that_comes(scene: &mut Scene) -> (BTreeSet<String>, usize) {
     let (mut all, mut most) = (BTreeSet::new(), 0);
     loop {
@@ -91,7 +91,7 @@ fn a_client_that_takes_nothing_is_not_drowned() {
     assert_eq!(got, 4001);
 }
 
-/// However many wait for a long one, it is there once.
+/// A long message is in memory once, however many clients wait for it.
 #[test]
 fn a_long_kept_message_is_not_copied_for_those_who_wait_for_it() {
     let payload = "x".repeat(CLIENT_PACKET / 2);
@@ -128,7 +128,7 @@ fn nothing_more_comes_of_a_filter_that_was_let_go() {
     assert_eq!(scene.got(), ["Unsuback 2"]);
 }
 
-/// However many a client may leave unacknowledged, their bytes have an end, too.
+/// The bytes of unacknowledged messages are limited, however many of them the client allows.
 #[test]
 fn long_kept_messages_wait_for_acknowledgements() {
     let payload = "x".repeat(WINDOW_BYTES / 4);

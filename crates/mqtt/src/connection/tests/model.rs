@@ -1,5 +1,5 @@
-//! Any program of publishing, subscribing, reading, breaking off and coming back, of clients of both versions, gives what a model of the
-//! standard gives, which knows nothing of queues, trees and connections.
+//! Compares clients of both versions with a model of the standard, over random programs of publishing, subscribing,
+//! reading, breaking off and coming back. The model knows nothing of queues, trees and connections.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
@@ -14,24 +14,22 @@ use crate::{Broker, Session, Terms};
 
 const CLIENTS: usize = 4;
 
-/// From this one on they speak MQTT 5.
+/// Clients from this index on speak MQTT 5.
 const FIVE: usize = 2;
 
 #[derive(Clone, Debug)]
 enum Act {
-    /// And whether what the client says itself is left out, which only those of MQTT 5 can want.
+    /// The last field says whether the client's own messages are left out, which only MQTT 5 knows.
     Subscribe(&'static str, Qos, bool),
     Unsubscribe(&'static str),
     Publish(&'static str, Qos, bool),
-    /// Takes away what is kept there.
+    /// Clears what is retained there.
     Clear(&'static str),
-    /// Reads all there is, and acknowledges it or not.
+    /// Reads everything there is, and acknowledges it or not.
     Read(bool),
-    /// Breaks off, and comes back some time later.
     Break,
 }
 
-/// A message as a client gets it.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Said {
     topic: String,
@@ -39,25 +37,23 @@ struct Said {
     qos: Qos,
 }
 
-/// What one client is to get.
 #[derive(Debug, Default)]
 struct Expected {
     held: BTreeMap<&'static str, (Qos, bool)>,
     is_here: bool,
-    /// What was published for it, in order, and whether it may be lost,
+    /// What was published for it, in order, and whether it may be lost.
     live: VecDeque<(Said, bool)>,
-    /// and what was kept when it subscribed.
+    /// What was retained when it subscribed.
     kept: BTreeSet<(String, String, Qos)>,
-    /// What it has got and not acknowledged.
     unacknowledged: Vec<Said>,
 }
 
 #[derive(Debug, Default)]
 struct Model {
     clients: [Expected; CLIENTS],
-    /// And by whom.
+    /// The last field is the client that published it.
     kept: BTreeMap<&'static str, (String, Qos, usize)>,
-    /// All that ever was.
+    /// All messages that were ever published.
     ever: BTreeSet<(String, String)>,
 }
 
@@ -91,7 +87,7 @@ impl Model {
     }
 }
 
-/// A client as it really is: here, or what is remembered of it.
+/// A client of the tested broker: connected, or only its session.
 enum Real {
     Here(Box<Scene>),
     Away(Box<Session>),
@@ -127,7 +123,7 @@ impl Play {
         match *act {
             Act::Subscribe(filter, qos, no_local) => {
                 let no_local = no_local && client >= FIVE;
-                // What was kept before is read before, so that it is known for which subscription it came.
+                // Earlier retained messages are read first, so that it is known for which subscription they came.
                 self.read(client, true);
                 let packet = if client < FIVE {
                     subscribe(1, &[(filter, qos)])
@@ -185,7 +181,7 @@ impl Play {
         });
     }
 
-    /// Reads all, and holds it against what is expected.
+    /// Reads everything, and compares it with what is expected.
     fn read(&mut self, client: usize, acknowledges: bool) {
         let (mut live, mut kept) = (Vec::new(), BTreeSet::new());
         loop {
@@ -221,7 +217,8 @@ impl Play {
             if let Some(place) = place.filter(|place| expected.live.iter().take(*place).all(|(_, may_be_lost)| *may_be_lost)) {
                 expected.live.drain(..=place);
             } else {
-                // Whoever has missed something gets what is kept, whether he had it or not; and of what is kept, again what he left unread.
+                // A client that missed something gets what is retained, whether it had it or not, and again those
+                // retained messages that it left unread.
                 assert!(ever.contains(&(said.topic.clone(), said.payload.clone())), "{said:?} was not expected: {expected:?}");
                 continue;
             }
@@ -236,13 +233,13 @@ impl Play {
     }
 }
 
-/// A client that comes, in its own version.
+/// A client that connects, in its own version.
 fn come(broker: &Arc<Broker>, client: usize, session: Session) -> Scene {
     let resume = |terms: &mut Terms| terms.session = session;
     if client < FIVE { Scene::at_broker(broker, OPERATOR, resume) } else { five::scene(broker, resume) }
 }
 
-/// `Publish a=x q1 #7 kept again`, taken apart.
+/// Parses a line like `Publish a=x q1 #7 kept again`.
 fn message(words: &str) -> Option<(Said, u16, bool)> {
     let (said, marks) = words.strip_prefix("Publish ")?.split_once(" q")?;
     let (topic, payload) = said.split_once('=')?;

@@ -1,4 +1,4 @@
-//! What clients publish: where it goes, what is heard, what is kept and what is dropped, and that everything is acknowledged.
+//! What clients publish: where it goes, what is heard, retained or dropped, and that everything is acknowledged.
 
 use super::scene::{OPERATOR, START, STOP, Scene, VIEWER, publish, taken};
 use crate::frame::Kind;
@@ -8,7 +8,7 @@ use crate::{Announcement, Ended, Epoch, Mark};
 
 const NONE: [&str; 0] = [];
 
-/// Section 3.8.4: at the lesser of both.
+/// Section 3.8.4: at the lesser of the two QoS.
 #[test]
 fn messages_come_at_the_lesser_of_both_qualities_and_are_acknowledged() {
     let mut scene = Scene::of(OPERATOR);
@@ -109,7 +109,7 @@ fn a_command_that_was_heard_is_not_heard_again_only_when_it_is_truly_the_same_pa
     assert_eq!(scene.got().len(), 5, "all of QoS 1 are acknowledged");
 }
 
-/// Whoever carries it out is told that it may be old.
+/// The listener is told that the command may be old.
 #[test]
 fn a_command_that_was_sent_before_in_another_connection_is_heard_as_such() {
     let mut scene = Scene::of(OPERATOR);
@@ -150,7 +150,7 @@ fn a_stop_is_heard_as_often_as_it_comes_whatever_was_heard_before() {
     }
 }
 
-/// Others may say urgent things for ever while a client says nothing that is held against it.
+/// A client that says nothing urgent must not collect marks for ever while others do.
 #[test]
 fn what_is_known_of_packets_is_forgotten_when_they_were_taken() {
     let mut scene = Scene::of(OPERATOR);
@@ -163,7 +163,7 @@ fn what_is_known_of_packets_is_forgotten_when_they_were_taken() {
     assert!(scene.connection.held() < before + 100, "{}", scene.connection.held());
 }
 
-/// In the first wait for readers and in the second.
+/// Both while it waits for readers the first time and the second.
 #[test]
 fn a_stop_that_halted_when_it_came_does_not_halt_again_when_its_turn_comes() {
     let mut scene = Scene::of(OPERATOR);
@@ -210,7 +210,7 @@ fn what_nobody_reads_is_kept_all_the_same_and_costs_nothing_else() {
     assert_eq!((scene.broker.retained.count(), scene.broker.beside()), (2, 0));
 }
 
-/// All who wait for a long message have it in common.
+/// A long message is in memory once, however many clients wait for it.
 #[test]
 fn a_long_message_is_there_once_for_all_who_wait_for_it() {
     let mut writer = Scene::of(OPERATOR);

@@ -1,4 +1,5 @@
-//! A connection with a client at one side and others at the same broker: packets go in as bytes, and come out as words.
+//! A test scene: one client at a connection and others at the same broker. Packets go in as bytes and come out as
+//! words.
 
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -18,8 +19,8 @@ pub(super) const VIEWER: Tier = Tier::Limited;
 pub(super) const START: &str = "site/robot/command/start";
 pub(super) const STOP: &str = "site/robot/command/stop";
 
-/// Commands are taken on `site/robot/command`, on the names below it, and on those below `old`; all else of `site/robot` and
-/// `directory/robot` is the program's own, and what is left is for clients with full rights.
+/// Commands are accepted on `site/robot/command`, on the names below it, and on those below `old`; everything else
+/// under `site/robot` and `directory/robot` is the program's own, and the rest is for clients with full rights.
 #[derive(Debug)]
 pub(super) struct TestRights;
 
@@ -44,7 +45,7 @@ impl Rights for TestRights {
     }
 }
 
-/// Hears commands, and forbids those that say so.
+/// Hears commands, and forbids those whose text says so.
 #[derive(Debug, Default)]
 pub(super) struct TestListener(Mutex<Vec<String>>);
 
@@ -105,14 +106,14 @@ impl Scene {
         Scene { connection, broker: Arc::clone(broker), listener, now: Duration::from_secs(1) }
     }
 
-    /// Somebody else at the same broker, who holds these filters.
+    /// Another client at the same broker, with these filters.
     pub(super) fn reader(&self, filters: &[(&str, Qos)]) -> Scene {
         let mut reader = Scene::at_broker(&self.broker, OPERATOR, |_| {});
         reader.subscribe(filters);
         reader
     }
 
-    /// Somebody who reads everything, as it was published.
+    /// Another client, which reads everything at the QoS at which it was published.
     pub(super) fn everybody(&self) -> Scene {
         self.reader(&[("#", Qos::Two)])
     }
@@ -122,7 +123,7 @@ impl Scene {
         self.connection.handle_client(&mut bytes, self.now)
     }
 
-    /// What the client gets now, and takes.
+    /// What the client receives now.
     pub(super) fn got(&mut self) -> Vec<String> {
         self.connection.handle_come(self.now);
         let got = in_words(&taken(self.connection.to_client()));
@@ -133,7 +134,7 @@ impl Scene {
         got
     }
 
-    /// What was published for it now, without ids.
+    /// What was published for it now, without packet ids.
     pub(super) fn read(&mut self) -> Vec<String> {
         let said = |words: String| Some(words.strip_prefix("Publish ")?.split(" #").next()?.to_owned());
         self.got().into_iter().filter_map(said).collect()
@@ -143,13 +144,12 @@ impl Scene {
         std::mem::take(&mut self.listener.0.lock().unwrap())
     }
 
-    /// A SUBSCRIBE; what the client gets of it.
+    /// Sends a SUBSCRIBE, and returns what the client receives in answer.
     pub(super) fn subscribe(&mut self, filters: &[(&str, Qos)]) -> Vec<String> {
         self.client(&subscribe(1, filters)).unwrap();
         self.got()
     }
 
-    /// The client acknowledges this.
     pub(super) fn acknowledge(&mut self, kind: Kind, id: u16) {
         let mut out = BytesMut::new();
         write::ack(&mut out, kind, id);
@@ -157,7 +157,7 @@ impl Scene {
     }
 }
 
-/// All that waits for a client, which takes it.
+/// Takes everything that waits for a client.
 pub(super) fn taken(outbox: &mut Outbox) -> Vec<u8> {
     outbox.copy_to_bytes(outbox.len()).into()
 }
@@ -182,7 +182,7 @@ pub(super) fn unsubscribe(id: u16, filters: &[&str]) -> BytesMut {
     out
 }
 
-/// Packets as `Publish a=x q1 #7`, `Puback 7`, `Suback 7 [1, 128]`.
+/// Packets as words: `Publish a=x q1 #7`, `Puback 7`, `Suback 7 [1, 128]`.
 pub(super) fn in_words(mut bytes: &[u8]) -> Vec<String> {
     let mut words = Vec::new();
     while let Some(frame) = frame(bytes, usize::MAX).unwrap() {
@@ -212,7 +212,7 @@ fn publish_in_words(publish: &publish::Publish<'_>) -> String {
     format!("Publish {topic}={payload} q{}{id}{kept}{again}", publish.qos as u8)
 }
 
-/// A client of MQTT 5: its packets, and what comes for it in words.
+/// Packets of a client of MQTT 5, and what it receives in words.
 pub(super) mod five {
     use bytes::{BufMut, BytesMut};
 
@@ -261,7 +261,6 @@ pub(super) mod five {
         packet(first, &body)
     }
 
-    /// A SUBSCRIBE of one filter with these options.
     pub(in super::super) fn subscribe_with(filter: &str, options: u8, properties: &[Property<'_>]) -> BytesMut {
         let mut body = BytesMut::from(&[0, 7][..]);
         put(&mut body, properties);
@@ -290,7 +289,7 @@ pub(super) mod five {
     }
 
     impl Scene {
-        /// A client of MQTT 5 that comes at this time.
+        /// A client of MQTT 5 that connects at this time.
         pub(in super::super) fn later(
             broker: &std::sync::Arc<Broker>,
             now: std::time::Duration,
@@ -305,7 +304,7 @@ pub(super) mod five {
             scene
         }
 
-        /// What a client of MQTT 5 gets now, and takes: `Publish a=x q1 #7 [User("a", "b")]`, `Puback 7 0x87`.
+        /// What a client of MQTT 5 receives now: `Publish a=x q1 #7 [User("a", "b")]`, `Puback 7 0x87`.
         pub(in super::super) fn told(&mut self) -> Vec<String> {
             self.connection.handle_come(self.now);
             let told = in_words(&taken(self.connection.to_client()));
@@ -356,7 +355,7 @@ pub(super) mod five {
         if properties.is_empty() { String::new() } else { format!(" {properties:?}") }
     }
 
-    /// What a client sends is what the gate reads.
+    /// The packets of these tests have to be ones that the gate accepts.
     #[test]
     fn packets_of_these_tests_are_good_ones() {
         let out = publish_with(0x32, "a", "x", 3, &[Property::TopicAlias(2)]);

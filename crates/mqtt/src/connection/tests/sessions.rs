@@ -1,4 +1,4 @@
-//! What is remembered of a client between its connections: its filters, what it has not acknowledged, and what waits for it.
+//! Sessions between connections: the filters of a client, what it has not acknowledged, and what waits for it.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ fn back(broker: &Arc<Broker>, session: Session) -> Scene {
     Scene::at_broker(broker, OPERATOR, |terms| terms.session = session)
 }
 
-/// Section 4.4: with DUP, under the same ids and in the same order, and none that was acknowledged.
+/// Section 4.4: with DUP, under the same ids and in the same order, without those that were acknowledged.
 #[test]
 fn what_was_not_acknowledged_comes_again_in_the_next_connection() {
     let broker = broker();
@@ -83,7 +83,7 @@ fn whoever_is_away_gets_what_is_to_reach_him_surely_and_of_the_rest_what_is_kept
     );
 }
 
-/// Safety A5: whoever is away cannot read, and may be many.
+/// Safety A5: a client that is away cannot read, and there may be many of them.
 #[test]
 fn for_one_who_is_away_only_so_much_waits_and_the_newest() {
     let broker = broker();
@@ -109,7 +109,7 @@ fn for_one_who_is_away_only_so_much_waits_and_the_newest() {
     assert!(got.last().is_some_and(|last| last.contains("a/kept=newest")), "{:?}", got.last());
 }
 
-/// Section 4.9 of version 5, and good for this one, too.
+/// Section 4.9 of version 5, applied to 3.1.1 as well.
 #[test]
 fn a_client_that_acknowledges_nothing_has_so_many_and_gets_what_it_need_not_acknowledge() {
     let mut scene = Scene::of(OPERATOR);
@@ -123,7 +123,7 @@ fn a_client_that_acknowledges_nothing_has_so_many_and_gets_what_it_need_not_ackn
     assert_eq!(reader.got(), ["Publish a=100 q1 #101"]);
 }
 
-/// Safety A5: what is not acknowledged takes room as well, and is given up when its client goes while too much waits.
+/// Safety A5: unacknowledged messages take room as well, and are dropped when their client goes while too much waits.
 #[test]
 fn there_is_an_end_to_the_bytes_of_what_is_not_acknowledged() {
     let broker = broker();
