@@ -1,5 +1,6 @@
-//! A server with one resource, `/seconds`: for how long it has been running. It can be read and observed, as by
-//! `coap-client-notls -s 5 -m get coap://127.0.0.1:5700/seconds`. The socket and the clock are here, CoAP is not.
+//! A server with one resource, `/seconds`, which tells how long it has been running. Read and observe it with
+//! `coap-client-notls -s 5 -m get coap://127.0.0.1:5700/seconds`. The program owns the socket and the clock; the
+//! endpoint does the rest.
 #![expect(clippy::disallowed_methods, reason = "this is a program, and reads the clock for the endpoint")]
 
 use std::fs::File;
@@ -26,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             endpoint.handle_answer(exchange, Answer::observable(answer(&request, now)), now);
         }
         while let Some(datagram) = endpoint.poll_transmit() {
-            // One that cannot be sent is lost, as any datagram may be.
+            // A datagram that cannot be sent counts as lost on the way.
             let _ = socket.send_to(&datagram.bytes, datagram.peer);
         }
         let next_second = Duration::from_secs(now.as_secs() + 1);

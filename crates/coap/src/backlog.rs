@@ -1,5 +1,5 @@
-//! Hearing without answering, for when more comes than is answered: what has come waits in the order in which it is taken,
-//! urgent requests before all else. What a datagram means is `inward`'s business; sockets are not here.
+//! Queues received datagrams when more arrive than can be answered, with urgent requests ahead of everything else. What
+//! a datagram means is read in `inward`; sockets are not here.
 
 use std::net::SocketAddr;
 
@@ -8,20 +8,20 @@ use super::queue::{Datagram, Queue};
 use super::request::Request;
 use super::{lenient, message};
 
-/// What was heard and waits to be taken.
+/// Datagrams that were received and wait to be handled.
 pub struct Backlog {
     is_urgent: fn(&Request) -> bool,
     urgent: Queue,
     commands: Queue,
-    /// Acknowledgements, rejections and what else asks for nothing.
+    /// Acknowledgements, resets and everything else that asks for nothing.
     signs: Queue,
     reads: Queue,
-    /// How often one was taken that is not urgent: those of the three kinds take turns.
+    /// Counts datagrams taken that are not urgent, so that the three kinds take turns.
     turns: usize,
 }
 
 impl Backlog {
-    /// Room for what comes; `is_urgent` says which requests are urgent, as in `Endpoint::with_urgent`.
+    /// An empty backlog; `is_urgent` says which requests are urgent, as in `Endpoint::with_urgent`.
     #[must_use]
     pub fn new(is_urgent: fn(&Request) -> bool) -> Backlog {
         let [urgent, commands] = [URGENT_WAITING, COMMANDS_WAITING].map(Queue::of);
@@ -29,9 +29,10 @@ impl Backlog {
         Backlog { is_urgent, urgent, commands, signs, reads, turns: 0 }
     }
 
-    /// Keeps a datagram, or loses it when its sender has more there than is left for others: nobody's flood keeps out another. An
-    /// urgent request is taken before all else, but for the commands that came before it, of which one could else undo what it has
-    /// done: that goes for an urgent request that is lost too, in whose place those that wait take effect.
+    /// Stores a datagram, or drops it when its sender already has more waiting than is left for others, so that
+    /// nobody's flood displaces another's datagrams. An urgent request goes ahead of everything but the commands that
+    /// came before it, since one of those could otherwise undo its effect. This holds for an urgent request that is
+    /// dropped as well: those that wait take effect in its place.
     pub fn hear(&mut self, peer: SocketAddr, bytes: &[u8]) {
         let Some(code) = message::asks(bytes) else {
             if message::is_of_this_version(bytes) {
@@ -55,19 +56,19 @@ impl Backlog {
         [&self.urgent, &self.commands, &self.signs, &self.reads].into_iter().all(Queue::is_empty)
     }
 
-    /// Whether an urgent request waits, or a command that is to be taken before one.
+    /// Whether an urgent request waits, or a command that has to be taken before one.
     #[must_use]
     pub fn has_urgent(&self) -> bool {
         self.commands.has_first() || !self.urgent.is_empty()
     }
 
-    /// The next urgent request that waits, after the commands that came before it.
+    /// Removes the next urgent request, after the commands that came before it.
     pub fn take_urgent(&mut self) -> Option<Datagram> {
         self.commands.next_first().or_else(|| self.urgent.next())
     }
 
-    /// The next to be taken. No command that came after an urgent request is taken before it, but for those that a further urgent
-    /// request follows, which then takes effect after them.
+    /// Removes the next datagram. A command that came after an urgent request is not taken before it, unless a further
+    /// urgent request follows that command and so takes effect after it.
     pub fn take(&mut self) -> Option<Datagram> {
         if let Some(urgent) = self.take_urgent() {
             return Some(urgent);

@@ -1,5 +1,5 @@
-//! Blocks of bodies (RFC 7959): slices of an answer, which need no memory, and bodies of requests put together, which do and are
-//! bounded. In which message a block travels is not here.
+//! Blocks of bodies (RFC 7959): slices of an answer, which need no memory, and bodies of requests put together, which
+//! do and are bounded. In which message a block travels is not here.
 
 use std::net::SocketAddr;
 use std::ops::Range;
@@ -16,18 +16,18 @@ use super::response::Response;
 /// The value of a Block option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Block {
-    /// Which block, of 20 bits.
+    /// Its number, of 20 bits.
     pub(super) number: u32,
     pub(super) more: bool,
-    /// The size is 2 to the power of this and 4: 0 to 6.
+    /// 0 to 6; the size in bytes is 2 to the power of `exponent` + 4.
     pub(super) exponent: u8,
 }
 
 impl Block {
-    /// The first block, as large as it can be.
+    /// The first block, of the largest size.
     pub(super) const FIRST: Block = Block { number: 0, more: false, exponent: (BLOCK / 16).ilog2() as u8 };
 
-    /// The block that an option's value names; `None` for the reserved size exponent 7.
+    /// Decodes an option's value; `None` for the reserved exponent 7.
     pub(super) fn of(value: u32) -> Option<Block> {
         let exponent = (value & 7) as u8;
         (exponent < 7).then_some(Block { number: value >> 4, more: value & 8 != 0, exponent })
@@ -37,12 +37,13 @@ impl Block {
         (self.number << 4) | (u32::from(self.more) << 3) | u32::from(self.exponent)
     }
 
-    /// How many bytes it has, unless it is the last.
+    /// Size in bytes of any block but the last.
     pub(super) const fn size(self) -> usize {
         16 << self.exponent
     }
 
-    /// This block of a body of `length` bytes, and where its bytes are; `None` past the end. An empty body has one block.
+    /// This block of a body of `length` bytes, and its range of bytes; `None` past the end. An empty body has one
+    /// block.
     pub(super) fn within(self, length: usize) -> Option<(Block, Range<usize>)> {
         let start = self.size().checked_mul(usize::try_from(self.number).ok()?)?;
         if start > 0 && start >= length {
@@ -65,11 +66,11 @@ pub(super) struct BodyKey {
     pub(super) method: Method,
     pub(super) path: Vec<String>,
     pub(super) queries: Vec<String>,
-    /// RFC 9175, section 3.
+    /// Request-Tag (RFC 9175, section 3).
     pub(super) tags: Vec<Vec<u8>>,
 }
 
-/// Bodies of which the last block has not come yet.
+/// Bodies whose last block has not come yet.
 #[derive(Debug, Default)]
 pub(super) struct Assemblies {
     here: Bodies,
@@ -83,7 +84,8 @@ impl Assemblies {
         self.here.len() + self.beyond.len()
     }
 
-    /// 4.00 for a block that is not full although more follow, 4.08 when one is missing, 4.13 for a body that is too large.
+    /// 4.00 for a block that is not full although more follow, 4.08 when one is missing, 4.13 for a body that is too
+    /// large.
     pub(super) fn take(&mut self, key: BodyKey, block: Block, bytes: &[u8], now: Duration) -> Result<Taken, Response> {
         let bodies = if is_this_machine(key.peer.ip()) { &mut self.here } else { &mut self.beyond };
         let before = bodies.remove(&key).filter(|(since, _)| !is_over(*since, now)).map(|(_, body)| body);
@@ -95,7 +97,7 @@ impl Assemblies {
         if start.saturating_add(bytes.len()) > BODY {
             return Err(too_large());
         }
-        // The block before, sent again under another message id, is as it was.
+        // A repetition of the latest block under another message id changes nothing.
         if start < body.len() && block.more && body[start..] == *bytes {
             bodies.insert(key, (now, body));
             return Ok(Taken::More);

@@ -1,5 +1,5 @@
-//! Chance that comes back: the same secret draws the same numbers, so that a test can be repeated. What is drawn for one purpose
-//! changes nothing of another. Nothing here is kept secret by it; what must not be guessed is `guard`'s business.
+//! Reproducible random numbers: one secret gives the same numbers in every run, and each purpose has its own series.
+//! They are not for secrets: what must not be guessed is made in `guard`.
 
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
@@ -9,9 +9,8 @@ pub(super) struct Chance(ChaCha8Rng);
 
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Purpose {
-    /// The times between retransmissions.
+    /// The random part of the times between retransmissions.
     Spread,
-    /// The first message id for each peer.
     MessageIds,
 }
 

@@ -1,4 +1,5 @@
-//! Methods and response codes (RFC 7252, section 12.1) as numbers with names. What a code means to a client is not here.
+//! Methods and response codes (RFC 7252, section 12.1) as numbers with names. What a code means to a client is not
+//! here.
 
 use std::fmt;
 
@@ -15,19 +16,19 @@ macro_rules! codes {
 }
 
 codes! {
-    /// No request and no response.
+    /// Neither a request nor a response.
     EMPTY = "0.00";
     CREATED = "2.01";
     DELETED = "2.02";
-    /// What the client has is still so.
+    /// The client's stored representation is still valid.
     VALID = "2.03";
     CHANGED = "2.04";
     CONTENT = "2.05";
-    /// The next block, please.
+    /// Asks for the next block.
     CONTINUE = "2.31";
     BAD_REQUEST = "4.00";
     UNAUTHORIZED = "4.01";
-    /// A critical option that is not understood.
+    /// A critical option was not understood.
     BAD_OPTION = "4.02";
     FORBIDDEN = "4.03";
     NOT_FOUND = "4.04";
@@ -55,7 +56,7 @@ impl Code {
         Code((class - b'0') << 5 | ((tens - b'0') * 10 + (ones - b'0')))
     }
 
-    /// The class: 0 request, 2 success, 4 the client's mistake, 5 the server's.
+    /// The class: 0 for requests, 2 for success, 4 for the client's errors, 5 for the server's.
     #[must_use]
     pub const fn class(self) -> u8 {
         self.0 >> 5
@@ -67,7 +68,7 @@ impl Code {
         self.0 & 0x1F
     }
 
-    /// Whether it says that something went well.
+    /// Whether it is of the success class, 2.
     #[must_use]
     pub const fn is_success(self) -> bool {
         self.class() == 2
@@ -80,7 +81,7 @@ impl fmt::Display for Code {
     }
 }
 
-/// What a request asks to be done (RFC 7252, section 5.8, and RFC 8132).
+/// The method of a request (RFC 7252, section 5.8, and RFC 8132).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[expect(missing_docs, reason = "the names are those of the RFCs")]
 pub enum Method {
@@ -94,14 +95,14 @@ pub enum Method {
 }
 
 impl Method {
-    /// The method of a request's code; `None` when there is none.
+    /// The method of a request's code; `None` for other codes.
     #[must_use]
     pub fn of(code: Code) -> Option<Method> {
         use Method::{Delete, Fetch, Get, IPatch, Patch, Post, Put};
         [Get, Post, Put, Delete, Fetch, Patch, IPatch].into_iter().find(|method| method.code() == code)
     }
 
-    /// Whether it changes nothing, so that it may be done again (RFC 7252, section 5.1).
+    /// Whether it changes nothing on the server, and may thus be repeated (RFC 7252, section 5.1).
     #[must_use]
     pub const fn is_safe(self) -> bool {
         matches!(self, Method::Get | Method::Fetch)
@@ -113,7 +114,7 @@ impl Method {
         Code(self as u8)
     }
 
-    /// The word for records, as `PUT`.
+    /// Its name in logs, such as `PUT`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

@@ -1,6 +1,6 @@
-//! Which messages came already, and what they were answered with (RFC 7252, section 4.5): a message that comes again gets the same
-//! answer and has no second effect, unless it was urgent and what it did may have been undone since. Retransmitting what this side
-//! sent stands in `reliable`.
+//! Recognises repeated messages and their answers (RFC 7252, section 4.5): a message that comes again gets the same
+//! answer and has no second effect, unless it was urgent and its effect may have been undone since. Retransmission of
+//! this side's messages stands in `reliable`.
 
 use std::hash::{DefaultHasher, Hasher};
 use std::net::SocketAddr;
@@ -16,7 +16,8 @@ use super::shares::Shares;
 pub(super) struct MessageKey {
     pub(super) peer: SocketAddr,
     pub(super) id: u16,
-    /// What it is: a sender that counts from 0 again, or has its port from another, is not taken for repeating itself.
+    /// Digest of the message, since a sender that counts from 0 again, or has taken over another's port, does not
+    /// repeat itself.
     pub(super) digest: u64,
 }
 
@@ -32,17 +33,17 @@ impl MessageKey {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum KnownMessage {
     Open(ExchangeId),
-    /// It was answered with this datagram; with nothing, when it is empty.
+    /// The datagram with which it was answered; empty if there was no answer.
     Answered(Vec<u8>),
 }
 
-/// The messages of the last minutes. Those that only read and commands have a table each, so that a flood of the former does not
-/// make the latter forgotten.
+/// The messages of the last minutes. Those that only read and commands have a table each, so that a flood of reads does
+/// not push out commands.
 #[derive(Debug, Default)]
 pub(super) struct Exchanges {
     reads: Table,
     commands: Table,
-    /// How often what urgent requests did may have been undone so far.
+    /// How often the effect of urgent requests may have been undone so far.
     pub(super) undone: u64,
 }
 
@@ -50,11 +51,11 @@ pub(super) struct Exchanges {
 struct Entry {
     since: Duration,
     message: KnownMessage,
-    /// The message stands for itself only while `undone` is this.
+    /// If set, the message is known only while `undone` has this value.
     good_while: Option<u64>,
 }
 
-/// Messages, oldest first, and whose they are.
+/// Messages, oldest first, with the shares of their senders.
 #[derive(Debug, Default)]
 struct Table {
     messages: LinkedHashMap<MessageKey, Entry>,
@@ -70,10 +71,10 @@ impl Table {
         }
     }
 
-    /// Remembers one more, in the place of the oldest of whoever has most when there is no room.
+    /// Adds a message. When there is no room, the oldest message of whoever has most gives way.
     fn insert(&mut self, key: MessageKey, entry: Entry) {
         if let Some(before) = self.messages.get_mut(&key) {
-            // In its old place: `shares` has the messages of a peer in the same order.
+            // It stays in its place, since `shares` has the messages of a peer in the same order.
             *before = Entry { since: before.since, ..entry };
             return;
         }
@@ -93,7 +94,7 @@ impl Exchanges {
     }
 
     pub(super) fn known(&mut self, key: MessageKey, now: Duration) -> Option<&KnownMessage> {
-        // From here on the same id is another message.
+        // From this age on the same id stands for another message.
         for table in [&mut self.reads, &mut self.commands] {
             table.clear(now);
         }
@@ -102,13 +103,13 @@ impl Exchanges {
         Some(&entry.message)
     }
 
-    /// Remembers a message that is to be answered, of which nothing was known.
+    /// Adds a message that was not known and is to be answered.
     pub(super) fn open(&mut self, key: MessageKey, exchange: ExchangeId, is_command: bool, now: Duration) {
         let table = if is_command { &mut self.commands } else { &mut self.reads };
         table.insert(key, Entry { since: now, message: KnownMessage::Open(exchange), good_while: None });
     }
 
-    /// A message that was opened just now has to act anew when it comes again after `undone` has changed.
+    /// Makes a message that was just opened take effect again when it comes again after `undone` has changed.
     pub(super) fn acts_again_when_undone(&mut self, key: MessageKey) {
         let undone = self.undone;
         if let Some(entry) = self.entry(key) {
@@ -127,7 +128,8 @@ impl Exchanges {
     }
 }
 
-/// Whether what a message began is over (RFC 7252, section 4.8.2), so that it need not be remembered any more.
+/// Whether a message is so old that its id may stand for another one (RFC 7252, section 4.8.2), and it can be
+/// forgotten.
 pub(super) fn is_over(since: Duration, now: Duration) -> bool {
     now > since + EXCHANGE_LIFETIME
 }
@@ -170,7 +172,8 @@ mod tests {
         assert_eq!(exchanges.count(), EXCHANGES + 1);
     }
 
-    /// Neither from another address nor from another program at the same: what was forgotten would act twice.
+    /// Neither another address nor another port of the same address can do it; a forgotten command would take effect
+    /// twice.
     #[test]
     fn nobodys_flood_of_commands_makes_those_of_another_forgotten() {
         for flood in ["127.0.0.7:1", "127.0.0.1:2"] {

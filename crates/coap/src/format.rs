@@ -26,7 +26,7 @@ impl Format {
 }
 
 impl fmt::Display for Format {
-    /// As `application/json (50)`.
+    /// Written like `application/json (50)`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let name = match *self {
             Format::TEXT => "text/plain",

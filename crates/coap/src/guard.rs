@@ -1,6 +1,6 @@
-//! What is sent to strangers: to an address that has not proved to be its sender's go at most three times the bytes that came from
-//! it, and a network that asks too much is told to wait. Whoever is on this machine is no stranger. Who may do what is the
-//! application's business.
+//! Limits what is sent to addresses beyond this machine: an address that has not proved that it receives our datagrams
+//! gets at most three times the bytes that came from it, and a network that asks too much is told to wait. Who may do
+//! what is decided by the application.
 
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -13,7 +13,7 @@ use subtle::ConstantTimeEq;
 use super::limits::{AMPLIFICATION, ECHO_AGE, PEERS, PROVED, RATE, RATE_BURST};
 use super::network::{Network, is_this_machine};
 
-/// The bytes of the time in an Echo, and of the proof behind it.
+/// Bytes of the time in an Echo option.
 const TIME: usize = 4;
 const PROOF: usize = 8;
 
@@ -26,15 +26,15 @@ pub(super) struct Guard {
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Stranger {
-    /// Bytes that came from there,
+    /// Bytes received from there before it was proved.
     received: usize,
-    /// and that went there, before it was proved.
+    /// Bytes sent to there before it was proved.
     sent: usize,
-    /// When it last proved that it hears us.
+    /// When the address last proved that it receives our datagrams.
     proved: Option<Duration>,
 }
 
-/// How much a network may still ask.
+/// A token bucket: how many requests a network may still send.
 #[derive(Clone, Copy, Debug)]
 struct Bucket {
     left: f64,
@@ -62,7 +62,7 @@ impl Guard {
         }
     }
 
-    /// Whether a request of this address is one too many for its network.
+    /// Whether a request of this address exceeds the rate of its network.
     pub(super) fn is_too_much(&mut self, peer: SocketAddr, now: Duration) -> bool {
         if is_this_machine(peer.ip()) {
             return false;
@@ -82,19 +82,19 @@ impl Guard {
         is_too_much
     }
 
-    /// Whether it is known that this address hears what is sent to it.
+    /// Whether this address has proved that it receives our datagrams.
     pub(super) fn is_proved(&self, peer: SocketAddr, now: Duration) -> bool {
         is_this_machine(peer.ip())
             || self.peers.get(&peer).and_then(|stranger| stranger.proved).is_some_and(|at| now <= at + PROVED)
     }
 
-    /// Whether a datagram of this length may go there now.
+    /// Whether a datagram of this length may go to this address now.
     pub(super) fn has_room(&self, peer: SocketAddr, length: usize, now: Duration) -> bool {
         let fits = |stranger: &Stranger| stranger.sent + length <= stranger.received.saturating_mul(AMPLIFICATION);
         self.is_proved(peer, now) || self.peers.get(&peer).is_some_and(fits)
     }
 
-    /// The same; if it may, it counts as sent.
+    /// Like `has_room`, and counts the datagram as sent if it may go.
     pub(super) fn lets_out(&mut self, peer: SocketAddr, length: usize, now: Duration) -> bool {
         let (is_proved, may) = (self.is_proved(peer, now), self.has_room(peer, length, now));
         if let Some(stranger) = self.peers.get_mut(&peer).filter(|_| may && !is_proved) {
@@ -103,7 +103,7 @@ impl Guard {
         may
     }
 
-    /// What an address is asked to send back, to prove that it hears us (RFC 9175, section 2).
+    /// The Echo value that an address has to send back as a proof (RFC 9175, section 2).
     pub(super) fn echo(&self, peer: SocketAddr, now: Duration) -> Vec<u8> {
         let time = u32::try_from(now.as_secs()).unwrap_or(u32::MAX).to_be_bytes();
         [&time[..], &self.proof(peer, time)].concat()
@@ -119,7 +119,7 @@ impl Guard {
         }
     }
 
-    /// An address that was proved has acknowledged what was sent to it: it still hears us.
+    /// Renews the proof of a proved address, which has acknowledged a message.
     pub(super) fn heard_us(&mut self, peer: SocketAddr, now: Duration) {
         if let Some(stranger) = self.peers.get_mut(&peer).filter(|stranger| stranger.proved.is_some()) {
             stranger.proved = Some(now);

@@ -1,4 +1,4 @@
-//! The way in: from a datagram to a request for the application, or to what is answered without it. The way out is `outward`.
+//! The way in: from a datagram to a request for the application, or to an answer without it. The way out is `outward`.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -22,19 +22,19 @@ pub(super) struct ReplyTo {
     pub(super) key: MessageKey,
     pub(super) kind: Kind,
     pub(super) token: Token,
-    /// The classes of answers that its sender does not want (RFC 7967).
+    /// Bits of the classes of answers that the sender does not want (RFC 7967).
     pub(super) no_response: u32,
 }
 
 impl ReplyTo {
-    /// Whether an answer of this code is wanted; to go on with the next block always is.
+    /// Whether the sender wants an answer with this code; 2.31, which asks for the next block, is always wanted.
     pub(super) fn is_wanted(self, code: Code) -> bool {
         code == Code::CONTINUE || self.no_response & (1 << (code.class().max(1) - 1)) == 0
     }
 }
 
 impl Endpoint {
-    /// Takes a datagram from the network.
+    /// Handles a datagram from the network.
     pub fn handle_datagram(&mut self, peer: SocketAddr, bytes: &[u8], now: Duration) {
         self.guard.received(peer, bytes.len());
         match parse(bytes) {
@@ -49,7 +49,8 @@ impl Endpoint {
         }
     }
 
-    /// What breaks the grammar is rejected, and may ask for something urgent all the same, each time that it is not known already.
+    /// Resets a malformed message. It may still hold an urgent request, which takes effect each time, unless it is
+    /// known already.
     fn take_malformed(&mut self, key: MessageKey, kind: Kind, bytes: &[u8], now: Duration) {
         let is_new = self.exchanges.known(key, now).is_none();
         if let Some(urgent) = self.urgent_in(key.peer, bytes).filter(|_| is_new) {
@@ -86,7 +87,7 @@ impl Endpoint {
         self.go_on(peer, now);
     }
 
-    /// Somebody does not know what we are talking about: it observes no longer, or wants the answer no more.
+    /// Handles a reset: its sender does not know the message, so it observes no longer or no longer wants the answer.
     fn take_rejection(&mut self, peer: SocketAddr, id: u16, now: Duration) {
         let on_its_way = self.reliable.settled(peer, id).map(|(sent, _)| sent.about);
         let observer = match on_its_way {
@@ -126,7 +127,7 @@ impl Endpoint {
             Err(response) => response,
         };
         let (response, asked) = match self.urgent_in(peer, bytes) {
-            // What it did is for the record; that it was refused as well would be read as if it had done nothing.
+            // The record gets its effect; with the refusal in it as well, it would read as if nothing had been done.
             Some(urgent) => {
                 self.exchanges.acts_again_when_undone(reply_to.key);
                 self.asked.push_back((exchange, urgent));
@@ -135,7 +136,8 @@ impl Endpoint {
             }
             None => (response, asked),
         };
-        // What cannot be understood and wants no acknowledgement is passed over (RFC 7252, section 5.4.1).
+        // A message that needs no acknowledgement is ignored when it has an unknown critical option (RFC 7252, section
+        // 5.4.1).
         if reply_to.kind == Kind::Non && response.code == Code::BAD_OPTION {
             self.note(peer, asked, &response);
             return self.exchanges.answered(reply_to.key, &[]);
@@ -150,7 +152,8 @@ impl Endpoint {
         let later = read.block2.filter(|block| read.block1.is_none() && block.number > 0 && !read.request.method.is_safe());
         let is_urgent = (self.is_urgent)(&read.request);
         if is_urgent || read.block1.is_some_and(|block| block.more) {
-            // Of a body in blocks nobody knows yet whether it is urgent, and it cannot come again without those before the last.
+            // Nobody knows yet whether a body in blocks is urgent, and its last block cannot come again without those
+            // before.
             self.exchanges.acts_again_when_undone(reply_to.key);
         }
         let undone = self.exchanges.undone;
@@ -186,7 +189,8 @@ impl Endpoint {
         self.ask(reply_to, exchange, read, now);
     }
 
-    /// Refuses what the application does not see; who asked for a change reads that first.
+    /// Refuses a request without showing it to the application. The answer to a change begins with `refused: `, since
+    /// its sender has to read that first.
     fn refuse(&mut self, reply_to: ReplyTo, asked: Option<String>, response: Response, block1: Option<Block>, now: Duration) {
         let words = String::from_utf8_lossy(&response.body).into_owned();
         let worded = if asked.is_some() { format!("refused: {words}").into_bytes().into() } else { Arc::clone(&response.body) };
@@ -194,14 +198,14 @@ impl Endpoint {
         self.reply(reply_to, &Response { body: worded, ..response }, block1, now);
     }
 
-    /// Notes for the record what somebody of this machine wanted to change.
+    /// Notes a refused change of a peer of this machine for the record.
     fn note(&mut self, peer: SocketAddr, asked: Option<String>, response: &Response) {
         let Some(asked) = asked.filter(|_| is_this_machine(peer.ip()) && self.refused.len() < REFUSED) else { return };
         let words = String::from_utf8_lossy(&response.body).into_owned();
         self.refused.push_back(RefusedRequest { peer, asked, words });
     }
 
-    /// Whether this was a further block of what a notification began, and is answered.
+    /// Answers a request for a further block of what a notification began. Returns whether it was one.
     fn observes_on(&mut self, reply_to: ReplyTo, read: &ParsedRequest, now: Duration) -> bool {
         let Some(block) = read.block2.filter(|block| block.number > 0) else {
             if read.observe.is_none() {
@@ -215,7 +219,7 @@ impl Endpoint {
         true
     }
 
-    /// Another block of the answer to what was done already.
+    /// Sends another block of the answer to a request that was already carried out.
     fn read_on(&mut self, reply_to: ReplyTo, read: &ParsedRequest, block: Block, now: Duration) {
         let shape = ReplyOptions { block2: Some(block), wants_size: read.wants_size, ..ReplyOptions::default() };
         if let Some(answer) = self.long_answers.read(&body_key(&read.request, &[]), block, now) {
@@ -225,7 +229,7 @@ impl Endpoint {
         self.reply(reply_to, &Response::refusal(Code::INCOMPLETE, words), None, now);
     }
 
-    /// Whether the whole body is there; it is in the request then.
+    /// Whether the whole body has arrived; if so, it is in the request.
     fn whole(&mut self, read: &mut ParsedRequest, now: Duration) -> Result<bool, Response> {
         let request = &mut read.request;
         if request.payload.len() > BODY || read.size1.is_some_and(|size| size as usize > BODY) {
@@ -268,7 +272,7 @@ impl Endpoint {
         self.asked.push_back((exchange, request));
     }
 
-    /// The sender asks again while it is still being answered.
+    /// Acknowledges a repeated request that is still being answered.
     fn acknowledge_open(&mut self, reply_to: ReplyTo, exchange: ExchangeId, now: Duration) {
         let Some(open) = self.open.get_mut(&exchange).filter(|_| reply_to.kind == Kind::Con) else { return };
         open.is_acknowledged = true;
@@ -277,7 +281,7 @@ impl Endpoint {
     }
 }
 
-/// By what the bodies of a request and of its answer are known, while they come and go in blocks.
+/// The key of the bodies of a request and of its answer while they travel in blocks.
 fn body_key(request: &Request, tags: &[Vec<u8>]) -> BodyKey {
     BodyKey {
         peer: request.peer,

@@ -1,6 +1,6 @@
-//! What one observer knows of the things it watches, and which of them it is told next. Every thing gets its turn: one that
-//! changes all the time hides no other, and what may have been lost is told again though there is other news. Messages and
-//! pacing are not here.
+//! What one observer knows of the things it observes, and which of them it is told next. Things take turns: one that
+//! changes all the time hides no other, and what may have been lost is repeated although there is other news. Messages
+//! and pacing are not here.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -8,38 +8,38 @@ use std::time::Duration;
 use super::limits::SETTLED;
 use super::response::Response;
 
-/// One of the things that a subject shows. Versions count the changes of all of them together and never begin anew, so that a
-/// thing that went away and came back is not taken for the one that was there before.
+/// One of the things that a subject shows. Versions count the changes of all of them together and never start again, so
+/// that a thing that disappears and returns is not mistaken for the earlier one.
 #[derive(Debug)]
 pub(super) struct Thing {
     pub(super) response: Arc<Response>,
-    /// The change that made it what it is.
+    /// The change that brought it to its present state.
     pub(super) version: u64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Lack {
-    /// It was not told of the newest version of this thing.
+    /// The observer was not told the newest version of this thing.
     News(usize),
-    /// It was told, some time ago, and may not have heard it.
+    /// The observer was told some time ago, and may not have received it.
     Unsure(usize),
 }
 
 #[derive(Debug)]
 pub(super) struct Knowledge {
     things: Vec<KnownThing>,
-    /// Whose turn is next; things are told in their order, from here on and round again.
+    /// Index of the thing whose turn is next; turns go round in the order of the things.
     next: usize,
     latest: usize,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
 struct KnownThing {
-    /// The version it was told of last,
+    /// The version that it was last told.
     told: u64,
-    /// when that was,
+    /// When it was last told.
     at: Duration,
-    /// and the last version it has for sure.
+    /// The last version that it surely has.
     sure: u64,
 }
 
@@ -52,8 +52,8 @@ impl Thing {
 }
 
 impl Knowledge {
-    /// Of an observer that was just shown one of these, and is to be told the others; whether that is sure to arrive decides
-    /// whether it is told again.
+    /// The knowledge of an observer that was just shown one thing and is still to be told the others. An answer that is
+    /// not sure to arrive will be told again.
     pub(super) fn of(things: &[Thing], shown: &Response, is_sure: bool, now: Duration) -> Knowledge {
         let is_shown = |thing: &Thing| things.len() == 1 || thing.response.body == shown.body;
         let told = |thing: &Thing| KnownThing { told: thing.version, at: now, sure: if is_sure { thing.version } else { 0 } };
@@ -62,7 +62,7 @@ impl Knowledge {
         Knowledge { things: things.iter().map(known).collect(), next: 0, latest }
     }
 
-    /// What it is told now: the next news, else what it may have missed.
+    /// What it is told now: the next news, otherwise what it may have missed.
     pub(super) fn lack(&self, things: &[Thing], now: Duration) -> Option<Lack> {
         let from_here = self.lack_within(things, self.next..things.len(), now);
         from_here.or_else(|| self.lack_within(things, 0..self.next.min(things.len()), now))
@@ -72,7 +72,7 @@ impl Knowledge {
         self.latest
     }
 
-    /// When it is to be told something, the last time it was told anything having been `sent` and the pause after that `pace`.
+    /// When it is next to be told something. It was last told anything at `sent`, and `pace` is the pause after that.
     pub(super) fn due(&self, things: &[Thing], sent: Duration, pace: Duration) -> Option<Duration> {
         let due = |(place, thing): (usize, &Thing)| match self.known(place) {
             known if known.told < thing.version => Some(sent + pace),
@@ -132,12 +132,11 @@ mod tests {
         versions.iter().map(|version| Thing { response: Arc::clone(&response), version: *version }).collect()
     }
 
-    /// That of an observer that knows all of these.
     fn known(versions: &[u64], now: Duration) -> Knowledge {
         Knowledge::of(&things(versions), &Response::new(Code::CONTENT), true, now)
     }
 
-    /// The places told one after the other while nothing changes any more.
+    /// The indices told one after the other while nothing changes any more.
     fn order(knowledge: &mut Knowledge, things: &[Thing]) -> Vec<usize> {
         let mut order = Vec::new();
         while let Some(Lack::News(place)) = knowledge.lack(things, Duration::ZERO) {

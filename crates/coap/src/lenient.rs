@@ -1,5 +1,5 @@
-//! What a datagram asks for, as far as it can be read: for requests that a strict reader refuses, because one may be urgent, which
-//! takes effect whatever is wrong with it. Which request is urgent is the application's business; how it is refused, `inward`'s.
+//! Reads what a datagram asks for as far as possible, where a strict reader refuses it: an urgent request takes effect
+//! whatever is wrong with it. Which request is urgent is decided by the application, and how it is refused in `inward`.
 
 use std::iter;
 use std::net::SocketAddr;
@@ -9,25 +9,25 @@ use super::limits::BODY;
 use super::options::number::{PROXY_URI, URI_PATH};
 use super::request::{Conditions, Request};
 
-/// Where the token begins.
+/// Length of the header in bytes, after which the token begins.
 const HEADER: usize = 4;
 
 /// The byte between options and payload.
 const MARKER: u8 = 0xFF;
 
-/// The longest token there is (RFC 7252, section 3).
+/// The longest token, in bytes (RFC 7252, section 3).
 const TOKEN: usize = 8;
 
-/// So many options are read at most: what comes in one datagram must not take long.
+/// Most options that are read, since one datagram must not take long.
 const OPTIONS: usize = 128;
 
-/// Whether what has this code may ask for something to be done. A code that stands for no method does.
+/// Whether a message with this code may ask for a change. A code that stands for no method may.
 pub(super) fn is_command(code: Code) -> bool {
     code.class() == 0 && !Method::of(code).is_some_and(Method::is_safe)
 }
 
-/// What a datagram of this version may ask for, read once for every length that its token may have: the one that it says, in the
-/// sense of RFC 7252 or of RFC 8974, and any other. Nothing that only reads, and nothing that is no request, is read.
+/// The requests that a datagram of this version may hold, one for each possible length of its token: the stated length
+/// in the sense of RFC 7252 or of RFC 8974, and any other. Messages that only read, or are no requests, are skipped.
 pub(super) fn requests(peer: SocketAddr, bytes: &[u8]) -> impl Iterator<Item = Request> {
     let (code, said) = (bytes.get(1).copied().map_or(Code::CONTENT, Code), bytes.first().map_or(0, |first| first & 0x0F));
     let method = Method::of(code).unwrap_or(Method::Post);
@@ -35,15 +35,16 @@ pub(super) fn requests(peer: SocketAddr, bytes: &[u8]) -> impl Iterator<Item = R
     tokens.filter_map(move |token| request(peer, method, bytes.get(HEADER + token..)?))
 }
 
-/// The lengths that the token may have, with what may stand before it: what these four bits may mean, then any other.
+/// The possible lengths of the token with its extended length: what these four bits may mean, then any other.
 fn token_lengths(bits: u8, bytes: &[u8]) -> impl Iterator<Item = usize> + use<> {
     let (said, rest) = (usize::from(bits), bytes.get(HEADER..).unwrap_or_default());
     let extended = extended(bits, rest).map(|(length, after)| rest.len() - after.len() + length);
     iter::once(said).chain(extended.filter(|length| *length != said)).chain((0..=TOKEN).filter(move |length| *length != said))
 }
 
-/// What stands behind the token, up to where it makes no sense or no end any more; nothing when it names no path. What follows from
-/// there on is taken for a payload, from the last marker on if there is one: an old word may stand there.
+/// The request behind the token, up to where the options are invalid or cut off; `None` if they name no path.
+/// Everything from there on counts as payload, and after a marker only what follows the last one: an old client's
+/// command may stand there.
 fn request(peer: SocketAddr, method: Method, mut rest: &[u8]) -> Option<Request> {
     let (mut path, mut proxy, mut number) = (Vec::new(), None, 0_usize);
     for _ in 0..OPTIONS {
@@ -66,7 +67,7 @@ fn request(peer: SocketAddr, method: Method, mut rest: &[u8]) -> Option<Request>
         [MARKER, payload @ ..] => payload,
         _ => rest.iter().rposition(|byte| *byte == MARKER).map_or(rest, |marker| &rest[marker + 1..]),
     };
-    // What is longer than any body can be is not looked at: its word stands at the beginning.
+    // The part beyond the longest body is not read: a command stands at the beginning.
     let payload = payload[..payload.len().min(BODY)].to_vec();
     Some(Request {
         peer,
@@ -80,7 +81,7 @@ fn request(peer: SocketAddr, method: Method, mut rest: &[u8]) -> Option<Request>
     })
 }
 
-/// The path of a whole address, which names what Uri-Path would, at whatever host (RFC 7252, section 5.10.2).
+/// The path of an absolute URI, which names what Uri-Path would, on any host (RFC 7252, section 5.10.2).
 fn segments(address: &[u8]) -> Vec<String> {
     let address = String::from_utf8_lossy(address);
     let address = address.split(['?', '#']).next().unwrap_or_default();
@@ -88,8 +89,8 @@ fn segments(address: &[u8]) -> Vec<String> {
     behind.split('/').filter(|segment| !segment.is_empty()).map(str::to_owned).collect()
 }
 
-/// The first of some options: by how much its number is higher, its value as far as it came, and what follows. `None` for one
-/// that is reserved, or of which the head is cut.
+/// The first of some options: the delta of its number, its value as far as it has arrived, and what follows. `None` for
+/// a reserved form, or when the head of the option is cut off.
 fn option(bytes: &[u8]) -> Option<(usize, &[u8], &[u8])> {
     let (head, rest) = bytes.split_first()?;
     let (delta, rest) = extended(head >> 4, rest)?;
@@ -116,7 +117,6 @@ mod tests {
         "127.0.0.1:40000".parse().unwrap()
     }
 
-    /// A message with options, all of it before its payload.
     fn message(code: u8, token: &[u8], options: &[(u16, &[u8])], payload: &[u8]) -> Vec<u8> {
         let mut message = Outgoing::new(Code(code), Token::new(token), 0);
         options.iter().for_each(|(number, value)| message.add(*number, value));
@@ -124,7 +124,7 @@ mod tests {
         message.datagram(Kind::Con, 1)
     }
 
-    /// Whether one of the ways to read it has this path and payload.
+    /// Whether one of the readings has this path and payload.
     fn reads(bytes: &[u8], path: &[&str], payload: &[u8]) -> bool {
         requests(peer(), bytes).any(|request| request.path == path && request.payload == payload)
     }
@@ -192,7 +192,7 @@ mod tests {
         }
     }
 
-    /// What comes in one datagram must not hold up others.
+    /// One datagram must not delay others.
     #[test]
     fn no_more_than_so_many_options_are_read() {
         let many = message(2, b"", &[(URI_PATH, &b""[..]); 60_000], b"");
@@ -201,7 +201,7 @@ mod tests {
         assert!(reads(&message(2, b"", &behind, b""), &PATH, b""));
     }
 
-    /// For the same reason.
+    /// One datagram must not delay others.
     #[test]
     fn of_a_long_payload_no_more_is_read_than_a_body_may_have() {
         let long = message(2, b"", &URGENT, &[b'x'; 60_000]);

@@ -62,50 +62,50 @@ use self::long_answers::LongAnswers;
 use self::observe::Observers;
 use self::reliable::Reliable;
 
-/// A request that waits for the application's answer.
+/// Identifies a request that waits for the application's answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ExchangeId(u64);
 
 /// A datagram to be sent.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Transmit {
-    /// To whom.
+    /// Its receiver.
     pub peer: SocketAddr,
-    /// What.
+    /// Its bytes.
     pub bytes: Vec<u8>,
 }
 
-/// A request that was refused before the application saw it, and wanted to change something.
+/// A request for a change that was refused before the application saw it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RefusedRequest {
     /// Who sent it.
     pub peer: SocketAddr,
-    /// What it asked for, as `POST /commands/start`.
+    /// What it asked for, such as `POST /commands/start`.
     pub asked: String,
-    /// What it was told.
+    /// The reason that it was given.
     pub words: String,
 }
 
-/// How much the endpoint remembers; every number has its bound in `limits`.
+/// Sizes of the endpoint's tables, each of which has its bound in `limits`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Messages with their answers.
+    /// Messages stored with their answers.
     pub exchanges: usize,
     /// Requests that wait for the application.
     pub open: usize,
     /// Observations.
     pub observers: usize,
-    /// Bodies that are being put together.
+    /// Bodies of requests of which some blocks are missing.
     pub assemblies: usize,
-    /// Answers that are kept to be read on.
+    /// Answers stored for reading in blocks.
     pub long_answers: usize,
     /// Messages that wait for an acknowledgement, or for their turn.
     pub reliable: usize,
-    /// Addresses and networks beyond this machine, and peers that were given message ids.
+    /// Addresses and networks beyond this machine, and peers with message ids of their own.
     pub peers: usize,
 }
 
-/// The endpoint.
+/// A CoAP server endpoint without sockets and clocks.
 pub struct Endpoint {
     guard: Guard,
     exchanges: Exchanges,
@@ -114,7 +114,8 @@ pub struct Endpoint {
     reliable: Reliable,
     observers: Observers,
     open: BTreeMap<ExchangeId, Open>,
-    /// Those of them whose sender is to be told that the answer takes longer, each with when, in the order of their times.
+    /// Open requests whose sender has to be told that the answer takes longer, each with the time for that, in the
+    /// order of their times.
     patience: BTreeMap<ExchangeId, Duration>,
     counted: u64,
     /// The latest message id for each peer.
@@ -123,7 +124,7 @@ pub struct Endpoint {
     asked: VecDeque<(ExchangeId, Request)>,
     refused: VecDeque<RefusedRequest>,
     is_urgent: fn(&Request) -> bool,
-    /// What the sender of an urgent request reads first that is refused.
+    /// The first words of the refusal of an urgent request.
     took_effect: &'static str,
     out: VecDeque<Transmit>,
 }
@@ -136,11 +137,12 @@ struct Open {
     is_acknowledged: bool,
     is_get: bool,
     observe: Option<u32>,
-    /// What is to be observed, for one who wants to.
+    /// The request itself, if it asks to observe.
     request: Option<Box<Request>>,
-    /// By what its answer is kept when it does not fit into one message; `None` for one that only reads.
+    /// The key under which its answer is stored if it does not fit into one message; `None` for a request that only
+    /// reads.
     kept_as: Option<Box<BodyKey>>,
-    /// How often what urgent requests did had been undone when it came.
+    /// How often the effect of urgent requests had been undone when it came.
     undone: u64,
     etags: Vec<ETag>,
     block1: Option<Block>,
@@ -149,7 +151,8 @@ struct Open {
 }
 
 impl Endpoint {
-    /// An endpoint all of whose chance comes from this secret: message ids, the spread of times, proofs of addresses.
+    /// An endpoint whose random numbers all come from this secret: message ids, the spread of times, proofs of
+    /// addresses.
     #[must_use]
     pub fn new(secret: [u8; 32]) -> Endpoint {
         let (seed, secret) = secret.split_at(8);
@@ -174,29 +177,31 @@ impl Endpoint {
         }
     }
 
-    /// With what the wall clock shows at `Duration::ZERO` of the time that is told, since the beginning of 1970. By it the numbers of
-    /// notifications go on from those before a restart, so that an observer takes none for an old one (RFC 7641, section 4.4).
+    /// Sets the wall clock at `Duration::ZERO` of the endpoint's time, as the time since the beginning of 1970. The
+    /// numbers of notifications continue from those before a restart by it, so that an observer takes none for an old
+    /// one (RFC 7641, section 4.4).
     #[must_use]
     pub fn started_at(self, since_1970: Duration) -> Endpoint {
         Endpoint { observers: Observers::new(since_1970), ..self }
     }
 
-    /// With urgent requests: those that must take effect whatever is wrong with them. They are handed over once each, and once more
-    /// when they come again after what they did was undone (`handle_undone`); `is_urgent`
-    /// knows them by who sent them, and by as much of their method, path and payload as can be read. One that has to be refused is
-    /// handed over and refused: what the application answers to it is not sent, and the refusal says first that it `took_effect`.
+    /// Defines urgent requests, which have to take effect whatever is wrong with them. Each is handed over once, and
+    /// again when it comes again after its effect was undone (`handle_undone`). `is_urgent` recognises them by their
+    /// sender, and by as much of the method, path and payload as can be read. One that has to be refused is handed over
+    /// and refused: the application's answer to it is not sent, and the refusal begins with `took_effect`.
     #[must_use]
     pub fn with_urgent(self, is_urgent: fn(&Request) -> bool, took_effect: &'static str) -> Endpoint {
         Endpoint { is_urgent, took_effect, ..self }
     }
 
-    /// Tells how often what urgent requests did may have been undone so far. An urgent message that comes again is answered as before
-    /// while this number is the one under which it was handed over; after that it is handed over again. Tell it before each datagram.
+    /// Tells how often the effect of urgent requests may have been undone so far; call it before each datagram. A
+    /// repeated urgent message gets the same answer while this number is the one under which it was handed over; after
+    /// that it is handed over again.
     pub fn handle_undone(&mut self, count: u64) {
         self.exchanges.undone = count;
     }
 
-    /// Takes the application's answer to a request, at once or whenever it comes.
+    /// Takes the application's answer to a request, which may come at any time.
     pub fn handle_answer(&mut self, exchange: ExchangeId, answer: Answer, now: Duration) {
         self.patience.remove(&exchange);
         if let Some(open) = self.open.remove(&exchange) {
@@ -204,19 +209,19 @@ impl Endpoint {
         }
     }
 
-    /// Takes what the observers of a subject are to see now; what has not changed is not sent.
+    /// Takes the present state of what a subject's observers see; unchanged things are not sent.
     pub fn handle_change(&mut self, subject: SubjectId, things: Vec<Arc<Response>>, now: Duration) {
         self.observers.change(subject, things, now);
     }
 
-    /// Tells every observer that this is the end, and why.
+    /// Ends all observations with this message.
     pub fn close(&mut self, farewell: &Response) {
         for (peer, token) in self.observers.clear() {
             self.bid_farewell(peer, token, farewell);
         }
     }
 
-    /// Does what is due.
+    /// Call this at the time of `poll_timeout`.
     pub fn handle_timeout(&mut self, now: Duration) {
         self.acknowledge_slow(now);
         self.repeat_late(now);
@@ -238,7 +243,7 @@ impl Endpoint {
         self.out.pop_front()
     }
 
-    /// When `handle_timeout` is to be called next, since the start.
+    /// When to call `handle_timeout` next, on the endpoint's time.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
         let slow = self.patience.first_key_value().map(|(_, due)| *due);
@@ -251,13 +256,13 @@ impl Endpoint {
         self.observers.subjects()
     }
 
-    /// How many observations there are; of all that is remembered, told without looking through it.
+    /// Number of observations. Unlike `counts`, this does not look through the tables.
     #[must_use]
     pub fn observers(&self) -> usize {
         self.observers.count()
     }
 
-    /// How much is remembered.
+    /// Sizes of the tables.
     #[must_use]
     pub fn counts(&self) -> Counts {
         Counts {
@@ -272,7 +277,7 @@ impl Endpoint {
     }
 }
 
-/// The example in the README is one that runs.
+/// Compiles the example in the README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -1,9 +1,9 @@
-//! The list of links that `/.well-known/core` shows, and the filters on it (RFC 6690). Which links there are is the business of
-//! whoever serves them; nothing is read or sent here.
+//! The list of links at `/.well-known/core`, and the filters on it (RFC 6690). Which links there are is decided by the
+//! application; nothing is read or sent here.
 
 use std::fmt::Write;
 
-/// One link: where it leads, and what is said of it.
+/// One link with its attributes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Link {
     href: String,
@@ -11,27 +11,28 @@ pub struct Link {
 }
 
 impl Link {
-    /// A link to a path, as `/robot`.
+    /// A link to a path, such as `/robot`.
     #[must_use]
     pub fn new(href: impl Into<String>) -> Link {
         Link { href: href.into(), attributes: Vec::new() }
     }
 
-    /// With an attribute, as `rt`; several values of `rt`, `if`, `rel` and `ct` stand in one text with spaces between.
+    /// Adds an attribute, such as `rt`. Several values of `rt`, `if`, `rel` and `ct` stand in one text, separated by
+    /// spaces.
     #[must_use]
     pub fn with(mut self, name: &'static str, value: impl Into<String>) -> Link {
         self.attributes.push((name, Some(value.into())));
         self
     }
 
-    /// With an attribute that has no value, as `obs`.
+    /// Adds an attribute without a value, such as `obs`.
     #[must_use]
     pub fn flag(mut self, name: &'static str) -> Link {
         self.attributes.push((name, None));
         self
     }
 
-    /// Whether a query, as `rt=map`, `href=/rob*`, `sz=*` or `obs`, lets this link through.
+    /// Whether this link matches a query, such as `rt=map`, `href=/rob*`, `sz=*` or `obs`.
     fn matches(&self, query: &str) -> bool {
         let Some((name, wanted)) = query.split_once('=') else { return self.has(query) };
         if name == "href" {
@@ -60,7 +61,7 @@ impl Link {
     }
 }
 
-/// The links that every query lets through, in `application/link-format`; no link gives an empty text.
+/// The links that match every query, in `application/link-format`; empty without links.
 #[must_use]
 pub fn link_format(links: &[Link], queries: &[String]) -> String {
     let mut list = String::new();
@@ -73,15 +74,15 @@ pub fn link_format(links: &[Link], queries: &[String]) -> String {
     list
 }
 
-/// The attributes whose value is a list of values (RFC 6690, section 4.1; for `ct` RFC 7252, section 7.2.1).
+/// Attributes whose value is a list of values (RFC 6690, section 4.1; for `ct` RFC 7252, section 7.2.1).
 const MANY: [&str; 4] = ["rt", "if", "rel", "ct"];
 
-/// A value is what is wanted, or begins with it when a `*` stands at the end.
+/// Whether a value is equal to `wanted`, or begins with it when `wanted` ends with `*`.
 fn is_wanted(value: &str, wanted: &str) -> bool {
     wanted.strip_suffix('*').map_or(value == wanted, |beginning| value.starts_with(beginning))
 }
 
-/// A single number stands without quotes.
+/// Whether the value is written without quotes: a single number is.
 fn is_bare(name: &str, value: &str) -> bool {
     matches!(name, "ct" | "sz") && !value.is_empty() && value.bytes().all(|byte| byte.is_ascii_digit())
 }
@@ -98,7 +99,7 @@ mod tests {
         ]
     }
 
-    /// Which of the three links a query lets through, by the first letters of their paths after the slash.
+    /// Which of the three links a query matches, by the first letters of their paths after the slash.
     fn check(queries: &[&str], expect: &[&str]) {
         let queries: Vec<String> = queries.iter().map(|query| (*query).to_owned()).collect();
         let list = link_format(&links(), &queries);

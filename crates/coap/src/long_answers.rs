@@ -1,5 +1,6 @@
-//! Answers to what was done that do not fit into one message. They are kept for a while for whoever reads them block by block,
-//! because to read on must not do it again. What only reads needs none of this: the application is asked again.
+//! Answers to commands that do not fit into one message. They are stored for a while for reading block by block,
+//! because reading on must not carry the command out again. Answers to reads need no storage: the application is asked
+//! again.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -11,7 +12,7 @@ use super::exchange::is_over;
 use super::limits::ASSEMBLIES;
 use super::response::Response;
 
-/// Answers of which the last block may not have been read yet.
+/// Answers whose last block may not have been read yet.
 #[derive(Debug, Default)]
 pub(super) struct LongAnswers(LinkedHashMap<BodyKey, Answered>);
 
@@ -19,9 +20,9 @@ pub(super) struct LongAnswers(LinkedHashMap<BodyKey, Answered>);
 struct Answered {
     since: Duration,
     answer: Arc<Response>,
-    /// Where the block begins that was not read yet.
+    /// Where the first unread block begins, in bytes.
     next: usize,
-    /// How often what urgent requests did had been undone when the request came.
+    /// How often the effect of urgent requests had been undone when the request came.
     undone: u64,
 }
 
@@ -30,8 +31,8 @@ impl LongAnswers {
         self.0.len()
     }
 
-    /// Keeps the answer to a request, of which this block is sent now, in the place of the one to an earlier request of the same
-    /// peer for the same.
+    /// Stores the answer to a request, of which this block is sent now, in place of an earlier answer under the same
+    /// key.
     pub(super) fn keep(&mut self, key: BodyKey, answer: Arc<Response>, block: Block, undone: u64, now: Duration) {
         self.0.remove(&key);
         self.0.insert(key, Answered { since: now, answer, next: end(block), undone });
@@ -40,14 +41,14 @@ impl LongAnswers {
         }
     }
 
-    /// Whether an urgent request for this block goes on where the last one ended: it is none that begins anew, and what was done still
-    /// stands.
+    /// Whether a request for this block continues where the last one ended, and the effect of the urgent request still
+    /// holds: then it is no new request.
     pub(super) fn is_next(&self, key: &BodyKey, block: Block, undone: u64, now: Duration) -> bool {
         let kept = self.0.get(key).filter(|kept| kept.undone == undone && !is_over(kept.since, now));
         kept.is_some_and(|kept| kept.next == end(block) - block.size() && kept.next < kept.answer.body.len())
     }
 
-    /// The answer of which this block is read now.
+    /// The stored answer, of which this block is sent now.
     pub(super) fn read(&mut self, key: &BodyKey, block: Block, now: Duration) -> Option<Arc<Response>> {
         let kept = self.0.get_mut(key).filter(|kept| !is_over(kept.since, now))?;
         kept.next = end(block);
@@ -55,7 +56,7 @@ impl LongAnswers {
     }
 }
 
-/// Where the next block begins; a number has 20 bits and a size 11.
+/// Where the next block begins, in bytes; it fits, as a number has 20 bits and a size 11.
 fn end(block: Block) -> usize {
     (block.number as usize + 1) * block.size()
 }

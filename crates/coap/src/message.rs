@@ -1,12 +1,12 @@
-//! Messages on the wire: what a datagram is, strictly, and how one is written, over the codec of coap-lite. The codec accepts
-//! versions, markers and empty messages that the RFC does not; the checks for these stand here. What options mean is not here.
+//! Reads datagrams strictly and writes messages, over the codec of coap-lite. The codec accepts versions, markers and
+//! empty messages that the RFC does not; the checks for these stand here. What options mean is not here.
 
 use coap_lite::Packet;
 
 use super::code::Code;
 use super::limits::HEAD;
 
-/// How a message is sent (RFC 7252, section 4.1), as the first byte says it.
+/// The type of a message (RFC 7252, section 4.1), with its bits in the first byte.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Con = 0x00,
@@ -15,7 +15,7 @@ pub(super) enum Kind {
     Rst = 0x30,
 }
 
-/// By which a client knows its answers again: at most 8 bytes.
+/// The token by which a client recognises its answers, of at most 8 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(super) struct Token {
     bytes: [u8; 8],
@@ -24,9 +24,9 @@ pub(super) struct Token {
 
 #[derive(Debug)]
 pub(super) enum Received {
-    /// Nothing that is answered.
+    /// Not a message, or one that gets no answer.
     Nothing,
-    /// A message that cannot be read, or that a server does not get; a CON is answered with a RST of this id.
+    /// A message that cannot be read, or that a server does not receive; a CON is answered with a RST of this id.
     Malformed(Kind, u16),
     Ack(u16),
     Rst(u16),
@@ -66,7 +66,8 @@ pub(super) fn parse(bytes: &[u8]) -> Received {
         (Kind::Ack, _) => Received::Ack(id),
         (Kind::Rst, Code::EMPTY) if bytes.len() == 4 => Received::Rst(id),
         (Kind::Rst, _) => Received::Nothing,
-        // An empty message asks whether anybody is there, one that is not quite empty is an error: both are answered alike.
+        // An empty message asks whether anybody is there, and one that is not quite empty is an error; both get the
+        // same answer.
         (Kind::Con | Kind::Non, Code::EMPTY) => Received::Malformed(kind, id),
         (Kind::Con | Kind::Non, _) if code.class() != 0 => Received::Malformed(kind, id),
         (Kind::Con | Kind::Non, _) => match Packet::from_bytes(bytes) {
@@ -78,25 +79,26 @@ pub(super) fn parse(bytes: &[u8]) -> Received {
     }
 }
 
-/// Whether it is long enough for a message, and of the version that there is.
+/// Whether it is long enough for a message, and of version 1.
 pub(super) fn is_of_this_version(bytes: &[u8]) -> bool {
     matches!(bytes, [first, _, _, _, ..] if first >> 6 == 1)
 }
 
-/// The code of a datagram that asks for something, rightly or not: no acknowledgement, no rejection and nothing empty.
+/// The code of a datagram that asks for something, valid or not; `None` for acknowledgements, resets and empty
+/// messages.
 pub(super) fn asks(bytes: &[u8]) -> Option<Code> {
     let [first, code, _, _, ..] = *bytes else { return None };
     (is_of_this_version(bytes) && Code(code) != Code::EMPTY && matches!(kind(first), Kind::Con | Kind::Non)).then_some(Code(code))
 }
 
-/// A message without anything, as an acknowledgement or a rejection.
+/// An empty message, as an acknowledgement or a reset.
 pub(super) fn empty(kind: Kind, id: u16) -> Vec<u8> {
     let [high, low] = id.to_be_bytes();
     vec![0x40 | kind as u8, 0, high, low]
 }
 
-/// A message of ours as it is put together, option by option in the order of their numbers; how it is sent is said at the end. It
-/// grows in one piece, where the codec would take three for each option.
+/// A message being written, option by option in the order of their numbers; type and id follow at the end. It grows in
+/// one buffer, where the codec would allocate three for each option.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Outgoing {
     bytes: Vec<u8>,
@@ -105,7 +107,7 @@ pub(super) struct Outgoing {
 }
 
 impl Outgoing {
-    /// A message without options and payload; there is room for a payload of this length.
+    /// A message without options and payload, with memory reserved for a payload of this many bytes.
     pub(super) fn new(code: Code, token: Token, payload: usize) -> Outgoing {
         let mut bytes = Vec::with_capacity(HEAD + payload);
         bytes.extend([0x40 | token.length, code.0, 0, 0]);
@@ -113,7 +115,7 @@ impl Outgoing {
         Outgoing { bytes, option: 0 }
     }
 
-    /// Adds an option; none with a higher number may have been added before.
+    /// Adds an option. Options must be added in ascending order of their numbers.
     pub(super) fn add(&mut self, option: u16, value: &[u8]) {
         debug_assert!(option >= self.option, "options stand in the order of their numbers");
         let (delta, length) = (usize::from(option - self.option), value.len());
@@ -129,13 +131,13 @@ impl Outgoing {
         self.option = option;
     }
 
-    /// Adds an option with a number as its value, written as short as it can be.
+    /// Adds an option with a number as its value, in the shortest form.
     pub(super) fn add_number(&mut self, option: u16, value: u32) {
         let skipped = value.leading_zeros() / 8;
         self.add(option, &value.to_be_bytes()[skipped as usize..]);
     }
 
-    /// Adds what it carries, after all options.
+    /// Adds the payload, after all options.
     pub(super) fn carry(&mut self, payload: &[u8]) {
         if !payload.is_empty() {
             self.bytes.push(0xFF);
@@ -147,7 +149,7 @@ impl Outgoing {
         self.bytes.len()
     }
 
-    /// The datagram, sent in this way and with this id.
+    /// Completes the datagram with its type and id.
     pub(super) fn datagram(mut self, kind: Kind, id: u16) -> Vec<u8> {
         self.bytes[0] = self.bytes[0] & 0xCF | kind as u8;
         self.bytes[2..4].copy_from_slice(&id.to_be_bytes());
@@ -155,7 +157,7 @@ impl Outgoing {
     }
 }
 
-/// The four bits that an option's delta or length has in its first byte.
+/// The four bits for an option's delta or length in its first byte.
 const fn half(value: usize) -> u8 {
     match value {
         0..13 => value as u8,
@@ -173,7 +175,7 @@ const fn kind(first: u8) -> Kind {
     }
 }
 
-/// How long a packet is when it is written: a datagram that was longer ended in a marker without a payload.
+/// Length of the packet in bytes when it is written; a longer datagram ended in a marker without a payload.
 fn written_length(packet: &Packet) -> usize {
     let mut before = 0;
     let mut length = 4 + packet.get_token().len();
@@ -186,7 +188,7 @@ fn written_length(packet: &Packet) -> usize {
     length + if packet.payload.is_empty() { 0 } else { 1 + packet.payload.len() }
 }
 
-/// The bytes that an option's delta or length takes beside its half byte.
+/// Bytes that an option's delta or length takes beyond its four bits.
 const fn extended(value: usize) -> usize {
     match value {
         0..13 => 0,

@@ -1,6 +1,6 @@
-//! Who observes what, what each has been told, and when to tell it more (RFC 7641). Several observers of the same thing in the
-//! same format share one *subject*; what it shows comes from the application. Nothing is queued: whoever's turn has come is told
-//! the newest. How a notification is written and acknowledged is not here.
+//! Who observes what, what each observer has been told, and when to tell it more (RFC 7641). Observers of the same
+//! thing in the same format share one *subject*, whose state comes from the application. Nothing is queued: an observer
+//! whose turn has come is told the newest state. How a notification is written and acknowledged is not here.
 //!
 //! ```text
 //!   changed ──► told without acknowledgement (NON), at most every PACE ──► quiet for SETTLED ──► told with one (CON)
@@ -24,28 +24,29 @@ use super::request::Request;
 use super::response::Response;
 use super::subject::{ObserverId, Subject, Target};
 
-/// How an observer acknowledges. Registering again changes nothing of it, so that nobody keeps a place by that alone.
+/// How an observer acknowledges. A new registration does not reset it, so that repeated registrations alone do not hold
+/// a place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Acknowledging {
-    /// When it was last asked to, at first when it registered.
+    /// When it was last asked for an acknowledgement, at first when it registered.
     asked: Duration,
-    /// When it was first asked to, until it does.
+    /// When it was first asked without having acknowledged since.
     unanswered: Option<Duration>,
-    /// Whether it ever did.
+    /// Whether it ever acknowledged.
     is_proved: bool,
 }
 
-/// What is observed: a path and a query in a format.
+/// Identifies what is observed: a path and a query in a format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SubjectId(u64);
 
-/// Whose observations take the room that one more needs.
+/// Whose observations have to give way for a new one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Crowd {
-    /// Whoever asks for it, or its path is too long: nobody gives way.
+    /// The new one itself, whose peer has too many or whose path is too long: nobody gives way.
     Itself,
     Network(Network),
-    /// All that are not on this machine.
+    /// All observations from beyond this machine.
     Beyond,
     All,
 }
@@ -66,13 +67,13 @@ pub(super) struct Notification {
     pub(super) peer: SocketAddr,
     pub(super) token: Token,
     pub(super) response: Arc<Response>,
-    /// Which of the things it watches this is.
+    /// Index of the thing among those that are observed.
     pub(super) thing: usize,
     pub(super) version: u64,
-    /// The size exponent of the blocks it wants.
+    /// The size exponent of the blocks that the observer wants.
     pub(super) exponent: u8,
     pub(super) confirm: bool,
-    /// Its place in the order of notifications, of 24 bits; `None` for the last word, after which nothing comes.
+    /// The Observe number of 24 bits; `None` for the last message, after which no notification follows.
     pub(super) sequence: Option<u32>,
 }
 
@@ -84,7 +85,7 @@ pub(super) struct Observers {
     by_peer: HashMap<SocketAddr, Vec<ObserverId>>,
     due: BTreeSet<(Duration, ObserverId)>,
     counted: u64,
-    /// The wall clock at the beginning, since 1970: sequences go on from there, also after a restart.
+    /// The wall clock at the endpoint's time zero, since 1970: sequences continue from there, even after a restart.
     began: Duration,
 }
 
@@ -95,9 +96,9 @@ struct Observer {
     subject: SubjectId,
     exponent: u8,
     knowledge: Knowledge,
-    /// The last thing of which it was sent a first block only, to be read on as it was;
+    /// The last thing of which it was sent only the first block, in the state that is to be read on.
     begun: Option<Arc<Response>>,
-    /// and whether it may still be at that.
+    /// Whether it may still be reading `begun`.
     is_reading: bool,
     /// The ids of the latest notifications, by which it may reject them.
     ids: [Option<u16>; 4],
@@ -105,7 +106,7 @@ struct Observer {
     /// When it was last told something.
     sent: Duration,
     acknowledging: Acknowledging,
-    /// How long a message takes to it and back, once that is known.
+    /// Round-trip time, once it is known.
     away: Option<Duration>,
     due: Option<Duration>,
 }
@@ -123,9 +124,10 @@ impl Observers {
         self.subjects.iter().map(|(id, subject)| (*id, Arc::clone(&subject.request))).collect()
     }
 
-    /// Begins an observation of somebody who gets the present state with the answer that carries the returned sequence; `None`
-    /// when there are too many, or many and this one has not acknowledged for `UNPROVED`. Whether that answer is sure to arrive decides
-    /// whether it is told again. Of several things the answer shows one; it is told the others after that.
+    /// Registers an observer, which gets the present state in the answer with the returned sequence; `None` when there
+    /// are too many observations, or many and this observer has not acknowledged for `UNPROVED`. An answer that is not
+    /// sure to arrive is told again. Of several things the answer shows one; the observer is told the others after
+    /// that.
     pub(super) fn register(
         &mut self,
         (request, token, exponent): (&Request, Token, u8),
@@ -188,7 +190,7 @@ impl Observers {
         self.by_peer.get(&peer).into_iter().flatten().copied()
     }
 
-    /// Ends all observations, and says whose they were.
+    /// Ends all observations, and returns the peers and tokens.
     pub(super) fn clear(&mut self) -> Vec<(SocketAddr, Token)> {
         let gone = std::mem::replace(self, Observers::new(self.began)).observers;
         gone.into_values().map(|observer| (observer.peer, observer.token)).collect()
@@ -213,8 +215,8 @@ impl Observers {
         }
     }
 
-    /// Takes what a subject shows now. What is not different is no news. After a long list of observers was told that something
-    /// is new, their turns come in groups, a millisecond apart.
+    /// Takes the present state of a subject's things; unchanged ones are no news. The turns of many observers come in
+    /// groups, a millisecond apart.
     pub(super) fn change(&mut self, subject: SubjectId, things: Vec<Arc<Response>>, now: Duration) {
         let Some(known) = self.subjects.get_mut(&subject) else { return };
         if known.take(things) {
@@ -248,7 +250,7 @@ impl Observers {
         let (response, version) = (Arc::clone(&told.response), told.version);
         let is_far = observer.away.is_none() && !is_this_machine(observer.peer.ip());
         let is_last = !response.code.is_success();
-        // Where many observe, whoever has acknowledged nothing yet is asked soon, also while everything changes.
+        // Among many observers, one that has acknowledged nothing yet is asked soon, even while everything changes.
         let Acknowledging { asked, is_proved, .. } = observer.acknowledging;
         let is_trusted = is_proved || self.observers.len() < UNPROVED_OBSERVERS;
         let confirm_at = asked + if is_trusted { CONFIRM_EVERY } else { SETTLED };
@@ -258,7 +260,7 @@ impl Observers {
         Some(Notification { peer, token, response, thing, version, exponent, confirm, sequence })
     }
 
-    /// The newest version of what a notification that is on its way tells of, when there is a newer one.
+    /// A notification of the newest version, if it is newer than the one in this notification on its way.
     pub(super) fn newer(&mut self, id: ObserverId, thing: usize, version: u64, now: Duration) -> Option<Notification> {
         let observer = self.observers.get(&id)?;
         let newest = self.subjects.get(&observer.subject)?.things.get(thing).filter(|newest| newest.version > version)?;
@@ -268,7 +270,7 @@ impl Observers {
         Some(Notification { peer, token, response, thing, version, exponent, confirm: true, sequence })
     }
 
-    /// Notes that a notification went out under this message id.
+    /// Notes that a notification was sent under this message id.
     pub(super) fn told(&mut self, id: ObserverId, notification: &Notification, message: u16, now: Duration) {
         let Some(observer) = self.observers.get_mut(&id) else { return };
         if let Some(subject) = self.subjects.get(&observer.subject) {
@@ -285,18 +287,18 @@ impl Observers {
         self.schedule(id, now);
     }
 
-    /// Notes that a notification arrived, and how long it took there and back where that is known.
+    /// Notes that a notification arrived, with its round-trip time where that is known.
     pub(super) fn acknowledged(&mut self, id: ObserverId, (thing, version): (usize, u64), away: Option<Duration>, now: Duration) {
         let Some(observer) = self.observers.get_mut(&id) else { return };
         observer.knowledge.acknowledged(thing, version);
         (observer.acknowledging.unanswered, observer.acknowledging.is_proved) = (None, true);
-        // Smoothed, so that one slow answer does not slow everything down.
+        // Smoothed, so that one slow answer does not slow down everything.
         observer.away = away.map(|away| observer.away.map_or(away, |before| (before * 7 + away) / 8)).or(observer.away);
         self.schedule(id, now);
     }
 
-    /// What an observer was told of in a first block, for the further block that it asks for: as it was then, whatever has become
-    /// of it. `None` when this peer observes nothing of the kind.
+    /// The body whose first block a notification carried, for the further block that its observer asks for: in the
+    /// state of that time, whatever has changed since. `None` when this peer observes nothing of the kind.
     pub(super) fn read_on(&mut self, request: &Request, block: Block, now: Duration) -> Option<Arc<Response>> {
         let id = self.observer_of(request)?;
         let observer = self.observers.get_mut(&id)?;
@@ -308,7 +310,8 @@ impl Observers {
         Some(begun)
     }
 
-    /// A peer begins to read from the first block, apart from what it observes.
+    /// Ends the reading of an observed body, because the peer now reads it from the first block by a request of its
+    /// own.
     pub(super) fn read_anew(&mut self, request: &Request) {
         let observer = self.observer_of(request).and_then(|id| self.observers.get_mut(&id));
         if let Some(observer) = observer {
@@ -324,7 +327,7 @@ impl Observers {
         self.of_peer(request.peer).find(is_this)
     }
 
-    /// Lets every observer of a peer have its turn again, after something stood in the way.
+    /// Schedules every observer of a peer again, after something was on its way to it.
     pub(super) fn wake(&mut self, peer: SocketAddr, now: Duration) {
         let ids: Vec<ObserverId> = self.of_peer(peer).collect();
         for id in ids {
@@ -336,8 +339,8 @@ impl Observers {
         self.due.first().map(|(due, _)| *due)
     }
 
-    /// Owner whose observations leave no room for this one; `None` when there is room. Those of others leave room for those of
-    /// this machine, and none of this machine gives way to others.
+    /// Whose observations leave no room for this one; `None` when there is room. Peers beyond this machine leave room
+    /// for those of this machine, which never give way to them.
     pub(super) fn crowd(&self, request: &Request) -> Option<Crowd> {
         let of_this_peer = self.by_peer.get(&request.peer).map_or(0, Vec::len);
         let target: usize = request.path.iter().chain(&request.queries).map(String::len).sum();
@@ -372,8 +375,8 @@ impl Observers {
         id
     }
 
-    /// Gives an observer its turn, not before `earliest`: soon when there is something to tell it, else before what it has is out
-    /// of date.
+    /// Schedules an observer, not before `earliest`: soon when there is something to tell it, otherwise before its
+    /// state is out of date.
     fn schedule(&mut self, id: ObserverId, earliest: Duration) {
         let Some(observer) = self.observers.get_mut(&id) else { return };
         let Some(subject) = self.subjects.get(&observer.subject) else { return };
@@ -388,8 +391,8 @@ impl Observers {
         self.due.insert((due, id));
     }
 
-    /// The next number in the order of an observer's notifications: from the clock, 32 a millisecond, and always more than the
-    /// one before. Numbers of a later start of the program follow those of an earlier one (RFC 7641, section 4.4).
+    /// The next Observe number of an observer: from the clock, 32 per millisecond, and always more than the one before.
+    /// Numbers after a restart of the program follow the earlier ones (RFC 7641, section 4.4).
     fn sequence(&mut self, id: ObserverId, now: Duration) -> Option<u32> {
         let ticks = u64::try_from((self.began + now).as_micros() * 4 / 125).ok()?;
         let observer = self.observers.get_mut(&id)?;
@@ -399,7 +402,7 @@ impl Observers {
 }
 
 impl Observer {
-    /// It is sent the first block of this, or all of it.
+    /// Notes that it is sent the first block of this response, or all of it.
     fn begin(&mut self, response: &Arc<Response>) {
         self.is_reading = Block { exponent: self.exponent, ..Block::FIRST }.size() < response.body.len();
         if self.is_reading {

@@ -1,5 +1,5 @@
-//! What the options of a request say (RFC 7252, section 5.10, and those of the other RFCs), read once and strictly: a critical
-//! option that is unknown, repeated or of the wrong length is refused; an elective one is passed over.
+//! The options of a request (RFC 7252, section 5.10, and those of the other RFCs), read once and strictly: a critical
+//! option that is unknown, repeated or of the wrong length is refused; such an elective one is ignored.
 
 use std::net::SocketAddr;
 
@@ -42,27 +42,28 @@ use number::{
     REQUEST_TAG, SIZE1, SIZE2, URI_HOST, URI_PATH, URI_PORT, URI_QUERY,
 };
 
-/// A request with what the endpoint itself wants to know of it.
+/// A request, with the options that the endpoint itself handles.
 #[derive(Debug)]
 pub(super) struct ParsedRequest {
     /// What the application sees; its payload is that of this message.
     pub(super) request: Request,
     pub(super) etags: Vec<ETag>,
-    /// 0 to observe, 1 to observe no longer.
+    /// 0 to register an observer, 1 to deregister it.
     pub(super) observe: Option<u32>,
-    /// Which block of a body this is.
+    /// Which block of the request's body this is.
     pub(super) block1: Option<Block>,
     /// Which block of the answer is wanted.
     pub(super) block2: Option<Block>,
     pub(super) wants_size: bool,
-    /// How long the body is to be, as announced.
+    /// The announced length of the request's body, in bytes.
     pub(super) size1: Option<u32>,
-    /// Tells bodies to the same path apart.
+    /// Distinguish bodies to the same path.
     pub(super) request_tags: Vec<Vec<u8>>,
     pub(super) echo: Option<Vec<u8>>,
 }
 
-/// How long values of a critical option may be, and whether it may come more than once; `None` for one that is not understood.
+/// Least and greatest length of a critical option's value in bytes, and whether it may be repeated; `None` for an
+/// unknown option.
 const fn critical(number: u16) -> Option<(usize, usize, bool)> {
     Some(match number {
         IF_MATCH => (0, 8, true),
@@ -75,8 +76,8 @@ const fn critical(number: u16) -> Option<(usize, usize, bool)> {
     })
 }
 
-/// 4.02 for a critical option that is not understood, 4.00 for a block that cannot be, 4.05 for an unknown method, 5.05 for what
-/// a proxy is to do.
+/// 4.02 for an unknown critical option, 4.00 for an impossible block, 4.05 for an unknown method, 5.05 for a request to
+/// a proxy.
 pub(super) fn read(peer: SocketAddr, incoming: Incoming) -> Result<ParsedRequest, Response> {
     let Incoming { code, mut packet, .. } = incoming;
     if packet.get_option(CoapOption::from(PROXY_URI)).is_some() || packet.get_option(CoapOption::from(PROXY_SCHEME)).is_some() {
@@ -114,12 +115,12 @@ pub(super) fn read(peer: SocketAddr, incoming: Incoming) -> Result<ParsedRequest
     })
 }
 
-/// The classes of answers that are not wanted, as RFC 7967 numbers them; 0 when all are.
+/// The bits of the classes of answers that are not wanted (RFC 7967); 0 when all are wanted.
 pub(super) fn no_response(packet: &Packet) -> u32 {
     number_of(packet, NO_RESPONSE, 1).unwrap_or(0)
 }
 
-/// What a request asks for in words, as far as it can be read: `POST /commands/start`.
+/// What a request asks for, in words, as far as it can be read: `POST /commands/start`.
 pub(super) fn asked(incoming: &Incoming) -> String {
     let method = Method::of(incoming.code).map_or_else(|| incoming.code.to_string(), |method| method.name().to_owned());
     let segments = values(&incoming.packet, URI_PATH).take(ASKED_SEGMENTS);
@@ -127,10 +128,10 @@ pub(super) fn asked(incoming: &Incoming) -> String {
     format!("{method} {}", path.chars().take(ASKED_LETTERS).collect::<String>())
 }
 
-/// So many segments of a path,
+/// Most segments of a path that go on record.
 const ASKED_SEGMENTS: usize = 8;
 
-/// and so many letters are repeated: enough to know it again.
+/// Most letters of a segment that go on record: enough to recognise it.
 const ASKED_LETTERS: usize = 60;
 
 fn check_critical(packet: &Packet) -> Result<(), Response> {

@@ -1,4 +1,4 @@
-//! The way out: answers, notifications, retransmissions, and what is sent again. The way in is `inward`.
+//! The way out: answers, notifications and retransmissions. The way in is `inward`.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ impl Endpoint {
     pub(super) fn answer(&mut self, mut open: Open, answer: Answer, now: Duration) {
         let observe = self.observe(&mut open, &answer, now);
         let is_shown = |thing: &&Arc<Response>| thing.body == answer.response.body;
-        // What is observed is as fresh as a notification, which stays so until the next.
+        // Freshness of an observed answer is that of a notification, which holds until the next.
         let watched = answer.observed.iter().find(is_shown).filter(|_| observe.is_some());
         let mut response = Arc::clone(watched.unwrap_or(&answer.response));
         if open.is_get && response.code == Code::CONTENT && response.tag.is_some_and(|tag| open.etags.contains(&tag)) {
@@ -51,7 +51,7 @@ impl Endpoint {
         self.send_reply(reply_to, response, &ReplyOptions { block1, ..ReplyOptions::default() }, now);
     }
 
-    /// 4.01: prove first that you hear what is sent to your address (RFC 9175, section 2.3).
+    /// Answers 4.01: the peer has to prove first that it receives what is sent to its address (RFC 9175, section 2.3).
     pub(super) fn challenge(&mut self, reply_to: ReplyTo, now: Duration) {
         let (kind, id) = self.head_of_reply(reply_to);
         let bytes = self.challenging(reply_to, now).datagram(kind, id);
@@ -70,7 +70,7 @@ impl Endpoint {
         if self.guard.has_room(peer, worded.length(), now) { worded } else { message("") }
     }
 
-    /// An acknowledgement carries the answer to what wants one; any other answer is a message of its own.
+    /// The acknowledgement of a CON carries the answer; any other answer is a message of its own.
     fn head_of_reply(&mut self, reply_to: ReplyTo) -> (Kind, u16) {
         match reply_to.kind {
             Kind::Con => (Kind::Ack, reply_to.key.id),
@@ -78,20 +78,20 @@ impl Endpoint {
         }
     }
 
-    /// An observer's last word, which nobody waits to be acknowledged.
+    /// Sends an observer its last message, without waiting for an acknowledgement.
     pub(super) fn bid_farewell(&mut self, peer: SocketAddr, token: Token, farewell: &Response) {
         let id = self.next_id(peer);
         let message = reply::message(token, farewell, &ReplyOptions::default());
         self.send_to_observer(peer, message.datagram(Kind::Non, id));
     }
 
-    /// Ends an observation, and what is on its way for it.
+    /// Ends an observation, and drops what is on its way for it.
     pub(super) fn forget(&mut self, peer: SocketAddr, observer: ObserverId) {
         self.reliable.withdraw(peer, observer);
         self.observers.remove(observer);
     }
 
-    /// After a message is off its way: the next answer for this peer, else whatever its observers are to be told.
+    /// Sends the next answer for this peer, or schedules its observers, after a message to it was settled.
     pub(super) fn go_on(&mut self, peer: SocketAddr, now: Duration) {
         if self.reliable.is_busy(peer) {
             return;
@@ -104,7 +104,7 @@ impl Endpoint {
         }
     }
 
-    /// Tells senders whose answer takes longer that it will come.
+    /// Acknowledges requests whose answer takes longer.
     pub(super) fn acknowledge_slow(&mut self, now: Duration) {
         while let Some((exchange, _)) = self.patience.first_key_value().filter(|(_, due)| **due <= now) {
             let exchange = *exchange;
@@ -116,14 +116,14 @@ impl Endpoint {
         }
     }
 
-    /// Sends again what was not acknowledged in time, the newest state in the place of an older one.
+    /// Sends again what was not acknowledged in time, with the newest state in place of an older one.
     pub(super) fn repeat_late(&mut self, now: Duration) {
         while let Some(late) = self.reliable.late(now) {
             match late {
                 Late::Again(peer, sent) => self.repeat(peer, sent, now),
                 Late::GivenUp(peer, sent) => {
                     if let About::Notification(..) = sent.about {
-                        // Whoever does not answer for so long is gone, with all that it observed.
+                        // A peer that has not answered for so long is gone, with all that it observed.
                         let gone: Vec<ObserverId> = self.observers.of_peer(peer).collect();
                         gone.into_iter().for_each(|observer| self.observers.remove(observer));
                     }
@@ -185,7 +185,7 @@ impl Endpoint {
         self.send_about(peer, about, bytes, now);
     }
 
-    /// Begins or ends an observation, as the request asks; the number that goes with its answer.
+    /// Begins or ends an observation, as the request asks, and returns the Observe number for its answer.
     fn observe(&mut self, open: &mut Open, answer: &Answer, now: Duration) -> Option<u32> {
         let asks = open.observe.filter(|asks| open.is_get && *asks <= 1)?;
         let ReplyTo { key, kind, token, .. } = open.reply_to;
@@ -227,11 +227,12 @@ impl Endpoint {
         if response.code.is_success() || response.body.is_empty() {
             return self.challenge(reply_to, now);
         }
-        // The code alone says more to whoever cannot prove its address than that it should.
+        // The code without its body is short enough, and says more than a challenge does to a peer that cannot prove
+        // its address.
         self.send_reply(reply_to, &Response { max_age: response.max_age, ..Response::new(response.code) }, shape, now);
     }
 
-    /// An answer that is not wanted: a message that asks for an acknowledgement gets that and no more.
+    /// Suppresses an answer that is not wanted; a CON gets an empty acknowledgement.
     fn say_nothing(&mut self, reply_to: ReplyTo, now: Duration) {
         if reply_to.kind == Kind::Con {
             self.acknowledge(reply_to.key, now);
@@ -240,7 +241,7 @@ impl Endpoint {
         }
     }
 
-    /// Should it be lost, the sender asks once more, perhaps when the answer has gone already.
+    /// Sends an empty acknowledgement. If that is lost, the sender asks again, perhaps after the answer was sent.
     pub(super) fn acknowledge(&mut self, key: MessageKey, now: Duration) {
         let acknowledgement = empty(Kind::Ack, key.id);
         self.exchanges.answered(key, &acknowledgement);
@@ -278,12 +279,13 @@ impl Endpoint {
         }
     }
 
-    /// An observer proved its address when it began, and is forgotten when it does not acknowledge any more.
+    /// Sends without the guard's limit: an observer proved its address when it registered, and is forgotten when it no
+    /// longer acknowledges.
     fn send_to_observer(&mut self, peer: SocketAddr, bytes: Vec<u8>) {
         self.out.push_back(Transmit { peer, bytes });
     }
 
-    /// Puts a datagram on its way, if it may go there; whether it may.
+    /// Sends a datagram, if the guard's limit allows it. Returns whether it did.
     pub(super) fn transmit(&mut self, peer: SocketAddr, bytes: Vec<u8>, now: Duration) -> bool {
         let may = self.guard.lets_out(peer, bytes.len(), now);
         if may {
@@ -292,7 +294,7 @@ impl Endpoint {
         may
     }
 
-    /// A message id that this peer has not seen for long: its own count, from a place of chance.
+    /// A message id that this peer has not seen for long: the peer's own counter, which starts at a random value.
     fn next_id(&mut self, peer: SocketAddr) -> u16 {
         let id = self.ids.entry(peer).or_insert_with(|| self.chance.number());
         *id = id.wrapping_add(1);

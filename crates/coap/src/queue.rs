@@ -1,6 +1,6 @@
-//! Datagrams that were heard and wait for their turn: networks take turns, and the peers of each, and none takes the room of others,
-//! so that whoever sends more than is answered loses its own, which CoAP clients send again. Which of them go first is the business
-//! of `backlog`.
+//! Received datagrams that wait for their turn. Networks take turns, and so do the peers of each; none uses the room of
+//! others, so that a sender of more than can be answered loses its own datagrams, which CoAP clients send again. Which
+//! datagrams go first is decided in `backlog`.
 
 use std::collections::VecDeque;
 use std::net::SocketAddr;
@@ -10,21 +10,21 @@ use hashlink::LinkedHashMap;
 use super::limits::WAITING_HEAD;
 use super::network::Network;
 
-/// A datagram, and who sent it.
+/// A datagram with its sender.
 pub type Datagram = (SocketAddr, Box<[u8]>);
 
 type Peers = LinkedHashMap<SocketAddr, Share<VecDeque<Box<[u8]>>>>;
 
-/// The networks of whom something waits, the one whose turn is next first.
+/// The networks with waiting datagrams, in the order of their turns.
 pub(super) struct Queue {
     networks: LinkedHashMap<Network, Share<Peers>>,
-    /// What goes before all others, whose room it still has.
+    /// Datagrams that go before all others; they still count against the room.
     first: VecDeque<Datagram>,
-    /// So many bytes more have room.
+    /// Free room in bytes.
     left: usize,
 }
 
-/// What somebody has there, and how many bytes that takes.
+/// What one network or peer has in the queue, and how many bytes that takes.
 #[derive(Default)]
 struct Share<T> {
     holds: T,
@@ -32,7 +32,7 @@ struct Share<T> {
 }
 
 impl Queue {
-    /// Room for so many bytes, `WAITING_HEAD` of them for each datagram beside its own.
+    /// A queue with this many bytes of room; each datagram takes `WAITING_HEAD` bytes beside its own.
     pub(super) fn of(room: usize) -> Queue {
         Queue { networks: LinkedHashMap::new(), first: VecDeque::new(), left: room }
     }
@@ -41,8 +41,8 @@ impl Queue {
         self.first.is_empty() && self.networks.is_empty()
     }
 
-    /// Keeps one more, or loses it: what is left for others is more than all that its network then has there, and the rest of that
-    /// is no less than what its peer has, so that there is room for other networks, and for other peers of each.
+    /// Adds a datagram, or drops it: with it, the bytes of its network plus those of its peer may be at most what
+    /// remains free, so that other networks, and other peers of each, can still add theirs.
     pub(super) fn push(&mut self, peer: SocketAddr, bytes: &[u8]) {
         let (network, cost) = (Network::of(peer.ip()), cost(bytes));
         let share = self.networks.get(&network);
@@ -51,7 +51,7 @@ impl Queue {
         if (of_network + cost) + (of_peer + cost) > self.left.saturating_sub(cost) {
             return;
         }
-        // `entry` would send a network or a peer that waits already to the end of the turns.
+        // `entry` would move a waiting network or peer to the end of the turns.
         if of_network == 0 {
             self.networks.insert(network, Share::default());
         }
@@ -70,21 +70,21 @@ impl Queue {
         !self.first.is_empty()
     }
 
-    /// All that waits now goes before what comes later.
+    /// Moves everything that waits now ahead of what comes later.
     pub(super) fn put_first(&mut self) {
         while let Some(datagram) = self.next_in_turn() {
             self.first.push_back(datagram);
         }
     }
 
-    /// The next of what goes before all others.
+    /// The next of the datagrams that go before all others.
     pub(super) fn next_first(&mut self) -> Option<Datagram> {
         let datagram = self.first.pop_front()?;
         self.left += cost(&datagram.1);
         Some(datagram)
     }
 
-    /// The next one: those of a peer in their order, one in each of its turns.
+    /// The next datagram in turn; those of one peer keep their order.
     pub(super) fn next(&mut self) -> Option<Datagram> {
         let datagram = self.first.pop_front().or_else(|| self.next_in_turn())?;
         self.left += cost(&datagram.1);

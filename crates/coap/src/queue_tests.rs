@@ -1,4 +1,4 @@
-//! Who has room and turns in a queue, whoever else floods it.
+//! Room and turns in a queue under floods.
 
 use super::*;
 
@@ -8,14 +8,13 @@ fn peer(port: u16) -> SocketAddr {
     SocketAddr::from(([127, 0, 0, 1], port))
 }
 
-/// Whether there was room for this one.
 fn is_kept(queue: &mut Queue, peer: SocketAddr, bytes: &[u8]) -> bool {
     let before = queue.left;
     queue.push(peer, bytes);
     queue.left < before
 }
 
-/// The ports and first bytes of all that wait, in their order.
+/// The ports and first bytes of all waiting datagrams, in their order.
 fn taken(queue: &mut Queue) -> Vec<(u16, u8)> {
     std::iter::from_fn(|| queue.next()).map(|(peer, bytes)| (peer.port(), bytes[0])).collect()
 }
@@ -78,7 +77,7 @@ fn a_flood_loses_its_own_and_takes_neither_the_room_nor_the_turn_of_others() {
     }
 }
 
-/// Whoever has an address has all its ports, and whoever has one of a /64 has them all.
+/// Whoever has an address has all its ports, and whoever has one address of a /64 has them all.
 #[test]
 fn a_crowd_of_ports_of_one_address_takes_neither_the_room_nor_the_turn_of_another() {
     let crowds: [fn(u16) -> SocketAddr; 3] = [

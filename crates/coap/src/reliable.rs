@@ -1,5 +1,5 @@
-//! Messages of this side that want an acknowledgement (RFC 7252, section 4.2): one at a time for each peer, sent again after 2 to
-//! 3 seconds and then after twice as long each time, four times. What is in them is not here.
+//! Messages of this side that need an acknowledgement (RFC 7252, section 4.2): one at a time for each peer, sent again
+//! after 2 to 3 seconds and then after twice as long each time, four times. What is in them is not here.
 
 use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::net::SocketAddr;
@@ -12,9 +12,9 @@ use super::subject::ObserverId;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum About {
-    /// An answer that came separately, or an observer's last word.
+    /// A separate answer, or an observer's last message.
     Answer,
-    /// A notification: whose, which of the things it watches, and in which version.
+    /// A notification: its observer, the index of the thing and its version.
     Notification(ObserverId, usize, u64),
 }
 
@@ -35,7 +35,7 @@ pub(super) enum Late {
     GivenUp(SocketAddr, Sent),
 }
 
-/// All messages that wait for their acknowledgement, or for the one before them to have its own.
+/// All messages that wait for their acknowledgement, or for that of the message before them.
 #[derive(Debug)]
 pub(super) struct Reliable {
     peers: HashMap<SocketAddr, PeerQueue>,
@@ -46,7 +46,7 @@ pub(super) struct Reliable {
 #[derive(Debug, Default)]
 struct PeerQueue {
     sent: Option<Sent>,
-    /// Answers, their ids not given yet.
+    /// Answers that have no message ids yet.
     waiting: VecDeque<Outgoing>,
 }
 
@@ -71,7 +71,7 @@ impl Reliable {
         self.peers.get(&peer)?.sent.as_ref().map(|sent| sent.about)
     }
 
-    /// There must be no other on its way to this peer.
+    /// No other message may be on its way to this peer.
     pub(super) fn sent(&mut self, peer: SocketAddr, id: u16, about: About, bytes: Vec<u8>, now: Duration) {
         let wait = ACK_TIMEOUT.mul_f64(1.0 + ACK_SPREAD * self.chance.fraction());
         let due = now + wait;
@@ -81,7 +81,7 @@ impl Reliable {
         self.due.insert((due, peer));
     }
 
-    /// Lets an answer wait for its turn, or gives it back when too many wait.
+    /// Queues an answer until its turn, or returns it when too many wait.
     pub(super) fn wait(&mut self, peer: SocketAddr, waiting: Outgoing) -> Result<(), Outgoing> {
         let queue = self.peers.entry(peer).or_default();
         if queue.waiting.len() >= WAITING {
@@ -101,7 +101,7 @@ impl Reliable {
         next
     }
 
-    /// Takes a message off its way because it was acknowledged or rejected; with whether it had been sent only once.
+    /// Removes a message that was acknowledged or rejected, and returns with it whether it had been sent only once.
     pub(super) fn settled(&mut self, peer: SocketAddr, id: u16) -> Option<(Sent, bool)> {
         let queue = self.peers.get_mut(&peer)?;
         let sent = queue.sent.take_if(|sent| sent.id == id)?;
@@ -110,7 +110,7 @@ impl Reliable {
         Some((sent, once))
     }
 
-    /// The peer among these whose retransmitted notification has gone unacknowledged for longest, with its owner.
+    /// The peer among these whose retransmitted notification has gone unacknowledged for longest, with its observer.
     pub(super) fn most_silent(&self, is_meant: impl Fn(SocketAddr) -> bool) -> Option<(SocketAddr, ObserverId)> {
         let sent =
             self.peers.iter().filter_map(|(peer, queue)| Some((*peer, queue.sent.as_ref().filter(|sent| sent.tries > 0)?)));
@@ -121,7 +121,7 @@ impl Reliable {
         silent.min().map(|(_, peer, observer)| (peer, observer))
     }
 
-    /// Takes the notification of an observer that is gone off its way.
+    /// Removes the notification of an observer that is gone.
     pub(super) fn withdraw(&mut self, peer: SocketAddr, observer: ObserverId) {
         let Some(queue) = self.peers.get_mut(&peer) else { return };
         let is_its = |sent: &mut Sent| matches!(sent.about, About::Notification(whose, ..) if whose == observer);
@@ -130,7 +130,7 @@ impl Reliable {
         }
     }
 
-    /// The next message whose time has run out. One that is to be sent again is on its way again; `replace` it when there is
+    /// The next message whose time has run out. One that is to be sent again counts as sent; `replace` it when there is
     /// something newer to say.
     pub(super) fn late(&mut self, now: Duration) -> Option<Late> {
         let (due, peer) = *self.due.first().filter(|(due, _)| *due <= now)?;
@@ -147,7 +147,8 @@ impl Reliable {
         Some(Late::Again(peer, sent.clone()))
     }
 
-    /// Puts something newer in the place of a message that is on its way; its tries go on (RFC 7641, section 4.5.2).
+    /// Replaces a message on its way by something newer, which inherits the count of its retransmissions (RFC 7641,
+    /// section 4.5.2).
     pub(super) fn replace(&mut self, peer: SocketAddr, id: u16, about: About, bytes: Vec<u8>) {
         if let Some(sent) = self.peers.get_mut(&peer).and_then(|queue| queue.sent.as_mut()) {
             (sent.id, sent.about, sent.bytes) = (id, about, bytes);

@@ -1,4 +1,5 @@
-//! How a response is written: its options, and the block of its body that is wanted. Whether it may be sent is not here.
+//! Writes a response: its options, and the block of its body that is wanted. Whether it may be sent is not decided
+//! here.
 
 use super::block::Block;
 use super::code::Code;
@@ -7,7 +8,7 @@ use super::message::{Outgoing, Token};
 use super::options::number;
 use super::response::Response;
 
-/// What goes with a response beside what the application says.
+/// The options of a response that do not come from the application.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ReplyOptions {
     /// The block of the request's body that is answered.
@@ -15,7 +16,7 @@ pub(super) struct ReplyOptions {
     /// The block of the answer's body that is wanted.
     pub(super) block2: Option<Block>,
     pub(super) wants_size: bool,
-    /// The place in the order of notifications.
+    /// The Observe number of a notification.
     pub(super) observe: Option<u32>,
     pub(super) echo: Option<Vec<u8>>,
 }
@@ -23,7 +24,7 @@ pub(super) struct ReplyOptions {
 pub(super) fn message(token: Token, response: &Response, shape: &ReplyOptions) -> Outgoing {
     let length = response.body.len();
     let wanted = shape.block2.unwrap_or(Block::FIRST);
-    // Only of what is there can a later block be asked for: of an error its beginning is sent, whatever was asked for.
+    // Later blocks exist only of a success; an error sends its beginning, whichever block was asked for.
     let can_be_later = response.code.is_success() && length > 0;
     let wanted = if can_be_later { wanted } else { Block { number: 0, ..wanted } };
     let Some((block, range)) = wanted.within(length) else {
@@ -34,7 +35,7 @@ pub(super) fn message(token: Token, response: &Response, shape: &ReplyOptions) -
     let is_part = block.more || block.number > 0;
     let sliced = is_part || (shape.block2.is_some() && response.code == Code::CONTENT);
     let with_size = shape.wants_size || (is_part && block.number == 0);
-    // In the order of their numbers.
+    // Options must follow in the order of their numbers.
     let mut message = Outgoing::new(response.code, token, range.len());
     response.tag.iter().for_each(|tag| message.add(number::ETAG, tag.bytes()));
     shape.observe.iter().for_each(|sequence| message.add_number(number::OBSERVE, *sequence));

@@ -1,5 +1,5 @@
-//! A request as the application sees it: whole, its blocks put together, its options read. What it is answered with stands in
-//! `response`; messages, tokens and retransmissions are not seen from here.
+//! A request as the application sees it, with its blocks put together and its options read. Its answer stands in
+//! `response`; messages, tokens and retransmissions are not visible here.
 
 use std::net::SocketAddr;
 
@@ -12,48 +12,49 @@ use super::response::{ETag, Response};
 pub struct Request {
     /// Who sent it.
     pub peer: SocketAddr,
-    /// What is to be done.
+    /// Its method.
     pub method: Method,
     /// The segments of its path; empty for `/`.
     pub path: Vec<String>,
-    /// The parts of its query, as `rt=map`.
+    /// The parts of its query, such as `rt=map`.
     pub queries: Vec<String>,
-    /// The format of its payload, where it says so.
+    /// The format of its payload, if it names one.
     pub format: Option<Format>,
-    /// The only format that is wanted, where it says so.
+    /// The only format that it accepts, if it names one.
     pub accept: Option<Format>,
     /// The conditions under which it is to be carried out.
     pub conditions: Conditions,
-    /// What it carries.
+    /// Its whole body.
     pub payload: Vec<u8>,
 }
 
 /// `If-Match` and `If-None-Match` (RFC 7252, section 5.10.8).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Conditions {
-    /// It is carried out only when the resource is one of these; `None` among them means whatever it is, so long as it exists.
+    /// It is carried out only when the resource has one of these tags; `None` among them stands for any existing
+    /// resource.
     pub if_match: Vec<Option<ETag>>,
-    /// It is carried out only when there is no such resource.
+    /// It is carried out only when the resource does not exist.
     pub if_none_match: bool,
 }
 
 impl Request {
-    /// The path as text, as `/lamps/3`.
+    /// The path as text, such as `/lamps/3`.
     #[must_use]
     pub fn path_text(&self) -> String {
         if self.path.is_empty() { "/".to_owned() } else { self.path.iter().map(|segment| format!("/{segment}")).collect() }
     }
 
-    /// The path's segments, to be matched.
+    /// The path's segments, for matching.
     #[must_use]
     pub fn segments(&self) -> Vec<&str> {
         self.path.iter().map(String::as_str).collect()
     }
 
-    /// The format to answer in: the one that is wanted, or the first of those there are.
+    /// The format to answer in: the accepted one, or the first of those offered.
     ///
     /// # Errors
-    /// 4.06 when what is wanted is not there.
+    /// 4.06 when the accepted format is not offered.
     pub fn negotiated(&self, offers: &[Format]) -> Result<Format, Response> {
         let wanted = self.accept.map_or(offers.first(), |accept| offers.iter().find(|offer| **offer == accept));
         wanted.copied().ok_or_else(|| {
@@ -65,10 +66,10 @@ impl Request {
 }
 
 impl Conditions {
-    /// Whether it may be carried out on a resource with this tag; `None` when there is no such resource.
+    /// Checks the conditions against a resource with this tag; `exists` says whether there is one.
     ///
     /// # Errors
-    /// 4.12 when it may not.
+    /// 4.12 when they are not met.
     pub fn met(&self, exists: bool, tag: Option<ETag>) -> Result<(), Response> {
         if self.if_none_match && exists {
             return Err(Response::refusal(Code::PRECONDITION_FAILED, "If-None-Match: it is there already"));

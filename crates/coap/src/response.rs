@@ -1,5 +1,5 @@
-//! What the application answers, before it is cut into blocks and put into messages. Bodies are immutable and shared: every
-//! block, retransmission and observer reads the same one.
+//! What the application answers, before it is cut into blocks and put into messages. Bodies are immutable and shared:
+//! every block, retransmission and observer reads the same one.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ pub struct ETag {
 }
 
 impl ETag {
-    /// These bytes as a tag; `None` when there are none, or more than 8.
+    /// These bytes as a tag; `None` unless there are 1 to 8.
     #[must_use]
     pub fn new(given: &[u8]) -> Option<ETag> {
         let mut bytes = [0; 8];
@@ -29,27 +29,27 @@ impl ETag {
     }
 }
 
-/// One response.
+/// The application's answer to one request.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Response {
-    /// What became of the request.
+    /// The response code.
     pub code: Code,
-    /// The format of the body; none for a diagnostic text (RFC 7252, section 5.5.2).
+    /// The format of the body; `None` for a diagnostic text (RFC 7252, section 5.5.2).
     pub format: Option<Format>,
-    /// Which state of the resource this is.
+    /// The tag of the resource's state.
     pub tag: Option<ETag>,
-    /// So many seconds it may be taken for the present state; without it, 60.
+    /// How long it counts as current, in seconds; `None`: 60.
     pub max_age: Option<u32>,
-    /// Where what was created is.
+    /// The path of a created resource.
     pub location: Vec<String>,
-    /// With which query.
+    /// The query of a created resource.
     pub location_query: Vec<String>,
-    /// What it carries.
+    /// The whole body.
     pub body: Arc<[u8]>,
 }
 
 impl Response {
-    /// A response of this code that carries nothing.
+    /// A response with this code and nothing else.
     #[must_use]
     pub fn new(code: Code) -> Response {
         Response {
@@ -69,25 +69,25 @@ impl Response {
         Response { format: Some(format), body: body.into(), ..Response::new(Code::CONTENT) }
     }
 
-    /// A refusal or an error, with a sentence for whoever reads it.
+    /// A refusal or an error, with a sentence for people.
     #[must_use]
     pub fn refusal(code: Code, words: impl Into<String>) -> Response {
         Response { body: words.into().into_bytes().into(), ..Response::new(code) }
     }
 }
 
-/// What the application says to a request.
+/// The application's answer to a request, with what can be observed.
 #[derive(Clone, Debug)]
 pub struct Answer {
-    /// The response.
+    /// The answer itself.
     pub response: Arc<Response>,
-    /// What an observer is told of from now on, each whenever it has changed: usually the response itself. Empty when this cannot
-    /// be observed.
+    /// The things of which an observer is told whenever one changes: usually the response itself. Empty when the
+    /// resource cannot be observed.
     pub observed: Vec<Arc<Response>>,
 }
 
 impl Answer {
-    /// An answer to be had once.
+    /// An answer that cannot be observed.
     #[must_use]
     pub fn once(response: Response) -> Answer {
         Answer { response: Arc::new(response), observed: Vec::new() }

@@ -1,5 +1,6 @@
-//! Who has how much of what is bounded for all together: when it is too much, the oldest of whoever has most gives way. That is an
-//! address first, and of its ports the one with most: nobody's flood drives out what is another's. What is kept is not here.
+//! Shares of a table that all peers have in common: when it is full, the oldest entry of the address with most gives
+//! way, and of that address the port with most, so that nobody's flood pushes out another's entries. The entries
+//! themselves are stored elsewhere.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::net::{IpAddr, SocketAddr};
@@ -13,7 +14,7 @@ pub(super) struct Shares<T> {
 #[derive(Debug)]
 struct Address<T> {
     count: usize,
-    /// Oldest first.
+    /// Entries of each port, oldest first.
     ports: BTreeMap<u16, VecDeque<T>>,
     sizes: BTreeSet<(usize, u16)>,
 }
@@ -33,7 +34,7 @@ impl<T> Shares<T> {
         self.change(peer, |things| drop(things.pop_front()));
     }
 
-    /// The oldest of whoever has most, which is gone from here.
+    /// Removes and returns the oldest entry of whoever has most.
     pub(super) fn take_from_the_largest(&mut self) -> Option<T> {
         let (_, ip) = *self.sizes.last()?;
         let (_, port) = *self.addresses.get(&ip)?.sizes.last()?;

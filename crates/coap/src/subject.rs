@@ -1,5 +1,5 @@
-//! What several observers see alike: a path and a query in a format, and the things it shows in the versions they are in. Who has
-//! been told of which is not here.
+//! A subject, which several observers share: a path and a query in a format, and the versions of the things it shows.
+//! Who has been told of which is not here.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -9,7 +9,6 @@ use super::knowledge::Thing;
 use super::request::Request;
 use super::response::Response;
 
-/// One observation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct ObserverId(pub(super) u64);
 
@@ -21,13 +20,13 @@ pub(super) struct Target {
     accept: Option<Format>,
 }
 
-/// One of these, with whoever observes it.
+/// A subject with its observers.
 #[derive(Debug)]
 pub(super) struct Subject {
     /// As its first observer asked for it.
     pub(super) request: Arc<Request>,
     pub(super) things: Vec<Thing>,
-    /// How often any of the things changed.
+    /// Changes of all its things together.
     changes: u64,
     pub(super) observers: BTreeSet<ObserverId>,
 }
@@ -39,12 +38,12 @@ impl Target {
 }
 
 impl Subject {
-    /// What a request asks for, before it is known what that shows.
+    /// A subject whose state is not known yet.
     pub(super) fn new(request: &Request) -> Subject {
         Subject { request: Arc::new(request.clone()), things: Vec::new(), changes: 0, observers: BTreeSet::new() }
     }
 
-    /// Takes what it shows now; whether any of it is news.
+    /// Takes the present state, and returns whether any of it is new.
     pub(super) fn take(&mut self, things: Vec<Arc<Response>>) -> bool {
         let before = self.changes;
         self.things.truncate(things.len());

@@ -1,4 +1,4 @@
-//! TD_COAP_BLOCK_01 to 06: bodies in blocks, both ways, sizes named early and late.
+//! TD_COAP_BLOCK_01 to 06: bodies in blocks, both ways, with sizes named early and late.
 
 use coap_endpoint::{Code, Method};
 
@@ -11,10 +11,10 @@ use crate::rig::network::Weather;
 use crate::rig::scene::Scene;
 use crate::rig::server::thing::long_body;
 
-/// Message ids of reading begin here, those of writing with 0.
+/// First message id for reading; those for writing begin with 0.
 const READING: u16 = 20_000;
 
-/// Reads a body in blocks, each of which is checked, going on with this exponent after the first answer.
+/// Reads a body in blocks and checks each; after the first answer it asks for blocks of the exponent `then`.
 fn read(bench: &mut Bench, path: &str, first: Option<u8>, then: u8) -> Vec<u8> {
     let mut body = Vec::new();
     let mut tag = None;
@@ -42,7 +42,7 @@ fn read(bench: &mut Bench, path: &str, first: Option<u8>, then: u8) -> Vec<u8> {
     body
 }
 
-/// Writes a body in blocks, each of which is checked; the last answer.
+/// Writes a body in blocks and checks each answer, the last of which it returns.
 fn write(bench: &mut Bench, method: Method, path: &str, body: &[u8], exponent: u8) -> Message {
     let blocks: Vec<&[u8]> = body.chunks(16 << exponent).collect();
     for (turn, block) in blocks.iter().enumerate() {

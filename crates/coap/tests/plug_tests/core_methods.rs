@@ -13,7 +13,7 @@ use crate::rig::message::{Kind, Message, option};
 use crate::rig::network::Weather;
 use crate::rig::scene::Scene;
 
-/// A request of this method that carries a text where it makes sense.
+/// A request of this method, with a text as its payload where the method has one.
 fn request(method: Method, id: u16) -> Message {
     let message = Message::con(method, id).token(b"tk").path("/test");
     match method {
@@ -120,7 +120,8 @@ fn td_coap_core_13_several_uri_path_options() {
     assert_eq!(bench.server.asked[0].path, ["seg1", "seg2", "seg3"]);
 }
 
-/// Asks over a network that loses, doubles and reorders; how it ended, how often it was done, and each answer that came.
+/// Sends a request over a network that loses, duplicates and reorders. Returns the outcome, how often it was carried
+/// out, and the different answers.
 fn lossy(seed: u64, ask: Ask) -> (Outcome, usize, BTreeSet<Vec<u8>>) {
     let (method, path) = (ask.method, ask.path.clone());
     let mut scene = Scene::new(seed, Weather::foul(0.3));

@@ -1,4 +1,4 @@
-//! TD_COAP_CORE_09, 11, 16 and 17: answers that take longer than a client likes to wait.
+//! TD_COAP_CORE_09, 11, 16 and 17: answers that take longer than a client waits for an acknowledgement.
 
 use std::cell::Cell;
 use std::collections::BTreeSet;
@@ -14,7 +14,7 @@ use crate::rig::message::{Kind, Message};
 use crate::rig::network::Weather;
 use crate::rig::scene::Scene;
 
-/// An empty acknowledgement at once or soon, then a CON with the answer, which is acknowledged and not heard again.
+/// An empty acknowledgement at once or soon, then a CON with the answer, which comes no more once it is acknowledged.
 fn separate(token: &[u8]) {
     let mut bench = Bench::new();
     let request = Message::get("/separate", 0x0102).token(token);
@@ -50,7 +50,7 @@ fn td_coap_core_16_separate_response_lossy() {
     assert!(answered.get() >= 90, "{} of 100 got their answer", answered.get());
 }
 
-/// One slow PUT over a network that loses three in ten; whether the client got its answer.
+/// One slow PUT over a network that loses three datagrams in ten. Returns whether the client got its answer.
 fn lossy(seed: u64) -> bool {
     let mut scene = Scene::new(seed, Weather::foul(0.3));
     let outcome = scene.ask(Ask::of(Method::Put, "/separate", "once"));

@@ -1,4 +1,4 @@
-//! More comes than is answered: what is heard first, what waits, and what is lost. Real sockets and times are not here.
+//! Floods: which datagrams are handled first, which wait, and which are lost. Real sockets and times are not here.
 
 use std::net::SocketAddr;
 
@@ -7,10 +7,10 @@ use coap_endpoint::{Backlog, Code, Method, Request};
 use crate::rig::bench::{Bench, here, stranger};
 use crate::rig::message::{Kind, Message, option};
 
-/// So many datagrams of this kind are more than there is room for.
+/// A number of datagrams of one kind that exceeds the room for it.
 type Flood = (u16, fn(u16) -> Vec<u8>);
 
-/// A peer that floods, one of several on this machine.
+/// One of several flooding peers on this machine.
 fn flooder(n: u16) -> SocketAddr {
     SocketAddr::from(([127, 0, 0, 2], 10_000 + n))
 }
@@ -27,7 +27,6 @@ fn bench() -> Bench {
     bench
 }
 
-/// What was asked for, in its order.
 fn asked(bench: &Bench) -> Vec<String> {
     bench.server.asked.iter().map(|request| format!("{} {}", request.method.name(), request.path_text())).collect()
 }
@@ -52,7 +51,7 @@ fn an_urgent_request_behind_thousands_of_reads_is_acted_on_before_any_of_them_is
     }
 }
 
-/// Whatever follows its path, and be it as much as a datagram holds.
+/// Its options and payload may be as long as a datagram holds.
 #[test]
 fn an_urgent_request_as_long_as_a_datagram_can_be_is_acted_on_in_a_flood() {
     let mut bench = bench();
@@ -64,7 +63,7 @@ fn an_urgent_request_as_long_as_a_datagram_can_be_is_acted_on_in_a_flood() {
     assert_eq!(asked(&bench), ["POST /stop"]);
 }
 
-/// One of them could undo what the urgent request has done.
+/// A command that came before could otherwise undo the effect of the urgent request.
 #[test]
 fn commands_that_came_before_an_urgent_request_are_taken_before_it_and_those_that_came_after_it_later() {
     let mut bench = bench();
@@ -80,7 +79,7 @@ fn commands_that_came_before_an_urgent_request_are_taken_before_it_and_those_tha
     assert_eq!(asked(&bench)[120..], ["POST /stop", "PUT /create3", "GET /test"]);
 }
 
-/// Nobody hinders another's urgent request with his own, and a command goes before one only if it came before it.
+/// Nobody delays another's urgent request with his own, and a command goes before one only if it came before it.
 #[test]
 fn a_flood_of_urgent_requests_loses_its_own_and_no_command_overtakes_one_that_waits() {
     let mut bench = bench();
@@ -98,7 +97,7 @@ fn a_flood_of_urgent_requests_loses_its_own_and_no_command_overtakes_one_that_wa
     assert!((300..1_000).contains(&asked.len()), "{} of them are kept", asked.len());
 }
 
-/// Those that wait take effect in the place of one that is lost.
+/// The waiting urgent requests take effect in place of one that is dropped.
 #[test]
 fn no_command_that_came_before_an_urgent_request_without_room_acts_later_than_those_that_wait() {
     let mut bench = bench();
@@ -169,7 +168,7 @@ fn whatever_peers_flood_the_request_of_another_has_its_turn() {
     }
 }
 
-/// Of one address, or of one network of IPv6.
+/// The ports of one address, or the addresses of one IPv6 network.
 #[test]
 fn a_crowd_of_ports_of_one_address_does_not_push_out_the_request_of_another() {
     let crowds: [fn(u16) -> SocketAddr; 2] = [flooder, |n| SocketAddr::from(([0x2001, 0xdb8, 0, 0, n, 0, 0, 1], 5683))];

@@ -1,4 +1,5 @@
-//! Every table of the endpoint has a bound, and what goes beyond it has a good answer. Bounds on strangers are in `strangers`.
+//! Every table of the endpoint has a bound, and requests beyond it get a proper answer. Bounds on strangers are in
+//! `strangers`.
 
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -8,7 +9,6 @@ use coap_endpoint::{Code, Method, limits};
 use crate::rig::bench::{Bench, here};
 use crate::rig::message::{Kind, Message};
 
-/// One of many peers on this machine.
 fn peer(n: usize) -> SocketAddr {
     let (high, low) = (u8::try_from(n >> 14).unwrap(), u16::try_from(n & 0x3FFF).unwrap());
     SocketAddr::from(([127, 0, 1, high], 10_000 + low))
@@ -143,7 +143,7 @@ fn peers_that_acknowledge_nothing_are_only_so_many() {
     assert!(nons >= 500, "the others went out without a wish for an acknowledgement: {nons}");
 }
 
-/// Safety S9: those of this machine do not give way to those beyond it.
+/// Safety S9: peers of this machine do not give way to those beyond it.
 #[test]
 fn observers_that_acknowledge_nothing_give_way_to_newcomers_and_those_that_do_stay() {
     let mut bench = Bench::new();
@@ -154,7 +154,7 @@ fn observers_that_acknowledge_nothing_give_way_to_newcomers_and_those_that_do_st
     for n in 0..limits::OBSERVERS {
         assert!(register(&mut bench, peer(n), b"o"), "number {n}");
     }
-    // Every tenth acknowledges what comes.
+    // Every tenth observer acknowledges.
     let is_there = |n: usize| n.is_multiple_of(10);
     let acknowledge = |bench: &mut Bench| {
         let came: Vec<_> = bench.take().into_iter().map(|out| (out.peer, Message::decoded(&out.bytes))).collect();
@@ -207,7 +207,7 @@ fn the_place_of_whoever_has_been_silent_for_longest_is_given_away_and_of_nobody_
     assert!((first + 1..limits::OBSERVERS).all(|n| asked_again.contains(&peer(n))), "nobody else has");
 }
 
-/// Who was asked for nothing has left nothing unanswered.
+/// An observer that was not asked for an acknowledgement does not owe one.
 #[test]
 fn an_observer_of_what_is_quiet_that_registers_again_keeps_its_place_in_a_crowd() {
     let mut bench = Bench::new();
@@ -221,7 +221,7 @@ fn an_observer_of_what_is_quiet_that_registers_again_keeps_its_place_in_a_crowd(
     assert!(bench.ask_from(early, &request(2)).observed().is_some());
 }
 
-/// Safety S9: news is told without a wish for an acknowledgement, and must not hide who is gone.
+/// Safety S9: news is sent without a request for an acknowledgement, and must not hide that an observer is gone.
 #[test]
 fn observers_that_acknowledge_nothing_give_way_also_while_everything_changes_and_they_ask_anew() {
     let mut bench = Bench::new();

@@ -5,7 +5,6 @@ use coap_endpoint::Code;
 use crate::rig::bench::Bench;
 use crate::rig::message::{Message, option};
 
-/// The list at a path, with its format checked.
 fn list(path: &str) -> String {
     let request = Message::get(path, 1).token(b"l");
     let answer = Bench::new().ask(&request);
@@ -14,7 +13,6 @@ fn list(path: &str) -> String {
     answer.text()
 }
 
-/// The paths that a list names.
 fn paths(list: &str) -> Vec<&str> {
     list.split('<').skip(1).map(|link| link.split('>').next().unwrap()).collect()
 }

@@ -1,5 +1,5 @@
-//! The CoAP endpoint on a test bench, without sockets and in simulated time: the plug-test cases of the ETSI by their names, what
-//! else conforms, and every bound. Real sockets and real clients are not here.
+//! The CoAP endpoint on a test bench, without sockets and in simulated time: the plug-test cases of the ETSI by their
+//! names, further rules, and every bound. Real sockets and real clients are not here.
 #![expect(
     clippy::unwrap_used,
     clippy::wildcard_enum_match_arm,

@@ -1,11 +1,10 @@
-//! Messages that are not quite as they should be, and options that are not understood.
+//! Messages that break the rules, and options that are not understood.
 
 use coap_endpoint::{Code, Method};
 
 use crate::rig::bench::{Bench, here};
 use crate::rig::message::{Kind, Message, option};
 
-/// What is said to these bytes.
 fn said(bytes: &[u8]) -> Vec<Message> {
     let mut bench = Bench::new();
     bench.deliver(here(), bytes);
@@ -14,7 +13,7 @@ fn said(bytes: &[u8]) -> Vec<Message> {
     bench.said_to(here())
 }
 
-/// Nothing, or a RST of the same id.
+/// Nothing is answered, or a RST of the same id.
 #[track_caller]
 fn is_rejected_or_ignored(bytes: &[u8]) {
     let said = said(bytes);

@@ -10,7 +10,7 @@ use crate::rig::message::{Kind, Message, option};
 use crate::rig::network::Weather;
 use crate::rig::scene::Scene;
 
-/// Begins to observe, and gives the checked answer.
+/// Registers an observer, and returns the checked answer.
 #[track_caller]
 pub(crate) fn observe(bench: &mut Bench, path: &str, token: &[u8]) -> Message {
     let id = u16::try_from(bench.server.asked.len()).unwrap();
@@ -21,13 +21,12 @@ pub(crate) fn observe(bench: &mut Bench, path: &str, token: &[u8]) -> Message {
     answer
 }
 
-/// Lets a thing change and takes what observers on this machine are told within so many milliseconds.
+/// Changes a thing, and returns what observers on this machine are told within this time.
 pub(crate) fn told(bench: &mut Bench, path: &str, body: &str, within_ms: u64) -> Vec<Message> {
     bench.change(|server| server.set(path, body));
     bench.wait_ms(within_ms)
 }
 
-/// Fails unless it is a notification to this token with this text.
 #[track_caller]
 pub(crate) fn notifies(message: &Message, token: &[u8], text: &str) {
     assert_eq!((message.code, message.token.as_slice()), (Code::CONTENT, token), "{message:?}");
@@ -131,8 +130,8 @@ fn td_coap_obs_10_plain_get_beside_an_observation() {
     notifies(&said[0], b"o10", "seen 1");
 }
 
-/// Sent again it may carry a newer state, under an id of its own (RFC 7641, section 4.5.2): then it comes in the place of the one
-/// before, when that is due to be sent again and not sooner, and that one never comes again.
+/// A retransmission may carry a newer state, under an id of its own (RFC 7641, section 4.5.2): it then replaces the one
+/// before when that is due to be sent again, not sooner, and the older one never comes again.
 #[test]
 fn td_coap_obs_11_never_two_outstanding_to_one_observer() {
     let mut bench = Bench::new();

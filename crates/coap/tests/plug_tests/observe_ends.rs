@@ -1,4 +1,4 @@
-//! TD_COAP_OBS_05 to 08 and 12: how observations end, and that nothing is said after that.
+//! TD_COAP_OBS_05 to 08 and 12: how observations end, and that nothing is sent after that.
 
 use std::time::Duration;
 
@@ -8,7 +8,7 @@ use crate::observe::{notifies, observe, told};
 use crate::rig::bench::{Bench, here};
 use crate::rig::message::{Kind, Message, option};
 
-/// Nobody observes any more, and changes are told to nobody.
+/// Nobody observes any more, and changes lead to no message.
 #[track_caller]
 fn is_silent(bench: &mut Bench) {
     assert_eq!((bench.endpoint.subjects().len(), bench.endpoint.counts().observers), (0, 0));

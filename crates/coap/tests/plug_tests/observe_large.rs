@@ -87,7 +87,8 @@ fn an_observer_of_a_large_resource_holds_the_last_state_through_a_bad_network() 
     });
 }
 
-/// What is read on is what was begun, however often it changed since; and no news comes in between, as long as it is read on.
+/// The further blocks are of the state that was begun, however often it changed since, and no news comes while they are
+/// read.
 #[test]
 fn a_large_notification_can_be_read_to_its_end_though_it_changes_all_the_time() {
     let mut bench = Bench::new();
@@ -106,7 +107,7 @@ fn a_large_notification_can_be_read_to_its_end_though_it_changes_all_the_time() 
     }
 }
 
-/// Whoever does not read on is told all the same.
+/// An observer that does not read on is told all the same.
 #[test]
 fn who_reads_only_first_blocks_is_told_what_is_new_after_a_second() {
     let mut bench = Bench::new();
@@ -116,7 +117,7 @@ fn who_reads_only_first_blocks_is_told_what_is_new_after_a_second() {
     assert_eq!(bench.wait_ms(200).len(), 1);
 }
 
-/// Of several things, the rest that is read is that of the thing whose first block came, not of the one that changed last.
+/// Of several things, the further blocks are of the one whose first block came, not of the one that changed last.
 #[test]
 fn the_rest_of_one_of_several_things_is_its_own() {
     let mut bench = Bench::new();

@@ -1,4 +1,4 @@
-//! Observing for long: things that go away and come back, things that never change, places for all, and the end.
+//! Long observations: things that disappear and return, things that never change, places for all, and the end.
 
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -9,7 +9,7 @@ use crate::observe::{observe, told};
 use crate::rig::bench::{Bench, here};
 use crate::rig::message::{Kind, Message, option};
 
-/// What is said within a second, every CON of it acknowledged.
+/// What is sent within a second; every CON of it is acknowledged.
 fn heard(bench: &mut Bench) -> Vec<String> {
     let mut texts = Vec::new();
     for _ in 0..100 {
@@ -23,7 +23,7 @@ fn heard(bench: &mut Bench) -> Vec<String> {
     texts
 }
 
-/// What comes back must not be taken for what was there before.
+/// A thing that returns must not be taken for the earlier one.
 #[test]
 fn a_thing_that_went_away_and_comes_back_is_told() {
     let mut bench = Bench::new();

@@ -1,5 +1,5 @@
-//! One honest client that observes over a network that loses, doubles and reorders: however it ends, both sides know; and of
-//! several things none is hidden for good.
+//! One honest client that observes over a network that loses, duplicates and reorders: in the end both sides agree, and
+//! of several things none stays hidden.
 
 use std::time::Duration;
 
@@ -20,7 +20,7 @@ fn watching(seed: u64, path: &str) -> (Scene, Vec<u8>) {
     (scene, token)
 }
 
-/// Changes a thing now and then, and lets all that is on its way come to its end.
+/// Changes a thing now and then, and waits until nothing is on its way any more.
 fn let_it_end(scene: &mut Scene) {
     for turn in 100..110 {
         scene.change(|server| server.set("/obs", format!("seen {turn}")));

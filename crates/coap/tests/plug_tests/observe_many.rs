@@ -1,4 +1,5 @@
-//! Many observers on a bad network, in simulated time: a hundred of them watch a thing that changes sixty times in a minute.
+//! Many observers on a bad network, in simulated time: a hundred of them observe a thing that changes sixty times in a
+//! minute.
 
 use std::time::Duration;
 
@@ -11,7 +12,7 @@ const OBSERVERS: u16 = 100;
 const SEEDS: u64 = 20;
 const LAST: &[u8] = b"seen 60";
 
-/// How many of a hundred held the last state.
+/// How many of a hundred observers had the last state.
 struct Held {
     /// Half a minute after the last change.
     soon: usize,
@@ -32,12 +33,13 @@ fn scene(seed: u64, loss: f64) -> Held {
     };
     scene.wait(Duration::from_secs(30));
     let soon = count(&scene);
-    // Max-Age, and twice what a client takes to notice and to ask with all its retransmissions.
+    // Max-Age, and twice the time that a client takes to notice and to ask with all its retransmissions.
     scene.wait(Duration::from_secs(60 + 2 * (5 + 93)));
     Held { soon, at_last: count(&scene) }
 }
 
-/// The least share of a seed and the share of all that held the last state soon.
+/// `least` is the share of observers with the last state soon after the change, for the worst seed and for all
+/// together.
 fn check(loss: f64, least: f64) {
     let all = std::cell::Cell::new(0);
     each_seed(SEEDS, |seed| {

@@ -1,4 +1,5 @@
-//! The rules of observing beside the plug-test cases: order, freshness, one registration for a token, several things at once.
+//! Rules of observing beside the plug-test cases: order, freshness, one registration for a token, several things at
+//! once.
 
 use std::time::Duration;
 
@@ -8,7 +9,6 @@ use crate::observe::{notifies, observe, told};
 use crate::rig::bench::{Bench, here};
 use crate::rig::message::{Kind, Message, option};
 
-/// Acknowledges every CON among these.
 fn acknowledge(bench: &mut Bench, said: &[Message]) {
     for message in said.iter().filter(|message| message.kind == Kind::Con) {
         bench.deliver(here(), &Message::empty(Kind::Ack, message.id).encoded());

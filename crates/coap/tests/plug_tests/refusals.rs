@@ -1,4 +1,4 @@
-//! What the endpoint refuses by itself: in words, for the record, and without hiding what matters more.
+//! Requests that the endpoint refuses by itself: in words, for the record, and without hiding what matters more.
 
 use coap_endpoint::{Code, Method, Request, limits};
 

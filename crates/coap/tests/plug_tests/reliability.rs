@@ -1,4 +1,5 @@
-//! What the endpoint sends and wants acknowledged: sent again in time, given up in time, and one at a time for each peer.
+//! Messages of the endpoint that need an acknowledgement: sent again in time, given up in time, and one at a time for
+//! each peer.
 
 use std::time::Duration;
 
@@ -8,7 +9,7 @@ use crate::rig::bench::{Bench, Out, here};
 use crate::rig::each_seed;
 use crate::rig::message::{Kind, Message};
 
-/// A bench on which an answer that took long has just been sent, and that answer.
+/// A bench on which a late answer has just been sent, and that answer.
 fn answered_late(seed: u64) -> (Bench, Out) {
     let mut bench = Bench::seeded(seed);
     bench.deliver(here(), &Message::get("/separate", 1).token(b"s").encoded());

@@ -1,4 +1,4 @@
-//! Messages that come again: they get the same answer and have no second effect, as long as their id stands for them. What is urgent
+//! Repeated messages: they get the same answer and have no second effect while their id stands for them. An urgent one
 //! has a second effect when its first one was undone.
 
 use std::time::Duration;
@@ -106,7 +106,7 @@ fn a_registration_that_comes_again_is_one_observation() {
     assert!(first.value(option::OBSERVE).is_some());
 }
 
-/// `/stop` is urgent, and `/word` whose body says so.
+/// `/stop` is urgent, and so is `/word` with a body that says so.
 fn urgent() -> Bench {
     fn is_urgent(request: &Request) -> bool {
         request.path == ["stop"]
@@ -118,7 +118,7 @@ fn urgent() -> Bench {
     bench
 }
 
-/// The ways in which something urgent is said, each in the datagrams in which it comes.
+/// The ways in which an urgent request is sent, each with its datagrams.
 fn urgent_messages() -> Vec<(&'static str, Vec<Vec<u8>>)> {
     let stop = |kind| Message { kind, ..Message::con(Method::Post, 0).path("/stop") };
     let word = |id, number, more, body: &str| {

@@ -1,5 +1,5 @@
-//! A soup of messages, half of them spoilt, from here and from everywhere, by chance of a seed: nothing panics, what comes out is
-//! well formed, the tables keep their bounds, and strangers get no more than three times what they sent.
+//! Random messages by a seed, half of them damaged, from this machine and from elsewhere: nothing panics, what comes
+//! out is well formed, the tables keep their bounds, and strangers get no more than three times what they sent.
 
 use std::collections::HashMap;
 use std::net::SocketAddr;
@@ -29,7 +29,7 @@ const PATHS: [&str; 12] = [
 
 const OPTIONS: [u16; 20] = [1, 3, 4, 5, 6, 7, 8, 9, 11, 12, 14, 15, 17, 23, 27, 28, 35, 60, 252, 258];
 
-/// Who speaks: some here, some anywhere.
+/// A random sender, on this machine or elsewhere.
 fn peer(chance: &mut Chance) -> SocketAddr {
     let port = 40_000 + u16::try_from(chance.below(5)).unwrap();
     let last = u8::try_from(chance.below(5)).unwrap();
@@ -68,7 +68,7 @@ fn message(chance: &mut Chance, heard: &[Message]) -> Message {
     message
 }
 
-/// Some of the bytes become others, or are missing, or are too many.
+/// Changes, removes or adds some bytes.
 fn spoilt(mut bytes: Vec<u8>, chance: &mut Chance) -> Vec<u8> {
     for _ in 0..chance.below(4) {
         let place = usize::try_from(chance.below(bytes.len() as u64 + 1)).unwrap();
@@ -81,7 +81,7 @@ fn spoilt(mut bytes: Vec<u8>, chance: &mut Chance) -> Vec<u8> {
     bytes
 }
 
-/// What one stranger sent and got, until it may have proved its address.
+/// What one stranger sent and received while it cannot have proved its address.
 #[derive(Default)]
 struct Account {
     received: usize,
@@ -99,7 +99,7 @@ fn cook(seed: u64) {
         let its = heard.entry(peer).or_default();
         let message = message(&mut chance, its);
         let account = accounts.entry(peer).or_default();
-        // Only an Echo that was heard proves the address; those by chance are shorter.
+        // Only an Echo that it received proves the address; random ones are shorter.
         account.may_be_proved |= message.values(option::ECHO).iter().any(|echo| echo.len() > 4);
         let bytes = if chance.happens(0.5) { spoilt(message.encoded(), &mut chance) } else { message.encoded() };
         account.received += bytes.len();
@@ -121,7 +121,7 @@ fn cook(seed: u64) {
     }
 }
 
-/// Looks at everything that came out.
+/// Checks everything that came out.
 fn taste(bench: &mut Bench, heard: &mut HashMap<SocketAddr, Vec<Message>>, accounts: &mut HashMap<SocketAddr, Account>) {
     for out in bench.take() {
         assert!(out.bytes.len() <= limits::BLOCK + limits::HEAD, "a datagram of {} bytes", out.bytes.len());

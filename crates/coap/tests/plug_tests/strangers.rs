@@ -1,4 +1,5 @@
-//! Peers beyond this machine: they are not used to flood others, prove their address by an Echo, and wait when they ask too much.
+//! Peers beyond this machine: they cannot be used to flood others, prove their address by an Echo, and are told to wait
+//! when they ask too much.
 
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -8,7 +9,7 @@ use coap_endpoint::{Code, Method};
 use crate::rig::bench::{Bench, here, stranger};
 use crate::rig::message::{Kind, Message, option};
 
-/// Requests that get more than they bring.
+/// A request with an answer larger than itself.
 fn greedy(id: u16) -> Message {
     match id % 5 {
         0 => Message::get("/large", id),
@@ -19,7 +20,7 @@ fn greedy(id: u16) -> Message {
     }
 }
 
-/// Proves an address and gives the Echo it did it with.
+/// Proves an address, and returns the Echo that proved it.
 fn prove(bench: &mut Bench, peer: SocketAddr) -> Vec<u8> {
     let request = Message::get("/large", 1).token(b"e");
     let asked = bench.ask_from(peer, &request);

@@ -1,5 +1,5 @@
-//! The endpoint on a test bench: with the test application behind it and a clock that is told the time. Datagrams are put in by
-//! hand, and what comes out is kept. Networks and clients are not here.
+//! The endpoint on a test bench, with the test application behind it and a simulated clock. Datagrams are put in by
+//! hand, and what comes out is collected. Networks and clients are not here.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -16,12 +16,11 @@ pub(crate) fn here() -> SocketAddr {
     SocketAddr::from(([127, 0, 0, 1], 40_000))
 }
 
-/// A client somewhere else.
+/// A client on another machine.
 pub(crate) fn stranger() -> SocketAddr {
     SocketAddr::from(([192, 0, 2, 7], 40_000))
 }
 
-/// A datagram that came out.
 #[derive(Clone, Debug)]
 pub(crate) struct Out {
     pub(crate) at: Duration,
@@ -29,10 +28,9 @@ pub(crate) struct Out {
     pub(crate) bytes: Vec<u8>,
 }
 
-/// Timeouts that are handled one after the other without time going on; an endpoint that asks for more turns in circles.
+/// Timeouts handled in a row without time going on; an endpoint that asks for more is in a loop.
 const CIRCLES: u32 = 1000;
 
-/// The bench.
 pub(crate) struct Bench {
     pub(crate) endpoint: Endpoint,
     pub(crate) backlog: Backlog,
@@ -60,25 +58,24 @@ impl Bench {
         }
     }
 
-    /// The program ends and starts again: the endpoint knows nothing any more.
+    /// The program ends and starts again, without any memory.
     pub(crate) fn restart(&mut self, seed: u64) {
         self.endpoint = Endpoint::new(secret(seed));
         self.later.clear();
     }
 
-    /// Puts a datagram in.
     pub(crate) fn deliver(&mut self, peer: SocketAddr, bytes: &[u8]) {
         self.endpoint.handle_datagram(peer, bytes, self.now);
         self.pump();
         self.run_until(self.now);
     }
 
-    /// Puts a datagram in that may have to wait.
+    /// Puts a datagram into the backlog.
     pub(crate) fn hear(&mut self, peer: SocketAddr, bytes: &[u8]) {
         self.backlog.hear(peer, bytes);
     }
 
-    /// Lets the next of those that wait have their turn.
+    /// Handles the next datagram of the backlog.
     pub(crate) fn take_turn(&mut self) {
         if let Some((peer, bytes)) = self.backlog.take() {
             self.endpoint.handle_datagram(peer, &bytes, self.now);
@@ -86,7 +83,7 @@ impl Bench {
         }
     }
 
-    /// Lets all of them have their turns; in how many.
+    /// Handles the whole backlog, and returns how many turns that took.
     pub(crate) fn catch_up(&mut self) -> usize {
         let mut turns = 0;
         while !self.backlog.is_empty() {
@@ -96,18 +93,18 @@ impl Bench {
         turns
     }
 
-    /// Puts a message in that comes from this machine, and takes what is said to it at once.
+    /// Sends a message from this machine, and returns what is answered at once.
     pub(crate) fn send(&mut self, message: &Message) -> Vec<Message> {
         self.send_from(here(), message)
     }
 
-    /// Puts a message in, and takes what is said to its sender at once.
+    /// Sends a message, and returns what its sender is answered at once.
     pub(crate) fn send_from(&mut self, peer: SocketAddr, message: &Message) -> Vec<Message> {
         self.deliver(peer, &message.encoded());
         self.said_to(peer)
     }
 
-    /// Puts a message in that is answered at once, and by one message.
+    /// Sends a message that must be answered at once, and by one message.
     #[track_caller]
     pub(crate) fn ask(&mut self, message: &Message) -> Message {
         self.ask_from(here(), message)
@@ -120,7 +117,7 @@ impl Bench {
         said.remove(0)
     }
 
-    /// Lets something happen to the application's things and tells the endpoint.
+    /// Changes the application's things and tells the endpoint.
     pub(crate) fn change(&mut self, happens: impl FnOnce(&mut Server)) {
         happens(&mut self.server);
         self.tell_changes();
@@ -128,13 +125,12 @@ impl Bench {
         self.run_until(self.now);
     }
 
-    /// When something is to be done next.
     pub(crate) fn next_event(&self) -> Option<Duration> {
         let later = self.later.keys().next().map(|(at, _)| *at);
         [later, self.endpoint.poll_timeout()].into_iter().flatten().min()
     }
 
-    /// Lets time go on, and does everything that is to be done meanwhile.
+    /// Advances the clock step by step, and handles everything that is due meanwhile.
     pub(crate) fn run_until(&mut self, end: Duration) {
         let mut circles = 0;
         while let Some(at) = self.next_event().filter(|at| *at <= end) {
@@ -152,25 +148,23 @@ impl Bench {
         self.run_until(self.now + time);
     }
 
-    /// Lets time go on, and takes what was said meanwhile to the client on this machine.
+    /// Advances the clock, and returns what was sent meanwhile to the client on this machine.
     pub(crate) fn wait_ms(&mut self, time_ms: u64) -> Vec<Message> {
         self.wait(Duration::from_millis(time_ms));
         self.said_to(here())
     }
 
-    /// Takes everything that came out.
     pub(crate) fn take(&mut self) -> Vec<Out> {
         std::mem::take(&mut self.out)
     }
 
-    /// Takes what came out for one peer.
     pub(crate) fn said_to(&mut self, peer: SocketAddr) -> Vec<Message> {
         let (its, others) = self.take().into_iter().partition(|out: &Out| out.peer == peer);
         self.out = others;
         Vec::into_iter(its).map(|out: Out| Message::decoded(&out.bytes)).collect()
     }
 
-    /// Answers what is asked and collects what is sent, until nothing is left.
+    /// Answers requests and collects datagrams until nothing is left.
     fn pump(&mut self) {
         while let Some((exchange, request)) = self.endpoint.poll_request() {
             self.asked += 1;

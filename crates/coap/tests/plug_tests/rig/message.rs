@@ -1,12 +1,11 @@
-//! Messages as a test writes and reads them, on coap-lite's packets. Reading is strict: what is not written in the one shortest
-//! way, or ends in a marker without payload, fails the test. What a message means is not here.
+//! Messages as tests write and read them, on coap-lite's packets. Reading is strict: a message that is not in the one
+//! shortest form, or ends in a marker without payload, fails the test. What a message means is not here.
 
 use std::fmt;
 
 use coap_endpoint::{Code, Method};
 use coap_lite::{CoapOption, MessageClass, MessageType, Packet};
 
-/// Numbers of options.
 pub(crate) mod option {
     pub(crate) const IF_MATCH: u16 = 1;
     pub(crate) const ETAG: u16 = 4;
@@ -29,7 +28,6 @@ pub(crate) mod option {
     pub(crate) const NO_RESPONSE: u16 = 258;
 }
 
-/// How a message is sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Con,
@@ -41,7 +39,6 @@ pub(crate) enum Kind {
 /// A block option's value: number, whether more follow, size exponent.
 pub(crate) type Block = (u32, bool, u8);
 
-/// One message.
 #[derive(Clone, PartialEq, Eq)]
 pub(crate) struct Message {
     pub(crate) kind: Kind,
@@ -53,22 +50,18 @@ pub(crate) struct Message {
 }
 
 impl Message {
-    /// A request that wants an acknowledgement.
     pub(crate) fn con(method: Method, id: u16) -> Message {
         Message { kind: Kind::Con, code: method.code(), id, token: Vec::new(), options: Vec::new(), payload: Vec::new() }
     }
 
-    /// A request that wants none.
     pub(crate) fn non(method: Method, id: u16) -> Message {
         Message { kind: Kind::Non, ..Message::con(method, id) }
     }
 
-    /// A CON GET of a path.
     pub(crate) fn get(path: &str, id: u16) -> Message {
         Message::con(Method::Get, id).path(path)
     }
 
-    /// A message without anything.
     pub(crate) fn empty(kind: Kind, id: u16) -> Message {
         Message { kind, code: Code::EMPTY, ..Message::con(Method::Get, id) }
     }
@@ -78,7 +71,7 @@ impl Message {
         self
     }
 
-    /// With a path and perhaps a query, as `/obs?a=b&c`.
+    /// Sets the path and the query, from a text such as `/obs?a=b&c`.
     pub(crate) fn path(mut self, path: &str) -> Message {
         let (path, query) = path.split_once('?').unwrap_or((path, ""));
         for segment in path.split('/').skip(1).filter(|segment| !segment.is_empty()) {
@@ -90,13 +83,11 @@ impl Message {
         self
     }
 
-    /// With an option.
     pub(crate) fn with(mut self, number: u16, value: &[u8]) -> Message {
         self.options.push((number, value.to_vec()));
         self
     }
 
-    /// With an option whose value is a number.
     pub(crate) fn number(self, number: u16, value: u32) -> Message {
         let bytes = value.to_be_bytes();
         let skipped = bytes.iter().take_while(|byte| **byte == 0).count();
@@ -124,7 +115,6 @@ impl Message {
         self
     }
 
-    /// The datagram.
     pub(crate) fn encoded(&self) -> Vec<u8> {
         let mut packet = Packet::new();
         packet.header.set_type(match self.kind {
@@ -143,7 +133,6 @@ impl Message {
         packet.to_bytes_unlimited().expect("the codec refuses nothing but what is too long")
     }
 
-    /// The message in a datagram of the endpoint.
     pub(crate) fn decoded(bytes: &[u8]) -> Message {
         let packet = Packet::from_bytes(bytes).unwrap_or_else(|error| panic!("not a message, {error}: {bytes:02x?}"));
         assert_eq!(packet.header.get_version(), 1, "{bytes:02x?}");
@@ -166,34 +155,29 @@ impl Message {
         message
     }
 
-    /// All values of an option.
     pub(crate) fn values(&self, number: u16) -> Vec<&[u8]> {
         self.options.iter().filter(|(known, _)| *known == number).map(|(_, value)| value.as_slice()).collect()
     }
 
-    /// All values of an option as text.
     pub(crate) fn texts(&self, number: u16) -> Vec<String> {
         self.values(number).into_iter().map(|value| String::from_utf8_lossy(value).into_owned()).collect()
     }
 
-    /// The one value of an option as a number; it must not be there twice.
+    /// An option's value as a number; the option must not be repeated.
     pub(crate) fn value(&self, number: u16) -> Option<u32> {
         let values = self.values(number);
         assert!(values.len() < 2, "option {number} is there {} times: {self:?}", values.len());
         values.first().map(|value| value.iter().fold(0, |so_far, byte| (so_far << 8) | u32::from(*byte)))
     }
 
-    /// Its Block1 or Block2.
     pub(crate) fn block(&self, number: u16) -> Option<Block> {
         self.value(number).map(|value| (value >> 4, value & 8 != 0, u8::try_from(value & 7).expect("three bits")))
     }
 
-    /// Its Observe.
     pub(crate) fn observed(&self) -> Option<u32> {
         self.value(option::OBSERVE)
     }
 
-    /// Its payload as text.
     pub(crate) fn text(&self) -> String {
         String::from_utf8_lossy(&self.payload).into_owned()
     }

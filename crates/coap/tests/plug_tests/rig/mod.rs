@@ -1,5 +1,5 @@
-//! What the tests of the endpoint stand on: a bench to put datagrams in by hand, and a scene of honest clients on a bad network.
-//! Everything runs in simulated time; a failure prints the seed it happened with. No case is tested here.
+//! The rig of the endpoint's tests: a bench for datagrams by hand, and a scene of honest clients on a bad network.
+//! Everything runs in simulated time; a failure prints its seed. No case is tested here.
 
 pub(crate) mod bench;
 pub(crate) mod chance;
@@ -20,7 +20,6 @@ impl Drop for Seed {
     }
 }
 
-/// Runs something with each of the first seeds.
 pub(crate) fn each_seed(seeds: u64, run: impl Fn(u64)) {
     for seed in 0..seeds {
         let shown = Seed(seed);

@@ -1,5 +1,5 @@
-//! The network between clients and the endpoint, in simulated time: it loses, doubles, delays and so reorders datagrams, by
-//! chance of a seed. What is in a datagram is not its business.
+//! The network between clients and the endpoint, in simulated time: it loses, duplicates and delays datagrams, and thus
+//! reorders them, by a seed. What is in a datagram is not its business.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -7,14 +7,14 @@ use std::time::Duration;
 
 use super::chance::Chance;
 
-/// What may become of a datagram, either way.
+/// What happens to datagrams, in either direction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Weather {
-    /// The share that is lost.
+    /// Share of datagrams that are lost.
     pub(crate) loss: f64,
-    /// The share that comes twice.
+    /// Share of datagrams that come twice.
     pub(crate) double: f64,
-    /// The least and the most time it takes; whoever is faster overtakes.
+    /// Least and greatest delay; a faster datagram overtakes.
     pub(crate) delay_ms: (u64, u64),
 }
 
@@ -22,23 +22,21 @@ impl Weather {
     /// Nothing is lost, and order is kept.
     pub(crate) const FAIR: Weather = Weather { loss: 0.0, double: 0.0, delay_ms: (1, 1) };
 
-    /// So much is lost each way, some comes twice, and datagrams overtake each other.
+    /// This share is lost in each direction, some datagrams come twice, and some overtake others.
     pub(crate) const fn foul(loss: f64) -> Weather {
         Weather { loss, double: 0.05, delay_ms: (1, 200) }
     }
 }
 
-/// A datagram on its way.
 #[derive(Clone, Debug)]
 pub(crate) struct Datagram {
-    /// The client's address, whichever way it goes.
+    /// The client's address, in either direction.
     pub(crate) client: SocketAddr,
     /// Whether it goes to the endpoint.
     pub(crate) is_up: bool,
     pub(crate) bytes: Vec<u8>,
 }
 
-/// All datagrams on their way.
 pub(crate) struct Network {
     pub(crate) weather: Weather,
     chance: Chance,
@@ -51,7 +49,6 @@ impl Network {
         Network { weather, chance: Chance::new(seed, "network"), flying: BTreeMap::new(), counted: 0 }
     }
 
-    /// Sends a datagram off.
     pub(crate) fn carry(&mut self, datagram: Datagram, now: Duration) {
         let copies = if self.chance.happens(self.weather.double) { 2 } else { 1 };
         for _ in 0..copies {
@@ -64,12 +61,10 @@ impl Network {
         }
     }
 
-    /// When the next one arrives.
     pub(crate) fn next_arrival(&self) -> Option<Duration> {
         self.flying.keys().next().map(|(at, _)| *at)
     }
 
-    /// The next one that has arrived.
     pub(crate) fn arrived(&mut self, now: Duration) -> Option<Datagram> {
         let first = self.flying.first_entry().filter(|entry| entry.key().0 <= now)?;
         Some(first.remove())

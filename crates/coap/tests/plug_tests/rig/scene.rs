@@ -1,5 +1,5 @@
-//! Honest clients, a bad network and the endpoint on its bench, run together in simulated time: each step is the next thing that
-//! happens anywhere. Nothing sleeps.
+//! Honest clients, a bad network and the endpoint on its bench, run together in simulated time: each step goes to the
+//! next event of any of them. Nothing sleeps.
 
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -11,10 +11,9 @@ use super::client::exchange::Outcome;
 use super::network::{Datagram, Network, Weather};
 use super::server::Server;
 
-/// The longest a single exchange may take: a long body in small blocks over a bad network.
+/// Longest time of a single exchange: a long body in small blocks over a bad network.
 const PATIENCE: Duration = Duration::from_secs(3600 * 3);
 
-/// The scene.
 pub(crate) struct Scene {
     pub(crate) bench: Bench,
     pub(crate) clients: Vec<Client>,
@@ -23,12 +22,11 @@ pub(crate) struct Scene {
 }
 
 impl Scene {
-    /// A scene with one client.
     pub(crate) fn new(seed: u64, weather: Weather) -> Scene {
         Scene::crowd(seed, weather, 1)
     }
 
-    /// A scene with so many clients, all on the endpoint's own machine.
+    /// A scene with this many clients, all on the endpoint's own machine.
     pub(crate) fn crowd(seed: u64, weather: Weather, clients: u16) -> Scene {
         let address = |n| SocketAddr::from(([127, 0, 0, 1], 40_000 + n));
         Scene {
@@ -43,7 +41,7 @@ impl Scene {
         self.bench.now
     }
 
-    /// The first client asks something; its token is given back.
+    /// Sends a request of the first client, and returns its token.
     pub(crate) fn begin(&mut self, ask: Ask) -> Vec<u8> {
         self.begin_of(0, ask)
     }
@@ -55,7 +53,7 @@ impl Scene {
         token
     }
 
-    /// The first client asks something and waits for what comes of it.
+    /// Sends a request of the first client, and waits for its outcome.
     pub(crate) fn ask(&mut self, ask: Ask) -> Outcome {
         let token = self.begin(ask);
         let end = self.now() + PATIENCE;
@@ -65,13 +63,11 @@ impl Scene {
         self.clients[0].outcome(&token).cloned().expect("it has just been there")
     }
 
-    /// Something happens to the application's things.
     pub(crate) fn change(&mut self, happens: impl FnOnce(&mut Server)) {
         self.bench.change(happens);
         self.settle();
     }
 
-    /// Lets time go on.
     pub(crate) fn wait(&mut self, time: Duration) {
         let end = self.now() + time;
         while self.step(end) {}
@@ -82,7 +78,7 @@ impl Scene {
         self.bench.restart(self.seed + 1000);
     }
 
-    /// Goes to the next thing that happens; `false` when the end comes first.
+    /// Goes to the next event; `false` when `end` comes first.
     fn step(&mut self, end: Duration) -> bool {
         let clients = self.clients.iter().filter(|client| !client.is_off).filter_map(Client::poll_timeout).min();
         let next = [clients, self.network.next_arrival(), self.bench.next_event()].into_iter().flatten().min();
@@ -110,7 +106,7 @@ impl Scene {
         }
     }
 
-    /// Hands the network everything that anybody has to send.
+    /// Hands everything that is to be sent to the network.
     fn settle(&mut self) {
         let now = self.now();
         for out in self.bench.take() {

@@ -1,21 +1,20 @@
-//! What a client wants, before it is put into messages.
+//! A request of a client before it is put into messages.
 
 use coap_endpoint::Method;
 
 use crate::rig::message::{Message, option};
 
-/// One wish.
 #[derive(Clone, Debug)]
 pub(crate) struct Ask {
     pub(crate) method: Method,
     pub(crate) path: String,
     pub(crate) payload: Vec<u8>,
     pub(crate) accept: Option<u16>,
-    /// Whether the answer is to be observed.
+    /// Whether it registers as an observer.
     pub(crate) observes: bool,
-    /// The size exponent of the blocks it sends and wants.
+    /// The size exponent of the blocks that it sends and wants.
     pub(crate) exponent: u8,
-    /// Whether the first request names that size, or only the second does (RFC 7959, figures 3 and 4).
+    /// Whether the first request names that size, or only the second (RFC 7959, figures 3 and 4).
     pub(crate) is_early: bool,
 }
 
@@ -40,12 +39,12 @@ impl Ask {
         Ask { observes: true, ..Ask::get(path) }
     }
 
-    /// With blocks of this size exponent, named at once.
+    /// With blocks of this size exponent, named in the first request.
     pub(crate) fn early(self, exponent: u8) -> Ask {
         Ask { exponent, is_early: true, ..self }
     }
 
-    /// With blocks of this size exponent, named only when the first one has come.
+    /// With blocks of this size exponent, named only after the first block has come.
     pub(crate) fn late(self, exponent: u8) -> Ask {
         Ask { exponent, is_early: false, ..self }
     }
@@ -59,7 +58,7 @@ impl Ask {
         }
     }
 
-    /// The bytes of one block of what it sends.
+    /// Size in bytes of the blocks that it sends.
     pub(crate) const fn size(&self) -> usize {
         16 << self.exponent
     }

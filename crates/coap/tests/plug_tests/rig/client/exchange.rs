@@ -1,4 +1,4 @@
-//! One thing a client asks, from its first message to the last block of the answer. Message ids, acknowledgements and
+//! One exchange of a client, from its first message to the last block of the answer. Message ids, acknowledgements and
 //! retransmissions are not here.
 
 use std::time::Duration;
@@ -9,21 +9,17 @@ use super::ask::Ask;
 use super::observation::Observation;
 use crate::rig::message::{Message, option};
 
-/// What came of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
-    /// An answer, with its whole body.
+    /// An answer with its whole body.
     Answered { code: Code, body: Vec<u8>, last: Message },
     /// Nobody answered.
     Silence,
 }
 
-/// What is to be sent next.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Step {
-    /// This, as a new message.
     Send(Message),
-    /// Nothing: it is answered.
     Done,
 }
 
@@ -38,14 +34,13 @@ pub(crate) struct Trip {
     pub(crate) is_acknowledged: bool,
 }
 
-/// One exchange.
 #[derive(Clone, Debug)]
 pub(crate) struct Exchange {
     pub(crate) ask: Ask,
     pub(crate) trip: Option<Trip>,
     pub(crate) outcome: Option<Outcome>,
     pub(crate) observation: Option<Observation>,
-    /// The observation, by its token, whose notification it fetches the rest of.
+    /// The token of the observation for whose notification it fetches further blocks.
     pub(crate) fetches_for: Option<Vec<u8>>,
     pub(crate) body: Vec<u8>,
     etag: Option<Vec<u8>>,
@@ -66,7 +61,7 @@ impl Exchange {
         }
     }
 
-    /// The first message, with an id that is still to be given.
+    /// The first message, whose id is still to be set.
     pub(crate) fn first(&mut self, token: &[u8]) -> Message {
         (self.sent_bytes, self.body, self.etag) = (0, Vec::new(), None);
         let mut message = self.ask.head(0, token);
@@ -79,7 +74,7 @@ impl Exchange {
         if self.ask.payload.len() > self.ask.size() { self.upload(token) } else { message.payload(&self.ask.payload) }
     }
 
-    /// The next block of what is sent.
+    /// The next block of the request's body.
     fn upload(&mut self, token: &[u8]) -> Message {
         let start = self.sent_bytes;
         let end = self.ask.payload.len().min(start + self.ask.size());
@@ -92,7 +87,6 @@ impl Exchange {
         message.payload(&self.ask.payload[start..end])
     }
 
-    /// Takes an answer.
     pub(crate) fn takes(&mut self, answer: &Message, token: &[u8]) -> Step {
         if answer.code == Code::CONTINUE {
             let (number, _, exponent) = answer.block(option::BLOCK1).expect("2.31 says which block it continues");
@@ -113,7 +107,7 @@ impl Exchange {
         self.etag = etag;
         let start = usize::try_from(number).expect("20 bits") << (exponent + 4);
         if is_another || start != self.body.len() {
-            // It changed while it was read: from the beginning, then.
+            // The body changed while it was read, so reading starts again.
             self.body.clear();
             return Step::Send(self.download(0, exponent, token));
         }
@@ -126,7 +120,7 @@ impl Exchange {
         Step::Send(self.download(self.body.len(), exponent.min(self.ask.exponent), token))
     }
 
-    /// Asks for the block that begins at this byte.
+    /// A request for the block that begins at this byte.
     pub(crate) fn download(&self, start: usize, exponent: u8, token: &[u8]) -> Message {
         let number = u32::try_from(start >> (exponent + 4)).expect("a short body");
         self.ask.head(0, token).block2((number, false, exponent))

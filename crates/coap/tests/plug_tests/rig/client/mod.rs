@@ -1,5 +1,5 @@
-//! An honest client, sans-IO: it asks again what was not acknowledged, acknowledges what wants it, rejects what it does not know,
-//! observes by the freshness rule, registers again when its state grows old, and puts blocks together both ways.
+//! An honest client, sans-IO: it retransmits, acknowledges and rejects as the RFCs say, observes by the freshness rule,
+//! registers again when its state is out of date, and puts blocks together both ways.
 
 pub(crate) mod ask;
 pub(crate) mod exchange;
@@ -22,23 +22,22 @@ const PROMISED: Duration = Duration::from_secs(120);
 /// Retransmissions (RFC 7252, section 4.8).
 const MAX_RETRANSMIT: u32 = 4;
 
-/// A client.
 pub(crate) struct Client {
     pub(crate) address: SocketAddr,
-    /// Everything that came, with when.
+    /// Every message that came, with its time.
     pub(crate) seen: Vec<(Duration, Message)>,
-    /// Every message that was sent, retransmissions too.
+    /// Every message that was sent, retransmissions included.
     pub(crate) sent: Vec<(Duration, Message)>,
-    /// It is switched off: it neither hears nor speaks.
+    /// Switched off: it neither receives nor sends.
     pub(crate) is_off: bool,
     exchanges: BTreeMap<Vec<u8>, Exchange>,
-    /// What messages of the endpoint were answered with, as they may come again.
+    /// The replies to the endpoint's messages, which may come again.
     replies: HashMap<u16, (Duration, Kind)>,
     out: VecDeque<Message>,
     chance: Chance,
     next_id: u16,
     next_token: u32,
-    /// When something is to be done next; kept, as it is asked for often.
+    /// When something is due next; cached, as it is asked for often.
     due: Option<Duration>,
 }
 
@@ -61,7 +60,7 @@ impl Client {
         }
     }
 
-    /// Asks something; the token says what it was.
+    /// Sends a request, and returns its token.
     pub(crate) fn ask(&mut self, ask: Ask, now: Duration) -> Vec<u8> {
         let token = self.next_token.to_be_bytes().to_vec();
         self.next_token += 1;
@@ -72,24 +71,24 @@ impl Client {
         token
     }
 
-    /// What came of it, so far.
+    /// The outcome of a request, if it has one yet.
     pub(crate) fn outcome(&self, token: &[u8]) -> Option<&Outcome> {
         self.exchanges.get(token).and_then(|exchange| exchange.outcome.as_ref())
     }
 
-    /// The state an observation holds.
+    /// The state that an observation holds.
     pub(crate) fn held(&self, token: &[u8]) -> Option<&[u8]> {
         self.exchanges.get(token)?.observation.as_ref()?.held.as_deref()
     }
 
-    /// Every state an observation held, one after the other.
+    /// Every state that an observation held, in order.
     pub(crate) fn states(&self, token: &[u8]) -> Vec<String> {
         let observation = self.exchanges.get(token).and_then(|exchange| exchange.observation.as_ref());
         let states = observation.map_or(&[][..], |observation| &observation.states);
         states.iter().map(|(_, state)| String::from_utf8_lossy(state).into_owned()).collect()
     }
 
-    /// Forgets an observation without a word; the next notification is rejected.
+    /// Forgets an observation without a message; the next notification is rejected.
     pub(crate) fn forget(&mut self, token: &[u8]) {
         self.exchanges.remove(token);
         self.note_due();
@@ -104,7 +103,6 @@ impl Client {
         self.post(token, message, now);
     }
 
-    /// The next datagram to send.
     pub(crate) fn poll_transmit(&mut self, now: Duration) -> Option<Vec<u8>> {
         let message = self.out.pop_front()?;
         let bytes = message.encoded();
@@ -112,12 +110,10 @@ impl Client {
         Some(bytes)
     }
 
-    /// When something is to be done.
     pub(crate) const fn poll_timeout(&self) -> Option<Duration> {
         self.due
     }
 
-    /// A datagram came.
     pub(crate) fn handle_datagram(&mut self, bytes: &[u8], now: Duration) {
         let message = Message::decoded(bytes);
         self.seen.push((now, message.clone()));
@@ -130,7 +126,6 @@ impl Client {
         self.note_due();
     }
 
-    /// Time went on.
     pub(crate) fn handle_timeout(&mut self, now: Duration) {
         let tokens: Vec<Vec<u8>> = self.exchanges.keys().cloned().collect();
         for token in tokens {
@@ -140,7 +135,7 @@ impl Client {
         self.note_due();
     }
 
-    /// Sends a message of an exchange off, under a new id.
+    /// Sends a message of an exchange under a new id.
     fn post(&mut self, token: &[u8], message: Message, now: Duration) {
         let message = Message { id: self.next_id, ..message };
         self.next_id = self.next_id.wrapping_add(1);
@@ -167,7 +162,7 @@ impl Client {
         }
     }
 
-    /// A CON or NON of the endpoint: acknowledged or rejected if it wants that, and taken once.
+    /// Handles a CON or NON of the endpoint: acknowledges or rejects it where needed, and takes it once.
     fn told(&mut self, message: &Message, now: Duration) {
         let before = self.replies.get(&message.id).filter(|(at, _)| now < *at + Duration::from_secs(247)).map(|(_, kind)| *kind);
         let is_known = self.exchanges.get(&message.token).is_some_and(|exchange| {
@@ -175,7 +170,8 @@ impl Client {
         });
         let reply = before.unwrap_or(if is_known { Kind::Ack } else { Kind::Rst });
         self.replies.insert(message.id, (now, reply));
-        // A NON that is not known is rejected too: so a server learns that nobody observes any more (RFC 7641, section 3.6).
+        // An unknown NON is rejected as well: a server learns by it that nobody observes any more (RFC 7641, section
+        // 3.6).
         if message.kind == Kind::Con || reply == Kind::Rst {
             self.out.push_back(Message::empty(reply, message.id));
         }
@@ -184,7 +180,7 @@ impl Client {
         }
     }
 
-    /// An answer or a notification, whatever it came in.
+    /// Handles an answer or a notification, in whichever message it came.
     fn answered(&mut self, message: &Message, now: Duration) {
         let token = message.token.clone();
         let Some(exchange) = self.exchanges.get_mut(&token) else { return };
@@ -204,7 +200,7 @@ impl Client {
         }
     }
 
-    /// The answer to a registration, or a notification.
+    /// Handles the answer to a registration, or a notification.
     fn notified(&mut self, message: &Message, token: &[u8], now: Duration) {
         let exchange = self.exchanges.get_mut(token).expect("it was found before");
         exchange.trip = None;
@@ -228,7 +224,7 @@ impl Client {
         }
     }
 
-    /// Fetches what did not fit into a notification.
+    /// Fetches the further blocks of a notification.
     fn fetch_rest(&mut self, message: &Message, exponent: u8, token: &[u8], now: Duration) {
         let ask = Ask { observes: false, ..self.exchanges[token].ask.clone() };
         self.exchanges.retain(|_, exchange| exchange.fetches_for.as_deref() != Some(token));
@@ -242,7 +238,7 @@ impl Client {
         self.post(&own, next, now);
     }
 
-    /// A fetch is complete: the observation holds what it brought.
+    /// Stores a fetched body in its observation.
     fn fetched(&mut self, own: &[u8], now: Duration) {
         let exchange = &self.exchanges[own];
         let Some(token) = exchange.fetches_for.clone() else { return };
@@ -259,7 +255,7 @@ impl Client {
         if trip.is_acknowledged || trip.tries >= MAX_RETRANSMIT {
             exchange.trip = None;
             exchange.outcome = Some(Outcome::Silence);
-            // Whoever wants to observe tries again.
+            // A client that wants to observe tries again.
             if exchange.ask.observes {
                 exchange.observation.get_or_insert_default().fresh_until = Some(now);
             }
@@ -271,7 +267,7 @@ impl Client {
         self.out.push_back(trip.message.clone());
     }
 
-    /// A state that is too old is asked for again, 5 to 15 seconds later (RFC 7641, section 3.3.1).
+    /// Asks again for a state that is out of date, 5 to 15 seconds later (RFC 7641, section 3.3.1).
     fn register_again(&mut self, token: &[u8], now: Duration) {
         let Some(exchange) = self.exchanges.get_mut(token) else { return };
         let Some(observation) = exchange.observation.as_mut().filter(|observation| !observation.is_over) else { return };
@@ -292,5 +288,5 @@ impl Client {
     }
 }
 
-/// What a client leaves a notification beyond its Max-Age, as it may be on its way.
+/// Time that a client grants a notification beyond Max-Age, as it may be on its way.
 const SLACK: Duration = Duration::from_secs(5);

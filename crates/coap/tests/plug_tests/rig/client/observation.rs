@@ -1,29 +1,28 @@
-//! What an observer knows: the newest state by the numbers of the notifications, and until when it may believe it.
+//! What an observer knows: the newest state by the numbers of the notifications, and until when it is fresh.
 
 use std::time::Duration;
 
-/// Notifications that are this far apart in time are in the order they came in (RFC 7641, section 3.4).
+/// Notifications this far apart in time are in the order in which they came (RFC 7641, section 3.4).
 const CERTAIN: Duration = Duration::from_secs(128);
 
-/// What is taken for the present state without a Max-Age (RFC 7252, section 5.10.5).
+/// Max-Age where none is given, in seconds (RFC 7252, section 5.10.5).
 const MAX_AGE_S: u32 = 60;
 
-/// One observation.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Observation {
     newest: Option<(u32, Duration)>,
-    /// The last state that was taken.
+    /// The last state that was accepted.
     pub(crate) held: Option<Vec<u8>>,
-    /// Every state that was taken, with when it came.
+    /// Every state that was accepted, with its time.
     pub(crate) states: Vec<(Duration, Vec<u8>)>,
-    /// Until when it may be believed; past that the client registers again.
+    /// When the state becomes stale, and the client registers again.
     pub(crate) fresh_until: Option<Duration>,
-    /// It is over: the server said so.
+    /// Whether the server has ended it.
     pub(crate) is_over: bool,
 }
 
 impl Observation {
-    /// Whether a notification with this number is newer than all before; it is noted if so (RFC 7641, section 3.4).
+    /// Whether a notification with this number is newer than all before; if so, notes it (RFC 7641, section 3.4).
     pub(crate) fn takes(&mut self, number: u32, now: Duration) -> bool {
         let is_newer = self.newest.is_none_or(|(before, at)| is_newer((before, at), (number, now)));
         if is_newer {
@@ -32,13 +31,12 @@ impl Observation {
         is_newer
     }
 
-    /// A state came whole.
     pub(crate) fn holds(&mut self, state: Vec<u8>, now: Duration) {
         self.states.push((now, state.clone()));
         self.held = Some(state);
     }
 
-    /// It may be believed for so long.
+    /// Sets until when the state is fresh.
     pub(crate) fn believe(&mut self, max_age: Option<u32>, now: Duration) {
         self.fresh_until = Some(now + Duration::from_secs(max_age.unwrap_or(MAX_AGE_S).into()));
     }

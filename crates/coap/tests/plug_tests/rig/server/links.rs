@@ -1,9 +1,8 @@
-//! What the test application lists at `/.well-known/core`, as the plug-test descriptions of the LINK cases want it. How a list is
-//! filtered is the door's own code, which the LINK cases are about.
+//! The links of the test application at `/.well-known/core`, as the plug-test descriptions of the LINK cases ask for
+//! them. The filter is the endpoint's own code, which the LINK cases test.
 
 use coap_endpoint::Link;
 
-/// All links.
 pub(crate) fn links() -> Vec<Link> {
     let mut links: Vec<Link> = ["/test", "/query", "/separate", "/create1"].map(Link::new).into();
     links.extend([
@@ -18,7 +17,6 @@ pub(crate) fn links() -> Vec<Link> {
     links
 }
 
-/// What `/path` lists.
 pub(crate) fn below_path() -> Vec<Link> {
     ["/path/sub1", "/path/sub2", "/path/sub3"].map(Link::new).into()
 }

@@ -1,5 +1,5 @@
-//! A test application with the resources of the ETSI plug tests. It remembers every request that reached it, so that a test can
-//! see that something was done once. Messages, tokens and blocks do not reach it.
+//! A test application with the resources of the ETSI plug tests. It remembers every request that reached it, so that a
+//! test can see that something was done once. Messages, tokens and blocks do not reach it.
 
 pub(crate) mod links;
 pub(crate) mod thing;
@@ -12,33 +12,25 @@ use coap_endpoint::{Answer, Code, Format, Method, Request, Response, link_format
 
 use thing::{Thing, long_body};
 
-/// How long `/separate` thinks about its answer.
+/// How long `/separate` takes for its answer.
 pub(crate) const SLOW: Duration = Duration::from_millis(1200);
 
-/// The format of XML, which the endpoint has no name for.
+/// The format of XML, for which the endpoint has no constant.
 pub(crate) const XML: Format = Format(41);
 
-/// What is said to a request.
 pub(crate) enum Said {
-    /// At once.
     Now(Answer),
-    /// After some time.
     Later(Duration, Answer),
 }
 
-/// The application.
 pub(crate) struct Server {
-    /// What is at which path.
     pub(crate) things: BTreeMap<String, Thing>,
-    /// What `/model` shows: robot, map, lamp; one that is empty is not there.
+    /// The things of `/model`: robot, map, lamp; an empty one does not exist.
     pub(crate) model: [String; 3],
-    /// How long `/separate` takes.
     pub(crate) slow: Duration,
-    /// Whether it can be observed.
     pub(crate) slow_observable: bool,
-    /// Every request that came through.
     pub(crate) asked: Vec<Request>,
-    /// Whether something changed that the endpoint has not been told of.
+    /// Whether something changed that the endpoint has not been told.
     pub(crate) has_changed: bool,
 }
 
@@ -70,24 +62,20 @@ impl Server {
         }
     }
 
-    /// Makes the thing at a path something else.
     pub(crate) fn set(&mut self, path: &str, body: impl AsRef<[u8]>) {
         self.things.get_mut(path).unwrap_or_else(|| panic!("there is no {path}")).set(body.as_ref());
         self.has_changed = true;
     }
 
-    /// Makes one of the three things of `/model` something else.
     pub(crate) fn set_model(&mut self, which: usize, text: &str) {
         text.clone_into(&mut self.model[which]);
         self.has_changed = true;
     }
 
-    /// How many requests with this method and path came through.
     pub(crate) fn count(&self, method: Method, path: &str) -> usize {
         self.asked.iter().filter(|request| request.method == method && request.path_text() == path).count()
     }
 
-    /// What is said to a request.
     pub(crate) fn answer(&mut self, request: &Request) -> Said {
         self.asked.push(request.clone());
         if request.path_text() == "/separate" {
@@ -105,7 +93,6 @@ impl Server {
         Said::Now(Answer::once(response))
     }
 
-    /// What observers see now.
     pub(crate) fn things(&self, request: &Request) -> Vec<Arc<Response>> {
         if request.path_text() == "/model" {
             let there = self.model.iter().filter(|text| !text.is_empty());
@@ -173,7 +160,7 @@ impl Server {
     }
 }
 
-/// What is not stored but made for each request.
+/// Resources that are not stored but made for each request.
 fn made_up(request: &Request) -> Response {
     let links = |links: &[_], queries: &[String]| Response::content(Format::LINKS, link_format(links, queries).into_bytes());
     match request.segments().as_slice() {

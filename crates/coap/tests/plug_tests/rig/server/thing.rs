@@ -1,11 +1,10 @@
-//! One resource of the test application: a body in a format, with a version that is its tag. Where it is and what else can be done
-//! with it is not here.
+//! One resource of the test application: a body in a format, with a version as its tag. Its path and its other
+//! properties are not here.
 
 use std::sync::Arc;
 
 use coap_endpoint::{ETag, Format, Request, Response};
 
-/// One resource.
 #[derive(Clone, Debug)]
 pub(crate) struct Thing {
     pub(crate) body: Arc<[u8]>,
@@ -24,12 +23,11 @@ impl Thing {
         Thing { body: Arc::from(body), format, version: 1, max_age: None, is_observable: false }
     }
 
-    /// It can be observed, and is taken for the present state for so many seconds.
+    /// An observable resource, whose Max-Age is given in seconds.
     pub(crate) fn observable(self, max_age: u32) -> Thing {
         Thing { is_observable: true, max_age: Some(max_age), ..self }
     }
 
-    /// It becomes something else.
     pub(crate) fn set(&mut self, body: &[u8]) {
         self.body = Arc::from(body);
         self.version += 1;
@@ -39,7 +37,6 @@ impl Thing {
         ETag::new(&self.version.to_be_bytes()).expect("four bytes")
     }
 
-    /// What a GET is answered.
     pub(crate) fn response(&self, request: &Request) -> Response {
         match request.negotiated(&[self.format]) {
             Err(refused) => refused,
@@ -50,7 +47,7 @@ impl Thing {
     }
 }
 
-/// A body of so many bytes in which no block is like another.
+/// A body of this length in which no two blocks are equal.
 pub(crate) fn long_body(length: usize) -> Vec<u8> {
     (0..length).map(|at| b"0123456789abcdefghijklmnopqrstuvwxyz"[(at + at / 36 + at / 1000) % 36]).collect()
 }
