@@ -1,5 +1,6 @@
-//! What a tick of a behaviour tree costs, per node, beside bonsai-bt in the same run: 100 nodes that are all ticked, in sequences, in
-//! reactive ones, with ports that are read and written, and with children that are halted. Nothing here is a test.
+//! Measures a tick of a behaviour tree per node, beside bonsai-bt in the same run: 100 nodes that are all ticked, in
+//! sequences, in reactive ones, with ports that are read and written, and with children that are halted. Nothing here
+//! is a test.
 #![expect(
     clippy::disallowed_methods,
     clippy::print_stdout,
@@ -18,13 +19,13 @@ use std::time::{Duration, Instant};
 use behaviour_trees::{Blackboard, Catalogue, Document, Element, Leaf, LeafKind, Leaves, Port, Status, Tree, Value, ValueType};
 use bonsai_bt::{Action, BT, Behavior, Event, UpdateArgs};
 
-/// The most nanoseconds a node that were wanted, with ports and halts.
+/// Goal in nanoseconds per node, with ports and halts.
 const GOAL: f64 = 50.0;
 
-/// Every tree has so many nodes.
+/// Number of nodes of every tree.
 const NODES: usize = 100;
 
-/// Leaves that do as good as nothing: what is measured is the tree round them.
+/// Leaves that do almost nothing, so that the tree round them is measured.
 struct Cheap {
     is_open: bool,
     halts: u64,
@@ -76,7 +77,7 @@ fn leaf(kind: &str) -> Element {
     }
 }
 
-/// One node over nine, each over ten leaves; the very last leaf may be another.
+/// One node over nine, each over ten leaves; the very last leaf is `last`.
 fn rows(kind: &str, inner: &str, last: &str) -> Element {
     let row = |row: usize| {
         let leaf = |at: usize| leaf(if row == 8 && at == 9 { last } else { inner });
@@ -85,13 +86,14 @@ fn rows(kind: &str, inner: &str, last: &str) -> Element {
     Element::new(kind, (0..9).map(row).collect())
 }
 
-/// A condition that holds in every other tick, and beside it 97 leaves at once, which run in the one and are halted in the next.
+/// A condition that holds in every other tick, and beside it 97 leaves at once, which run in one tick and are halted in
+/// the next.
 fn door(inner: &str) -> Element {
     let all = Element::new("Parallel", (0..97).map(|_| leaf(inner)).collect());
     Element::new("ReactiveSequence", vec![leaf("Door"), all])
 }
 
-/// Nanoseconds a node, the median of some batches.
+/// Nanoseconds per node, the median of several batches.
 fn measured(mut tick: impl FnMut()) -> f64 {
     const TICKS: u32 = 2_000;
     let mut batch = || {
@@ -116,7 +118,7 @@ fn ours(root: Element) -> f64 {
     })
 }
 
-/// The same trees there: leaves without ports, and no halts, since it has neither.
+/// The same trees in bonsai-bt: leaves without ports, and no halts, since it has neither.
 fn theirs(is_reactive: bool) -> f64 {
     let row = |row: usize| {
         let leaves = (0..10).map(|at| Action(is_reactive && row == 8 && at == 9)).collect();
@@ -131,7 +133,7 @@ fn theirs(is_reactive: bool) -> f64 {
         });
         black_box(said);
         if !is_reactive {
-            // Done is done there: a next run wants a tree that is new.
+            // A tree of bonsai-bt that is done stays done, so the next run needs a reset.
             tree.reset_bt();
         }
     })
@@ -141,7 +143,7 @@ fn main() -> ExitCode {
     let (sequences, reactive) = (ours(rows("Sequence", "Succeed", "Succeed")), ours(rows("ReactiveSequence", "Succeed", "Run")));
     let (their_sequences, their_reactive) = (theirs(false), theirs(true));
     let ports = ours(rows("Sequence", "Count", "Count"));
-    // Of two ticks the first performs all nodes, the second halts those that run.
+    // Of two ticks the first performs all nodes, and the second halts those that run.
     let (halts, both) = (ours(door("Run")), ours(door("RunCounting")));
     println!("ns a node, trees of {NODES} nodes, the median of 31 batches");
     let beside = |what: &str, ours: f64, theirs: f64| {

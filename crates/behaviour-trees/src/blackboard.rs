@@ -1,15 +1,15 @@
-//! The blackboard: named entries by which the nodes of a tree, and trees that share it, tell each other what they know.
-//! Names are looked up when a tree is built; a tick goes by slots. Scopes of subtrees are resolved in `build`.
+//! The blackboard: named entries by which the nodes of a tree, and trees that share it, exchange values. Names are
+//! looked up when a tree is built; a tick uses slots. Scopes of subtrees are resolved in `build`.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::value::{LONGEST_TEXT, Value, ValueType};
 
-/// The most entries of one blackboard: more than all ports of the largest tree that people draw.
+/// Most entries of one blackboard: more than all ports of the largest tree that people draw.
 pub const MOST_ENTRIES: usize = 8192;
 
-/// The place of an entry; it stays the same as long as the blackboard lives.
+/// The index of an entry; it stays the same for as long as the blackboard lives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Slot(u32);
 
@@ -26,7 +26,7 @@ pub struct Entry {
     ty: ValueType,
     value: Option<Value>,
     written: u64,
-    /// A port names it, or something was written there: only then may a script write it with `=`.
+    /// Set once a port names it or something was written there: only then may a script write it with `=`.
     is_there: bool,
 }
 
@@ -37,26 +37,26 @@ impl Entry {
         &self.name
     }
 
-    /// What may be put there.
+    /// The type of its values.
     #[must_use]
     pub const fn value_type(&self) -> ValueType {
         self.ty
     }
 
-    /// What was put there last, if anything was.
+    /// The value that was written last, if any.
     #[must_use]
     pub const fn value(&self) -> Option<&Value> {
         self.value.as_ref()
     }
 
-    /// The number of the write that put it there; greater than that of every earlier write on this blackboard.
+    /// The number of the last write to it; later writes on this blackboard have higher numbers.
     #[must_use]
     pub const fn written(&self) -> u64 {
         self.written
     }
 }
 
-/// Why something cannot be put on the blackboard.
+/// Why a value cannot be put on the blackboard.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unfit {
     /// The entry has another type.
@@ -64,35 +64,35 @@ pub enum Unfit {
     Type {
         /// The entry.
         name: Arc<str>,
-        /// What it holds.
+        /// The entry's type.
         ty: ValueType,
-        /// What was to be put there.
+        /// The value to be written.
         value: String,
     },
-    /// Two ports want the entry to have two types.
+    /// Two ports give the entry two different types.
     #[error("the entry {{{name}}} is of type {} elsewhere, and of type {} here", before.word(), now.word())]
     TwoTypes {
         /// The entry.
         name: Arc<str>,
-        /// What it was before.
+        /// The type by the first port.
         before: ValueType,
-        /// What it is to be.
+        /// The type by the second port.
         now: ValueType,
     },
-    /// The text is too long.
+    /// The text is longer than [`LONGEST_TEXT`].
     #[error("the text for the entry {{{name}}} is {length} bytes long, and {LONGEST_TEXT} is the most")]
     TooLong {
         /// The entry.
         name: Arc<str>,
-        /// How long it is, in bytes.
+        /// Its length in bytes.
         length: usize,
     },
-    /// There are too many entries.
+    /// The blackboard has [`MOST_ENTRIES`] already.
     #[error("there are more than {MOST_ENTRIES} entries on the blackboard")]
     TooMany,
 }
 
-/// Entries by name and by slot. Several trees can be built on one.
+/// Entries by name and by slot. Several trees can be built on one blackboard.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Blackboard {
     entries: Vec<Entry>,
@@ -101,48 +101,48 @@ pub struct Blackboard {
 }
 
 impl Blackboard {
-    /// One without entries.
+    /// An empty blackboard.
     #[must_use]
     pub fn new() -> Blackboard {
         Blackboard::default()
     }
 
-    /// All entries, in the order in which they came to be.
+    /// All entries, in the order of their creation.
     pub fn entries(&self) -> impl Iterator<Item = &Entry> {
         self.entries.iter()
     }
 
-    /// How often something was written so far.
+    /// Number of writes so far.
     #[must_use]
     pub const fn writes(&self) -> u64 {
         self.writes
     }
 
-    /// Where the entry of this name is.
+    /// The slot of the entry of this name.
     #[must_use]
     pub fn slot(&self, name: &str) -> Option<Slot> {
         self.by_name.get(name).copied()
     }
 
-    /// What the entry of this name holds.
+    /// The value of the entry of this name.
     #[must_use]
     pub fn get(&self, name: &str) -> Option<&Value> {
         self.value(self.slot(name)?)
     }
 
-    /// Puts something into the entry of this name, which is made if need be.
+    /// Writes a value to the entry of this name, which is created if need be.
     ///
     /// # Errors
-    /// If it does not fit the type of the entry, or there are too many.
+    /// If the value does not fit the type of the entry, or there are too many entries.
     pub fn set(&mut self, name: &str, value: Value) -> Result<(), Unfit> {
         let slot = self.declare(name, ValueType::Any)?;
         self.put(slot, value)
     }
 
-    /// Makes an entry of this name and type, or finds the one that is there.
+    /// Creates an entry of this name and type, or finds the existing one.
     ///
     /// # Errors
-    /// If the one that is there has another type, or what it holds is not of this type.
+    /// If the existing one has another type, or a value that is not of this type.
     pub fn declare(&mut self, name: &str, ty: ValueType) -> Result<Slot, Unfit> {
         if let Some(slot) = self.slot(name) {
             let entry = &mut self.entries[slot.index()];
@@ -168,7 +168,8 @@ impl Blackboard {
         Ok(slot)
     }
 
-    /// Where the entry of this name is or will be; for scripts, of which some make an entry and others want it to be there.
+    /// The slot of this name, which is reserved if need be: some scripts create its entry, and others require it to
+    /// exist.
     pub(crate) fn mention(&mut self, name: &str) -> Result<Slot, Unfit> {
         if let Some(slot) = self.slot(name) {
             return Ok(slot);
@@ -183,7 +184,7 @@ impl Blackboard {
         Ok(slot)
     }
 
-    /// What the entry in this slot holds.
+    /// The value of the entry in this slot.
     #[must_use]
     pub fn value(&self, slot: Slot) -> Option<&Value> {
         self.entries.get(slot.index())?.value.as_ref()
@@ -200,10 +201,10 @@ impl Blackboard {
         self.entries.get(slot.index())
     }
 
-    /// Puts something into a slot, converted to the type of its entry where nothing is lost by it.
+    /// Writes a value to a slot, converted to the type of its entry where nothing is lost by that.
     ///
     /// # Errors
-    /// If it does not fit.
+    /// If the value does not fit.
     pub fn put(&mut self, slot: Slot, value: Value) -> Result<(), Unfit> {
         let Some(entry) = self.entries.get_mut(slot.index()) else { return Err(Unfit::TooMany) };
         if let Value::Text(text) = &value
@@ -224,7 +225,8 @@ impl Blackboard {
         Ok(())
     }
 
-    /// Takes the text in this slot for a number if it is one and no port wants it otherwise: a script can count with it then.
+    /// Turns the text in this slot into a number if it is one and no port has another type for it, so that scripts can
+    /// count with it.
     pub(crate) fn take_for_number(&mut self, slot: Slot) {
         if let Some(entry) = self.entries.get_mut(slot.index())
             && entry.ty == ValueType::Any
@@ -237,7 +239,7 @@ impl Blackboard {
         }
     }
 
-    /// Takes an entry away, so far as scripts see: `=` wants it to be made again. Its slot and its type stay.
+    /// Removes an entry as far as scripts see: `=` needs it to be created again. Its slot and its type stay.
     pub(crate) fn remove(&mut self, slot: Slot) {
         self.unset(slot);
         if let Some(entry) = self.entries.get_mut(slot.index()) {
@@ -245,7 +247,7 @@ impl Blackboard {
         }
     }
 
-    /// Takes away what an entry holds; the entry stays.
+    /// Removes the value of an entry; the entry stays.
     pub fn unset(&mut self, slot: Slot) {
         if let Some(entry) = self.entries.get_mut(slot.index()) {
             self.writes += 1;
@@ -254,7 +256,7 @@ impl Blackboard {
         }
     }
 
-    /// Takes up what was kept: these entries hold these values, and all others nothing. First build the trees, then restore.
+    /// Restores stored values: these entries get them, and all others have none. Build the trees first.
     ///
     /// # Errors
     /// If a value does not fit its entry.
@@ -263,8 +265,8 @@ impl Blackboard {
         kept.into_iter().try_for_each(|(name, value)| self.set(name, value))
     }
 
-    /// Takes away what all entries hold, the barriers of `Sync` included, as for a new run. Texts that a tree was built with
-    /// (`<SubTree … speed="2"/>`) go, too: a new run is best built anew.
+    /// Removes the values of all entries for a new run, the barriers of `Sync` included. Texts that a tree was built
+    /// with (`<SubTree … speed="2"/>`) are removed too, so a new run is best built anew.
     pub fn clear(&mut self) {
         for index in 0..self.entries.len() {
             self.unset(Slot(u32::try_from(index).unwrap_or(u32::MAX)));

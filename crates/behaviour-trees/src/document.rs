@@ -1,9 +1,9 @@
-//! A file of trees as a value: what it says, element by element. How it is read and written stands in `xml`, what it means in
+//! A file of trees as a value, element by element. How it is read and written stands in `xml`, what it means in
 //! `build`.
 
 use std::fmt;
 
-/// Where something stands in a file. It takes no part in comparisons: a document that is laid out anew is the same document.
+/// A place in a file. All places compare equal, so that a document with another layout is the same document.
 #[derive(Clone, Copy, Debug, Default, Eq)]
 pub struct Place {
     /// The line, counted from 1; 0 for what comes from no file.
@@ -24,35 +24,35 @@ impl fmt::Display for Place {
     }
 }
 
-/// All trees of a file, and what it says of their leaves.
+/// All trees of a file, and its models of leaves.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Document {
     /// The tree that runs unless another is named: `main_tree_to_execute`.
     pub main: Option<String>,
-    /// What else the graphical editor noted at the top, as `project_name`.
+    /// Further attributes that the graphical editor wrote at the top, such as `project_name`.
     pub notes: Vec<Attribute>,
     /// The trees, in their order.
     pub trees: Vec<TreeDefinition>,
-    /// What the file says of leaves and subtrees: `<TreeNodesModel>`.
+    /// The models of leaves and subtrees in `<TreeNodesModel>`.
     pub models: Vec<Model>,
-    /// What stands between the models and is none.
+    /// Other elements between the models.
     pub kept: Vec<Kept>,
-    /// The other files that it wants to be read: `<include>`. Such a document is written again, and neither checked nor run.
+    /// The `<include>` elements for other files. A document with any is written again, but neither checked nor run.
     pub includes: Vec<Kept>,
 }
 
-/// An element that means nothing here and is written again as it was read, as `<MetadataFields>`.
+/// An element without meaning here, which is written again as it was read, such as `<MetadataFields>`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kept {
     /// Its name.
     pub name: String,
     /// Its attributes.
     pub attributes: Vec<Attribute>,
-    /// What is written in it, between its children.
+    /// The text in it, between its children.
     pub text: String,
     /// The elements in it.
     pub children: Vec<Kept>,
-    /// Where it stands.
+    /// Its place in the file.
     pub place: Place,
 }
 
@@ -61,16 +61,16 @@ pub struct Kept {
 pub struct TreeDefinition {
     /// Its `ID`.
     pub id: String,
-    /// What else the editor noted of it, as `_description`.
+    /// Further attributes that the editor wrote, such as `_description`.
     pub notes: Vec<Attribute>,
-    /// Its one child.
+    /// Its only child.
     pub root: Element,
-    /// Where it stands.
+    /// Its place in the file.
     pub place: Place,
 }
 
 named! {
-    /// How an element names its kind: by its own name, or by the `ID` of one of these.
+    /// How an element names its kind: by its own name, or by the `ID` of one of these elements.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum Form {
         /// `<Sequence>`, `<NearObj>`.
@@ -84,7 +84,7 @@ named! {
         Control = "Control",
         /// `<Decorator ID="Inverter">`.
         Decorator = "Decorator",
-        /// `<SubTree ID="Approach">`; its ID is that of a tree.
+        /// `<SubTree ID="Approach">`, whose ID is that of a tree.
         SubTree = "SubTree",
     }
 }
@@ -92,17 +92,17 @@ named! {
 /// A node of a tree, as it is written.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Element {
-    /// The kind of node that it names, or the tree that a `<SubTree>` names.
+    /// The kind of the node, or the tree of a `<SubTree>`.
     pub id: String,
-    /// How it names it.
+    /// How it is written.
     pub form: Form,
     /// Its `name`, if it has one.
     pub name: Option<String>,
-    /// Everything else: ports, conditions, notes of the editor.
+    /// All other attributes: ports, conditions, notes of the editor.
     pub attributes: Vec<Attribute>,
     /// Its children, in their order.
     pub children: Vec<Element>,
-    /// Where it stands.
+    /// Its place in the file.
     pub place: Place,
 }
 
@@ -111,26 +111,26 @@ pub struct Element {
 pub struct Attribute {
     /// Its name.
     pub name: String,
-    /// Its value, entities resolved.
+    /// Its value, with entities resolved.
     pub value: String,
-    /// Where it stands.
+    /// Its place in the file.
     pub place: Place,
 }
 
-/// What a file says of a leaf, a control node, a decorator or a subtree.
+/// A declaration of a leaf, a control node, a decorator or a subtree.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
     /// Which of them it is; never `Compact`.
     pub form: Form,
     /// Its name.
     pub id: String,
-    /// What else the editor noted of it, as `editable`.
+    /// Further attributes that the editor wrote, such as `editable`.
     pub notes: Vec<Attribute>,
     /// Its ports.
     pub ports: Vec<ModelPort>,
-    /// What else stands in it, as `<MetadataFields>`.
+    /// Other elements in it, such as `<MetadataFields>`.
     pub kept: Vec<Kept>,
-    /// Where it stands.
+    /// Its place in the file.
     pub place: Place,
 }
 
@@ -141,11 +141,11 @@ pub struct ModelPort {
     pub direction: super::leaf::Direction,
     /// Its name.
     pub name: String,
-    /// `type`, `default` and what else is noted of it.
+    /// `type`, `default` and further attributes.
     pub notes: Vec<Attribute>,
-    /// What is written in it: a description.
+    /// Its text, which describes it.
     pub text: String,
-    /// Where it stands.
+    /// Its place in the file.
     pub place: Place,
 }
 
@@ -162,20 +162,20 @@ impl Element {
         Element { form: Form::SubTree, ..Element::new(id, Vec::new()) }
     }
 
-    /// With this name.
+    /// Sets its `name`.
     #[must_use]
     pub fn named(self, name: &str) -> Element {
         Element { name: Some(name.to_owned()), ..self }
     }
 
-    /// With one more attribute.
+    /// Adds an attribute.
     #[must_use]
     pub fn with(mut self, name: &str, value: &str) -> Element {
         self.attributes.push(Attribute::new(name, value));
         self
     }
 
-    /// The value of an attribute.
+    /// The attribute of this name.
     #[must_use]
     pub fn attribute(&self, name: &str) -> Option<&Attribute> {
         self.attributes.iter().find(|attribute| attribute.name == name)
@@ -183,7 +183,7 @@ impl Element {
 }
 
 impl Attribute {
-    /// One that stands in no file.
+    /// An attribute that comes from no file.
     #[must_use]
     pub fn new(name: &str, value: &str) -> Attribute {
         Attribute { name: name.to_owned(), value: value.to_owned(), place: Place::default() }
@@ -191,7 +191,7 @@ impl Attribute {
 }
 
 impl Model {
-    /// The value of a note.
+    /// The value of the note of this name.
     #[must_use]
     pub fn note<'a>(notes: &'a [Attribute], name: &str) -> Option<&'a str> {
         notes.iter().find(|note| note.name == name).map(|note| note.value.as_str())
@@ -199,13 +199,13 @@ impl Model {
 }
 
 impl Document {
-    /// One tree, as its only and main one.
+    /// A document with one tree, which is the main one.
     #[must_use]
     pub fn of(id: &str, root: Element) -> Document {
         Document { main: Some(id.to_owned()), ..Document::default() }.with_tree(id, root)
     }
 
-    /// With one more tree.
+    /// Adds a tree.
     #[must_use]
     pub fn with_tree(mut self, id: &str, root: Element) -> Document {
         self.trees.push(TreeDefinition { id: id.to_owned(), notes: Vec::new(), root, place: Place::default() });

@@ -1,4 +1,4 @@
-//! Everything that is wrong with a file of trees, and what its author should know besides.
+//! All faults of a file of trees, and what its author should know besides.
 
 use std::collections::BTreeSet;
 
@@ -13,7 +13,8 @@ pub const MOST_FAULTS: usize = 100;
 pub struct Findings {
     faults: Vec<TreeError>,
     notes: Vec<TreeError>,
-    /// Place and sentence of every fault. A subtree is looked at wherever it is used, and its faults are told once.
+    /// Place and hash of the sentence of every fault. A subtree is checked wherever it is used, and its faults are
+    /// reported once.
     seen: BTreeSet<(u32, u32, u64)>,
 }
 
@@ -25,7 +26,7 @@ impl Findings {
         }
     }
 
-    /// Notes of one reason are told once, at the first place.
+    /// Adds a note. Notes with the same reason are reported once, at the first place.
     pub(crate) fn note(&mut self, note: TreeError) {
         if self.notes.len() < MOST_FAULTS && !self.notes.contains(&note) {
             self.notes.push(note);
@@ -51,7 +52,7 @@ impl Findings {
         self.seen.len() - self.faults.len()
     }
 
-    /// What is worth knowing and no fault, in the order in which it was found.
+    /// The notes in the order in which they were found.
     #[must_use]
     pub fn notes(&self) -> &[TreeError] {
         &self.notes

@@ -1,23 +1,23 @@
-//! The kinds of nodes that the engine brings with it: their names, their ports, how many children they have.
-//! What they do stands in `tick`; leaves are in `leaf`.
+//! The engine's own kinds of nodes: their names, their ports and their numbers of children. What they do stands in
+//! `tick`; leaves are in `leaf`.
 
 use super::value::ValueType;
 
 named! {
-    /// The nodes of BehaviorTree.CPP 4 that are here, by their names in a file, and `Sync`, which is ours.
+    /// The supported nodes of BehaviorTree.CPP 4, by their names in a file, and `Sync`, which is an addition.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum BuiltIn {
         /// One child after the other; a failure ends it.
         Sequence = "Sequence",
-        /// A sequence that goes on at the child that failed.
+        /// A sequence that continues at the child that failed.
         SequenceWithMemory = "SequenceWithMemory",
-        /// A sequence that gives the tick back after each child.
+        /// A sequence that returns RUNNING after each child.
         AsyncSequence = "AsyncSequence",
         /// A sequence that begins at its first child in every tick.
         ReactiveSequence = "ReactiveSequence",
         /// One child after the other; a success ends it.
         Fallback = "Fallback",
-        /// A fallback that gives the tick back after each child.
+        /// A fallback that returns RUNNING after each child.
         AsyncFallback = "AsyncFallback",
         /// A fallback that begins at its first child in every tick.
         ReactiveFallback = "ReactiveFallback",
@@ -27,49 +27,49 @@ named! {
         ParallelAll = "ParallelAll",
         /// A condition, then one of two children to its end.
         IfThenElse = "IfThenElse",
-        /// A condition in every tick, and one of two children beside it.
+        /// A condition in every tick, with one of two children.
         WhileDoElse = "WhileDoElse",
         /// Its children as a sequence, and the last one when that fails.
         TryCatch = "TryCatch",
-        /// One of 2 children by the value of an entry, or the last.
+        /// One of two children by the value of an entry, or the last.
         Switch2 = "Switch2",
-        /// One of 3 children by the value of an entry, or the last.
+        /// One of three children by the value of an entry, or the last.
         Switch3 = "Switch3",
-        /// One of 4 children by the value of an entry, or the last.
+        /// One of four children by the value of an entry, or the last.
         Switch4 = "Switch4",
-        /// One of 5 children by the value of an entry, or the last.
+        /// One of five children by the value of an entry, or the last.
         Switch5 = "Switch5",
-        /// One of 6 children by the value of an entry, or the last.
+        /// One of six children by the value of an entry, or the last.
         Switch6 = "Switch6",
         /// Success for failure, and failure for success.
         Inverter = "Inverter",
-        /// Its child again when it fails.
+        /// Ticks its child again when it fails.
         RetryUntilSuccessful = "RetryUntilSuccessful",
-        /// Its child again when it succeeds.
+        /// Ticks its child again when it succeeds.
         Repeat = "Repeat",
-        /// Its child for so long at most.
+        /// Halts its child after a time.
         Timeout = "Timeout",
-        /// Its child after so long.
+        /// Ticks its child after a time.
         Delay = "Delay",
-        /// Success, whatever its child comes to.
+        /// Success, whatever its child returns.
         ForceSuccess = "ForceSuccess",
-        /// Failure, whatever its child comes to.
+        /// Failure, whatever its child returns.
         ForceFailure = "ForceFailure",
-        /// Its child a single time.
+        /// Performs its child a single time.
         RunOnce = "RunOnce",
-        /// Its child again and again until it fails.
+        /// Ticks its child until it fails.
         KeepRunningUntilFailure = "KeepRunningUntilFailure",
-        /// Its child for each whole number of a queue.
+        /// Ticks its child for each whole number of a queue.
         LoopInt = "LoopInt",
-        /// Its child for each truth of a queue.
+        /// Ticks its child for each `true` or `false` of a queue.
         LoopBool = "LoopBool",
-        /// Its child for each number of a queue.
+        /// Ticks its child for each number of a queue.
         LoopDouble = "LoopDouble",
-        /// Its child for each text of a queue.
+        /// Ticks its child for each text of a queue.
         LoopString = "LoopString",
-        /// Its child when an entry was written, else SKIPPED.
+        /// Ticks its child when an entry was written, and is SKIPPED otherwise.
         SkipUnlessUpdated = "SkipUnlessUpdated",
-        /// Its child when an entry was written, else RUNNING.
+        /// Ticks its child when an entry was written, and is RUNNING otherwise.
         WaitValueUpdate = "WaitValueUpdate",
         /// Another tree, with a blackboard of its own.
         SubTree = "SubTree",
@@ -81,40 +81,40 @@ named! {
         SetBlackboard = "SetBlackboard",
         /// Empties an entry.
         UnsetBlackboard = "UnsetBlackboard",
-        /// RUNNING for so long.
+        /// RUNNING for a time, then SUCCESS.
         Sleep = "Sleep",
-        /// Carries out a script.
+        /// Executes a script.
         Script = "Script",
-        /// Asks a script.
+        /// Succeeds if a script is true.
         ScriptCondition = "ScriptCondition",
-        /// Whether an entry was written since it was asked last.
+        /// Succeeds if an entry was written since the last tick of this node.
         WasEntryUpdated = "WasEntryUpdated",
-        /// Its child if a script says so.
+        /// Ticks its child if a script is true.
         Precondition = "Precondition",
-        /// Waits until all parties of a barrier have come to it.
+        /// RUNNING until all parties of a barrier have arrived.
         Sync = "Sync",
     }
 }
 
 named! {
-    /// What a node is to its children.
+    /// The class of a node by its number of children.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum Family {
-        /// It has several.
+        /// Several children.
         Control = "Control",
-        /// It has one.
+        /// One child.
         Decorator = "Decorator",
-        /// It has none.
+        /// No children.
         Leaf = "Action",
     }
 }
 
-/// What may be written for a port of a built-in node.
+/// What may be written at a port of a built-in node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Written {
     /// A literal of this type, or an entry.
     Value(ValueType),
-    /// A literal alone, since it is looked at when the tree is built.
+    /// A literal only, since it is needed when the tree is built.
     Literal,
     /// The name of an entry.
     EntryName,
@@ -122,7 +122,6 @@ pub(crate) enum Written {
     Output(ValueType),
 }
 
-/// A port of a built-in node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct BuiltInPort {
     pub(crate) name: &'static str,
@@ -130,7 +129,6 @@ pub(crate) struct BuiltInPort {
     pub(crate) needed: Needed,
 }
 
-/// Whether a file must set a port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Needed {
     Yes,
@@ -150,7 +148,7 @@ const fn entry_name(name: &'static str) -> BuiltInPort {
     BuiltInPort { name, written: Written::EntryName, needed: Needed::Yes }
 }
 
-/// The ports of the loops: a text with `;` between the elements, or an entry that holds one.
+/// The ports of a loop. The queue is a text with `;` between the elements, or an entry that holds one.
 const fn queue(element: ValueType) -> [BuiltInPort; 3] {
     let value = BuiltInPort { name: "value", written: Written::Output(element), needed: Needed::No };
     [self::value("queue", ValueType::Text, Needed::Yes), literal("if_empty", Needed::Otherwise("SUCCESS")), value]
@@ -180,7 +178,7 @@ impl BuiltIn {
         BuiltIn::ALL.into_iter().find(|kind| kind.word() == word)
     }
 
-    /// What it is to its children.
+    /// Its class.
     #[must_use]
     pub const fn family(self) -> Family {
         use BuiltIn as B;
@@ -202,26 +200,26 @@ impl BuiltIn {
         }
     }
 
-    /// How many cases a switch has; 0 for what is none.
+    /// Number of cases of a switch; 0 for other kinds.
     pub(crate) const fn cases(self) -> usize {
         if !matches!(self, BuiltIn::Switch2 | BuiltIn::Switch3 | BuiltIn::Switch4 | BuiltIn::Switch5 | BuiltIn::Switch6) {
             return 0;
         }
-        // They stand one after the other.
+        // The switches stand one after the other in the enum.
         2 + self as usize - BuiltIn::Switch2 as usize
     }
 
-    /// What a loop takes from its queue.
+    /// The type of a loop's elements; `None` for other kinds.
     pub(crate) fn element(self) -> Option<ValueType> {
         LOOPS.into_iter().find(|(kind, _)| *kind == self).map(|(_, element)| element)
     }
 
-    /// It remembers which write of an entry it has seen.
+    /// Whether it remembers the last write of an entry that it has seen.
     pub(crate) const fn looks_at_writes(self) -> bool {
         matches!(self, BuiltIn::SkipUnlessUpdated | BuiltIn::WaitValueUpdate | BuiltIn::WasEntryUpdated)
     }
 
-    /// The least and the most children that it may have.
+    /// The least and the greatest number of children.
     pub(crate) const fn children(self) -> (usize, usize) {
         if self.cases() > 0 {
             return (self.cases() + 1, self.cases() + 1);

@@ -1,6 +1,5 @@
-//! Leaves: what a tree asks and does. Here stand what a leaf is called and what ports it has, the catalogue of those that a tree may
-//! name, and the trait of whoever performs them.
-//! What the leaves of the hall, of the Roomba and of the two manipulators do stands with them.
+//! Leaves: their names and ports, the catalogue of those that a tree may name, and the trait of whoever performs them.
+//! What a leaf does is defined by its performer.
 
 use std::borrow::Cow;
 use std::time::Duration;
@@ -17,11 +16,11 @@ named! {
     /// Whether a leaf reads a port, writes it, or both.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum Direction {
-        /// It reads it: a literal or an entry.
+        /// It reads a literal or an entry.
         In = "input_port",
-        /// It writes it: an entry.
+        /// It writes an entry.
         Out = "output_port",
-        /// It does both.
+        /// It reads and writes an entry.
         InOut = "inout_port",
     }
 }
@@ -33,9 +32,9 @@ pub struct Port {
     pub name: Cow<'static, str>,
     /// Whether it is read or written.
     pub direction: Direction,
-    /// What goes through it.
+    /// The type of its values.
     pub ty: ValueType,
-    /// What it is, as text, when a file says nothing.
+    /// The value, as text, when a file does not set it.
     pub default: Option<Cow<'static, str>>,
 }
 
@@ -52,7 +51,7 @@ impl Port {
         Port { name: Cow::Borrowed(name), direction: Direction::Out, ty, default: None }
     }
 
-    /// A port as a file declares it. An empty default is none, as in BehaviorTree.CPP.
+    /// A port as a file declares it. An empty default means none, as in BehaviorTree.CPP.
     #[must_use]
     pub fn of_model(port: &ModelPort) -> Port {
         let default = Model::note(&port.notes, "default").filter(|default| !default.is_empty());
@@ -64,7 +63,7 @@ impl Port {
         }
     }
 
-    /// The same, with a default.
+    /// Sets the default.
     #[must_use]
     pub fn or(self, default: &'static str) -> Port {
         Port { default: Some(Cow::Borrowed(default)), ..self }
@@ -76,54 +75,55 @@ impl Port {
 pub struct LeafKind {
     /// The name of its element, or the `ID` of its `<Action>` or `<Condition>`.
     pub name: Cow<'static, str>,
-    /// It asks and changes nothing: it is written as a `<Condition>`, and ought to be done at once.
+    /// Whether it only asks: it changes nothing, is written as a `<Condition>`, and should be done at once.
     pub is_condition: bool,
-    /// Its ports; a leaf names them by their places in this list.
+    /// Its ports; a leaf refers to them by their indices in this list.
     pub ports: Vec<Port>,
 }
 
 impl LeafKind {
-    /// One that does something.
+    /// A leaf that does something.
     #[must_use]
     pub const fn action(name: &'static str, ports: Vec<Port>) -> LeafKind {
         LeafKind { name: Cow::Borrowed(name), is_condition: false, ports }
     }
 
-    /// One that asks something.
+    /// A leaf that asks something.
     #[must_use]
     pub const fn condition(name: &'static str, ports: Vec<Port>) -> LeafKind {
         LeafKind { name: Cow::Borrowed(name), is_condition: true, ports }
     }
 }
 
-/// The leaves that a tree may name. A leaf is known to its performer by its place in this list.
+/// The leaves that a tree may name. Their performer refers to them by their indices in this list.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Catalogue {
     kinds: Vec<LeafKind>,
-    /// Control nodes and decorators that are declared and not performed, and subtrees.
+    /// Control nodes, decorators and subtrees that files declare, none of which is performed from here.
     declared: Vec<Model>,
 }
 
 impl Catalogue {
-    /// These leaves. Of two with one name the first counts.
+    /// A catalogue of these leaves. Of two with the same name the first counts.
     #[must_use]
     pub const fn new(kinds: Vec<LeafKind>) -> Catalogue {
         Catalogue { kinds, declared: Vec::new() }
     }
 
-    /// All of them.
+    /// All leaves.
     #[must_use]
     pub fn kinds(&self) -> &[LeafKind] {
         &self.kinds
     }
 
-    /// The place of the leaf of this name.
+    /// The index of the leaf of this name.
     #[must_use]
     pub fn place(&self, name: &str) -> Option<usize> {
         self.kinds.iter().position(|kind| kind.name == name)
     }
 
-    /// With what a file declares in its `<TreeNodesModel>`, unless the names are taken: that of the trees, or another.
+    /// Adds what a file declares in its `<TreeNodesModel>`, except for names in use. The file may be that of the trees,
+    /// or another.
     pub fn add_models(&mut self, document: &Document) {
         for model in document.models.iter().filter(|model| BuiltIn::named(&model.id).is_none()) {
             if matches!(model.form, Form::Action | Form::Condition) {
@@ -142,14 +142,14 @@ impl Catalogue {
         self.declared.iter().find(|model| model.id == name)
     }
 
-    /// With one more at the end, unless its name is taken.
+    /// Adds a leaf at the end, unless its name is in use.
     pub fn add(&mut self, kind: LeafKind) {
         if self.place(&kind.name).is_none() && self.declared(&kind.name).is_none() {
             self.kinds.push(kind);
         }
     }
 
-    /// With one more, or with the ports that the one of this name has not yet; for leaves that are known by their use alone.
+    /// Adds a leaf, or the missing ports to the one of this name; for leaves that are known by their use alone.
     pub(crate) fn add_or_widen(&mut self, kind: LeafKind) {
         let Some(place) = self.place(&kind.name) else { return self.kinds.push(kind) };
         let known = &mut self.kinds[place];
@@ -161,26 +161,25 @@ impl Catalogue {
     }
 }
 
-/// Whoever performs the leaves of a tree.
+/// Performs the leaves of a tree.
 pub trait Leaves {
-    /// Performs a leaf, or goes on with it: RUNNING, SUCCESS, FAILURE or SKIPPED. SKIPPED leaves it as it stands: one that ran still
-    /// does, and may be halted. IDLE ends the tick with an error.
+    /// Performs a leaf, or continues it, and returns RUNNING, SUCCESS, FAILURE or SKIPPED. SKIPPED does not change its
+    /// state: one that was running still is, and may be halted. IDLE ends the tick with an error.
     fn tick(&mut self, leaf: &mut Leaf<'_>) -> Status;
 
-    /// Ends a leaf that runs, and no other. It is IDLE afterwards.
+    /// Ends a leaf that is running; it is not called for others. The leaf is IDLE afterwards.
     fn halt(&mut self, leaf: &mut Leaf<'_>);
 }
 
-/// What a port of a node is bound to.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Binding {
-    /// Nothing: the file does not name it, and it has no default.
+    /// The file does not set it, and it has no default.
     Unset,
     Literal(Value),
     Slot(Slot),
 }
 
-/// A leaf while it is performed: which one it is, and its ports.
+/// A leaf while it is performed, with its ports.
 #[derive(Debug)]
 pub struct Leaf<'a> {
     pub(crate) kind: usize,
@@ -194,13 +193,13 @@ pub struct Leaf<'a> {
     pub(crate) misuse: Option<Misuse>,
 }
 
-/// What a leaf did with a port that cannot be done.
+/// A port was used in a way that is not possible.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Misuse {
     /// There is no such port.
     #[error("it has no port number {0}")]
     NoPort(usize),
-    /// The port is read only.
+    /// The port cannot be written.
     #[error("it writes its port {0}, which is one to be read")]
     ReadOnly(String),
     /// The value does not fit the entry.
@@ -208,19 +207,19 @@ pub enum Misuse {
     Unfit {
         /// The port.
         port: String,
-        /// Why.
+        /// What does not fit.
         unfit: Unfit,
     },
 }
 
 impl Leaf<'_> {
-    /// Its place in the catalogue.
+    /// Its index in the catalogue.
     #[must_use]
     pub const fn kind(&self) -> usize {
         self.kind
     }
 
-    /// Which node of the tree it is.
+    /// Its node in the tree.
     #[must_use]
     pub const fn node(&self) -> NodeId {
         self.node
@@ -232,7 +231,7 @@ impl Leaf<'_> {
         &self.label.name
     }
 
-    /// Where it is in the tree, as the graphical editor says it.
+    /// Its path in the tree, as the graphical editor shows it.
     #[must_use]
     pub fn path(&self) -> &str {
         &self.label.path
@@ -244,19 +243,20 @@ impl Leaf<'_> {
         &self.label.id
     }
 
-    /// It was not running before this tick.
+    /// Whether it was not running before this tick.
     #[must_use]
     pub const fn is_starting(&self) -> bool {
         self.is_starting
     }
 
-    /// How long it has been running: zero when it starts. Time in which the tree is not ticked does not count.
+    /// How long it has been running; zero when it starts. Time in which the tree is not ticked does not count.
     #[must_use]
     pub const fn elapsed(&self) -> Duration {
         self.elapsed
     }
 
-    /// What a port holds, by its place in the list of its kind. None if the file does not set it, or nothing was written there yet.
+    /// The value of a port, by its index in the list of its kind. `None` if the file does not set it, or nothing was
+    /// written there yet.
     #[must_use]
     pub fn read(&self, port: usize) -> Option<&Value> {
         match self.bindings.get(port)? {
@@ -266,44 +266,44 @@ impl Leaf<'_> {
         }
     }
 
-    /// The port of this name; for those who perform leaves that they do not know, as mocks do.
+    /// The index of the port of this name, for performers that do not know their leaves, such as mocks.
     #[must_use]
     pub fn port(&self, name: &str) -> Option<usize> {
         self.ports.iter().position(|port| port.name == name)
     }
 
-    /// What a port holds, as a text.
+    /// The value of a port as a text.
     #[must_use]
     pub fn text(&self, port: usize) -> Option<&str> {
         self.read(port)?.as_text()
     }
 
-    /// What a port holds, as a whole number.
+    /// The value of a port as a whole number.
     #[must_use]
     pub fn int(&self, port: usize) -> Option<i64> {
         self.read(port)?.as_int()
     }
 
-    /// What a port holds, as a number.
+    /// The value of a port as a number.
     #[must_use]
     pub fn number(&self, port: usize) -> Option<f64> {
         self.read(port)?.as_number()
     }
 
-    /// What a port holds, as a truth.
+    /// The value of a port as `true` or `false`.
     #[must_use]
     pub fn truth(&self, port: usize) -> Option<bool> {
         self.read(port)?.as_bool()
     }
 
-    /// What a port holds, as a cell.
+    /// The value of a port as a cell.
     #[must_use]
     pub fn cell(&self, port: usize) -> Option<Cell> {
         self.read(port)?.as_cell()
     }
 
-    /// Writes an entry by a port. A port that the file does not set is written to nobody. What does not fit ends the tick with an
-    /// error.
+    /// Writes an entry by a port. Nothing is written if the file does not set the port. A value that does not fit ends
+    /// the tick with an error.
     pub fn write(&mut self, port: usize, value: Value) {
         if let Err(misuse) = self.try_write(port, value) {
             self.misuse.get_or_insert(misuse);

@@ -1,5 +1,6 @@
-//! Behaviour trees: the engine, by the rules of BehaviorTree.CPP 4, whose files it reads and writes. START HERE.
-//! What the leaves of a tree do is not here: whoever performs them is a `Leaves`. The rules of every node stand beside the code that performs it.
+//! Behaviour trees: an engine by the rules of BehaviorTree.CPP 4, whose files it reads and writes. START HERE. What
+//! leaves do is not here: whoever performs them is a `Leaves`. The rules of every node stand beside the code that
+//! performs it.
 //!
 //! ```text
 //!   file ─ xml::read ─► Document ─ Tree::build ─► Tree ─ tick(blackboard, leaves, time) ─► Status
@@ -7,9 +8,18 @@
 //!            └ xml::write ─┘         looked up)     │  └── resume ◄── state
 //!                                                   └► nodes(), log::TickLog
 //! ```
-//! `findings`: all that is wrong with a file. `status`, `value`: what nodes say and ports hold. `blackboard`: the entries. `leaf`: the catalogue of leaves and who performs them.
-//! `kind`: the engine's own nodes. `build`: names, ports and scopes. `tree`: the row of nodes. `tick`: the rules. `script`: the
-//! language of conditions. `state`: going on after a restart. `log`: what each tick changed. `mock`: leaves by script.
+//! * `findings`: all faults of a file.
+//! * `status`, `value`: what nodes return and ports hold.
+//! * `blackboard`: the entries.
+//! * `leaf`: the catalogue of leaves and who performs them.
+//! * `kind`: the engine's own nodes.
+//! * `build`: names, ports and scopes.
+//! * `tree`: the nodes in one row.
+//! * `tick`: the rules.
+//! * `script`: the language of conditions.
+//! * `state`: going on after a restart.
+//! * `log`: what each tick changed.
+//! * `mock`: leaves by script.
 
 #![warn(missing_docs)]
 
@@ -22,10 +32,10 @@ macro_rules! named {
         }
 
         impl $name {
-            /// All of them, in the order in which they are listed.
+            /// All variants, in their order.
             $vis const ALL: [$name; [$($word),*].len()] = [$($name::$variant),*];
 
-            /// The fixed word for it.
+            /// Its fixed word.
             #[must_use]
             $vis const fn word(self) -> &'static str {
                 match self {
@@ -66,12 +76,12 @@ pub use self::tick::Fault;
 pub use self::tree::{NodeId, NodeView, Tree};
 pub use self::value::{Cell, Value, ValueType};
 
-/// FNV-1a over the bytes of a text: what was kept with it is known again by another version of the program.
+/// FNV-1a over the bytes of a text. It is stored, so it has to be the same in every version of the program.
 fn fnv1a(text: &str) -> u64 {
     text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
-/// The example of the README is a test.
+/// Compiles the example in the README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -1,5 +1,5 @@
-//! The log of a tree's ticks: of each tick only what changed, enough to show how every node stood and what every entry held then.
-//! How it is written down or shown is the business of others.
+//! The log of a tree's ticks: only the changes of each tick, which is enough to show the state of every node and entry
+//! at that time. How it is stored or shown is decided by others.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -10,29 +10,30 @@ use super::status::Status;
 use super::tree::{NodeId, NodeView, Tree};
 use super::value::Value;
 
-/// The most changes that a log holds: an hour of a tree in which ten nodes change in each of ten ticks a second. What is older is
-/// summed up in how things stood before the oldest tick that is left.
+/// Most changes in a log: an hour of a tree in which ten nodes change in each of ten ticks a second. Older changes are
+/// merged into the state before the oldest remaining tick.
 pub const MOST_CHANGES: usize = 360_000;
 
-/// How a node stands after a tick.
+/// The state of a node after a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NodeState {
-    /// Its status once the tick is over.
+    /// Its status after the tick.
     pub after: Status,
-    /// What it said in the tick, if it was ticked in it.
+    /// What it returned in the tick, if it was ticked.
     pub returned: Option<Status>,
 }
 
-/// What one tick changed.
+/// The changes of one tick.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TickRecord {
     /// The number of the tick, counted from 1.
     pub tick: u64,
-    /// When it was, by the clock of whoever keeps the log: a tree's own time stands still while nobody ticks it.
+    /// Its time on the clock of whoever keeps the log: a tree's own time stands still while nobody ticks it.
     pub at: Duration,
-    /// The nodes that stand otherwise than in the record before.
+    /// Nodes whose state differs from that in the record before.
     pub nodes: Vec<(NodeId, NodeState)>,
-    /// The entries that hold something else than in the record before, by whomever they were written; `None` holds nothing any more.
+    /// Entries whose value differs from that in the record before, whoever wrote them; `None`: the entry has no value
+    /// any more.
     pub entries: Vec<(Arc<str>, Option<Value>)>,
 }
 
@@ -43,16 +44,16 @@ impl TickRecord {
     }
 }
 
-/// Everything that is known of one tick.
+/// The whole state after one tick.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Moment {
-    /// How each node stands, by its number.
+    /// The state of each node, by its number.
     pub nodes: Vec<NodeState>,
-    /// What each entry holds.
+    /// The value of each entry.
     pub entries: BTreeMap<Arc<str>, Value>,
 }
 
-/// Nodes and entries that are otherwise than before.
+/// Nodes and entries that differ from an earlier moment.
 type Changes = (Vec<(NodeId, NodeState)>, Vec<(Arc<str>, Option<Value>)>);
 
 impl Moment {
@@ -62,7 +63,7 @@ impl Moment {
         Moment { nodes: tree.nodes().map(standing).collect(), entries: held.collect() }
     }
 
-    /// The nodes and the entries that are otherwise in another moment of the same tree.
+    /// The nodes and the entries that differ in another moment of the same tree.
     fn changes(&self, other: &Moment) -> Changes {
         let before = self.nodes.iter().copied().chain(std::iter::repeat(NodeState::default()));
         let nodes = (0..).map(NodeId).zip(other.nodes.iter().copied()).zip(before);
@@ -95,9 +96,9 @@ impl Moment {
 pub struct TickLog {
     most: usize,
     changes: usize,
-    /// Before the first record that is left.
+    /// The state before the oldest record.
     before: Moment,
-    /// After the last record.
+    /// The state after the last record.
     last: Moment,
     records: VecDeque<TickRecord>,
 }
@@ -109,14 +110,15 @@ impl Default for TickLog {
 }
 
 impl TickLog {
-    /// A log that holds at most so many changes.
+    /// A log that holds at most this many changes.
     #[must_use]
     pub fn new(most: usize) -> TickLog {
         TickLog { most, changes: 0, before: Moment::default(), last: Moment::default(), records: VecDeque::new() }
     }
 
-    /// Notes what the last tick of the tree, at this time, has changed; nothing when that tick was noted before. To be called after each
-    /// tick, also after one that ended with a fault; of a tree that is gone on with from its written state it notes what has changed since.
+    /// Records what the last tick of the tree changed, with the time of that tick; nothing when it is on record
+    /// already. Call it after each tick, even one that ended with a fault. For a tree that was resumed from its state,
+    /// it records the changes since then.
     pub fn note(&mut self, tree: &Tree, blackboard: &Blackboard, at: Duration) {
         if self.records.back().map_or(0, |last| last.tick) == tree.ticks() {
             return;
@@ -139,12 +141,12 @@ impl TickLog {
         }
     }
 
-    /// The ticks that are left, the oldest first.
+    /// The remaining ticks, the oldest first.
     pub fn records(&self) -> impl Iterator<Item = &TickRecord> {
         self.records.iter()
     }
 
-    /// How everything stood after this tick; None for one that is not in the log (any more).
+    /// The state after this tick; `None` for one that is not in the log any more, or never was.
     #[must_use]
     pub fn moment(&self, tick: u64) -> Option<Moment> {
         let first = self.records.front()?.tick;
@@ -168,7 +170,7 @@ mod tests {
     const FILE: &str = r#"<root BTCPP_format="4"><BehaviorTree ID="T"><Repeat num_cycles="-1"><Sequence>
         <Script code="n := 1; n += 1"/><Work/><AlwaysFailure _skipIf="n == 2"/></Sequence></Repeat></BehaviorTree></root>"#;
 
-    /// A log with room for `most` changes, and what really stood after each of 30 ticks.
+    /// A log with room for `most` changes, and the real state after each of 30 ticks.
     fn logged(most: usize) -> (TickLog, Vec<Moment>) {
         let document = xml::read(FILE).expect("it is a good file");
         let mut mocks = Mocks::default();

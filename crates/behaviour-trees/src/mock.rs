@@ -1,4 +1,4 @@
-//! Leaves that say what they were told to say: for tests of trees.
+//! Leaves that return scripted statuses, for tests of trees.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -13,7 +13,8 @@ use super::value::{Value, ValueType};
 /// The name of the mock for every leaf that has none of its own.
 const ALL_OTHERS: &str = "*";
 
-/// Leaves by script. One is found by the path of its node, else by its name, else by the name of its kind, else it is `*`.
+/// Scripted leaves. The mock of a leaf is found by the path of its node, else by its name, else by the name of its
+/// kind, else it is `*`.
 #[derive(Clone, Debug, Default)]
 pub struct Mocks {
     mocks: BTreeMap<String, Mock>,
@@ -24,13 +25,13 @@ pub struct Mocks {
 
 #[derive(Clone, Debug, Default)]
 struct Mock {
-    /// What it says, and in how many ticks.
+    /// What it returns, and in how many ticks.
     says: Vec<(Status, u64)>,
-    /// What it writes in each tick that it ends, by the names of its ports.
+    /// What it writes whenever it succeeds, by the names of its ports.
     writes: Vec<(String, String)>,
 }
 
-/// Why a text is no mock.
+/// Why a text describes no mock.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MockError {
     /// There is no `=`.
@@ -42,10 +43,10 @@ pub enum MockError {
 }
 
 impl Mocks {
-    /// Adds `NAME=STATUS,STATUS*3,…`: what successive ticks of such a leaf say; the last one stays.
+    /// Adds `NAME=STATUS,STATUS*3,…`: what successive ticks of such a leaf return; the last status is repeated.
     ///
     /// # Errors
-    /// If it is written otherwise.
+    /// If the text has another form.
     pub fn add(&mut self, text: &str) -> Result<(), MockError> {
         let named = text.rsplit_once('=').filter(|(name, _)| !name.is_empty());
         let (name, list) = named.ok_or_else(|| MockError::NoName(text.to_owned()))?;
@@ -54,18 +55,18 @@ impl Mocks {
         Ok(())
     }
 
-    /// Whenever such a leaf succeeds, it writes this text to this port.
+    /// Makes such a leaf write this text to this port whenever it succeeds.
     pub fn write(&mut self, name: &str, port: &str, text: &str) {
         self.mocks.entry(name.to_owned()).or_default().writes.push((port.to_owned(), text.to_owned()));
     }
 
-    /// The nodes that were halted since this was asked last, in their order.
+    /// The nodes that were halted since the last call, in their order.
     pub fn take_halted(&mut self) -> Vec<NodeId> {
         std::mem::take(&mut self.halted)
     }
 
-    /// A catalogue with the leaves of another, those that the document declares, and those that it names and a mock stands for: of
-    /// these every attribute is a port.
+    /// A catalogue with the leaves of another, those that the document declares, and those that it names and a mock
+    /// stands for. All attributes of the last are ports.
     #[must_use]
     pub fn catalogue(&self, document: &Document, mut known: Catalogue) -> Catalogue {
         known.add_models(document);
@@ -97,7 +98,7 @@ impl Mocks {
         element.children.iter().for_each(|child| self.add_leaves(child, known));
     }
 
-    /// A name with `/` or `::` may be a path, which is known when the tree is built.
+    /// A name with `/` or `::` may be a path, which is not known before the tree is built.
     fn stands_for(&self, element: &Element) -> bool {
         let name = element.name.as_deref().unwrap_or(&element.id);
         let is_path = |key: &String| key.rsplit('/').next().is_some_and(|last| last.split("::").next() == Some(name));
@@ -107,13 +108,12 @@ impl Mocks {
         })
     }
 
-    /// The mock for a leaf of this path, name and kind.
     fn of(&self, keys: [&str; 3]) -> Option<&Mock> {
         keys.into_iter().chain([ALL_OTHERS]).filter_map(|key| self.mocks.get(key)).find(|mock| !mock.says.is_empty())
     }
 }
 
-/// All leaves of a file for which a mock can stand, those of trees that do not run included.
+/// All leaves of a file for which a mock can stand, including those of trees that do not run.
 #[must_use]
 pub fn leaves(document: &Document) -> Vec<&Element> {
     fn add<'d>(element: &'d Element, leaves: &mut Vec<&'d Element>) {
@@ -125,13 +125,13 @@ pub fn leaves(document: &Document) -> Vec<&Element> {
     leaves
 }
 
-/// An element without children that is none of the engine's.
+/// Whether an element has no children and is none of the engine's.
 fn is_leaf(element: &Element) -> bool {
     let may_be = matches!(element.form, Form::Compact | Form::Action | Form::Condition);
     may_be && element.children.is_empty() && BuiltIn::named(&element.id).is_none()
 }
 
-/// `STATUS` or `STATUS*3`.
+/// Parses `STATUS` or `STATUS*3`.
 fn said(text: &str) -> Result<(Status, u64), MockError> {
     let no_status = || MockError::NoStatus(text.to_owned());
     let (word, times) = text.trim().split_once('*').unwrap_or((text.trim(), "1"));

@@ -1,6 +1,6 @@
-//! What a tree needs to go on after a restart, as a line of text: how each node stands, and the tree's own time.
-//! What the entries of the blackboard hold is kept beside it (`Blackboard::entries`, `Blackboard::restore`), and what leaves know of
-//! their work by whoever performs them.
+//! The state that a tree needs to go on after a restart, as a line of text: the state of each node, and the tree's own
+//! time. The values of the blackboard are stored separately (`Blackboard::entries`, `Blackboard::restore`), and the
+//! progress of leaves by whoever performs them.
 
 use std::fmt;
 
@@ -8,51 +8,52 @@ use super::status::Status;
 use super::tick::children;
 use super::tree::{Kind, Live, Tree};
 
-/// The version of the line.
+/// The version of the line's format.
 const VERSION: &str = "1";
 
-/// How a tree stands between two ticks.
+/// The state of a tree between two ticks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TreeState {
-    /// What the tree is: a state of another is refused.
+    /// Identifies the tree: the state of another is refused.
     fingerprint: u64,
     clock: u64,
     ticks: u64,
     nodes: Vec<Live>,
 }
 
-/// Why a tree cannot go on from a state.
+/// Why a tree cannot resume a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StateError {
-    /// The text is none that a state is written as.
+    /// The text is not a written state.
     #[error("this is no state of a tree")]
     Unreadable,
-    /// It is that of another tree.
+    /// It is the state of another tree.
     #[error("this is the state of another tree, or of this one before it was changed")]
     OtherTree,
-    /// A node cannot stand like this.
+    /// The node of this number cannot have this state.
     #[error("node {0} of the tree cannot stand as this state says")]
     Impossible(u32),
 }
 
 impl Tree {
-    /// How the tree stands now.
+    /// The state of the tree now.
     #[must_use]
     pub fn state(&self) -> TreeState {
         TreeState { fingerprint: self.fingerprint, clock: self.clock, ticks: self.ticks, nodes: self.live.clone() }
     }
 
-    /// Goes on from a state: the next tick is as if there had been no restart, but that `WasEntryUpdated` and its kin take what their
-    /// entries hold for new. Leaves that were running are ticked as such, without being started.
+    /// Resumes a state: the next tick is as if there had been no restart, except that `WasEntryUpdated` and its kin
+    /// take the values of their entries for new. Leaves that were running are ticked as running ones, without being
+    /// started.
     ///
     /// # Errors
-    /// If it is the state of another tree; then this one stands as before.
+    /// If it is the state of another tree; then this one is unchanged.
     pub fn resume(&mut self, state: TreeState) -> Result<(), StateError> {
         if state.fingerprint != self.fingerprint || state.nodes.len() != self.live.len() {
             return Err(StateError::OtherTree);
         }
         for (at, (live, node)) in state.nodes.iter().zip(&self.shape.nodes).enumerate() {
-            // A cursor is where the next tick goes; anything else would lead it out of the tree.
+            // A cursor leads the next tick, and any other value would lead it out of the tree.
             let cursor = live.cursor as usize;
             if cursor != 0 && !children(&self.shape, at, node).any(|child| child == cursor) {
                 return Err(StateError::Impossible(u32::try_from(at).unwrap_or(u32::MAX)));
@@ -65,7 +66,7 @@ impl Tree {
             if let Kind::BuiltIn(kind) = node.kind
                 && kind.looks_at_writes()
             {
-                // Writes are counted anew on the blackboard of another run.
+                // Another run counts the writes on its blackboard from the start.
                 live.since = 0;
             }
         }
@@ -74,7 +75,7 @@ impl Tree {
 }
 
 impl TreeState {
-    /// Whether both are of one tree and go on alike, time and counted attempts aside.
+    /// Whether both states are of one tree and go on alike, apart from time and counted attempts.
     #[must_use]
     pub fn stands_as(&self, other: &TreeState) -> bool {
         let standing = |live: &Live| (live.status, live.cursor, live.is_counted, live.has_begun, live.is_spent, live.failures);
@@ -83,7 +84,8 @@ impl TreeState {
 }
 
 impl fmt::Display for TreeState {
-    /// `1 fingerprint clock ticks`, and for each node that was ever ticked `node:status,returned,flags,cursor,count,failures,since,ticked`.
+    /// Written as `1 fingerprint clock ticks`, and for each node that was ever ticked
+    /// `node:status,returned,flags,cursor,count,failures,since,ticked`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{VERSION} {:016x} {} {} {}", self.fingerprint, self.clock, self.ticks, self.nodes.len())?;
         for (at, live) in self.nodes.iter().enumerate().filter(|(_, live)| **live != Live::default()) {

@@ -1,5 +1,4 @@
-//! What a node of a tree says when it is ticked.
-//! Which status follows from those of the children stands in `tick`.
+//! What a node of a tree returns when it is ticked. Which status follows from those of the children stands in `tick`.
 
 named! {
     /// The statuses of BehaviorTree.CPP 4, with its words.
@@ -8,25 +7,25 @@ named! {
         /// Not begun, or halted, or reset by its parent. No tick ever returns it.
         #[default]
         Idle = "IDLE",
-        /// Not done yet: it wants to be ticked again.
+        /// Not done yet: it has to be ticked again.
         Running = "RUNNING",
-        /// Done, and well.
+        /// Done, with success.
         Success = "SUCCESS",
-        /// Done, and not well.
+        /// Done, with a failure.
         Failure = "FAILURE",
-        /// Not done, since a condition said so; a parent goes on as if it were not there.
+        /// Not done because of a condition; its parent goes on as if the node did not exist.
         Skipped = "SKIPPED",
     }
 }
 
 impl Status {
-    /// The status of this word.
+    /// The status with this word.
     #[must_use]
     pub fn named(word: &str) -> Option<Status> {
         Status::ALL.into_iter().find(|status| status.word() == word)
     }
 
-    /// SUCCESS or FAILURE.
+    /// Whether it is SUCCESS or FAILURE.
     #[must_use]
     pub const fn is_completed(self) -> bool {
         matches!(self, Status::Success | Status::Failure)

@@ -1,5 +1,5 @@
-//! A tree that can be ticked: its nodes in one row, and how each of them stands.
-//! How it comes from a document stands in `build`, what a tick does in `tick`.
+//! A tree that can be ticked: its nodes in one row, and the state of each of them. How it comes from a document stands
+//! in `build`, what a tick does in `tick`.
 //!
 //! ```text
 //!   Sequence ──┬─ Fallback ─┬─ NearObj            nodes:   0 Sequence  1 Fallback  2 NearObj  3 ApproachObject  4 Sync
@@ -19,31 +19,32 @@ use super::script::Script;
 use super::status::Status;
 use super::tick::{Fault, Run};
 
-/// The most nodes of a tree, those of its subtrees included: trees that people draw have some hundreds, and a few subtrees that use
-/// each other twice would otherwise fill the memory.
+/// Most nodes of a tree, including those of its subtrees: trees that people draw have some hundreds, and a few subtrees
+/// that use each other twice would otherwise fill the memory.
 pub const MOST_NODES: usize = 10_000;
 
-/// The most bytes of attributes in a tree, those of its subtrees counted at each use: a file may have its longest scripts in a subtree
-/// that is used a thousand times, and each use is built.
+/// Most bytes of attributes in a tree, with those of its subtrees counted at each use: a file may have its longest
+/// scripts in a subtree that is used a thousand times, and each use is built.
 pub const MOST_TEXT: usize = 2 << 20;
 
-/// How deep a tree may be, subtrees included: a tick goes down by calls, and the stack of a thread must hold them all.
+/// Greatest depth of a tree, subtrees included: a tick descends by recursive calls, and the stack of a thread must hold
+/// them all.
 pub const DEEPEST: usize = 128;
 
-/// Which node of a tree: its place in preorder, from 0. The graphical editor's UID is one more.
+/// A node of a tree: its index in preorder, from 0. The graphical editor's UID is one more.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct NodeId(pub u32);
 
-/// What a node does: one of the engine's, or the leaf at this place of the catalogue.
+/// What a node does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// One of the engine's.
+    /// One of the engine's kinds.
     BuiltIn(BuiltIn),
-    /// A leaf of the catalogue.
+    /// The leaf at this index of the catalogue.
     Leaf(usize),
 }
 
-/// What a node is called.
+/// The names of a node, with its place in the file and in the tree.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label {
     pub(crate) name: Arc<str>,
@@ -53,20 +54,20 @@ pub struct Label {
     pub(crate) depth: u16,
 }
 
-/// A node of the row: what never changes while the tree runs.
+/// The part of a node that never changes while the tree runs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node {
     pub(crate) kind: Kind,
     pub(crate) family: Family,
-    /// Where its subtree ends.
+    /// The index behind the last node of its subtree.
     pub(crate) end: u32,
     pub(crate) ports: u32,
     pub(crate) port_count: u16,
-    /// The place of its scripts in `Shape::conditions`.
+    /// The index of its scripts in `Shape::conditions`.
     pub(crate) conditions: Option<u32>,
 }
 
-/// The scripts round a node, by when they are asked.
+/// The scripts round a node, by the time of their evaluation.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Conditions {
     pub(crate) failure_if: Option<Script>,
@@ -79,7 +80,7 @@ pub(crate) struct Conditions {
     pub(crate) post: Option<Script>,
 }
 
-/// Everything of a tree that does not change.
+/// Everything about a tree that does not change.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Shape {
     pub(crate) nodes: Vec<Node>,
@@ -88,54 +89,55 @@ pub(crate) struct Shape {
     pub(crate) conditions: Vec<Conditions>,
     /// The scripts of `Script`, `ScriptCondition` and `Precondition`, by node.
     pub(crate) scripts: Vec<(u32, Script)>,
-    /// What `Precondition` and the loops say when they do not tick their child, by node.
+    /// What `Precondition` and the loops return when they do not tick their child, by node.
     pub(crate) otherwise: Vec<(u32, Status)>,
     pub(crate) leaf_kinds: Vec<LeafKind>,
 }
 
-/// How a node stands.
+/// The state of a node.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Live {
     pub(crate) status: Status,
-    /// What it said when it was ticked last.
+    /// What it returned when it was last ticked.
     pub(crate) returned: Status,
-    /// A parallel parent has its result.
+    /// Whether a parallel parent has its result.
     pub(crate) is_counted: bool,
-    /// What a node remembers: that its time runs, that it has run, that its condition held, that it is at the last child.
+    /// What a node remembers: that its time runs, that it has run, that its condition held, or that it is at the last
+    /// child.
     pub(crate) has_begun: bool,
-    /// The timer of a Timeout has run out while its child was not running.
+    /// Whether the timer of a Timeout has run out while its child was not running.
     pub(crate) is_spent: bool,
-    /// The child to go on with, by its place in the row; 0 is the first.
+    /// The child to go on with, by its index in the row; 0 is the first.
     pub(crate) cursor: u32,
-    /// Skipped children, successes, attempts, or elements.
+    /// Number of skipped children, successes, attempts, or elements.
     pub(crate) count: u32,
     pub(crate) failures: u32,
-    /// The tree's time when it began, in nanoseconds; or the number of the write that it has seen.
+    /// The tree's time when it began, in nanoseconds; or the number of the last write that it has seen.
     pub(crate) since: u64,
-    /// The number of the tick in which it was ticked last.
+    /// The number of the tick in which it was last ticked.
     pub(crate) ticked: u64,
 }
 
-/// A tree that can be ticked, on the blackboard that it was built on.
+/// A tree that can be ticked, on the blackboard on which it was built.
 #[derive(Clone, Debug)]
 pub struct Tree {
     pub(crate) id: Arc<str>,
     pub(crate) shape: Shape,
     pub(crate) live: Vec<Live>,
-    /// The time that this tree has been ticked for, in nanoseconds.
+    /// Total time of this tree's ticks, in nanoseconds.
     pub(crate) clock: u64,
     pub(crate) ticks: u64,
-    /// What tells it from another tree: see `state`.
+    /// Distinguishes it from other trees: see `state`.
     pub(crate) fingerprint: u64,
 }
 
-/// A node as it is after a tick.
+/// A node in its state after a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodeView<'a> {
-    /// Which one.
+    /// Its number.
     pub node: NodeId,
-    /// Where it is, as BehaviorTree.CPP says it (`fullPath`): names of subtrees, and its own, joined with `/`; with `::` and its UID
-    /// where it has no name of its own. No two nodes have the same.
+    /// Its path, as BehaviorTree.CPP makes it (`fullPath`): names of subtrees, and its own, joined with `/`; with `::`
+    /// and its UID where it has no name of its own. No two nodes have the same.
     pub path: &'a str,
     /// Its name, or that of its kind.
     pub name: &'a str,
@@ -143,20 +145,20 @@ pub struct NodeView<'a> {
     pub id: &'a str,
     /// What it does.
     pub kind: Kind,
-    /// What it is to its children; leaves of the catalogue are leaves.
+    /// Its class by its number of children.
     pub family: Family,
     /// How far below the root it is.
     pub depth: usize,
-    /// Where it stands in its file.
+    /// Its place in its file.
     pub place: Place,
-    /// How it stands once the tick is over: IDLE where its parent has reset it.
+    /// Its status after the tick: IDLE where its parent has reset it.
     pub after: Status,
-    /// What it said in the last tick, if it was ticked in it.
+    /// What it returned in the last tick, if it was ticked.
     pub returned: Option<Status>,
 }
 
 impl NodeView<'_> {
-    /// What it said in the last tick if it was ticked in it, else how it stands.
+    /// What it returned in the last tick if it was ticked, else its status.
     #[must_use]
     pub fn status(&self) -> Status {
         self.returned.unwrap_or(self.after)
@@ -170,12 +172,13 @@ impl Tree {
         &self.id
     }
 
-    /// Ticks the tree once. `since_last` is the time since the last tick: Timeout, Delay, Sleep and `Leaf::elapsed` count this time,
-    /// so that whoever does not tick a tree stops its time. After SUCCESS or FAILURE the next tick begins anew.
+    /// Ticks the tree once. `since_last` is the time since the last tick: Timeout, Delay, Sleep and `Leaf::elapsed`
+    /// count this time, so that it stands still while the tree is not ticked. After SUCCESS or FAILURE the next tick
+    /// begins a new run.
     ///
     /// # Errors
-    /// If a node cannot be performed: a script that divides by zero, an entry that holds nothing where a number is needed. Then the
-    /// whole tree has been halted.
+    /// If a node cannot be performed: a script that divides by zero, an entry without a value where a number is needed.
+    /// Then the whole tree has been halted.
     pub fn tick<L: Leaves>(
         &mut self,
         blackboard: &mut Blackboard,
@@ -212,7 +215,7 @@ impl Tree {
         Run { shape: &self.shape, live: &mut self.live, blackboard, leaves, clock: self.clock, number: self.ticks, fault: None }
     }
 
-    /// All nodes in preorder, as they are after the last tick.
+    /// All nodes in preorder, in their state after the last tick.
     pub fn nodes(&self) -> impl Iterator<Item = NodeView<'_>> {
         let rows = self.shape.nodes.iter().zip(&self.shape.labels).zip(&self.live);
         rows.zip(0..).map(|(((node, label), live), number)| NodeView {
@@ -229,7 +232,7 @@ impl Tree {
         })
     }
 
-    /// How the root stands: RUNNING between the ticks of a run, else IDLE.
+    /// The status of the root: RUNNING between the ticks of a run, else IDLE.
     #[must_use]
     pub fn status(&self) -> Status {
         self.live[0].status
@@ -241,14 +244,14 @@ impl Tree {
         self.ticks
     }
 
-    /// The tree's own time: what its ticks were told, added up.
+    /// The tree's own time: the sum of what its ticks were told.
     #[must_use]
     pub const fn clock(&self) -> Duration {
         Duration::from_nanos(self.clock)
     }
 }
 
-/// 584 years at most.
+/// Saturates after 584 years.
 pub(crate) fn nanoseconds(time: Duration) -> u64 {
     u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
 }
@@ -261,7 +264,7 @@ mod tests {
     use crate::value::{Value, ValueType};
     use crate::xml;
 
-    /// Drives to the goal in three ticks, and says there where it is.
+    /// Drives to the goal in three ticks, and writes its cell there.
     #[derive(Default)]
     struct Driver {
         halted: Vec<String>,

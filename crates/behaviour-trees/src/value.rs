@@ -1,5 +1,5 @@
-//! What ports and blackboard entries hold, the types of it, and how it is written in a file.
-//! Who may write what where stands in `blackboard`.
+//! Values of ports and blackboard entries, their types, and their form in a file. Who may write what where stands in
+//! `blackboard`.
 
 use std::fmt;
 use std::sync::Arc;
@@ -13,10 +13,10 @@ pub struct Cell {
     pub y: i32,
 }
 
-/// The longest text that an entry may hold, in bytes: more than any name or sentence, and a script that doubles a text ends there.
+/// Longest text of an entry, in bytes: more than any name or sentence, and the end of a script that doubles a text.
 pub const LONGEST_TEXT: usize = 64 * 1024;
 
-/// What a port or an entry of the blackboard holds.
+/// The value of a port or an entry of the blackboard.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     /// `true` or `false`.
@@ -35,7 +35,7 @@ named! {
     /// The type of a port or an entry.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum ValueType {
-        /// Whatever is put there.
+        /// Any of the other types.
         #[default]
         Any = "any",
         /// `true` or `false`.
@@ -52,8 +52,8 @@ named! {
 }
 
 impl ValueType {
-    /// What a type in the model of a leaf (`type="std::string"`) means here: the names of C++ that the graphical editor writes, and
-    /// our own words. A type that nobody here knows is `Any`.
+    /// The type that a model of a leaf names (`type="std::string"`): names of C++ that the graphical editor writes, and
+    /// our own words. An unknown name means `Any`.
     #[must_use]
     pub fn of_model(name: &str) -> ValueType {
         match name {
@@ -76,7 +76,7 @@ impl Value {
         Value::Text(Arc::from(text))
     }
 
-    /// The type of it; never `Any`.
+    /// Its type; never `Any`.
     #[must_use]
     pub const fn value_type(&self) -> ValueType {
         match self {
@@ -88,7 +88,7 @@ impl Value {
         }
     }
 
-    /// What `text` means as a value of this type; where any will do it is a text.
+    /// Reads `text` as a value of this type; as `Any`, it stays a text.
     #[must_use]
     pub fn parse(text: &str, ty: ValueType) -> Option<Value> {
         match ty {
@@ -107,8 +107,8 @@ impl Value {
         }
     }
 
-    /// The same as a value of this type, where nothing is lost by it: texts are read, whole numbers are numbers and the other way
-    /// round.
+    /// The same as a value of this type, where nothing is lost by it: texts are read, and whole numbers become numbers
+    /// and the other way round.
     #[must_use]
     pub fn converted(&self, ty: ValueType) -> Option<Value> {
         if ty == ValueType::Any || self.value_type() == ty {
@@ -124,7 +124,7 @@ impl Value {
         }
     }
 
-    /// As a truth: a number is true unless it is 0.
+    /// As `true` or `false`: a number is true unless it is 0.
     #[must_use]
     pub fn as_bool(&self) -> Option<bool> {
         match self {
@@ -173,7 +173,7 @@ impl Value {
         }
     }
 
-    /// As a cell, read from a text if need be.
+    /// As a cell, which may be read from a text.
     #[must_use]
     pub fn as_cell(&self) -> Option<Cell> {
         match self {
@@ -187,12 +187,12 @@ impl Value {
     }
 }
 
-/// A number that is one: neither infinite nor undefined.
+/// `None` if the number is infinite or undefined.
 pub(crate) fn finite(number: f64) -> Option<Value> {
     number.is_finite().then_some(Value::Number(number))
 }
 
-/// 2⁵³: up to here a double holds every whole number.
+/// 2⁵³: up to here a double represents every whole number.
 const EXACT: f64 = 9_007_199_254_740_992.0;
 
 #[expect(clippy::cast_possible_truncation, reason = "looked at before: whole, and within what a double holds exactly")]
@@ -201,7 +201,7 @@ pub(crate) fn whole(number: f64) -> Option<i64> {
 }
 
 impl fmt::Display for Value {
-    /// As it is written in a file.
+    /// The form that it has in a file.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Value::Bool(truth) => write!(f, "{truth}"),

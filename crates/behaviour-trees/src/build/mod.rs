@@ -1,5 +1,5 @@
-//! From a document to a tree that can be ticked: every name is looked up here, and everything that is wrong in a file is refused here
-//! or in `xml`. Where entries of subtrees are stands in `scope`, what is bound to ports in `ports`.
+//! From a document to a tree that can be ticked. Every name is looked up here, and every fault of a file is found here
+//! or in `xml`. The entries of subtrees stand in `scope`, the bindings of ports in `ports`.
 
 mod ports;
 mod scope;
@@ -17,16 +17,16 @@ use super::leaf::Catalogue;
 use super::tree::{DEEPEST, Kind, Label, Live, MOST_NODES, MOST_TEXT, Node, Shape, Tree};
 use crate::fnv1a;
 
-/// The most nodes and the most bytes of attributes of all trees of a file together, each with its subtrees, when the file is checked:
-/// two hundred trees may use one that is as large as a tree may be.
+/// Most nodes and most bytes of attributes of all trees of a file together, each with its subtrees, when the file is
+/// checked: two hundred trees may use one that is as large as a tree may be.
 const MOST_TOGETHER: (usize, usize) = (20 * MOST_NODES, 4 * MOST_TEXT);
 
 impl Tree {
-    /// A tree of a document, its main one unless another is named, on a blackboard. Several trees can be built on one blackboard; in
-    /// the scope of their main trees entries of one name are one entry.
+    /// Builds a tree of a document on a blackboard: the main one unless another is named. Several trees can be built on
+    /// one blackboard; entries of the same name in their main scopes are the same entry.
     ///
     /// # Errors
-    /// What is found first to be wrong in the file, with its place. The blackboard may have got entries by then.
+    /// The first fault of the file, with its place. Entries may have been created on the blackboard by then.
     pub fn build(
         document: &Document,
         main: Option<&str>,
@@ -38,11 +38,11 @@ impl Tree {
         document.whole(catalogue, &mut findings);
         let (built, _) = Tree::built(document, tree, catalogue, blackboard, &mut findings);
         findings.first()?;
-        // Of the notes only nodes that cannot be performed are made here.
+        // The only notes made here are about nodes that cannot be performed.
         findings.notes().first().map_or(Ok(built), |note| Err(note.clone()))
     }
 
-    /// A tree, without what is wrong in it, and how many nodes and bytes of attributes were looked at.
+    /// Builds a tree without its faulty parts, and returns how many nodes and bytes of attributes it looked at.
     fn built(
         document: &Document,
         tree: &TreeDefinition,
@@ -78,7 +78,7 @@ impl Tree {
 }
 
 impl Document {
-    /// The tree of this ID, or else the main one: that which the document names, or its only one.
+    /// The tree of this ID; without one, the main tree that the document names, or its only tree.
     pub(crate) fn main_tree(&self, id: Option<&str>) -> Result<&TreeDefinition, TreeError> {
         let refuse = |reason| TreeError::at(Place { line: 1, column: 1 }, reason);
         match (id.or(self.main.as_deref()), &self.trees[..]) {
@@ -92,7 +92,8 @@ impl Document {
         }
     }
 
-    /// That each tree has an ID of its own, which is not that of a kind of node, and that none is in another file.
+    /// Checks that each tree has an ID of its own, which is not that of a kind of node, and that no other file is
+    /// needed.
     fn whole(&self, catalogue: &Catalogue, findings: &mut Findings) {
         for include in &self.includes {
             findings.fault(TreeError::at(include.place, Reason::Include));
@@ -110,8 +111,8 @@ impl Document {
         }
     }
 
-    /// Looks at all trees of the document as they would be built, also those that the main one does not use. A file of several trees
-    /// needs no main one here.
+    /// Checks all trees of the document as they would be built, including those that the main one does not use. A file
+    /// of several trees needs no main one for this.
     pub fn check(&self, catalogue: &Catalogue, findings: &mut Findings) {
         if self.main.is_some()
             && let Err(fault) = self.main_tree(None)
@@ -158,7 +159,8 @@ impl Document {
     }
 }
 
-/// Whether two trees of one ID are one. BehaviorTree.CPP writes a tree once for each of its uses, and where each node stood in that.
+/// Whether two trees of one ID are the same. BehaviorTree.CPP writes a tree once for each of its uses, with the path of
+/// each node.
 fn is_same(one: &Element, other: &Element) -> bool {
     fn said(element: &Element) -> impl Iterator<Item = &Attribute> {
         element.attributes.iter().filter(|said| !matches!(said.name.as_str(), "_uid" | "_fullpath"))
@@ -175,27 +177,26 @@ struct Builder<'a> {
     findings: &'a mut Findings,
     scopes: Scopes,
     shape: Shape,
-    /// Paths that are taken.
+    /// Paths in use.
     paths: BTreeSet<Arc<str>>,
-    /// The trees that the node being built is in, from the outermost.
+    /// The trees round the node being built, from the outermost.
     open: Vec<&'a str>,
     depth: usize,
-    /// The nodes so far, those that are refused included.
+    /// Number of nodes so far, including those that are refused.
     nodes: usize,
-    /// The bytes of attributes so far.
+    /// Bytes of attributes so far.
     text: usize,
-    /// Over everything that the nodes so far say.
+    /// Hash of everything that the nodes so far say.
     fingerprint: u64,
 }
 
-/// What an element names.
 enum Found<'a> {
     Node(Kind),
     /// A control node or decorator that nobody here performs.
     Declared(&'a Model),
 }
 
-/// What is wrong goes to the findings; an error is that after which the tree cannot be looked at any further.
+/// Faults go to the findings; an `Err` is one after which the tree cannot be checked any further.
 impl<'a> Builder<'a> {
     fn tree(&mut self, tree: &'a TreeDefinition, scope: usize, prefix: &str) -> Result<(), TreeError> {
         self.open.push(&tree.id);
@@ -229,7 +230,7 @@ impl<'a> Builder<'a> {
             }
         };
         let (family, children) = match kind {
-            // The child of a subtree stands elsewhere.
+            // The child of a subtree stands in a tree of its own.
             Kind::BuiltIn(BuiltIn::SubTree) => (Family::Decorator, (0, 0)),
             Kind::BuiltIn(kind) => (kind.family(), kind.children()),
             Kind::Leaf(_) => (Family::Leaf, (0, 0)),
@@ -288,7 +289,7 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// What an element names: a node of the engine, a leaf, a node that a file declares, or, by its own name, nothing else.
+    /// Looks up an element: a node of the engine, a leaf, a node that a file declares, or nothing.
     fn kind(&self, element: &Element) -> Result<Found<'a>, Reason> {
         let id = &element.id;
         if id.is_empty() {
@@ -323,7 +324,7 @@ impl<'a> Builder<'a> {
         if fits { Ok(found) } else { Err(Reason::WrongForm { id: id.clone(), written: element.form.word() }) }
     }
 
-    /// A node that is declared and not performed: what is written of it is looked at like that of any other.
+    /// Checks a node that is declared and not performed like any other node.
     fn declared(&mut self, element: &Element, model: &Model, scope: usize) {
         let most = if model.form == Form::Decorator { 1 } else { usize::MAX };
         self.count_children(element, (1, most));
@@ -347,7 +348,7 @@ impl<'a> Builder<'a> {
         self.findings.fault(TreeError::at(element.place, Reason::Children { id: element.id.clone(), count, wanted }));
     }
 
-    /// As BehaviorTree.CPP has it: one asynchronous child would have the other halted in each tick.
+    /// BehaviorTree.CPP has the same rule: one asynchronous child would have the other halted in each tick.
     fn count_async(&mut self, element: &Element, kind: Kind) {
         let is_async = |child: &&Element| child.id == BuiltIn::AsyncSequence.word();
         if kind == Kind::BuiltIn(BuiltIn::ReactiveSequence) && element.children.iter().filter(is_async).count() > 1 {
@@ -355,7 +356,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Another word in a file is another tree.
+    /// Adds an element to the fingerprint, since any other word makes it another tree.
     fn note(&mut self, element: &Element) {
         let attributes = element.attributes.iter().map(|attribute| format!("{}={}", attribute.name, attribute.value));
         let words: Vec<String> = attributes.collect();
@@ -363,7 +364,8 @@ impl<'a> Builder<'a> {
         self.fingerprint = fnv1a(&format!("{:x}{said}", self.fingerprint));
     }
 
-    /// The path of a node, as BehaviorTree.CPP makes it, and its name. Where two nodes would have the same, the UID tells them apart.
+    /// The path of a node, as BehaviorTree.CPP makes it, and its name. Where two nodes would have the same path, the
+    /// UID is added.
     fn path<'e>(&mut self, element: &'e Element, prefix: &str, uid: usize) -> (Arc<str>, &'e str) {
         let name = element.name.as_deref().unwrap_or(&element.id);
         let named = format!("{prefix}{name}");
@@ -374,7 +376,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Numbers of nodes and ports are bounded by `MOST_NODES` and by what a file can hold.
+/// Cannot overflow: the numbers of nodes and ports are bounded by `MOST_NODES` and by the size of a file.
 fn to_u32(number: usize) -> u32 {
     u32::try_from(number).expect("a file is too short for so many")
 }

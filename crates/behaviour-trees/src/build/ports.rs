@@ -1,4 +1,4 @@
-//! What is bound to the ports of a node, and the scripts round it.
+//! Binds the ports of a node, and its scripts.
 
 use super::{Builder, to_u32};
 use crate::blackboard::Slot;
@@ -11,19 +11,19 @@ use crate::status::Status;
 use crate::tree::{Conditions, Kind};
 use crate::value::{Value, ValueType};
 
-/// The conditions of a node, by their attributes.
+/// Attributes that are conditions of a node.
 const CONDITIONS: [&str; 8] = ["_failureIf", "_successIf", "_skipIf", "_while", "_onSuccess", "_onFailure", "_onHalted", "_post"];
 
 /// Whether a subtree sees the names outside.
 const AUTOREMAP: &str = "_autoremap";
 
-/// The most parties of a barrier: each has an entry, and is looked at in every tick.
+/// Most parties of a barrier: each has an entry, which every tick reads.
 const MOST_PARTIES: usize = 16;
 
 impl<'a> Builder<'a> {
     pub(super) fn bind(&mut self, element: &'a Element, kind: Kind, scope: usize, node: u32) {
         match kind {
-            // What its attributes mean is settled by `enter`.
+            // The attributes of a subtree are handled by `enter`.
             Kind::BuiltIn(BuiltIn::SubTree) => {}
             Kind::BuiltIn(kind) => {
                 self.known_ports(element, |name| kind.ports().iter().any(|port| port.name == name));
@@ -50,7 +50,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Looks at the ports of a node that a file declares and nobody performs.
+    /// Checks the ports of a node that a file declares and nobody performs.
     pub(super) fn bind_declared(&mut self, element: &Element, model: &Model, scope: usize) {
         let port = |name: &str| model.ports.iter().find(|port| port.name == name);
         self.known_ports(element, |name| port(name).is_some());
@@ -67,7 +67,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Puts an error with the others.
+    /// Moves a fault into the findings.
     fn told<T>(&mut self, result: Result<T, TreeError>) -> Option<T> {
         result.map_err(|fault| self.findings.fault(fault)).ok()
     }
@@ -83,7 +83,7 @@ impl<'a> Builder<'a> {
             return slot.map(Binding::Slot).map_err(|unfit| TreeError::at(place, unfit.into()));
         }
         if port.direction == Direction::Out {
-            // BehaviorTree.CPP overlooks a default that names no entry.
+            // BehaviorTree.CPP ignores a default that names no entry.
             if attribute.is_none() {
                 return Ok(Binding::Unset);
             }
@@ -113,15 +113,15 @@ impl<'a> Builder<'a> {
         let pointer = pointer(port.name, text);
         match (port.written, pointer) {
             (Written::EntryName, _) => {
-                // Whether the name has braces or not: an entry that holds the name of an entry is more than a slot can be. Only
-                // braces make the entry, though.
+                // With or without braces, the text is the name: a slot cannot be an entry that holds the name of
+                // another. Only braces create the entry, though.
                 let name = pointer.unwrap_or(text);
                 let slot = match pointer {
                     Some(name) => self.scopes.declare(scope, name, ValueType::Any, self.blackboard),
                     None => self.blackboard.mention(&self.scopes.entry_name(scope, name)),
                 };
                 let slot = slot.map_err(|unfit| refuse(unfit.into()))?;
-                // UnsetBlackboard takes away what is on the blackboard of its own tree alone.
+                // UnsetBlackboard reaches only the blackboard of its own tree.
                 let is_out_of_reach = port.name == "key" && !self.scopes.is_own(scope, name);
                 Ok(if is_out_of_reach { Binding::Unset } else { Binding::Slot(slot) })
             }
@@ -155,7 +155,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// A barrier is an entry for each of its parties, true when the party has come. Its name is that of the node.
+    /// A barrier has one entry for each of its parties, true when the party has arrived. Its name is that of the node.
     fn bind_barrier(&mut self, element: &Element, kind: BuiltIn) -> Result<(), TreeError> {
         let barrier = element.name.as_deref().unwrap_or(kind.word());
         let mut texts = [None, None];
@@ -210,7 +210,8 @@ impl<'a> Builder<'a> {
                 "_onFailure" => &mut conditions.on_failure,
                 "_onHalted" => &mut conditions.on_halted,
                 "_post" => &mut conditions.post,
-                // A note of the editor, unless it looks like something else: what is overlooked would be dangerous.
+                // Anything else is a note of the editor, unless it resembles a condition: to ignore a misspelt one
+                // would be dangerous.
                 other => {
                     if let Some(reason) = looks_like(other) {
                         self.findings.fault(TreeError::at(attribute.place, reason));
@@ -235,8 +236,8 @@ impl<'a> Builder<'a> {
         script.map_err(|error| TreeError::at(attribute.place, Reason::Script { attribute: attribute.name.clone(), error }))
     }
 
-    /// The scope of a subtree: what its `<SubTree>` says, and what the model of the tree adds where it says nothing. Besides the entries
-    /// of its own that were given a text.
+    /// Opens the scope of a subtree from its `<SubTree>`, and from the model of the tree where that says nothing.
+    /// Returns it with the entries of its own that were given a text.
     pub(super) fn enter(&mut self, element: &Element, scope: usize, path: &str) -> (usize, Vec<Slot>) {
         let has_autoremap = element.attribute(AUTOREMAP).is_some_and(|attribute| {
             let truth = Value::parse(&attribute.value, ValueType::Bool).and_then(|value| value.as_bool());
@@ -270,7 +271,7 @@ impl<'a> Builder<'a> {
         (inner, texts)
     }
 
-    /// A name of a subtree: an entry outside, or a text in an entry of its own, which is returned.
+    /// Binds a name of a subtree to an entry outside, or to a text in an entry of its own, whose slot is returned.
     fn outer(&mut self, inner: usize, attribute: &Attribute) -> Option<Slot> {
         if let Some(outside) = pointer(&attribute.name, &attribute.value) {
             self.scopes.remap(inner, &attribute.name, outside);
@@ -283,8 +284,8 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// What an attribute that is a note of the editor looks like: a condition or `_autoremap` with other capitals or underscores, or one of
-/// the format before.
+/// What a misspelt attribute was probably meant to be: a condition or `_autoremap` with other capitals or underscores,
+/// or one of format 3.
 fn looks_like(written: &str) -> Option<Reason> {
     if let Some(now) = format_4_name(written) {
         return Some(Reason::Format3 { written: written.to_owned(), now });
@@ -294,7 +295,7 @@ fn looks_like(written: &str) -> Option<Reason> {
     (meant != written).then(|| Reason::Misspelt { written: written.to_owned(), meant })
 }
 
-/// What a literal must be beyond its type: no time is negative, and the elements of a queue are of the type of the loop.
+/// Checks a literal beyond its type: no time is negative, and the elements of a queue are of the type of the loop.
 fn fitting(element: &Element, kind: BuiltIn, port: &BuiltInPort, binding: &Binding) -> Result<(), TreeError> {
     let place = element.attribute(port.name).map_or(element.place, |attribute| attribute.place);
     let name = || port.name.to_owned();
@@ -318,7 +319,7 @@ fn given(element: &Element) -> impl Iterator<Item = &Attribute> {
     element.attributes.iter().filter(|attribute| !attribute.name.starts_with('_'))
 }
 
-/// The entry that a text names: `{goal}`; `{=}` and `=` are the entry that is called like the port.
+/// The entry that a text names: `{goal}`; `{=}` and `=` stand for the entry with the name of the port.
 fn pointer<'t>(port: &'t str, text: &'t str) -> Option<&'t str> {
     let text = text.trim_matches(' ');
     if text == "=" {

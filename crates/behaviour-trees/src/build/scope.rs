@@ -1,5 +1,6 @@
-//! Which entry a name means: a subtree has a blackboard of its own, from which names lead out where its `<SubTree>` says so.
-//! All of it is settled when a tree is built; on the blackboard there are only entries, those of a subtree under its path.
+//! Maps names to entries: a subtree has a blackboard of its own, from which names lead out where its `<SubTree>` says
+//! so. This is settled when a tree is built; on the blackboard there are only entries, those of a subtree under its
+//! path.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,7 +10,7 @@ use crate::value::ValueType;
 /// The scopes of a tree and its subtrees; the first is that of the tree itself.
 pub(super) struct Scopes {
     scopes: Vec<Scope>,
-    /// What comes before the names of all entries of subtrees, so that trees on one blackboard do not meet there.
+    /// Prefix of the names of all entries of subtrees, which separates the trees on one blackboard.
     root: String,
 }
 
@@ -17,7 +18,7 @@ pub(super) struct Scopes {
 struct Scope {
     parent: usize,
     prefix: String,
-    /// Names here, and what they are called outside.
+    /// Names in this scope, with their names in the parent.
     remapped: BTreeMap<String, String>,
     /// Names that were given a text.
     own: BTreeSet<String>,
@@ -28,30 +29,30 @@ struct Scope {
 impl Scopes {
     pub(super) fn new(id: &str, blackboard: &Blackboard) -> Scopes {
         let is_taken = |root: &str| blackboard.entries().any(|entry| entry.name().starts_with(root));
-        // The same tree twice on one blackboard: each has its own entries below.
+        // The same tree twice on one blackboard: the entries of its subtrees are separate.
         let names = std::iter::once(format!("{id}/")).chain((2..).map(|number| format!("{id}#{number}/")));
         let root = names.into_iter().find(|root| !is_taken(root)).unwrap_or_default();
         Scopes { scopes: vec![Scope { is_root: true, ..Scope::default() }], root }
     }
 
-    /// A scope of a subtree at this path, within another.
+    /// Opens the scope of the subtree at this path, within another.
     pub(super) fn enter(&mut self, parent: usize, path: &str, has_autoremap: bool) -> usize {
         let prefix = format!("{}{path}/", self.root);
         self.scopes.push(Scope { parent, prefix, has_autoremap, ..Scope::default() });
         self.scopes.len() - 1
     }
 
-    /// A name of this scope is an entry outside.
+    /// Makes a name of this scope stand for an entry outside.
     pub(super) fn remap(&mut self, scope: usize, inside: &str, outside: &str) {
         self.scopes[scope].remapped.insert(inside.to_owned(), outside.to_owned());
     }
 
-    /// A name of this scope is an entry of its own, whatever is remapped.
+    /// Makes a name of this scope stand for an entry of its own, whatever is remapped.
     pub(super) fn own(&mut self, scope: usize, name: &str) {
         self.scopes[scope].own.insert(name.to_owned());
     }
 
-    /// The name on the blackboard of what is called `name` in this scope.
+    /// The name on the blackboard of the entry called `name` in this scope.
     pub(super) fn entry_name(&self, scope: usize, name: &str) -> String {
         if let Some(name) = name.strip_prefix('@') {
             return name.to_owned();
@@ -70,7 +71,7 @@ impl Scopes {
         format!("{}{name}", here.prefix)
     }
 
-    /// Whether a name means an entry of this scope's own blackboard, and not one outside.
+    /// Whether a name stands for an entry of this scope's own blackboard, and not for one outside.
     pub(super) fn is_own(&self, scope: usize, name: &str) -> bool {
         let here = &self.scopes[scope];
         let leads_out = here.remapped.contains_key(name) || (here.has_autoremap && !name.starts_with('_'));

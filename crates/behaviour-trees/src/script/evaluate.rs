@@ -1,5 +1,6 @@
-//! What a script does. Numbers are counted in doubles, comparisons give 1 or 0, and both sides of `&&` and `||` are always looked at,
-//! as in BehaviorTree.CPP. What it lets pass and nobody can go on with (a division by zero, a number that is none) is an error here.
+//! Executes scripts. Arithmetic is in doubles, comparisons give 1 or 0, and both sides of `&&` and `||` are always
+//! evaluated, as in BehaviorTree.CPP. Results that it accepts and nobody can use (a division by zero, an undefined
+//! number) are errors here.
 
 use super::{Assignment, Comparison, Expression, Infix, Prefix, Script, Trouble, shown, truth_of};
 use crate::blackboard::{Blackboard, Slot};
@@ -56,7 +57,7 @@ fn truth(holds: bool) -> Value {
     Value::Number(f64::from(u8::from(holds)))
 }
 
-/// Entries of truth count as numbers; texts do not, though they may be digits.
+/// Booleans count as numbers; texts do not, even if they are digits.
 fn number(value: &Value) -> Option<f64> {
     match value {
         Value::Bool(_) | Value::Int(_) | Value::Number(_) => value.as_number(),
@@ -116,7 +117,7 @@ fn infixed(infix: Infix, left: &Value, right: &Value) -> Result<Value, Trouble> 
     }
 }
 
-/// A value as a part of a text: numbers that are not whole by type have six digits there, as `std::to_string` gives them.
+/// A value as a part of a text: a number of a type with fractions has six digits, as from `std::to_string`.
 fn joined(value: &Value) -> String {
     match value {
         Value::Number(number) => format!("{number:.6}"),
@@ -124,7 +125,8 @@ fn joined(value: &Value) -> String {
     }
 }
 
-/// Texts with texts, numbers with numbers, and a text with a number if it is one (`true` and `false` are 1 and 0).
+/// Compares texts with texts, numbers with numbers, and a text with a number if it is one (`true` and `false` are 1 and
+/// 0).
 fn compared(comparison: Comparison, left: &Value, right: &Value) -> Result<bool, Trouble> {
     if let (Value::Text(left), Value::Text(right)) = (left, right) {
         return Ok(match comparison {
@@ -161,7 +163,7 @@ fn compared(comparison: Comparison, left: &Value, right: &Value) -> Result<bool,
     })
 }
 
-/// Writes an entry. One that holds something keeps its type.
+/// Writes an entry. One that has a value keeps its type.
 fn assign(assignment: Assignment, slot: Slot, value: Value, blackboard: &mut Blackboard) -> Result<Value, Trouble> {
     let before = blackboard.value(slot).cloned();
     let value = match (assignment, &before) {
@@ -192,7 +194,7 @@ fn assign(assignment: Assignment, slot: Slot, value: Value, blackboard: &mut Bla
 mod tests {
     use super::*;
 
-    /// Carries out a script on a blackboard of its own, and gives what it comes to or why it does not.
+    /// Executes a script on a blackboard of its own, and compares its result or its error.
     fn check(text: &str, expected: Result<Value, &str>) {
         let mut blackboard = Blackboard::new();
         let script = Script::parse(text, &mut |name| blackboard.mention(name));
@@ -230,7 +232,7 @@ mod tests {
         check("'b' > 'a'", number(1.0));
     }
 
-    /// Left to right, with no difference between them.
+    /// They have the same precedence, from left to right.
     #[test]
     fn and_binds_no_tighter_than_or() {
         check("1 || 1 && 0", number(0.0));
@@ -277,7 +279,7 @@ mod tests {
         check(&"x".repeat(5000), Err("it is 5000 bytes long, and 4096 is the most"));
     }
 
-    /// A text that doubles itself ends at the bound of the blackboard.
+    /// A text that doubles itself ends at the limit of the blackboard.
     #[test]
     fn a_text_does_not_grow_without_end() {
         let text = format!("x := '{}'{}", "y".repeat(100), "; x += x".repeat(20));

@@ -1,5 +1,5 @@
-//! The little language of scripts, that of BehaviorTree.CPP 4: `x := 3; x += 1; done = (x > 3 && name == 'SRM1')`.
-//! `token` cuts a text, `parse` finds what is meant, `evaluate` does it. Entries are looked up when a tree is built.
+//! The language of scripts, that of BehaviorTree.CPP 4: `x := 3; x += 1; done = (x > 3 && name == 'SRM1')`. `token`
+//! splits a text, `parse` builds the expressions, `evaluate` executes them. Entries are looked up when a tree is built.
 
 mod evaluate;
 mod parse;
@@ -8,21 +8,21 @@ mod token;
 use super::blackboard::{Blackboard, Slot, Unfit};
 use super::value::Value;
 
-/// The longest script, in bytes: a screen full.
+/// Longest script, in bytes: a screen full.
 pub const LONGEST_SCRIPT: usize = 4096;
 
-/// How deep parentheses and operators may be nested: scripts are carried out by calls.
+/// Deepest nesting of parentheses and operators: scripts are executed by recursive calls.
 pub(crate) const DEEPEST_EXPRESSION: usize = 64;
 
-/// A script that can be carried out.
+/// A parsed script.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Script {
     expressions: Vec<Expression>,
-    /// The expressions that stand alone, in their order; at least one.
+    /// Indices of the top-level expressions, in their order; at least one.
     statements: Vec<usize>,
 }
 
-/// What is computed; operands are named by their places in the list.
+/// An expression; operands are indices in the list of expressions.
 #[derive(Clone, Debug, PartialEq)]
 enum Expression {
     Literal(Value),
@@ -96,37 +96,37 @@ enum Assignment {
     Divide,
 }
 
-/// Why a text is no script. The place is that in the script, in bytes from 0.
+/// Why a text is not a valid script. Places in it are in bytes, counted from 0.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ScriptError {
-    /// It is too long.
+    /// It is longer than [`LONGEST_SCRIPT`].
     #[error("it is {0} bytes long, and {LONGEST_SCRIPT} is the most")]
     TooLong(usize),
     /// It is nested too deeply.
     #[error("it is nested deeper than {DEEPEST_EXPRESSION} levels")]
     TooDeep,
-    /// There is nothing in it.
+    /// It is empty.
     #[error("it is empty")]
     Empty,
-    /// Something else should stand there.
+    /// Something else should stand at a place.
     #[error("at character {at} there is {found}, and {wanted} should be there")]
     Unexpected {
-        /// Where.
+        /// The place.
         at: usize,
         /// What stands there.
         found: String,
-        /// What should.
+        /// What should stand there.
         wanted: &'static str,
     },
-    /// Something is assigned to what is no entry.
+    /// The left side of an assignment is no entry.
     #[error("at character {0} something is assigned to what is no entry")]
     NoEntry(usize),
-    /// An entry cannot be.
+    /// An entry does not fit.
     #[error(transparent)]
     Unfit(#[from] Unfit),
 }
 
-/// Why a script could not be carried out.
+/// Why a script could not be executed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum Trouble {
     #[error("in its script the entry {{{0}}} holds nothing")]
@@ -150,7 +150,7 @@ pub(crate) enum Trouble {
 }
 
 impl Script {
-    /// Reads a script. `slot` says where the entry of a name is.
+    /// Parses a script; `slot` looks up the slot of a name.
     pub(crate) fn parse(text: &str, slot: &mut dyn FnMut(&str) -> Result<Slot, Unfit>) -> Result<Script, ScriptError> {
         if text.len() > LONGEST_SCRIPT {
             return Err(ScriptError::TooLong(text.len()));
@@ -158,7 +158,7 @@ impl Script {
         parse::parse(text, slot)
     }
 
-    /// Carries it out, and gives what its last statement came to.
+    /// Executes it, and returns the value of its last statement.
     pub(crate) fn carry_out(&self, blackboard: &mut Blackboard) -> Result<Value, Trouble> {
         let mut last = Value::Bool(false);
         for statement in &self.statements {
@@ -167,14 +167,14 @@ impl Script {
         Ok(last)
     }
 
-    /// Carries it out, and says whether what it came to is true.
+    /// Executes it, and returns whether the value of its last statement is true.
     pub(crate) fn holds(&self, blackboard: &mut Blackboard) -> Result<bool, Trouble> {
         let value = self.carry_out(blackboard)?;
         truth_of(&value).ok_or_else(|| Trouble::NoTruth(shown(&value)))
     }
 }
 
-/// A value as true or false. BehaviorTree.CPP takes no text for one, of whole numbers 0 and 1 alone, and nothing below 0.
+/// A value as true or false. BehaviorTree.CPP accepts no texts, only 0 and 1 of whole numbers, and nothing below 0.
 fn truth_of(value: &Value) -> Option<bool> {
     match value {
         Value::Bool(truth) => Some(*truth),
@@ -185,7 +185,7 @@ fn truth_of(value: &Value) -> Option<bool> {
     }
 }
 
-/// A value in a sentence: no longer than a line.
+/// A value in an error message, cut to the length of a line.
 fn shown(value: &Value) -> String {
     const LONGEST: usize = 40;
     let text = value.to_string();

@@ -1,13 +1,13 @@
-//! From pieces to what is meant. Operators bind as in BehaviorTree.CPP, from the loosest:
-//! `:= = += -= *= /=`, `? :`, `&& ||` (alike, from the left), comparisons (in chains), then either `..`, `+ -`, `* /` and `-x`, or
-//! `| ^`, `&` and `!x ~x`: the two are mixed with parentheses only.
+//! Parses tokens into expressions. Operators bind as in BehaviorTree.CPP, from the loosest: `:= = += -= *= /=`, `? :`,
+//! `&& ||` (alike, from the left), comparisons (in chains), then either `..`, `+ -`, `* /` and `-x`, or `| ^`, `&` and
+//! `!x ~x`: these two groups are mixed with parentheses only.
 
 use super::token::{Token, tokens};
 use super::{Assignment, Comparison, DEEPEST_EXPRESSION, Expression, Infix, Prefix, Script, ScriptError};
 use crate::blackboard::{Slot, Unfit};
 use crate::value::Value;
 
-/// Signs and what they mean, those of one level together.
+/// The operators of one level of precedence.
 type Level<T> = &'static [(&'static str, T)];
 
 const ASSIGNMENTS: Level<Assignment> = &[
@@ -61,7 +61,7 @@ struct Parser<'a> {
 }
 
 impl Parser<'_> {
-    /// There is always an `End`, and nobody goes past it.
+    /// Cannot fail: the list ends with `End`, which is never passed.
     fn peek(&self) -> &Token {
         &self.tokens[self.next].1
     }
@@ -76,7 +76,7 @@ impl Parser<'_> {
         is_next
     }
 
-    /// The operator of this level that comes next, if one does.
+    /// Takes the next token if it is an operator of this level.
     fn operator<T: Copy>(&mut self, level: Level<T>) -> Option<T> {
         let (_, operator) = level.iter().find(|(sign, _)| self.is_next(sign))?;
         self.next += 1;
@@ -151,7 +151,7 @@ impl Parser<'_> {
         Ok(if chain.is_empty() { first } else { self.push(Expression::Chain(first, chain)) })
     }
 
-    /// What is compared: one made with arithmetic, or one made with bits.
+    /// An operand of a comparison: an arithmetic or a bitwise expression.
     fn operand(&mut self) -> Result<usize, ScriptError> {
         let is_bits = self.is_next("~") || self.is_next("!");
         let is_arithmetic = self.is_next("-");
@@ -171,7 +171,7 @@ impl Parser<'_> {
         Ok(result)
     }
 
-    /// Operators of these levels, the loosest first; its first operand has been read.
+    /// Parses operators of these levels, the loosest first, after their first operand.
     fn infix(
         &mut self,
         first: usize,
@@ -190,12 +190,12 @@ impl Parser<'_> {
         Ok(left)
     }
 
-    /// A row of operators is nested to the left, so that its length is a depth.
+    /// A chain of operators is nested to the left, so its length counts as depth.
     fn longer(&self, length: usize) -> Result<usize, ScriptError> {
         if self.depth + length >= DEEPEST_EXPRESSION { Err(ScriptError::TooDeep) } else { Ok(length + 1) }
     }
 
-    /// Prefixes stand in a row as often as one likes; a `+` stands before a number alone, of which it is a part.
+    /// Prefix operators may be repeated; a `+` is allowed only as a part of a number.
     fn number_operand(&mut self) -> Result<usize, ScriptError> {
         let mut minuses = 0;
         while self.take("-") {

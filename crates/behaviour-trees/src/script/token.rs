@@ -1,9 +1,8 @@
-//! A script in pieces: numbers, texts, names and signs, each with its place.
+//! Splits a script into numbers, texts, names and signs, each with its place.
 
 use super::ScriptError;
 use crate::value::{Value, finite};
 
-/// A piece of a script.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Token {
     Value(Value),
@@ -12,13 +11,13 @@ pub(super) enum Token {
     End,
 }
 
-/// The signs, the longer of two that begin alike first.
+/// All signs; the longer of two with the same beginning stands first.
 const SIGNS: [&str; 29] = [
     ":=", "==", "!=", "<=", ">=", "&&", "||", "+=", "-=", "*=", "/=", "..", "+", "-", "*", "/", "&", "|", "^", "~", "!", "<",
     ">", "=", "?", ":", "(", ")", ";",
 ];
 
-/// All pieces, each with the place of its first character, and an `End` behind them.
+/// All tokens, each with the place of its first character, and an `End` behind them.
 pub(super) fn tokens(text: &str) -> Result<Vec<(usize, Token)>, ScriptError> {
     let mut tokens = Vec::new();
     let mut at = 0;
@@ -50,7 +49,7 @@ fn token(text: &str, at: usize, first: char) -> Result<(Token, usize), ScriptErr
         let is_inner = |(place, letter): &(usize, char)| *place == 0 || letter.is_alphanumeric() || *letter == '_';
         let length = rest.char_indices().take_while(is_inner).map(|(_, letter)| letter.len_utf8()).sum();
         let token = match &rest[..length] {
-            // As there: truths are numbers.
+            // Booleans are numbers, as in BehaviorTree.CPP.
             "true" => Token::Value(Value::Int(1)),
             "false" => Token::Value(Value::Int(0)),
             name => Token::Name(name.to_owned()),
@@ -63,7 +62,7 @@ fn token(text: &str, at: usize, first: char) -> Result<(Token, usize), ScriptErr
     }
 }
 
-/// A whole number, also hexadecimal, or one with a fraction or an exponent.
+/// A whole number, decimal or hexadecimal, or one with a fraction or an exponent.
 fn number(at: usize, rest: &str) -> Result<(Token, usize), ScriptError> {
     let digits = |from: usize| rest[from..].bytes().take_while(u8::is_ascii_digit).count();
     let byte = |place: usize| rest.as_bytes().get(place).copied().unwrap_or(0);

@@ -1,13 +1,13 @@
-//! Nodes with several children.
-//! The rules are those of BehaviorTree.CPP 4 as its sources have them, down to what is reset when; where they surprise, a comment says so.
+//! Nodes with several children. The rules are those of the sources of BehaviorTree.CPP 4, including what is reset when;
+//! comments mark those that surprise.
 
 use super::{Faulted, Leaves, Node, Outcome, Run, Status, children};
 use crate::tree::Shape;
 use crate::value::Value;
 
 impl<'a, L: Leaves> Run<'a, L> {
-    /// Sequence and Fallback: `end` is the status of a child that ends it. An asynchronous one gives the tick back after each child
-    /// that did not run before.
+    /// Sequence and Fallback: `end` is the status of a child that ends the node. An asynchronous one returns RUNNING
+    /// after each child that was not running before.
     pub(super) fn in_order(&mut self, at: usize, node: &Node, end: Status, is_async: bool) -> Outcome {
         let shape: &'a Shape = self.shape;
         let first = at + 1;
@@ -48,7 +48,7 @@ impl<'a, L: Leaves> Run<'a, L> {
         Ok(if are_all_skipped { Status::Skipped } else { opposite(end) })
     }
 
-    /// It goes on at the child that failed, also after a halt, and gives the tick back after each child.
+    /// Continues at the child that failed, even after a halt, and returns RUNNING after each child.
     pub(super) fn sequence_with_memory(&mut self, at: usize, node: &Node) -> Outcome {
         let shape: &'a Shape = self.shape;
         self.begin(at);
@@ -87,7 +87,7 @@ impl<'a, L: Leaves> Run<'a, L> {
         Ok(if are_all_skipped { Status::Skipped } else { Status::Success })
     }
 
-    /// A sequence or a fallback that begins anew counts the skipped children anew.
+    /// A sequence or a fallback that starts again counts the skipped children from 0.
     fn begin(&mut self, at: usize) {
         let live = &mut self.live[at];
         if live.status == Status::Idle {
@@ -96,7 +96,7 @@ impl<'a, L: Leaves> Run<'a, L> {
         live.status = Status::Running;
     }
 
-    /// The reactive ones: every tick begins at the first child, and of those that run only one is left.
+    /// The reactive ones: every tick begins at the first child, and of the running children only one is left.
     pub(super) fn reactive(&mut self, at: usize, node: &Node, end: Status) -> Outcome {
         let shape: &'a Shape = self.shape;
         let mut are_all_skipped = true;
@@ -148,7 +148,7 @@ impl<'a, L: Leaves> Run<'a, L> {
                 }
             }
             let (succeeded, failed) = (self.live[at].count as usize, self.live[at].failures as usize);
-            // A skipped child stands in for a success only where the wanted number is counted from the end.
+            // A skipped child counts as a success only where the threshold is counted from the end.
             if succeeded >= successes || (wanted < 0 && succeeded + skipped >= successes) {
                 return self.decided(at, node, Status::Success);
             }
@@ -197,7 +197,7 @@ impl<'a, L: Leaves> Run<'a, L> {
         self.decided(at, node, if has_failed { Status::Failure } else { Status::Success })
     }
 
-    /// How many children a threshold means: −1 is all of them, −2 all but one.
+    /// The number of children that a threshold means: −1 is all of them, −2 all but one.
     fn threshold(&mut self, at: usize, node: &Node, port: usize, count: usize) -> Result<usize, Faulted> {
         let number = self.number(at, node, port)?;
         let all = i64::try_from(count).unwrap_or(i64::MAX);
@@ -208,7 +208,7 @@ impl<'a, L: Leaves> Run<'a, L> {
         }
     }
 
-    /// A parallel node knows no results any more.
+    /// Forgets the results of a parallel node's children.
     pub(super) fn uncount(&mut self, at: usize) {
         let shape: &'a Shape = self.shape;
         self.live[at].count = 0;
@@ -218,7 +218,7 @@ impl<'a, L: Leaves> Run<'a, L> {
         }
     }
 
-    /// The condition is asked until it is done, and not again before the chosen child is.
+    /// The condition is ticked until it is done, and not again before the chosen child is.
     pub(super) fn if_then_else(&mut self, at: usize, node: &Node) -> Outcome {
         let shape: &'a Shape = self.shape;
         self.live[at].status = Status::Running;
@@ -243,8 +243,8 @@ impl<'a, L: Leaves> Run<'a, L> {
         Ok(said)
     }
 
-    /// The children but the last as a sequence; when one fails the last follows in the same tick, and whatever it comes to is a
-    /// failure. `has_begun`: it is at the last.
+    /// The children but the last form a sequence; when one fails, the last follows in the same tick, and its result is
+    /// always a failure. `has_begun`: the node is at the last child.
     pub(super) fn try_catch(&mut self, at: usize, node: &Node) -> Outcome {
         let shape: &'a Shape = self.shape;
         let last = self.last_child(at, node);
@@ -287,7 +287,7 @@ impl<'a, L: Leaves> Run<'a, L> {
         Ok(if are_all_skipped { Status::Skipped } else { Status::Success })
     }
 
-    /// Whoever halts a TryCatch goes on at once: its last child has this one tick to clean up.
+    /// A halt does not wait for a TryCatch: its last child has one tick to clean up.
     pub(super) fn catch_on_halt(&mut self, at: usize, node: &Node) {
         let is_wanted = self.port(node, 0).and_then(Value::as_bool).unwrap_or(false);
         if !is_wanted || self.live[at].has_begun {
@@ -297,7 +297,7 @@ impl<'a, L: Leaves> Run<'a, L> {
         for child in children(self.shape, at, node).filter(|child| *child < last) {
             self.reset(child);
         }
-        // A fault is told at the end of the tick; what still runs is halted with the other children.
+        // A fault is reported at the end of the tick; a child that still runs is halted with the others.
         let _ = self.tick(last);
     }
 
@@ -305,7 +305,7 @@ impl<'a, L: Leaves> Run<'a, L> {
         children(self.shape, at, node).last().unwrap_or(at + 1)
     }
 
-    /// The condition is asked in every tick, and the child that it does not choose is halted.
+    /// The condition is ticked every time, and the child that it does not choose is halted.
     pub(super) fn while_do_else(&mut self, at: usize, node: &Node) -> Outcome {
         let shape: &'a Shape = self.shape;
         self.live[at].status = Status::Running;
@@ -334,7 +334,7 @@ impl<'a, L: Leaves> Run<'a, L> {
         Ok(said)
     }
 
-    /// The child of the case that the variable equals, else the last; another one that ran is halted.
+    /// Ticks the child whose case equals the variable, or the last; another one that was running is halted.
     pub(super) fn switch(&mut self, at: usize, node: &Node, cases: usize) -> Outcome {
         let shape: &'a Shape = self.shape;
         let variable = self.port(node, 0);
@@ -366,7 +366,7 @@ impl<'a, L: Leaves> Run<'a, L> {
 /// The precision of a `float`, with which BehaviorTree.CPP compares.
 pub(crate) const EPSILON: f64 = 1.192_092_895_507_812_5e-7;
 
-/// Whether a variable is the case: as texts, or else as numbers.
+/// Whether a variable equals a case: as texts, or else as numbers.
 fn equals(variable: &Value, case: &Value) -> bool {
     if variable.to_string() == case.to_string() {
         return true;

@@ -1,5 +1,5 @@
-//! Nodes with one child. It stands right behind its parent in the row.
-//! Time is the tree's own: what its ticks were told, added up.
+//! Nodes with one child, which stands right behind its parent in the row. Their time is the tree's own: the sum of what
+//! its ticks were told.
 
 use super::{Leaves, Node, Outcome, Run, Status};
 
@@ -29,8 +29,8 @@ impl<L: Leaves> Run<'_, L> {
         Ok(said)
     }
 
-    /// RetryUntilSuccessful and Repeat: `retried` is the status of the child after which it is ticked again. A child that has not been
-    /// running before the tick is not ticked a second time in it, so that a tick always ends.
+    /// RetryUntilSuccessful and Repeat: `retried` is the status of the child after which it is ticked again. A child
+    /// that was not running before the tick is not ticked a second time in it, so that a tick always ends.
     pub(super) fn again(&mut self, at: usize, node: &Node, retried: Status) -> Outcome {
         let child = at + 1;
         let mut most = self.number(at, node, 0)?;
@@ -49,7 +49,7 @@ impl<L: Leaves> Run<'_, L> {
                 Status::Success | Status::Failure if said == retried => {
                     self.live[at].count = self.live[at].count.saturating_add(1);
                     if retried == Status::Failure {
-                        // The child may have written it.
+                        // The child may have written the limit.
                         most = self.number(at, node, 0)?;
                     }
                     self.reset(child);
@@ -68,7 +68,7 @@ impl<L: Leaves> Run<'_, L> {
         Ok(retried)
     }
 
-    /// The child is halted when it still runs after so many milliseconds; 0 is for ever.
+    /// Halts the child when it still runs after this many milliseconds; 0 means never.
     pub(super) fn timeout(&mut self, at: usize, node: &Node) -> Outcome {
         let limit = self.milliseconds(at, node)?;
         let child = at + 1;
@@ -123,7 +123,7 @@ impl<L: Leaves> Run<'_, L> {
         }
     }
 
-    /// That it has run is remembered when it is halted, too; so is what its child came to.
+    /// A halt does not reset that it has run, nor the result of its child.
     pub(super) fn run_once(&mut self, at: usize, node: &Node) -> Outcome {
         let then_skip = self.port(node, 0).and_then(crate::value::Value::as_bool).unwrap_or(true);
         let live = &mut self.live[at];
@@ -161,7 +161,7 @@ impl<L: Leaves> Run<'_, L> {
         Ok(said)
     }
 
-    /// Its script is asked until it holds, and then not before the child is done.
+    /// The script is evaluated until it is true, and then not before the child is done.
     pub(super) fn precondition(&mut self, at: usize) -> Outcome {
         if !self.live[at].has_begun {
             let script = self.script_of(at);
@@ -178,7 +178,7 @@ impl<L: Leaves> Run<'_, L> {
         Ok(said)
     }
 
-    /// What a `Precondition` or a loop says when it does not tick its child.
+    /// What a `Precondition` or a loop returns when it does not tick its child.
     pub(super) fn otherwise(&self, at: usize) -> Option<Status> {
         let number = u32::try_from(at).unwrap_or(u32::MAX);
         self.shape.otherwise.iter().find(|(node, _)| *node == number).map(|(_, status)| *status)

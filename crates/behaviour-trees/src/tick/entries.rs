@@ -1,5 +1,6 @@
-//! Nodes that wait for an entry of the blackboard to be written, and loops, which go through the elements of a queue.
-//! A queue is a text with `;` between its elements, or behind each; none is in an empty one. BehaviorTree.CPP has queues of their own in entries besides, which are not here.
+//! Nodes that wait for an entry of the blackboard to be written, and loops over a queue. A queue is a text with `;`
+//! between its elements, or behind each; an empty text has no elements. The queues that BehaviorTree.CPP stores in
+//! entries of their own type are not supported.
 
 use super::{Leaves, Node, Outcome, Run, Status};
 use crate::kind::BuiltIn;
@@ -7,7 +8,7 @@ use crate::leaf::Binding;
 use crate::value::{Value, ValueType};
 
 impl<L: Leaves> Run<'_, L> {
-    /// The child if the entry was written since it was looked at last; a child that runs goes on without another look.
+    /// Ticks the child if the entry was written since the last look; a running child continues without another look.
     pub(super) fn if_updated(&mut self, at: usize, node: &Node, otherwise: Status) -> Outcome {
         if !self.live[at].has_begun && !self.is_updated(at, node) {
             return Ok(otherwise);
@@ -21,7 +22,7 @@ impl<L: Leaves> Run<'_, L> {
         Ok(if self.is_updated(at, node) { Status::Success } else { Status::Failure })
     }
 
-    /// `since` is the number of the write that was seen last; it is remembered when the node is halted, too.
+    /// `since` is the number of the last write that was seen; a halt does not reset it.
     fn is_updated(&mut self, at: usize, node: &Node) -> bool {
         let Binding::Slot(slot) = self.shape.bindings[node.ports as usize] else { return false };
         let Some(entry) = self.blackboard.entry(slot).filter(|entry| entry.value().is_some()) else { return false };
@@ -29,13 +30,14 @@ impl<L: Leaves> Run<'_, L> {
         before != entry.written()
     }
 
-    /// A loop: each time that its child is done the next element is written to `value`. `count` is how many were taken.
+    /// A loop: whenever its child is done, the next element is written to `value`. `count` is the number of elements
+    /// taken.
     pub(super) fn each(&mut self, at: usize, node: &Node, kind: BuiltIn) -> Outcome {
         let is_literal = matches!(self.shape.bindings[node.ports as usize], Binding::Literal(_));
         let live = &mut self.live[at];
         if live.status == Status::Idle {
             live.has_begun = false;
-            // A queue that stands in the file begins anew, that of an entry is used up once.
+            // A queue in the file starts again, that of an entry is used up once.
             live.count = if is_literal { 0 } else { live.count };
         }
         if !live.has_begun {

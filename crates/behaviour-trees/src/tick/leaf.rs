@@ -57,13 +57,13 @@ impl<'a, L: Leaves> Run<'a, L> {
         (done, leaf.misuse)
     }
 
-    /// An entry is copied, or a text written; where there is nothing to copy, it fails.
+    /// Copies an entry, or writes a text. Fails when there is nothing to copy.
     pub(super) fn set_blackboard(&mut self, at: usize, node: &Node) -> Outcome {
         let Some(value) = self.port(node, 0).cloned() else { return Ok(Status::Failure) };
         let Binding::Slot(slot) = self.shape.bindings[node.ports as usize + 1] else {
             return self.fault(at, "its port output_key names no entry");
         };
-        // A text that is written where something else is becomes a value of that type.
+        // A text is converted to the type of the entry's value.
         let before = self.blackboard.value(slot).map(Value::value_type);
         let value = before.and_then(|ty| value.converted(ty)).unwrap_or(value);
         match self.blackboard.put(slot, value) {
@@ -81,7 +81,8 @@ impl<'a, L: Leaves> Run<'a, L> {
 
     pub(super) fn sleep(&mut self, at: usize, node: &Node) -> Outcome {
         if self.live[at].status == Status::Success {
-            // Ticked again without having been reset, as the condition of a WhileDoElse is: it does not sleep twice.
+            // A node that is ticked again without a reset, such as the condition of a WhileDoElse, does not sleep
+            // twice.
             return Ok(Status::Success);
         }
         if self.live[at].status != Status::Running {
@@ -89,7 +90,7 @@ impl<'a, L: Leaves> Run<'a, L> {
             self.live[at].since = self.clock.saturating_add(time);
             return Ok(if time == 0 { Status::Success } else { Status::Running });
         }
-        // `since` is when it is over: the port is read once.
+        // `since` is the end of the sleep: the port is read once.
         Ok(if self.clock < self.live[at].since { Status::Running } else { Status::Success })
     }
 
@@ -104,7 +105,7 @@ impl<'a, L: Leaves> Run<'a, L> {
         Ok(if self.holds(at, script)? { Status::Success } else { Status::Failure })
     }
 
-    /// The script of a node that has one; they are in the order of the nodes.
+    /// The script of a node that has one; the list is in the order of the nodes.
     pub(super) fn script_of(&self, at: usize) -> &'a Script {
         let shape: &'a Shape = self.shape;
         let number = u32::try_from(at).unwrap_or(u32::MAX);
@@ -112,8 +113,8 @@ impl<'a, L: Leaves> Run<'a, L> {
         &shape.scripts[found.expect("whoever builds such a node gives it a script")].1
     }
 
-    /// A barrier: whoever waits here has come to it, and it opens when all have. The first binding is the party that waits, the others
-    /// are all parties.
+    /// A barrier: a party arrives by its tick, and the barrier opens when all have arrived. The first binding is the
+    /// arriving party, the others are all parties.
     pub(super) fn sync(&mut self, node: &Node) -> Outcome {
         let shape: &'a Shape = self.shape;
         let first = node.ports as usize;
@@ -122,7 +123,7 @@ impl<'a, L: Leaves> Run<'a, L> {
             if let Binding::Slot(slot) = binding
                 && self.blackboard.value(*slot) != Some(&Value::Bool(true))
             {
-                // The entry is one that only barriers write, and of this type.
+                // Cannot fail: only barriers write the entry, with this type.
                 let _ = self.blackboard.put(*slot, Value::Bool(true));
             }
         }

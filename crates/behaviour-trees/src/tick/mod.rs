@@ -1,6 +1,6 @@
-//! One tick: what every node does, by the rules of BehaviorTree.CPP 4. Here stands what all nodes have in common; the rules of
-//! nodes with several children stand in `control`, of those with one in `decorator`, of leaves in `leaf`, of nodes that wait for entries of
-//! the blackboard or go through them in `entries`.
+//! One tick of a tree, by the rules of BehaviorTree.CPP 4. The parts that all nodes share stand here; the rules of
+//! nodes with several children stand in `control`, of those with one in `decorator`, of leaves in `leaf`, and of nodes
+//! that wait for entries of the blackboard or loop over them in `entries`.
 
 mod control;
 mod decorator;
@@ -21,14 +21,14 @@ use super::status::Status;
 use super::tree::{Kind, Live, Node, NodeId, Shape};
 use super::value::Value;
 
-/// Why a tick could not be brought to its end, and at which node.
+/// Why a tick could not be completed, and at which node.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
-    /// Which node.
+    /// The node.
     pub node: NodeId,
-    /// Where it is in the tree.
+    /// Its path in the tree.
     pub path: Arc<str>,
-    /// Where it stands in its file.
+    /// Its place in its file.
     pub place: Place,
     /// What is wrong, in words.
     pub reason: String,
@@ -42,7 +42,7 @@ impl fmt::Display for Fault {
 
 impl std::error::Error for Fault {}
 
-/// A tick cannot go on; why stands in `Run::fault`.
+/// Marks a tick that cannot go on; the reason stands in `Run::fault`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Faulted;
 
@@ -74,7 +74,7 @@ impl<'a, L: Leaves> Run<'a, L> {
         let live = &mut self.live[at];
         live.returned = said;
         live.ticked = self.number;
-        // Who is skipped stands as before: its parent alone hears of it.
+        // A skipped node keeps its state: only its parent is told.
         if said != Status::Skipped {
             live.status = said;
         }
@@ -130,7 +130,8 @@ impl<'a, L: Leaves> Run<'a, L> {
         }
     }
 
-    /// What the conditions of a node make of it, if they do: those that are asked when it begins, and `_while` in every tick.
+    /// The status that a node's conditions give it, if any: those for its start when it starts, and `_while` in every
+    /// tick.
     fn before(&mut self, at: usize, node: &Node) -> Result<Option<Status>, Faulted> {
         let Some(conditions) = node.conditions else { return Ok(None) };
         let shape: &'a Shape = self.shape;
@@ -164,7 +165,7 @@ impl<'a, L: Leaves> Run<'a, L> {
         Ok(None)
     }
 
-    /// The scripts that follow when a node is done.
+    /// Executes the scripts that follow when a node is done.
     fn after(&mut self, at: usize, node: &Node, said: Status) -> Result<(), Faulted> {
         let Some(conditions) = node.conditions else { return Ok(()) };
         let shape: &'a Shape = self.shape;
@@ -194,13 +195,13 @@ impl<'a, L: Leaves> Run<'a, L> {
         if let Some(conditions) = node.conditions
             && let Some(script) = &shape.conditions[conditions as usize].on_halted
         {
-            // Whoever halts goes on; the fault is told at the end of the tick.
+            // A halt always completes; the fault is reported at the end of the tick.
             let _ = self.carry_out(at, script);
         }
     }
 
-    /// What a node forgets when it is halted. `SequenceWithMemory` remembers its child, `RunOnce` that it has run, `Precondition` that
-    /// its condition held, and a loop how far it came in the queue of an entry.
+    /// Resets what a node forgets when it is halted. `SequenceWithMemory` remembers its child, `RunOnce` that it has
+    /// run, `Precondition` that its condition held, and a loop its progress in the queue of an entry.
     fn forget(&mut self, at: usize, kind: BuiltIn) {
         let remembers = matches!(kind, BuiltIn::SequenceWithMemory | BuiltIn::RunOnce | BuiltIn::Precondition);
         if matches!(kind, BuiltIn::Parallel | BuiltIn::ParallelAll) {
@@ -214,7 +215,7 @@ impl<'a, L: Leaves> Run<'a, L> {
         }
     }
 
-    /// Halts everything that runs, from the root, and then what might run apart from it.
+    /// Halts everything that runs, from the root, and then nodes that may run apart from it.
     pub(crate) fn halt_all(&mut self) {
         for at in 0..self.live.len() {
             if self.live[at].status == Status::Running {
@@ -238,7 +239,7 @@ impl<'a, L: Leaves> Run<'a, L> {
         }
     }
 
-    /// Says why the tick cannot go on.
+    /// Records why the tick cannot go on.
     fn fault<T>(&mut self, at: usize, reason: impl Into<String>) -> Result<T, Faulted> {
         let label = &self.shape.labels[at];
         self.fault.get_or_insert_with(|| Fault {
@@ -269,7 +270,6 @@ impl<'a, L: Leaves> Run<'a, L> {
         }
     }
 
-    /// What a port of a built-in node holds.
     fn port(&self, node: &Node, port: usize) -> Option<&Value> {
         match &self.shape.bindings[node.ports as usize + port] {
             Binding::Unset => None,
@@ -298,7 +298,7 @@ impl<'a, L: Leaves> Run<'a, L> {
     }
 }
 
-/// The children of a node, by their places in the row.
+/// The children of a node, by their indices in the row.
 pub(crate) fn children<'a>(shape: &'a Shape, at: usize, node: &Node) -> impl Iterator<Item = usize> + use<'a> {
     let end = node.end as usize;
     let mut next = at + 1;

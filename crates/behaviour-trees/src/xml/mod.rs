@@ -1,5 +1,5 @@
-//! Trees as files: the XML of BehaviorTree.CPP 4, as its graphical editor reads and writes it. Text in, text out: who opens the file
-//! and knows its name is elsewhere.
+//! Trees as files: the XML of BehaviorTree.CPP 4, as its graphical editor reads and writes it. Text in, text out:
+//! opening files is left to the program.
 
 mod read;
 #[cfg(test)]

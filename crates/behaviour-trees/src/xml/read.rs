@@ -1,5 +1,5 @@
-//! From the text of a file to a document. Here is refused what is no XML and what is no file of trees; what the nodes mean is looked at
-//! in `build`.
+//! Reads the text of a file into a document. What is no XML, or no file of trees, is refused here; the meaning of nodes
+//! is checked in `build`.
 
 use std::cell::Cell;
 
@@ -11,28 +11,28 @@ use crate::findings::Findings;
 use crate::leaf::Direction;
 use crate::tree::DEEPEST;
 
-/// The longest file that is read, in bytes: a hundred times what a large mission needs.
+/// Longest file that is read, in bytes: a hundred times what a large mission needs.
 pub const LONGEST_FILE: usize = 1 << 20;
 
-/// The most elements of a file, comments and texts between them counted: three times as many as a tree may have nodes.
+/// Most elements of a file, including comments and texts between them: three times as many as a tree may have nodes.
 const MOST_XML_NODES: u32 = 1 << 15;
 
-/// The most trees of a file: each is looked at with all that it uses.
+/// Most trees of a file: each is checked with all that it uses.
 const MOST_TREES: usize = 200;
 
-/// The most models of a file: every element is looked for among them.
+/// Most models of a file: every element is looked up among them.
 const MOST_MODELS: usize = 500;
 
 /// Maximum number of ports of a model: each use of a leaf binds them all.
 const MOST_PORTS: usize = 256;
 
-/// The most attributes of an element, more than any node has ports; each is looked for among all.
+/// Most attributes of an element, more than any node has ports; each is looked up among all.
 const MOST_ATTRIBUTES: usize = 64;
 
 /// Reads a file.
 ///
 /// # Errors
-/// The first thing that is wrong, with its place.
+/// The first fault, with its place.
 pub fn read(text: &str) -> Result<Document, TreeError> {
     let mut findings = Findings::default();
     let document = read_with(text, &mut findings);
@@ -40,8 +40,8 @@ pub fn read(text: &str) -> Result<Document, TreeError> {
     Ok(document.expect("a file without a fault is a document"))
 }
 
-/// Reads a file and collects everything that is wrong with it. What was read although there are faults can be checked further, so that
-/// all faults are known at once; it is nothing to run or write. None if the rest of the file cannot be looked at.
+/// Reads a file and collects all its faults. A document with faults may be checked further, so that all of them are
+/// known at once, but neither run nor written. `None` if the rest of the file cannot be read.
 pub fn read_with(text: &str, findings: &mut Findings) -> Option<Document> {
     parsed(text, findings).map_err(|error| findings.fault(error)).ok()
 }
@@ -68,8 +68,8 @@ fn parsed(text: &str, findings: &mut Findings) -> Result<Document, TreeError> {
     Reader { xml: &xml, lines, findings }.document()
 }
 
-/// The parser compares each attribute with all others of its element, and each namespace with all that hold there: what would take it
-/// long is refused before.
+/// The parser compares each attribute with all others of its element, and each namespace with all in scope: files for
+/// which that would take long are refused before.
 fn look_at_attributes(lines: &Lines<'_>) -> Result<(), TreeError> {
     let text = lines.text;
     let refuse = |at: usize, reason: Reason| Err(TreeError::at(lines.place(at), reason));
@@ -107,12 +107,13 @@ fn look_at_attributes(lines: &Lines<'_>) -> Result<(), TreeError> {
     Ok(())
 }
 
-/// The text, and where in it things are.
+/// The text, with the means to find places in it.
 struct Lines<'x> {
     text: &'x str,
-    /// Where each line begins, in bytes: looking for it anew for each node would take quadratic time.
+    /// Where each line begins, in bytes: searching again for each node would take quadratic time.
     starts: Vec<usize>,
-    /// The place that was asked for last, in bytes, and its column: most are a little behind it, and a file may be one long line.
+    /// The latest place that was looked up, in bytes, and its column: most are a little behind it, and a file may be
+    /// one long line.
     last: Cell<(usize, usize)>,
 }
 
@@ -140,7 +141,7 @@ struct Reader<'x, 'f> {
     findings: &'f mut Findings,
 }
 
-/// What is wrong goes to the findings; an error is that after which the file cannot be read on.
+/// Faults go to the findings; an `Err` is one after which the file cannot be read on.
 impl<'x> Reader<'x, '_> {
     fn of(&self, node: Node<'_, '_>) -> Place {
         self.lines.place(node.range().start)
@@ -207,7 +208,7 @@ impl<'x> Reader<'x, '_> {
         Ok(document)
     }
 
-    /// A tree without an ID is called as BehaviorTree.CPP calls it.
+    /// A tree without an ID gets the name that BehaviorTree.CPP gives it.
     fn tree(&mut self, node: Node<'x, 'x>, nameless: &mut u32) -> Result<TreeDefinition, TreeError> {
         let given = if node.has_attribute("ID") { self.with_id(node) } else { None };
         let (id, notes) = given.unwrap_or_else(|| {
@@ -220,7 +221,7 @@ impl<'x> Reader<'x, '_> {
         }
         let root = match children.first() {
             Some(root) => self.element(*root, 0)?,
-            // It stands for what is missing: the fault is told already.
+            // A stand-in for the missing node, whose fault is reported already.
             None => Element { place, ..Element::new("AlwaysSuccess", Vec::new()) },
         };
         Ok(TreeDefinition { id, notes, root, place })
@@ -266,7 +267,7 @@ impl<'x> Reader<'x, '_> {
             }
             let (mut ports, mut kept) = (Vec::new(), Vec::new());
             for part in self.elements(child) {
-                // navigation2 writes a word of its own for ports that are read and written.
+                // navigation2 has a word of its own for ports that are read and written.
                 let word = if name(part) == "bidirectional_port" { Direction::InOut.word() } else { name(part) };
                 match Direction::ALL.into_iter().find(|direction| direction.word() == word) {
                     Some(direction) => ports.extend(self.model_port(part, direction)),
@@ -294,7 +295,7 @@ impl<'x> Reader<'x, '_> {
         Some(ModelPort { direction, name: port, notes, text: text(node), place: self.of(node) })
     }
 
-    /// An element with all that is in it, whatever it says.
+    /// Copies an element with everything in it, whatever it means.
     fn kept(&mut self, node: Node<'x, 'x>, depth: usize) -> Result<Kept, TreeError> {
         if depth >= DEEPEST {
             return self.refuse(node, Reason::TooDeep);
@@ -317,7 +318,7 @@ impl<'x> Reader<'x, '_> {
 
     fn attributes(&self, node: Node<'_, '_>) -> Vec<Attribute> {
         let attribute = |attribute: roxmltree::Attribute<'_, '_>| Attribute {
-            // With its prefix.
+            // The name with its prefix.
             name: self.lines.text[attribute.range_qname()].to_owned(),
             value: attribute.value().to_owned(),
             place: self.lines.place(attribute.range().start),
@@ -325,7 +326,7 @@ impl<'x> Reader<'x, '_> {
         node.attributes().map(attribute).collect()
     }
 
-    /// The elements in an element; comments are overlooked, texts are not.
+    /// The elements in an element; comments are ignored, texts are faults.
     fn elements(&mut self, node: Node<'x, 'x>) -> Vec<Node<'x, 'x>> {
         let mut elements = Vec::new();
         for child in node.children() {
@@ -343,7 +344,7 @@ fn name<'n>(node: Node<'n, '_>) -> &'n str {
     node.tag_name().name()
 }
 
-/// What is written in an element, between its children.
+/// The text in an element, between its children.
 fn text(node: Node<'_, '_>) -> String {
     let text: String = node.children().filter_map(|child| child.text().filter(|_| child.is_text())).collect();
     text.trim().to_owned()

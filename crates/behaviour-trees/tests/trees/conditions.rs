@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use behaviour_trees::{Blackboard, Catalogue, Mocks, Status, Tree, Value, xml};
 
-/// Runs a tree whose `Work` says this, and gives what each tick came to (`!` and the reason where it could not) and the blackboard.
+/// Runs a tree whose leaf `Work` returns `work`. Returns the result of each tick (`!` and the reason for a fault) and
+/// the blackboard.
 fn run(root: &str, work: &str, entries: &[(&str, i64)], ticks: usize) -> (String, Blackboard) {
     let file = format!("<root BTCPP_format=\"4\"><BehaviorTree ID=\"T\">{root}</BehaviorTree></root>");
     let document = xml::read(&file).unwrap();
@@ -66,7 +67,7 @@ fn a_script_node_does_and_a_script_condition_asks() {
     check("<ScriptCondition code=\"'x'\"/>", "SUCCESS", &[], "!its script comes to 'x', which is neither true nor false");
 }
 
-/// Its script is asked until it holds, and not again before the child is done.
+/// Its script is evaluated until it is true, and not again before the child is done.
 #[test]
 fn a_precondition_lets_its_child_or_says_otherwise() {
     check("<Precondition if=\"n == 1\"><Work/></Precondition>", "SUCCESS", &[("n", 2)], "FAILURE");
@@ -123,7 +124,7 @@ fn a_loop_writes_its_elements_one_after_the_other() {
     assert_eq!(blackboard.get("sum"), Some(&Value::Int(7)), "that of an entry is used up");
 }
 
-/// `catch_on_halt`: whoever is halted in its try-children has one tick to clean up.
+/// With `catch_on_halt`, a node that is halted in its try-children has one tick to clean up.
 #[test]
 fn a_try_catch_that_is_halted_cleans_up_if_it_is_told_to() {
     let root =
@@ -133,7 +134,7 @@ fn a_try_catch_that_is_halted_cleans_up_if_it_is_told_to() {
     assert_eq!(after(" catch_on_halt=\"true\""), Some(Value::Int(1)));
 }
 
-/// As every action of BehaviorTree.CPP that takes time: it repeats what it said until it is reset.
+/// Every action of BehaviorTree.CPP that takes time does the same: it repeats its result until it is reset.
 #[test]
 fn a_sleep_that_is_over_does_not_begin_again_before_it_is_reset() {
     let file =

@@ -1,5 +1,5 @@
-//! Files as BehaviorTree.CPP, its graphical editors and navigation2 write them: what is read, what is kept and written again, what is
-//! refused, and that every fault of a file is told.
+//! Files as BehaviorTree.CPP, its graphical editors and navigation2 write them: what is read, what is written again,
+//! what is refused, and that every fault of a file is reported.
 
 use std::time::Duration;
 
@@ -13,7 +13,7 @@ fn file(root: &str, models: &str) -> String {
     )
 }
 
-/// The faults and the notes of a file, as they are told.
+/// The faults and the notes of a file.
 fn found(text: &str) -> (Vec<String>, Vec<String>) {
     let mut findings = Findings::default();
     if let Some(document) = xml::read_with(text, &mut findings) {
@@ -29,7 +29,7 @@ fn faults(text: &str) -> Vec<String> {
     found(text).0
 }
 
-/// Each is in files that a tool wrote. What is written again stands behind it, where it is not the same.
+/// Each of these stands in files that a tool wrote. What is written again stands behind it, where it differs.
 #[test]
 fn what_other_tools_write_and_nothing_here_needs_is_kept() {
     let metadata = "<Action ID=\"A\"><input_port name=\"x\"/><MetadataFields><Metadata colour=\"blue\"/><Metadata n=\"1\"/></MetadataFields></Action>";
@@ -62,7 +62,7 @@ fn what_other_tools_write_and_nothing_here_needs_is_kept() {
     }
 }
 
-/// It is written again; who checks or runs is told that more files belong to it.
+/// Such a file is written again; `check` and `run` say that more files belong to it.
 #[test]
 fn a_file_that_includes_another_is_written_again_and_not_run() {
     let project = "<root BTCPP_format=\"4\" project_name=\"p\">\n<include path=\"a.xml\" ros_pkg=\"b\"/>\n\
@@ -108,7 +108,7 @@ fn a_control_node_or_decorator_that_a_file_declares_is_checked_and_not_run() {
     assert_eq!(faults(&file(wrong, models)), expected);
 }
 
-/// Models of a file of their own (`nav2_tree_nodes.xml`) count where the file of the trees does not say otherwise.
+/// Models of a separate file (`nav2_tree_nodes.xml`) count where the file of the trees says nothing else.
 #[test]
 fn models_of_another_file_are_known() {
     let trees = xml::read(
@@ -164,7 +164,7 @@ fn what_is_of_format_3_is_named_with_what_it_is_called_now() {
     }
 }
 
-/// Versions before 4.10 take them, and so do we.
+/// Versions before 4.10 accept them, and so do we.
 #[test]
 fn names_that_behaviortree_cpp_refuses_are_noted() {
     let noted = |text: &str| {
@@ -190,7 +190,7 @@ fn names_that_behaviortree_cpp_refuses_are_noted() {
     );
 }
 
-/// One of each step of reading, in the order of the file, and nothing that only follows from another fault.
+/// One fault of each step of reading, in the order of the file, and none that only follows from another.
 #[test]
 fn every_fault_of_a_file_is_told_at_once() {
     let text = "<root>\n<BehaviorTree ID=\"A\">\n<Sequence wrong=\"1\"> words\n<Say ID=\"x\" n=\"many\" m=\"1\"/>\n<Action/>\n<Fly/>\n\
@@ -248,7 +248,7 @@ fn a_tree_that_is_written_once_for_each_use_is_one_tree() {
     assert_eq!(faults(&text("<AlwaysSuccess _uid=\"5\"/>").replace(" _fullpath=\"b\">", ">")).len(), 1, "it was not written so");
 }
 
-/// A file of several trees, of which a program names the one that runs, needs no main one.
+/// A file of several trees needs no main one when a program names the one that runs.
 #[test]
 fn a_file_without_a_main_tree_is_well_formed() {
     let two = "<root BTCPP_format=\"4\"><BehaviorTree ID=\"A\"><AlwaysSuccess/></BehaviorTree>\
@@ -263,7 +263,7 @@ fn a_file_without_a_main_tree_is_well_formed() {
     assert_eq!(faults(&missing), ["1:1: there is no tree C in the file"]);
 }
 
-/// BehaviorTree.CPP takes an empty default for none, and overlooks that of an output that names no entry.
+/// BehaviorTree.CPP takes an empty default for none, and ignores that of an output that names no entry.
 #[test]
 fn a_default_that_cannot_be_one_is_none() {
     let models =

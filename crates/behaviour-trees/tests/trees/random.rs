@@ -1,4 +1,4 @@
-//! Random trees with leaves that say random things. A failure prints the tree and can be played again by proptest.
+//! Random trees with leaves that return random statuses. A failure prints the tree, and proptest can replay it.
 
 use std::time::Duration;
 
@@ -15,12 +15,12 @@ use super::reference::{Reference, World};
 
 const PERIOD: Duration = Duration::from_millis(50);
 
-/// Leaves that say what stands in their attribute, one word a tick, the last one for ever.
+/// Leaves that return the words in their attribute, one per tick, and repeat the last.
 #[derive(Clone, Default)]
 struct Scripted {
     ticks: Vec<usize>,
     halted: Vec<String>,
-    /// Nodes that said RUNNING, and neither ended nor were halted since.
+    /// Nodes that returned RUNNING, and have neither ended nor been halted since.
     running: Vec<NodeId>,
 }
 
@@ -32,7 +32,7 @@ impl Leaves for Scripted {
         let status = Status::named(words[self.ticks[node].min(words.len() - 1)]).unwrap();
         assert_eq!(leaf.is_starting(), !self.running.contains(&leaf.node()));
         self.ticks[node] += 1;
-        // Who is skipped stands as before.
+        // A skipped node keeps its state.
         if status != Status::Skipped {
             self.running.retain(|running| *running != leaf.node());
         }
@@ -61,7 +61,7 @@ fn leaf(words: &'static [&'static str]) -> impl Strategy<Value = Element> {
     prop::collection::vec(select(words), 1..5).prop_map(|says| Element::new("Leaf", vec![]).with("says", &says.join(",")))
 }
 
-/// A tree of these kinds, over leaves that say these words.
+/// A tree of these kinds, over leaves that return these words.
 fn trees(kinds: &'static [&'static str], words: &'static [&'static str]) -> impl Strategy<Value = Element> {
     let tree = leaf(words).prop_recursive(5, 40, 4, move |inner| {
         let children = prop::collection::vec(inner, 1..5);
@@ -133,7 +133,7 @@ const KINDS: &[&str] = &[
     "Sleep",
 ];
 
-/// Those that never give a tick back while their children are done.
+/// Kinds that never return RUNNING while their children are done.
 const PROMPT: &[&str] = &[
     "Sequence",
     "ReactiveSequence",
@@ -150,7 +150,7 @@ const PROMPT: &[&str] = &[
     "AlwaysFailure",
 ];
 
-/// What a tick shows: of each node what it said and how it stands, and which leaves were halted.
+/// The visible result of a tick: what each node returned, its status, and the leaves that were halted.
 type Shown = (Result<Status, ()>, Vec<(Option<Status>, Status)>, Vec<String>);
 
 fn shown(tree: &mut Tree, leaves: &mut Scripted) -> Shown {
@@ -185,7 +185,7 @@ proptest! {
     fn a_halt_reaches_every_leaf_that_runs_and_no_other(root in trees(KINDS, WORDS), ticks in 1_usize..12) {
         let (mut tree, mut leaves) = (build(&root), Scripted::default());
         for _ in 0..ticks {
-            // The leaves themselves look at it that nobody is halted who does not run.
+            // The leaves themselves check that only running ones are halted.
             let (said, nodes, _) = shown(&mut tree, &mut leaves);
             if said.is_err() {
                 prop_assert!(leaves.running.is_empty(), "after a fault nothing runs");
@@ -228,7 +228,7 @@ proptest! {
     }
 }
 
-/// Texts with all that XML has a meaning for.
+/// Texts with everything that has a meaning in XML.
 fn texts() -> impl Strategy<Value = String> {
     prop::collection::vec(
         select(&["a", "Z", " ", "  ", "<", ">", "&", "\"", "'", "\n", "\t", "\r", "]]>", "é", "{x}", "&amp;", "🧳"][..]),
@@ -249,7 +249,7 @@ fn attributes() -> impl Strategy<Value = Vec<Attribute>> {
 fn elements() -> impl Strategy<Value = Element> {
     let node = (ids(), select(&Form::ALL[..]), prop::option::of(texts()), attributes());
     let one = node.prop_map(|(id, form, name, attributes)| {
-        // An element cannot be called like one of the forms.
+        // An element cannot be named like one of the forms.
         let id = if Form::ALL.iter().any(|form| form.word() == id) { format!("X{id}") } else { id };
         Element { id, form, name, attributes, ..Element::default() }
     });
@@ -259,7 +259,7 @@ fn elements() -> impl Strategy<Value = Element> {
     })
 }
 
-/// Elements that mean nothing.
+/// Elements without meaning here.
 fn kept() -> impl Strategy<Value = Vec<Kept>> {
     let of = |children: Vec<Kept>, (name, attributes, text): (String, Vec<Attribute>, String)| Kept {
         name,

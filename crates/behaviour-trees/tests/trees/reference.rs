@@ -1,11 +1,11 @@
-//! A second interpreter, as plain as can be: every node owns its children and its memory, and does what the node of its name does in
-//! BehaviorTree.CPP 4. It has no ports, no scripts, and no care for speed.
+//! A second interpreter, as simple as possible: every node owns its children and its memory, and does what the node of
+//! its name does in BehaviorTree.CPP 4. It has no ports and no scripts, and is slow.
 
 use std::collections::BTreeSet;
 
 use behaviour_trees::{Element, Status};
 
-/// What all nodes see, and what they leave.
+/// What all nodes read and write.
 #[derive(Default)]
 pub(crate) struct World {
     pub(crate) clock_ms: u64,
@@ -61,7 +61,6 @@ impl Reference {
         }
     }
 
-    /// One tick of the whole tree.
     pub(crate) fn tick_root(&mut self, world: &mut World) -> Said {
         self.visit(&mut |node| node.returned = None);
         let said = self.execute(world)?;
@@ -76,7 +75,7 @@ impl Reference {
         self.children.iter_mut().for_each(|child| child.visit(see));
     }
 
-    /// Halts what runs below, and this one if it runs.
+    /// Halts what runs below, and this node if it runs.
     pub(crate) fn reset(&mut self, world: &mut World) {
         if self.status == Status::Running {
             self.halt(world);
@@ -338,7 +337,7 @@ impl Reference {
         Ok(if world.clock_ms - self.started.unwrap() < msec { Status::Running } else { Status::Success })
     }
 
-    /// A tick of the child, which is reset when it is done.
+    /// Ticks the child, which is reset when it is done.
     fn child(&mut self, world: &mut World) -> Said {
         let said = self.children[0].execute(world)?;
         if matches!(said, Status::Success | Status::Failure) {

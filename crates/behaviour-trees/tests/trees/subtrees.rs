@@ -12,7 +12,7 @@ fn document(main: &str, inner: &str) -> Document {
     xml::read(&file).unwrap()
 }
 
-/// What the blackboard holds after a tree has been ticked once on it, by name.
+/// The blackboard after a tree has been ticked once on it, by name.
 fn held(main: &str, inner: &str) -> Vec<String> {
     after_a_tick(&document(main, inner))
 }
@@ -39,7 +39,7 @@ fn names_lead_out_where_the_subtree_says_so() {
     assert_eq!(held("<SubTree ID=\"I\"/>", "<Script code=\"@x := 1\"/>"), ["x=1"]);
 }
 
-/// As there: whoever unsets an entry reaches no other blackboard than that of its own tree.
+/// As in BehaviorTree.CPP: unsetting an entry reaches no blackboard but that of its own tree.
 #[test]
 fn an_entry_outside_is_not_taken_away_by_a_subtree() {
     let main = |subtree: &str| format!("<Sequence><Script code=\"x := 1\"/>{subtree}</Sequence>");
@@ -59,7 +59,7 @@ fn a_subtree_can_be_given_a_text() {
     assert_eq!(refused.unwrap_err().reason.to_string(), "the entry {M/I::1/n} is of type int and cannot hold \"x\"");
 }
 
-/// As from BehaviorTree.CPP 4.9.1 on; before, each is a text.
+/// As in BehaviorTree.CPP since 4.9.1; before, each is a text.
 #[test]
 fn a_number_that_is_given_to_a_subtree_can_be_counted_with() {
     let given =
@@ -68,18 +68,18 @@ fn a_number_that_is_given_to_a_subtree_can_be_counted_with() {
     assert_eq!(given("-2", "v += 5"), ["M/I::1/v=3"]);
     assert_eq!(given("0.5", "x := v * 3"), ["M/I::1/v=0.5", "M/I::1/x=1.5"]);
     assert_eq!(given("1e2", "x := v + 1"), ["M/I::1/v=100", "M/I::1/x=101"]);
-    // What is no number as a whole is a text.
+    // What is not a number as a whole is a text.
     for text in ["1;2", "2 m", "", "two", " 2", "2 ", "+2", "0x10", "inf", "NaN", "-"] {
         assert_eq!(given(text, "x := v .. 'm'").last(), Some(&format!("M/I::1/x={text}m")), "{text}");
     }
-    // A port has it as it is written, with its own type.
+    // A port has the text as it is written, with the port's own type.
     let port = |kind: &str, text: &str| {
         let inner = format!("<Sequence><{kind} queue=\"{{v}}\" value=\"{{x}}\"><AlwaysFailure/></{kind}></Sequence>");
         held(&format!("<ForceSuccess><SubTree ID=\"I\" v=\"{text}\"/></ForceSuccess>"), &inner)
     };
     assert!(port("LoopString", "007").contains(&"M/I::2/x=007".to_owned()));
     assert!(port("LoopDouble", "1.50").contains(&"M/I::2/x=1.5".to_owned()));
-    // It goes down through names, and a model's default is given in the same way.
+    // The number passes through names, and a model's default is passed in the same way.
     let nested = "<root BTCPP_format=\"4\" main_tree_to_execute=\"M\"><BehaviorTree ID=\"M\"><SubTree ID=\"I\"/></BehaviorTree>\
                   <BehaviorTree ID=\"I\"><SubTree ID=\"J\" w=\"{v}\"/></BehaviorTree>\
                   <BehaviorTree ID=\"J\"><Script code=\"w *= 3\"/></BehaviorTree>\
@@ -96,7 +96,7 @@ fn a_subtree_used_twice_has_two_blackboards_and_other_paths() {
     assert_eq!(paths, ["Sequence::1", "a", "a/s", "I::4", "I::4/s"]);
 }
 
-/// SRM1 and SRM2 meet; the Supervisor only waits. Whoever has come has come, also when it is halted.
+/// SRM1 and SRM2 meet; the Supervisor only waits. A party that has arrived stays counted, even when it is halted.
 #[test]
 fn a_barrier_opens_when_all_its_parties_have_come_and_stays_open() {
     let waits = |party: &str| {

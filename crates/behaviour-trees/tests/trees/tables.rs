@@ -1,6 +1,6 @@
-//! The rules of each node as tables: what its children say, tick by tick, and what follows.
-//! `R`, `S`, `F`, `K` are RUNNING, SUCCESS, FAILURE and SKIPPED; a child that was halted in a tick has `h` behind it, `.` is one
-//! that was not ticked.
+//! The rules of each node as tables: what its children return, tick by tick, and what follows. `R`, `S`, `F`, `K` are
+//! RUNNING, SUCCESS, FAILURE and SKIPPED; a child that was halted in a tick has `h` behind it, and `.` is one that was
+//! not ticked.
 
 use std::time::Duration;
 
@@ -29,8 +29,8 @@ fn words(letters: &str) -> String {
     letters.chars().map(word).collect::<Vec<&str>>().join(",")
 }
 
-/// `node` is the kind with its attributes (`Repeat num_cycles=3`), `children` what each child says in its successive ticks, and
-/// `expected` one word a tick: what the node says, and behind `:` its children.
+/// `node` is the kind with its attributes (`Repeat num_cycles=3`), `children` what each child returns in its successive
+/// ticks, and `expected` one word per tick: what the node returns, and behind `:` its children.
 fn check(node: &str, children: &[&str], expected: &str) {
     let mut pieces = node.split(' ');
     let mut element = Element::new(pieces.next().unwrap(), Vec::new());
@@ -148,7 +148,7 @@ fn what_has_one_child_turns_what_it_says() {
     check("RunOnce then_skip=false", &["RF"], "R:R F:F F:.");
 }
 
-/// A child that did not run before is not ticked twice in one tick; one that did may be.
+/// A child that was not running before is not ticked twice in one tick; one that was may be.
 #[test]
 fn retry_and_repeat_give_the_tick_back_between_attempts() {
     check("RetryUntilSuccessful num_attempts=3", &["FFF"], "R:F R:F F:F");

@@ -1,8 +1,10 @@
-//! Random trees of every kind that BehaviorTree.CPP 4.8.2 has, with conditions, scripts and ports, over leaves that say random things.
+//! Random trees of every kind that BehaviorTree.CPP 4.8.2 has, with conditions, scripts and ports, over leaves with
+//! random results.
 //!
-//! What is known to differ (docs/trees.md) is not made: `TryCatch` and `Sync`, which are not there; scripts that subtract and then add, or
-//! come to no number; time that passes (a `Timeout` or `Delay` is for ever); and what stands where a comment below says so. Nor is
-//! `Sleep`: there one that begins anew just after it was halted may end at once, since its old timer ends it from another thread.
+//! Known differences (docs/trees.md) are left out: `TryCatch` and `Sync`, which it does not have; scripts that subtract
+//! and then add, or whose result is no number; time that passes (a `Timeout` or `Delay` lasts for ever); and what
+//! comments below name. `Sleep` is left out too: in BehaviorTree.CPP, one that starts just after it was halted may end
+//! at once, since its old timer ends it from another thread.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -12,7 +14,7 @@ use behaviour_trees::{Document, Element, xml};
 use proptest::prelude::*;
 use proptest::sample::select;
 
-/// A file of trees, what its leaves say, and which entries are 0 at first.
+/// A file of trees, the results of its leaves, and the entries that are 0 at first.
 #[derive(Clone, Debug)]
 pub(super) struct Case {
     pub(super) file: String,
@@ -68,17 +70,17 @@ const KINDS: &[&str] = &[
     "SubTree",
 ];
 
-/// What is asked of the entries `a` and `b`, what is for long so, and what is done with them.
+/// Conditions on the entries `a` and `b`; those in `HOLDS` stay true for long, and `DONE` changes the entries.
 const ASKED: &[&str] =
     &["a==1", "a>1", "b==0", "a<2", "b>a", "a!=b", "true", "false", "a==1&&b<2||a>2", "a<1", "a>=2", "(a+b)*2>6", "!(a==b)"];
 const HOLDS: &[&str] = &["a<2", "b<3", "a!=3", "true", "a<=b+1"];
 const DONE: &[&str] = &["a+=1", "b+=1", "a=0", "b=0", "b=a", "a=b; b+=1", "b=a>1?0:a+1"];
 
-/// What leaves say; the last word stays.
+/// What leaves return; the last word is repeated.
 const ACTS: &[&str] = &["RUNNING", "RUNNING", "RUNNING", "SUCCESS", "SUCCESS", "SUCCESS", "FAILURE", "FAILURE", "SKIPPED"];
 const ANSWERS: &[&str] = &["SUCCESS", "FAILURE"];
 
-/// What never comes within a test.
+/// A time that never passes within a test.
 const FOR_EVER_MS: &str = "1000000";
 
 pub(super) fn cases() -> impl Strategy<Value = Case> {
@@ -116,7 +118,7 @@ fn leaf() -> impl Strategy<Value = Element> {
     ]
 }
 
-/// Conditions of a node, for every third.
+/// Conditions for every third node.
 fn conditions() -> impl Strategy<Value = Vec<Attribute>> {
     let one = prop_oneof![
         3 => (select(&["_failureIf", "_successIf", "_skipIf"][..]), select(ASKED)),
@@ -124,7 +126,7 @@ fn conditions() -> impl Strategy<Value = Vec<Attribute>> {
         2 => (select(&["_onSuccess", "_onFailure", "_onHalted", "_post"][..]), select(DONE)),
     ];
     let some = prop::collection::vec(one, 1..4).prop_map(|some| {
-        // One of each name.
+        // At most one of each name.
         let some: BTreeMap<&str, &str> = some.into_iter().collect();
         some.into_iter().map(|(name, code)| Attribute::new(name, code)).collect()
     });
@@ -132,7 +134,7 @@ fn conditions() -> impl Strategy<Value = Vec<Attribute>> {
 }
 
 fn conditioned(mut element: Element, mut conditions: Vec<Attribute>) -> Element {
-    // A loop of 4.8 that stands SUCCESS or FAILURE by a condition, and was not reset, has no queue when it begins.
+    // A loop of 4.8 that has SUCCESS or FAILURE by a condition, and was not reset, has no queue when it begins.
     if element.id.starts_with("Loop") {
         conditions.retain(|condition| condition.name != "_successIf" && condition.name != "_failureIf");
     }
@@ -140,7 +142,7 @@ fn conditioned(mut element: Element, mut conditions: Vec<Attribute>) -> Element 
     element
 }
 
-/// What ports hold, by chance.
+/// Random choices for ports.
 struct Picks(std::array::IntoIter<u8, 8>);
 
 impl Picks {
@@ -148,7 +150,7 @@ impl Picks {
         words[usize::from(self.0.next().unwrap_or_default()) % words.len()]
     }
 
-    /// With one of these in a port, or without it.
+    /// Sets a port to one of these words, or leaves it out.
     fn port(&mut self, element: Element, name: &str, words: &[&str]) -> Element {
         match self.of(&["", "set", "set"]) {
             "" => element,
@@ -157,14 +159,15 @@ impl Picks {
     }
 }
 
-/// A node of this kind; of the children it takes as many as it may have, some of them twice if there are too few.
+/// A node of this kind with as many of the children as it may have, some of them twice if there are too few.
 fn node(kind: &str, children: Vec<Element>, picks: &mut Picks) -> Element {
     let some = |count: usize| Element::new(kind, children.iter().cycle().take(count).cloned().collect());
     let one = some(1);
     match kind {
         "IfThenElse" | "WhileDoElse" => {
             let mut element = some(if picks.of(&["2", "3"]) == "2" { 2 } else { 3 });
-            // A stateful leaf that ended and was not reset is performed again here; there it repeats what it said.
+            // A stateful leaf that ended and was not reset is performed again here; in BehaviorTree.CPP it repeats its
+            // result.
             let first = element.children.remove(0);
             let is_stateful = first.id == "Act";
             element.children.insert(0, if is_stateful { Element::new("Inverter", vec![first]) } else { first });
@@ -203,7 +206,7 @@ fn node(kind: &str, children: Vec<Element>, picks: &mut Picks) -> Element {
             picks.port(element, "if_empty", &["SUCCESS", "FAILURE", "SKIPPED"])
         }
         "SkipUnlessUpdated" | "WaitValueUpdate" => {
-            // Only over what never runs: before 4.9 they do not halt their child.
+            // Only over leaves that never run: before 4.9 these nodes do not halt their child.
             let says = picks.of(&["SUCCESS", "FAILURE", "SUCCESS,FAILURE", "FAILURE,SUCCESS"]);
             let child = Element::new("Ask", Vec::new()).with("says", says);
             Element::new(kind, vec![child]).with("entry", picks.of(&["{a}", "{b}"]))
@@ -213,12 +216,12 @@ fn node(kind: &str, children: Vec<Element>, picks: &mut Picks) -> Element {
     }
 }
 
-/// A case with names for all nodes, what leaves say beside the file, and each subtree as a tree of its own.
+/// Completes a case: names for all nodes, results of leaves outside the file, and each subtree as a tree of its own.
 fn finished(root: Element) -> Case {
     let switches = has_switch(&root);
     let mut parts = Parts::default();
     let mut main = parts.named(root);
-    // A switch makes its variable a text; it gets its first value from a script then.
+    // A switch turns its variable into a text, so its first value comes from a script.
     if switches {
         let script = Element::new("Script", Vec::new()).named("made").with("code", "a:=0; b:=0");
         let once = Element::new("RunOnce", vec![script]).named("once");

@@ -1,9 +1,10 @@
-//! Random trees beside BehaviorTree.CPP itself, as its Python package behaviortreepy has it (4.8.2): after every tick the same root, the same
-//! standing of every node, the same ticks and halts of leaves in the same order, and the same blackboard. Where the package is absent
-//! this is left out with a word; with `HALLSWEEP_REQUIRE_CLIENTS=1` it fails.
+//! Compares random trees with BehaviorTree.CPP itself, as its Python package behaviortreepy has it (4.8.2): after every
+//! tick the same root status, the same state of every node, the same ticks and halts of leaves in the same order, and
+//! the same blackboard. Without the package the test is left out with a message; with `HALLSWEEP_REQUIRE_CLIENTS=1` it
+//! fails.
 //!
-//! A failure prints the smallest tree that was found, as `tests/clients/behaviortree.py` reads it, and the seed: `HALLSWEEP_SEED` plays
-//! it again, or others, and `HALLSWEEP_TREES` says how many.
+//! A failure prints the smallest tree that was found, as `tests/clients/behaviortree.py` reads it, and the seed:
+//! `HALLSWEEP_SEED` replays it or sets another, and `HALLSWEEP_TREES` sets the number of trees.
 
 mod making;
 mod original;
@@ -17,12 +18,12 @@ use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestError, Test
 use making::Case;
 use original::Original;
 
-/// Some seconds.
+/// Takes some seconds.
 const TREES: u32 = 1_500;
 
 const TICKS: usize = 10;
 
-/// Mocks that note in which order they were ticked and halted.
+/// Mocks that record the order in which they were ticked and halted.
 struct Noted {
     mocks: Mocks,
     events: Vec<String>,
@@ -77,22 +78,22 @@ fn shown(root: Status, tree: &Tree, events: &[String], blackboard: &Blackboard) 
     let not_idle = tree.nodes().filter(|node| node.after != Status::Idle);
     let mut stand: Vec<String> = not_idle.map(|node| format!("{}={}", node.name, node.after.word())).collect();
     stand.sort();
-    // What a subtree has for itself stands in another blackboard there.
+    // Entries of a subtree stand in a blackboard of their own in BehaviorTree.CPP.
     let entries = blackboard.entries().filter(|entry| !entry.name().contains('/'));
     let mut held: Vec<String> = entries.filter_map(|entry| Some(format!("{}={}", entry.name(), told(entry.value()?)))).collect();
     held.sort();
     [root.word(), &stand.join(" "), &events.join(" "), &held.join(" ")].join(" | ")
 }
 
-/// A value as a number where it can be one: the package does not say of which type an entry is.
+/// A value as a number where it can be one: the package does not tell the type of an entry.
 fn told(value: &Value) -> String {
     let text = if let Value::Bool(truth) = value { u8::from(*truth).to_string() } else { value.to_string() };
     text.parse::<f64>().map_or(text, |number| format!("{number:?}"))
 }
 
-/// How many ticks were compared, or what differs.
+/// The number of ticks that were compared, or the first difference.
 fn compared(ours: &[String], theirs: &[String]) -> Result<usize, String> {
-    // Reasons are in words of one's own.
+    // The wording of reasons differs.
     let word = |line: &String| line.split(' ').next().unwrap_or_default().to_owned();
     let is_end = |line: &String| matches!(word(line).as_str(), "refused" | "fault");
     let none = "nothing".to_owned();
@@ -132,7 +133,7 @@ fn every_node_stands_as_in_behaviortree_cpp() {
         Err(TestError::Fail(how, _)) => panic!("HALLSWEEP_SEED={seed} HALLSWEEP_TREES={cases}: {how}"),
         Err(TestError::Abort(why)) => panic!("{why}"),
     }
-    // Few are refused, and few end early with a fault.
+    // Few trees are refused, and few end early with a fault.
     assert!(ticks.get() > cases as usize * TICKS * 9 / 10, "only {} ticks of {cases} trees were compared", ticks.get());
 }
 

@@ -7,14 +7,15 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 /// The process ends by itself when its input does, and by force after this time.
 const PATIENCE_S: &str = "600";
 
-/// The process, once something was asked.
+/// The process, which is started by the first case.
 #[derive(Default)]
 pub(super) struct Original {
     process: Option<(Child, ChildStdin, BufReader<ChildStdout>)>,
 }
 
 impl Original {
-    /// Whether it is there. When it is not, a word says what to install, or the test fails under `HALLSWEEP_REQUIRE_CLIENTS=1`.
+    /// Whether the package is installed. If not, a message says what to install, or the test fails under
+    /// `HALLSWEEP_REQUIRE_CLIENTS=1`.
     pub(super) fn is_here() -> bool {
         let mut import = python();
         import.args(["-c", "import behaviortreepy"]).stdin(Stdio::null()).stderr(Stdio::null());
@@ -24,14 +25,14 @@ impl Original {
         let missing = "behaviortreepy, of which there are wheels for Python up to 3.13 on x86_64 \
                        (python3 -m pip install --target tests/clients/python_modules -r tests/clients/requirements.txt)";
         let required = std::env::var("HALLSWEEP_REQUIRE_CLIENTS").is_ok_and(|value| value == "1");
-        // Where it cannot be had nobody requires it.
+        // The package is not available for other processors, so nothing requires it there.
         assert!(!required || cfg!(not(target_arch = "x86_64")), "the test beside BehaviorTree.CPP needs {missing}");
-        // Written past the test harness, which would keep it to itself.
+        // Written past the test harness, which would swallow it.
         writeln!(std::io::stderr(), "a test beside BehaviorTree.CPP is left out: it needs {missing}").expect("it is open");
         false
     }
 
-    /// What it says to a case, line by line. When it dies of one, the next one finds it anew.
+    /// The answer to a case, line by line. If the process dies of it, the next case starts another.
     pub(super) fn ask(&mut self, told: &str) -> Result<Vec<String>, String> {
         let (_, input, output) = self.process.get_or_insert_with(start);
         let mut said = Vec::new();
@@ -70,7 +71,7 @@ fn start() -> (Child, ChildStdin, BufReader<ChildStdout>) {
     (child, input, BufReader::new(output))
 }
 
-/// Where the list of clients is, what it names, and the scripts that speak with their libraries.
+/// The folder with the list of clients, what it installs, and the scripts that use the libraries.
 fn clients() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/clients")
 }
