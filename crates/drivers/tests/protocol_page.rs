@@ -1,10 +1,10 @@
-//! The page about the line protocol says what holds: every line that it shows is read as one, and its numbers are ours.
+//! Checks the page about the line protocol: every line that it shows is valid, and its numbers are ours.
 
 use hallsweep_drivers::line::{FromRobot, LineReader, MOST_BYTES, RobotName, Seq, ToRobot, framed};
 
 const PAGE: &str = include_str!("../../../docs/robot-line-protocol.md");
 
-/// What may stand where the page has a word in capitals.
+/// Examples for the page's words in capitals.
 const EXAMPLES: [(&str, &str); 13] = [
     ("X,Y,HEADING", "-3,12,west"),
     ("PART…", "base led"),

@@ -1,5 +1,6 @@
-//! The sketch for a microcontroller in `docs/line-robot`, compiled as plain C++ with a stand-in for the board, and driven by our driver,
-//! in simulated time. Where there is no C++ compiler these tests say so and pass; with `HALLSWEEP_REQUIRE_CLIENTS=1` they fail.
+//! The sketch for a microcontroller in `docs/line-robot`, compiled as plain C++ with a stand-in for the board, and
+//! driven by our driver, in simulated time. Without a C++ compiler these tests print a message and pass; with
+//! `HALLSWEEP_REQUIRE_CLIENTS=1` they fail.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -29,7 +30,7 @@ fn compiled() -> Option<PathBuf> {
     if Command::new("c++").arg("--version").output().is_err() {
         let required = std::env::var("HALLSWEEP_REQUIRE_CLIENTS").is_ok_and(|value| value == "1");
         assert!(!required, "the tests of the sketch need a C++ compiler, as c++");
-        // Written past the test harness, which would keep it to itself.
+        // Written past the test harness, which would swallow it.
         let words = "the tests of the sketch are left out: they need a C++ compiler, as c++";
         writeln!(std::io::stderr(), "{words}").expect("standard error is open");
         return None;
@@ -49,7 +50,6 @@ fn compiled() -> Option<PathBuf> {
     Some(program)
 }
 
-/// The board with the sketch on it.
 struct Board {
     child: Child,
     to: ChildStdin,
@@ -65,7 +65,7 @@ impl Board {
         Board { child, to, from, motors: STANDING.to_owned() }
     }
 
-    /// Tells the board something; what the sketch has said since.
+    /// Sends the board a line, and returns what the sketch has sent since.
     fn tell(&mut self, what: &str) -> Vec<u8> {
         writeln!(self.to, "{what}").expect("the sketch runs");
         let mut line = String::new();
@@ -81,7 +81,7 @@ impl Board {
         self.tell(&format!("hear {hex}"));
     }
 
-    /// So many milliseconds, in which nothing but this text is heard; what is said then.
+    /// Lets this many milliseconds pass in which the sketch receives only this text, and returns what it sends.
     fn hears(&mut self, text: &str, ms: u64) -> String {
         self.hear(&framed(text));
         String::from_utf8(self.tell(&format!("pass {ms}"))).expect("it speaks ASCII")
@@ -90,7 +90,7 @@ impl Board {
 
 impl Drop for Board {
     fn drop(&mut self) {
-        // It may have ended already, which is as good.
+        // It may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -100,13 +100,13 @@ struct Test {
     board: Board,
     driver: LineDriver,
     now: Now,
-    /// How likely a piece is lost on its way, and by what chance.
+    /// The probability that a piece is lost on its way, with its random numbers.
     loses: f64,
     chance: RandomStream,
 }
 
 impl Test {
-    /// The driver and the sketch, which have found each other.
+    /// A driver and the sketch, with the link up.
     fn up(sketch: &Path) -> Test {
         let (board, driver) = (Board::switched_on(sketch), LineDriver::new());
         let mut test = Test { board, driver, now: Now::default(), loses: 0.0, chance: RandomStream::new(1, "wire") };
@@ -122,7 +122,7 @@ impl Test {
         self.driver.handle_order(Order { id: OrderId(id), action, epoch: Epoch(0), deadline }, self.now);
     }
 
-    /// Gives an order, and waits for its answer.
+    /// Sends an order, and waits for its answer.
     fn orders(&mut self, id: u64, action: Action) -> RobotEvent {
         self.order(id, action);
         self.event()
@@ -140,7 +140,7 @@ impl Test {
         panic!("nothing was reported within 20 s");
     }
 
-    /// 10 ms of both.
+    /// Advances both by 10 ms.
     fn pass(&mut self) {
         while let Some(output) = self.driver.poll_output() {
             let Output::Send(bytes) = output else { panic!("{output:?}") };
@@ -238,7 +238,7 @@ fn over_a_wire_that_loses_much_of_what_is_said_every_order_of_the_sketch_is_done
     test.loses = 0.4;
     for id in 1..=20 {
         while test.driver.poll_event().is_some() {}
-        // Four repetitions that are lost in a row would halt it; from this seed there are none.
+        // Four repetitions lost in a row would halt it; this seed has none.
         assert_eq!(test.orders(id, if id % 2 == 0 { BACKWARD } else { FORWARD }), RobotEvent::Done(OrderId(id)));
     }
     test.loses = 0.0;

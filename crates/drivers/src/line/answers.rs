@@ -1,5 +1,5 @@
-//! What the driver makes of each line of the robot: reports for the core, and photos out of the bytes that follow one. What is said
-//! to the robot stands in `driver`.
+//! The driver's handling of the robot's lines: reports for the core, and photos from the bytes that follow a line. What
+//! is sent to the robot stands in `driver`.
 
 use std::time::Duration;
 
@@ -11,16 +11,16 @@ use hallsweep_core::event::{Ahead, Obstacle, OffCentre, RobotEvent};
 use hallsweep_core::robot::Part;
 use hallsweep_core::units::{Celsius, Now, OrderId};
 
-/// So long a photo is passed over that nobody waits for any more.
+/// Longest time for which the bytes of an unwanted photo are skipped.
 const UNWANTED: Duration = Duration::from_secs(30);
 
-/// Readings are told so often and no more often, so that a sensor that never stops talking fills no journal.
+/// Least time between two reports of readings, so that a sensor that never stops does not fill the journal.
 const READINGS: Duration = Duration::from_millis(500);
 
-/// One that has halted by itself so often in a row has failed.
+/// Number of halts in a row that nobody asked for, after which an order has failed.
 const UNASKED: u8 = 20;
 
-/// No camera sees further along a wall, and no sonar further ahead, in cells.
+/// Furthest sight of a camera along a wall and of a sonar ahead, in cells.
 const SEEN: u16 = 100;
 
 impl LineDriver {
@@ -43,14 +43,14 @@ impl LineDriver {
         }
     }
 
-    /// The hottest of what it says between two reports.
+    /// Notes a temperature; the hottest between two reports is reported.
     fn warm(&mut self, celsius: Celsius) {
         if self.has(Part::Thermometer) {
             self.temperature = Some(self.temperature.filter(|hotter| *hotter > celsius).unwrap_or(celsius));
         }
     }
 
-    /// What was measured since the last report, so often and no more often.
+    /// Reports what was measured since the last report, if `READINGS` has passed.
     pub(super) fn tell_readings(&mut self, now: Now) {
         self.readings_at = now.since_start + READINGS;
         self.events.extend(self.sonar.take().map(RobotEvent::Sonar));
@@ -61,7 +61,7 @@ impl LineDriver {
         (self.sonar.is_some() || self.temperature.is_some()).then_some(self.readings_at)
     }
 
-    /// An answer to the open order; one to any other is out of date.
+    /// Handles an answer to the open order; one to any other order is out of date.
     fn answered(&mut self, said: FromRobot) {
         match said {
             FromRobot::Done(seq, ahead) => {
@@ -91,7 +91,8 @@ impl LineDriver {
         }
     }
 
-    /// One that halts although nobody has told it to has heard too little, now and then; one that always does will never arrive.
+    /// The robot halted although nobody asked: now and then it has received too little, but if it always does, it will
+    /// never arrive.
     fn halted(&mut self, seq: Seq, off_centre: OffCentre) {
         let Some((was_halted, is_late)) = self.open.as_ref().map(|open| (open.is_halted, open.is_late)) else { return };
         let Some(id) = self.close_motion(seq, off_centre) else { return };
@@ -110,14 +111,14 @@ impl LineDriver {
         self.open.take_if(|_| seq == self.seq)
     }
 
-    /// Closes the open order, if it is this one and a motion.
+    /// Closes the open order, if it has this number and is a motion.
     fn close_motion(&mut self, seq: Seq, off_centre: OffCentre) -> Option<OrderId> {
         let open = self.open.take_if(|open| seq == self.seq && open.task.is_motion())?;
         self.off_centre = off_centre;
         Some(open.order.id)
     }
 
-    /// The same of one that is complete: the robot stands where it has brought it.
+    /// Closes a completed motion: the robot stands where the motion leads.
     fn close_done(&mut self, seq: Seq) -> Option<OrderId> {
         let task = self.open.as_ref().map(|open| open.task)?;
         let id = self.close_motion(seq, false)?;
@@ -127,7 +128,8 @@ impl LineDriver {
         Some(id)
     }
 
-    /// The bytes of a photo follow. Those that nobody wants are passed over, so that nothing in them is taken for a line.
+    /// Begins to receive a photo's bytes. Those of an unwanted one are skipped, so that nothing in them is read as a
+    /// line.
     fn expose(&mut self, seq: Seq, length: u32, crc: u32, now: Now) {
         let wanted = self.open.as_ref().filter(|open| seq == self.seq && !open.task.is_motion());
         let until = wanted.map_or(now.since_start + UNWANTED, |open| open.until);
@@ -140,7 +142,7 @@ impl LineDriver {
         }
     }
 
-    /// The photo is whole, or given up.
+    /// Ends the photo: it is complete, or given up.
     pub(super) fn develop(&mut self, now: Now) {
         let Some(picture) = self.picture.take() else { return };
         self.heard = now.since_start;

@@ -1,14 +1,14 @@
-//! The checks of the line protocol: CRC-16 of a line (CCITT, begun with `FFFF`) and CRC-32 of a photo (as in zip and PNG).
-//! Both go bit by bit, without a table, as they do in a microcontroller.
+//! The checksums of the line protocol: CRC-16 of a line (CCITT, initial value `FFFF`) and CRC-32 of a photo (as in zip
+//! and PNG). Both go bit by bit, without a table, as they do in a microcontroller.
 
-/// Of a line. The exclusive or that NMEA 0183 has would not miss two equal letters that are lost, as in `w 77 990`.
+/// Checks a line. The exclusive or of NMEA 0183 would not notice the loss of two equal letters, as in `w 77 990`.
 pub(super) fn crc16(bytes: &[u8]) -> u16 {
     bytes.iter().fold(0xffff, |crc, byte| {
         (0..8).fold(crc ^ (u16::from(*byte) << 8), |crc, _| if crc & 0x8000 == 0 { crc << 1 } else { (crc << 1) ^ 0x1021 })
     })
 }
 
-/// Of a photo, piece by piece.
+/// Checks a photo, piece by piece.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crc32(u32);
 

@@ -1,5 +1,5 @@
-//! The program's end of the line protocol: one order at a time, repeated until it is answered, and a `hello` every half second. How
-//! robot and program find each other stands in `greeting`, what the robot's lines come to in `answers`.
+//! The program's end of the line protocol: one order at a time, repeated until it is answered, and a `hello` every half
+//! second. How robot and program begin stands in `greeting`, the handling of the robot's lines in `answers`.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -16,83 +16,78 @@ use hallsweep_core::event::{OffCentre, Parts, Photo, RobotEvent};
 use hallsweep_core::robot::Part;
 use hallsweep_core::units::{Celsius, Now, OrderId, Pose};
 
-/// What is not answered is said again after this long.
+/// Time after which a line without an answer is repeated.
 const REPEATED: Duration = Duration::from_millis(100);
 
-/// The robot is asked who it is this often.
+/// Time between two questions who the robot is.
 pub(super) const HELLO: Duration = Duration::from_millis(500);
 
-/// A robot that was heard and says nothing for so long is not there any more.
+/// Silence after which a robot that was heard counts as gone.
 const SILENCE: Duration = Duration::from_millis(1500);
 
-/// So long it has for its first words. A board that is reset by opening its serial device needs two seconds to be awake.
+/// Time for the robot's first line. A board that is reset by opening its serial device needs two seconds to start.
 const AWAKE: Duration = Duration::from_secs(5);
 
-/// Between two bytes of a photo there is no longer pause.
+/// Longest pause between two bytes of a photo.
 const PAUSE: Duration = Duration::from_secs(1);
 
-/// A robot that answers no halt for so long is given up: a new connection halts it too.
+/// Time for the answer to a halt, after which the connection is given up: a new connection halts the robot too.
 const UNHALTED: Duration = Duration::from_millis(1500);
 
-/// Why a robot that has heard of the last number gets no more orders.
+/// Why a robot that has counted to the last number gets no more orders.
 pub(super) const ALL_COUNTED: &str = "the robot has counted its last order: switch it off and on";
 
-/// Speaks to one robot by the line protocol.
 #[derive(Debug)]
 pub struct LineDriver {
     pub(super) link: Link,
     lines: LineReader,
-    /// A good line that said nothing, as an excerpt for whoever looks for the reason.
+    /// An excerpt of a valid line without known meaning, for whoever looks for the reason of a fault.
     pub(super) not_understood: Option<String>,
     pub(super) picture: Option<Picture>,
     pub(super) open: Option<Open>,
-    /// A drawing that stands for a photo, to be made by somebody else until then.
+    /// A drawing that is being made in place of a photo, and its deadline.
     drawing: Option<(OrderId, Duration)>,
-    /// The number of the last order, or the one from which orders begin.
+    /// The number of the last order, or the one above which orders begin.
     pub(super) seq: Seq,
-    /// The last halt line, unless an order was written after it: what it voids, and when it was written.
+    /// The last halt line, unless an order was written after it: the number up to which it voids, and its time.
     last_halt: Option<(Seq, Duration)>,
     led: bool,
-    /// A change of the LED before this waits for the next `hello`.
+    /// Time before which a change of the LED waits for the next `hello`.
     led_at: Duration,
     pub(super) off_centre: OffCentre,
-    /// What it measured and nobody was told of yet, and when somebody may be.
+    /// A distance that was not reported yet, with the outer `None` if there is none.
     pub(super) sonar: Option<Option<u16>>,
     pub(super) temperature: Option<Celsius>,
     pub(super) readings_at: Duration,
-    /// How often in a row it has halted although nobody had told it to.
+    /// Number of halts in a row that nobody asked for.
     pub(super) unasked: u8,
-    /// What the robot called itself that was there last.
+    /// The name of the latest robot.
     pub(super) name: Option<RobotName>,
-    /// When it was connected.
     pub(super) connected: Duration,
-    /// When something good was last heard.
+    /// When the last valid line came.
     pub(super) heard: Duration,
-    /// When the next `hello` is due.
     pub(super) hello_at: Duration,
     pub(super) outputs: VecDeque<Output>,
     pub(super) events: VecDeque<RobotEvent>,
-    /// Why there is no link, as it was last told.
+    /// The reason for the missing link that was last reported.
     pub(super) told: Option<String>,
 }
 
-/// How far the link has come.
 #[derive(Debug)]
 pub(super) enum Link {
     Down,
-    /// Connected. Once the robot has said who it is, it is told from where orders begin.
+    /// Connected. Once the robot has said who it is, it is told the number above which orders begin.
     Greeting(Option<Seq>),
     Up(Robot),
 }
 
-/// The robot at the other end.
 #[derive(Debug)]
 pub(super) struct Robot {
     pub(super) name: RobotName,
     pub(super) parts: Parts,
-    /// The number from which orders begin: as long as it is the same robot, and was not switched off, it knows that one.
+    /// The number above which orders begin: a robot that knows it is the same one, and was not switched off.
     pub(super) from: Seq,
-    /// Where it has come by what it has done.
+    /// Where its completed orders have brought it.
     pub(super) pose: Pose,
 }
 
@@ -101,17 +96,15 @@ pub(super) struct Robot {
 pub(super) struct Open {
     pub(super) order: Order,
     pub(super) task: Task,
-    /// When its deadline has passed.
     pub(super) until: Duration,
     repeat_at: Duration,
-    /// It is to be void: what is repeated is the halt.
+    /// The order is to be void: the halt is repeated in place of it.
     pub(super) is_halted: bool,
-    /// That is so because its deadline has passed.
+    /// Whether it is halted because its deadline has passed.
     pub(super) is_late: bool,
 }
 
 impl LineDriver {
-    /// One that is not connected.
     #[must_use]
     pub fn new() -> LineDriver {
         LineDriver {
@@ -154,7 +147,7 @@ impl LineDriver {
         matches!(&self.link, Link::Up(robot) if robot.parts.has(part))
     }
 
-    /// Says the open order again, or the halt that voids it.
+    /// Repeats the open order, or the halt that voids it.
     fn repeat(&mut self, now: Now) {
         let Some(open) = &mut self.open else { return };
         open.repeat_at = now.since_start + REPEATED;
@@ -172,7 +165,7 @@ impl LineDriver {
         self.say(ToRobot::Halt(voids));
     }
 
-    /// What a robot with these parts is asked to do for an action, or why it is not asked.
+    /// The task for an action, or why a robot with these parts does not get it.
     fn task(&self, action: Action) -> Result<Task, &'static str> {
         let task = match action {
             Action::Move(Move::Forward) => Task::Forward,
@@ -210,7 +203,7 @@ impl LineDriver {
         Ok(())
     }
 
-    /// Nobody can rely on what was under way any more. It will not be answered.
+    /// Drops the open order, which will not be answered: nobody knows what became of it.
     pub(super) fn drop_order(&mut self) {
         let open = self.open.take();
         self.off_centre |= open.is_some_and(|open| open.task.is_motion());
@@ -218,7 +211,7 @@ impl LineDriver {
         self.picture = None;
     }
 
-    /// An order whose deadline has passed: a motion never begins so late, and a photo is not waited for.
+    /// Ends an order whose deadline has passed: a motion must not begin so late, and a photo is not waited for.
     fn expire(&mut self, now: Now) {
         let Some(open) = &mut self.open else { return };
         if open.task.is_motion() && !open.is_halted {
@@ -233,7 +226,7 @@ impl LineDriver {
         }
     }
 
-    /// It has said nothing for so long.
+    /// Gives up a robot that was silent for this time.
     fn give_up(&mut self, patience: Duration) {
         let damaged = if self.lines.passed_over() > 0 { "; lines were damaged on their way" } else { "" };
         let unknown = self.not_understood.take().map(|text| format!("; `{text}` was not understood"));
@@ -241,7 +234,7 @@ impl LineDriver {
         self.break_link(words);
     }
 
-    /// The connection is of no use any more; another is made in a while.
+    /// Gives up the connection; another is made after a while.
     pub(super) fn break_link(&mut self, words: String) {
         self.link = Link::Down;
         self.drop_order();
@@ -253,7 +246,7 @@ impl LineDriver {
         self.events.extend(missed);
     }
 
-    /// How long the robot may say nothing; it may always where nobody is connected.
+    /// How long the robot may be silent; `None` without a connection.
     const fn patience(&self) -> Option<Duration> {
         match self.link {
             Link::Down => None,
@@ -262,12 +255,13 @@ impl LineDriver {
         }
     }
 
-    /// When the picture that is coming is given up.
+    /// When the incoming photo is given up.
     fn picture_until(&self) -> Option<Duration> {
         self.picture.as_ref().map(|picture| picture.until.min(self.heard + PAUSE))
     }
 
-    /// While the bytes of a photo come nothing is asked, so that the robot says nothing but these; what is missing of them shows.
+    /// No `hello` is due while the bytes of a photo come, so that nothing else is sent between them; missing bytes are
+    /// noticed.
     const fn next_hello(&self) -> Option<Duration> {
         match (&self.link, &self.picture) {
             (Link::Down, _) | (_, Some(_)) => None,
@@ -292,7 +286,7 @@ impl Driver for LineDriver {
         self.link = Link::Greeting(None);
         self.lines = LineReader::default();
         (self.connected, self.heard, self.last_halt) = (now.since_start, now.since_start, None);
-        // What the robot may have heard of the last program ends here.
+        // Ends a line of the last program that may have arrived in part.
         self.outputs.push_back(Output::Send(b"\n".to_vec()));
         self.greet(now);
     }

@@ -1,21 +1,20 @@
-//! A line on the wire: a text, `*`, four capital hex digits of its CRC-16, a line feed. What the texts mean stands in `to_robot` and
-//! `from_robot`.
+//! A line on the wire: a text, `*`, four capital hex digits of its CRC-16, and a line feed. What the texts mean stands
+//! in `to_robot` and `from_robot`.
 
 use super::crc::crc16;
 
-/// The longest line that is read, in bytes, check included and line feed not.
+/// Longest line that is read, in bytes, with the check and without the line feed.
 pub const LONGEST: usize = 160;
 
-/// A line for the robot has 40 bytes at most: without its star and check it has so many.
+/// Longest line for the robot without its star and check, in bytes: with them it is 40 bytes.
 pub(super) const LONGEST_FOR_ROBOT: usize = 35;
 
-/// A text as a line.
 #[must_use]
 pub fn framed(text: &str) -> Vec<u8> {
     format!("{text}*{:04X}\n", crc16(text.as_bytes())).into_bytes()
 }
 
-/// Finds lines in whatever comes, a byte at a time. What is no good line is counted and passed over.
+/// Finds lines in the received bytes. Invalid lines are counted and skipped.
 #[derive(Clone, Debug, Default)]
 pub struct LineReader {
     line: Vec<u8>,
@@ -24,7 +23,7 @@ pub struct LineReader {
 }
 
 impl LineReader {
-    /// Takes the next byte. When it ends a good line: its text.
+    /// Takes the next byte. Returns the text of a valid line when the byte ends one.
     pub fn take(&mut self, byte: u8) -> Option<String> {
         match byte {
             b'\n' => self.end(),
@@ -40,13 +39,13 @@ impl LineReader {
         }
     }
 
-    /// How many lines were passed over.
+    /// Number of invalid lines.
     #[must_use]
     pub const fn passed_over(&self) -> u64 {
         self.passed_over
     }
 
-    /// Forgets the beginning of a line: its end will not come.
+    /// Drops the beginning of a line whose end will not come.
     fn clear(&mut self) {
         self.line.clear();
         self.is_too_long = false;
@@ -54,7 +53,7 @@ impl LineReader {
 
     fn end(&mut self) -> Option<String> {
         let text = if self.is_too_long { None } else { text_of(&self.line) };
-        // An empty line is how both ends make sure that what they say next begins one.
+        // Both ends send an empty line to make sure that what follows begins a new one, so it is not counted.
         self.passed_over += u64::from(text.is_none() && !self.line.is_empty());
         self.clear();
         text
@@ -63,7 +62,7 @@ impl LineReader {
 
 fn text_of(line: &[u8]) -> Option<String> {
     let line = std::str::from_utf8(line).ok().filter(|line| line.bytes().all(|byte| (b' '..=b'~').contains(&byte)))?;
-    // The first star counts, so that two lines whose line feed was lost are never one good line.
+    // The first star counts, so that two lines whose line feed was lost never form a valid one.
     let (text, check) = line.split_once('*')?;
     (check == format!("{:04X}", crc16(text.as_bytes()))).then(|| text.to_owned())
 }

@@ -1,4 +1,5 @@
-//! What the robot says to the program: the texts of its lines, written and read. What follows from them, `driver` knows.
+//! What the robot says to the program: the texts of its lines, written and read. What follows from them is decided in
+//! `driver`.
 
 use std::fmt;
 use std::time::Duration;
@@ -8,35 +9,29 @@ use hallsweep_core::event::{Ahead, Obstacle, OffCentre, Parts, Whereabouts};
 use hallsweep_core::robot::Part;
 use hallsweep_core::units::{Cell, Celsius, Heading, Piece, Pose};
 
-/// One line of the robot.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FromRobot {
-    /// Who it is, what it can do, where it stands.
     Hello(Hello),
-    /// A motion is complete; what its sonar sees of the cells ahead, if it looks so far.
+    /// A motion is complete, with what the sonar sees of the cells ahead, if it looks so far.
     Done(Seq, Option<Ahead>),
-    /// A motion met an obstacle, so many centimetres ahead.
+    /// A motion met an obstacle at this distance in centimetres.
     Blocked(Seq, Option<u16>, Obstacle),
     /// A motion was cut short by a halt, or not begun.
     Halted(Seq, OffCentre),
-    /// It cannot do what was ordered; why.
+    /// It cannot carry out the order, for this reason.
     Failed(Seq, Words),
-    /// It has no photo; why.
+    /// It has no photo, for this reason.
     NoPhoto(Seq, Words),
-    /// A photo of so many bytes, which follow at once, with this CRC-32.
+    /// A photo with this length in bytes, which follow at once, and this CRC-32.
     Photo(Seq, u32, u32),
     /// Centimetres to what is ahead.
     Sonar(Option<u16>),
-    /// Its thermometer.
     Temperature(Celsius),
 }
 
-/// Who a robot is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hello {
-    /// What it calls itself.
     pub name: RobotName,
-    /// What it has.
     pub parts: Parts,
     /// How long one cell takes.
     pub step: Duration,
@@ -46,19 +41,19 @@ pub struct Hello {
     pub photo: Duration,
     /// Where it stands by its own reckoning.
     pub stands: Whereabouts,
-    /// The greatest number that it has begun or that was voided; `None`: it was switched on, and has heard no `from`.
+    /// The greatest number that it has begun or that was voided; `None`: it was switched on, and has received no
+    /// `from`.
     pub last: Option<Seq>,
 }
 
-/// What a robot calls itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RobotName(String);
 
 impl RobotName {
-    /// The longest name, in bytes: the line has room for no more.
+    /// Longest name, in bytes: the line has room for no more.
     pub const MOST: usize = 24;
 
-    /// `text` as a name: 1 to `MOST` visible ASCII characters without a star; else `None`.
+    /// `None` unless it has 1 to `MOST` visible ASCII characters without a star.
     #[must_use]
     pub fn new(text: &str) -> Option<RobotName> {
         let is_sound = text.bytes().all(|byte| byte.is_ascii_graphic() && byte != b'*');
@@ -72,14 +67,14 @@ impl fmt::Display for RobotName {
     }
 }
 
-/// A reason, as far as a line has room for it.
+/// A reason, cut to the room of a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Words(String);
 
 impl Words {
     const MOST: usize = 100;
 
-    /// `text` with a question mark for whatever a line cannot carry, cut where the room ends.
+    /// Replaces characters that a line cannot carry by question marks, and cuts the text where the room ends.
     #[must_use]
     pub fn new(text: &str) -> Words {
         let carried = |letter: char| if (' '..='~').contains(&letter) && letter != '*' { letter } else { '?' };
@@ -94,7 +89,7 @@ impl fmt::Display for Words {
 }
 
 impl FromRobot {
-    /// What a line says, if it says anything.
+    /// `None` for a line without known meaning.
     #[must_use]
     pub fn parse(text: &str) -> Option<FromRobot> {
         let (word, rest) = text.split_once(' ')?;
@@ -155,10 +150,10 @@ impl fmt::Display for Hello {
     }
 }
 
-/// The parts that this protocol has words for.
+/// The parts for which the protocol has words.
 const PARTS: [Part; 6] = [Part::Base, Part::Camera, Part::Sonar, Part::Led, Part::Thermometer, Part::Bump];
 
-/// No step, turn or photo takes longer.
+/// Longest step, turn or photo, in milliseconds.
 const SLOWEST_MS: u32 = 999_999;
 
 fn hello(words: &[&str]) -> Option<Hello> {
@@ -205,14 +200,14 @@ fn centimetres(text: &str) -> Option<Option<u16>> {
     if text == "none" { Some(None) } else { number(text).map(Some) }
 }
 
-/// To a tenth of a degree. Digits with a point among them, and no other way in which the standard library reads a number.
+/// To a tenth of a degree. Accepts digits with a point among them only, and no other form that the standard library
+/// reads.
 fn temperature(text: &str) -> Option<Celsius> {
     let is_plain = text.bytes().all(|byte| byte.is_ascii_digit() || b"-.".contains(&byte));
     let degrees: f64 = is_plain.then(|| text.parse().ok()).flatten()?;
     Celsius::new((degrees * 10.0).round() / 10.0)
 }
 
-/// An obstacle in the words of the protocol.
 struct Written(Obstacle);
 
 impl fmt::Display for Written {
@@ -231,7 +226,7 @@ fn obstacle(words: &[&str]) -> Option<Obstacle> {
         ["wall"] => Some(Obstacle::Wall { left: 0, right: 0 }),
         ["wall", left, right] => Some(Obstacle::Wall { left: number(left)?, right: number(right)? }),
         ["luggage", piece] => Some(Obstacle::Luggage(Piece(number(piece)?))),
-        // A piece that cannot be known again is no better than something unknown.
+        // A piece that cannot be recognised later is no better than something unknown.
         ["luggage" | "unknown"] => Some(Obstacle::Unknown),
         _ => None,
     }

@@ -1,11 +1,11 @@
-//! How program and robot find each other. The robot says who it is and up to which number it has heard orders; the program tells it
-//! to halt and to take orders above the next number; when the robot says that it does, the link is up.
+//! The beginning of a link. The robot says who it is and up to which number it has received orders; the program tells
+//! it to halt and to accept orders above the next number; when the robot confirms that number, the link is up.
 //!
 //! ```text
 //!   hello ──► ◄── hello ada … last=41
 //!   from 42 ──► ◄── hello ada … last=42     the link is up; the first order is 43
 //! ```
-//! A robot that is switched on has heard of no number and obeys no order, so that it never goes on with one that it had begun
+//! A robot that is switched on knows no number and obeys no order, so that it never goes on with one that it had begun
 //! before.
 
 use std::time::Duration;
@@ -18,26 +18,27 @@ use hallsweep_core::event::{Capabilities, RobotEvent};
 use hallsweep_core::robot::Part;
 use hallsweep_core::units::Now;
 
-/// A robot that takes longer for a cell or a turn stands still.
+/// Longest time for a cell or a turn; a slower robot counts as standing still.
 const SLOWEST: Duration = Duration::from_secs(60);
 
-/// One that has not taken the number from which orders begin in so long never will; a long photo may be under way.
+/// Time for the robot to confirm the number above which orders begin; a long photo may be under way.
 const GREETED: Duration = Duration::from_secs(60);
 
-/// No hall has more cells a side, so no robot in one stands further from its entrance.
+/// Furthest coordinate of a robot: no hall has more cells on a side.
 const FURTHEST: i32 = 2048;
 
 impl LineDriver {
-    /// Asks the robot who it is, or tells it once more from where orders begin.
+    /// Asks the robot who it is, or repeats the number above which orders begin.
     pub(super) fn greet(&mut self, now: Now) {
         self.hello_at = now.since_start + HELLO;
         let words = if let Link::Greeting(Some(from)) = self.link { ToRobot::From(from) } else { ToRobot::Hello };
         self.say(words);
-        // The LED is told as often, as nothing answers that.
+        // The LED is repeated as often, since nothing confirms it.
         self.say_led();
     }
 
-    /// Up to where orders are void by a halt. A robot that is being greeted obeys none up to where they are to begin.
+    /// The number up to which a halt voids orders. A robot that is being greeted obeys none up to the number above
+    /// which they begin.
     pub(super) const fn voided(&self) -> Seq {
         match self.link {
             Link::Greeting(Some(from)) => from,
@@ -63,12 +64,13 @@ impl LineDriver {
         }
     }
 
-    /// Why a robot that says this is not the one to which the link stands, or not where that was left. With a new connection it begins
-    /// anew, wherever it stands then.
+    /// Why a robot that says this is not the one of the link, or not where that one stood. With a new connection it
+    /// begins anew, wherever it stands then.
     fn mismatch(&self, robot: &Robot, hello: &Hello) -> Option<String> {
         let Hello { name, parts, stands, last, .. } = hello;
         let (at, was_at) = (stands.pose, robot.pose);
-        // What it has said before an answer came before that: it stands where its orders have brought it, or where the open one does.
+        // What it said before an answer may come behind it: it stands where its orders have brought it, or where the
+        // open one leads.
         let is_there = at == was_at || self.open.as_ref().is_some_and(|open| at == open.task.after(was_at));
         if *name != robot.name {
             Some(format!("{name} has taken the place of {}: look where it stands", robot.name))
@@ -86,7 +88,7 @@ impl LineDriver {
         }
     }
 
-    /// Tells it once that there is no link, and once more for each other reason.
+    /// Reports that there is no link, once for each reason.
     pub(super) fn tell_lost(&mut self, words: &str) {
         if self.told.as_deref() != Some(words) {
             self.told = Some(words.to_owned());
@@ -94,13 +96,14 @@ impl LineDriver {
         }
     }
 
-    /// One that has heard of the last number there is must be switched off and on; until then it is asked again.
+    /// Sends the number above which orders begin. A robot that has received the last number must be switched off and
+    /// on; until then it is asked again.
     fn begin_above(&mut self, last: Option<Seq>, now: Now) {
         let from = last.map_or(Some(Seq::FIRST), Seq::next);
         let is_first = matches!(self.link, Link::Greeting(None));
         self.link = Link::Greeting(from);
         match from {
-            // One that always knows of more orders hears of it no more often than of anything else.
+            // A robot that always knows of more orders is not told more often than any other.
             Some(_) if is_first => self.greet(now),
             Some(_) => {}
             None => self.tell_lost(ALL_COUNTED),
@@ -118,7 +121,7 @@ impl LineDriver {
             self.tell_lost(&format!("{name} has taken the place of {before}: look where it stands"));
         }
         let [step, turn] = [step, turn].map(|time| time.min(SLOWEST));
-        // Whoever speaks this protocol answers each move.
+        // Every robot of this protocol answers each move.
         let acknowledging = parts.with(Part::AcknowledgedMoves);
         let can = Capabilities { step, turn, photo, arm: Duration::ZERO, nudges: false, parts: acknowledging };
         self.link = Link::Up(Robot { name, parts: acknowledging, from, pose: stands.pose });

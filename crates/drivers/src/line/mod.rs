@@ -1,5 +1,5 @@
-//! The line protocol: how a robot that somebody has built is spoken to, over TCP or a serial device. `docs/robot-line-protocol.md`
-//! says it all for whoever programs the robot.
+//! The line protocol, for robots that somebody builds, over TCP or a serial device. `docs/robot-line-protocol.md`
+//! describes it for whoever programs the robot.
 //!
 //! ```text
 //!   Driver of the program             wire              end of the robot
@@ -7,7 +7,7 @@
 //!   driver ◄── from_robot ◄─ frame ◄═════════════ frame ◄── from_robot ◄── robot
 //!          ◄── crc of the bytes of a photo
 //! ```
-//! Both ends are sans-IO. The robot's end knows no simulator: what it is asked it passes on, what it is told it says.
+//! Both ends are sans-IO. The robot's end knows no simulator: it passes on what it is asked, and sends what it is told.
 
 mod answers;
 mod crc;

@@ -1,27 +1,26 @@
-//! The numbers of the line protocol: whole, decimal, without a sign where none is needed; and the numbers by which orders are known.
+//! The numbers of the line protocol: whole, decimal, and with a sign only where one is needed; and the numbers of
+//! orders.
 
 use std::fmt;
 use std::str::FromStr;
 use std::time::Duration;
 
-/// The number of an order on the wire. It grows by one with each.
+/// The number of an order on the wire, which grows by one with each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Seq(u32);
 
 impl Seq {
-    /// The first.
     pub const FIRST: Seq = Seq(1);
 
-    /// The last; at three orders a second it is reached after twenty years.
+    /// At three orders a second it is reached after twenty years.
     pub const LAST: Seq = Seq(i32::MAX as u32);
 
-    /// `number` as one, if it is from 1 to `LAST`.
+    /// `None` unless the number is from 1 to `LAST`.
     #[must_use]
     pub fn new(number: u32) -> Option<Seq> {
         (1..=Seq::LAST.0).contains(&number).then_some(Seq(number))
     }
 
-    /// The number.
     #[must_use]
     pub const fn number(self) -> u32 {
         self.0
@@ -31,7 +30,7 @@ impl Seq {
         Seq::new(self.0 + 1)
     }
 
-    /// The one before, or the first.
+    /// The number before this one; that before the first is the first itself.
     pub(super) fn before(self) -> Seq {
         Seq::new(self.0 - 1).unwrap_or(Seq::FIRST)
     }
@@ -47,19 +46,19 @@ impl fmt::Display for Seq {
     }
 }
 
-/// Digits and nothing else; the standard library takes a plus as well.
+/// Accepts digits only; the standard library accepts a plus as well.
 pub(super) fn number<N: FromStr>(text: &str) -> Option<N> {
     let is_digits = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
     is_digits.then(|| text.parse().ok()).flatten()
 }
 
-/// The same with a minus in front, perhaps.
+/// Accepts digits with an optional minus.
 pub(super) fn signed(text: &str) -> Option<i32> {
     let size: i16 = number(text.strip_prefix('-').unwrap_or(text))?;
     Some(if text.starts_with('-') { -i32::from(size) } else { i32::from(size) })
 }
 
-/// Whole milliseconds, as far as a line has room for them.
+/// Whole milliseconds, up to the largest number that a line has room for.
 pub(super) fn millis(time: Duration) -> u32 {
     u32::try_from(time.as_millis()).unwrap_or(u32::MAX)
 }

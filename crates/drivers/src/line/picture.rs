@@ -1,4 +1,5 @@
-//! A photo whose bytes are coming: so many of them, with one CRC-32 over all. Lines are read again behind them.
+//! A photo whose bytes are arriving: a known number of them, with one CRC-32 over all. Lines are read again behind
+//! them.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -6,10 +7,10 @@ use std::time::Duration;
 use super::crc::Crc32;
 use hallsweep_core::event::Photo;
 
-/// The longest photo that is taken, in bytes: more than any camera of a microcontroller makes.
+/// Longest photo that is accepted, in bytes: more than any camera of a microcontroller makes.
 pub const MOST_BYTES: u32 = 4 << 20;
 
-/// What says that a file is of this kind, as far as one must look to know that it is a whole picture; and its media type.
+/// The check that a file is a whole picture of this kind, as far as that can be seen, and its media type.
 type Kind = (fn(&[u8]) -> bool, &'static str);
 
 const KINDS: [Kind; 2] = [(is_png, "image/png"), (is_jpeg, "image/jpeg")];
@@ -18,7 +19,7 @@ const KINDS: [Kind; 2] = [(is_png, "image/png"), (is_jpeg, "image/jpeg")];
 pub(super) struct Picture {
     /// Whether anybody still waits for it.
     pub(super) is_wanted: bool,
-    /// By then it is here, or will not be.
+    /// When it is given up.
     pub(super) until: Duration,
     length: u32,
     expected: u32,
@@ -32,7 +33,7 @@ impl Picture {
         Picture { is_wanted, until, length, expected, come: 0, crc: Crc32::new(), bytes: Vec::new() }
     }
 
-    /// Takes those of these bytes that belong to it; how many they were.
+    /// Takes the bytes that belong to it, and returns how many they were.
     pub(super) fn take(&mut self, bytes: &[u8]) -> usize {
         let missing = self.length - self.come;
         let count = bytes.len().min(missing as usize);
@@ -49,7 +50,7 @@ impl Picture {
         self.come == self.length
     }
 
-    /// The photo, or why it is none.
+    /// The photo, or why it is invalid.
     pub(super) fn developed(self) -> Result<Photo, String> {
         if !self.is_whole() {
             return Err(format!("only {} of {} bytes of the photo came: take it again", self.come, self.length));
@@ -63,7 +64,7 @@ impl Picture {
     }
 }
 
-/// Its header has a width and a height, there is something of a picture in it, and it has come to its end (PNG specification, 5.3 and 11.2).
+/// Whether it has a width and a height, some data of a picture, and an end (PNG specification, 5.3 and 11.2).
 fn is_png(bytes: &[u8]) -> bool {
     let Some(mut rest) = bytes.strip_prefix(b"\x89PNG\r\n\x1a\n") else { return false };
     let (mut is_sized, mut has_data) = (false, false);
@@ -76,7 +77,7 @@ fn is_png(bytes: &[u8]) -> bool {
             b"IEND" => return is_sized && has_data,
             _ => {}
         }
-        // Behind the data there are four bytes of a sum.
+        // Behind the data there is a checksum of four bytes.
         let Some(next) = length.checked_add(4).and_then(|next| data.get(next..)) else { return false };
         rest = next;
     }
@@ -87,7 +88,7 @@ fn are_sides(bytes: Option<&[u8]>) -> bool {
     bytes.is_some_and(|bytes| bytes.iter().any(|byte| *byte != 0))
 }
 
-/// A frame with a width and a height, a scan behind it, and its end (ITU-T T.81, B.1 and B.2).
+/// Whether it has a frame with a width and a height, a scan behind that, and an end (ITU-T T.81, B.1 and B.2).
 fn is_jpeg(bytes: &[u8]) -> bool {
     // Cameras of microcontrollers fill the rest of their buffer with zeros.
     let end = bytes.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
@@ -98,7 +99,7 @@ fn is_jpeg(bytes: &[u8]) -> bool {
     while let [0xff, kind, high, low, segment @ ..] = rest {
         let length = usize::from(u16::from_be_bytes([*high, *low]));
         match kind {
-            // A start of frame of whatever kind; three of the numbers are tables.
+            // Any start of frame; three of these numbers are tables.
             0xc0..=0xcf if !matches!(kind, 0xc4 | 0xc8 | 0xcc) => {
                 is_sized = are_sides(segment.get(1..3)) && are_sides(segment.get(3..5))
             }

@@ -1,5 +1,5 @@
-//! The robot's end of the line protocol: which orders begin, what is answered, and when it halts by itself. It reckons where it
-//! stands. What moves, it does not know: that is asked for, and what became of it is told.
+//! The robot's end of the line protocol: which orders begin, what is answered, and when it halts by itself. It reckons
+//! where it stands. It does not know its body, which it asks to move and which reports back.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -15,41 +15,38 @@ use hallsweep_core::effect::{Action, Order, Stamp};
 use hallsweep_core::event::{Ahead, Capabilities, OffCentre, Photo, RobotEvent, Whereabouts};
 use hallsweep_core::units::{Epoch, Now, OrderId, Pose};
 
-/// A robot that moves and hears no good line for so long halts by itself (safety S5).
+/// Time without a valid line after which a moving robot halts by itself (safety S5).
 const WATCHDOG: Duration = Duration::from_millis(400);
 
-/// So many lines and photos wait for the wire. More are dropped; what matters of them is said again when it is asked for again.
+/// Lines and photos that wait for the wire. More are dropped; the important ones are sent again on request.
 const WAITING: usize = 32;
 
-/// What the body of the robot is asked to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Asked {
     /// Begin this, and answer it once.
     Order(Order),
     /// Halt, and answer what was under way.
     Halt,
-    /// Let the LED blink, or not.
     Led(bool),
 }
 
-/// A robot that speaks the line protocol.
 #[derive(Debug)]
 pub struct LineRobot {
     name: RobotName,
     lines: LineReader,
-    /// What it can do, once it has said so.
+    /// What it can do; `None` until its body has reported it.
     capabilities: Option<Capabilities>,
     stands: Whereabouts,
     /// The greatest number that it has begun or that was voided; without one it obeys no order.
     last: Option<Seq>,
     under_way: Option<UnderWay>,
-    /// The last answer, for when the order is repeated.
+    /// The last answer, for repetitions of the order.
     answer: Option<(Seq, FromRobot)>,
-    /// Where orders are to begin, as soon as nothing is under way.
+    /// The number above which orders are to begin, as soon as nothing is under way.
     from: Option<Seq>,
     sonar_cm: Option<u16>,
     ahead: Option<Ahead>,
-    /// When the last good line came.
+    /// When the last valid line came.
     heard: Duration,
     asked: VecDeque<Asked>,
     outputs: VecDeque<Arc<[u8]>>,
@@ -63,7 +60,8 @@ struct UnderWay {
 }
 
 impl LineRobot {
-    /// One that was just switched on. It says nothing before it is told where it stands and what it can do.
+    /// A robot that was just switched on. It sends nothing before its body has reported where it stands and what it can
+    /// do.
     #[must_use]
     pub fn new(name: RobotName) -> LineRobot {
         LineRobot {
@@ -83,17 +81,17 @@ impl LineRobot {
         }
     }
 
-    /// The program is gone, or another takes its place: it halts, and says nothing more of what it was asked.
+    /// The program is gone, or another takes its place: the robot halts, and reports nothing more about earlier orders.
     pub fn handle_lost(&mut self) {
         self.lines = LineReader::default();
         self.outputs.clear();
         self.halt();
     }
 
-    /// What the program sent, any piece of it.
+    /// Bytes from the program, in any pieces.
     pub fn handle_received(&mut self, bytes: &[u8], now: Now) {
         for byte in bytes {
-            // One that is too long is no line of this protocol, and keeps no motion going.
+            // A line that is too long is none of this protocol, and does not let a motion go on.
             let Some(text) = self.lines.take(*byte).filter(|text| text.len() <= LONGEST_FOR_ROBOT) else { continue };
             self.heard = now.since_start;
             if let Some(said) = ToRobot::parse(&text) {
@@ -102,7 +100,7 @@ impl LineRobot {
         }
     }
 
-    /// What became of what was asked, and what else its body reports.
+    /// A report of the body, about an order or a measurement.
     pub fn handle_event(&mut self, event: RobotEvent) {
         match event {
             RobotEvent::Stands(stands) => self.stands = stands,
@@ -131,24 +129,23 @@ impl LineRobot {
         }
     }
 
-    /// Lets time pass: a robot that moves and hears nothing halts.
+    /// Halts a moving robot that receives nothing.
     pub fn handle_timeout(&mut self, now: Now) {
         if self.poll_timeout().is_some_and(|at| at <= now.since_start) {
             self.halt();
         }
     }
 
-    /// What the body is asked next.
     pub fn poll_asked(&mut self) -> Option<Asked> {
         self.asked.pop_front()
     }
 
-    /// What is to be sent next: a line, or the bytes of a photo. Lines from the program are listened to meanwhile.
+    /// The next line or photo to send. Lines from the program are still read meanwhile.
     pub fn poll_output(&mut self) -> Option<Arc<[u8]>> {
         self.outputs.pop_front()
     }
 
-    /// When it will halt by itself unless something is heard, since the start of the run.
+    /// When it halts by itself unless a line comes, since the start of the run.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
         self.motion().filter(|motion| !motion.is_halted).map(|_| self.heard + WATCHDOG)
@@ -167,7 +164,7 @@ impl LineRobot {
                 self.from = Some(seq);
                 self.begin_above();
                 if self.from.is_some() {
-                    // It stands only later, or a photo goes on: whoever asks is not to take it for gone.
+                    // It stops only later, or a photo goes on: the program must not take it for gone.
                     self.say_hello();
                 }
             }
@@ -177,7 +174,7 @@ impl LineRobot {
         }
     }
 
-    /// Begins an order, if it is new and nothing else is under way; it is repeated until it is answered.
+    /// Begins an order, if it is new and nothing else is under way. The program repeats it until it is answered.
     fn order(&mut self, task: Task, seq: Seq, deadline: Duration, now: Now) {
         if self.last.is_none() || self.from.is_some() || self.under_way.is_some() {
             return;
@@ -199,7 +196,7 @@ impl LineRobot {
         self.asked.push_back(Asked::Order(Order { id, action, epoch: Epoch(0), deadline }));
     }
 
-    /// A halt: what moves is answered when it stands, and what is not yet heard of never begins.
+    /// Handles a halt: a motion is answered when the robot stands, and orders up to this number never begin.
     fn void(&mut self, seq: Seq) {
         if self.motion().is_some() {
             self.halt();
@@ -211,7 +208,7 @@ impl LineRobot {
         }
     }
 
-    /// Halts what moves, once.
+    /// Halts a motion, once.
     fn halt(&mut self) {
         if let Some(under_way) = self.under_way.as_mut().filter(|under_way| under_way.task.is_motion() && !under_way.is_halted) {
             under_way.is_halted = true;
@@ -249,7 +246,7 @@ impl LineRobot {
         }
     }
 
-    /// A photo is sent once and not kept: whoever asks for it again is told so.
+    /// Sends a photo, which is not stored: the answer to a repeated order says so.
     fn send_photo(&mut self, photo: &Photo) {
         let Some(UnderWay { seq, .. }) = self.under_way.take() else { return };
         self.answer = Some((seq, FromRobot::NoPhoto(seq, Words::new("it was sent already, and is lost: order another"))));
@@ -263,7 +260,7 @@ impl LineRobot {
         self.begin_above();
     }
 
-    /// Takes orders above the number that the program has named, once nothing is under way.
+    /// Accepts orders above the number that the program has named, once nothing is under way.
     fn begin_above(&mut self) {
         if let Some(from) = self.from.take_if(|_| self.under_way.is_none()) {
             self.last = Some(from);

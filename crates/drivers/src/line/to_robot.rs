@@ -1,26 +1,24 @@
-//! What the program says to the robot: the texts of its lines, written and read. Which is said when, `driver` knows.
+//! What the program says to the robot: the texts of its lines, written and read. When each is sent is decided in
+//! `driver`.
 
 use std::fmt;
 
 use super::numbers::{Seq, number};
 use hallsweep_core::units::Pose;
 
-/// One line to the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ToRobot {
-    /// Say who you are.
+    /// Asks who the robot is.
     Hello,
-    /// Halt; all up to this number is void, and orders begin above it.
+    /// Halt; all orders up to this number are void, and new ones begin above it.
     From(Seq),
-    /// Do this. After so many milliseconds halt by yourself.
+    /// An order with its number, and the milliseconds after which the robot halts by itself.
     Order(Task, Seq, u32),
-    /// Halt; all up to this number is void.
+    /// Halt; all orders up to this number are void.
     Halt(Seq),
-    /// Let the LED blink, or not.
     Led(bool),
 }
 
-/// What an order asks of the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Task {
     /// One cell forward.
@@ -31,9 +29,8 @@ pub enum Task {
     Left,
     /// 90° to the right.
     Right,
-    /// Back to the centre of the cell and the heading of the last order that was done.
+    /// Back to the centre of the cell and the heading of the last completed order.
     Recentre,
-    /// A photo of what is ahead.
     Photo,
 }
 
@@ -51,13 +48,11 @@ impl Task {
         }
     }
 
-    /// Whether the robot moves while it does this.
     #[must_use]
     pub fn is_motion(self) -> bool {
         self != Task::Photo
     }
 
-    /// Where a robot stands that has done this.
     pub(super) const fn after(self, pose: Pose) -> Pose {
         let Pose { cell, heading } = pose;
         match self {
@@ -71,7 +66,7 @@ impl Task {
 }
 
 impl ToRobot {
-    /// What a line says, if it says anything.
+    /// `None` for a line without known meaning.
     #[must_use]
     pub fn parse(text: &str) -> Option<ToRobot> {
         let words: Vec<&str> = text.split(' ').collect();
@@ -109,7 +104,7 @@ mod tests {
     use super::*;
     use crate::line::framed;
 
-    /// The longest line to the robot, check and line feed included: what a small one needs as its buffer.
+    /// Longest line to the robot, with check and line feed, in bytes: the buffer that a small robot needs.
     const ROOM: usize = 40;
 
     fn said() -> impl Strategy<Value = ToRobot> {

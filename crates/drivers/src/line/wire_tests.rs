@@ -1,5 +1,5 @@
-//! Both ends joined by a wire that loses, damages, doubles and holds back bytes, in simulated time, from a seed. Whatever it does,
-//! every order is answered once, nothing begins after a halt, and both ends agree where the robot stands.
+//! Both ends joined by a wire that loses, damages, duplicates and delays bytes, in simulated time, by a seed. In all
+//! cases every order is answered once, nothing begins after a halt, and both ends agree where the robot stands.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -14,14 +14,14 @@ use hallsweep_core::units::{Epoch, Now, OrderId, Pose, WallTime};
 
 const TICK: Duration = Duration::from_millis(5);
 
-/// So many orders are given in each run.
+/// Number of orders in each run.
 const ORDERS: u64 = 120;
 
 /// One direction of the wire.
 struct Wire {
     chance: RandomStream,
     trouble: f64,
-    /// What is under way, and when it comes out; nothing overtakes.
+    /// Bytes under way with the time of their arrival; none overtakes another.
     bytes: VecDeque<(Duration, u8)>,
 }
 
@@ -49,7 +49,7 @@ impl Wire {
     }
 }
 
-/// A body that does what it is asked, unless something is in its way.
+/// A body that carries out what it is asked, unless something is in its way.
 struct Body {
     chance: RandomStream,
     pose: Pose,
@@ -98,7 +98,6 @@ fn photo() -> Photo {
     Photo { bytes: bytes.into(), media_type: "image/png" }
 }
 
-/// Where a robot stands that has done this.
 fn after(Pose { cell, heading }: Pose, action: Action) -> Pose {
     match action {
         Action::Move(Move::Forward) => Pose { cell: cell.ahead(heading), heading },
@@ -114,7 +113,6 @@ fn after(Pose { cell, heading }: Pose, action: Action) -> Pose {
     }
 }
 
-/// Program, wires and robot.
 struct Run {
     now: Now,
     chance: RandomStream,
@@ -123,14 +121,14 @@ struct Run {
     back: Wire,
     robot: LineRobot,
     body: Body,
-    /// What the program knows: whether it has a robot, where that stands, which order waits for its answer.
+    /// What the program knows: whether the link is up, where the robot stands, which order is open.
     is_up: bool,
     pose: Pose,
     off_centre: bool,
     open: Option<Order>,
     given: u64,
     answered: u64,
-    /// Motions that had begun when the last halt had reached the robot; none begins before the next order.
+    /// Number of motions that had begun when the last halt reached the robot; none begins before the next order.
     begun_at_halt: Option<u64>,
 }
 
@@ -190,7 +188,7 @@ impl Run {
         }
     }
 
-    /// The program gives orders when it can, and now and then halts.
+    /// The program sends an order when it can, and now and then halts.
     fn program(&mut self) {
         if self.is_up && self.open.is_none() && self.given < ORDERS {
             self.given += 1;
@@ -233,7 +231,7 @@ impl Run {
         self.robot.handle_received(&heard, self.now);
         self.robot.handle_timeout(self.now);
         let done = self.body.passes(self.now.since_start);
-        // It has ended just before it heard what it did.
+        // The motion ended just before the halt arrived.
         if let Some(event) = done {
             self.robot.handle_event(event);
         }
@@ -293,7 +291,7 @@ impl Run {
         self.open.take_if(|order| order.id == id).expect("every order is answered once, and nothing else is")
     }
 
-    /// Nothing is under way; whatever still comes over the wire, nothing begins before the next order.
+    /// Checks that nothing begins before the next order, whatever still arrives.
     fn stays(&mut self) {
         self.agree();
         self.begun_at_halt = Some(self.body.begun);

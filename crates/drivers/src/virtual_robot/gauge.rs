@@ -1,5 +1,5 @@
-//! What the scene file of the page tells: where everything stands, and so how long a cell takes. That is found out once, with the first
-//! motion that is ordered: ahead until something is met, and back.
+//! Measures how long a cell takes, by the distances in the page's scene file. That happens once, with the first motion
+//! that is ordered: ahead until something is met, and back.
 
 use std::time::Duration;
 
@@ -9,28 +9,31 @@ use super::{Aim, TURN, Then, VirtualRobot};
 use hallsweep_core::event::RobotEvent;
 use hallsweep_core::units::{Heading, Pose};
 
-/// Over a shorter way, in cells, a frame of the page more or less counts too much.
+/// Shortest way that is measured, in cells: over a shorter one, a single frame of the page matters too much.
 const SHORTEST: f64 = 2.0;
 
-/// A page may be so many times slower than it was made for; what is slower still, or does not meet anything, is of another scene.
+/// A page may be slower than it was made for by this factor; one that is even slower, or meets nothing, has another
+/// scene.
 const SLOWER: f64 = 4.0;
 
-/// So much longer than a step its first contact takes, of three times of a step that an order has at least: there, back, and there again.
+/// Factor by which a step with its first contact (there, back, and there again) takes longer; an order has the time of
+/// three steps at least.
 const CONTACT: f64 = 1.3;
 
-/// So much longer a motion may take before which it finds out where it is.
+/// Factor by which a motion may take longer because the robot finds out first where it is.
 const FINDING_OUT: f64 = 1.8;
 
-/// A leg is a cell at most.
+/// Longest leg, in cells.
 const LEG: f64 = 1.0;
 
 impl VirtualRobot {
-    /// It is so far to what stands ahead of its start.
+    /// Begins to measure by what stands this many cells ahead of its start.
     pub(super) fn gauge_by(&mut self, ahead: f64) {
         self.gauge = Some(ahead).filter(|ahead| *ahead >= SHORTEST && !self.is_gauged);
     }
 
-    /// The longest time that an order of one cell may take: the first contact is made twice, and gauging is done with the first motion.
+    /// The longest time of an order of one cell: the first contact is made twice, and measuring comes with the first
+    /// motion.
     pub(super) fn longest_step(&self) -> Duration {
         let step = self.step + self.margin() * legs(self.step);
         let step = if self.latency.is_none() { step.mul_f64(CONTACT) } else { step };
@@ -41,7 +44,7 @@ impl VirtualRobot {
         self.longest_gauging().unwrap_or_else(|| self.with_finding_out(TURN + TURNS_LATE + self.margin()))
     }
 
-    /// Who knows the room may go some way to find out where it is.
+    /// A robot that knows the room may go some way to find out where it is.
     fn with_finding_out(&self, motion: Duration) -> Duration {
         if self.room.is_some() { motion.mul_f64(FINDING_OUT) } else { motion }
     }
@@ -55,7 +58,7 @@ impl VirtualRobot {
         self.gauge.is_some() && !self.off_centre && self.reckoning.pose() == Pose::START
     }
 
-    /// Whether lengths are counted by a step that is not gauged yet.
+    /// Whether lengths are counted by a step that is not measured yet.
     pub(super) fn is_gauging(&self) -> bool {
         let aim = self.task.as_ref().map(|task| task.aim);
         matches!(aim, Some(Aim::Gauge | Aim::Gauged | Aim::Retreat(Then::Gauged) | Aim::Measure(Then::Gauged)))
@@ -67,7 +70,7 @@ impl VirtualRobot {
         self.gauge_on();
     }
 
-    /// One leg further.
+    /// Begins another leg.
     pub(super) fn gauge_on(&mut self) {
         let longest = self.gauge.unwrap_or_default() * SLOWER;
         if self.gauged.div_duration_f64(self.step) > longest {
@@ -76,17 +79,17 @@ impl VirtualRobot {
         self.drive(Heading::South, LEG, false);
     }
 
-    /// Something was met; it has driven so long since its last leg.
+    /// Something was met, after this time of driving since the last leg began.
     pub(super) fn gauge_ends(&mut self, driven: Duration) {
         self.gauged += driven;
         if !self.is_met_as_it_should_be() {
-            // How far that is nobody knows: by it a step is as long as it was taken to be.
+            // Nobody knows that distance; the way back is counted by the assumed length of a step.
             self.gauge = Some(self.gauged.div_duration_f64(self.step));
         }
         self.retreat(self.step.mul_f64(LEG), Then::Gauged);
     }
 
-    /// Back at its start, it knows how long a cell takes; now for what was ordered.
+    /// The robot is back at its start and knows how long a cell takes: it begins what was ordered.
     pub(super) fn came_back_gauged(&mut self) {
         let Some(ahead) = self.gauge.take() else { return };
         let step = self.gauged.div_f64(ahead);
@@ -99,7 +102,7 @@ impl VirtualRobot {
         (self.step, self.is_gauged, self.off_centre, self.is_changed) = (step, true, false, true);
         self.reckoning.set_out_from_home();
         self.events.push_back(RobotEvent::LinkUp(self.can()));
-        // Who was to go back to the centre is there.
+        // An order to go back to the centre is complete here.
         self.aim(Aim::Back);
         if let Some(action) = self.task.as_ref().map(|task| task.action) {
             self.begin(action);

@@ -1,5 +1,5 @@
-//! One motion of the virtual robot: from the moment it is wanted to its end. Its server says nothing of the end, or says it too early, so
-//! each has a time at which it has ended when nothing was met.
+//! One motion of the virtual robot, from its request to its end. The server does not report the end, or too early, so
+//! each has a time after which it has ended if nothing was met.
 
 use std::time::Duration;
 
@@ -10,18 +10,19 @@ use hallsweep_core::units::Heading;
 pub(super) struct Leg {
     pub(super) way: Way,
     pub(super) stage: Stage,
-    /// Whether the server has said that it has ended.
+    /// Whether the server has reported its end.
     pub(super) is_acknowledged: bool,
     /// Whether a halt has come that it cannot obey: a turn ends by itself, and is not begun again.
     pub(super) is_halted: bool,
-    /// When the server first refused it, and whether an alarm has been sent since to end what it believes to be under way.
+    /// When the server first refused it, and whether an alarm has been sent since to end what the server believes to be
+    /// under way.
     pub(super) refused: Option<(Duration, bool)>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Way {
-    /// So many cells this way, with its front ahead or behind, and how long that is asked for; so many cells are left for further
-    /// legs, and so long the legs before it have lasted.
+    /// Straight ahead or backwards: its direction, its length in cells and its duration; then the cells left for
+    /// further legs, and the duration of the legs before it.
     Straight { towards: Heading, cells: f64, backward: bool, lasts: Duration, rest: f64, before: Duration },
     /// A quarter turn.
     Turn { left: bool, lasts: Duration },
@@ -29,15 +30,15 @@ pub(super) enum Way {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Stage {
-    /// It waits for a new connection, which shows that a page is open and that what it says comes to us.
+    /// It waits for a new connection, which shows that a page is open and that the server's messages come to us.
     Fresh,
-    /// It was not begun, because another one was under way, and is tried again then.
+    /// It was refused because another one was under way, and is tried again at this time.
     Refused(Duration),
     /// It is on its way to the robot.
     Queued,
     /// It was sent at this time.
     Sent(Duration),
-    /// It was cut short when it had lasted so long; until then the word of a contact before may come.
+    /// It was cut short after `lasted`; until `until` the report of an earlier contact may come.
     Halting { lasted: Duration, until: Duration },
 }
 

@@ -1,20 +1,20 @@
-//! Measures of the robot's motion that several of its parts go by.
+//! Measures of the robot's motion that several modules use.
 
 use std::time::Duration;
 
-/// What the word of a contact takes, before it was measured: a frame of the page, and the way.
+/// Assumed delay of the report of a contact, before it was measured: a frame of the page, and the way.
 pub(super) const LATENCY: Duration = Duration::from_millis(30);
 
-/// Nearer to the centre than a frame of the page brings it, it is centred.
+/// Distance to the centre, in cells, at which the robot counts as centred: a frame of the page brings it no nearer.
 pub(super) const CENTRED: f64 = 0.04;
 
-/// How far ahead it feels whether a step is complete.
+/// How far ahead it feels whether a step is complete, in cells.
 pub(super) const FEELS: f64 = 0.3;
 
-/// A latency beyond this is none: the page has hung.
+/// Longest delay that is taken for a latency: beyond it the page has hung.
 pub(super) const SLOWEST: Duration = Duration::from_millis(500);
 
 pub(super) const LATE_WORD: &str = "the word that it had met something came too late";
 
-/// Steps quicker or slower than these are none.
+/// Shortest and longest step that are believed.
 pub(super) const STEPS: [Duration; 2] = [Duration::from_millis(20), Duration::from_secs(10)];

@@ -1,4 +1,4 @@
-//! What the next program must know of the virtual robot, which itself knows nothing: as a line of JSON, for a small file.
+//! What the next program must know of the virtual robot, which itself knows nothing: a line of JSON, for a small file.
 
 use std::time::Duration;
 
@@ -10,10 +10,10 @@ use super::unheard::Unheard;
 use super::{Aim, Dialect, VirtualRobot};
 use hallsweep_core::units::Heading;
 
-/// The version of what is written.
+/// The version of the format.
 const VERSION: u32 = 1;
 
-/// Words that are longer are cut.
+/// Longest text that is stored, in characters; longer ones are cut.
 const MOST: usize = 300;
 
 #[derive(Serialize, Deserialize)]
@@ -21,7 +21,7 @@ struct Remembered {
     version: u32,
     reckoning: Reckoning,
     step_s: f64,
-    /// What the settings or the scene file said of it.
+    /// The step as the settings or the scene file had it.
     step_set_s: f64,
     is_gauged: bool,
     latency_s: Option<f64>,
@@ -32,7 +32,8 @@ struct Remembered {
 }
 
 impl VirtualRobot {
-    /// As the last program left it, which wrote this; what was under way then has ended by itself, and nobody has heard how.
+    /// The robot as the last program, which wrote this, left it. What was under way then has ended by itself, without a
+    /// report.
     ///
     /// # Errors
     /// Why what was written cannot be used, in words.
@@ -56,7 +57,7 @@ impl VirtualRobot {
         if !remembered.reckoning.is_sound() || !are_times {
             return Err("it says that the robot stands where none can be".to_owned());
         }
-        // Who sets another step knows better than what was measured.
+        // A step that was set anew is better knowledge than what was measured.
         let is_set_as_before = Duration::try_from_secs_f64(remembered.step_set_s) == Ok(step);
         Ok(VirtualRobot {
             reckoning: remembered.reckoning,
@@ -71,8 +72,8 @@ impl VirtualRobot {
         })
     }
 
-    /// What is to be written. What is under way is written as if its end were not heard, so it is when this is read;
-    /// and of what is on its way to the robot nobody will know whether it has come.
+    /// The line to store. A motion under way is stored as one without a report of its end, since it will be that when
+    /// this is read; and nobody will know whether commands on their way have arrived.
     pub(super) fn remembered(&self) -> String {
         let mut left = VirtualRobot {
             reckoning: self.reckoning.clone(),
@@ -80,7 +81,7 @@ impl VirtualRobot {
             off_centre: self.off_centre,
             unheard: self.unheard,
             lost: self.lost.clone(),
-            // What was sent was sent long ago.
+            // Everything was sent long ago by then.
             now: Duration::MAX,
             ..VirtualRobot::new(self.dialect, self.step)
         };

@@ -1,14 +1,16 @@
-//! The virtual robot of the Bologna laboratory: a page in a browser shows it in a room, and a server joins the page with programs, over
-//! TCP in its first version, over WebSocket in that of 2021. Its protocols stand in `words`, where it is taken to stand in `reckoning`.
+//! The virtual robot of the Bologna laboratory: a page in a browser shows it in a room, and a server joins the page
+//! with programs, over TCP in its first version, over WebSocket in that of 2021. Its protocols stand in `words`, where
+//! it is taken to stand in `reckoning`.
 //!
-//! It measures nothing, and of a move it says at most that it has met something. So its driver counts the time:
+//! It measures nothing, and of a move it reports at most that it has met something. So its driver counts the time:
 //!
 //! ```text
 //!   order ─► [TCP: a new connection] ─► moveForward 330 ─┬─ nothing is heard for 330 ms and a margin ─► done
 //!                                                        └─ collision wallDown ─► blocked; recentred by the time it drove
 //! ```
-//! Over TCP all that the server says goes to whoever of this machine has connected last, and without a page commands vanish. Each motion
-//! therefore begins with a new connection: the server greets it when a page is open, and what it says from then on comes to us.
+//! Over TCP the server sends everything to the client of this machine that connected last, and without a page commands
+//! vanish. Each motion therefore begins with a new connection: the server greets it when a page is open, and its
+//! messages come to us from then on.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -43,30 +45,31 @@ use task::{Aim, Task, Then};
 use unheard::Unheard;
 use words::{Command, Heard, Stream};
 
-/// How long a turn is asked for: it cannot be halted, so it is to be short (safety S5), and less looks wrong on the page.
+/// Duration of a turn: it cannot be halted, so it has to be short (safety S5), and a shorter one looks wrong on the
+/// page.
 const TURN: Duration = Duration::from_millis(400);
 
-/// What a photo may take: drawing it is some hundredths of a second, on a machine that may have much else to do.
+/// Longest time for a photo: drawing it takes some hundredths of a second, on a machine that may have much else to do.
 const DRAWING: Duration = Duration::from_secs(2);
 
-/// Which version of its server it has.
+/// The version of its server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dialect {
-    /// JSON between semicolons over TCP: it says when it meets something, and nothing else.
+    /// JSON between semicolons over TCP: it reports contacts, and nothing else.
     Semicolons,
-    /// JSON messages over WebSocket: it says when a move has ended, too.
+    /// JSON messages over WebSocket: it reports the ends of moves, too.
     Messages,
 }
 
-/// What drives one virtual robot.
 #[derive(Debug)]
 pub struct VirtualRobot {
     dialect: Dialect,
     reckoning: Reckoning,
-    /// How long it takes for a cell, and what somebody has set.
+    /// The time for a cell, as measured and as set.
     step: Duration,
     step_set: Duration,
-    /// From the sending of a move to the word of a contact, beside the time that it drove; `None` before that was measured.
+    /// Time from the sending of a move to the report of a contact, without the time of driving; `None` before it was
+    /// measured.
     latency: Option<Duration>,
     stream: Stream,
     /// Whether a connection stands, and whether the server has greeted it.
@@ -74,44 +77,45 @@ pub struct VirtualRobot {
     is_greeted: bool,
     /// Until when the greeting is waited for.
     greeting: Option<Duration>,
-    /// When it was last looked whether the server greets.
+    /// When it was last checked whether the server greets.
     looked: Duration,
-    /// How long the server took to greet, at the last connection.
+    /// How long the server took to greet the last connection.
     greeted_after: Duration,
     connected: Duration,
-    /// How many connections in a row it has not greeted.
+    /// Number of connections in a row without a greeting.
     ungreeted: u8,
-    /// Whether the server is well and has no page; when it has ended, its page may still be there.
+    /// Whether the server works and has no page; when the server has ended, its page may still be there.
     is_page_closed: bool,
     has_server_ended: bool,
-    /// Whether the core was told that the link is up, and why it is not.
+    /// The state of the link as it was reported to the core, with the reason.
     is_up: bool,
     said: Option<String>,
     task: Option<Task>,
-    /// A STOP still owes its alarm: there is no connection, or a turn is under way, which an alarm would leave askew.
+    /// An alarm for a STOP is still to be sent: there is no connection, or a turn is under way, which an alarm would
+    /// leave askew.
     owes_alarm: bool,
-    /// When the last alarm was given to be sent, if nothing has been since.
+    /// When the last alarm was handed over, if nothing has been sent since.
     alarmed: Option<Duration>,
     off_centre: OffCentre,
-    /// Whether a search is under way, as far as a light would say so.
+    /// Whether the light of the search would be on.
     led: bool,
-    /// A motion whose end nobody has heard.
+    /// A motion whose end was not reported.
     unheard: Option<Unheard>,
-    /// Why nobody knows where it stands, until its page is opened anew; and whether whoever ordered something was told.
+    /// Why nobody knows where it stands, until its page is opened anew, and whether the sender of an order was told.
     lost: Option<String>,
     is_told_lost: bool,
-    /// What it has met last from where it stands, as far as it has said.
+    /// The name of what it last met from where it stands, if it was reported.
     met: Option<String>,
-    /// How long it had driven, when it met something before the latency was known.
+    /// How long it had driven when it met something before the latency was known.
     first_contact: Option<Duration>,
     /// What its scene file tells.
     room: Option<Room>,
-    /// How far it is from its start to what stands ahead, while its step is not gauged by that.
+    /// Distance from its start to what stands ahead, in cells, until its step is measured by that.
     gauge: Option<f64>,
     is_gauged: bool,
-    /// How long it has driven to there, so far.
+    /// How long it has driven there so far.
     gauged: Duration,
-    /// How often it was found to stand elsewhere than was counted, by `ASTRAY`.
+    /// How often it was found to stand elsewhere than was counted, in units of 1/`ASTRAY`.
     astray: u8,
     /// Corrections of position since it last entered a new cell.
     wandered: u8,
@@ -124,7 +128,7 @@ pub struct VirtualRobot {
 }
 
 impl VirtualRobot {
-    /// A robot that was newly put down at home and is taken to need so long for a cell.
+    /// A robot that was just put down at home, with an assumed time for a cell.
     #[must_use]
     pub fn new(dialect: Dialect, step: Duration) -> VirtualRobot {
         VirtualRobot {
@@ -271,7 +275,7 @@ impl Driver for VirtualRobot {
         }
         match self.dialect {
             Dialect::Semicolons => self.greeting = Some(self.now + GREETING),
-            // Its server does not greet; whether a page is open shows when a move ends.
+            // This server does not greet; whether a page is open shows when a move ends.
             Dialect::Messages => self.greeted(),
         }
     }
@@ -279,7 +283,7 @@ impl Driver for VirtualRobot {
     fn handle_lost(&mut self, words: &str, now: Now) {
         self.now = now.since_start;
         (self.is_connected, self.is_greeted, self.greeting, self.has_server_ended) = (false, false, None, true);
-        // An alarm that was the last word may not have come.
+        // An alarm that was sent last may not have arrived.
         self.owes_alarm |= self.alarmed.take().is_some();
         self.go_down(words);
     }
@@ -340,7 +344,7 @@ impl Driver for VirtualRobot {
         self.halt();
     }
 
-    /// It has none; but where one begins to blink a search begins, whose map is empty.
+    /// It has no LED, but a blinking one means the start of a search, whose map is empty.
     fn handle_led(&mut self, blinks: bool, _: Now) {
         if blinks && !self.led {
             self.reckoning.begin_search();

@@ -1,5 +1,5 @@
-//! Where the virtual robot is taken to stand. It says nothing of that itself: its driver counts the time that it moved, and sets itself
-//! right by the things that it meets, which have names and do not move.
+//! Where the virtual robot is taken to stand. It does not report that: its driver counts the time that it moved, and
+//! corrects itself by the things that it meets, which have names and do not move.
 //!
 //! ```text
 //!    cell 6      cell 7      cell 8            a face: where the robot's centre is when it touches this thing, coming this way;
@@ -14,22 +14,23 @@ use serde::{Deserialize, Serialize};
 
 use hallsweep_core::units::{Cell, Heading, Pose};
 
-/// A reckoning that is wrong by more than this is of no use: it would put things into the wrong cells.
+/// Greatest error of the reckoning, in cells: a greater one would put things into the wrong cells.
 pub(super) const DRIFT: f64 = 0.45;
 
-/// So many faces are remembered; a scene has some dozens.
+/// Most faces that are remembered; a scene has some dozens.
 const FACES: usize = 4096;
 
-/// So many cells that it has stood in: a page of a hundred a side is a large one.
+/// Most cells of which it is remembered that the robot stood there: a page of a hundred on a side is a large one.
 const CELLS: usize = 16_384;
 
-/// No room reaches so far, in cells.
+/// Furthest extent of a room, in cells.
 const FURTHEST: i32 = 100_000;
 
-/// A way shorter than this, in cells, does not tell how fast the robot is: a frame of its page is a twentieth of a cell.
+/// Shortest way that tells how fast the robot is, in cells: a frame of its page is a twentieth of a cell.
 const GAUGED: f64 = 2.0;
 
-/// Who has driven further to and fro than this has not driven straight.
+/// Greatest difference between the way there and back and the way in all, in cells, at which the robot has driven
+/// straight.
 const STRAIGHT: f64 = 0.1;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -40,23 +41,24 @@ pub(super) struct Reckoning {
     /// Where its centre is: columns to the east and rows to the south of home's.
     at: [f64; 2],
     faces: BTreeMap<String, f64>,
-    /// Which of them it has met from which cell, by the cell and heading.
+    /// The name of the face that it has met from each cell and heading.
     contacts: BTreeMap<String, String>,
     /// The cells in which it has stood.
     stood: BTreeSet<(i32, i32)>,
-    /// The names of what moves, or is there more than once.
+    /// The names of things that move, or exist more than once.
     #[serde(skip)]
     unfixed: BTreeSet<String>,
-    /// The faces that somebody has said are there.
+    /// The faces whose places come from the scene file.
     #[serde(skip)]
     placed: BTreeSet<String>,
-    /// On each axis, whether anything was told of since that a wrong reckoning would have put in the wrong place.
+    /// On each axis, whether something was reported since the last known face that a wrong reckoning would have
+    /// misplaced.
     has_news: [bool; 2],
-    /// On each axis, since it last met something whose place is known.
+    /// On each axis, the driving since the robot last met something whose place is known.
     since: [Option<Since>; 2],
 }
 
-/// Where that was, and how far it has been counted to drive since: there and back, and in all.
+/// Where that was, and how far the robot has been counted to drive since: there and back, and in all.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Since {
     at: f64,
@@ -64,17 +66,17 @@ struct Since {
     driven: f64,
 }
 
-/// The reckoning was wrong by more than it may be.
+/// The reckoning was wrong by more than `DRIFT`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Drift {
-    /// By how many cells.
+    /// Error in cells.
     pub(super) cells: f64,
-    /// Nothing was told of in the meantime that would be wrong.
+    /// Whether nothing was reported in the meantime that would be wrong.
     pub(super) is_harmless: bool,
 }
 
 impl Reckoning {
-    /// Newly put down at home.
+    /// A robot that was just put down at home.
     pub(super) fn at_home() -> Reckoning {
         Reckoning {
             cell: (0, 0),
@@ -90,7 +92,7 @@ impl Reckoning {
         }
     }
 
-    /// Put down at home again, in the same room.
+    /// The robot was put down at home again, in the same room.
     pub(super) fn put_home(&mut self) {
         let known = std::mem::replace(self, Reckoning::at_home());
         *self = Reckoning {
@@ -103,7 +105,7 @@ impl Reckoning {
         };
     }
 
-    /// Whether what was read back can be true.
+    /// Whether what was read back is plausible.
     pub(super) fn is_sound(&self) -> bool {
         let bounded = |length: f64| length.is_finite() && length.abs() < 1e6;
         let faces = self.faces.len().max(self.contacts.len()) <= FACES
@@ -149,8 +151,8 @@ impl Reckoning {
         }
     }
 
-    /// It has met this thing, coming this way: the reckoning is set right by it, or the thing's place is now known. By how much what
-    /// was counted exceeded what it really drove, when that was far enough to tell.
+    /// The robot has met this thing, coming this way: that corrects the reckoning, or makes the thing's place known.
+    /// Returns the counted way in proportion to the real one, when that was long enough to tell.
     pub(super) fn meet(&mut self, name: Option<&str>, towards: Heading) -> Result<Option<f64>, Drift> {
         let Some(name) = name.filter(|name| !self.unfixed.contains(*name)) else { return Ok(None) };
         let key = key(name, towards);
@@ -172,7 +174,7 @@ impl Reckoning {
         if drift.abs() > DRIFT { Err(Drift { cells: drift, is_harmless }) } else { Ok(ratio) }
     }
 
-    /// What it has found out by itself may be wrong, or stands there no more.
+    /// Forgets what the robot has found out by itself: it may be wrong, or no longer there.
     pub(super) fn doubt(&mut self) {
         self.faces.retain(|face, _| self.placed.contains(face));
         self.contacts.clear();
@@ -194,8 +196,8 @@ impl Reckoning {
         self.stood.contains(&(cell.x, cell.y))
     }
 
-    /// How far it drives forward until it touches what it has met from this cell and in this heading before, or, if there is no such
-    /// thing, a wall that is known from elsewhere and may be as long; and whether that is certain.
+    /// How far it drives forward until it touches what it has met from this cell and in this heading before, or, if
+    /// there is no such thing, a wall that is known from elsewhere and may be as long; and whether that is certain.
     pub(super) fn contact_ahead(&self) -> Option<(f64, bool)> {
         let heading = self.pose().heading;
         let way = |face: &f64| face - along(self.at, heading);
@@ -208,7 +210,7 @@ impl Reckoning {
         walls.map(|(_, face)| (way(face), false)).find(|(way, _)| (0.0..1.0).contains(way))
     }
 
-    /// In this cell and heading nothing is met where a wall might have been.
+    /// Notes that nothing was met in this cell and heading, where a wall might have been.
     pub(super) fn nothing_ahead(&mut self) {
         if self.contacts.len() < FACES {
             self.contacts.insert(self.contact_key(), String::new());
@@ -224,7 +226,7 @@ impl Reckoning {
         format!("{},{} {}", self.cell.0, self.cell.1, self.heading)
     }
 
-    /// The last thing that was met stands this much further than was thought.
+    /// Moves the reckoning, and the face that was met last, ahead by this much.
     pub(super) fn correct(&mut self, name: Option<&str>, towards: Heading, by: f64) {
         let (dx, dy) = towards.vector();
         self.at = [f64::from(dx).mul_add(by, self.at[0]), f64::from(dy).mul_add(by, self.at[1])];
@@ -233,7 +235,7 @@ impl Reckoning {
         }
     }
 
-    /// This thing is known to stand here.
+    /// Sets the known place of a thing.
     pub(super) fn place(&mut self, name: &str, towards: Heading, at: f64) {
         if self.faces.len() < FACES {
             self.placed.insert(key(name, towards));
@@ -241,25 +243,25 @@ impl Reckoning {
         }
     }
 
-    /// Who goes this way stands between these two, across it.
+    /// Sets that the robot, going this way, stands between these two coordinates across it.
     pub(super) fn stand_across(&mut self, towards: Heading, from: f64, to: f64) {
         let across = 1 - axis(towards);
         self.at[across] = self.at[across].clamp(from, to);
     }
 
-    /// Who goes this way stands in this cell, across it.
+    /// Sets that the robot, going this way, stands in this cell across it.
     pub(super) fn stand_in_column(&mut self, cell: Cell, towards: Heading) {
         let across = 1 - axis(towards);
         let centre = [f64::from(cell.x), f64::from(cell.y)][across];
         self.at[across] = self.at[across].clamp(centre - 0.5, centre + 0.5);
     }
 
-    /// This thing is not met twice in the same place.
+    /// Notes that this thing is not met twice in the same place.
     pub(super) fn pass_over(&mut self, name: &str) {
         self.unfixed.insert(name.to_owned());
     }
 
-    /// It stands right at home, from where it has never gone.
+    /// The robot stands right at home, which it has never left.
     pub(super) fn set_out_from_home(&mut self) {
         (self.at, self.since) = ([0.0; 2], [None; 2]);
     }
@@ -278,7 +280,7 @@ impl Reckoning {
 }
 
 impl Since {
-    /// What was counted in proportion to what lies between, when it drove straight from there.
+    /// The counted way in proportion to the real one, if the robot drove straight from there.
     fn ratio(self, to: f64) -> Option<f64> {
         let between = (to - self.at).abs();
         let is_straight = self.driven - self.ahead.abs() < STRAIGHT;

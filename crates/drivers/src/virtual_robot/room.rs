@@ -1,46 +1,44 @@
-//! What the scene file of the page tells of its room: where everything stands, and so in which cells the robot can stand at all. Whatever
-//! has drifted is then found out: nothing is told that the room contradicts.
+//! The room as the scene file of the page describes it: where everything stands, and so in which cells the robot can
+//! stand at all. A drift is then found out: nothing is reported that contradicts the room.
 //!
-//! Lengths are in cells from the centre of the robot's start, columns to the east and rows to the south, and concern the robot's centre: it is
-//! a point, and things are larger by half of it on each side.
+//! Lengths are in cells from the centre of the robot's start, columns to the east and rows to the south, and concern
+//! the robot's centre: it is a point, and things are larger by half of it on each side.
 
 use super::reckoning::DRIFT;
 use super::{Aim, VirtualRobot};
 use hallsweep_core::units::{Cell, Heading};
 
-/// What stops it so near to the centre of a cell does not stand in that cell.
+/// A thing that stops the robot within this distance of a cell's centre, in cells, does not stand in that cell.
 pub(super) const REACHED: f64 = 0.15;
 
-/// So far before what it meets it stands free, in cells.
+/// Distance before a thing that the robot meets, at which its centre is free, in cells.
 const BEFORE: f64 = 0.2;
 
-/// Further beside a thing than this it cannot meet it, as far as it is counted to stand there, in cells.
+/// Greatest distance beside a thing, in cells, at which the robot can meet it, given the error of its place.
 const BESIDE: f64 = 0.2;
 
-/// So many cells aside it is looked for one in which it can stand.
+/// Cells to each side in which a place is looked for where the robot can stand.
 const ASIDE: i32 = 3;
 
-/// And so many back.
+/// Cells back in which a place is looked for where the robot can stand.
 const FURTHEST_BACK: u8 = 8;
 
-/// The border of the floor, as the page calls it.
+/// The page's name for the border of the floor.
 pub(super) const BORDER: &str = "floor-border";
 
-/// A room, as its scene file has it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Room {
-    /// Where the robot can be.
+    /// Where the robot's centre can be.
     pub floor: Extent,
-    /// What stands there for good.
+    /// The things that do not move.
     pub things: Vec<Thing>,
-    /// The names of things that move: they say nothing of where the robot is.
+    /// The names of things that move, and thus say nothing about the robot's place.
     pub moving: Vec<String>,
 }
 
-/// A thing in the room.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Thing {
-    /// What the page calls it.
+    /// The page's name for it.
     pub name: String,
     /// Where the robot's centre touches it.
     pub extent: Extent,
@@ -54,12 +52,12 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// How deep within it a point is, at least, from any of its sides; negative outside.
+    /// Distance of a point within it from the nearest side; negative outside.
     fn depth(&self, (x, y): (f64, f64)) -> f64 {
         (x - self.x.0).min(self.x.1 - x).min(y - self.y.0).min(self.y.1 - y)
     }
 
-    /// From where to where it is seen by who goes this way.
+    /// Its extent across the direction of a robot that goes this way.
     const fn across(&self, towards: Heading) -> (f64, f64) {
         match towards {
             Heading::North | Heading::South => self.x,
@@ -67,7 +65,7 @@ impl Extent {
         }
     }
 
-    /// Where it is met by who goes this way, along that way.
+    /// Where a robot that goes this way meets it, along that way.
     fn face(&self, towards: Heading) -> f64 {
         match towards {
             Heading::North => -self.y.1,
@@ -79,12 +77,12 @@ impl Extent {
 }
 
 impl Room {
-    /// Whether its name alone says where it is.
+    /// Whether the name alone says where the thing is.
     fn is_one(&self, name: &str) -> bool {
         self.things.iter().filter(|thing| thing.name == name).count() == 1 && !self.moves(name)
     }
 
-    /// Whether this is the name of something that stands there for good.
+    /// Whether this is the name of a thing that does not move.
     fn stands(&self, name: &str) -> bool {
         (name == BORDER || self.things.iter().any(|thing| thing.name == name)) && !self.moves(name)
     }
@@ -102,8 +100,8 @@ impl Room {
         self.floor.depth(at) >= -REACHED && self.things.iter().all(|thing| thing.extent.depth(at) <= REACHED)
     }
 
-    /// Whether who stands here has met this thing on the way into a cell in whose centre there is room, or nearly: the thing reaches as
-    /// far as nobody can tell from the line on which the robot drives.
+    /// Whether a robot here has met this thing on the way into a cell in whose centre there is room, or nearly: the
+    /// line on which the robot drives does not tell how far the thing reaches.
     fn is_grazed(&self, name: &str, cell: Cell, at: (f64, f64), towards: Heading) -> bool {
         let (dx, dy) = (f64::from(towards.vector().0), f64::from(towards.vector().1));
         let (along, across) = (dx.mul_add(at.0, dy * at.1), if dx == 0.0 { f64::from(cell.x) } else { f64::from(cell.y) });
@@ -114,14 +112,15 @@ impl Room {
         self.things.iter().any(|thing| thing.name == name && reaches(&thing.extent))
     }
 
-    /// What is met here by who goes this way, when nobody has said it: nothing, where that may be a thing that moves.
+    /// What a robot that goes this way has met here, when its server does not say it; `None` where it may be a thing
+    /// that moves.
     fn met(&self, at: (f64, f64), towards: Heading) -> Option<&str> {
         if !self.moving.is_empty() {
             return None;
         }
         let (dx, dy) = (f64::from(towards.vector().0), f64::from(towards.vector().1));
         let along = dx.mul_add(at.0, dy * at.1);
-        // How far ahead of here it is, where it can be met at all: who comes there has come past everything else.
+        // Distance to a thing ahead that can be met at all: the robot has come past everything else.
         let far = |face: f64| {
             let ahead = face - along;
             let before = ahead - BEFORE;
@@ -129,7 +128,7 @@ impl Room {
             is_met.then_some(ahead.abs())
         };
         let across = if dx == 0.0 { at.0 } else { at.1 };
-        // How far beside it the robot is counted to stand.
+        // Distance of the robot's counted place beside a thing.
         let beside = |extent: &Extent| {
             let (from, to) = extent.across(towards);
             (from - across).max(across - to).max(0.0)
@@ -141,7 +140,7 @@ impl Room {
         near.min_by(|one, other| one.1.total_cmp(&other.1)).map(|met| met.0)
     }
 
-    /// How far it is from the start to the first thing to the south.
+    /// Distance from the start to the first thing to the south.
     pub(super) fn ahead(&self) -> f64 {
         let is_ahead = |extent: &Extent| extent.x.0 <= 0.0 && extent.x.1 >= 0.0 && extent.y.0 > 0.0;
         let faces = self.things.iter().map(|thing| &thing.extent).filter(|extent| is_ahead(extent)).map(|extent| extent.y.0);
@@ -150,7 +149,7 @@ impl Room {
 }
 
 impl VirtualRobot {
-    /// In this room.
+    /// Adds what is known of the room.
     #[must_use]
     pub fn in_room(mut self, room: Room) -> VirtualRobot {
         for Thing { name, extent } in &room.things {
@@ -178,18 +177,18 @@ impl VirtualRobot {
         self
     }
 
-    /// Whether what stands ahead of its start is what it has met there.
+    /// Whether it has met what stands ahead of its start.
     pub(super) fn is_met_as_it_should_be(&self) -> bool {
         let Some((room, met)) = self.room.as_ref().zip(self.met.as_deref()) else { return true };
         let is_there = |thing: &Thing| thing.name == met && thing.extent.y.0 <= room.ahead() + REACHED && thing.extent.y.1 > 0.0;
         met == BORDER || room.things.iter().any(is_there)
     }
 
-    /// What it has met so many cells this way, where its server does not say it.
+    /// What it has met after this many cells, where its server does not say it.
     pub(super) fn met_by_room(&self, towards: Heading, way: f64) -> Option<String> {
         let (room, (x, y), (dx, dy)) = (self.room.as_ref()?, self.reckoning.at(), towards.vector());
         let at = match towards {
-            // It has come back too far, whatever is counted by a step that is not known yet.
+            // It has come back too far, whatever is counted by a step that is not measured yet.
             Heading::North if self.is_gauging() => (0.0, 0.0),
             Heading::South if self.is_gauging() => (0.0, room.ahead()),
             Heading::North | Heading::East | Heading::South | Heading::West => {
@@ -199,26 +198,27 @@ impl VirtualRobot {
         room.met(at, towards).map(str::to_owned)
     }
 
-    /// Whether the room says that it cannot stand there.
+    /// Whether the robot cannot stand in this cell, by the room.
     pub(super) fn is_barred(&self, cell: Cell) -> bool {
         self.room.as_ref().is_some_and(|room| !room.is_free(cell))
     }
 
-    /// Whether what it has met cannot be what bars this cell to it: something that is known to stand elsewhere. What moves, or was not
-    /// there when the file was written, may stand anywhere.
+    /// Whether what it has met cannot be what bars this cell: something that is known to stand elsewhere. A thing that
+    /// moves, or was not there when the file was written, may stand anywhere.
     pub(super) fn is_contradicted(&self, cell: Cell, towards: Heading) -> bool {
         let Some((room, met)) = self.room.as_ref().zip(self.met.as_deref()) else { return false };
         room.stands(met) && room.is_free(cell) && !room.is_grazed(met, cell, self.reckoning.at(), towards)
     }
 
-    /// It was counted into a cell in which it cannot stand, and has met nothing: on it goes, for some cells, until it does.
+    /// It was counted into a cell in which it cannot stand, and has met nothing: it goes on, for some cells, until it
+    /// does.
     pub(super) fn go_on_until_met(&mut self, towards: Heading, backward: bool) {
         self.off_centre = true;
         self.aim(Aim::Touch { is_certain: true, further: 0 });
         self.drive(towards, 1.0, backward);
     }
 
-    /// It has gone on and on, and not met what stands there: in the last cell before that it is taken to stand.
+    /// It has gone on for long, and not met what stands there: it is taken to stand in the last cell before that.
     pub(super) fn stands_before_it(&mut self) {
         let (back, mut cell) = (self.moves_towards().opposite(), self.reckoning.cell());
         let mut left = FURTHEST_BACK;
@@ -229,7 +229,7 @@ impl VirtualRobot {
         self.stand_elsewhere(cell);
     }
 
-    /// Whether it has met something beyond the next cell, which something else bars by the room.
+    /// Whether it has met something beyond the next cell, although something else bars that by the room.
     pub(super) fn has_passed_what_bars(&self, towards: Heading) -> bool {
         let next = self.reckoning.pose().cell.ahead(towards);
         let Some(room) = self.room.as_ref().filter(|room| !room.is_free(next)) else { return false };
@@ -238,7 +238,7 @@ impl VirtualRobot {
         room.floor.depth(centre) >= -REACHED && room.things.iter().find(is_met).is_none()
     }
 
-    /// Where it stands when it has come here in the column to the right or to the left, if one of them is free all the way.
+    /// The cell to the right or left where it stands now, if one of these columns is free all the way.
     pub(super) fn column_beside(&mut self, towards: Heading) -> Option<Cell> {
         let room = self.room.as_ref()?;
         let (back, right) = (towards.opposite(), towards.right().vector());
@@ -256,8 +256,8 @@ impl VirtualRobot {
         Some(cell)
     }
 
-    /// The cell in which it stands in truth, after it has met this: where the reckoning has it, or right before or beside that; `None` where
-    /// nobody knows.
+    /// The cell in which it really stands, after it has met this: where the reckoning has it, or right before or beside
+    /// that; `None` where nobody knows.
     pub(super) fn truly_in(&mut self, name: Option<&str>, towards: Heading) -> Option<Cell> {
         let room = self.room.as_ref()?;
         let met = room.things.iter().find(|thing| Some(thing.name.as_str()) == name && room.is_one(&thing.name));
@@ -266,7 +266,7 @@ impl VirtualRobot {
             self.reckoning.stand_across(towards, from, to);
         }
         let (cell, back, aside) = (self.reckoning.cell(), towards.opposite(), towards.right().vector());
-        // What it has met may begin before the centre of a cell, which it does not reach then.
+        // What it has met may begin before the centre of a cell, so that the robot did not reach that.
         let is_before = self.reckoning.way_to(cell, towards) > REACHED;
         let cell = if is_before { cell.ahead(back) } else { cell };
         let before = [cell, cell.ahead(back)];

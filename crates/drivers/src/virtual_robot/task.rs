@@ -1,4 +1,4 @@
-//! What an order comes to for the virtual robot, which may have to go some way of its own before and behind it.
+//! The steps of an order for the virtual robot, which may have to drive some way of its own before and after it.
 
 use std::time::Duration;
 
@@ -17,37 +17,36 @@ pub(super) struct Task {
     pub(super) hindered: u8,
 }
 
-/// What an order comes to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Aim {
     Step(Pose),
     Turn(Pose),
     /// Back to the centre of its cell.
     Back,
-    /// The same, but it stands beside that and turns towards it first, to face this way in its cell.
+    /// Back to the centre of its cell, beside which it stands: it turns towards it first, and then faces this way.
     Aside(Pose),
-    /// Forward against what stands there, certainly or maybe, so that it knows where it is; then back to the centre.
+    /// Forward against what stands there, certainly or maybe, to find out where it is; then back to the centre.
     Touch {
         is_certain: bool,
         further: u8,
     },
     Return,
-    /// Back from what a step has met first, as long as it drove; and against it once more: how much longer that seems to take than it
-    /// must is the latency.
+    /// Back from the first contact of a step, for as long as it drove, and forward against it again: the time that this
+    /// takes too long is the latency.
     Retreat(Then),
     Measure(Then),
-    /// Ahead until it meets what the scene says that it must, and back to its start.
+    /// Ahead until it meets what the scene has there, and back to its start.
     Gauge,
     Gauged,
-    /// A little ahead: whether the step whose end was not heard is complete.
+    /// A little ahead, to find out whether a step without a report of its end is complete.
     Feel,
     Draw,
 }
 
-/// What comes of it when the latency is measured.
+/// What follows once the latency is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Then {
-    /// The step to there was stopped.
+    /// The step to this pose was stopped.
     Met(Pose),
     /// The way from its start is measured.
     Gauged,

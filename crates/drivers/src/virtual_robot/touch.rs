@@ -1,22 +1,22 @@
-//! Where the virtual robot has driven far and faces something whose place it knows, it touches that before it does what is ordered: so
-//! it knows again where it is.
+//! Touching a known thing before an order: a robot that has driven far and faces something whose place is known touches
+//! it to find out where it is.
 
 use std::time::Duration;
 
 use super::reckoning::DRIFT;
 use super::{Aim, VirtualRobot};
 
-/// Having driven so many cells on an axis since it last met anything there, it touches what it can.
+/// Cells driven on an axis since the last contact on it, from which on the robot touches what it can.
 const FAR: f64 = 3.0;
 
-/// So many cells it goes on, one after the other, when what stands there certainly is not met.
+/// Cells that it goes on, one after the other, when a thing that certainly stands there is not met.
 const FURTHER: u8 = 2;
 
-/// Of the time that an order has, so much may go by with touching, there and back.
+/// Share of the order's time that touching may take, there and back.
 const SHARE: f64 = 0.5;
 
 impl VirtualRobot {
-    /// How far it is to what it is to touch now, if it is, and whether that stands there certainly.
+    /// Distance to what it should touch now, if anything, and whether that certainly stands there.
     pub(super) fn is_to_touch(&self, has: Duration) -> Option<(f64, bool)> {
         let heading = self.reckoning.pose().heading;
         let is_due = !self.off_centre && self.latency.is_some() && self.reckoning.driven(heading) >= FAR;
@@ -39,7 +39,7 @@ impl VirtualRobot {
             return self.go_back();
         }
         if further == FURTHER && self.room.is_some() {
-            // It is not so far yet, and nothing is told of that the room contradicts.
+            // It is not so far yet, and nothing is reported that contradicts the room.
             return self.stands_before_it();
         }
         if further == FURTHER {
@@ -50,10 +50,10 @@ impl VirtualRobot {
         self.drive(towards, 1.0, backward);
     }
 
-    /// Back in the centre of its cell: now for what was ordered.
+    /// Back in the centre of its cell, it begins what was ordered.
     pub(super) fn came_back_touched(&mut self) {
         self.off_centre = false;
-        // Who was to go back to the centre is there.
+        // An order to go back to the centre is complete here.
         self.aim(Aim::Back);
         if let Some(action) = self.task.as_ref().map(|task| task.action) {
             self.begin(action);

@@ -1,5 +1,5 @@
-//! What the virtual robot's server says and is told, in both versions: JSON between semicolons over TCP, and JSON messages over WebSocket.
-//! What follows from it is not decided here.
+//! The messages of the virtual robot's server, in both versions: JSON between semicolons over TCP, and JSON messages
+//! over WebSocket. What follows from them is not decided here.
 //!
 //! The server ends when a message comes in two pieces or is no JSON, so each is written whole, by `serde_json`.
 
@@ -10,13 +10,13 @@ use serde_json::{Value, json};
 
 use hallsweep_core::words::is_visible;
 
-/// As much of a message as is kept while its end has not come; nothing that the server says is nearly as long.
+/// Most bytes stored of a message whose end has not come; nothing that the server sends is nearly as long.
 const LONGEST: usize = 4096;
 
-/// A name of a thing is cut after so many letters: it stands in a log line, on a drawing and in a small file.
+/// Longest name of a thing, in letters; the rest is cut, since it stands in a log line, on a drawing and in a small
+/// file.
 const LONGEST_NAME: usize = 64;
 
-/// What the robot can be told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Command {
     Forward(Duration),
@@ -27,20 +27,20 @@ pub(super) enum Command {
     Alarm,
 }
 
-/// What was heard of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Heard {
-    /// A page is open, in which it stands.
+    /// A page is open, in which the robot stands.
     Page,
-    /// It has met something, of this name where it says so.
+    /// It has met something, whose name follows if the server tells it.
     Contact(Option<String>),
-    /// A move has ended, whether it has met something or not: of this name where it says so.
+    /// A move has ended, with or without a contact; its name follows if the server tells it.
     Ended(Option<&'static str>),
-    /// A move was not begun, because another one was under way: of this name where it says so.
+    /// A move was refused because another one was under way; its name follows if the server tells it.
     Refused(Option<&'static str>),
 }
 
-/// The names of moves. The servers write more behind them: `_notallowed`, `_Asynch_halted`, `-collision`, `_notallowed (asynch)`.
+/// The names of moves. The servers write more behind them: `_notallowed`, `_Asynch_halted`, `-collision`, `_notallowed
+/// (asynch)`.
 const MOVES: [&str; 4] = ["moveForward", "moveBackward", "turnLeft", "turnRight"];
 
 impl Command {
@@ -63,7 +63,7 @@ impl Command {
         }
     }
 
-    /// Between semicolons, for the server of the first version.
+    /// The form for the server of the first version.
     pub(super) fn between_semicolons(self) -> Vec<u8> {
         let message = match self.ms() {
             Some(ms) => json!({"type": self.word(), "arg": ms}),
@@ -72,22 +72,22 @@ impl Command {
         format!(";{message};").into_bytes()
     }
 
-    /// As a message, for the server of 2021.
+    /// The form for the server of 2021.
     pub(super) fn as_message(self) -> Vec<u8> {
         json!({"robotmove": self.word(), "time": self.ms().unwrap_or(0)}).to_string().into_bytes()
     }
 }
 
-/// A stream of messages between semicolons, as it comes in pieces.
+/// A stream of messages between semicolons, which comes in pieces.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Stream {
     begun: Vec<u8>,
-    /// A message that was too long is passed over up to its end.
+    /// Set while the rest of a message that was too long is skipped.
     skips: bool,
 }
 
 impl Stream {
-    /// What is understood of this piece and what came before.
+    /// The messages in this piece and in what came before.
     pub(super) fn read(&mut self, bytes: &[u8]) -> Vec<Heard> {
         let mut heard = Vec::new();
         for byte in bytes {
@@ -105,7 +105,7 @@ impl Stream {
         heard
     }
 
-    /// Forgets what has begun: another connection begins anew.
+    /// Drops an incomplete message, since another connection begins.
     pub(super) fn begin(&mut self) {
         *self = Stream::default();
     }
@@ -128,8 +128,8 @@ fn typed(message: &[u8]) -> Option<Heard> {
     }
 }
 
-/// What is understood of a message of the server of 2021 and those after it, which differ: a collision has a target or has none, a
-/// move ends with `true` or with `"true"`, what was not begun is `"notallowed"` or has that somewhere behind its name.
+/// Reads a message of the server of 2021 and those after it, which differ: a collision has a target or has none, a move
+/// ends with `true` or with `"true"`, a refusal is `"notallowed"` or has that somewhere behind its name.
 pub(super) fn message(bytes: &[u8]) -> Option<Heard> {
     let said: Value = serde_json::from_slice(bytes.get(..bytes.len().min(LONGEST))?).ok()?;
     if said.get("collision").is_some_and(|collision| *collision != Value::Bool(false)) {
@@ -142,12 +142,13 @@ pub(super) fn message(bytes: &[u8]) -> Option<Heard> {
     if says("notallowed") {
         return Some(Heard::Refused(of));
     }
-    // The contact of one that has collided was heard by itself.
+    // The contact itself was reported in a message of its own.
     if ["halt", "interrupted", "collision"].into_iter().any(says) {
         return None;
     }
     let is = |value: bool| *ended == Value::Bool(value) || ended.as_str() == Some(if value { "true" } else { "false" });
-    // Of one that is `false` there was a collision, which was heard by itself; or another one's is blamed on it.
+    // `false` means a collision, which was reported in a message of its own; or that of another move is ascribed to
+    // this one.
     (is(true) || (is(false) && of.is_some())).then_some(Heard::Ended(of))
 }
 

@@ -1,5 +1,5 @@
-//! What may go wrong with a virtual robot: the map that comes of it is right, or the mission is in fault; where that cannot be had, it is
-//! said how often it is wrong.
+//! What may go wrong with a virtual robot: the map is right, or the mission is in fault; where that cannot be achieved,
+//! the test states how often the map is wrong.
 
 use std::time::Duration;
 
@@ -18,7 +18,7 @@ fn room() -> Scene {
     Scene::empty(27.0, 31.0)
 }
 
-/// As the room is when nothing goes wrong.
+/// The cells of the room when nothing goes wrong.
 fn whole() -> Vec<(i32, i32)> {
     (0..6).flat_map(|x| (0..7).map(move |y| (x, y))).collect()
 }
@@ -31,7 +31,8 @@ fn begun(version: Version, frames: Frames, strategy: Strategy) -> Rig {
     rig
 }
 
-/// Lets the mission go on, disturbed again and again, with START after each hold; how it ended.
+/// Lets the mission go on with this many disturbances and START after each hold, and returns the phase in which it
+/// ended.
 fn disturbed(rig: &mut Rig, stream: &mut RandomStream, times: u32, mut disturb: impl FnMut(&mut Rig, u64)) -> PhaseName {
     for _ in 0..times {
         rig.wait(Duration::from_millis(200 + stream.below(4000)));
@@ -58,7 +59,8 @@ fn assert_right_or_fault(rig: &mut Rig, end: PhaseName, what: &str) -> bool {
     true
 }
 
-/// How many of so many searches come to their end with the right map, disturbed so often; the others are in fault.
+/// Number of searches, out of `seeds`, that end with the right map although they are disturbed this often; the others
+/// are in fault.
 fn right_of(seeds: u64, name: &str, times: u32, mut disturb: impl FnMut(&mut Rig, u64)) -> u32 {
     let mut right = 0;
     for seed in 0..seeds {
@@ -83,7 +85,8 @@ fn a_link_that_is_cut_in_mid_step_holds_the_mission_and_start_goes_on() {
         rig.cut();
         assert!(rig.state().mission.holds.contains(&Hold::RobotLink));
     });
-    // Eight times each, now and then in the very moment in which it is told to move, or while it meets something for the first time.
+    // Eight disturbances each, some in the very moment in which it is told to move, or while it meets something for the
+    // first time.
     assert!(right >= 40, "{right} of 60 were explored to their end");
 }
 
@@ -93,7 +96,7 @@ fn a_program_that_is_killed_leaves_what_the_next_must_know() {
     assert!(right >= 13, "{right} of 16 were explored to their end");
 }
 
-/// It is halted, and before the alarm has had its effect, or just after, nobody remembers it but what was written down.
+/// It is halted, and before the alarm takes effect, or just after, only the stored memory knows of it.
 #[test]
 fn a_program_that_is_killed_right_after_a_stop_knows_how_far_the_step_had_come() {
     let mut right = 0;
@@ -131,8 +134,8 @@ fn a_server_that_dies_is_found_again() {
     assert!(right >= 4, "{right} of 8 were explored to their end");
 }
 
-/// Safety S1, S3, S8: whatever the robot is doing for its order, feeling its way, measuring, touching, on the way back, in a turn, and however
-/// late its words come.
+/// Safety S1, S3, S8: during every part of an order (feeling, measuring, touching, the way back, a turn), and however
+/// late the server's messages come.
 #[test]
 fn after_a_stop_it_stands_whatever_it_was_doing() {
     for seed in 0..60_u64 {
@@ -167,7 +170,7 @@ fn after_a_stop_it_stands_whatever_it_was_doing() {
     }
 }
 
-/// Whatever a server stops doing in mid-mission.
+/// The server stops doing one thing in mid-mission.
 #[test]
 fn every_wait_for_a_server_ends_in_words_and_a_stop_sends_its_alarm() {
     type Fails = fn(&mut Server);
@@ -181,7 +184,8 @@ fn every_wait_for_a_server_ends_in_words_and_a_stop_sends_its_alarm() {
     ];
     for (what, fail) in failing {
         for (version, seed) in Version::ALL.into_iter().zip(0..).cycle().take(20) {
-            // The first never refuses a move, and that of early 2021 neither, which does not know whether there is a page.
+            // The first version never refuses a move, nor does that of early 2021, which does not know whether there is
+            // a page.
             if version == Version::First && what.contains("believes")
                 || version == Version::Early2021 && !what.contains("nothing")
             {
@@ -209,7 +213,7 @@ fn every_wait_for_a_server_ends_in_words_and_a_stop_sends_its_alarm() {
     }
 }
 
-/// As after a page that was closed in mid-move: the server waits for its end for ever, and an alarm frees it.
+/// The situation after a page was closed in mid-move: the server waits for its end for ever, and an alarm frees it.
 #[test]
 fn a_server_that_waits_for_the_end_of_an_old_move_is_freed_by_an_alarm() {
     for version in [Version::Year2021, Version::Year2022, Version::Year2023] {
@@ -223,7 +227,8 @@ fn a_server_that_waits_for_the_end_of_an_old_move_is_freed_by_an_alarm() {
     }
 }
 
-/// Whoever connects from this machine takes all that the server says; until the next motion, which begins with a new connection.
+/// A client that connects from this machine takes over the server's messages, until the next motion, which begins with
+/// a new connection.
 #[test]
 fn another_client_that_steals_what_the_server_says_between_two_motions_disturbs_nothing() {
     for seed in 0..24 {
@@ -243,7 +248,8 @@ fn another_client_that_steals_what_the_server_says_between_two_motions_disturbs_
     }
 }
 
-/// One that connects in mid-step may take the very word that something was met: that is found out where the next known thing is met.
+/// A client that connects in mid-step may take the very report of a contact: that is found out where the next known
+/// thing is met.
 #[test]
 fn what_another_client_steals_in_mid_step_is_found_out_in_nearly_all_cases() {
     let mut wrong = Vec::new();
@@ -278,7 +284,8 @@ fn words_that_come_late_are_waited_for_or_said() {
     }
 }
 
-/// Frames sixty times a second, of which some are left out: in so many of twice so many, or always.
+/// Sixty frames a second, of which some are left out: during every second run of `over` frames, or always when `over`
+/// is 0.
 fn loaded(seed: u64, rate: f64, over: u64) -> Frames {
     let mut stream = RandomStream::new(seed, "frames");
     let mut count = 0_u64;
@@ -306,13 +313,13 @@ fn a_page_under_load_drifts_and_is_set_right_or_the_mission_says_so() {
                 wrong += u32::from(rig.cells(Mark::Visited) != whole());
             }
         }
-        // Of a wall that is met for the first time nobody can say whether it stands where it seems to, but the scene file.
+        // Only the scene file tells whether a wall that is met for the first time stands where it seems to.
         let (least, most) = if with_scene { (40, 0) } else { (24, 1) };
         assert!(right >= least && wrong <= most, "{with_scene}: {right} of 40 are right, {wrong} have a wrong map");
     }
 }
 
-/// On ways where it has been before a drift is set right as soon as a wall is touched, however far it has come: no map is wrong by it.
+/// On known ways a drift is corrected as soon as a wall is touched, however large it is: no map is wrong by it.
 #[test]
 fn a_drift_on_known_ways_is_set_right_at_the_next_wall() {
     let (mut far, mut right) = (0, 0);
@@ -325,7 +332,7 @@ fn a_drift_on_known_ways_is_set_right_at_the_next_wall() {
         if rig.give(Command::BackHome).is_err() {
             continue;
         }
-        // On its way home the page is busy.
+        // The page is busy on the robot's way home.
         rig.server.page.as_mut().expect("a page").draw(loaded(u64::try_from(seed).unwrap(), 0.15, 0));
         rig.until(60, |state| matches!(state.mission.phase, PhaseName::AtHome | PhaseName::Fault));
         let has_stood =
@@ -369,7 +376,7 @@ fn without_a_page_the_link_is_down_and_one_that_is_opened_anew_has_the_robot_at_
     assert_eq!(rig.cells(Mark::Visited), whole());
 }
 
-/// The server greets all when anybody connects.
+/// The server greets all clients when anybody connects.
 #[test]
 fn clients_from_elsewhere_disturb_nothing() {
     let mut rig = begun(Version::First, Page::steady(), Strategy::Auto);
@@ -381,7 +388,7 @@ fn clients_from_elsewhere_disturb_nothing() {
     assert_eq!(rig.cells(Mark::Visited), whole());
 }
 
-/// So many a second, between the least and the most for a while, and now and then hardly any.
+/// Frames per second that vary between least and most for a while, and now and then drop to few.
 pub(crate) fn wobbling(seed: u64, (least, most, few): (u32, u32, u32)) -> Frames {
     let mut stream = RandomStream::new(seed, "wobbling frames");
     let (mut left, mut rate) = (0, most);
@@ -412,14 +419,14 @@ fn with_the_scene_file_a_page_that_is_now_quick_and_now_slow_makes_neither_a_fau
             let what = format!("{version:?} {rates:?} frames a second, seed {seed}");
             assert_eq!(rig.explore(900), PhaseName::Explored, "{what}: {}", rig.trouble());
             assert_eq!(rig.cells(Mark::Visited), whole, "{what}: {}", rig.trouble());
-            // What it has counted since it last met something nobody knows better.
+            // Nobody knows better what it has counted since it last met something.
             let ((cell, _), counted) = (rig.server.page.as_ref().expect("a page").cell(), rig.state().robot.pose.cell);
             assert!((cell.0 - counted.x).abs() + (cell.1 - counted.y).abs() <= 4, "{what}: {counted:?}, and in truth {cell:?}");
         }
     }
 }
 
-/// A drift that shows by no wall ahead: only that a thing beside the way is met tells of it.
+/// A drift that no wall ahead reveals: only a thing met beside the way does.
 #[test]
 fn with_the_scene_file_a_drift_to_the_side_is_set_right_too() {
     let mut turned = 0;

@@ -1,5 +1,5 @@
-//! A virtual robot of which nobody knows any more where it stands, or which is only thought to be lost: how it is found again, and that no
-//! map is wrong by it.
+//! A virtual robot whose place nobody knows any more, or which is only thought to be lost: how it is found again, and
+//! that no map is wrong by it.
 
 use std::time::Duration;
 
@@ -17,7 +17,7 @@ fn room() -> Scene {
     Scene::empty(27.0, 31.0)
 }
 
-/// As the room is when nothing goes wrong.
+/// The cells of the room when nothing goes wrong.
 fn whole() -> Vec<(i32, i32)> {
     (0..6).flat_map(|x| (0..7).map(move |y| (x, y))).collect()
 }
@@ -48,7 +48,8 @@ fn explores_the_rest(rig: &mut Rig, what: &str) {
     rig.assert_agrees();
 }
 
-/// Cut off in the very moment in which it was told to move, it may have moved or not. Its page is opened anew, and START goes on with the map.
+/// Cut off in the very moment in which it was told to move, it may have moved or not. Its page is opened anew, and
+/// START goes on with the map.
 #[test]
 fn a_robot_that_is_lost_is_put_at_its_start_and_the_mission_goes_on() {
     for version in Version::ALL {
@@ -83,8 +84,8 @@ fn a_robot_that_is_lost_is_put_at_its_start_and_the_mission_goes_on() {
     }
 }
 
-/// Somebody closes the page in mid-step: over WebSocket only the end of the move that never comes tells it, and the server of early 2021
-/// says even that.
+/// Somebody closes the page in mid-step: over WebSocket only the missing end of the move tells it, and the server of
+/// early 2021 reports even that.
 #[test]
 fn a_page_that_is_closed_in_mid_step_and_opened_anew_has_its_robot_at_its_start() {
     for version in Version::NAMING {
@@ -117,7 +118,7 @@ fn a_link_that_is_cut_or_a_program_that_is_killed_while_it_gauges_its_step_does_
                 assert!(rig.until(20, |state| !state.mission.holds.contains(&Hold::RobotLink)), "{what}");
                 let _ = rig.give(Command::Start);
                 let end = rig.explore(300);
-                // It may have been cut in the moment in which it was told to move.
+                // The link may have been cut in the moment in which it was told to move.
                 if end != PhaseName::Fault {
                     assert_eq!((end, rig.cells(Mark::Visited)), (PhaseName::Explored, whole()), "{what}: {}", rig.trouble());
                     rig.assert_agrees();
@@ -138,7 +139,7 @@ fn with_the_scene_file_a_turn_may_be_the_first_motion() {
     }
 }
 
-/// The system takes connections in its place, and nobody greets them.
+/// The system accepts connections in the server's place, and nobody greets them.
 #[test]
 fn a_server_that_hangs_for_a_while_has_not_closed_its_page() {
     let mut rig = idle(room(), Version::First, false);
@@ -157,7 +158,7 @@ fn a_server_that_hangs_for_a_while_has_not_closed_its_page() {
     explores_the_rest(&mut rig, "after the server hung");
 }
 
-/// Where it stood before is what the driver knows; that it is met elsewhere passes for drift, once.
+/// The driver knows where the thing stood before; meeting it elsewhere counts as drift, once.
 #[test]
 fn a_thing_that_was_moved_is_a_fault_until_the_next_reset_and_no_longer() {
     let with_table = |column, row| {
@@ -187,7 +188,7 @@ fn a_thing_that_was_moved_is_a_fault_until_the_next_reset_and_no_longer() {
     rig.assert_agrees();
 }
 
-/// Somebody has left something in the room since its scene file was written, and the server says what was met.
+/// Somebody has left something in the room since its scene file was written, and the server reports its name.
 #[test]
 fn what_the_scene_file_lacks_is_found_all_the_same() {
     for version in Version::NAMING {

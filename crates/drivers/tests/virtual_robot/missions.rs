@@ -1,4 +1,4 @@
-//! What a mission comes to with a robot that says little, that drifts, and that others talk to as well.
+//! Outcomes of missions with a robot that reports little, that drifts, and that other clients use as well.
 
 use std::time::Duration;
 
@@ -42,7 +42,8 @@ fn an_empty_room_of_35_is_eight_by_eight_cells_and_goto_ends_at_its_last_row() {
     }
 }
 
-/// Where the page draws more frames a second, or fewer, the robot is quicker or slower: with the scene file its driver finds out.
+/// When the page draws more frames a second, or fewer, the robot is quicker or slower: with the scene file its driver
+/// finds out.
 #[test]
 fn with_the_scene_file_the_map_does_not_depend_on_how_fast_the_page_is() {
     for version in Version::ALL {
@@ -80,7 +81,7 @@ fn a_stop_while_it_gauges_its_step_is_gone_back_from() {
     }
 }
 
-/// Every thing that has a name is asked about once; walls are not.
+/// Every thing with a name needs one verdict; walls need none.
 #[test]
 fn bags_are_known_by_their_names_and_walls_are_not_asked_about() {
     for version in Version::NAMING {

@@ -1,5 +1,5 @@
-//! A double of the page in which the virtual robot stands: its room, its frames, its timers. It moves a fixed way each frame, not each
-//! second; a frame that is left out is a piece of way that is missing.
+//! A double of the page in which the virtual robot stands: its room, its frames, its timers. The robot moves a fixed
+//! way each frame, not each second, so a frame that is left out is a piece of way that is missing.
 
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use hallsweep_drivers::{self as drivers, Extent, Room};
 
-/// The robot acts as a square of this half side: boxes grow by it.
+/// Half the side of the square as which the robot acts, in units: boxes grow by it.
 const PADDING: f64 = 2.0;
 
 /// A thing in the room, with the padding.
@@ -23,13 +23,13 @@ pub(crate) struct Thing {
 pub(crate) struct Scene {
     pub(crate) floor: (f64, f64),
     pub(crate) player: (f64, f64),
-    /// Units a frame.
+    /// Units per frame.
     pub(crate) speed: f64,
     pub(crate) things: Vec<Thing>,
 }
 
 impl Scene {
-    /// A room with four walls and nothing in it; the robot in its north-western corner.
+    /// A room with four walls and nothing in it; the robot is in its north-western corner.
     pub(crate) fn empty(width: f64, height: f64) -> Scene {
         let mut scene = Scene { floor: (width, height), player: (0.0, 0.0), speed: 0.2, things: Vec::new() };
         scene.put("wallUp", (0.5, 0.99), (1.0, 0.01));
@@ -40,7 +40,7 @@ impl Scene {
         scene
     }
 
-    /// A box as the scene file has it: centre and size in fractions of the floor, y growing up the page.
+    /// Adds a box as the scene file has it: centre and size in fractions of the floor, y growing up the page.
     pub(crate) fn put(&mut self, name: &str, centre: (f64, f64), size: (f64, f64)) {
         let (width, height) = self.floor;
         let (x, z) = ((centre.0 - 0.5) * width, -(centre.1 - 0.5) * height);
@@ -49,7 +49,7 @@ impl Scene {
         self.things.push(thing);
     }
 
-    /// The same by cells: it covers the middle of the cell in this column and row as the robot counts them.
+    /// Adds a box that covers the middle of the cell in this column and row, as the robot counts them.
     pub(crate) fn put_in_cell(&mut self, name: &str, column: i32, row: i32) {
         let (width, height) = self.floor;
         let (x, z) = (self.player.0 + 4.0 * f64::from(column), self.player.1 + 4.0 * f64::from(row));
@@ -69,7 +69,7 @@ impl Scene {
         Room { floor: extent((-half_x, half_x), (-half_z, half_z)), things: things.collect(), moving: Vec::new() }
     }
 
-    /// How deep this point is within something or beyond the border, in units; negative where it is clear.
+    /// Distance of this point within something, or beyond the border, in units; negative where it is clear.
     pub(crate) fn depth(&self, (x, z): (f64, f64)) -> f64 {
         let within = |at: f64, (least, most): (f64, f64)| (at - least).min(most - at);
         let border = (x.abs() - self.floor.0 / 2.0).max(z.abs() - self.floor.1 / 2.0);
@@ -111,7 +111,7 @@ enum Event {
     BackwardTimer(u64),
 }
 
-/// How quick the frames come.
+/// The time to the next frame.
 pub(crate) type Frames = Box<dyn FnMut() -> Duration + Send>;
 
 pub(crate) struct Page {
@@ -128,13 +128,13 @@ pub(crate) struct Page {
     count: u64,
     now: Duration,
     pub(crate) told: Vec<(Duration, Told)>,
-    /// Whether a rotation is stopped by the alarm, as in later versions of the page.
+    /// Whether an alarm stops a rotation, as in later versions of the page.
     pub(crate) turns_halt: bool,
     rotating: &'static str,
 }
 
 impl Page {
-    /// Moves it to the right by so much, or to the left, where nothing stands.
+    /// Moves the robot to the right by this much, or to the left, where nothing stands.
     pub(crate) fn push(&mut self, units: f64) {
         let (x, z) = match self.angle.rem_euclid(4.0) as u8 {
             0 => (self.at.0 - units, self.at.1),
@@ -168,7 +168,7 @@ impl Page {
         page
     }
 
-    /// Frames sixty times a second.
+    /// Sixty frames a second.
     pub(crate) fn steady() -> Frames {
         Box::new(|| Duration::from_micros(16_667))
     }
@@ -215,12 +215,13 @@ impl Page {
         }
     }
 
-    /// From here on the frames come like this.
+    /// Sets the rate of the frames from here on.
     pub(crate) fn draw(&mut self, frames: Frames) {
         self.frames = frames;
     }
 
-    /// The cell of the robot's own count in which its centre is, and how far from that cell's centre at most, in cells.
+    /// The cell of the robot's own count in which its centre is, and its greatest distance from that cell's centre on
+    /// an axis, in cells.
     pub(crate) fn cell(&self) -> ((i32, i32), f64) {
         let along = |at: f64, from: f64| (at - from) / 4.0;
         let (x, y) = (along(self.at.0, self.scene.player.0), along(self.at.1, self.scene.player.1));
@@ -278,7 +279,7 @@ impl Page {
             self.told.push((self.now.max(ends), Told::EndOfMove(self.rotating)));
         }
         if !self.forward && !self.backward {
-            // Something that moves may touch it while it stands; nothing here does.
+            // In the real page something that moves may touch it while it stands; nothing does here.
             return;
         }
         let sign = if self.backward { -1.0 } else { 1.0 };

@@ -19,7 +19,7 @@ use super::server::{Client, Server, Version};
 
 pub(crate) const HERE: &str = "127.0.0.1";
 
-/// What connecting takes.
+/// Duration of connecting.
 const CALL: Duration = Duration::from_millis(2);
 
 pub(crate) const STEP: Duration = Duration::from_millis(333);
@@ -30,14 +30,13 @@ pub(crate) struct Rig {
     pub(crate) server: Server,
     pub(crate) now: Duration,
     client: Option<Client>,
-    /// When a connection is tried.
+    /// When the next connection is tried.
     call: Option<Duration>,
-    /// What the driver wrote down last.
+    /// What the driver stored last.
     pub(crate) memory: String,
     answers: BTreeMap<Ticket, Result<Accepted, Refused>>,
     /// The names of what was drawn.
     pub(crate) drawn: Vec<String>,
-    /// Everything that the driver has reported.
     pub(crate) reports: Vec<RobotEvent>,
     dialect: Dialect,
     /// What the scene file tells, where there is one.
@@ -63,7 +62,6 @@ impl Rig {
         }
     }
 
-    /// The same with what the scene file tells.
     pub(crate) fn with_scene(server: Server, strategy: Strategy) -> Rig {
         let room = server.page.as_ref().expect("a page").scene.told();
         let mut rig = Rig::new(server, strategy);
@@ -72,7 +70,7 @@ impl Rig {
         rig
     }
 
-    /// The program is killed, and another one begins with what was written down.
+    /// The program is killed, and another one begins with what was stored.
     pub(crate) fn kill_driver(&mut self) {
         let driver = VirtualRobot::remembering(self.dialect, STEP, &self.memory).expect("what was written can be read");
         self.driver = match &self.room {
@@ -121,7 +119,7 @@ impl Rig {
         self.pass_to(end);
     }
 
-    /// Lets time pass until `reached`, for so many seconds at most; whether it was.
+    /// Lets time pass until `reached`, for this many seconds at most, and returns whether it was.
     pub(crate) fn until(&mut self, seconds: u64, mut reached: impl FnMut(&Snapshot) -> bool) -> bool {
         let end = self.now + Duration::from_secs(seconds);
         while self.now < end {
@@ -156,7 +154,7 @@ impl Rig {
         self.engine.snapshot()
     }
 
-    /// What went wrong last, and where robot and core are, for whoever reads a failure.
+    /// The latest trouble, with the places of robot and core, for messages of failed tests.
     pub(crate) fn trouble(&mut self) -> String {
         let is_trouble = |report: &&RobotEvent| matches!(report, RobotEvent::Failed(..) | RobotEvent::LinkLost(_));
         let said = self.reports.iter().rev().find(is_trouble).cloned();
@@ -173,7 +171,7 @@ impl Rig {
         cells
     }
 
-    /// The cell in which the core has it is the one in which it stands, well in the middle.
+    /// Checks that the robot stands in the core's cell, well in the middle.
     pub(crate) fn assert_agrees(&mut self) {
         let state = self.state();
         let (cell, off) = self.server.page.as_ref().expect("a page").cell();
@@ -182,18 +180,19 @@ impl Rig {
         assert!(off < 0.4, "{off} of a cell from the centre of {cell:?}, {:?}", self.driver);
     }
 
-    /// Whether the server was sent an alarm at this time or after it, or so shortly before that it serves a STOP of this time.
+    /// Whether an alarm was sent to the server at this time or after it, or so shortly before that it serves a STOP of
+    /// this time.
     pub(crate) fn has_alarm_since(&self, since: Duration) -> bool {
         let serves = |(at, said): &(Duration, String)| *at + Duration::from_millis(100) >= since && said.contains("alarm");
         self.server.heard.iter().any(serves)
     }
 
-    /// Whether the driver waits for what a motion comes to.
+    /// Whether the driver waits for the outcome of a motion.
     pub(crate) fn is_awaiting(&mut self) -> bool {
         self.state().robot.state.name() != "stopped" && self.call.is_none()
     }
 
-    /// The connection is cut, without any word.
+    /// Cuts the connection without a message.
     pub(crate) fn cut(&mut self) {
         if let Some(client) = self.client.take() {
             self.server.end(HERE, client);

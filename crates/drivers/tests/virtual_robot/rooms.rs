@@ -1,5 +1,5 @@
-//! Rooms drawn at random, in every version of the server: things are met at every fraction of a step, and cells are clear by less than the
-//! page drives in one frame. The map is right, or the mission is in fault.
+//! Random rooms in every version of the server: things are met at every fraction of a step, and cells are clear by less
+//! than the page drives in one frame. The map is right, or the mission is in fault.
 
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -24,7 +24,8 @@ fn between(stream: &mut RandomStream, from: f64, to: f64) -> f64 {
     from + drawn as f64 / 100.0
 }
 
-/// A room of some cells with walls that are a little short, as those of the public pages are, and up to three things anywhere.
+/// A room of some cells with walls that are a little short, as those of the public pages are, and up to three things
+/// anywhere.
 fn drawn(seed: u64) -> Scene {
     let mut stream = RandomStream::new(seed, "rooms");
     let (width, height) = (between(&mut stream, 14.0, 30.0), between(&mut stream, 14.0, 30.0));
@@ -55,7 +56,7 @@ fn drawn(seed: u64) -> Scene {
     scene
 }
 
-/// The cells that the robot reaches when each is free in whose centre it is at least so far within something, or less: in cells.
+/// The cells that the robot reaches if it can enter those whose centre is at most `depth` within something, in cells.
 fn reached(scene: &Scene, depth: f64) -> BTreeSet<(i32, i32)> {
     let (mut reached, mut open) = (BTreeSet::from([(0, 0)]), vec![(0, 0)]);
     while let Some((x, y)) = open.pop() {
@@ -69,8 +70,9 @@ fn reached(scene: &Scene, depth: f64) -> BTreeSet<(i32, i32)> {
     reached
 }
 
-/// Of cells whose centre is clear of everything by less, or in which the robot is stopped before the centre by less, nobody can say whether
-/// it reaches them: a drift of some frames decides, and without the scene file more of them. Either is right.
+/// Depths between which nobody can say whether the robot reaches a cell, in cells: its centre is clear, or the robot is
+/// stopped before it, by less than this. A drift of some frames decides, and more of them without the scene file.
+/// Either result is right.
 const BLURRED: (f64, f64) = (-3.0 * FRAME, 0.15 + 2.0 * FRAME);
 
 #[test]
@@ -81,7 +83,7 @@ fn in_rooms_drawn_at_random_the_map_is_right_or_the_mission_is_in_fault_in_words
         let (mut explored, mut faults) = (0, Vec::new());
         for seed in 0..seeds {
             let scene = drawn(seed);
-            // That of early 2021 does not say what is met: without the scene file there is nothing to know it by.
+            // The server of early 2021 does not report what is met: without the scene file it cannot be recognised.
             let versions = if with_scene { &Version::ALL[..] } else { &Version::NAMING[..] };
             let version = versions[usize::try_from(seed).expect("it is small") % versions.len()];
             let frames = rates.map_or_else(Page::steady, |rates| wobbling(seed, rates));

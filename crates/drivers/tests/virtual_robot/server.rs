@@ -1,5 +1,5 @@
-//! A double of the servers that join the page with programs: of the first version over TCP, with all that its clients must bear, and of
-//! that of 2021 over WebSocket.
+//! A double of the servers that join the page with programs: of the first version over TCP, with all that its clients
+//! must bear, and of those since 2021 over WebSocket.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -11,19 +11,21 @@ use super::page::{Command, Page, Told};
 /// A client's connection.
 pub(crate) type Client = u64;
 
-/// Which server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Version {
     /// Between semicolons over TCP: one stream of events for each client address.
     First,
-    /// Messages over WebSocket: a collision in place of the end of a move, and it says what it was.
+    /// Messages over WebSocket: a collision, with its name, in place of the end of a move.
     Year2021,
-    /// The same at its beginning: a collision without a name, and the end of each move when its time has passed, whatever has happened.
+    /// The beginning of 2021: a collision without a name, and the end of each move when its time has passed, whatever
+    /// has happened.
     Early2021,
-    /// The same of 2022: the page says when a move ends, of a turn at its beginning and at its end, and a halt stops a turn.
+    /// The version of 2022: the page reports the end of a move, of a turn at its beginning and at its end, and a halt
+    /// stops a turn.
     Year2022,
-    /// The same of 2023: after a collision the move runs on until its time has passed or an alarm comes, each refusal ends in
-    /// ` (asynch)`, the end of a move that was cut short carries what cut it short, and a halt stops a turn.
+    /// The version of 2023: after a collision the move runs on until its time has passed or an alarm comes, each
+    /// refusal ends in ` (asynch)`, the end of a move that was cut short carries what cut it short, and a halt stops a
+    /// turn.
     Year2023,
 }
 
@@ -31,7 +33,7 @@ impl Version {
     pub(crate) const ALL: [Version; 5] =
         [Version::First, Version::Year2021, Version::Early2021, Version::Year2022, Version::Year2023];
 
-    /// Versions that say what was met.
+    /// Versions that report what was met.
     pub(crate) const NAMING: [Version; 4] = [Version::First, Version::Year2021, Version::Year2022, Version::Year2023];
 
     fn halts_turns(self) -> bool {
@@ -44,23 +46,22 @@ pub(crate) struct Server {
     pub(crate) version: Version,
     /// How long a message takes from the server to the page, and back.
     pub(crate) lag: Duration,
-    /// The connection to which events go, of each client address.
+    /// The connection to which events go, for each client address.
     streams: BTreeMap<String, Client>,
-    /// All connections of the later versions, each of which hears everything.
+    /// All connections of the later versions, each of which receives everything.
     listeners: Vec<Client>,
     clients: u64,
     pub(crate) is_dead: bool,
-    /// The system takes connections, and whatever is sent, and the server does nothing with them.
+    /// The system accepts connections and bytes, and the server does nothing with them.
     pub(crate) is_stalled: bool,
     /// The move that it believes to be under way.
     pub(crate) running: Option<&'static str>,
-    /// What has cut that short: the server of 2023 keeps it until the page says that it has ended.
+    /// What has cut that move short: the server of 2023 remembers it until the page reports its end.
     cut_by: Option<&'static str>,
     /// It believes for ever that a move is under way, whatever ends.
     pub(crate) is_stuck: bool,
-    /// It says nothing any more.
+    /// It sends nothing any more.
     pub(crate) is_mute: bool,
-    /// Everything that it was told.
     pub(crate) heard: Vec<(Duration, String)>,
     to_page: Vec<(Duration, Command)>,
     from_page: Vec<(Duration, Told)>,
@@ -99,7 +100,7 @@ impl Server {
         }
     }
 
-    /// A connection from this address; `None` when nobody listens.
+    /// Connects from this address; `None` when nobody listens.
     pub(crate) fn connect(&mut self, address: &str) -> Option<Client> {
         if self.is_dead {
             return None;
@@ -116,7 +117,7 @@ impl Server {
         Some(self.clients)
     }
 
-    /// A connection has ended: whoever has connected from there since hears nothing any more.
+    /// A connection has ended: the latest client of that address receives nothing any more.
     pub(crate) fn end(&mut self, address: &str, client: Client) {
         if self.version == Version::First {
             self.streams.remove(address);
@@ -133,7 +134,6 @@ impl Server {
         }
     }
 
-    /// Somebody closes the page.
     pub(crate) fn close(&mut self) {
         self.page = None;
     }
@@ -146,7 +146,7 @@ impl Server {
         }
     }
 
-    /// One segment, or one message; what it does not bear ends it.
+    /// Takes one segment, or one message; input that it cannot bear ends it.
     pub(crate) fn receive(&mut self, bytes: &[u8]) {
         let said = String::from_utf8_lossy(bytes).into_owned();
         if self.version != Version::First {
@@ -251,14 +251,14 @@ impl Server {
         self.now = now;
     }
 
-    /// What the page tells it.
+    /// Handles what the page tells it.
     fn hear(&mut self, told: Told) {
         match (self.version, told) {
             (Version::Year2023, Told::Collision(name)) => {
                 self.cut_by = Some("collision").filter(|_| self.running.is_some());
                 self.tell(&json!({"collision": self.running, "target": name}));
             }
-            // It says of whatever is under way that it has ended, though the page speaks of an earlier one.
+            // It reports the end of whatever is under way, though the page speaks of an earlier move.
             (Version::Year2023, ended @ (Told::EndOfMove(_) | Told::Halted)) => {
                 let Some(running) = self.running else { return };
                 match self.cut_by {

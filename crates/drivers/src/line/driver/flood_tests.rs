@@ -8,13 +8,12 @@ use super::testing::{ADA, FORWARD, Test, photograph};
 use super::*;
 use crate::line::picture::PNG;
 
-/// What happens to the driver in a flood.
 #[derive(Clone, Copy, Debug)]
 enum Step {
     Stop,
     Order,
     Photograph,
-    /// The robot answers the open order: that it is done, or that it was halted.
+    /// The robot answers the open order with done or halted.
     Answer(&'static str),
     Passes(u64),
 }
@@ -29,7 +28,7 @@ fn step() -> impl Strategy<Value = Step> {
     ]
 }
 
-/// A driver, and every line that it has written, with its time.
+/// A driver with every line that it has written, and its time.
 struct Flooded {
     test: Test,
     written: Vec<(Duration, ToRobot)>,
@@ -54,7 +53,7 @@ impl Flooded {
                     self.test.passes(10);
                     self.write();
                 }
-                // The robot is there, and answers a halt before the driver gives it up.
+                // The robot is present, and answers a halt before the driver gives it up.
                 self.test.hears("sonar 50");
                 let soon = self.test.now.since_start + Duration::from_millis(200);
                 if self.test.driver.open.as_ref().is_some_and(|open| open.is_halted && open.until < soon) {
@@ -72,7 +71,7 @@ impl Flooded {
         self.written.extend(self.test.said().into_iter().map(read));
     }
 
-    /// How many lines of each kind were written in the last second.
+    /// Number of lines of each kind that were written in the last second.
     fn within_a_second(&self) -> BTreeMap<&'static str, usize> {
         let mut counts = BTreeMap::new();
         let since = self.test.now.since_start.saturating_sub(Duration::from_secs(1));
@@ -88,7 +87,7 @@ impl Flooded {
         counts
     }
 
-    /// The last halt is young enough, voids every motion that was written, and no order was written after it.
+    /// Whether the last halt is recent, voids every motion that was written, and no order was written after it.
     fn is_halted(&self) -> bool {
         let is_halt = |(_, line): &(Duration, ToRobot)| matches!(line, ToRobot::Halt(_));
         let Some(place) = self.written.iter().rposition(is_halt) else { return false };
@@ -115,7 +114,7 @@ proptest! {
                 prop_assert!(flooded.is_halted(), "{:?}", flooded.written);
                 motion_allowed = false;
             }
-            // What a STOP has cut short is not written again: only a new order lets the robot move.
+            // A motion that a STOP has cut short is not written again: only a new order lets the robot move.
             let is_motion = |(_, line): &(Duration, ToRobot)| matches!(line, ToRobot::Order(task, ..) if task.is_motion());
             prop_assert!(motion_allowed || !flooded.written[checked..].iter().any(is_motion), "{:?}", flooded.written);
             checked = flooded.written.len();
@@ -126,7 +125,7 @@ proptest! {
     }
 }
 
-/// Safety S1: beside what is said without it. A wire of 9600 baud carries 960 bytes a second.
+/// Safety S1: these lines come on top of the usual ones. A wire of 9600 baud carries 960 bytes a second.
 #[test]
 fn a_second_of_stops_without_end_writes_ten_halts_and_the_next_order_right_behind_them() {
     for moves in [false, true] {
@@ -147,7 +146,7 @@ fn a_second_of_stops_without_end_writes_ten_halts_and_the_next_order_right_behin
     }
 }
 
-/// Safety S1: what was written on a connection that is gone may not have come.
+/// Safety S1: what was written on a lost connection may not have arrived.
 #[test]
 fn a_halt_of_the_connection_before_serves_no_stop() {
     let mut test = Test::up(&ADA.replace("at=2,3", "at=0,0"));

@@ -1,4 +1,4 @@
-//! A driver to be tested, and what it says to a robot that says what it is told to.
+//! A driver under test, and what it sends to a scripted robot.
 
 use std::time::Duration;
 
@@ -19,7 +19,6 @@ pub(crate) struct Test {
 }
 
 impl Test {
-    /// A driver whose connection stands.
     pub(crate) fn connected() -> Test {
         let mut test = Test { driver: LineDriver::new(), now: Now::default() };
         test.driver.handle_connected(test.now);
@@ -62,7 +61,7 @@ impl Test {
         std::iter::from_fn(|| self.driver.poll_output()).collect()
     }
 
-    /// The texts that it has said since; nothing else was asked for.
+    /// The texts that it has sent since the last call; it must have asked for nothing else.
     pub(crate) fn said(&mut self) -> Vec<String> {
         let text = |output: Output| match output {
             Output::Send(bytes) => String::from_utf8(bytes).unwrap().trim_end().split('*').next().unwrap().to_owned(),
@@ -89,7 +88,7 @@ pub(crate) fn photograph() -> Action {
     Action::Photograph(Stamp { pose: Pose::START, wall: WallTime::default() })
 }
 
-/// Why the connection is given up; that is the last that is done.
+/// Why the connection is given up, which must be its last output.
 pub(crate) fn given_up(test: &mut Test) -> String {
     let outputs = test.outputs();
     let Some(Output::GiveUp(words)) = outputs.last() else {

@@ -150,7 +150,7 @@ fn a_motion_never_begins_after_its_deadline() {
     let mut test = Test::up(ADA);
     test.order_within(FORWARD, 300);
     test.passes(200);
-    // Whatever the robot answers to that is the answer of the order.
+    // Any answer of the robot to that is the answer of the order.
     test.hears("sonar 10");
     test.said();
     test.passes(200);

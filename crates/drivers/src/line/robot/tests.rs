@@ -19,7 +19,7 @@ impl Test {
         Test { robot, now: Now::default() }
     }
 
-    /// A robot that takes orders above 5.
+    /// A robot that accepts orders above 5.
     fn ready() -> Test {
         let mut test = Test::switched_on();
         test.hears("from 5");
@@ -40,7 +40,7 @@ impl Test {
         std::iter::from_fn(|| self.robot.poll_asked()).collect()
     }
 
-    /// The action that it was asked to begin, and nothing else.
+    /// The action that it was asked to begin, which must be all that it was asked.
     fn begun(&mut self) -> Option<Action> {
         match self.asked()[..] {
             [] => None,
