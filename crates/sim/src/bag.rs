@@ -1,4 +1,4 @@
-//! A piece of luggage as it lies in a simulated hall: where, of what kind, colour and height, and whether it is dangerous.
+//! A piece of luggage in a simulated hall: where it lies, its kind, colour and height, and whether it is dangerous.
 //! What the robot or the operator knows of it is not here.
 
 use std::sync::Arc;
@@ -7,17 +7,16 @@ use hallsweep_core::units::{Cell, Piece};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bag {
-    /// The number by which the camera knows it again; counted from 1 in reading order of the drawing.
+    /// The number by which the camera recognises it, counted from 1 in reading order of the drawing.
     pub piece: Piece,
-    /// What a person would call it, as `red suitcase`.
+    /// Its name for people, such as `red suitcase`.
     pub name: Arc<str>,
     pub kind: Kind,
     pub colour: Colour,
     /// The cells it covers, in map coordinates, at least one, by row and column.
     pub cells: Vec<Cell>,
-    /// How high it stands, in metres.
+    /// Its height in metres.
     pub height_m: f64,
-    /// Whether it is the one to be found.
     pub dangerous: bool,
 }
 
@@ -49,7 +48,7 @@ impl Kind {
         Kind::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
-    /// How high such a piece usually stands, in metres.
+    /// The usual height of such a piece, in metres.
     pub(crate) const fn usual_height_m(self) -> f64 {
         match self {
             Kind::Suitcase => 0.70,
@@ -92,13 +91,12 @@ impl Colour {
         Colour { red, green, blue }
     }
 
-    /// A colour by its name, or by `#rrggbb`.
+    /// Accepts a name or `#rrggbb`.
     pub(crate) fn parse(text: &str) -> Option<Colour> {
         let named = Colour::NAMED.into_iter().find(|(name, _)| *name == text).map(|(_, colour)| colour);
         named.or_else(|| Colour::from_hex(text.strip_prefix('#')?))
     }
 
-    /// The name of the named colour that is nearest to this one.
     pub(crate) fn nearest_name(self) -> &'static str {
         let distance = |other: Colour| -> u32 {
             let part = |a: u8, b: u8| u32::from(a.abs_diff(b)).pow(2);
@@ -121,7 +119,6 @@ impl Bag {
         Bag::of_kind(Kind::ALL[pick(piece, Kind::ALL.len(), 1)], piece, cells)
     }
 
-    /// The same of a certain kind.
     pub(crate) fn of_kind(kind: Kind, piece: Piece, cells: Vec<Cell>) -> Bag {
         let (colour_name, colour) = Colour::NAMED[pick(piece, Colour::NAMED.len(), 5)];
         let name = format!("{colour_name} {}", kind.name()).into();
@@ -129,7 +126,7 @@ impl Bag {
     }
 }
 
-/// Which of so many a piece has: what follows from its number.
+/// An index below `count` that follows from the piece's number.
 fn pick(piece: Piece, count: usize, stride: usize) -> usize {
     usize::try_from(piece.0).unwrap_or(0).wrapping_mul(stride) % count
 }

@@ -1,5 +1,5 @@
-//! The temperature of a hall over time: keyframes, straight lines between them, and the last value for ever after.
-//! What a temperature means for the robot is the core's business.
+//! The temperature of a hall over time: keyframes, straight lines between them, and the last value for ever after. What
+//! a temperature means for the robot is decided in the core.
 
 use std::time::Duration;
 
@@ -30,7 +30,8 @@ impl Curve {
         let differs = |second: u64| tenths(self.at_s(seconds(second))) != shown;
         let mut first = after + 1;
         for (at, _) in &self.keys {
-            // Up to each keyframe the temperature is monotonic: when it differs at all, it still does at the last second.
+            // Up to each keyframe the temperature is monotonic: when it differs at all, it still does at the last
+            // second.
             let last = whole_second_before(*at);
             if first > last {
                 continue;
@@ -65,7 +66,8 @@ pub(super) fn tenths(temperature: Celsius) -> i64 {
     (temperature.degrees() * 10.0).round() as i64
 }
 
-/// The first second in `first..=last` of which `holds` is true, which it is of `last` and of all after the first.
+/// The first second in `first..=last` for which `holds` is true; it must be true for `last` and for all seconds after
+/// the first such one.
 fn first_that(mut first: u64, mut last: u64, holds: impl Fn(u64) -> bool) -> u64 {
     while first < last {
         let middle = first + (last - first) / 2;

@@ -1,4 +1,5 @@
-//! Two-wheel kinematics: from wheel speeds to where the body is, in closed form. What stands in the way is not known here.
+//! Two-wheel kinematics: from wheel speeds to the place of the body, in closed form. What stands in the way is not
+//! known here.
 //!
 //! ```text
 //!        x (east) ─►            v = r (ωl + ωr) / 2     metres a second, forward
@@ -11,14 +12,15 @@ use std::time::Duration;
 
 use hallsweep_core::units::{Heading, Pose};
 
-/// Where the body really is. (0, 0) is the centre of the home cell in a hall, and the north-west corner in the Roomba's room.
+/// Where the body really is. (0, 0) is the centre of the home cell in a hall, and the north-west corner in the Roomba's
+/// room.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyPose {
     /// Metres to the east of (0, 0).
     pub x_m: f64,
     /// Metres to the south of (0, 0).
     pub y_m: f64,
-    /// The way it faces: radians clockwise from the east, as seen from above, in `-π..=π`.
+    /// Its heading: radians clockwise from the east, as seen from above, in `-π..=π`.
     pub theta: f64,
 }
 
@@ -35,7 +37,7 @@ impl BodyPose {
         BodyPose { x_m: f64::from(pose.cell.x) * cell_m, y_m: f64::from(pose.cell.y) * cell_m, theta }
     }
 
-    /// The unit vector of the way it faces.
+    /// The unit vector of its heading.
     #[must_use]
     pub fn ahead(self) -> (f64, f64) {
         (self.theta.cos(), self.theta.sin())

@@ -1,5 +1,5 @@
-//! A number that tells one hall from another by what is in it, and intact text from damaged. It guards against mistakes, not
-//! against people: FNV-1a is no cryptography.
+//! A number that tells halls apart by their content, and intact text from damaged text. It protects against mistakes,
+//! not against attacks: FNV-1a is no cryptography.
 
 use super::bag::Bag;
 use super::hall::{Hall, Truth};
@@ -45,8 +45,8 @@ impl Fingerprint {
 }
 
 impl Hall {
-    /// The fingerprint of all that a robot can meet in it: floor, luggage, temperature. Its name and description are words
-    /// about it and do not count.
+    /// The fingerprint of everything that a robot can meet: floor, luggage, temperature. Name and description do not
+    /// count.
     pub(super) fn fingerprint(&self) -> u64 {
         let bounds = self.bounds();
         let sized = Fingerprint::new().number(self.cell_m().to_bits()).cell(bounds.least).cell(bounds.most);

@@ -1,5 +1,5 @@
-//! The simulated robot and its hall: a hall as data, a body on two wheels, a sonar, a camera; and core and simulator in one plain
-//! loop, in simulated time (`headless`). It waits for nothing: `now` is an argument.
+//! The simulated robot and its hall: a hall as data, a body on two wheels, a sonar, a camera; and core and simulator in
+//! one plain loop, in simulated time (`headless`). It never waits: `now` is an argument.
 //!
 //! ```text
 //!  hall files ─► hall ─┐

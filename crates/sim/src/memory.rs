@@ -1,5 +1,6 @@
-//! What a robot and its hall would keep by physics when the program dies: where the robot stands, how it is moving, how old the
-//! hall is. Where it is written down is the business of whoever runs the robot; how a robot goes on from it stands in `simulator::recall`.
+//! The state that a robot and its hall would retain by physics when the program dies: where the robot stands, how it is
+//! moving, how old the hall is. Whoever runs the robot stores it; how a robot goes on from it stands in
+//! `simulator::recall`.
 //!
 //! ```text
 //!            pose: the cell and heading of the last completed order
@@ -27,12 +28,11 @@ const WATCHDOG: Duration = Duration::from_millis(500);
 /// What rounding to micrometres and microradians may add.
 const ROUNDING: i64 = 2;
 
-/// What a robot and its hall keep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SimMemory {
     /// The cell and heading in which the last completed order left the robot.
     pub pose: Pose,
-    /// So many steps from home it stands before the entrance; 0: it is in the hall.
+    /// Steps from home at which it stands before the entrance; 0: it is in the hall.
     pub outside: u8,
     /// Where its body really is.
     pub stands: Astray,
@@ -40,13 +40,13 @@ pub struct SimMemory {
     pub taken: Taken,
     /// The motion under way, if any.
     pub motion: Option<Underway>,
-    /// How long the hall has been there, over all runs: its temperature goes on from here.
+    /// How long the hall has existed, over all runs: its temperature goes on from here.
     pub age: Duration,
     /// How often the robot went on after the end of a program; the noise of its sensors begins anew each time.
     pub restarts: u32,
 }
 
-/// The pieces that a robot has taken with its hook: they stand in the hall no more.
+/// The pieces that a robot has taken with its hook: they no longer stand in the hall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Taken {
     /// On its back.
@@ -56,7 +56,6 @@ pub struct Taken {
 }
 
 impl Taken {
-    /// Nothing.
     pub const NONE: Taken = Taken { carried: None, container: [0; Taken::WORDS] };
 
     pub(crate) const WORDS: usize = 16;
@@ -67,7 +66,7 @@ impl Taken {
         (piece.0 as usize) < 64 * Taken::WORDS
     }
 
-    /// Puts what is carried into the container; which piece it was.
+    /// Moves the carried piece into the container, and returns it.
     pub fn let_go(&mut self) -> Option<Piece> {
         let piece = self.carried.take().filter(|piece| Taken::has_room_for(*piece))?;
         self.container[piece.0 as usize / 64] |= 1 << (piece.0 % 64);
@@ -80,7 +79,7 @@ impl Taken {
         words.flat_map(|(word, bits)| (0..64).filter(move |bit| bits & (1 << bit) != 0).map(move |bit| Piece(word * 64 + bit)))
     }
 
-    /// What stands nowhere in the hall any more.
+    /// The pieces that no longer stand in the hall.
     pub fn gone(&self) -> impl Iterator<Item = Piece> {
         self.carried.into_iter().chain(self.in_container())
     }
@@ -105,7 +104,7 @@ pub struct Underway {
 }
 
 impl SimMemory {
-    /// A robot newly put down at home, in a hall that has just been opened.
+    /// A robot that was just put down at home, in a hall that was just opened.
     pub const NEW: SimMemory = SimMemory {
         pose: Pose::START,
         outside: 0,
@@ -116,8 +115,9 @@ impl SimMemory {
         restarts: 0,
     };
 
-    /// How it is once the program that drove the robot has died and the robot has come to rest. Nobody saw when the wheels
-    /// stopped: it was at most `WATCHDOG` after the last moment known, and not beyond the motion's end; the seed draws when.
+    /// The state once the program that drove the robot has died and the robot has come to rest. Nobody saw when the
+    /// wheels stopped: it was at most `WATCHDOG` after the last moment known, and not beyond the motion's end; the seed
+    /// draws when.
     pub fn at_rest(self, seed: u64) -> SimMemory {
         let restarts = self.restarts.wrapping_add(1);
         let stands = self.motion.map_or(self.stands, |motion| {
@@ -128,12 +128,12 @@ impl SimMemory {
         SimMemory { stands, motion: None, restarts, ..self }
     }
 
-    /// Where the body is, in a hall with cells of this side.
+    /// Where the body is, in a hall with cells of this side in metres.
     pub fn body(&self, cell_m: f64) -> BodyPose {
         self.stands.from(centre_of(self.pose, self.outside, cell_m))
     }
 
-    /// Whether all of this can be in that hall: a robot on free floor, no further astray than obstacles let it go.
+    /// Whether this state is possible in that hall: a robot on free floor, no further astray than obstacles allow.
     pub fn fits(&self, hall: &Hall) -> bool {
         let hall = &hall.rearranged(&self.taken.gone().map(|piece| (piece, None)).collect());
         let stands = match self.outside {
@@ -144,11 +144,12 @@ impl SimMemory {
         stands && self.reaches(self.stands, hall) && moving
     }
 
-    /// Whether a body that belongs on the free floor of `pose` can come to be so far astray.
+    /// Whether a body that belongs on the free floor of `pose` can get so far astray.
     fn reaches(&self, astray: Astray, hall: &Hall) -> bool {
         let backs = astray.ahead_um < 0;
         let heading = if backs { self.pose.heading.opposite() } else { self.pose.heading };
-        // The entrance is at the back of whoever stands at home as a mission begins, and he is outside already in the middle of it.
+        // At home the entrance is at the robot's back when a mission begins, and the robot is outside already in the
+        // middle of it.
         let way = if self.outside > 0 || backs && self.pose == Pose::START {
             1.0
         } else {
@@ -179,7 +180,7 @@ impl Astray {
         BodyPose { x_m: centre.x_m + ahead_m * dx, y_m: centre.y_m + ahead_m * dy, theta }
     }
 
-    /// This share (0–1) of the way from here to `end`; a motion has constant speed.
+    /// The point at this share (0–1) of the way to `end`; a motion has constant speed.
     #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "both ends are within a cell and a turn")]
     fn towards(self, end: Astray, share: f64) -> Astray {
         let between = |from: i64, to: i64| from + ((to - from) as f64 * share) as i64;
@@ -187,7 +188,7 @@ impl Astray {
     }
 }
 
-/// A hall in which what was taken does not stand any more.
+/// The hall without the pieces that were taken.
 pub(crate) fn without(hall: &Arc<Hall>, taken: Taken) -> Arc<Hall> {
     match taken {
         Taken::NONE => Arc::clone(hall),
@@ -195,7 +196,7 @@ pub(crate) fn without(hall: &Arc<Hall>, taken: Taken) -> Arc<Hall> {
     }
 }
 
-/// The seed of the noise after so many restarts: the user's own until the first.
+/// The seed of the noise after this many restarts: the user's own until the first.
 pub(crate) fn reseeded(seed: u64, restarts: u32) -> u64 {
     // The golden ratio's bits set neighbouring counts, and seeds, far apart.
     seed ^ u64::from(restarts).wrapping_mul(0x9e37_79b9_7f4a_7c15)

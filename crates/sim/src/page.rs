@@ -1,4 +1,5 @@
-//! How the memory of a robot is written: one small text of fixed size, pure bytes to values and back. Files are not touched here.
+//! The written form of a robot's memory: one small text of fixed size, pure bytes to values and back. Files are not
+//! touched here.
 //!
 //! ```text
 //!  0     hallsweep simulated robot, version 1⏎
@@ -7,7 +8,8 @@
 //!  3072  77e2… {"turn":42, …}                                      blanks ⏎   slot 1: the odd turns
 //!  4096
 //! ```
-//! A write goes into the slot of the older turn, so that one cut short leaves the other whole; the later whole one counts.
+//! A write goes into the slot of the older turn, so that one that is cut short leaves the other whole; the later whole
+//! one counts.
 
 use std::time::Duration;
 
@@ -18,40 +20,38 @@ use super::hall::Hall;
 use super::memory::{Astray, SimMemory, Taken, Underway};
 use hallsweep_core::units::{Cell, Heading, Piece, Pose};
 
-/// The size of everything before the slots: room for the longest name, should each of its letters be written as six.
+/// Bytes before the slots: room for the longest name, should each of its letters be written as six.
 const HEAD: usize = 2048;
 
-/// The size of a slot: several times what the longest memory needs.
+/// Bytes of a slot: several times what the longest memory needs.
 const SLOT: usize = 1024;
 
-/// The size of the whole; a file has neither more nor less.
+/// Bytes of the whole file, neither more nor less.
 pub const SIZE: usize = HEAD + 2 * SLOT;
 
-/// So many letters of a hall's name are kept; a name from a hall file is shorter.
+/// Longest stored name of a hall, in letters; a name from a hall file is shorter.
 const NAME: usize = 256;
 
 const MAGIC: &str = "hallsweep simulated robot, version ";
 
 const VERSION: &str = "1";
 
-/// Which hall a memory is of.
+/// The hall to which a memory belongs.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Whose {
     /// Its name, for people.
     pub hall: String,
-    /// Its fingerprint, by which it is known.
+    /// By this it is recognised.
     fingerprint: String,
 }
 
-/// What is written, once read.
+/// A file that was read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Page {
-    /// Of which hall.
     pub whose: Whose,
     /// Counts the writings.
     pub turn: u64,
-    /// What is remembered.
     pub memory: SimMemory,
 }
 
@@ -65,13 +65,12 @@ pub enum Unread {
 }
 
 impl Whose {
-    /// What a memory of this hall is marked with.
     #[must_use]
     pub fn of(hall: &Hall) -> Whose {
         Whose { hall: hall.name().chars().take(NAME).collect(), fingerprint: format!("{:016x}", hall.fingerprint()) }
     }
 
-    /// Whether this is the same hall; names are only words.
+    /// Compares fingerprints; names are for people only.
     pub fn is_same(&self, other: &Whose) -> bool {
         self.fingerprint == other.fingerprint
     }
@@ -94,7 +93,6 @@ pub const fn place(turn: u64) -> u64 {
     if turn.is_multiple_of(2) { HEAD as u64 } else { (HEAD + SLOT) as u64 }
 }
 
-/// Reads a whole file.
 pub fn read(bytes: &[u8]) -> Result<Page, Unread> {
     let damaged = |words: &str| Unread::Damaged(words.to_owned());
     let title = bytes.split(|byte| *byte == b'\n').next().unwrap_or_default();
@@ -181,7 +179,7 @@ fn words_of(container: [u64; Taken::WORDS]) -> Vec<String> {
     container.iter().map(|word| format!("{word:x}")).collect()
 }
 
-/// Nothing is written of an empty container.
+/// An empty container is not written.
 fn container_of(words: &[String]) -> Option<[u64; Taken::WORDS]> {
     let mut container = Taken::NONE.container;
     if words.is_empty() {
@@ -282,7 +280,7 @@ mod tests {
             }
         }
 
-        /// Safety A7: what the checksum lets through is looked at all the same.
+        /// Safety A7: text with a right checksum is validated as well.
         #[test]
         fn any_text_under_a_right_checksum_is_a_memory_or_a_clear_error(text in any::<String>(), number in any::<f64>()) {
             let texts = [text, format!("{{\"turn\":{number}}}"), "[".repeat(500), "null".to_owned()];

@@ -1,5 +1,5 @@
-//! What the camera takes an obstacle for that the robot has met, or has seen ahead. Its errors are made by `senses`, and the
-//! pictures it takes by `camera`.
+//! What the camera takes an obstacle for that the robot has met, or has seen ahead. Its errors are made in `senses`,
+//! and its pictures in `camera`.
 
 use super::hall::{Hall, Truth};
 use hallsweep_core::event::Obstacle;
@@ -17,8 +17,8 @@ pub(super) fn obstacle_ahead(hall: &Hall, pose: Pose) -> Obstacle {
     }
 }
 
-/// How many more cells the wall face ahead runs on sideways, as far as it can be seen: each must be wall, and the cell in
-/// front of it free.
+/// How many more cells the wall face ahead continues sideways, as far as it can be seen: each must be wall, and the
+/// cell in front of it free.
 fn further_cells(hall: &Hall, pose: Pose, side: Heading) -> u16 {
     let mut here = pose.cell;
     for seen in 0..u16::MAX {

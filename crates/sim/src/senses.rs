@@ -1,5 +1,5 @@
-//! What the simulated robot perceives, with the noise and errors of its sensors: sonar, recognition, thermometer.
-//! The exact geometry stands in `sonar` and `recognise`.
+//! What the simulated robot perceives, with the noise and errors of its sensors: sonar, recognition, thermometer. The
+//! exact geometry stands in `sonar` and `recognise`.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -13,7 +13,7 @@ use hallsweep_core::event::{Ahead, Obstacle, RobotEvent};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::Pose;
 
-/// Sonar and camera, each with a stream of randomness of its own.
+/// Sonar and camera, each with a random stream of its own.
 #[derive(Debug)]
 pub(super) struct Senses {
     hall: Arc<Hall>,
@@ -42,7 +42,7 @@ impl Senses {
         self.hall = hall;
     }
 
-    /// A reading of the sonar, whether it has changed or not.
+    /// A reading of the sonar, even an unchanged one.
     pub(super) fn listen(&mut self, body: BodyPose) -> RobotEvent {
         let reading = self.read_sonar(body);
         self.reported = Some(reading);
@@ -56,8 +56,8 @@ impl Senses {
         (self.reported != before).then_some(reading)
     }
 
-    /// What the last reading makes of the cells ahead of a robot that stands centred in `pose`, if it tells of any. That something stands behind them
-    /// is said only when the camera sees it too.
+    /// What the last reading tells of the cells ahead of a robot that stands centred in `pose`, if anything. An
+    /// obstacle behind them is reported only when the camera sees it too.
     pub(super) fn look_ahead(&mut self, pose: Pose) -> Option<RobotEvent> {
         let cells = u16::from(self.sonar_cells);
         let (reading, cell_m) = (self.reported.flatten(), self.hall.cell_m());
@@ -82,34 +82,34 @@ impl Senses {
     }
 }
 
-/// The hall's thermometer: it speaks when the temperature, to a tenth of a degree, has changed, at most once a second.
+/// The hall's thermometer: it reports when the temperature, to a tenth of a degree, has changed, at most once a second.
 #[derive(Debug)]
 pub(super) struct Thermometer {
     hall: Arc<Hall>,
     /// How old the hall was when the run began: the curve goes on over all runs.
     before: Duration,
-    /// The next second of the hall at which it has something to say.
+    /// The next second of the hall at which there is a report.
     next: Option<u64>,
 }
 
 impl Thermometer {
-    /// A thermometer in a hall that is so old already. It has its first reading to tell at once.
+    /// A thermometer in a hall of this age, which reports at once.
     pub(super) fn new(hall: Arc<Hall>, before: Duration) -> Thermometer {
         let next = hall.curve().map(|_| before.as_secs());
         Thermometer { hall, before, next }
     }
 
-    /// When it has something to say, since the start of the run.
+    /// When the next report is due, since the start of the run.
     pub(super) fn next(&self) -> Option<Duration> {
         self.next.map(|second| Duration::from_secs(second).saturating_sub(self.before))
     }
 
-    /// It was not there until the hall was so old: what it would have said meanwhile is not said any more.
+    /// The thermometer was missing until the hall had this age: the reports of that time are dropped.
     pub(super) fn come_back(&mut self, age: Duration) {
         self.next = self.next.map(|second| second.max(age.as_secs()));
     }
 
-    /// What it has to say at the moment named by `next`.
+    /// The report that is due at the moment of `next`.
     pub(super) fn read(&mut self) -> Option<RobotEvent> {
         let second = self.next.take()?;
         let curve = self.hall.curve()?;
@@ -147,7 +147,7 @@ mod tests {
         assert_eq!(looks(hall, with_sonar(1)), Ahead { free: 3, obstacle: Some(Obstacle::Luggage(Piece(1))) });
     }
 
-    /// Seven cells of five metres are further than any sonar hears.
+    /// Seven cells of five metres are further than any sonar reaches.
     #[test]
     fn nothing_is_said_of_cells_beyond_the_range() {
         let hall = Hall::from_rows("test", &["S.#.."]).unwrap().measured(5.0, None);

@@ -1,4 +1,4 @@
-//! What can be set of the simulated robot. Where settings come from, and how fast simulated time runs, is not here.
+//! The settings of the simulated robot. Where settings come from, and how fast simulated time runs, is not here.
 
 use std::time::Duration;
 
@@ -7,33 +7,32 @@ use std::time::Duration;
 pub struct SimSettings {
     /// The seed of its noise and failures.
     pub seed: u64,
-    /// How likely the camera cannot tell what an obstacle is, 0–1.
+    /// Probability that the camera cannot tell what an obstacle is, 0–1.
     pub unknown_rate: f64,
-    /// How likely a photo fails, 0–1.
+    /// Probability that a photo fails, 0–1.
     pub photo_failure_rate: f64,
     /// The standard deviation of the sonar, in centimetres.
     pub sonar_noise_cm: f64,
-    /// So many cells ahead it says of itself whether they are free; 0: it bumps into what is there.
+    /// Cells ahead of which it reports without a question whether they are free; 0: it bumps into what is there.
     pub sonar_cells: u8,
-    /// What photos are made of.
     pub camera: Camera,
-    /// How long a step of one cell takes.
+    /// Duration of a step of one cell.
     pub step: Duration,
-    /// How long a turn of 90° takes.
+    /// Duration of a turn of 90°.
     pub turn: Duration,
-    /// How long a photo takes.
+    /// Duration of a photo.
     pub photo: Duration,
     /// Whether it has a hook, by which it takes the piece ahead onto its back.
     pub has_hook: bool,
-    /// How long it takes to do so, and to let go.
+    /// Duration of taking a piece, and of releasing it.
     pub hook: Duration,
-    /// The radius of a wheel, in metres.
+    /// In metres.
     pub wheel_radius_m: f64,
     /// The distance between the wheels, in metres.
     pub axle_m: f64,
 }
 
-/// What photos are made of.
+/// How photos are made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Camera {
     /// A perspective picture of the hall.
@@ -43,7 +42,7 @@ pub enum Camera {
     Stub,
 }
 
-/// No move is quicker than this, so that speeds stay finite.
+/// Shortest move, so that speeds stay finite.
 const QUICKEST: Duration = Duration::from_millis(1);
 
 impl SimSettings {
@@ -53,7 +52,8 @@ impl SimSettings {
         SimSettings { seed, camera, ..SimSettings::default() }
     }
 
-    /// With every value where arithmetic holds: no move quicker than a millisecond, no wheel smaller than a millimetre.
+    /// Limits every value to what the arithmetic can handle: no move is quicker than a millisecond, no wheel smaller
+    /// than a millimetre.
     pub(super) fn sound(mut self) -> SimSettings {
         for time in [&mut self.step, &mut self.turn, &mut self.photo, &mut self.hook] {
             *time = (*time).max(QUICKEST);

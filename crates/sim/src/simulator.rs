@@ -1,5 +1,5 @@
 //! The simulated robot, sans-IO: orders, halts and the passing of time go in, reports come out, and nothing here waits.
-//! Channels, timers and the speed factor are the business of `link`; what to do next is decided by nobody here.
+//! Channels, timers and the speed factor belong to `link`; what to do next is not decided here.
 //!
 //! Nothing ticks: when a motion begins, the moment at which it ends or touches something follows in closed form.
 
@@ -30,12 +30,11 @@ mod recall;
 pub use self::faults::Faults;
 use self::{hook::Handling, photo::Film};
 
-/// A robot in a hall.
 #[derive(Debug)]
 pub struct Sim {
-    /// The hall as it is without what this robot has taken.
+    /// The hall without what this robot has taken.
     hall: Arc<Hall>,
-    /// The same with it.
+    /// The hall with what this robot has taken.
     floor: Arc<Hall>,
     taken: Taken,
     settings: SimSettings,
@@ -43,7 +42,7 @@ pub struct Sim {
     now: Duration,
     /// Where the last completed order left it.
     pose: Pose,
-    /// So many steps from home it stands before the entrance, facing it; 0: it is in the hall.
+    /// Steps from home at which it stands before the entrance, facing it; 0: it is in the hall.
     outside: u8,
     /// Where it really stands while nothing moves it.
     body: BodyPose,
@@ -58,7 +57,7 @@ pub struct Sim {
     before: Duration,
     /// How often the robot went on after the end of a program.
     restarts: u32,
-    /// Whether something has changed that must not be forgotten.
+    /// Whether something has changed that must be stored.
     unkept: bool,
 }
 
@@ -80,7 +79,7 @@ enum Work {
 #[derive(Clone, Copy, Debug)]
 enum End {
     At(Pose),
-    /// So many steps from home before the entrance.
+    /// This many steps from home, before the entrance.
     Outside(u8),
     /// Against an obstacle ahead, or behind.
     Against {
@@ -96,13 +95,14 @@ enum Due {
 }
 
 impl Sim {
-    /// A robot newly put down at home in this hall, facing south. Its first reports are `Stands`, its hook if it has one, and `LinkUp`.
+    /// A robot that was just put down at home in this hall, facing south. Its first reports are `Stands`, its hook if
+    /// it has one, and `LinkUp`.
     #[must_use]
     pub fn new(hall: Arc<Hall>, settings: SimSettings) -> Sim {
         Sim::placed(hall, settings, SimMemory::NEW)
     }
 
-    /// A robot at rest where it is remembered to stand.
+    /// A robot at rest where its memory has it.
     fn placed(hall: Arc<Hall>, settings: SimSettings, memory: SimMemory) -> Sim {
         let settings = settings.sound();
         let floor = Arc::clone(&hall);
@@ -159,17 +159,15 @@ impl Sim {
         }
     }
 
-    /// Lets the LED blink, or not.
     pub const fn handle_led(&mut self, blinking: bool) {
         self.led = blinking;
     }
 
-    /// Lets time pass: everything that is due by `now` happens, in its order.
+    /// Handles everything that is due by `now`, in its order.
     pub fn handle_timeout(&mut self, now: Now) {
         self.pass_to(now.since_start);
     }
 
-    /// The next report, if there is one.
     pub fn poll_event(&mut self) -> Option<RobotEvent> {
         self.events.pop_front()
     }
@@ -180,7 +178,6 @@ impl Sim {
         self.next_due().map(|(at, _)| at)
     }
 
-    /// Whether an order is under way.
     #[must_use]
     pub const fn is_busy(&self) -> bool {
         self.task.is_some()
@@ -192,7 +189,7 @@ impl Sim {
         self.body_at(self.now) != self.centre()
     }
 
-    /// The hall is another now: somebody has taken luggage away, or put it elsewhere.
+    /// The hall has changed: somebody has taken luggage away, or put it elsewhere.
     pub fn handle_hall(&mut self, hall: Arc<Hall>) {
         self.floor = hall;
         self.look_at_floor();
@@ -203,13 +200,12 @@ impl Sim {
         self.senses.look_into(Arc::clone(&self.hall));
     }
 
-    /// Where its body really is at `now`, if nothing comes between.
+    /// Where its body really is at `now`, if nothing interferes.
     #[must_use]
     pub fn pose_at(&self, now: Now) -> BodyPose {
         self.body_at(now.since_start)
     }
 
-    /// Whether the LED blinks.
     #[must_use]
     pub const fn led(&self) -> bool {
         self.led
@@ -232,7 +228,7 @@ impl Sim {
         }
     }
 
-    /// One cell along the heading (`sign` 1) or against it (−1), or as far as the obstacle there lets it.
+    /// One cell along the heading (`sign` 1) or against it (−1), or as far as the obstacle there allows.
     fn begin_step(&mut self, order: Order, sign: f64) {
         let heading = if sign > 0.0 { self.pose.heading } else { self.pose.heading.opposite() };
         let target = self.pose.cell.ahead(heading);
@@ -250,8 +246,8 @@ impl Sim {
         self.begin_motion(order, self.chassis.spin(speed.copysign(angle)), lasts, End::At(to));
     }
 
-    /// Senses, and goes back to where the last completed order left it: a halt leaves it either off the centre or between
-    /// two headings, never both, because only recentring is done from there.
+    /// Senses, and goes back to where the last completed order left it: a halt leaves it either off the centre or
+    /// between two headings, never both, because from there it only recentres.
     fn begin_recentring(&mut self, order: Order) {
         let reading = self.senses.listen(self.body);
         self.events.push_back(reading);
@@ -271,7 +267,7 @@ impl Sim {
         }
     }
 
-    /// Straight on by a number of cells, backwards when negative.
+    /// Straight on by this many cells, backwards when negative.
     fn drive(&mut self, order: Order, cells: f64, end: End) {
         let speed = self.hall.cell_m() / self.settings.step.as_secs_f64();
         let lasts = self.settings.step.mul_f64(cells.abs());
@@ -288,8 +284,8 @@ impl Sim {
         self.unkept = true;
     }
 
-    /// Lets everything happen that is due by `now`, each at its own moment, so that it makes no difference how often
-    /// time is let pass.
+    /// Handles everything that is due by `now`, each at its own moment, so that the result does not depend on how often
+    /// time advances.
     fn pass_to(&mut self, now: Duration) {
         while let Some((at, due)) = self.next_due().filter(|(at, _)| *at <= now) {
             self.now = self.now.max(at);
@@ -303,7 +299,7 @@ impl Sim {
         self.now = self.now.max(now);
     }
 
-    /// What comes next; of what is due at the same moment, the end of the order first.
+    /// The next event; of several at the same moment, the end of the order first.
     fn next_due(&self) -> Option<(Duration, Due)> {
         let end = self.task.as_ref().and_then(|task| Some((task.work.ends()?, Due::End)));
         let deadline = self.task.as_ref().map(|task| (task.deadline, Due::Deadline));

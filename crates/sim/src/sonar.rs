@@ -1,4 +1,4 @@
-//! The front sonar: how far it is from the robot's front to what is ahead. What that is, it cannot tell.
+//! The front sonar: the distance from the robot's front to what is ahead. What that is, it cannot tell.
 
 use super::drive::BodyPose;
 use super::hall::{Hall, Truth};
@@ -21,15 +21,15 @@ pub(super) fn distance_cm(hall: &Hall, body: BodyPose) -> Option<f64> {
     Some((way - BODY_HALF).max(0.0) * cell_m * 100.0)
 }
 
-/// How many whole cells are free before what a reading of so many centimetres comes from, the robot standing centred. Walls and luggage
-/// begin within the first quarter of their cells, so half a cell is the middle between one and the next.
+/// Number of whole cells that are free before the source of a reading, for a robot that stands centred. Walls and
+/// luggage begin within the first quarter of their cells, so half a cell is the middle between one and the next.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a reading ends at the sonar's range")]
 pub(super) fn free_cells(cm: u16, cell_m: f64) -> u16 {
     let begins = 0.5 - BODY_HALF + LUGGAGE_INSET / 2.0;
     (f64::from(cm) / (cell_m * 100.0) - begins).round().max(0.0) as u16
 }
 
-/// How many whole cells ahead of a robot that stands centred it hears.
+/// Number of whole cells ahead that are within the range, for a robot that stands centred.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -39,12 +39,13 @@ pub(super) fn cells_in_range(cell_m: f64) -> u16 {
     (RANGE_M / cell_m - (0.5 - BODY_HALF)).floor().max(0.0) as u16
 }
 
-/// How far a robot at the centre of a cell drives until it touches what fills the next one, in cells; `None` for a free one.
+/// How far a robot at the centre of a cell drives until it touches what fills the next one, in cells; `None` for a free
+/// one.
 pub(super) fn way_to_contact(truth: Truth) -> Option<f64> {
     inset(truth).map(|inset| 0.5 - BODY_HALF + inset)
 }
 
-/// How far what fills a cell stays from the cell's sides, in cells; `None` for a free one.
+/// Distance of what fills a cell from the cell's sides, in cells; `None` for a free one.
 const fn inset(truth: Truth) -> Option<f64> {
     match truth {
         Truth::Free => None,
@@ -61,7 +62,7 @@ struct Ray {
 }
 
 impl Ray {
-    /// How far it is to the first obstacle within `reach`.
+    /// Distance to the first obstacle within `reach`.
     fn to_obstacle(&self, hall: &Hall, reach: f64) -> Option<f64> {
         let (dx, dy) = self.direction;
         let mut cell = (self.x.round(), self.y.round());
@@ -83,7 +84,7 @@ impl Ray {
         None
     }
 
-    /// How far it is until the line enters a square around `centre`.
+    /// Distance at which the line enters a square around `centre`.
     fn way_to_square(&self, centre: (f64, f64), half: f64) -> Option<f64> {
         let span = |place: f64, middle: f64, d: f64| {
             let (a, b) = ((middle - half - place) / d, (middle + half - place) / d);

@@ -1,19 +1,17 @@
-//! How fast simulated time runs beside the real one. Who keeps it so is `link`.
+//! The speed of simulated time beside real time. `link` makes time pass at it.
 
 use std::fmt;
 use std::str::FromStr;
 use std::time::Duration;
 
-/// The speed of simulated time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Speed {
-    /// So many times as fast as real time, `SLOWEST..=FASTEST`; 1 is as a person would watch it.
+    /// A multiple of real time, `SLOWEST..=FASTEST`; 1 is as a person would watch it.
     Times(f64),
     /// No waiting: time jumps to the end of the order under way.
     Max,
 }
 
-/// This is not a speed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0:?} is no speed: give `max`, or a number from 0.1 to 1000 (1 is as a person would watch it)")]
 pub struct SpeedError(String);
@@ -21,10 +19,11 @@ pub struct SpeedError(String);
 impl Speed {
     /// The slowest speed but standing still.
     pub const SLOWEST: f64 = 0.1;
-    /// The fastest; timers are no finer than a millisecond, so more would not be quicker.
+    /// The fastest speed; timers are no finer than a millisecond, so more would not be quicker.
     pub const FASTEST: f64 = 1000.0;
 
-    /// By what simulated durations are divided when they are told to the core, and its deadlines are multiplied.
+    /// Simulated durations are divided by it when they are reported to the core, and the core's deadlines are
+    /// multiplied by it.
     #[must_use]
     pub const fn factor(self) -> f64 {
         match self {
@@ -53,7 +52,7 @@ impl Speed {
     }
 }
 
-/// A duration times a factor; the longest there is when that is too long.
+/// A duration times a factor; the longest possible one when that is too long.
 #[must_use]
 pub fn times(duration: Duration, factor: f64) -> Duration {
     Duration::try_from_secs_f64(duration.as_secs_f64() * factor).unwrap_or(Duration::MAX)

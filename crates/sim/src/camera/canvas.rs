@@ -1,4 +1,5 @@
-//! The pixels of a picture, how far away each shows something, and which solid it shows. What is drawn is not known here.
+//! The pixels of a picture, with the depth of each and the number of the solid that it shows. What is drawn is not
+//! known here.
 
 use super::space::Paint;
 use super::view::{HEIGHT, View, WIDTH};
@@ -10,7 +11,7 @@ pub(super) struct Canvas {
     solids: Vec<u16>,
 }
 
-/// A rectangle of pixels: from the first to before the second of each pair.
+/// A rectangle of pixels; the second of each pair is excluded.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     pub(super) columns: (usize, usize),
@@ -29,7 +30,7 @@ impl Canvas {
         self.depths[place] = depth;
     }
 
-    /// Draws part of a solid, which has a number of its own.
+    /// Draws a pixel of a solid, whose number tells it from its neighbours.
     pub(super) fn set_solid(&mut self, column: usize, row: usize, depth: f32, paint: Paint, solid: u16) {
         self.set(column, row, depth, paint);
         self.solids[row * WIDTH + column] = solid;
@@ -68,13 +69,13 @@ impl Canvas {
     }
 }
 
-/// An eighth, which is a byte when the sum is of eight bytes.
+/// An eighth, which fits into a byte when the sum is of eight bytes.
 const fn mean(sum_of_eight: u16) -> u8 {
     (sum_of_eight / 8).to_le_bytes()[0]
 }
 
 impl Frame {
-    /// The least frame on the picture that holds these points; the whole picture when one of them is not ahead.
+    /// The smallest frame on the picture that holds these points; the whole picture when one of them is not ahead.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the picture before")]
     pub(super) fn around(view: &View, points: impl IntoIterator<Item = super::space::Vector>) -> Frame {
         let (mut least, mut most) = ((f32::INFINITY, f32::INFINITY), (f32::NEG_INFINITY, f32::NEG_INFINITY));

@@ -1,5 +1,5 @@
-//! The bar under every photo: hall, cell of the luggage, cell and heading of the robot, time. What it says comes from the
-//! stamp; where the robot really stands is in the picture itself.
+//! The bar under every photo: hall, cell of the luggage, cell and heading of the robot, time. It repeats the stamp;
+//! where the robot really stands is shown by the picture itself.
 
 use super::super::hall::{Hall, Truth};
 use super::canvas::Canvas;
@@ -12,14 +12,14 @@ use hallsweep_core::units::WallTime;
 /// The side of a dot of the font, in pixels.
 const DOT: usize = 2;
 
-/// The height of the bar: two lines of text and the space around them.
+/// The height of the bar in pixels: two lines of text and the space around them.
 const BAR: usize = 48;
 
 const PAPER: Paint = Paint(18.0, 22.0, 28.0);
 const TEXT: Paint = Paint(240.0, 242.0, 245.0);
 const TIME: Paint = Paint(250.0, 204.0, 80.0);
 
-/// The space beside the text.
+/// The space beside the text, in pixels.
 const MARGIN: usize = 8;
 
 pub(super) fn draw(canvas: &mut Canvas, hall: &Hall, stamp: Stamp) {
@@ -29,7 +29,7 @@ pub(super) fn draw(canvas: &mut Canvas, hall: &Hall, stamp: Stamp) {
     write(canvas, &name, (WIDTH - MARGIN - width, HEIGHT - BAR + 28), TEXT);
 }
 
-/// The bar with these words and the time, without a hall.
+/// Draws the bar with these words and the time, without a hall.
 pub(super) fn draw_plain(canvas: &mut Canvas, words: &str, wall: WallTime) {
     for row in HEIGHT - BAR..HEIGHT {
         for column in 0..WIDTH {
@@ -50,7 +50,7 @@ fn where_line(hall: &Hall, stamp: Stamp) -> String {
     format!("{what} {subject}  robot {} {}", stamp.pose.cell, stamp.pose.heading.name())
 }
 
-/// A moment as `2026-11-21 08:20:20 +00:00`, in its own zone. One beyond the calendar is shown as its milliseconds.
+/// A moment as `2026-11-21 08:20:20 +00:00`, in its own zone. One beyond the calendar is shown in milliseconds.
 fn in_words(wall: WallTime) -> String {
     let offset = jiff::tz::Offset::from_seconds(wall.offset_s).unwrap_or(jiff::tz::Offset::UTC);
     match jiff::Timestamp::from_millisecond(wall.unix_ms) {
@@ -63,7 +63,7 @@ fn write(canvas: &mut Canvas, text: &str, place: (usize, usize), paint: Paint) {
     write_large(canvas, text, place, paint, DOT);
 }
 
-/// A line of text with dots of so many pixels; what has no room in the picture is left out.
+/// Draws a line of text with dots of `dot` pixels; what does not fit into the picture is cut.
 pub(super) fn write_large(canvas: &mut Canvas, text: &str, (left, top): (usize, usize), paint: Paint, dot: usize) {
     let columns = text.chars().count() * font::ADVANCE * dot;
     for column in (0..columns).filter(|column| left + column < WIDTH) {

@@ -35,7 +35,7 @@ pub(super) fn dot(text: &str, column: usize, row: usize) -> bool {
     row < HEIGHT && columns(letter).get(column % ADVANCE).is_some_and(|bits| bits >> row & 1 == 1)
 }
 
-/// The same for a place between dots, which may also lie outside the text.
+/// Like `dot`, for a place between dots, which may also lie outside the text.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "negative places have been excluded")]
 pub(super) fn inked(text: &str, column: f32, row: f32) -> bool {
     column >= 0.0 && row >= 0.0 && dot(text, column as usize, row as usize)

@@ -1,4 +1,5 @@
-//! What pieces of luggage are made of: the solids of a suitcase, a backpack, a box …, in the size and colour of the piece.
+//! The solids of which pieces of luggage are made: of a suitcase, a backpack, a box …, in the size and colour of the
+//! piece.
 //!
 //! Lengths are in cells of half a metre; a piece may be 0.76 wide for one cell, and a cell longer for each one more.
 
@@ -14,7 +15,7 @@ const LABEL: Paint = Paint(240.0, 240.0, 236.0);
 #[derive(Debug)]
 pub(super) struct Model {
     pub(super) solids: Vec<Solid>,
-    /// Half the size of its foot: right, front.
+    /// Half the size of its foot: to the right and to the front.
     pub(super) foot: (f32, f32),
 }
 
@@ -73,7 +74,7 @@ impl Making {
         }
     }
 
-    /// A drawn-out handle from the top of the body to the full height.
+    /// A telescopic handle from the top of the body to the full height.
     fn telescope(&mut self, base: f32, behind: f32) {
         let (x, top) = (0.13, self.height - 0.03);
         for side in [-x, x] {

@@ -1,5 +1,5 @@
-//! The simulated camera: from where the robot really stands to an encoded picture.
-//! When a photo is taken, and whether it fails, is decided by the simulator.
+//! The simulated camera: from the robot's real place to an encoded picture. When a photo is taken, and whether it
+//! fails, is decided by the simulator.
 
 mod canvas;
 mod caption;
@@ -26,30 +26,30 @@ use hallsweep_core::effect::Stamp;
 use hallsweep_core::event::Photo;
 use hallsweep_core::units::{Cell, Pose};
 
-/// A picture is of what stands this many cells ahead at most: as far as a sonar may be set to see.
+/// Greatest distance of the subject, in cells: a sonar may be set to see as far.
 const SIGHT: u16 = 7;
 
-/// A photo that has been taken and not yet developed: all it takes to draw it, on whatever thread.
+/// A photo that has been taken and not developed: everything that is needed to draw it, on any thread.
 #[derive(Clone, Debug)]
 pub struct Exposure {
     hall: Arc<Hall>,
     camera: Camera,
     body: BodyPose,
     subject: Cell,
-    /// How many cells away the subject is.
+    /// Distance of the subject, in cells.
     away: u16,
     stamp: Stamp,
 }
 
 impl Exposure {
-    /// What a robot sees whose body is really here and which takes itself to be in `pose`; the stamp is written on it.
+    /// The view of a robot whose body is at `body` and which believes to be at `pose`; the stamp is written on it.
     #[must_use]
     pub fn new(hall: Arc<Hall>, camera: Camera, body: BodyPose, pose: Pose, stamp: Stamp) -> Exposure {
         let away = away(&hall, pose);
         Exposure { subject: pose.cell.onward(pose.heading, away), hall, camera, body, away, stamp }
     }
 
-    /// Draws and encodes the picture: some 20 ms of arithmetic for a rendered one.
+    /// Draws and encodes the picture, which takes some 20 ms for a rendered one.
     #[must_use]
     pub fn develop(&self) -> Photo {
         let bytes = match self.camera {
@@ -74,8 +74,7 @@ impl Exposure {
     }
 }
 
-/// How many cells away what a picture is of stands: the first thing ahead, as far as a sonar may be set to see; the next cell when there
-/// is none.
+/// Distance of the subject in cells: the first thing ahead within `SIGHT`, or the next cell when there is none.
 fn away(hall: &Hall, pose: Pose) -> u16 {
     let is_taken = |cells: &u16| hall.truth(pose.cell.onward(pose.heading, *cells)) != Truth::Free;
     (1..=SIGHT).find(is_taken).unwrap_or(1)

@@ -1,4 +1,4 @@
-//! Puts a picture together: the room, the luggage in view with its shadows, the caption.
+//! Assembles a picture: the room, the luggage in view with its shadows, the caption.
 
 use std::collections::BTreeSet;
 
@@ -12,10 +12,10 @@ use super::view::{HEIGHT, View, WIDTH};
 use super::{Exposure, caption, png, room};
 use hallsweep_core::units::{Cell, Piece};
 
-/// How far luggage is looked for, in cells: further away it would be a few pixels.
+/// Greatest distance of luggage that is drawn, in cells: further away it would be a few pixels.
 const SIGHT: i32 = 12;
 
-/// How many pieces are drawn, the nearest first: more would stand behind one another.
+/// Most pieces that are drawn, the nearest first: more would stand behind one another.
 const PIECES: usize = 24;
 
 pub(super) fn picture(exposure: &Exposure) -> Vec<u8> {
@@ -55,7 +55,7 @@ fn in_view<'a>(hall: &'a Hall, view: &View) -> Vec<&'a Bag> {
     bags
 }
 
-/// A piece as it lies: along its cells when these are in a row, or else a part of it on each.
+/// The models of a piece: one along its cells when these are in a row, or else a part on each cell.
 fn placed(hall: &Hall, bag: &Bag) -> Vec<(Place, Model)> {
     let (Some(first), Some(last)) = (bag.cells.first(), bag.cells.last()) else { return Vec::new() };
     if first.y == last.y && bag.cells.iter().all(|cell| cell.y == first.y) || bag.cells.iter().all(|cell| cell.x == first.x) {
@@ -68,8 +68,8 @@ fn placed(hall: &Hall, bag: &Bag) -> Vec<(Place, Model)> {
     }
 }
 
-/// A long piece lies along its cells; any other shows its broad side to where one can come from, turned a little in a way
-/// that is its own.
+/// A long piece lies along its cells; any other shows its broad side to where one can come from, turned by a small
+/// angle of its own.
 #[expect(clippy::cast_precision_loss, reason = "a piece is turned by a handful of steps")]
 fn turn(hall: &Hall, bag: &Bag, first: Cell, last: Cell) -> (f32, f32) {
     let free = |cell: Cell| hall.truth(cell) == Truth::Free;

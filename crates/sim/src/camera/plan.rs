@@ -1,5 +1,5 @@
-//! What stands in for a photo where a robot has no camera: a plan of what is known, seen from above, which says in large letters that it
-//! is a drawing.
+//! The replacement for a photo where a robot has no camera: a plan of what is known, seen from above, which says in
+//! large letters that it is a drawing.
 
 use super::canvas::Canvas;
 use super::space::Paint;
@@ -11,7 +11,7 @@ use hallsweep_core::event::Photo;
 /// The side of a cell, in pixels.
 const CELL: usize = 96;
 
-/// The upper left corner of the robot's cell: everything is drawn with the robot looking up.
+/// The upper left corner of the robot's cell, in pixels: the robot always looks up.
 const LEFT: usize = (WIDTH - CELL) / 2;
 const TOP: usize = 258;
 
@@ -21,14 +21,14 @@ const ROBOT: Paint = Paint(38.0, 84.0, 150.0);
 const THING: Paint = Paint(190.0, 92.0, 40.0);
 const INK: Paint = Paint(40.0, 36.0, 30.0);
 
-/// A letter of the headline is so many pixels a dot, one of the words below it so many.
+/// Pixels per dot of the headline's font.
 const HEADLINE: usize = 5;
 const WORDS: usize = 3;
 
-/// As much of a name as has room beside the thing.
+/// Longest name beside the thing, in letters.
 const NAME: usize = 16;
 
-/// A plan of what is ahead of a robot, under the name by which the robot knows it, if it does, with the stamp of a photo.
+/// A plan of what is ahead of a robot, with the stamp of a photo and the robot's name for the thing, if it has one.
 #[must_use]
 pub fn plan(stamp: Stamp, name: Option<&str>) -> Photo {
     let mut canvas = Canvas::new();

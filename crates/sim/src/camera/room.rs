@@ -1,5 +1,5 @@
-//! Draws the empty hall: tiled floor, walls with skirting, windows and signs, ceiling with strips of light. A column of the
-//! picture is one walk over the cells to the first wall. Luggage is drawn over it by `solid`.
+//! Draws the empty hall: tiled floor, walls with skirting, windows and signs, ceiling with strips of light. For a
+//! column of the picture the cells are followed to the first wall. Luggage is drawn over it by `solid`.
 
 use super::super::hall::{Hall, Truth};
 use super::canvas::Canvas;
@@ -8,10 +8,10 @@ use super::space::{HAZE, Paint, Vector, floored, smooth, wrapped};
 use super::view::{EYE, HEIGHT, View, WIDTH};
 use hallsweep_core::units::Cell;
 
-/// How high the hall is, in cells.
+/// The height of the hall, in cells.
 const CEILING: f32 = 6.0;
 
-/// No wall is looked for further away, in cells: it would be lost in the haze.
+/// Greatest distance of a wall that is drawn, in cells: further away it would be lost in the haze.
 const FAR: f32 = 120.0;
 
 const FLOOR: Paint = Paint(176.0, 178.0, 180.0);
@@ -29,11 +29,11 @@ const CEILING_PAINT: Paint = Paint(190.0, 194.0, 198.0);
 const LAMP: Paint = Paint(255.0, 254.0, 246.0);
 
 struct Face {
-    /// How far ahead, in cells.
+    /// Distance ahead, in cells.
     depth: f32,
-    /// How much of it is lost in the haze, 0–1.
+    /// Share that is lost in the haze, 0–1.
     haze: f32,
-    /// Where along the wall, in cells.
+    /// Place along the wall, in cells.
     along: f32,
     /// Whether it runs from north to south: such walls are a little darker.
     meridian: bool,
@@ -62,7 +62,7 @@ pub(super) fn draw(canvas: &mut Canvas, hall: &Hall, view: &View) {
     }
 }
 
-/// From cell to cell along a direction until one is wall.
+/// Goes from cell to cell along a direction until one is wall.
 fn walk(hall: &Hall, eye: Vector, direction: Vector) -> Face {
     let (x, y) = (eye.x + 0.5, eye.y + 0.5);
     let mut cell = Cell::new(whole(x.floor()), whole(y.floor()));
@@ -81,7 +81,7 @@ fn walk(hall: &Hall, eye: Vector, direction: Vector) -> Face {
         }
     }
     let depth = depth.max(0.01);
-    // Counted from left to right as it is seen, so that signs can be read.
+    // From left to right as it is seen, so that signs can be read.
     let along = if meridian {
         (y + direction.y * depth) * direction.x.signum()
     } else {
@@ -90,12 +90,12 @@ fn walk(hall: &Hall, eye: Vector, direction: Vector) -> Face {
     Face { depth, haze: haze(depth), along, meridian, outer: !hall.bounds().contains(cell) }
 }
 
-/// The floor along one row of the picture, all of it equally far ahead: two tiles to a cell with grout between. The pattern
-/// melts away with distance before it can flicker.
+/// The floor along one row of the picture, all of it equally far ahead: two tiles to a cell with grout between. The
+/// pattern fades with distance before it can flicker.
 struct Ground {
     depth: f32,
     haze: f32,
-    /// How wide grout is drawn, in cells, and how plainly.
+    /// The width of the grout, in cells, and its strength.
     grout: (f32, f32),
     tones: f32,
 }
@@ -185,7 +185,7 @@ fn ceiling(at: Vector) -> Paint {
     if (1.6..2.4).contains(&strip) && wrapped(at.y, 6.0) < 5.2 { LAMP } else { CEILING_PAINT }
 }
 
-/// How much of what is so far ahead is lost in the haze, 0–1.
+/// Share that is lost in the haze at this distance, 0–1.
 fn haze(depth: f32) -> f32 {
     smooth(2.0, 40.0, depth) * 0.85
 }

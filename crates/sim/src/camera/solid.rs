@@ -1,11 +1,11 @@
-//! Draws solids (boxes with round edges, rods with round ends) by casting a ray through every pixel they may cover.
-//! Which solids make up a piece of luggage is told in `luggage`, and what their surface looks like in `surface`.
+//! Draws solids (boxes with round edges, rods with round ends) by casting a ray through every pixel they may cover. The
+//! solids of a piece of luggage stand in `luggage`, and the look of their surfaces in `surface`.
 
 use super::canvas::{Canvas, Frame};
 use super::space::{Paint, Vector, smooth, vector};
 use super::view::{EYE, HORIZON, View, as_float};
 
-/// A body and what it is covered with, in the coordinates of its piece: right, front, up from the middle of its foot.
+/// A body with its surface, in the coordinates of its piece: right, front, up from the middle of its foot.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Solid {
     pub(super) shape: Shape,
@@ -88,7 +88,7 @@ pub(super) fn draw(canvas: &mut Canvas, view: &View, place: Place, solid: &Solid
     }
 }
 
-/// Darkens the floor under and around a foot of this half size. Is to be drawn before any solid.
+/// Darkens the floor under and around a foot of this half size. Call it before any solid is drawn.
 pub(super) fn draw_shadow(canvas: &mut Canvas, view: &View, place: Place, half: (f32, f32)) {
     const REACH: f32 = 0.4;
     let (x, y) = (half.0 + REACH, half.1 + REACH);
@@ -155,8 +155,8 @@ impl Shape {
     }
 }
 
-/// Meets the box itself first, and near its edges the rounding in the octant that is met (after Inigo Quilez's collection
-/// of intersection formulas).
+/// Meets the box itself first, and near its edges the rounding in the octant that is met (after Inigo Quilez's
+/// collection of intersection formulas).
 fn hit_block(eye: Vector, direction: Vector, half: Vector, radius: f32) -> Option<f32> {
     let span = |place: f32, d: f32, half: f32| {
         let (a, b) = ((-half - place) / d, (half - place) / d);
@@ -179,7 +179,7 @@ fn hit_block(eye: Vector, direction: Vector, half: Vector, radius: f32) -> Optio
     };
     let up = met.z.signum();
     let near = half_body(up);
-    // A flat body's rounding may be met below its middle by a ray that enters above it: then the other half is looked at.
+    // A flat body's rounding may be met below its middle by a ray that enters above it: then the other half is tried.
     if near.is_some_and(|way| (eye.z + direction.z * way) * up > -core.z) {
         return near;
     }

@@ -1,4 +1,4 @@
-//! Points, directions and colours of the picture, in single precision. What they are used for is not here.
+//! Points, directions and colours of the picture, in single precision.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -58,11 +58,11 @@ impl Mul<f32> for Vector {
     }
 }
 
-/// A colour, each part 0–255 and allowed to run over while it is being mixed.
+/// A colour, each part 0–255, which may be exceeded while colours are mixed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Paint(pub(super) f32, pub(super) f32, pub(super) f32);
 
-/// What is far away fades into this.
+/// The colour into which distant things fade.
 pub(super) const HAZE: Paint = Paint(206.0, 214.0, 222.0);
 
 impl Paint {
@@ -99,8 +99,8 @@ pub(super) fn wrapped(at: f32, period: f32) -> f32 {
     at - floored(at / period) * period
 }
 
-/// The greatest whole number that is not above. By way of an integer, because `f32::floor` is a call on plain x86-64 and
-/// pictures ask for it half a million times.
+/// The greatest whole number that is not above `place`. By way of an integer, because `f32::floor` is a call on plain
+/// x86-64 and pictures need it half a million times.
 #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "places in a hall are a few thousand at most")]
 pub(super) fn floored(place: f32) -> f32 {
     let cut = place as i32 as f32;

@@ -1,4 +1,4 @@
-//! What the surface of a solid looks like: ribs, seams, tape, print, gloss, and the light on it.
+//! The look of a solid's surface: ribs, seams, tape, print, gloss, and the light on it.
 
 use super::font;
 use super::solid::{Shape, Solid, Surface};

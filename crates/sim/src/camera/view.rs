@@ -1,7 +1,7 @@
 //! Where the camera is, which way a pixel looks, and on which pixel a point falls.
 //!
 //! The lens is shifted rather than the camera tilted: the horizon lies above the middle of the picture while everything
-//! upright stays upright, which is also what lets the room be drawn a column at a time.
+//! upright stays upright, which also allows the room to be drawn a column at a time.
 
 use super::super::drive::BodyPose;
 use super::space::{Vector, vector};
@@ -15,10 +15,10 @@ pub(super) const HORIZON: f32 = 188.0;
 /// The focal length for a photo of what stands in the next cell, in pixels: a wide angle, as robots have.
 const FOCAL: f32 = 310.0;
 
-/// How high the camera is, in cells: 0.4 m in a hall of half-metre cells.
+/// The height of the camera, in cells: 0.4 m in a hall of half-metre cells.
 pub(super) const EYE: f32 = 0.8;
 
-/// How far behind the robot's middle it stands on its mast, in cells: at the rear edge.
+/// Distance of the camera's mast behind the robot's middle, in cells: at the rear edge.
 const BEHIND: f32 = 0.40;
 
 /// A camera in the hall. All lengths are in cells.
@@ -33,7 +33,7 @@ pub(super) struct View {
 
 impl View {
     #[expect(clippy::cast_possible_truncation, reason = "a picture is drawn in single precision")]
-    /// The camera zooms: what stands so many cells away is as large as it would be in the next cell.
+    /// The camera zooms: a thing `away` cells ahead is as large as it would be in the next cell.
     pub(super) fn of(body: BodyPose, cell_m: f64, away: u16) -> View {
         let (dx, dy) = body.ahead();
         let forward = vector(dx as f32, dy as f32, 0.0);
@@ -63,7 +63,7 @@ impl View {
         vector(level.x, level.y, -self.fall(row))
     }
 
-    /// Where the light on luggage comes from: above the robot's left shoulder.
+    /// The direction of the light on luggage: from above the robot's left shoulder.
     pub(super) fn lamp(&self) -> Vector {
         (vector(0.0, 0.0, 0.85) - self.forward * 0.62 - self.right * 0.5).unit()
     }
@@ -72,7 +72,7 @@ impl View {
         (point - self.eye).dot(self.forward)
     }
 
-    /// On which column and row a point falls, fractions included; `None` when it is not ahead.
+    /// The column and row on which a point falls, fractions included; `None` when it is not ahead.
     pub(super) fn project(&self, point: Vector) -> Option<(f32, f32)> {
         let depth = self.depth(point);
         let scale = self.focal / depth;

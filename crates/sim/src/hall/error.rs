@@ -1,5 +1,5 @@
-//! What can be wrong with a hall file, said so that its author can mend it: file, line, reason, what to do.
-//! Finding the faults is the business of the readers, one for each format.
+//! What can be wrong with a hall file, worded for its author: file, line, reason, what to do. Each format's reader
+//! finds its faults.
 
 use std::fmt;
 
@@ -10,7 +10,7 @@ pub struct HallError {
     pub file: String,
     /// The line, counted from 1, if the fault has one.
     pub line: Option<usize>,
-    /// What is wrong; boxed, because an error should not weigh more than what it stands in for.
+    /// Boxed, because an error should not be larger than the value that it replaces.
     pub fault: Box<HallFault>,
 }
 
@@ -180,7 +180,7 @@ pub enum HallFault {
     CellGiven { asked: String, has: String },
 }
 
-/// The most characters of a wrong line that are repeated: the file may be no text for people at all.
+/// Most characters of a wrong line that are repeated: the file may not be text at all.
 const REPEATED: usize = 40;
 
 fn said(found: &str) -> String {
@@ -194,13 +194,13 @@ fn said(found: &str) -> String {
 }
 
 impl HallFault {
-    /// This fault at a line (counted from 1) of a file.
+    /// Lines are counted from 1.
     #[must_use]
     pub fn at(self, file: &str, line: usize) -> HallError {
         HallError { file: file.to_owned(), line: Some(line), fault: Box::new(self) }
     }
 
-    /// This fault of a file as a whole.
+    /// A fault of the file as a whole.
     #[must_use]
     pub fn of(self, file: &str) -> HallError {
         HallError { file: file.to_owned(), line: None, fault: Box::new(self) }

@@ -1,4 +1,4 @@
-//! Halls and explored maps on their way into files: which formats there are, what is written in each, and what is lost in it.
+//! Writes halls and explored maps to files: which formats there are, what is written in each, and what is lost in it.
 //! How each format is written stands beside its reader.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -13,7 +13,6 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark};
 
-/// A format in which a hall can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// Our own hall file.
@@ -27,10 +26,8 @@ pub enum Format {
 }
 
 impl Format {
-    /// All of them.
     pub const ALL: [Format; 4] = [Format::Toml, Format::MovingAi, Format::Occupancy, Format::SeedText];
 
-    /// How its files end.
     #[must_use]
     pub const fn extension(self) -> &'static str {
         match self {
@@ -41,7 +38,7 @@ impl Format {
         }
     }
 
-    /// The format of a file, by how its name ends.
+    /// The format of a file, by the end of its name.
     #[must_use]
     pub fn of_file(path: &Path) -> Option<Format> {
         let extension = path.extension()?;
@@ -49,28 +46,27 @@ impl Format {
     }
 }
 
-/// What is said of an explored hall to whoever reads its file.
+/// The description in the file of an explored hall.
 const EXPLORED: &str = "As far as it was explored; where nothing is known it has walls.";
 
-/// A hall as it is written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Written {
-    /// The file that is named.
+    /// The bytes of the main file.
     pub file: Vec<u8>,
-    /// The PGM image beside it, in the format that has one.
+    /// The PGM image beside it, for the format that has one.
     pub image: Option<Vec<u8>>,
     /// What the file does not say of the hall, a few words each.
     pub lost: Vec<String>,
 }
 
-/// What is to be written: a hall, or as much of one as has been explored.
+/// A hall to be written, or the explored part of one.
 #[derive(Clone, Debug)]
 pub struct Export {
-    /// Where nothing is known it has walls.
+    /// With walls where nothing is known.
     hall: Hall,
-    /// What is known of each square, of an explored hall.
+    /// What is known of each square of an explored hall.
     marks: Option<Vec<Mark>>,
-    /// What the hall does not say of the scene that it was made of.
+    /// Parts of the scene that the hall does not have.
     lost_before: Vec<String>,
 }
 
@@ -87,8 +83,8 @@ impl From<HallOfScene> for Export {
 }
 
 impl Export {
-    /// The hall as far as it is explored, walls round it included; `cell_m` is the side of a cell. Each cell of luggage is a piece,
-    /// of which nothing is known but whether it is dangerous.
+    /// The explored part of a hall, with walls round it; `cell_m` is the side of a cell. Each cell of luggage is a
+    /// piece, of which nothing is known but whether it is dangerous.
     #[must_use]
     pub fn explored(name: &str, cell_m: f64, state: &Snapshot) -> Export {
         let bounds = known_bounds(&state.map);
@@ -96,7 +92,7 @@ impl Export {
         let mut marks = Vec::new();
         for y in bounds.least.y..=bounds.most.y {
             for cell in (bounds.least.x..=bounds.most.x).map(|x| Cell::new(x, y)) {
-                // Where it started the robot has been, whatever was forgotten since.
+                // The robot has been where it started, whatever was forgotten since.
                 let mark = if cell == Cell::HOME { Mark::Visited } else { state.map.at(cell) };
                 let in_drawing = Cell::new(cell.x - bounds.least.x, cell.y - bounds.least.y);
                 let truth = match mark {
@@ -117,14 +113,14 @@ impl Export {
         Export { hall, marks: Some(marks), lost_before: Vec::new() }
     }
 
-    /// How large it is, and how much luggage lies in it.
+    /// Its size and number of pieces, for people.
     #[must_use]
     pub fn in_words(&self) -> String {
         let (bounds, cell_m) = (self.hall.bounds(), self.hall.cell_m());
         format!("{} × {} cells of {cell_m} m, {} of luggage", bounds.width(), bounds.height(), pieces(self.hall.pieces().len()))
     }
 
-    /// Every square, row after row from the north, with what is known of it where not everything is.
+    /// Every square, row after row from the north, with what is known of it if the hall is an explored one.
     fn squares(&self) -> impl Iterator<Item = (Truth, Option<Mark>)> {
         let marks = self.marks.iter().flatten().copied().map(Some).chain(std::iter::repeat(None));
         self.hall.squares.iter().copied().zip(marks)
@@ -150,7 +146,7 @@ impl Export {
     /// All files of this format, and what they do not say: they are read again and compared.
     ///
     /// # Errors
-    /// What is written could not be read again, as a map wider than a hall may be.
+    /// What is written could not be read again, such as a map wider than a hall may be.
     pub fn written(&self, format: Format, stem: &str) -> Result<Written, HallError> {
         let (file, image) = (self.file(format, stem), (format == Format::Occupancy).then(|| self.image()));
         let name = format!("{stem}.{}", format.extension());
@@ -184,7 +180,7 @@ impl Export {
         lost
     }
 
-    /// What was known of cells or was not, and is not told from others any more.
+    /// Differences between known and unknown cells that the format cannot express.
     fn lost_knowledge(&self, format: Format) -> Vec<String> {
         let count = |mark: Mark| self.marks.iter().flatten().filter(|known| **known == mark).count();
         let (unknown, seen) = (count(Mark::Unknown), count(Mark::Seen));
@@ -204,13 +200,13 @@ fn pieces(count: usize) -> String {
     format!("{count} {}", if count == 1 { "piece" } else { "pieces" })
 }
 
-/// What is not said of the luggage any more.
+/// Properties of the luggage that the format cannot express.
 fn lost_luggage(hall: &Hall, again: &Hall) -> Vec<String> {
     let is_luggage = |truth: &Truth| matches!(truth, Truth::Luggage(_));
     if !hall.pieces().is_empty() && !again.squares.iter().any(is_luggage) {
         return vec![format!("what is luggage ({}, now walls)", pieces(hall.pieces().len()))];
     }
-    // A piece is known again by where it begins, in either drawing.
+    // A piece is recognised by its first cell, in either drawing.
     let begins =
         |hall: &Hall, bag: &Bag| bag.cells.first().map(|cell| (cell.x - hall.bounds().least.x, cell.y - hall.bounds().least.y));
     let known: BTreeMap<_, &Bag> = again.pieces().iter().map(|bag| (begins(again, bag), bag)).collect();
@@ -226,8 +222,8 @@ fn lost_luggage(hall: &Hall, again: &Hall) -> Vec<String> {
     counted.into_iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{what} of {}", pieces(count))).collect()
 }
 
-/// What is known, and home. The walls round a hall of the largest size are left out: it could not be read again with them, and
-/// outside a hall everything is wall.
+/// The known area with home and the walls round it. Those round a hall of the largest size are left out: it could not
+/// be read again with them, and outside a hall everything is wall.
 fn known_bounds(map: &HallMap) -> Bounds {
     let with = |bounds: Bounds, cell: Cell| Bounds {
         least: Cell::new(bounds.least.x.min(cell.x), bounds.least.y.min(cell.y)),

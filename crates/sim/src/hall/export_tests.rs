@@ -1,4 +1,5 @@
-//! Tests of halls that are written and read again, and of explored maps; and the rule of `map_server`, written once more.
+//! Tests of halls that are written and read again, and of explored maps; and the rule of `map_server`, in a second
+//! implementation.
 
 use proptest::prelude::*;
 
@@ -10,7 +11,7 @@ use hallsweep_core::command::Strategy as SearchStrategy;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::Piece;
 
-/// A hall with everything that can be said of one.
+/// A hall with everything that a hall file can say.
 const RICH: &str = r##"
 name = "Gate \"7\""
 description = """Two lines,
@@ -112,8 +113,8 @@ fn a_name_too_long_for_a_hall_file_is_left_out() {
     assert_eq!(lost(hall, Format::Toml), ["the name"]);
 }
 
-/// What `map_server` of ROS 2 makes of both files in its mode trinary, from its documentation: occupied 100, free 0, unknown −1,
-/// at a place of the world in metres (x to the east, y to the north).
+/// What `map_server` of ROS 2 makes of both files in its mode trinary, from its documentation: occupied 100, free 0,
+/// unknown −1, at a place of the world in metres (x to the east, y to the north).
 fn map_server(yaml: &str, pgm: &[u8], x: f64, y: f64) -> i8 {
     let value = |key: &str| yaml.lines().find_map(|line| line.strip_prefix(&format!("{key}: "))).unwrap().to_owned();
     let number = |key: &str| value(key).parse::<f64>().unwrap();
@@ -167,7 +168,7 @@ fn an_image_file_is_named_so_that_yaml_reads_it() {
     }
 }
 
-/// The state once a robot has visited so many cells of this hall.
+/// The state once a robot has visited this many cells of the hall.
 fn explored(hall: &Hall, cells: usize) -> std::sync::Arc<Snapshot> {
     let sim = SimSettings::new(7, Camera::Stub);
     let mut run = Run::new(std::sync::Arc::new(hall.clone()), sim, Settings::default(), SearchStrategy::Snail);
@@ -263,7 +264,7 @@ fn the_largest_hall_explored_can_be_read_again() {
     assert_eq!(known_bounds(&map), Bounds { least: Cell::HOME, most: Cell::new(2047, 2047) });
 }
 
-/// Halls of any shape: floor, walls, single pieces, long ones with letters, words for some of them.
+/// Halls of any shape: floor, walls, single pieces, long ones with letters, and descriptions for some of them.
 fn halls() -> impl Strategy<Value = Hall> {
     let square = prop::sample::select(vec!['.', '.', '.', '.', '#', '#', 'T', 'l', 'm']);
     let rows = (1usize..9, 1usize..9)
@@ -275,7 +276,7 @@ fn halls() -> impl Strategy<Value = Hall> {
             let start = start.index(count);
             rows[start / width][start % width] = 'S';
             let mut letters = ('a'..='k').cycle();
-            // Only the cells of a letter that touch in a row are a piece: others would be scattered.
+            // Cells of a letter are one piece only if they touch in a row.
             let mut used = 0;
             for row in &mut rows {
                 let mut before = '.';

@@ -1,5 +1,5 @@
-//! Where halls come from: the built-in ones by name, and files in any format, told apart by their content; those of an image and
-//! its YAML by their names. What the formats mean stands in a file each.
+//! Finds halls: the built-in ones by name, and files in any format, told apart by their content; images and their YAML
+//! by their names. Each format stands in a file of its own.
 
 use std::fs::File;
 use std::io::Read;
@@ -16,11 +16,12 @@ const BUILT_IN: [(&str, &str); 4] = [
     ("seed", include_str!("../../../../config/halls/seed.toml")),
 ];
 
-/// A hall of the largest size in the text of old clients, three bytes a cell, and room for whatever else a file says.
+/// Largest file, in bytes: a hall of the largest size in the text of old clients takes three bytes a cell, and there is
+/// room for everything else.
 const MAX_FILE_BYTES: u64 = 16 << 20;
 
 impl Hall {
-    /// The names of the built-in halls; the first is the default.
+    /// The first is the default.
     pub fn builtin_names() -> impl Iterator<Item = &'static str> {
         BUILT_IN.into_iter().map(|(name, _)| name)
     }
@@ -33,7 +34,7 @@ impl Hall {
         Hall::open(name_or_path, None)
     }
 
-    /// The same, with cells of this many metres where the file leaves that open: a map of pixels.
+    /// Like `named_or_file`, with cells of this many metres where the file leaves that open: a map of pixels.
     ///
     /// # Errors
     /// The file cannot be read, has cells of its own, or what is wrong in it.
@@ -62,8 +63,9 @@ impl Hall {
         Hall::parse(name_or_path, &text)?.with_own_cells(name_or_path, cell_m)
     }
 
-    /// The hall described by `text`: a MovingAI map when it begins like one, a map of old clients when it is nothing else, else
-    /// TOML; a byte order mark is passed over. `file` is named in errors, and its stem is the hall's name when the text gives none.
+    /// The hall described by `text`: a MovingAI map when it begins like one, a map of old clients when it contains
+    /// nothing else, otherwise TOML. A byte order mark is skipped. `file` is named in errors, and its stem is the
+    /// hall's name when the text has none.
     ///
     /// # Errors
     /// What is wrong, and in which line.
@@ -80,8 +82,8 @@ impl Hall {
         }
     }
 
-    /// The hall of an image, by the YAML file `file` that says what it means. `cell_m` is the side of a cell; half a metre, or a
-    /// pixel where that is longer, when neither it nor the file says.
+    /// The hall of an image, by the YAML file `file` that says what it means. `cell_m` is the side of a cell; half a
+    /// metre, or a pixel where that is longer, when neither it nor the file says.
     ///
     /// # Errors
     /// What is wrong, in which of the files, and in which line.
@@ -95,7 +97,7 @@ impl Hall {
         occupancy::describe(file, unmarked(yaml))?.hall(file, &stem(file), image_file, image, cell_m)
     }
 
-    /// This hall, whose file says how long its cells are, unless other ones are asked for.
+    /// The hall of a file that has its own length of cells; an error if another one is asked for.
     fn with_own_cells(self, file: &str, asked: Option<f64>) -> Result<Hall, HallError> {
         match asked {
             Some(asked) if !occupancy::is_same(asked, self.cell_m) => {
@@ -106,7 +108,7 @@ impl Hall {
     }
 }
 
-/// How the files end that say what an image means.
+/// The endings of files that describe an image.
 const YAML: [&str; 2] = ["yaml", "yml"];
 
 fn has_extension(path: &Path, extensions: &[&str]) -> bool {
@@ -117,7 +119,6 @@ fn stem(file: &str) -> String {
     Path::new(file).file_stem().map_or_else(|| file.into(), |stem| stem.to_string_lossy()).into_owned()
 }
 
-/// A text without its byte order mark.
 fn unmarked(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }
@@ -137,8 +138,8 @@ fn open_yaml(file: &str, path: &Path, cell_m: Option<f64>) -> Result<Hall, HallE
     description.hall(file, &stem(file), &image_file, &image, cell_m)
 }
 
-/// Whether a text is meant as a MovingAI map: it begins with a word of such a header, also when the lines are in the wrong
-/// order or the first is missing; or its file is called so and nothing in it can be TOML.
+/// Whether a text is meant as a MovingAI map: it begins with a word of such a header, even if the lines are in the
+/// wrong order or the first is missing; or its file has the ending of one and nothing in it can be TOML.
 fn is_movingai(file: &str, text: &str) -> bool {
     let mut words = text.split_whitespace();
     let begins = words.next().is_some_and(|word| ["type", "height", "width", "map"].contains(&word));
@@ -147,12 +148,13 @@ fn is_movingai(file: &str, text: &str) -> bool {
     (begins && !assigns) || (called && !text.contains('='))
 }
 
-/// Whether a text is meant as a map of old clients: it is one, or its file is called so and nothing in it can be TOML.
+/// Whether a text is meant as a map of old clients: it is one, or its file has the ending of one and nothing in it can
+/// be TOML.
 fn is_seed_text(file: &str, text: &str) -> bool {
     seed_text::is_one(text) || (has_extension(Path::new(file), &["txt"]) && !text.contains('='))
 }
 
-/// All of a file, or as much of an image as is needed to know it for one.
+/// All of a file, or as much of it as shows that it is an image.
 fn read_file(path: &Path) -> Result<Vec<u8>, HallFault> {
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(|error| unreadable(&error))?;
@@ -315,7 +317,7 @@ mod tests {
         }
     }
 
-    /// Bytes of good files are changed, dropped, doubled and swapped at random; the reader must answer every time.
+    /// Bytes of valid files are changed, dropped, doubled and swapped at random; the reader must answer every time.
     #[test]
     fn mutated_files_are_read_or_refused_but_never_panic() {
         let map = "type octile\nheight 3\nwidth 4\nmap\n@@.T\nO.GS\nWTT.\n";

@@ -1,7 +1,7 @@
-//! A simulated hall: the truth about every cell, the luggage in it and its temperature over time.
-//! `files` finds and tells apart the files in which halls stand, `export` writes them; each format has a file of its own, in
-//! which it is read and written: `toml`, `movingai`, `seed_text`, and `occupancy` with `pixels` and `pgm`. `scene` reads what others
-//! call a scene, of which a hall is made.
+//! A simulated hall: the truth about every cell, the luggage in it and its temperature over time. `files` finds hall
+//! files and tells their formats apart, `export` writes them; each format is read and written in a file of its own:
+//! `toml`, `movingai`, `seed_text`, and `occupancy` with `pixels` and `pgm`. `scene` reads the scene files of the
+//! virtual robot's page, of which halls are made.
 //!
 //! Files count columns from the west and rows from the north of the drawing; everything here is in map coordinates,
 //! where the robot's start is (0, 0).
@@ -32,27 +32,24 @@ use hallsweep_core::state::Reach;
 use hallsweep_core::units::{Cell, Piece};
 use hallsweep_core::world::hall_map::Bounds;
 
-/// The most columns or rows of a hall: a kilometre of cells of half a metre, and a few megabytes.
+/// Most columns or rows of a hall: a kilometre of cells of half a metre, and a few megabytes.
 pub(super) const MAX_SIDE: usize = 2048;
 
-/// The most pieces of luggage: more than any benchmark map holds, and bounded in memory.
+/// Most pieces of luggage: more than any benchmark map holds, and bounded in memory.
 pub const MAX_PIECES: usize = 262_144;
 
 /// The side of a cell in metres when the file does not say.
 pub(super) const USUAL_CELL_M: f64 = 0.5;
 
-/// What a cell really is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Truth {
     /// The robot can stand here.
     Free,
     /// A wall, a pillar, or outside the hall.
     Wall,
-    /// Part of a piece of luggage.
     Luggage(Piece),
 }
 
-/// A hall, never changed once read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hall {
     name: Arc<str>,
@@ -64,7 +61,7 @@ pub struct Hall {
     temperature: Option<Curve>,
 }
 
-/// What is known of a hall once its cells are read.
+/// What a hall file's cells say.
 #[derive(Debug)]
 pub(super) struct Plan {
     /// The rectangle of the hall in map coordinates.
@@ -75,7 +72,7 @@ pub(super) struct Plan {
 }
 
 impl Hall {
-    /// A hall of this plan, with cells of `USUAL_CELL_M` and no thermometer.
+    /// A hall with cells of `USUAL_CELL_M` and no thermometer.
     pub(super) fn of(name: &str, plan: Plan) -> Hall {
         let Plan { bounds, squares, bags } = plan;
         // It is printed on terminals, which obey control characters.
@@ -83,41 +80,37 @@ impl Hall {
         Hall { name: name.into(), description: None, cell_m: USUAL_CELL_M, bounds, squares, bags, temperature: None }
     }
 
-    /// The same hall with what a hall file says beside the drawing.
+    /// Sets what a hall file says beside the drawing.
     pub(super) fn measured(self, cell_m: f64, temperature: Option<Curve>) -> Hall {
         Hall { cell_m, temperature, ..self }
     }
 
-    /// The same hall with a description for whoever reads its file.
     pub(super) fn described(self, description: Option<&str>) -> Hall {
         Hall { description: description.map(Arc::from), ..self }
     }
 
-    /// The same hall by another name.
     #[must_use]
     pub fn called(self, name: &str) -> Hall {
         Hall { name: name.into(), ..self }
     }
 
-    /// Its name.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The side of a cell, in metres.
+    /// In metres.
     #[must_use]
     pub const fn cell_m(&self) -> f64 {
         self.cell_m
     }
 
-    /// The rectangle it lies in.
     #[must_use]
     pub const fn bounds(&self) -> Bounds {
         self.bounds
     }
 
-    /// What `cell` really is. Outside the rectangle everything is wall.
+    /// Outside the rectangle everything is wall.
     #[must_use]
     pub fn truth(&self, cell: Cell) -> Truth {
         self.place(cell).and_then(|place| self.squares.get(place)).copied().unwrap_or(Truth::Wall)
@@ -128,7 +121,7 @@ impl Hall {
         self.bounds.contains(cell).then(|| usize::try_from(place()).ok())?
     }
 
-    /// The luggage, in the order of its numbers.
+    /// In the order of their numbers.
     #[must_use]
     pub fn pieces(&self) -> &[Bag] {
         &self.bags
@@ -139,13 +132,14 @@ impl Hall {
         self.bags.get(index)
     }
 
-    /// Whether this piece is dangerous; false for one that is not there.
+    /// False for a piece that does not exist.
     #[must_use]
     pub fn is_dangerous(&self, piece: Piece) -> bool {
         self.bag(piece).is_some_and(|bag| bag.dangerous)
     }
 
-    /// The same hall after some luggage was moved: each of these pieces lies in one cell now, however large it was, or is gone.
+    /// The same hall after some luggage was moved: each of these pieces lies in one cell now, however large it was, or
+    /// is gone.
     #[must_use]
     pub fn rearranged(&self, moved: &BTreeMap<Piece, Option<Cell>>) -> Hall {
         let mut hall = self.clone();
@@ -165,7 +159,7 @@ impl Hall {
         hall
     }
 
-    /// The same hall with obstacles in these cells, as far as they are free: nobody knows what they are before it is looked.
+    /// The same hall with obstacles in those of these cells that are free: nobody knows what they are before a look.
     #[must_use]
     pub fn blocked(&self, cells: &BTreeSet<Cell>) -> Hall {
         let mut hall = self.clone();
@@ -195,7 +189,7 @@ impl Hall {
         Ok(self)
     }
 
-    /// How much of it a robot can come to from its start.
+    /// How much of it a robot can reach from its start.
     #[must_use]
     pub fn reach(&self) -> Reach {
         let count = |places: usize| u32::try_from(places).unwrap_or(u32::MAX);
@@ -203,7 +197,7 @@ impl Hall {
         Reach { reachable: count(self.reached().len()), free: count(free) }
     }
 
-    /// The pieces that no robot can come to: none of their cells is beside one that is reachable.
+    /// Pieces none of whose cells is beside a reachable one.
     #[must_use]
     pub fn unreachable_pieces(&self) -> Vec<&Bag> {
         let reached = self.reachable();
@@ -211,7 +205,6 @@ impl Hall {
         self.bags.iter().filter(|bag| !is_met(bag)).collect()
     }
 
-    /// The free cells that no robot can come to.
     #[must_use]
     pub fn unreachable_cells(&self) -> Vec<Cell> {
         let reached = self.reachable();
@@ -220,14 +213,14 @@ impl Hall {
         all.filter(|cell| self.truth(*cell) == Truth::Free && !reached.contains(cell)).collect()
     }
 
-    /// Every cell the robot can come to from its start, going from side to side over free cells.
+    /// Every cell that the robot can reach from its start, over the sides of free cells.
     #[must_use]
     pub fn reachable(&self) -> BTreeSet<Cell> {
         let width = self.rows().next().map_or(1, <[Truth]>::len);
         self.reached().into_iter().map(|place| rows::drawn(place % width, place / width).relative_to(self.home())).collect()
     }
 
-    /// The same by their places in `squares`.
+    /// Indices into `squares` of the reachable cells.
     fn reached(&self) -> Vec<usize> {
         let width = self.rows().next().map_or(1, <[Truth]>::len);
         let home = self.place(Cell::HOME).unwrap_or(0);
@@ -239,7 +232,7 @@ impl Hall {
         Cell::new(-self.bounds.least.x, -self.bounds.least.y)
     }
 
-    /// Its rows of squares, from the north, each from the west.
+    /// From the north, each row from the west.
     pub(super) fn rows(&self) -> impl Iterator<Item = &[Truth]> {
         self.squares.chunks(usize::try_from(self.bounds.width()).unwrap_or(1))
     }

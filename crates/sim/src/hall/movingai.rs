@@ -1,5 +1,6 @@
-//! Reads and writes the grid maps of the MovingAI benchmark (N. Sturtevant, "Benchmarks for Grid-Based Pathfinding", 2012): `T`
-//! is luggage, each cell a piece; the other obstacles are walls. Nothing is dangerous, and there is no thermometer.
+//! Reads and writes the grid maps of the MovingAI benchmark (N. Sturtevant, "Benchmarks for Grid-Based Pathfinding",
+//! 2012): `T` is luggage, each cell a piece; the other obstacles are walls. Nothing is dangerous, and there is no
+//! thermometer.
 
 use super::error::{HallError, HallFault};
 use super::rows::{Reading, drawn, sides};
@@ -8,12 +9,11 @@ use super::{Hall, Truth};
 /// The lines before the rows: `type …`, `height N`, `width N`, `map`.
 const HEADER_LINES: usize = 4;
 
-/// Where the header says how many rows there are, counted from 1.
+/// The header's line with the number of rows, counted from 1.
 const HEIGHT_LINE: usize = 2;
 
 const WIDTH_LINE: usize = 3;
 
-/// What the header says.
 struct Header {
     has_corners: bool,
     width: usize,
@@ -46,7 +46,7 @@ pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError
 }
 
 impl Header {
-    /// Columns and rows of the hall. Corners have one more of each than the cells between them.
+    /// Columns and rows of the hall. A map of corners has one more of each than of cells.
     fn cells(&self) -> (usize, usize) {
         let less = usize::from(self.has_corners);
         (self.width.saturating_sub(less), self.height.saturating_sub(less))
@@ -97,7 +97,7 @@ fn check_width(index: usize, row: &str, width: usize) -> Result<(), HallFault> {
     if found == width { Ok(()) } else { Err(HallFault::ColumnCount { row: index + 1, said: width, found }) }
 }
 
-/// How high corners lie does not matter to a robot, but a row of terrain among them says that a row is missing.
+/// The heights of corners do not matter to a robot, but a row of terrain among them means that a row is missing.
 fn check_corners(index: usize, row: &str) -> Result<(), HallFault> {
     match row.chars().enumerate().find(|(_, mark)| !mark.is_ascii_digit()) {
         Some((place, mark)) => Err(HallFault::CornerHeight { row: index + 1, column: place + 1, mark }),

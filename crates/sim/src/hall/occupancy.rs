@@ -1,7 +1,9 @@
-//! Reads and writes the maps of ROS `map_server`: a YAML file that says what the greys of an image mean. `pixels` reads the image.
+//! Reads and writes the maps of ROS `map_server`: a YAML file that says what the greys of an image mean. `pixels` reads
+//! the image.
 //!
-//! Which pixel is free follows the `map_io` of ROS 2 (Nav2): `occ` is how dark a pixel is (how light with `negate`), above
-//! `occupied_thresh` it is occupied, below `free_thresh` free, between them unknown (trinary) or a percentage (scale).
+//! Which pixel is free follows the `map_io` of ROS 2 (Nav2): `occ` is how dark a pixel is (how light with `negate`),
+//! above `occupied_thresh` it is occupied, below `free_thresh` free, between them unknown (trinary) or a percentage
+//! (scale).
 
 use serde::Deserialize;
 use serde_saphyr::Spanned;
@@ -14,25 +16,26 @@ use super::{Hall, Truth, USUAL_CELL_M, pgm};
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::Mark;
 
-/// The most bytes of a YAML file: a few lines, and room for somebody's comments.
+/// Largest YAML file, in bytes: a few lines, and room for somebody's comments.
 pub(super) const MAX_YAML_BYTES: u64 = 64 << 10;
 
 /// The limits of a side of a cell in metres, as in hall files.
 const CELL_M: std::ops::RangeInclusive<f64> = 0.1..=5.0;
 
-/// Cells whose borders lie nearer to those of pixels than this share of a pixel meet them: decimal fractions are not exact.
+/// Greatest distance between a cell's border and a pixel's at which they count as one, as a share of a pixel: decimal
+/// fractions are not exact.
 const NEAR: f64 = 1e-4;
 
-/// Largest relative error of a decimal number that went through a 32-bit float, as the tools that write these files have it. A
-/// yaw below it turns no image by as much as a pixel.
+/// Largest relative error of a decimal number that went through a 32-bit float, as in the tools that write these files.
+/// A yaw below it turns no image by as much as a pixel.
 const ROUNDING: f64 = 1e-6;
 
-/// What is written for each kind of cell, out of 255. `map_saver` writes the same three.
+/// The grey of a free cell; `map_saver` writes the same for free, occupied and unknown cells.
 const FREE: u8 = 254;
 const OCCUPIED: u8 = 0;
 const UNKNOWN: u8 = 205;
 
-/// Luggage, which is occupied for whoever knows no luggage.
+/// The grey of luggage, which is occupied for readers that know no luggage.
 const LUGGAGE: u8 = 50;
 
 /// As `map_saver` writes it: 205 is (255 − 205) / 255 = 0.1961 dark, which is not free.
@@ -57,7 +60,7 @@ enum Negate {
     Number(i64),
 }
 
-/// What our own files say besides, which `map_server` passes over.
+/// Additional keys of our own files, which `map_server` ignores.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Own {
@@ -76,7 +79,6 @@ enum Mode {
     Raw,
 }
 
-/// What a YAML file says of its image.
 #[derive(Debug)]
 pub(super) struct Description {
     /// The path of the image, as it is written, and the line in which it is.
@@ -92,7 +94,6 @@ pub(super) struct Description {
     own: Option<(Own, usize)>,
 }
 
-/// Reads a YAML file.
 pub(super) fn describe(file: &str, text: &str) -> Result<Description, HallError> {
     let content: File = serde_saphyr::from_str_with_options(text, limits()).map_err(|error| syntax(file, &error))?;
     let image = content.image.ok_or_else(|| missing("`image`", "name the image file").of(file))?;
@@ -156,7 +157,7 @@ fn within(
     if limits.contains(&value) { Ok(value) } else { Err(fault.at(file, line)) }
 }
 
-/// East and north of the origin, which must not turn the image.
+/// East and north of the origin; its third number must not turn the image.
 fn corner(origin: &[f64]) -> Result<[f64; 2], HallFault> {
     let [x, y, yaw] = origin else { return Err(HallFault::OriginLength(origin.len())) };
     for value in [x, y] {
@@ -190,7 +191,7 @@ impl Mode {
 }
 
 impl Description {
-    /// The hall of this image. `cell_m` is the side of a cell, where it is asked for.
+    /// The hall of this image. `cell_m` is the side of a cell in metres, if the user sets it.
     pub(super) fn hall(
         &self,
         file: &str,
@@ -235,7 +236,7 @@ impl Description {
         Ok(Hall::of(name, reading.plan(home, size)).measured(cell_m, None))
     }
 
-    /// The side of a cell: as the file says, as it is asked for, or the usual one, never finer than a pixel.
+    /// The side of a cell: from the file, from the user, or the usual one, never finer than a pixel.
     fn cell_m(&self, asked: Option<f64>) -> Result<f64, HallFault> {
         let Some(asked) = asked else {
             return Ok(self.own.map_or(USUAL_CELL_M.max(self.resolution), |(own, _)| own.cell_m.max(self.resolution)));
@@ -254,8 +255,8 @@ impl Description {
         Ok(asked)
     }
 
-    /// The cell with world (0, 0) in it, where that is free: there the robot stood that made the map. The origin is the image's
-    /// south-west corner.
+    /// The cell with world (0, 0) in it, if that is free: the robot that made the map stood there. The origin is the
+    /// image's south-west corner.
     fn world_home(&self, reading: &Reading, columns: &Cells, rows: &Cells) -> Option<Cell> {
         let [east, north] = self.origin.map(|metres| -metres / self.resolution);
         let (column, row) =
@@ -283,7 +284,7 @@ impl Description {
     }
 
     fn is_free(&self, pixel: Pixel) -> bool {
-        // Trinary takes how opaque a pixel is for one more colour.
+        // Trinary treats how opaque a pixel is as one more colour.
         let shade = match (self.mode, pixel.alpha) {
             (Mode::Trinary, Some(alpha)) => (3.0 * pixel.shade + alpha) / 4.0,
             _ => pixel.shade,
@@ -301,7 +302,7 @@ impl Description {
     }
 }
 
-/// What pixels leave of a cell; the greater wins.
+/// The pixels of a cell, of which the greatest value wins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Ground {
     Free,
@@ -309,14 +310,14 @@ enum Ground {
     Blocked,
 }
 
-/// How many cells lie along a side of an image, and over which of them each pixel lies.
+/// The number of cells along a side of an image, and the cells over which each pixel lies.
 struct Cells {
     count: usize,
     of_pixel: Vec<std::ops::Range<usize>>,
 }
 
 impl Cells {
-    /// Cells so many pixels long, at least one, counted from the first pixel; the last takes what is left.
+    /// Cells of `ratio` pixels, at least one, counted from the first pixel; the last takes the rest.
     fn over(pixels: u32, ratio: f64) -> Cells {
         let near = |border: f64| (border.round(), (border - border.round()).abs() * ratio < NEAR);
         let begin = |border: f64| whole(if near(border).1 { near(border).0 } else { border.floor() });
@@ -331,12 +332,12 @@ pub(super) fn is_same(one: f64, other: f64) -> bool {
     (one - other).abs() < ROUNDING * one.abs()
 }
 
-/// Pixels a cell: 0.5 m over 0.05 m is 10, and so it is over the 0.0500000007 m that a 32-bit float makes of it.
+/// Pixels per cell: 0.5 m over 0.05 m is 10, even if a 32-bit float made 0.0500000007 m of it.
 fn whole_if_near(ratio: f64) -> f64 {
     if is_same(ratio, ratio.round()) { ratio.round() } else { ratio }
 }
 
-/// The pixel that begins here or before, counted from 0, where a place lies so many pixels from the first one's border.
+/// The pixel, counted from 0, at this distance in pixels from the border of the first one.
 fn pixel_at(pixels: f64) -> Option<usize> {
     let is_near = (pixels - pixels.round()).abs() < NEAR;
     let begun = if is_near { pixels.round() } else { pixels.floor() };
@@ -348,10 +349,10 @@ fn whole(cells: f64) -> usize {
     cells as usize
 }
 
-/// The YAML file; `image_file` is how its image is called.
+/// The YAML file; `image_file` is the name of its image.
 pub(super) fn yaml(hall: &Hall, image_file: &str) -> String {
     let (bounds, home, cell_m) = (hall.bounds(), hall.home(), hall.cell_m());
-    // World (0, 0) is the centre of the home cell; the image is laid by its south-west corner.
+    // World (0, 0) is the centre of the home cell; the image is placed by its south-west corner.
     let metres = |cells: i32| to_micrometres(-(f64::from(cells) + 0.5) * cell_m);
     let (x, y) = (metres(home.x), metres(bounds.height() - 1 - home.y));
     format!(
@@ -363,7 +364,7 @@ pub(super) fn yaml(hall: &Hall, image_file: &str) -> String {
     )
 }
 
-/// The image, a pixel a cell, of these squares with what is known of each.
+/// The image of these squares with what is known of each, one pixel per cell.
 pub(super) fn image(hall: &Hall, squares: impl Iterator<Item = (Truth, Option<Mark>)>) -> Vec<u8> {
     let grey = |(truth, mark): (Truth, Option<Mark>)| match truth {
         Truth::Free => FREE,

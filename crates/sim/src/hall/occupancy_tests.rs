@@ -13,7 +13,7 @@ fn pgm(width: usize, pixels: &[u8]) -> Vec<u8> {
     super::pgm::write(width, pixels)
 }
 
-/// The hall as rows of `.` `#` `T`, `S` the start, and its cells' side.
+/// The hall as rows of `.` `#` `T`, with `S` as the start, and the side of its cells.
 fn drawn(yaml: &str, image: &[u8], cell_m: Option<f64>) -> Result<(String, f64), String> {
     let hall = Hall::parse_occupancy("m.yaml", yaml, "m.pgm", image, cell_m).map_err(|error| error.to_string())?;
     let home = hall.home();
@@ -56,7 +56,7 @@ fn negate_takes_dark_for_free() {
 #[test]
 fn scale_and_raw_are_free_where_the_occupancy_is_nought() {
     let scale = format!("{YAML}mode: scale\n");
-    // 0.196 and a two-hundredth of the way to 0.65 are rounded to nought: 204 is 0.2, of which 0.9 in a hundred remains.
+    // 0.196 and a two-hundredth of the way to 0.65 are rounded to zero: 204 is 0.2, of which 0.9 in a hundred remains.
     is_drawn(&scale, &pgm(4, &[254, 205, 204, 0]), "S.##");
     is_drawn(&format!("{YAML}mode: Raw\n"), &pgm(4, &[0, 1, 100, 254]), "S###");
     is_drawn(&format!("{YAML}mode: trinary\n"), &pgm(2, &[254, 205]), "S#");

@@ -1,5 +1,5 @@
-//! Reads PGM images (netpbm's grey images, P5 in bytes and P2 in digits) row by row, and writes P5. What a grey means is not
-//! known here.
+//! Reads PGM images (netpbm's grey images, P5 in bytes and P2 in digits) row by row, and writes P5. What a grey means
+//! is not known here.
 
 use super::error::HallFault;
 use super::pixel::{Pixel, sides};
@@ -18,12 +18,12 @@ pub(super) struct Pgm<'a> {
 }
 
 impl<'a> Pgm<'a> {
-    /// Whether bytes begin as a PGM image does.
     pub(super) fn begins(bytes: &[u8]) -> bool {
         matches!(bytes, [b'P', b'2' | b'5', next, ..] if next.is_ascii_whitespace() || *next == b'#')
     }
 
-    /// Reads the header: magic number, width, height, lightest grey, with comments from `#` to the end of a line between them.
+    /// Reads the header: magic number, width, height, lightest grey, with comments from `#` to the end of a line
+    /// between them.
     pub(super) fn open(bytes: &'a [u8]) -> Result<Pgm<'a>, HallFault> {
         let mut rest = bytes.get(2..).unwrap_or_default();
         let mut number = |what: &str, most: u64| {
@@ -37,13 +37,12 @@ impl<'a> Pgm<'a> {
         let most = most.ok_or_else(|| HallFault::Pgm("its lightest grey is 0: give 1 to 65535".to_owned()))?;
         let is_plain = bytes.get(1) == Some(&b'2');
         if !is_plain {
-            // One blank, whatever it is, ends the header; what follows is pixels.
+            // A single blank of any kind ends the header; the pixels follow.
             rest = rest.get(1..).unwrap_or_default();
         }
         Ok(Pgm { width, height, most, is_plain, rest, rows_read: 0 })
     }
 
-    /// Reads the next row of pixels into `row`.
     pub(super) fn next_row(&mut self, row: &mut Vec<Pixel>) -> Result<(), HallFault> {
         row.clear();
         for column in 0..self.width as usize {
@@ -62,7 +61,7 @@ impl<'a> Pgm<'a> {
         Ok(())
     }
 
-    /// A pixel in one byte, or in two with the greater first when a byte cannot hold the lightest.
+    /// A pixel in one byte, or in two with the greater first when the lightest grey does not fit into a byte.
     fn next_sample(&mut self) -> Option<u64> {
         let (sample, rest) = self.rest.split_at_checked(if self.most < 256 { 1 } else { 2 })?;
         self.rest = rest;
@@ -70,7 +69,7 @@ impl<'a> Pgm<'a> {
     }
 }
 
-/// The next number in digits, after blanks and comments; `None` where there is none, or none that a `u64` holds.
+/// The next number in digits, after blanks and comments; `None` without one, or if it does not fit into a `u64`.
 fn next_number(rest: &mut &[u8]) -> Option<u64> {
     loop {
         *rest = rest.trim_ascii_start();
@@ -86,7 +85,7 @@ fn next_number(rest: &mut &[u8]) -> Option<u64> {
     std::str::from_utf8(number).ok()?.parse().ok()
 }
 
-/// An image of so many columns, a byte a pixel, row after row.
+/// An image with this many columns, a byte per pixel, row after row.
 pub(super) fn write(width: usize, pixels: &[u8]) -> Vec<u8> {
     let height = pixels.len() / width.max(1);
     let mut bytes = format!("P5\n{width} {height}\n255\n").into_bytes();

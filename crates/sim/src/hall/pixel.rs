@@ -1,20 +1,20 @@
-//! One pixel, and how many an image may have.
+//! One pixel, and the bound on the size of images.
 
 use super::error::HallFault;
 
-/// The most columns or rows of an image: a hall of the largest size with eight pixels a cell's side.
+/// Most columns or rows of an image: a hall of the largest size with eight pixels a cell's side.
 pub(super) const MAX_IMAGE_SIDE: u32 = 16_384;
 
-/// How light a pixel is, from 0 to 1.
+/// The lightness of a pixel, from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pixel {
     /// The mean of its colours.
     pub(super) shade: f64,
-    /// How opaque it is, in an image where that is said.
+    /// How opaque it is, in an image with an alpha channel.
     pub(super) alpha: Option<f64>,
 }
 
-/// The sides of an image within the bounds.
+/// Checks the sides of an image against the bounds.
 pub(super) fn sides(width: u64, height: u64) -> Result<(u32, u32), HallFault> {
     if width == 0 || height == 0 {
         return Err(HallFault::EmptyImage(width, height));

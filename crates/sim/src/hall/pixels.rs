@@ -1,5 +1,5 @@
-//! The images of which halls are made, row by row: PGM and PNG, told apart by how they begin. How light a pixel must be to be
-//! floor is said in `occupancy`.
+//! The images of which halls are made, row by row: PGM and PNG, told apart by their first bytes. How light a pixel must
+//! be to be floor is decided in `occupancy`.
 
 use std::io::Cursor;
 
@@ -9,10 +9,10 @@ use super::error::HallFault;
 use super::pgm::Pgm;
 use super::pixel::{Pixel, sides};
 
-/// The most bytes of an image file.
+/// Largest image file, in bytes.
 pub(super) const MAX_IMAGE_BYTES: u64 = 64 << 20;
 
-/// What a PNG may take in memory besides its file: a few rows of the widest, with room.
+/// Most memory of a PNG besides its file, in bytes: a few rows of the widest, with room.
 const PNG_BYTES: usize = 16 << 20;
 
 const PNG_BEGIN: &[u8] = b"\x89PNG\r\n\x1a\n";
@@ -27,7 +27,7 @@ pub(super) enum Image<'a> {
 }
 
 impl<'a> Image<'a> {
-    /// Whether bytes begin as one of the images does that are read.
+    /// Whether bytes begin like an image that can be read.
     pub(super) fn begins(bytes: &[u8]) -> bool {
         Pgm::begins(bytes) || bytes.starts_with(PNG_BEGIN)
     }
@@ -59,7 +59,6 @@ impl<'a> Image<'a> {
         }
     }
 
-    /// Reads the next row of pixels into `row`.
     pub(super) fn next_row(&mut self, row: &mut Vec<Pixel>) -> Result<(), HallFault> {
         match self {
             Image::Pgm(image) => image.next_row(row),

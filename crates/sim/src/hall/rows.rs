@@ -1,4 +1,5 @@
-//! Reads a drawing of a hall: rows of `.` `#` `S` `T` and letters. What the letters stand for in words is not in the drawing.
+//! Reads a drawing of a hall: rows of `.` `#` `S` `T` and letters. The descriptions of lettered pieces are not in the
+//! drawing.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
@@ -9,7 +10,7 @@ use crate::bag::Bag;
 use hallsweep_core::units::{Cell, Piece};
 use hallsweep_core::world::hall_map::Bounds;
 
-/// A drawing once read: the plan, and which letter is which piece.
+/// The plan, and the piece of each letter.
 #[derive(Debug)]
 pub(super) struct Drawing {
     pub(super) plan: Plan,
@@ -20,8 +21,9 @@ pub(super) struct Drawing {
 pub(super) type RowFault = (usize, HallFault);
 
 impl Hall {
-    /// A hall from rows of `.` (free), `#` (wall), `S` (start), letters a–z (luggage; the same letter is the same piece) and
-    /// `T` (luggage, each cell a piece of its own). All luggage is harmless, of kinds and colours that follow from its order.
+    /// A hall from rows of `.` (free), `#` (wall), `S` (start), letters a–z (luggage; the same letter is the same
+    /// piece) and `T` (luggage, each cell a piece of its own). All luggage is harmless, of kinds and colours that
+    /// follow from its order.
     ///
     /// # Errors
     /// The first fault, with the row as its line.
@@ -61,7 +63,7 @@ pub(super) fn read(rows: &[&str]) -> Result<Drawing, RowFault> {
     reading.finish(size)
 }
 
-/// What has been read of a drawing so far, in the drawing's own columns and rows.
+/// The part of a drawing read so far, in the drawing's own columns and rows.
 #[derive(Default)]
 pub(super) struct Reading {
     pub(super) squares: Vec<Truth>,
@@ -91,8 +93,8 @@ impl Reading {
         Ok(())
     }
 
-    /// Where the robot starts when nothing says where: in the largest connected part of the floor, in its cell nearest to the
-    /// north-west corner (columns plus rows), of equals the northernmost.
+    /// The robot's start when the file does not say it: in the largest connected part of the floor, the cell nearest to
+    /// the north-west corner (columns plus rows), and of equals the northernmost.
     pub(super) fn start_in_largest_part(&self, columns: usize) -> Option<Cell> {
         let from_corner = |place: usize| (place % columns + place / columns, place);
         let mut seen = vec![false; self.squares.len()];
@@ -118,13 +120,11 @@ impl Reading {
         Ok(piece)
     }
 
-    /// This piece, which now covers this cell too.
     pub(super) fn extend(&mut self, piece: Piece, cell: Cell) -> Piece {
         self.cells[piece.0 as usize - 1].push(cell);
         piece
     }
 
-    /// One more piece, which begins with this cell.
     pub(super) fn new_piece(&mut self, cell: Cell) -> Result<Piece, HallFault> {
         if self.cells.len() == MAX_PIECES {
             return Err(HallFault::TooManyPieces(MAX_PIECES));
@@ -155,7 +155,7 @@ impl Reading {
     }
 }
 
-/// The free squares to which one can go from this one, side by side, itself included; they are marked as seen.
+/// The free squares connected with this one over their sides, itself included; they are marked as seen.
 pub(super) fn part(squares: &[Truth], columns: usize, from: usize, seen: &mut [bool]) -> Vec<usize> {
     seen[from] = true;
     let (mut part, mut looked_at) = (vec![from], 0);

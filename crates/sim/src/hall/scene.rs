@@ -1,8 +1,9 @@
-//! Reads the scene file of the Bologna virtual robot's page: a JavaScript module with one object literal, which says how large the
-//! floor is, where the player stands and what is in its way. `script` finds the literal, `cells` makes a hall of the scene.
+//! Reads the scene file of the Bologna virtual robot's page: a JavaScript module with one object literal, which says
+//! how large the floor is, where the player stands and what is in its way. `script` finds the literal, `cells` makes a
+//! hall of the scene.
 //!
-//! Positions in the file are fractions of the floor; here everything is in units of the page's world, counted from the middle of the
-//! floor: `x` to the east, `z` to the south, so that north is up the page.
+//! Positions in the file are fractions of the floor; here everything is in units of the page's world, counted from the
+//! middle of the floor: `x` to the east, `z` to the south, so that north is up the page.
 
 mod cells;
 mod script;
@@ -18,43 +19,41 @@ use super::error::{HallError, HallFault};
 pub use cells::HallOfScene;
 use hallsweep_core::words::is_visible;
 
-/// The real ones have three thousand bytes.
+/// Largest scene file, in bytes; the real ones have three thousand.
 const MAX_SCENE_BYTES: usize = 256 << 10;
 
-/// With the longest sides that it may have a floor has 62,500 cells.
+/// Longest side of a floor, in units: with two of these it has 62,500 cells.
 const MAX_FLOOR: f64 = 1000.0;
 
-/// The most things of each sort: each is looked at for every cell.
+/// Most things of each sort: each is compared with every cell.
 const MAX_THINGS: usize = 256;
 
-/// A thing may reach out of the floor, but not so far that its place is no number any more.
+/// A thing may reach out of the floor, but not so far that its place is no finite number any more.
 const MAX_FRACTION: f64 = 100.0;
 
-/// The side of the square that the player takes up, and of a cell, in units of the page's world.
+/// The side of the player's square, and of a cell, in units of the page's world.
 pub const PLAYER: f64 = 4.0;
 
-/// So many times a second the page moves the player by its speed, where it is not slow.
+/// Moves of the player per second, each by its speed, on a page that is not slow.
 const FRAMES: f64 = 60.0;
 
-/// A cell that takes less than the first, or more than the second, is of no page.
+/// Shortest and longest time for a cell that any page has.
 const STEPS: [Duration; 2] = [Duration::from_millis(50), Duration::from_secs(5)];
 
-/// What a scene file says, in units of the page's world.
+/// A scene file, in units of the page's world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     /// Where the player can be.
     pub floor: Floor,
-    /// The robot.
     pub player: Player,
-    /// What stands in its way for good, in the order of the file.
+    /// Fixed obstacles, in the order of the file.
     pub statics: Vec<StaticObstacle>,
-    /// What moves to and fro.
     pub moving: Vec<MovingObstacle>,
     /// The sonars of the hall, which see what passes before them.
     pub sonars: Vec<SceneSonar>,
 }
 
-/// How long the sides of the floor are.
+/// The lengths of the floor's sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Floor {
     /// From west to east.
@@ -68,11 +67,11 @@ pub struct Floor {
 pub struct Player {
     pub x: f64,
     pub z: f64,
-    /// As the page has it, in no unit of ours.
+    /// In the page's own unit.
     pub speed: f64,
 }
 
-/// A box on the floor as it stands there; the player's middle keeps half of its side away from it.
+/// A fixed box on the floor; the player's middle stays half of its side away from it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StaticObstacle {
     pub name: String,
@@ -83,7 +82,7 @@ pub struct StaticObstacle {
 }
 
 impl StaticObstacle {
-    /// Whether it is a wall; else it is luggage.
+    /// Otherwise it is luggage.
     #[must_use]
     pub fn is_wall(&self) -> bool {
         self.name.starts_with("wall")
@@ -98,7 +97,7 @@ pub struct MovingObstacle {
     pub z: f64,
     pub along_x: bool,
     pub along_z: bool,
-    /// As the page has it, in no unit of ours.
+    /// In the page's own unit.
     pub speed: f64,
     /// How far it goes.
     pub range: f64,
@@ -122,7 +121,7 @@ impl Scene {
     pub fn open(path: &str) -> Result<Scene, HallError> {
         let mut bytes = Vec::new();
         let limit = MAX_SCENE_BYTES as u64 + 1;
-        // A pipe would be waited for.
+        // Reading a pipe could block.
         let is_plain = || std::fs::metadata(path).and_then(|about| if about.is_file() { Ok(()) } else { Err(no_file()) });
         let read =
             is_plain().and_then(|()| File::open(Path::new(path))).and_then(|file| file.take(limit).read_to_end(&mut bytes));
@@ -147,7 +146,7 @@ impl Scene {
             let line = literal.line + error.position().map_or(0, |position| position.line);
             let whole = error.to_string();
             let reason = whole.rsplit_once(" at line ").map_or(whole.as_str(), |(reason, _)| reason);
-            // That is what may stand anywhere.
+            // A moving thing may stand anywhere.
             let reason =
                 if reason == "expected comment" { "what stands here is not reckoned out, as .5 is for 1/2" } else { reason };
             HallFault::Syntax(format!("{reason}: correct this line")).at(file, line)
@@ -158,7 +157,7 @@ impl Scene {
     /// How long a cell takes where the page is as quick as it is meant to be.
     ///
     /// # Errors
-    /// With its speed the player comes nowhere, or everywhere at once.
+    /// The player's speed is too low or too high for any page.
     pub fn step(&self) -> Result<Duration, HallFault> {
         let (speed, [least, most]) = (self.player.speed, STEPS);
         let step = Duration::try_from_secs_f64(PLAYER / (speed * FRAMES)).ok();
@@ -170,7 +169,7 @@ fn no_file() -> std::io::Error {
     std::io::Error::new(std::io::ErrorKind::InvalidInput, "it is no plain file")
 }
 
-/// The literal as it is written, without what we do not need of it.
+/// The literal as it is written, without the parts that are not needed.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 struct Written {
@@ -250,7 +249,7 @@ struct Axis {
     y: bool,
 }
 
-/// Checked while it is read, since only then it is known in which line it stands. So are those that follow.
+/// Checked while it is read, since its line is known only then; the same holds for the next types.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(try_from = "f64")]
 struct Side(f64);
@@ -302,7 +301,7 @@ impl TryFrom<f64> for Amount {
     }
 }
 
-/// It is shown to people, and repeated where a wall or a piece is spoken of.
+/// It is shown to people, and repeated in messages about a wall or a piece.
 #[derive(Deserialize)]
 #[serde(try_from = "String")]
 struct Name(String);
@@ -339,7 +338,7 @@ impl Floor {
         ((position.x.0 - 0.5) * self.x, (position.y.0 - 0.5) * self.z)
     }
 
-    /// Of these alone the page counts `y` from the south.
+    /// Only for these does the page count `y` from the south.
     fn obstacle(self, WrittenStatic { name, center_position, size }: WrittenStatic) -> StaticObstacle {
         let (x, from_south) = self.place(&center_position);
         let z = -from_south;

@@ -1,4 +1,4 @@
-//! Public maps in a folder `shared/maps` beside this project or above it are read as they are; where there are none, a word is said.
+//! Reads public maps in a folder `shared/maps` beside this project or above it; without one, a message says so.
 
 use std::path::{Path, PathBuf};
 
@@ -51,7 +51,7 @@ fn a_benchmark_map_has_as_many_free_cells_as_its_file() {
     assert_eq!(hall.rows().flatten().filter(|truth| **truth == Truth::Free).count(), free);
 }
 
-/// The image is cut here into cells of ten pixels by hand, with the rule of `map_server`.
+/// The image is divided here into cells of ten pixels by hand, with the rule of `map_server`.
 #[test]
 fn the_depot_of_nav2_has_the_cells_of_its_image() {
     let Some(folder) = folder() else { return };

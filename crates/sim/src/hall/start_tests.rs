@@ -1,4 +1,4 @@
-//! Where the robot starts in maps that do not say it, and what is said of the rest of the hall.
+//! Where the robot starts in maps that do not say it, and what is reported of the rest of the hall.
 
 use proptest::prelude::*;
 
@@ -11,7 +11,7 @@ fn movingai(rows: &[String]) -> String {
     format!("type octile\nheight {}\nwidth {}\nmap\n{rows}", rows.lines().count(), rows.lines().next().unwrap_or("").len())
 }
 
-/// A ROS map with a pixel a cell, whose world (0, 0) lies in this pixel, counted from the south-west.
+/// A ROS map with a pixel per cell, whose world (0, 0) lies in this pixel, counted from the south-west.
 fn ros(rows: &[String], world: (f64, f64)) -> Result<Hall, String> {
     let pixels: Vec<u8> = rows.iter().flat_map(|row| row.bytes().map(|mark| if mark == b'.' { 254 } else { 0 })).collect();
     let (x, y) = (-world.0 * 0.5, -world.1 * 0.5);

@@ -1,5 +1,5 @@
-//! Reads and writes a hall file in TOML: `name`, `description`, `cell_m`, a `drawing` or `width` and `height`, `[[luggage]]` and
-//! `[[temperature]]`. What each key means to an author is told in `docs/halls.md`.
+//! Reads and writes a hall file in TOML: `name`, `description`, `cell_m`, a `drawing` or `width` and `height`,
+//! `[[luggage]]` and `[[temperature]]`. `docs/halls.md` explains each key to authors.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -15,10 +15,10 @@ use crate::bag::{Bag, Colour, Kind};
 use crate::curve::Curve;
 use hallsweep_core::units::{Celsius, Piece};
 
-/// The most keyframes of a temperature: one a minute for a day and more.
+/// Most keyframes of a temperature: one a minute for a day and more.
 const MAX_TEMPERATURES: usize = 2048;
 
-/// A billion seconds are thirty years: no search lasts longer.
+/// Latest time of a keyframe, in seconds. A billion are thirty years: no search lasts longer.
 const MAX_SECONDS: f64 = 1e9;
 
 #[derive(Deserialize)]
@@ -54,7 +54,7 @@ struct Keyframe {
     celsius: Spanned<f64>,
 }
 
-/// Reads a hall file; `name` is the hall's name when the file gives none.
+/// Reads a hall file; `name` is the hall's name when the file has none.
 pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError> {
     let source = Source { file, text };
     let content: File = toml::from_str(text).map_err(|error| source.syntax(&error))?;
@@ -72,7 +72,7 @@ pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError
     Ok(hall.described(content.description.as_ref().map(|words| words.get_ref().as_str())))
 }
 
-/// The text that is read, for the lines of its faults.
+/// The text, for the lines of its faults.
 struct Source<'a> {
     file: &'a str,
     text: &'a str,
@@ -113,7 +113,7 @@ impl Source<'_> {
         if limits.contains(&length) { Ok(()) } else { Err(self.at(&text.span(), fault(length))) }
     }
 
-    /// A number within limits. Not-a-number is within none.
+    /// Checks a number against limits. Not-a-number is within none.
     fn within(
         &self,
         key: &'static str,
@@ -169,7 +169,7 @@ impl Source<'_> {
         self.line(span) + usize::from(next)
     }
 
-    /// Gives the drawn pieces their descriptions, each exactly one.
+    /// Adds the descriptions to the drawn pieces, exactly one to each.
     fn furnish(&self, drawing: Drawing, span: &Range<usize>, luggage: &[Luggage]) -> Result<Plan, HallError> {
         let Drawing { mut plan, letters } = drawing;
         let mut described: BTreeMap<char, Piece> = BTreeMap::new();
@@ -231,12 +231,12 @@ impl Source<'_> {
     }
 }
 
-/// The hall as a file. Pieces that need words have a letter as far as there are letters; the rest is drawn as `T`, and the file
-/// says so.
+/// The hall as a file. Pieces that need a description have a letter as far as there are letters; the rest is drawn as
+/// `T`, and the file says so.
 pub(super) fn write(hall: &Hall) -> String {
     let letters = letters(hall.pieces());
     let mut text = String::new();
-    // A name too long for a file comes from the file's own name.
+    // A name that is too long for the key is taken from the file's own name.
     if (1..=64).contains(&hall.name().chars().count()) {
         key(&mut text, "name", &toml::Value::from(hall.name()));
     }
@@ -289,12 +289,13 @@ fn describe(text: &mut String, mark: char, bag: &Bag) {
     }
 }
 
-/// Whether a `T` would not be the same piece.
+/// Whether `T` would not stand for the same piece.
 fn needs_words(bag: &Bag) -> bool {
     bag.cells.len() != 1 || *bag != Bag::plain(bag.piece, bag.cells.clone())
 }
 
-/// A letter for every piece that needs words, or for the 26 that would lose most: the dangerous ones, then those of several cells.
+/// A letter for every piece that needs a description, or for the 26 that would lose most: the dangerous ones, then
+/// those of several cells.
 fn letters(bags: &[Bag]) -> BTreeMap<Piece, char> {
     let mut wanted: Vec<&Bag> = bags.iter().filter(|bag| needs_words(bag)).collect();
     wanted.sort_by_key(|bag| (!bag.dangerous, bag.cells.len() == 1, bag.piece));

@@ -1,5 +1,5 @@
-//! A whole mission in simulated time, with an operator who answers from the hall file, and the figures it comes to.
-//! How the figures are printed is the command line's business.
+//! A whole mission in simulated time, with an operator who answers from the hall file, and its figures. The command
+//! line prints them.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::records::LuggageRecords;
 
-/// How the operator of such a run answers.
+/// How the simulated operator answers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Verdicts {
     /// Danger for what the hall file says is dangerous, safe for the rest.
@@ -27,42 +27,35 @@ pub enum Verdicts {
     AllSafe,
 }
 
-/// What a run came to.
 #[derive(Clone, Debug)]
 pub struct Figures {
-    /// The name of the hall.
     pub hall: String,
-    /// The order of the search.
     pub strategy: Strategy,
-    /// The seed of everything.
     pub seed: u64,
     /// Reachable cells of the hall, home included.
     pub cells: usize,
     /// All free cells of the hall.
     pub free_cells: usize,
-    /// Pieces of luggage that can be reached.
     pub reachable_pieces: usize,
-    /// All pieces of luggage.
     pub pieces: usize,
-    /// What the robot did.
     pub moves: Moves,
-    /// Whether every reachable cell was visited, nothing reachable is unknown and every piece that can be touched is on record.
+    /// Whether every reachable cell was visited, nothing reachable is unknown and every piece that can be touched is on
+    /// record.
     pub complete: bool,
     /// Whether the robot ended at home.
     pub home: bool,
-    /// The luggage on record.
     pub luggage: LuggageRecords,
     /// How many moves had been made when a dangerous piece was first met.
     pub bomb_found_at: Option<u64>,
     /// The last state.
     pub state: Arc<Snapshot>,
-    /// Everything that was put on record, where it was kept.
+    /// Everything that was put on record, if the run collects it.
     pub journal: Vec<Entry>,
     /// Why the run ended without coming home, if it did.
     pub stuck: Option<String>,
 }
 
-/// So many photos in a row are taken again, and no more.
+/// Most photos in a row that are retaken.
 const MOST_RETAKEN: u32 = 10_000;
 
 /// Runs a mission from START to its end. `watch` sees the state after everything that happens.
@@ -82,8 +75,8 @@ pub fn explore(
     Figures { journal, ..figures }
 }
 
-/// The same, but `watch` is also told what was put on record since, and nothing of it is kept: a journal takes a hundred times the memory
-/// of the hall it is about.
+/// Like `explore`, but `watch` also gets the new entries, and none are collected: a journal takes a hundred times the
+/// memory of the hall.
 pub fn explore_and_tell(
     hall: &Arc<Hall>,
     sim: SimSettings,
@@ -155,8 +148,8 @@ fn why_not(state: &Snapshot) -> String {
     if holds.is_empty() { "nothing more happens".to_owned() } else { holds.join("; ") }
 }
 
-/// What the operator does now: answer the piece in front of the robot, have its photo taken again, or press START once a heat is
-/// over.
+/// The operator's next command: a verdict on the piece in front of the robot, a new photo of it, or START once a heat
+/// is over.
 fn answer(state: &Snapshot, hall: &Hall, verdicts: Verdicts) -> Option<Command> {
     if state.mission.holds == [Hold::AwaitingStart] && state.mission.refusals.start.is_none() {
         return Some(Command::Start);

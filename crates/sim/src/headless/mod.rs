@@ -1,5 +1,6 @@
-//! Runs a mission in simulated time, without doors, threads or waiting: core and simulator driven by the same verbs in a plain
-//! loop. `hallsweep explore`, the simulation tests and the benchmarks use it. The same seed gives the same run, byte for byte.
+//! Runs a mission in simulated time, without doors, threads or waiting: core and simulator driven by the same verbs in
+//! a plain loop. `hallsweep explore`, the simulation tests and the benchmarks use it. The same seed gives the same run,
+//! byte for byte.
 
 mod explore;
 pub use explore::{Figures, Verdicts, explore, explore_and_tell};
@@ -25,20 +26,16 @@ use hallsweep_core::units::{Cell, Now, Piece, Pose, Ticket, WallTime};
 /// 2026-01-01T08:00:00Z: the day on which every simulated run begins, at a second drawn from its seed.
 const FIRST_DAY_MS: i64 = 1_767_254_400_000;
 
-/// A core and a simulated robot in simulated time.
 #[derive(Debug)]
 pub struct Run {
-    /// The core.
     pub engine: Engine,
-    /// The robot.
     pub sim: Sim,
-    /// The pair that fetches what is dangerous, where there is one.
+    /// The pair that fetches what is dangerous, if there is one.
     pub pair: Option<Pair>,
     /// Everything that was put on record, in order.
     pub journal: Vec<Entry>,
-    /// What the robot has done.
     pub moves: Moves,
-    /// As it was before anything was lifted.
+    /// The hall before anything was lifted.
     hall: Arc<Hall>,
     /// What was lifted since, and where it lies.
     moved: BTreeMap<Piece, Option<Cell>>,
@@ -60,7 +57,6 @@ pub struct Moves {
 }
 
 impl Moves {
-    /// All of them.
     #[must_use]
     pub const fn total(self) -> u64 {
         self.steps + self.turns + self.bumps
@@ -76,7 +72,7 @@ impl Run {
         run
     }
 
-    /// The same, and a pair before the entrance.
+    /// Like `new`, with a pair before the entrance.
     #[must_use]
     pub fn with_pair(hall: Arc<Hall>, sim: SimSettings, settings: Settings, strategy: Strategy, pair: PairSettings) -> Run {
         let mut run = Run::begin(Arc::clone(&hall), sim, settings, strategy);
@@ -108,7 +104,7 @@ impl Run {
         }
     }
 
-    /// Gives a command in the name of the local operator and lets its immediate consequences happen.
+    /// Sends a command of the local operator, and handles its immediate consequences.
     ///
     /// # Errors
     /// The core's refusal.
@@ -116,7 +112,7 @@ impl Run {
         self.ask(Request::new(command, Issuer::operator(Door::LOCAL)))
     }
 
-    /// Gives a command as it is.
+    /// Sends a command with its sender.
     ///
     /// # Errors
     /// The core's refusal.
@@ -127,13 +123,13 @@ impl Run {
         self.answers.remove(&ticket).expect("a store in memory keeps every record at once, so every answer is given at once")
     }
 
-    /// Lets something happen to the core that the simulator does not do by itself.
+    /// Passes an event to the core that the simulator does not cause by itself.
     pub fn happen(&mut self, event: Event) {
         self.engine.handle_event(event, self.now);
         self.settle();
     }
 
-    /// Lets the next thing happen that takes time; false when nothing more will happen by itself.
+    /// Advances to the next event in time; false when nothing more will happen by itself.
     pub fn advance(&mut self) -> bool {
         let Some(next) = self.next() else { return false };
         self.wait_until(next);
@@ -149,7 +145,7 @@ impl Run {
         self.wait_until(end);
     }
 
-    /// Lets things happen until `reached`; false when `limit` things have happened before.
+    /// Advances until `reached`; false when `limit` events have happened before.
     pub fn run_until(&mut self, limit: usize, mut reached: impl FnMut(&Snapshot) -> bool) -> bool {
         for _ in 0..limit {
             if reached(&self.state()) {
@@ -162,17 +158,14 @@ impl Run {
         reached(&self.state())
     }
 
-    /// The state now.
     pub fn state(&mut self) -> Arc<Snapshot> {
         self.engine.snapshot()
     }
 
-    /// The phase now.
     pub fn phase(&mut self) -> PhaseName {
         self.state().mission.phase
     }
 
-    /// The simulated time.
     #[must_use]
     pub const fn now(&self) -> Now {
         self.now
@@ -195,7 +188,7 @@ impl Run {
         self.settle();
     }
 
-    /// Carries effects and events to and fro until both sides are quiet.
+    /// Passes effects and events to and fro until both sides are quiet.
     fn settle(&mut self) {
         loop {
             if let Some(effect) = self.engine.poll_effect() {
@@ -214,7 +207,7 @@ impl Run {
         }
     }
 
-    /// What the pair has lifted, the other robot does not meet any more.
+    /// The other robot no longer meets what the pair has lifted.
     fn follow_pair(&mut self) {
         let moved = self.pair.as_ref().map(Pair::moved).unwrap_or_default();
         if moved != self.moved {

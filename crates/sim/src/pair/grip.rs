@@ -1,5 +1,6 @@
-//! A parcel between two grippers: the gripping force, the angle of the paddles and the distance of the bases, under disturbances and
-//! with a controller each, in fixed steps. Who starts the controllers, and where the parcel is, is not decided here.
+//! A parcel between two grippers: the gripping force, the angle of the paddles and the distance of the bases, under
+//! disturbances and with a controller each, in fixed steps. Who starts the controllers, and where the parcel is, is not
+//! decided here.
 //!
 //! ```text
 //!            force ─►▐▓▓▓▓▓▓▌◄─ force      the load makes the force creep away and the paddles tilt;
@@ -13,32 +14,32 @@ use std::time::Duration;
 use hallsweep_core::arm::{Controllers, Parcel};
 use hallsweep_core::rng::RandomStream;
 
-/// The integration step: ten times as fast as the fastest controller needs it.
+/// The integration step: a tenth of what the fastest controller needs.
 pub(super) const STEP: Duration = Duration::from_millis(10);
 const DT: f64 = 0.01;
 
-/// The gripping force that is wanted, in newtons.
+/// The set value of the gripping force, in newtons.
 pub const FORCE_N: f64 = 60.0;
 
-/// How far the gripping force may be from what is wanted, in newtons: with less the parcel slips, with more it is crushed.
+/// Greatest error of the gripping force, in newtons: with less force the parcel slips, with more it is crushed.
 pub const FORCE_LIMIT_N: f64 = 15.0;
 
-/// How far the paddles may tilt, in radians: beyond, the parcel slides off.
+/// Greatest tilt of the paddles, in radians: beyond it, the parcel slides off.
 pub const ANGLE_LIMIT: f64 = 0.2;
 
-/// How much further apart, or closer, the bases may be than wanted, in metres: the reach of the wrists.
+/// Greatest error of the distance of the bases, in metres: the reach of the wrists.
 pub const GAP_LIMIT_M: f64 = 0.08;
 
-/// For so many steps, a third of a second, what is held may be beyond a limit; then the parcel is lost.
+/// Steps, a third of a second, for which a quantity may be beyond its limit before the parcel is lost.
 const PATIENCE: u32 = 33;
 
-/// One quantity that is held: how it drifts under load by itself, how it is shaken, and how its controller answers.
+/// One quantity that is held: its drift under load, its noise, and its controller.
 struct Loop {
     /// Deviation of the noise, in units for each square root of a second.
     noise: f64,
-    /// Gain for the error, a second.
+    /// Gain for the error, per second.
     p: f64,
-    /// Gain for the sum of the error, a second squared: it takes away what a steady drift would leave.
+    /// Gain for the sum of the error, per second squared: it removes what a steady drift would leave.
     i: f64,
 }
 
@@ -46,16 +47,16 @@ const FORCE: Loop = Loop { noise: 1.0, p: 4.0, i: 4.0 };
 const ANGLE: Loop = Loop { noise: 0.01, p: 5.0, i: 5.0 };
 const GAP: Loop = Loop { noise: 0.004, p: 4.0, i: 4.0 };
 
-/// How fast the force gives way under load, in newtons a second.
+/// How fast the force decreases under load, in newtons a second.
 const FORCE_CREEP: f64 = 2.5;
 
 /// How fast the paddles tilt under load, in radians a second.
 const ANGLE_CREEP: f64 = 0.03;
 
-/// By which share of their speed two bases differ at least, and at most.
+/// Least and greatest difference between the speeds of two bases, as a share.
 const SPEED_DIFFERS: (f64, f64) = (0.04, 0.08);
 
-/// What is held of one quantity: the error and its sum over time.
+/// The error of one quantity and its sum over time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Held {
     pub(super) error: f64,
@@ -74,29 +75,28 @@ impl Held {
     }
 }
 
-/// A parcel in two grippers.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Grip {
-    /// Which, and over which place.
+    /// The parcel, and the place over which it is.
     pub(super) parcel: Parcel,
     /// 0 on the floor, 1 all the way up.
     pub(super) height: f64,
-    /// Steps that it was carried.
+    /// Steps over which it was carried.
     pub(super) steps: u32,
     /// Of the force, in newtons; of the angle, in radians; of the gap, in metres.
     pub(super) force: Held,
     pub(super) angle: Held,
     pub(super) gap: Held,
-    /// By which share of its speed the second base is faster.
+    /// Share of its speed by which the second base is faster.
     pub(super) faster: f64,
-    /// The way in which the paddles tilt, 1 or −1.
+    /// The direction in which the paddles tilt, 1 or −1.
     pub(super) tilts: f64,
-    /// For how many steps something has been beyond its limit.
+    /// Number of steps for which a quantity has been beyond its limit.
     pub(super) beyond: u32,
 }
 
 impl Grip {
-    /// Grippers that have just closed round it, about as they should.
+    /// Grippers that have just closed round it, with small errors.
     pub(super) fn new(parcel: Parcel, noise: &mut RandomStream) -> Grip {
         let mut about = |most: f64| Held { error: (noise.fraction() * 2.0 - 1.0) * most, sum: 0.0 };
         let (force, angle) = (about(5.0), about(0.03));
@@ -107,13 +107,13 @@ impl Grip {
         Grip { parcel, height: 0.0, steps: 0, force, angle, gap: Held::default(), faster, tilts, beyond: 0 }
     }
 
-    /// The floor bears the parcel, or the grippers do.
+    /// Whether the grippers bear the parcel, and not the floor.
     pub(super) fn is_loaded(&self) -> bool {
         self.height > 0.0
     }
 
-    /// One step of time, with the bases driving at so many metres a second; true when the parcel is lost. Without a load nothing creeps,
-    /// because the drives of the grippers lock by themselves.
+    /// One step of time, with the bases driving at this many metres a second; true when the parcel is lost. Without a
+    /// load nothing creeps, because the drives of the grippers lock by themselves.
     pub(super) fn advance(&mut self, at_work: Controllers, speed: f64, noise: &mut RandomStream) -> bool {
         if !self.is_loaded() {
             return false;
@@ -168,16 +168,15 @@ impl Spread {
 /// How well everything was held while parcels were off the floor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Holding {
-    /// The gripping force, in newtons from what is wanted.
+    /// Errors of the gripping force, in newtons.
     pub force_n: Spread,
     /// The angle of the paddles, in radians from upright.
     pub angle_rad: Spread,
-    /// The distance of the bases, in metres from what is wanted.
+    /// Errors of the distance of the bases, in metres.
     pub gap_m: Spread,
 }
 
 impl Holding {
-    /// With what was held at another time.
     pub fn join(&mut self, other: &Holding) {
         self.force_n.join(&other.force_n);
         self.angle_rad.join(&other.angle_rad);

@@ -1,5 +1,5 @@
-//! The truth about the floor on which the pair drives: the hall, less the pieces that were taken away, and what was put down elsewhere.
-//! Where the two bases stand is not known here.
+//! The truth about the floor on which the pair drives: the hall without the pieces that were taken away, and with those
+//! put down elsewhere. Where the two bases stand is not known here.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -9,19 +9,20 @@ use hallsweep_core::arm::Parcel;
 use hallsweep_core::place::Place;
 use hallsweep_core::units::{Cell, Piece};
 
-/// How far from where it looks the camera recognises a parcel, in steps: a pallet and the floor round it.
+/// How far from the place at which it looks the camera recognises a parcel, in steps: a pallet and the floor round it.
 const SIGHT: u32 = 12;
 
 #[derive(Clone, Debug)]
 pub(super) struct Ground {
     hall: Arc<Hall>,
-    /// Where a piece lies that was lifted once, on one place however large it was; `None` in the grippers or in the container.
+    /// Where a piece lies that was lifted once, on one place however large it was; `None` in the grippers or in the
+    /// container.
     moved: BTreeMap<Piece, Option<Place>>,
-    /// What the container has taken in, in order.
+    /// The pieces in the container, in their order.
     taken_in: Vec<Piece>,
     /// Cells that were closed since the hall was opened.
     closed: BTreeSet<Cell>,
-    /// Cells with something in the way that is taken away again.
+    /// Cells with a temporary obstacle.
     blocked: BTreeSet<Cell>,
 }
 
@@ -31,7 +32,6 @@ impl Ground {
         Ground { hall, moved: BTreeMap::new(), taken_in: Vec::new(), closed: BTreeSet::new(), blocked: BTreeSet::new() }
     }
 
-    /// As it was left.
     pub(super) fn remembered(hall: Arc<Hall>, lying: &[(Piece, Place)], taken_in: &[Piece], closed: &[Cell]) -> Ground {
         let inside = taken_in.iter().map(|piece| (*piece, None));
         Ground {
@@ -64,7 +64,7 @@ impl Ground {
         self.moved.iter().map(|(piece, place)| (*piece, *place))
     }
 
-    /// What is in a cell, the bases aside.
+    /// The content of a cell, without the bases.
     pub(super) fn truth(&self, cell: Cell) -> Truth {
         if self.closed.contains(&cell) || self.blocked.contains(&cell) {
             return Truth::Wall;
@@ -78,7 +78,6 @@ impl Ground {
         }
     }
 
-    /// The piece that lies at a place.
     pub(super) fn piece_at(&self, place: Place) -> Option<Piece> {
         match place {
             Place::Cell(cell) => match self.truth(cell) {
@@ -89,7 +88,8 @@ impl Ground {
         }
     }
 
-    /// The piece in sight that is nearest to a place, and of its cells the nearest one; of several as near, the one of the least number.
+    /// The piece in sight that is nearest to a place, and of its cells the nearest one; among equals, the piece with
+    /// the least number.
     pub(super) fn nearest(&self, place: Place) -> Option<Parcel> {
         if let Some(piece) = self.piece_at(place) {
             return Some(Parcel { piece, place });
@@ -103,17 +103,15 @@ impl Ground {
         near.min().map(|(_, piece, cell)| Parcel { piece, place: Place::Cell(cell) })
     }
 
-    /// A piece leaves the floor.
     pub(super) fn lift(&mut self, piece: Piece) {
         self.moved.insert(piece, None);
     }
 
-    /// A piece comes to lie somewhere.
     pub(super) fn put(&mut self, parcel: Parcel) {
         self.moved.insert(parcel.piece, Some(parcel.place));
     }
 
-    /// The container takes in a piece that was let go before it.
+    /// The container takes in a piece that was released before it.
     pub(super) fn take_in(&mut self, piece: Piece) {
         self.moved.insert(piece, None);
         self.taken_in.push(piece);

@@ -1,5 +1,5 @@
-//! What the pair and its floor would keep by physics when the program dies: where the bases stand and roll to, what is in the grippers and
-//! how it is held, where parcels lie. Where it is written down is the business of whoever runs the pair.
+//! The state that the pair and its floor would retain by physics when the program dies: where the bases stand and roll
+//! to, what is in the grippers and how it is held, where parcels lie. Whoever runs the pair stores it.
 //!
 //! Quantities are whole numbers of small units, so that what is written is read back exactly.
 
@@ -21,10 +21,9 @@ use hallsweep_core::units::{Cell, Now, Piece};
 /// A robot halts by itself at most this long after the program has died (safety S5), in simulated time.
 const WATCHDOG: Duration = Duration::from_millis(500);
 
-/// A quarter turn, and what rounding may add.
+/// A quarter turn in microradians, and what rounding may add.
 const QUARTER_URAD: u64 = 1_570_797;
 
-/// What the pair keeps.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PairMemory {
     /// SRM1 and SRM2.
@@ -33,19 +32,18 @@ pub struct PairMemory {
     pub grip: Option<GripMemory>,
     /// Pieces that lie elsewhere than the hall has them.
     pub lying: Vec<(Piece, Place)>,
-    /// What the container has taken in, in order.
+    /// The pieces in the container, in their order.
     pub taken_in: Vec<Piece>,
     /// Cells that were closed.
     pub closed: Vec<Cell>,
-    /// Slips still to come; `None` in a hall that has just been opened.
+    /// Slips still to come; `None` in a hall that was just opened.
     pub slips: Option<Vec<Slip>>,
-    /// Parcels still not to be recognised; `None` in a hall that has just been opened.
+    /// Parcels that are still not to be recognised; `None` in a hall that was just opened.
     pub unrecognised: Option<Vec<u32>>,
     /// How often the pair went on after the end of a program; its noise begins anew each time.
     pub restarts: u32,
 }
 
-/// What one robot keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RobotMemory {
     /// Where the last completed order left it.
@@ -54,7 +52,6 @@ pub struct RobotMemory {
     pub astray: AstrayMemory,
     /// Where it rolls to, and how long still.
     pub motion: Option<(AstrayMemory, Duration)>,
-    /// What its gripper does.
     pub gripper: Gripper,
     /// The parcel at which its gripper is.
     pub aligned: Option<Place>,
@@ -65,22 +62,21 @@ pub struct RobotMemory {
 /// How far a base is from where it belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AstrayMemory {
-    /// Not at all.
     Not,
-    /// Millionths of the way to a place beside.
+    /// Millionths of the way to a neighbouring place.
     Along(Place, i64),
     /// Microradians clockwise.
     Turned(i64),
 }
 
-/// What is kept of a parcel in the grippers. Of each quantity: the error, and its sum over time, in millionths.
+/// A parcel in the grippers. For each quantity: the error, and its sum over time, in millionths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GripMemory {
-    /// Which, and over which place.
+    /// The parcel, and the place over which it is.
     pub parcel: Parcel,
     /// How high it is lifted, in millionths.
     pub height: i64,
-    /// Steps that it was carried.
+    /// Steps over which it was carried.
     pub steps: u32,
     /// Of the force, in newtons.
     pub force: [i64; 2],
@@ -88,16 +84,16 @@ pub struct GripMemory {
     pub angle: [i64; 2],
     /// Of the distance of the bases, in metres.
     pub gap: [i64; 2],
-    /// By which share the second base is faster, in millionths.
+    /// Share by which the second base is faster, in millionths.
     pub faster: i64,
-    /// The way in which the paddles tilt, in millionths of one.
+    /// The direction in which the paddles tilt, in millionths of one.
     pub tilts: i64,
-    /// For how many steps something has been beyond its limit.
+    /// Number of steps for which a quantity has been beyond its limit.
     pub beyond: u32,
 }
 
 impl PairMemory {
-    /// Two robots newly put down in a hall that has just been opened.
+    /// Two robots that were just put down in a hall that was just opened.
     #[must_use]
     pub fn new(stands: [BasePose; 2]) -> PairMemory {
         let robot = |stands| RobotMemory {
@@ -120,8 +116,9 @@ impl PairMemory {
         }
     }
 
-    /// How it is once the program that drove the pair has died and the bases have come to rest, at most `WATCHDOG` later; the seed draws
-    /// when. Both roll the same share of the time, because a parcel between them is coupled to both.
+    /// The state once the program that drove the pair has died and the bases have come to rest, at most `WATCHDOG`
+    /// later; the seed draws when. Both roll the same share of the time, because a parcel between them is coupled to
+    /// both.
     #[must_use]
     pub fn at_rest(mut self, seed: u64) -> PairMemory {
         self.restarts = self.restarts.wrapping_add(1);
@@ -136,7 +133,8 @@ impl PairMemory {
         self
     }
 
-    /// Whether all of this can be in that hall: its pieces are there, and the robots stand on free floor or before the entrance.
+    /// Whether this state is possible in that hall: its pieces exist, and the robots stand on free floor or before the
+    /// entrance.
     #[must_use]
     pub fn fits(&self, hall: &Hall) -> bool {
         let is_there = |piece: Piece| hall.pieces().iter().any(|bag| bag.piece == piece);
@@ -186,13 +184,14 @@ impl PairMemory {
 }
 
 impl Pair {
-    /// The pair of an earlier run, in the same hall, after the program has died: as it was, halted by itself within half a second, with its
-    /// parcel in its grip. Its first reports are where the two stand, their arms, what lies about, and `LinkUp`. `now` is the time of the new run.
+    /// The pair of an earlier run, in the same hall, after the program has died: as it was, halted by itself within
+    /// half a second, with its parcel in its grip. Its first reports are where the two stand, their arms, what lies
+    /// about, and `LinkUp`. `now` is the time of the new run.
     #[must_use]
     pub fn remembering(hall: Arc<Hall>, settings: PairSettings, memory: PairMemory, now: Now) -> Pair {
         let memory = memory.at_rest(settings.seed);
         let mut pair = Pair::placed(hall, settings, memory, now.since_start);
-        // What is in the grippers is off the floor, or it stands where it was taken hold of.
+        // A parcel in the grippers is off the floor, or it stands where it was gripped.
         if let Some(grip) = &pair.grip
             && grip.is_loaded()
         {
@@ -201,7 +200,7 @@ impl Pair {
         pair
     }
 
-    /// What the pair would keep if the program died now.
+    /// The state that the pair would retain if the program died now.
     #[must_use]
     pub fn memory(&self) -> PairMemory {
         PairMemory {
@@ -251,7 +250,7 @@ fn kept(grip: &Grip) -> GripMemory {
 }
 
 impl AstrayMemory {
-    /// This share (0–1) of the way from here to `end`; a motion has constant speed.
+    /// The point at this share (0–1) of the way to `end`; a motion has constant speed.
     #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "both ends are within a step and a turn")]
     fn towards(self, end: AstrayMemory, share: f64) -> AstrayMemory {
         let between = |from: i64, to: i64| from + (to.saturating_sub(from) as f64 * share) as i64;

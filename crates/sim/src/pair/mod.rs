@@ -1,13 +1,14 @@
-//! The simulated pair, sans-IO: two mobile manipulators and the parcel between them, which couples them, so that all three are one object.
-//! Orders, halts and the passing of time go in, reports come out, and nothing here waits. What to do next is decided by nobody here.
+//! The simulated pair, sans-IO: two mobile manipulators and the parcel between them, which couples them, so that all
+//! three are one object. Orders, halts and the passing of time go in, reports come out, and nothing here waits. What to
+//! do next is not decided here.
 //!
 //! ```text
 //!   orders ─► orders ─► robot, robot ─┐
-//!                                     ├─► passing ─► reports        memory: what all of them keep
+//!                                     ├─► passing ─► reports        memory: what all of them retain
 //!   ground (the hall as it is now) ── grip ┘
 //! ```
-//! A robot that holds nothing is by itself. Once both grippers are closed round a parcel, a step begins when both have theirs, and what
-//! stops one stops the other.
+//! A robot that holds nothing is independent. Once both grippers are closed round a parcel, a step begins when both
+//! have their order for it, and what stops one stops the other.
 
 mod grip;
 mod ground;
@@ -41,7 +42,6 @@ use hallsweep_core::retrieval::{BasePose, Which};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::{Cell, Now, Piece, Pose};
 
-/// Two mobile manipulators in a hall.
 #[derive(Debug)]
 pub struct Pair {
     ground: Ground,
@@ -49,29 +49,29 @@ pub struct Pair {
     now: Duration,
     robots: [Robot; 2],
     grip: Option<Grip>,
-    /// When the grip is looked at next, and when a lifted parcel is told of next.
+    /// When the grip is next computed, and when a lifted parcel is next reported.
     next_step: Duration,
     next_report: Duration,
     noise: RandomStream,
     looks: RandomStream,
     events: VecDeque<(Which, RobotEvent)>,
-    /// What is still to go wrong.
+    /// Mishaps that are still to come.
     slips: Vec<Slip>,
     unrecognised: Vec<u32>,
     holding: Holding,
     restarts: u32,
-    /// Whether something has changed that must not be forgotten.
+    /// Whether something has changed that must be stored.
     unkept: bool,
 }
 
 impl Pair {
-    /// The two newly put down. Their first reports are where they stand, their arms, and `LinkUp`.
+    /// Two robots that were just put down. Their first reports are where they stand, their arms, and `LinkUp`.
     #[must_use]
     pub fn new(hall: Arc<Hall>, settings: PairSettings, stands: [BasePose; 2]) -> Pair {
         Pair::placed(hall, settings, PairMemory::new(stands), Duration::ZERO)
     }
 
-    /// What each can do, in simulated time. A step is said to take as long as it does with a load.
+    /// What each can do, in simulated time. The stated time of a step is that with a load.
     #[must_use]
     pub fn capabilities(&self) -> Capabilities {
         let PairSettings { step, loaded_step, turn, look, arm, .. } = self.settings;
@@ -85,7 +85,8 @@ impl Pair {
         }
     }
 
-    /// Begins an order, or answers at once why it cannot. What only both can do begins when the other has its part of it.
+    /// Begins an order, or answers at once why it cannot. An order that only both can carry out begins when the other
+    /// robot has its part of it.
     pub fn handle_order(&mut self, which: Which, order: Order, now: Now) {
         self.pass_to(now.since_start);
         if let Some(task) = &self.robots[which.index()].task {
@@ -96,18 +97,18 @@ impl Pair {
             Ok(work) => self.take(which, order, work),
             Err(words) => self.say(which, RobotEvent::Failed(order.id, words.to_owned())),
         }
-        // What takes no time is done at once.
+        // An action without duration is done at once.
         self.pass_to(now.since_start);
     }
 
-    /// Stops wheels and arm of one robot where they are, and of the other when they carry together. What was started to hold the parcel
-    /// goes on holding it.
+    /// Stops wheels and arm of one robot where they are, and of the other when they carry together. Controllers that
+    /// hold the parcel go on.
     pub fn handle_halt(&mut self, which: Which, now: Now) {
         self.pass_to(now.since_start);
         self.halt(which);
     }
 
-    /// Lets time pass: everything that is due by `now` happens, in its order.
+    /// Handles everything that is due by `now`, in its order.
     pub fn handle_timeout(&mut self, now: Now) {
         self.pass_to(now.since_start);
     }
@@ -117,13 +118,13 @@ impl Pair {
         self.events.pop_front()
     }
 
-    /// When something will be to report next by itself, since the start of the run.
+    /// When the next report is due, since the start of the run.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
         self.next_heard()
     }
 
-    /// Somebody closes a cell for good. One in which a robot or a parcel is stays as it is: false.
+    /// Closes a cell for good. Returns false, and changes nothing, if a robot or a parcel is in it.
     pub fn close_cell(&mut self, cell: Cell) -> bool {
         let in_use = self.is_in_use(cell);
         if !in_use {
@@ -133,8 +134,8 @@ impl Pair {
         !in_use
     }
 
-    /// Something stands in these cells until it is taken away, and in no others. Whether all of it does: where a robot or a parcel is,
-    /// nothing is put.
+    /// Puts temporary obstacles into these cells, and removes all others. Returns whether all were put: none is put
+    /// where a robot or a parcel is.
     pub fn handle_blocked(&mut self, cells: &BTreeSet<Cell>) -> bool {
         let (taken, free): (BTreeSet<Cell>, BTreeSet<Cell>) = cells.iter().partition(|cell| self.is_in_use(**cell));
         self.ground.block(free);
@@ -148,19 +149,17 @@ impl Pair {
             || self.ground.piece_at(place).is_some()
     }
 
-    /// Says anew what both can do.
     pub fn tell_capabilities(&mut self) {
         let can = self.capabilities();
         self.events.extend(Which::ALL.map(|which| (which, RobotEvent::LinkUp(can))));
     }
 
-    /// Whether one of them waits for the other to be told its part of what only both can do.
+    /// Whether one of them waits for the other's part of an order that only both can carry out.
     #[must_use]
     pub fn awaits_the_other(&self) -> bool {
         self.robots.iter().any(|robot| robot.task.as_ref().is_some_and(|task| task.run.is_none()))
     }
 
-    /// Whether a robot has an order under way.
     #[must_use]
     pub const fn is_busy(&self, which: Which) -> bool {
         self.robots[which.index()].task.is_some()
@@ -173,13 +172,13 @@ impl Pair {
         (robot.stands, robot.astray_at(self.now) != Astray::Not)
     }
 
-    /// Where the body of a robot really is, now.
+    /// Where the body of a robot really is now.
     #[must_use]
     pub fn body(&self, which: Which) -> BodyPose {
         self.robots[which.index()].body_at(self.now, self.ground.hall().cell_m())
     }
 
-    /// An arm, as its robot says it is.
+    /// The arm as its robot reports it.
     #[must_use]
     pub fn arm(&self, which: Which) -> ArmState {
         let robot = &self.robots[which.index()];
@@ -197,14 +196,14 @@ impl Pair {
         }
     }
 
-    /// The parcel in the grippers, by the place over which, or on which, it is.
+    /// The parcel in the grippers, with the place over which, or on which, it is.
     #[must_use]
     pub fn load(&self) -> Option<Parcel> {
         self.grip.as_ref().map(|grip| grip.parcel)
     }
 
-    /// Where the middle of the parcel in the grippers really is, in metres to the east and to the south of home, and how high it is
-    /// lifted, 0–1.
+    /// Where the middle of the parcel in the grippers really is, in metres to the east and to the south of home, and
+    /// how high it is lifted, 0–1.
     #[must_use]
     pub fn load_m(&self) -> Option<(f64, f64, f64)> {
         let grip = self.grip.as_ref()?;
@@ -214,7 +213,7 @@ impl Pair {
             (x_m, y_m)
         };
         let (x, y) = centre(grip.parcel.place);
-        // The parcel goes to where the base that leads has stood.
+        // The parcel goes to where the leading base has stood.
         let leads = |robot: &&Robot| matches!(robot.astray_at(self.now), Astray::Along(to, _) if to != grip.parcel.place);
         let Some(leader) = self.robots.iter().find(leads) else { return Some((x, y, grip.height)) };
         let Astray::Along(_, share) = leader.astray_at(self.now) else { return Some((x, y, grip.height)) };
@@ -222,13 +221,13 @@ impl Pair {
         Some((x + (to_x - x) * share, y + (to_y - y) * share, grip.height))
     }
 
-    /// What the container has taken in, in order.
+    /// The pieces in the container, in their order.
     #[must_use]
     pub fn taken_in(&self) -> &[Piece] {
         self.ground.taken_in()
     }
 
-    /// Where a piece lies on the floor: for one that was moved, where it was put or fell.
+    /// Where each piece lies on the floor: one that was moved, where it was put or fell.
     #[must_use]
     pub fn lying(&self) -> Vec<(Piece, Place)> {
         self.ground.lying().collect()
@@ -246,19 +245,19 @@ impl Pair {
         &self.holding
     }
 
-    /// What is still to go wrong. A gripper that is jammed stays so.
+    /// Mishaps that are still to come. A gripper that is jammed stays so.
     #[must_use]
     pub fn mishaps_left(&self) -> Mishaps {
         let jams = self.settings.mishaps.jams.clone();
         Mishaps { slips: self.slips.clone(), unrecognised: self.unrecognised.clone(), jams }
     }
 
-    /// What there is to keep, once whenever something has changed that a report or the next motion depends on.
+    /// The state to store, once whenever something has changed that a report or the next motion depends on.
     pub fn poll_memory(&mut self) -> Option<PairMemory> {
         std::mem::take(&mut self.unkept).then(|| self.memory())
     }
 
-    /// Which parcel is under way, counted from 1.
+    /// The current parcel, counted from 1.
     fn parcel_number(&self) -> u32 {
         u32::try_from(self.ground.taken_in().len()).unwrap_or(u32::MAX).saturating_add(1)
     }
@@ -286,7 +285,7 @@ impl Pair {
         }
     }
 
-    /// What lies where it fell, or was let go: when the program was killed just then, nobody has heard of it.
+    /// Parcels that lie where they fell, or were released: if the program was killed just then, nobody knows of them.
     fn lost(&self) -> impl Iterator<Item = Parcel> {
         let held = self.load().map(|parcel| parcel.piece);
         self.ground.lying().filter(move |(piece, _)| held != Some(*piece)).map(|(piece, place)| Parcel { piece, place })

@@ -1,5 +1,5 @@
-//! How the pair takes an order: whether it can be done at all, alone or only by both, and how long it takes. What it comes to stands in
-//! `passing`.
+//! How the pair accepts an order: whether it is possible at all, alone or only by both, and how long it takes. Its
+//! outcome stands in `passing`.
 
 use std::f64::consts::FRAC_PI_2;
 use std::time::Duration;
@@ -16,11 +16,11 @@ use hallsweep_core::place::Place;
 use hallsweep_core::retrieval::{BasePose, Which};
 use hallsweep_core::units::Cell;
 
-/// Why an order cannot be done.
+/// Why an order cannot be carried out.
 type Words = &'static str;
 
 impl Pair {
-    /// What an order asks of a robot, if it can be done as things stand.
+    /// The work of an order, if it is possible at present.
     pub(super) fn work_of(&self, which: Which, action: Action) -> Result<Work, Words> {
         let stands = self.robots[which.index()].stands;
         match action {
@@ -95,7 +95,7 @@ impl Pair {
         }
     }
 
-    /// Takes an order that can be done: it begins at once, or when the other robot has its part of it.
+    /// Accepts a possible order: it begins at once, or when the other robot has its part of it.
     pub(super) fn take(&mut self, which: Which, order: Order, work: Work) {
         let deadline = self.now.saturating_add(order.deadline);
         let needs_both = self.needs_both(which, work);
@@ -108,7 +108,8 @@ impl Pair {
         }
     }
 
-    /// A parcel couples the two: neither goes anywhere, or lifts, without the other. Each turns by itself, because the arm turns on it.
+    /// A parcel couples the two: neither drives or lifts without the other. Each turns by itself, because the arm turns
+    /// on it.
     fn needs_both(&self, which: Which, work: Work) -> bool {
         let is_along = matches!(self.robots[which.index()].astray, Astray::Along(..));
         match work {
@@ -168,7 +169,8 @@ impl Pair {
         }
     }
 
-    /// A step of the train: one base leads, the parcel follows to where it stood, and the other base to where the parcel was.
+    /// A step of the train: one base leads, the parcel follows to where it stood, and the other base to where the
+    /// parcel was.
     fn train_step(&self, to: [Place; 2]) -> Option<([Work; 2], Duration)> {
         let grip = self.grip.as_ref()?;
         let parcel = grip.parcel.place;
@@ -183,7 +185,7 @@ impl Pair {
         Some((Which::ALL.map(work), self.settings.loaded_step.mul_f64(until)))
     }
 
-    /// How far towards a place beside its own a base comes, as a share, and what it meets there.
+    /// How far a base gets on its way to a neighbouring place, as a share, and what it meets there.
     fn contact(&self, which: Which, to: Place) -> (f64, Option<Obstacle>) {
         let Place::Cell(cell) = to else { return (1.0, None) };
         let partner = self.robots[which.other().index()].is_in_or_enters(to, self.now) && self.grip.is_none();
@@ -199,7 +201,7 @@ impl Pair {
         (way, Some(if is_ahead { seen } else { Obstacle::Unknown }))
     }
 
-    /// How long it takes a robot back to where it belongs.
+    /// How long a robot needs back to where it belongs.
     fn way_back(&self, which: Which, step: Duration) -> Duration {
         match self.robots[which.index()].astray {
             Astray::Not => Duration::ZERO,
@@ -233,7 +235,7 @@ const fn step_to(to: Place) -> Work {
     Work::Step { to, until: 1.0, against: None }
 }
 
-/// Where a robot that has made this step stands.
+/// Where a robot stands after this step.
 pub(super) const fn moved(stands: BasePose, to: Place) -> BasePose {
     BasePose { place: to, heading: stands.heading }
 }

@@ -1,5 +1,6 @@
-//! How the memory of a pair is written: a title, the hall it is of, and one line of JSON under a checksum. Pure bytes to values and back;
-//! files are not touched here. It is replaced as a whole, so it may grow with what the container has taken in.
+//! The written form of a pair's memory: a title, its hall, and one line of JSON under a checksum. Pure bytes to values
+//! and back; files are not touched here. The file is replaced as a whole, so it may grow with the content of the
+//! container.
 
 use std::time::Duration;
 
@@ -18,7 +19,7 @@ const MAGIC: &str = "hallsweep simulated pair, version ";
 
 const VERSION: &str = "1";
 
-/// More than a hall of the most pieces makes of it when the container has taken them all in.
+/// Largest file, in bytes: more than a hall of the most pieces needs when the container has taken them all in.
 pub const MOST: usize = 8 << 20;
 
 #[derive(Serialize, Deserialize)]
@@ -76,7 +77,6 @@ struct WrittenGrip {
     beyond: u32,
 }
 
-/// The whole file.
 #[must_use]
 pub fn written(whose: &Whose, memory: &PairMemory) -> Vec<u8> {
     let json =

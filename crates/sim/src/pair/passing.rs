@@ -1,5 +1,5 @@
-//! How time passes for the pair: what ends, is late or slips away, each at its own moment, so that it makes no difference how often time
-//! is let pass. How work begins stands in `orders`.
+//! How time passes for the pair: what ends, is late or slips away, each at its own moment, so that the result does not
+//! depend on how often time advances. How work begins stands in `orders`.
 
 use std::time::Duration;
 
@@ -11,10 +11,10 @@ use hallsweep_core::arm::{ArmAction, Controllers, Gripper, Parcel};
 use hallsweep_core::retrieval::Which;
 use hallsweep_core::units::OrderId;
 
-/// How often a lifted parcel's force and angle are told by themselves.
+/// How often force and angle of a lifted parcel are reported without a question.
 const REPORTS: Duration = Duration::from_millis(500);
 
-/// As low as a parcel gets before it counts as put down.
+/// Height below which a parcel counts as put down, as a share of the full height.
 const TOUCHES: f64 = 1e-6;
 
 #[derive(Clone, Copy)]
@@ -26,7 +26,7 @@ enum Due {
 }
 
 impl Pair {
-    /// Lets everything happen that is due by `now`.
+    /// Handles everything that is due by `now`.
     pub(super) fn pass_to(&mut self, now: Duration) {
         while let Some((at, due)) = self.next_due(true).filter(|(at, _)| *at <= now) {
             self.now = self.now.max(at);
@@ -43,12 +43,12 @@ impl Pair {
         self.now = self.now.max(now);
     }
 
-    /// When something will happen next that somebody hears of.
+    /// When the next event with a report is due.
     pub(super) fn next_heard(&self) -> Option<Duration> {
         self.next_due(false).map(|(at, _)| at)
     }
 
-    /// What comes next; of what is due at the same moment, the end of an order first.
+    /// The next event; of several at the same moment, the end of an order first.
     fn next_due(&self, with_steps: bool) -> Option<(Duration, Due)> {
         let ends = Which::ALL.map(|which| Some((self.task(which)?.run?.ends, Due::End(which))));
         let deadlines = Which::ALL.map(|which| Some((self.task(which)?.deadline, Due::Deadline(which))));
@@ -98,7 +98,7 @@ impl Pair {
         }
     }
 
-    /// A gripper that was at a parcel is not there any more when the base has left.
+    /// A gripper at a parcel is no longer there once its base has left.
     fn leave_parcel(&mut self, which: Which) {
         if self.robots[which.index()].aligned.take().is_some() {
             self.tell_arm(which);
@@ -124,14 +124,14 @@ impl Pair {
             ArmAction::HoldAngle => self.robots[which.index()].controllers.angle = true,
             ArmAction::HoldDistance => self.robots[which.index()].controllers.distance = true,
             ArmAction::Release => self.release(which),
-            // These are done by both together.
+            // Both robots carry these out together.
             ArmAction::Lift | ArmAction::Lower => {}
         }
         self.tell_arms();
         self.done(which, order);
     }
 
-    /// Both grippers closed round the same parcel hold it.
+    /// Two grippers closed round the same parcel hold it.
     fn grasp(&mut self) {
         let [one, two] = &self.robots;
         let closed = one.gripper == Gripper::Closed && two.gripper == Gripper::Closed;
@@ -206,7 +206,7 @@ impl Pair {
         Which::ALL.into_iter().for_each(|which| self.done(which, tasks[which.index()].order));
     }
 
-    /// Whether the step that both make brings the parcel to where it is put down: it goes to where the base that leads stood.
+    /// Whether the present step of both brings the parcel to the container: it goes to where the leading base stood.
     fn carries_into_container(&self) -> bool {
         let (Some(grip), Some(Work::Step { to, .. })) = (&self.grip, self.task(Which::Srm2).map(|task| task.work)) else {
             return false;
@@ -215,7 +215,7 @@ impl Pair {
         self.robots[leader.index()].stands.place == self.settings.container
     }
 
-    /// One step of what holds the parcel.
+    /// One integration step of the grip.
     fn hold(&mut self) {
         self.next_step += STEP;
         let now = self.now;
@@ -256,7 +256,7 @@ impl Pair {
         let leaves_floor = stood && grip.is_loaded();
         self.holding.add(grip);
         if leaves_floor {
-            // Whoever halts it the next moment, or finds it after a kill, has been told that it does not stand there any more.
+            // A halt in the next moment, or a restart after a kill, must know that it no longer stands there.
             self.unkept = true;
             self.tell_arms();
         }
@@ -270,7 +270,8 @@ impl Pair {
         }
     }
 
-    /// The parcel falls to where it was when the step began: that is the place to which the bases' own reckoning belongs. Both stop.
+    /// The parcel falls to where it was when the step began, since the bases' own reckoning belongs to that place. Both
+    /// stop.
     fn lose(&mut self) {
         let Some(Grip { parcel, .. }) = self.grip.take() else { return };
         self.unkept = true;
@@ -283,7 +284,8 @@ impl Pair {
         Which::ALL.into_iter().for_each(|which| self.halt(which));
     }
 
-    /// Stops what a robot does, and what the other does with it; both say so. A look or a controller is no motion and goes on.
+    /// Stops what a robot does, and what the other does with it; both report it. A look or a controller is no motion
+    /// and goes on.
     pub(super) fn halt(&mut self, which: Which) {
         let Some(task) = self.task(which) else { return };
         if !task.work.is_motion() {
@@ -291,7 +293,7 @@ impl Pair {
         }
         let together = task.run.is_some_and(|run| run.together);
         self.unkept = true;
-        // Nobody is to see an arm change when it stands already.
+        // No report may show an arm moving that has stopped already.
         self.tell_arms();
         self.halt_alone(which);
         if together {

@@ -1,5 +1,5 @@
-//! One of the two simulated robots by itself: where its base stands, what it is doing, what its arm is like. What the two do together
-//! stands in the other files of this folder.
+//! One of the two simulated robots by itself: where its base stands, what it is doing, the state of its arm. What the
+//! two do together stands in the other files of this folder.
 
 use std::f64::consts::FRAC_PI_2;
 use std::time::Duration;
@@ -27,7 +27,7 @@ pub(super) struct Robot {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Astray {
     Not,
-    /// This share of the way to a place beside the one where it stands.
+    /// This share of the way to a neighbouring place.
     Along(Place, f64),
     /// Radians clockwise.
     Turned(f64),
@@ -38,7 +38,7 @@ pub(super) struct Task {
     pub(super) order: OrderId,
     pub(super) deadline: Duration,
     pub(super) work: Work,
-    /// `None` while it waits for the other robot to have its part of the same work.
+    /// `None` while it waits for the other robot's part of the same work.
     pub(super) run: Option<Run>,
 }
 
@@ -52,7 +52,7 @@ pub(super) struct Run {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Work {
-    /// To a place beside, or to this share of the way where something stands in it.
+    /// To a neighbouring place, or to this share of the way where something stands in it.
     Step {
         to: Place,
         until: f64,
@@ -60,7 +60,6 @@ pub(super) enum Work {
     },
     /// Back to where it belongs.
     Back,
-    /// A quarter turn.
     Turn {
         clockwise: bool,
     },
@@ -68,7 +67,7 @@ pub(super) enum Work {
 }
 
 impl Run {
-    /// How much of it is done at `now`, 0–1.
+    /// The share of it that is done at `now`, 0–1.
     pub(super) fn done(self, now: Duration) -> f64 {
         let (passed, whole) = (now.saturating_sub(self.began), self.ends.saturating_sub(self.began));
         if passed >= whole { 1.0 } else { passed.as_secs_f64() / whole.as_secs_f64() }
@@ -95,7 +94,7 @@ impl Robot {
         self.astray != Astray::Not
     }
 
-    /// Where it is at `now`, if nothing comes between.
+    /// Where it is at `now`, if nothing interferes.
     pub(super) fn astray_at(&self, now: Duration) -> Astray {
         let Some(Task { work, run: Some(run), .. }) = &self.task else { return self.astray };
         let done = run.done(now);
@@ -107,7 +106,7 @@ impl Robot {
         }
     }
 
-    /// Whether a place is filled by it, or will be when it ends its step.
+    /// Whether it stands in a place, or will when its step ends.
     pub(super) fn is_in_or_enters(&self, place: Place, now: Duration) -> bool {
         let enters = matches!(&self.task, Some(Task { work: Work::Step { to, .. }, .. }) if *to == place);
         self.stands.place == place || enters || matches!(self.astray_at(now), Astray::Along(to, _) if to == place)
@@ -127,7 +126,7 @@ impl Robot {
         }
     }
 
-    /// Ends what it does without an answer, with its body where it is now.
+    /// Ends its work without an answer, with its body where it is now.
     pub(super) fn stop(&mut self, now: Duration) -> Option<OrderId> {
         self.astray = self.astray_at(now);
         self.task.take().map(|task| task.order)
@@ -143,7 +142,7 @@ impl Astray {
         }
     }
 
-    /// The same, or `Not` where nothing is left of it.
+    /// `Not` where nothing is left of the way.
     pub(super) fn settled(self) -> Astray {
         match self {
             Astray::Along(_, 0.0) | Astray::Turned(0.0) | Astray::Not => Astray::Not,

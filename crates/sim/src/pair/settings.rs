@@ -1,4 +1,4 @@
-//! What can be set of the simulated pair, and what is to go wrong with it. How fast simulated time runs is not here.
+//! The settings of the simulated pair, and its mishaps. How fast simulated time runs is not here.
 
 use std::time::Duration;
 
@@ -9,32 +9,31 @@ use hallsweep_core::place::Place;
 pub struct PairSettings {
     /// The seed of its noise and failures.
     pub seed: u64,
-    /// How long a step of one place takes a base without a load.
+    /// Duration of a base's step of one place without a load.
     pub step: Duration,
-    /// How long it takes with one: a parcel is carried at a walking pace.
+    /// Duration of a step with a load: a parcel is carried at a walking pace.
     pub loaded_step: Duration,
-    /// How long a turn of 90° takes.
+    /// Duration of a turn of 90°.
     pub turn: Duration,
-    /// How long a look for a parcel takes.
+    /// Duration of a look for a parcel.
     pub look: Duration,
-    /// How long a movement of the arm takes.
+    /// Duration of a movement of the arm.
     pub arm: Duration,
-    /// How likely a look recognises no parcel although there is one, 0–1.
+    /// Probability that a look does not recognise a parcel that is there, 0–1.
     pub unrecognised_rate: f64,
     /// Whether there is a way out at home.
     pub way_out: bool,
-    /// The place where what is let go is taken in for good: the target area, or the container.
+    /// The place where released parcels are taken in for good: the target area, or the container.
     pub container: Place,
-    /// What is to go wrong.
     pub mishaps: Mishaps,
 }
 
-/// What is to go wrong, each once. Parcels are counted from 1: the first is the one that is under way while none has arrived.
+/// What is to go wrong, each once. Parcels are counted from 1: the first is the current one while none has arrived.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Mishaps {
     /// Parcels that slip out of the grippers.
     pub slips: Vec<Slip>,
-    /// Parcels that are not recognised when they are looked for.
+    /// Parcels that a look does not recognise.
     pub unrecognised: Vec<u32>,
     /// Parcels round which a gripper does not close, however often it tries.
     pub jams: Vec<u32>,
@@ -43,17 +42,18 @@ pub struct Mishaps {
 /// When a parcel is to slip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Slip {
-    /// Which parcel, counted from 1.
+    /// The parcel, counted from 1.
     pub parcel: u32,
-    /// In the middle of the step after so many, or of the last step where the way is shorter; 0 is while it is lifted.
+    /// In the middle of the step after this many, or of the last step where the way is shorter; 0 is while it is
+    /// lifted.
     pub after_steps: u32,
 }
 
-/// No movement is quicker than this, so that speeds stay finite.
+/// Shortest movement, so that speeds stay finite.
 const QUICKEST: Duration = Duration::from_millis(1);
 
 impl PairSettings {
-    /// The usual pair, with what it lets go at this place taken in.
+    /// The usual pair, with its container at this place.
     #[must_use]
     pub fn new(seed: u64, container: Place) -> PairSettings {
         PairSettings {
@@ -70,7 +70,7 @@ impl PairSettings {
         }
     }
 
-    /// With every time where arithmetic holds.
+    /// Limits every time to what the arithmetic can handle.
     pub(super) fn sound(mut self) -> PairSettings {
         for time in [&mut self.step, &mut self.loaded_step, &mut self.turn, &mut self.look, &mut self.arm] {
             *time = (*time).max(QUICKEST);

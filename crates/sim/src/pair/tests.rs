@@ -1,4 +1,4 @@
-//! Tests of the pair: two robots take a parcel between them, carry it and put it down, and what may come between.
+//! Tests of the pair: two robots take a parcel between them, carry it and put it down, and what may interfere.
 
 use super::*;
 use hallsweep_core::arm::{ArmAction, Controllers, Gripper};
@@ -85,7 +85,7 @@ impl Run {
         self.both(Action::Arm(action))
     }
 
-    /// Takes hold of the parcel and starts these controllers.
+    /// Grips the parcel and starts these controllers.
     fn grip(&mut self, controllers: Controllers) {
         for action in [ArmAction::AlignEndEffector(at(3, 0)), ArmAction::CloseGripper] {
             assert_eq!(done(&self.arms(action)), 2, "{action:?}");

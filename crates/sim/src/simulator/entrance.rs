@@ -1,4 +1,4 @@
-//! The way out of the hall and back in: from home, through the entrance at the back of whoever stands there facing south.
+//! The way out of the hall and back in: from home, through the entrance behind a robot that stands there facing south.
 
 use super::{End, Sim};
 use hallsweep_core::effect::Order;
@@ -15,7 +15,7 @@ impl Sim {
         }
     }
 
-    /// Backwards through the entrance, which is at its back.
+    /// Backwards through the entrance, which is behind the robot.
     pub(super) fn begin_leaving(&mut self, order: Order) {
         if self.is_off_centre() {
             self.fail(order.id, "it stands between two places: recentre first");

@@ -1,20 +1,21 @@
-//! What somebody lets go wrong with the simulated robot, until it is taken back. A way that is blocked is no fault of the robot: its hall is
-//! another then.
+//! Faults of the simulated robot that somebody switches on and off. A blocked way is no fault of the robot: its hall
+//! changes then.
 
 use super::{End, Sim, Task, Work};
 use hallsweep_core::units::{Cell, Now};
 
-/// What has failed.
+/// The faults that are switched on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Faults {
-    /// Its thermometer is gone, and no reading comes.
+    /// Its thermometer is missing, and no reading comes.
     pub no_thermometer: bool,
     /// No photo succeeds.
     pub camera_fails: bool,
 }
 
 impl Sim {
-    /// From now on this has failed, and nothing else. That it has a thermometer, or none, it says by telling anew what it can do.
+    /// Switches on exactly these faults. The robot reports its capabilities again, since a missing thermometer changes
+    /// them.
     pub fn handle_faults(&mut self, faults: Faults, now: Now) {
         self.handle_timeout(now);
         let is_news = self.faults.no_thermometer != faults.no_thermometer;
@@ -34,7 +35,7 @@ impl Sim {
         self.events.clear();
     }
 
-    /// Its link stands again: it says where it is.
+    /// Its link is back: it reports where it is.
     pub fn handle_link_back(&mut self, now: Now) {
         self.handle_timeout(now);
         self.events.clear();

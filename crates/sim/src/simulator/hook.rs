@@ -1,5 +1,5 @@
-//! The hook of a simulated robot that fetches by itself: it takes the piece ahead onto its back, whole, however many cells it stands on,
-//! and lets go of it at home, into the container. What was taken stands in the hall no more.
+//! The hook of a simulated robot that fetches by itself: it takes the piece ahead onto its back, whole, however many
+//! cells it stands on, and releases it at home, into the container. Taken pieces no longer stand in the hall.
 
 use super::super::hall::Truth;
 use super::super::memory::Taken;
@@ -18,7 +18,7 @@ pub(super) enum Handling {
 }
 
 impl Sim {
-    /// The hook, as the robot says it is.
+    /// The hook as the robot reports it.
     #[must_use]
     pub fn hook(&self) -> ArmState {
         let holds = self.taken.carried.map(|piece| Parcel { piece, place: Place::Cell(self.pose.cell) });
@@ -26,7 +26,7 @@ impl Sim {
         ArmState { gripper, holds, lifted: holds.is_some(), ..ArmState::default() }
     }
 
-    /// The pieces that were let go into the container.
+    /// The pieces that were released into the container.
     pub fn taken_in(&self) -> impl Iterator<Item = Piece> {
         self.taken.in_container()
     }

@@ -1,4 +1,4 @@
-//! What a simulated robot says of itself: where it stands and what it can do.
+//! The first reports of a simulated robot: where it stands and what it can do.
 
 use std::time::Duration;
 
@@ -8,7 +8,7 @@ use hallsweep_core::event::{Capabilities, Parts, RobotEvent, Whereabouts};
 use hallsweep_core::robot::Part;
 
 impl Sim {
-    /// What it says of itself when its link comes up.
+    /// Reports this when the link comes up.
     pub(super) fn introduce(&mut self) {
         let off_centre = self.is_off_centre();
         let stands = match self.outside {
@@ -29,7 +29,6 @@ impl Sim {
         Capabilities { step, turn, photo, arm, nudges: false, parts }
     }
 
-    /// Says anew what it can do.
     pub fn tell_capabilities(&mut self) {
         self.events.push_back(RobotEvent::LinkUp(self.capabilities()));
     }

@@ -1,4 +1,5 @@
-//! Photos of the simulated robot: they take time, may be developed elsewhere, and may fail. How a picture is drawn stands in `camera`.
+//! Photos of the simulated robot: they take time, may be developed elsewhere, and may fail. How a picture is drawn
+//! stands in `camera`.
 
 use std::sync::Arc;
 
@@ -10,14 +11,14 @@ use hallsweep_core::units::{Now, OrderId};
 
 #[derive(Debug)]
 pub(super) enum Film {
-    /// To be developed here when its time has come.
+    /// It is developed here when its time has come.
     Here(Exposure),
     Away,
     Developed(Photo),
 }
 
 impl Sim {
-    /// Takes the photo under way for developing it elsewhere (drawing takes milliseconds). It must come back by
+    /// Takes the current photo for developing it elsewhere (drawing takes milliseconds). It must come back by
     /// `handle_photo`; until then the order stays open.
     pub fn take_exposure(&mut self) -> Option<(OrderId, Exposure)> {
         let Some(Task { order, work: Work::Photograph { film, .. }, .. }) = &mut self.task else { return None };
@@ -27,7 +28,7 @@ impl Sim {
         Some(taken)
     }
 
-    /// Brings back a photo that was developed elsewhere. One that nobody waits for any more is dropped.
+    /// Brings back a photo that was developed elsewhere. It is dropped if its order is no longer open.
     pub fn handle_photo(&mut self, order: OrderId, photo: Photo, now: Now) {
         match &mut self.task {
             Some(Task { order: open, work: Work::Photograph { film, .. }, .. }) if *open == order => {
@@ -38,7 +39,6 @@ impl Sim {
         self.pass_to(now.since_start);
     }
 
-    /// Whether a photo is being developed elsewhere.
     #[must_use]
     pub const fn is_developing(&self) -> bool {
         matches!(self.task, Some(Task { work: Work::Photograph { film: Film::Away, .. }, .. }))

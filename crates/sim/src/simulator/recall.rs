@@ -1,5 +1,5 @@
-//! How the simulated robot hands out what it must not forget, and goes on from it in the next run of the program.
-//! What that is stands in `memory`; who writes it down, in `state_file`.
+//! How the simulated robot hands out its memory, and goes on from it in the next run of the program. Its content stands
+//! in `memory`; it is stored by `state_file`.
 
 use std::sync::Arc;
 
@@ -7,15 +7,15 @@ use super::super::memory::{Astray, Underway};
 use super::{Hall, Sim, SimMemory, SimSettings, Work};
 
 impl Sim {
-    /// The robot of an earlier run, in the same hall, after the program has died: where it was, halted by itself within half a
-    /// second. A step that was cut short leaves it between two cells and the pose that of the last completed order, so that
-    /// recentring brings it back there. Its first reports are as those of a new one.
+    /// The robot of an earlier run, in the same hall, after the program has died: where it was, halted by itself within
+    /// half a second. After a step that was cut short it stands between two cells with the pose of the last completed
+    /// order, so that recentring brings it back there. Its first reports are those of a new one.
     #[must_use]
     pub fn remembering(hall: Arc<Hall>, settings: SimSettings, memory: SimMemory) -> Sim {
         Sim::placed(hall, settings, memory.at_rest(settings.seed))
     }
 
-    /// What the robot and its hall would keep if the program died now.
+    /// The state that the robot and its hall would retain if the program died now.
     #[must_use]
     pub fn memory(&self) -> SimMemory {
         let centre = self.centre();
@@ -37,8 +37,8 @@ impl Sim {
         }
     }
 
-    /// What there is to keep, once whenever something has changed: an order begun or ended, or the temperature told. Whoever
-    /// keeps it should do so before passing on the reports that follow.
+    /// The state to store, once whenever something has changed: an order began or ended, or the temperature was
+    /// reported. Store it before passing on the reports that follow.
     pub fn poll_memory(&mut self) -> Option<SimMemory> {
         std::mem::take(&mut self.unkept).then(|| self.memory())
     }

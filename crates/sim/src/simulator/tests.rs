@@ -1,5 +1,5 @@
-//! Tests of the simulated robot as a whole: what it answers, when, and where its body really is.
-//! The parts it is made of are tested beside themselves.
+//! Tests of the simulated robot as a whole: what it answers, when, and where its body really is. Its parts are tested
+//! beside themselves.
 
 use super::super::settings::Camera;
 use super::*;
@@ -11,7 +11,7 @@ mod recall;
 
 const OPEN: [&str; 5] = [".....", ".....", "..S..", ".....", "....."];
 
-/// A simulator with the time that has passed and the orders it was given.
+/// A simulator with the time that has passed and its orders.
 struct Run {
     sim: Sim,
     now: Duration,
@@ -56,7 +56,7 @@ impl Run {
         std::iter::from_fn(|| self.sim.poll_event()).collect()
     }
 
-    /// Gives an order, lets it end, and returns what was reported meanwhile.
+    /// Gives an order, lets it end, and returns the reports meanwhile.
     fn perform(&mut self, action: Action) -> Vec<RobotEvent> {
         self.order(action);
         while self.sim.is_busy() {
@@ -75,7 +75,7 @@ impl Run {
         self.sim.pose_at(self.now())
     }
 
-    /// The body is on free floor.
+    /// Checks that the body is on free floor.
     fn check_floor(&self, seed: u64) {
         let body = self.body();
         let cell = Cell::new((body.x_m / 0.5).round() as i32, (body.y_m / 0.5).round() as i32);

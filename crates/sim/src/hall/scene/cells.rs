@@ -1,10 +1,11 @@
-//! Makes a hall of a scene: cells as large as the player, counted from where it stands, as it would find them by driving from cell to
-//! cell. Columns and rows stay as the page shows them, north up.
+//! Makes a hall of a scene: cells as large as the player, counted from where it stands, as it would find them by
+//! driving from cell to cell. Columns and rows stay as the page shows them, north up.
 //!
 //! ```text
 //!   ·───►·───►│#     a cell is free where a step into it ends, else it is what stopped the first one: a wall, or a piece of luggage
 //! ```
-//! No thing is so thin that it stands between two free cells: on each side it keeps half a player away, and a cell is no larger.
+//! No thing is so thin that it stands between two free cells: on each side it keeps half a player away, and a cell is
+//! no larger.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -16,10 +17,10 @@ use crate::hall::{Hall, Plan, Truth};
 use hallsweep_core::units::{Cell, Piece};
 use hallsweep_core::world::hall_map::Bounds;
 
-/// What the page calls the edge of the floor.
+/// The page's name for the edge of the floor.
 const BORDER: &str = "floor-border";
 
-/// A hall of a scene, and what it does not say of it.
+/// A hall made of a scene, and what it does not say of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HallOfScene {
     /// With the player's place as its home.
@@ -28,16 +29,16 @@ pub struct HallOfScene {
     pub lost: Vec<String>,
 }
 
-/// What the player finds when it tries every step from every cell that it comes to.
+/// What the player finds when it tries every step from every cell that it reaches.
 #[derive(Default)]
 struct Found<'a> {
     free: BTreeSet<Cell>,
-    /// What stopped the first step into a cell.
+    /// The thing that stopped the first step into a cell.
     taken: BTreeMap<Cell, &'a str>,
 }
 
 impl Scene {
-    /// The hall of this name that the player would find.
+    /// The hall that the player would find, under this name.
     ///
     /// # Errors
     /// The player stands in something, and finds nothing.
@@ -74,7 +75,7 @@ impl Scene {
         Ok(found)
     }
 
-    /// What keeps the player's middle from being here.
+    /// The thing that prevents the player's middle from being here.
     fn what_is_at(&self, x: f64, z: f64) -> Option<&str> {
         let is_beyond = x.abs() > self.floor.x / 2.0 || z.abs() > self.floor.z / 2.0;
         let within = |thing: &&StaticObstacle| {
@@ -84,7 +85,7 @@ impl Scene {
         self.statics.iter().find(within).map(|thing| thing.name.as_str()).or(is_beyond.then_some(BORDER))
     }
 
-    /// What stops the player on its way from the middle of one cell to that of one beside it: what it meets first.
+    /// The thing that the player meets first on its way from the middle of one cell to that of one beside it.
     fn contact(&self, from: Cell, to: Cell) -> Option<&str> {
         let turned = from.x == to.x;
         let axes = |[x, z]: [(f64, f64); 2]| if turned { [z, x] } else { [x, z] };

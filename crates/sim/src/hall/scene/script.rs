@@ -1,8 +1,9 @@
-//! Finds the object literal in a JavaScript module, and bounds how deep it nests. What stands in the literal is not looked at here.
+//! Finds the object literal in a JavaScript module, and bounds how deep it nests. The contents of the literal are not
+//! read here.
 
 use crate::hall::error::HallFault;
 
-/// Real scenes nest five deep. Whoever reads the literal goes down once for each.
+/// Real scenes nest five deep. The reader of the literal recurses once for each level.
 const MAX_DEPTH: usize = 16;
 
 /// The literal from its first brace to its last, and the line in which it begins.
@@ -12,7 +13,7 @@ pub(super) struct Literal<'a> {
     pub(super) line: usize,
 }
 
-/// The first object literal that is given a name or is the module's default; or the line of a fault.
+/// The first object literal that is assigned to a name or is the module's default; or the line of a fault.
 pub(super) fn literal(text: &str) -> Result<Literal<'_>, (usize, HallFault)> {
     let begin = begin(text).ok_or((1, HallFault::NoLiteral))?;
     let line_of = |place: usize| json5::Position::from_offset(place, text).line + 1;
@@ -33,8 +34,8 @@ pub(super) fn literal(text: &str) -> Result<Literal<'_>, (usize, HallFault)> {
     Err((line_of(begin), HallFault::UnclosedLiteral))
 }
 
-/// Where the literal begins: at a brace behind `=` or `default`, or at the first one of a file that has nothing else before it. Other
-/// braces, as of an import, are passed over.
+/// Where the literal begins: at a brace behind `=` or `default`, or at the first one of a file that has nothing else
+/// before it. Other braces, such as those of an import, are skipped.
 fn begin(text: &str) -> Option<usize> {
     let mut last = None;
     for (place, byte) in Code::of(text).filter(|(_, byte)| !byte.is_ascii_whitespace()) {
@@ -79,7 +80,7 @@ impl Iterator for Code<'_> {
     }
 }
 
-/// With both quotes; one that is not closed takes all that follows.
+/// With both quotes; a string that is not closed takes everything that follows.
 fn string_length(rest: &[u8], quote: u8) -> usize {
     let mut place = 1;
     while let Some(byte) = rest.get(place) {

@@ -1,5 +1,5 @@
-//! Tests of a simulated robot that goes on after its program has died: at any moment, any number of times.
-//! How its memory is written is tested beside `state_file`.
+//! Tests of a simulated robot that goes on after its program has died: at any moment, any number of times. How its
+//! memory is stored is tested beside `state_file`.
 
 use super::*;
 
@@ -10,7 +10,7 @@ fn settings(seed: u64) -> SimSettings {
 }
 
 impl Run {
-    /// The same robot in the next run of the program, which knows only this memory, and what it says first.
+    /// The same robot in the next run of the program, which has only this memory, and its first report.
     fn after_death(&self, memory: SimMemory) -> (Run, Whereabouts) {
         let sim = Sim::remembering(Arc::clone(&self.sim.hall), self.sim.settings, memory);
         let mut run = Run { sim, now: Duration::ZERO, orders: 0 };
@@ -20,7 +20,8 @@ impl Run {
         }
     }
 
-    /// Begins an action, lets some of its time pass, perhaps halts, and dies. What was last kept is all that is known then.
+    /// Begins an action, lets some of its time pass, perhaps halts, and dies. Only the last stored memory is known
+    /// then.
     fn die_during(&mut self, action: Action, choices: &mut RandomStream) -> Run {
         self.order(action);
         let mut kept = self.sim.poll_memory();
