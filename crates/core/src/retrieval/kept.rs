@@ -6,7 +6,6 @@ use crate::state::TeamState;
 use behaviour_trees::state::StateError;
 
 impl Team {
-    /// How it stands now.
     #[must_use]
     pub fn state(&self) -> TeamState {
         let held = |entry: &behaviour_trees::blackboard::Entry| Some((entry.name().to_owned(), entry.value()?.clone()));
@@ -24,15 +23,15 @@ impl Team {
         }
     }
 
-    /// Goes on from a state, as if there had been no restart.
+    /// Resumes a state, as if there had been no restart.
     ///
     /// # Errors
-    /// If it is that of other trees; then this team has still to begin.
+    /// If it is the state of other trees; then this team has still to begin.
     pub fn resume(state: TeamState) -> Result<Team, StateError> {
         Team::new().resumed(state)
     }
 
-    /// The same with the trees of this team, which are not read again.
+    /// Resumes a state with the trees of this team, which are not read again.
     ///
     /// # Errors
     /// If it is the state of other trees.

@@ -1,5 +1,5 @@
-//! The pair that fetches a piece: its trees with their leaves, and the ways that its robots find.
-//! Who may move when, and what is on record of it, is the engine's business.
+//! The pair that fetches a piece: its trees with their leaves, and the ways of its robots. The engine decides who may
+//! move when, and what goes on record.
 
 mod kept;
 mod leaves;

@@ -1,4 +1,4 @@
-//! How a base turns and drives from one place to the next. Which places, `way` says.
+//! How a base turns and drives from one place to the next. The places come from `way`.
 
 use super::view::BasePose;
 use crate::command::Move;
@@ -6,16 +6,17 @@ use crate::effect::Action;
 use crate::place::Place;
 use crate::units::{Cell, Heading};
 
-/// Whether a base may back into the next cell. Only forwards does a robot see what it meets.
+/// Whether a base may back into the next cell. A robot sees what it meets only when it drives forwards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gear {
     /// It turns until it faces the way it goes.
     Forwards,
-    /// Backwards will do, where it is known to be free.
+    /// Backwards is allowed too, into a cell that is known to be free.
     Either,
 }
 
-/// What a base does next to come to a place beside the one where it stands; `None` when it is there, or the place is not beside it.
+/// The next action of a base on its way to a neighbouring place; `None` when it is there, or the place is not beside
+/// it.
 #[must_use]
 pub fn steer(stands: BasePose, to: Place, gear: Gear) -> Option<Action> {
     if !stands.place.is_beside(to) {

@@ -1,5 +1,6 @@
-//! The team: the trees of SRM1, SRM2 and the Supervisor on one blackboard, ticked in this order, and what becomes of a run when one of
-//! them ends. It moves nothing and calls nobody: whoever ticks it lets its proposals through a gate and its sayings ring.
+//! The team: the trees of SRM1, SRM2 and the Supervisor on one blackboard, ticked in this order, and what follows when
+//! one of them ends. It moves nothing and calls nobody: whoever ticks it passes its proposals through a gate and
+//! announces its sayings.
 //!
 //! ```text
 //!   view ─► SRM1 ─► SRM2 ─► Supervisor ─► proposals, sayings
@@ -23,52 +24,51 @@ use behaviour_trees::{Blackboard, Status, Tree, TreeError, xml};
 /// How often a team is ticked.
 pub const TICK: Duration = Duration::from_millis(100);
 
-/// After so many losses of one parcel something is wrong with the grippers, or with the parcel.
+/// Losses of one parcel after which something is wrong with the grippers, or with the parcel.
 pub const MOST_LOSSES: u32 = 10;
 
-/// The trees as they come with the program: their names, and the files.
+/// The trees that come with the program: their names, and the files.
 pub const FILES: [(&str, &str); 3] = [
     ("scenario1-SRM1", include_str!("../../../../config/behaviours/scenario1-SRM1.xml")),
     ("scenario1-SRM2", include_str!("../../../../config/behaviours/scenario1-SRM2.xml")),
     ("scenario1-Supervisor", include_str!("../../../../config/behaviours/scenario1-Supervisor.xml")),
 ];
 
-/// The entry that says where the parcel is. While it is carried it is kept up to date, so that a parcel is found again that falls as the
-/// program ends.
+/// The entry with the parcel's place. It is updated while the parcel is carried, so that a parcel that falls as the
+/// program ends is found again.
 const PARCEL: &str = "parcel";
 
-/// The place of the Supervisor's tree among the three.
+/// The index of the Supervisor's tree among the three.
 const SUPERVISOR: usize = 2;
 
-/// What one tick of the three trees came to.
+/// The result of one tick of the three trees.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TickOutcome {
-    /// What the robots are to do: at most one thing each.
+    /// At most one action for each robot.
     pub proposals: Vec<Proposal>,
     /// What is said to the operator now.
     pub sayings: Vec<Saying>,
 }
 
-/// The three trees at work.
 #[derive(Clone, Debug)]
 pub struct Team {
     pub(super) trees: [Tree; 3],
     pub(super) blackboard: Blackboard,
     pub(super) routes: Routes,
-    /// What each tree said last.
+    /// The last status of each tree.
     pub(super) said: [Status; 3],
     pub(super) stage: TeamStage,
     pub(super) losses: u32,
-    /// The loss was told already in this run of the Supervisor, by its tree.
+    /// Whether the tree of the Supervisor has reported the loss in this run.
     pub(super) has_called: bool,
-    /// Put down where it was to go, and still in the grippers.
+    /// A parcel that stands at its destination, still in the grippers.
     pub(super) dropped: Option<Parcel>,
     pub(super) delivered: Vec<Piece>,
-    /// Runs of the Supervisor that were begun.
+    /// Number of runs of the Supervisor that have begun.
     pub(super) runs: u32,
-    /// What was wrong with a tree that could not be performed.
+    /// The error of a tree that could not be performed.
     words: Option<String>,
-    /// How long the two have not agreed whether they hold something.
+    /// How long the two have disagreed whether they hold something.
     waited: Duration,
 }
 
@@ -83,7 +83,7 @@ impl Team {
     /// The trees of SRM1, SRM2 and the Supervisor in these files.
     ///
     /// # Errors
-    /// What is wrong with the first file that is no tree of these leaves.
+    /// The fault of the first file that is no tree of these leaves.
     pub fn of(files: [&str; 3]) -> Result<Team, TreeError> {
         let mut blackboard = Blackboard::new();
         let catalogue = catalogue();
@@ -105,14 +105,15 @@ impl Team {
         })
     }
 
-    /// A robot has answered what it was to look for.
+    /// Takes a robot's answer to a look for a parcel.
     pub fn handle_found(&mut self, found: Option<Parcel>, wanted: Option<Piece>) {
         let (entry, value) = seen(found.filter(|parcel| wanted.is_none_or(|wanted| wanted == parcel.piece)));
-        // The entry is one for texts, and the text is short.
+        // Cannot fail: the entry is one for texts, and the text is short.
         let _ = self.blackboard.set(entry, value);
     }
 
-    /// Ticks the three trees once, `since_last` after the last time. Nothing happens when the work is done, or cannot go on.
+    /// Ticks the three trees once, `since_last` after the last time. Nothing happens when the work is done, or cannot
+    /// go on.
     pub fn tick(&mut self, view: &View<'_>, since_last: Duration) -> TickOutcome {
         let mut outcome = TickOutcome::default();
         match self.stage {
@@ -122,7 +123,7 @@ impl Team {
         }
         let [one, two] = view.bases.map(|base| base.arm.holds);
         if let Some(parcel) = one.filter(|_| one == two) {
-            // Trees that have no such entry do without.
+            // Trees without such an entry do not need it.
             let _ = self.blackboard.set(PARCEL, written(parcel.place));
         }
         let mut output = Output::default();
@@ -136,7 +137,8 @@ impl Team {
         outcome
     }
 
-    /// The two report one after the other: no run begins while one of them still says that it holds what the other has lost.
+    /// The two report one after the other: no run begins while one of them still reports that it holds what the other
+    /// has lost.
     fn waits_to_begin(&mut self, view: &View<'_>, since_last: Duration) -> bool {
         let [one, two] = view.bases.map(|base| base.arm.holds.is_some());
         let waits = self.said[SUPERVISOR] != Status::Running && one != two;
@@ -167,7 +169,8 @@ impl Team {
             }
         };
         if performer.output.fault.is_some() && said == Status::Running {
-            // What runs beside the leaf that cannot be helped would only put off the end, and its reason would be forgotten by then.
+            // Leaves that run beside the failed one would only delay the end, and its reason would be forgotten by
+            // then.
             self.trees[index].halt(&mut self.blackboard, &mut performer);
             performer.output.sayings.clear();
             said = Status::Failure;
@@ -183,7 +186,7 @@ impl Team {
         self.follow(index, said, output.fault, view, outcome);
     }
 
-    /// What follows when a tree ends.
+    /// Handles the end of a tree.
     fn follow(&mut self, index: usize, said: Status, fault: Option<RetrievalFault>, view: &View<'_>, outcome: &mut TickOutcome) {
         match (said, fault) {
             (Status::Failure, Some(fault)) => self.stage = TeamStage::Faulted(fault),
@@ -193,7 +196,7 @@ impl Team {
         }
     }
 
-    /// The Supervisor has failed for no other reason: the parcel is not where it should be, in the grippers.
+    /// The Supervisor failed without a named fault: the parcel is not in the grippers, where it should be.
     fn lose(&mut self, outcome: &mut TickOutcome) {
         self.routes.forget();
         self.dropped = None;
@@ -206,7 +209,6 @@ impl Team {
         }
     }
 
-    /// How far the work has come.
     #[must_use]
     pub const fn stage(&self) -> &TeamStage {
         &self.stage
@@ -218,37 +220,36 @@ impl Team {
         &self.trees
     }
 
-    /// What each of them said last; IDLE before its first tick.
+    /// The last status of each tree; IDLE before its first tick.
     #[must_use]
     pub const fn said(&self) -> [Status; 3] {
         self.said
     }
 
-    /// What they share.
     #[must_use]
     pub const fn blackboard(&self) -> &Blackboard {
         &self.blackboard
     }
 
-    /// What was let go where it was to go, in order.
+    /// The pieces that were released at their destination, in order.
     #[must_use]
     pub fn delivered(&self) -> &[Piece] {
         &self.delivered
     }
 
-    /// How often the parcel under way was lost.
+    /// How often the current parcel was lost.
     #[must_use]
     pub const fn losses(&self) -> u32 {
         self.losses
     }
 
-    /// How many runs of the Supervisor have begun.
+    /// Number of runs of the Supervisor that have begun.
     #[must_use]
     pub const fn runs(&self) -> u32 {
         self.runs
     }
 
-    /// What is wrong with a tree that could not be performed.
+    /// The error of a tree that could not be performed.
     #[must_use]
     pub fn words(&self) -> Option<&str> {
         self.words.as_deref()
@@ -273,7 +274,7 @@ mod tests {
     use crate::units::{Cell, Heading, Revision};
     use crate::world::hall_map::HallMap;
 
-    /// What is looked at: the two at these places, and a piece in this cell.
+    /// A tick with the two robots at these places, and a piece in this cell.
     fn ticked(team: &mut Team, places: [Place; 2], piece: Option<Cell>, failures: u32) -> TickOutcome {
         ticked_holding(team, places, piece, failures, [None; 2])
     }

@@ -1,5 +1,6 @@
-//! What the leaves of the trees look at, and what they come to: proposals to the two robots, and calls to the operator. A proposal moves
-//! nothing: whoever ticks the trees lets it through a gate, or not, and it is made again at the next tick as long as it is wanted.
+//! What the leaves of the trees read, and what they return: proposals to the two robots, and calls to the operator. A
+//! proposal moves nothing: whoever ticks the trees passes it through a gate, or not, and it is repeated at each tick
+//! for as long as it is wanted.
 
 use std::collections::BTreeSet;
 
@@ -23,7 +24,6 @@ named! {
 }
 
 impl Which {
-    /// The other one.
     #[must_use]
     pub const fn other(self) -> Which {
         match self {
@@ -32,7 +32,6 @@ impl Which {
         }
     }
 
-    /// The name by which it is one of the robots.
     #[must_use]
     pub fn robot(self) -> RobotId {
         RobotId::new(match self {
@@ -42,7 +41,7 @@ impl Which {
         .expect("both are names of robots")
     }
 
-    /// Its place in what is kept for both.
+    /// Its index in arrays for both.
     #[must_use]
     pub const fn index(self) -> usize {
         match self {
@@ -55,9 +54,7 @@ impl Which {
 /// Where a base stands and which way it faces, in the hall or before its entrance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BasePose {
-    /// The place that it fills.
     pub place: Place,
-    /// The way it faces.
     pub heading: Heading,
 }
 
@@ -66,29 +63,29 @@ pub struct BasePose {
 pub struct BaseView {
     /// Where its last completed order left it.
     pub stands: BasePose,
-    /// Whether it stands away from there, to be recentred first.
+    /// Whether it stands away from there, and has to be recentred first.
     pub off_centre: bool,
     /// The order that it has not answered.
     pub open: Option<Action>,
-    /// Orders in a row, of whatever kind, that it answered by `Failed` or not at all; any other answer begins the count anew.
+    /// Consecutive orders, of whatever kind, that it answered by `Failed` or not at all; any other answer resets the
+    /// count.
     pub failures: u32,
-    /// Its arm.
     pub arm: ArmState,
 }
 
 /// What the leaves know.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
-    /// What is known of the floor.
     pub map: &'a HallMap,
     /// Whether there is a way out at home.
     pub way_out: bool,
-    /// Places that somebody else than the two stands in.
+    /// Places in which other robots stand.
     pub others: &'a [Place],
-    /// The cells of the piece that is to be fetched next, as far as is known; none when nothing is left to be fetched. While it is
+    /// The known cells of the piece that is to be fetched next; none when nothing is left to fetch. While the piece is
     /// held, the cells that it has left free.
     pub piece: &'a BTreeSet<Cell>,
-    /// That very piece, where no other will do: what is recognised or held as another counts as not recognised and not held.
+    /// The piece that is to be fetched, where no other counts: anything recognised or held as another is treated as not
+    /// recognised and not held.
     pub wanted: Option<Piece>,
     /// Where the parcel is to be put: the target area, or the container.
     pub target: Place,
@@ -99,7 +96,6 @@ pub struct View<'a> {
 }
 
 impl View<'_> {
-    /// One of the two robots.
     #[must_use]
     pub const fn base(&self, which: Which) -> &BaseView {
         &self.bases[which.index()]
@@ -109,14 +105,12 @@ impl View<'_> {
 /// What a leaf wants a robot to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Proposal {
-    /// Which robot.
     pub which: Which,
-    /// What: a basic move, a step of the way out, or something of the arm.
+    /// A basic move, a step of the way out, or an action of the arm.
     pub action: Action,
 }
 
 impl Proposal {
-    /// Something for the arm.
     #[must_use]
     pub const fn arm(which: Which, action: ArmAction) -> Proposal {
         Proposal { which, action: Action::Arm(action) }

@@ -1,5 +1,5 @@
-//! Ways for the pair: of one base alone, of both with a parcel between them, and the places from which they lift it. What is done
-//! when there is no way is decided elsewhere, and so is how a base turns.
+//! Ways for the pair: of one base alone, of both with a parcel between them, and the places from which they lift it.
+//! What happens when there is no way is decided elsewhere, and how a base turns stands in `steer`.
 //!
 //! ```text
 //!   a train is led by one of its bases; the others follow, each to where the one before it was:
@@ -8,8 +8,9 @@
 //!   . 1 P 2 .   ─ 1 leads north ►  . P 2 . .
 //! ```
 //!
-//! All searches begin where the way ends, so that one answers for every place to set out from. What is not known is taken to be free,
-//! as discovery does, but a way through known cells is taken before one that is a little shorter; whoever meets an obstacle asks again.
+//! All searches begin where the way ends, so that one answers for every start. Unknown cells are taken to be free, as
+//! discovery does, but a way through known cells is preferred to one that is a little shorter; a robot that meets an
+//! obstacle asks again.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
@@ -18,23 +19,22 @@ use crate::place::Place;
 use crate::units::Cell;
 use crate::world::hall_map::{Bounds, HallMap, Mark};
 
-/// What a step into a cell in which no robot has been costs, in steps into others: a parcel that may explode is carried round those, unless
-/// that is a long way.
+/// The cost of a step into a cell in which no robot has been, in steps into others: a parcel that may explode is
+/// carried round such cells, unless that is a long way.
 const UNKNOWN: u32 = 5;
 
-/// How far beyond the known ways may lead: round any corner of what is known there is room for a train to turn.
+/// How far beyond the known cells ways may lead: round any corner of the known area there is room for a train to turn.
 const MARGIN: i32 = 4;
 
 /// The floor as the pair sees it.
 #[derive(Clone, Copy, Debug)]
 pub struct Floor<'a> {
-    /// What is known of the hall.
     pub map: &'a HallMap,
     /// Whether there is a way out at home.
     pub way_out: bool,
     /// Cells that are free once the piece is lifted: its own.
     pub freed: &'a BTreeSet<Cell>,
-    /// Places that somebody else stands in.
+    /// Places in which others stand.
     pub taken: &'a [Place],
 }
 
@@ -48,7 +48,7 @@ pub struct Train {
 }
 
 impl Train {
-    /// After a step of one base into a place, the others following.
+    /// The train after a step of one base into a place, with the others following.
     fn step(self, leader: usize, to: Place) -> Train {
         let mut bases = [self.parcel; 2];
         bases[leader] = to;
@@ -73,7 +73,8 @@ pub struct Stands {
 }
 
 impl Floor<'_> {
-    /// The places that a base passes from `from` to `to`, the first left out and the last included; `None` when there is no way.
+    /// The places that a base passes from `from` to `to`, without the first and with the last; `None` when there is no
+    /// way.
     #[must_use]
     pub fn approach(&self, from: Place, to: Place) -> Option<Vec<Place>> {
         if from == to {
@@ -87,13 +88,14 @@ impl Floor<'_> {
         self.costs_of_a_base(area, to, |place| place == from).way(area, from, |place| place == to, next)
     }
 
-    /// From where to lift a piece of these cells, so that SRM1 from its place, and then SRM2 from its own, can come there, and both can
-    /// carry it to `drop`; the least way of all. `None` when the piece cannot be fetched, as far as is known.
+    /// From where to lift a piece of these cells, so that SRM1 and then SRM2 can get there from their places, and both
+    /// can carry it to `drop`, with the shortest way in all. `None` when the piece cannot be fetched, as far as is
+    /// known.
     #[must_use]
     pub fn stands(&self, bases: [Place; 2], piece: &BTreeSet<Cell>, drop: Place) -> Option<Stands> {
         let area = self.area(bases.into_iter().chain([drop]).chain(piece.iter().copied().map(Place::Cell)));
         let carrying = self.costs_of_a_train(area, drop, |_| false);
-        // What the piece stands on is free for the train alone.
+        // The piece's own cells are free only for the train.
         let standing = Floor { freed: &BTreeSet::new(), ..*self };
         let taken = self.taken_too(bases[1]);
         let first = Floor { taken: &taken, ..standing }.costs_of_a_base(area, bases[0], |_| false);
@@ -117,7 +119,7 @@ impl Floor<'_> {
         best.map(|(_, stands)| stands)
     }
 
-    /// The trains from this one to one whose parcel is at `drop`, the first left out; `None` when there is no way.
+    /// The trains from this one to one whose parcel is at `drop`, without the first; `None` when there is no way.
     #[must_use]
     pub fn carry(&self, train: Train, drop: Place) -> Option<Vec<Train>> {
         let area = self.area(train.bases.into_iter().chain([train.parcel, drop]));
@@ -133,13 +135,13 @@ impl Floor<'_> {
         self.taken.iter().copied().chain(in_hall).collect()
     }
 
-    /// Everything known and all that is asked about, with a margin.
+    /// Everything known and all places of the question, with a margin.
     fn area(&self, places: impl IntoIterator<Item = Place>) -> Bounds {
         let cells = places.into_iter().filter_map(Place::cell);
         cells.fold(self.map.known_bounds().including(Cell::HOME), Bounds::including).grown(MARGIN)
     }
 
-    /// What it costs to enter a place; `None` where nobody can.
+    /// The cost of entering a place; `None` where nobody can.
     fn cost(&self, place: Place) -> Option<u32> {
         let Place::Cell(cell) = place else { return self.way_out.then_some(1) };
         if self.taken.contains(&place) {
@@ -158,7 +160,8 @@ impl Floor<'_> {
         place.neighbours(self.way_out).filter(inside).filter(|next| self.cost(*next).is_some())
     }
 
-    /// The trains one step on, whichever base leads. None goes into itself, not even where its last place becomes free just then.
+    /// The trains one step on, whichever base leads. None enters one of its own places, not even where its last one
+    /// becomes free just then.
     fn next_trains(&self, area: Bounds, train: Train) -> impl Iterator<Item = Train> {
         let clear = move |to: &Place| *to != train.parcel && !train.bases.contains(to);
         [0, 1].into_iter().flat_map(move |leader| {
@@ -194,9 +197,9 @@ fn trains(piece: &BTreeSet<Cell>) -> impl Iterator<Item = Train> {
     })
 }
 
-/// What the searches look for, and the number by which an area knows it.
+/// A node of the searches, with its index in an area.
 trait Node: Copy {
-    /// How many there are for each place.
+    /// Number of nodes for each place.
     const SHARE: usize;
     fn number(self, area: Bounds) -> usize;
     fn of_number(number: usize, area: Bounds) -> Self;
@@ -251,7 +254,7 @@ impl Node for Train {
     }
 }
 
-/// On which side of a place another beside it is.
+/// On which side of a place its neighbour is.
 fn side(of: Place, other: Place) -> usize {
     match (of, other) {
         (Place::Cell(of), Place::Cell(other)) => of.neighbours().iter().position(|cell| *cell == other).unwrap_or(0),
@@ -270,13 +273,14 @@ fn at_side(of: Place, side: usize) -> Place {
     }
 }
 
-/// What it costs at least from every place, or every train, of an area to where a search began.
+/// The least cost from every place, or every train, of an area to where a search began.
 struct Costs(Vec<u32>);
 
 impl Costs {
     const NONE: u32 = u32::MAX;
 
-    /// Searches until it has come to what is enough, from where everything on the way back is known; `next` adds the steps from a node.
+    /// Searches until a node is enough, from which everything on the way back is known; `next` adds the steps from a
+    /// node.
     fn search<N: Node>(
         area: Bounds,
         begin: impl IntoIterator<Item = N>,
@@ -315,7 +319,7 @@ impl Costs {
         self.0.get(node.number(area)).copied().filter(|cost| *cost != Costs::NONE)
     }
 
-    /// From `from` to an end of the search, always to what costs least with the step there.
+    /// From `from` to an end of the search, always to the node with the least cost including the step there.
     fn way<N: Node>(
         &self,
         area: Bounds,

@@ -1,4 +1,4 @@
-//! The ways of the pair, in drawings and against a search that shares nothing with theirs.
+//! The ways of the pair, in drawings and against an independent search.
 
 use std::collections::{BTreeSet, VecDeque};
 
@@ -6,7 +6,8 @@ use super::*;
 use crate::rng::RandomStream;
 use crate::units::Revision;
 
-/// A hall from a drawing: `.` visited, `?` unknown, `#` wall, `b` the piece, `o` another piece; the first cell is (0, 0), home.
+/// A hall from a drawing: `.` visited, `?` unknown, `#` wall, `b` the piece, `o` another piece; the first cell is (0,
+/// 0), home.
 struct Drawn {
     map: HallMap,
     piece: BTreeSet<Cell>,
@@ -31,7 +32,7 @@ fn draw(rows: &[&str]) -> Drawn {
     drawn
 }
 
-/// The same with a wall all round it.
+/// A hall with a wall all round it.
 fn walled(rows: &[&str]) -> Drawn {
     let mut drawn = draw(rows);
     let (width, height) = (rows[0].len() as i32, rows.len() as i32);
@@ -139,8 +140,9 @@ fn without_a_way_out_a_parcel_is_carried_from_cell_to_cell() {
     assert_eq!(floor.stands([at(0, 0), at(0, 2)], &drawn.piece, Place::ENTRANCE), None);
 }
 
-/// Whether the piece can be fetched at all: every standing pair that two bases can come to, one after the other, and from each every
-/// train that it can become, until one has its parcel outside. Written without any of the above: on drawings, with letters.
+/// Whether the piece can be fetched at all: every standing pair that two bases can reach, one after the other, and from
+/// each every train that it can become, until one has its parcel outside. It uses nothing of the code above: it works
+/// on drawings, with letters.
 fn can_be_fetched(rows: &[Vec<char>]) -> bool {
     type Spot = (i32, i32);
     const HOME: Spot = (0, 0);

@@ -1,14 +1,14 @@
-//! The default, for whoever does not want to choose: whichever strategy does best in a hall like this one, as far as it is known.
-//! To find luggage soon it begins along the walls, and goes on along them where that is where luggage stands; otherwise the tuned score
-//! does best, whose weights follow the hall too.
+//! The default strategy: it uses whichever strategy does best in a hall like this one, as far as the hall is known. To
+//! find luggage soon it begins along the walls, and continues there if that is where luggage stands; otherwise the
+//! tuned score does best, whose weights follow the hall too.
 
 use super::entries::Visit;
 use super::view::{Objective, View};
 use super::ways::Ways;
 use super::{scored, spiral};
 
-/// So many cells along walls are looked at before it is judged where luggage stands. More would find it sooner in halls that are lined with
-/// it, and later in all others.
+/// Number of cells along walls that are looked at before it is decided where luggage stands. A larger number would find
+/// luggage sooner in halls that are lined with it, and later in all others.
 const LOOKED_AT: u32 = 50;
 
 pub(super) fn next(view: &View<'_>, ways: &mut Ways) -> Option<Visit> {

@@ -1,6 +1,8 @@
-//! Where luggage stands, as far as it is known: along walls, or inside the hall. What a search may expect of what is left follows from it.
+//! Counts where luggage stands, as far as it is known: along walls, or inside the hall. The expectations of a search
+//! about the rest of the hall follow from it.
 
-/// Cells that were visited and cells of luggage, along walls (one of the eight cells round it is known to be wall) and inside.
+/// Cells that were visited and cells of luggage, along walls (one of the eight cells round it is known to be wall) and
+/// inside.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Census {
     pub(super) visited_along: u32,
@@ -9,28 +11,27 @@ pub struct Census {
     pub(super) luggage_inside: u32,
 }
 
-/// What a hall is like to search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Terrain {
-    /// Hardly anything is in the way inside.
+    /// Hardly any luggage inside.
     Open,
-    /// Luggage here and there, or too little is known.
+    /// Some luggage, or too little is known.
     Usual,
-    /// Luggage is in the way everywhere.
+    /// Luggage everywhere.
     Dense,
 }
 
-/// Before anything is known a tenth of the cells is taken for luggage, as if so many had been looked at.
+/// Cells added to every count, a tenth of them luggage: the assumption before anything is known.
 const IMAGINED: Share = Share { luggage: 1, cells: 10 };
 
-/// With less luggage than this inside, in hundredths, a hall is open; with more than that, all counted, it is dense.
+/// In percent: a hall with less luggage than `OPEN` inside is open, and one with more than `DENSE` in all is dense.
 const OPEN: u64 = 7;
 const DENSE: u64 = 15;
 
-/// Less luggage along the walls than this says nothing.
+/// Fewer pieces along the walls than this say nothing.
 const FEW: u32 = 4;
 
-/// So much of it, of so many cells.
+/// Number of cells, and how many of them hold luggage.
 #[derive(Clone, Copy)]
 struct Share {
     luggage: u32,
@@ -38,12 +39,12 @@ struct Share {
 }
 
 impl Share {
-    /// With what is imagined of cells that nobody has looked at.
+    /// With the imagined cells added.
     const fn guessed(self) -> Share {
         Share { luggage: self.luggage + IMAGINED.luggage, cells: self.cells + IMAGINED.cells }
     }
 
-    /// In so many hundredths of the cells, rounded down.
+    /// Luggage in percent of the cells, rounded down.
     const fn hundredths(self) -> u64 {
         self.luggage as u64 * 100 / self.cells as u64
     }
@@ -68,18 +69,17 @@ impl Census {
         }
     }
 
-    /// How many cells were visited or hold luggage.
+    /// Number of cells that were visited or hold luggage.
     #[must_use]
     pub const fn looked_at(self) -> u32 {
         self.along() + self.inside().cells
     }
 
-    /// How many cells are known along walls.
+    /// Number of known cells along walls.
     pub(super) const fn along(self) -> u32 {
         self.visited_along + self.luggage_along
     }
 
-    /// What the hall is like, by what is known of it.
     #[must_use]
     pub fn terrain(self) -> Terrain {
         let inside = self.inside();

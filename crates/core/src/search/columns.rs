@@ -1,15 +1,15 @@
-//! To and fro, column after column (boustrophedon): along a column as far as it goes, then into the one beside it. What was left behind
-//! an obstacle is fetched when nothing is nearer.
+//! To and fro, column after column (boustrophedon): along a column as far as it goes, then into the one beside it.
+//! Cells left behind an obstacle are visited when nothing is nearer.
 
 use super::entries::{Entry, Visit, best_entry};
 use super::view::View;
 use super::ways::Ways;
 use crate::units::Heading;
 
-/// What it counts against a cell, in thousandths of a step, that it is entered from the side,
+/// Penalty for entering a cell from the side, in thousandths of a step.
 const ASIDE: i32 = 2000;
 
-/// and for each column that it lies away from where the robot stands.
+/// Penalty for each column between a cell and the robot, in thousandths of a step.
 const COLUMN: i32 = 1000;
 
 pub(super) fn next(view: &View<'_>, ways: &mut Ways) -> Option<Visit> {

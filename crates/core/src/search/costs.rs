@@ -1,9 +1,9 @@
-//! What moves cost: steps, turns and bumps weighed against each other.
+//! The costs of moves: steps, turns and bumps weighed against each other.
 
 use std::fmt;
 use std::time::Duration;
 
-/// What a move of each kind costs, in quarters of a step: small whole numbers, so that a search can sort by them.
+/// The cost of each kind of move, in quarters of a step: small whole numbers, so that a search can sort by them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Costs {
     /// A quarter turn.
@@ -12,22 +12,24 @@ pub struct Costs {
     pub bump: u32,
 }
 
-/// What one cell forward costs, in the same unit. The score looks at the cost of a way as it is, so in another unit it would be another score.
+/// The cost of one cell forward, in the same unit. The score uses the cost of a way as it is, so in another unit it
+/// would be another score.
 pub const STEP: u32 = 4;
 
-/// No turn counts for more than this: it bounds the memory of a search.
+/// Greatest cost of a turn: it bounds the memory of a search.
 const MOST: u32 = 100;
 
 impl Costs {
-    /// What moves cost a robot that takes so long for a step and for a quarter turn, to a quarter of a step. A bump is about a step.
+    /// The costs for a robot with these times for a step and a quarter turn, to a quarter of a step. A bump takes about
+    /// a step.
     #[must_use]
     pub fn of(step: Duration, turn: Duration) -> Costs {
         let steps = turn.as_secs_f64() / step.as_secs_f64().max(1e-3);
         Costs { turn: units(steps), bump: STEP }
     }
 
-    /// What moves cost that weigh so much against each other, to a quarter of a step; `None` where a step weighs nothing, or anything
-    /// more than 25 steps.
+    /// The costs with these weights, to a quarter of a step; `None` where a step weighs nothing, or anything more than
+    /// 25 steps.
     #[must_use]
     pub fn weighed(step: f64, turn: f64, bump: f64) -> Option<Costs> {
         let in_steps = [turn / step, bump / step];
@@ -36,7 +38,7 @@ impl Costs {
         are_sound.then(|| Costs { turn: units(in_steps[0]), bump: units(in_steps[1]) })
     }
 
-    /// What is written as `STEP,TURN,BUMP`, as `1,1.5,1`; `None` where it is not three numbers that can be weighed.
+    /// Parses `STEP,TURN,BUMP`, such as `1,1.5,1`; `None` where it is not three valid weights.
     #[must_use]
     pub fn read(written: &str) -> Option<Costs> {
         let numbers: Option<Vec<f64>> = written.split(',').map(|number| number.trim().parse().ok()).collect();
@@ -44,7 +46,7 @@ impl Costs {
         Costs::weighed(step, turn, bump)
     }
 
-    /// The same for each.
+    /// The same cost for each kind of move.
     pub const EVEN: Costs = Costs { turn: STEP, bump: STEP };
 }
 
@@ -53,13 +55,13 @@ pub(crate) fn in_thousandths(cost: u32) -> i32 {
     i32::try_from(u64::from(cost) * 1000 / u64::from(STEP)).unwrap_or(i32::MAX)
 }
 
-/// The dearest way that so many thousandths of a step pay for.
+/// The greatest cost of a way that this many thousandths of a step pay for.
 pub(crate) fn affordable(thousandths: i32) -> u32 {
     let thousandths = u64::try_from(thousandths).unwrap_or(0);
     u32::try_from(thousandths * u64::from(STEP) / 1000).unwrap_or(u32::MAX)
 }
 
-/// As it is read: `STEP,TURN,BUMP` in steps.
+/// The form that `read` accepts: `STEP,TURN,BUMP` in steps.
 impl fmt::Display for Costs {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let steps = |cost: u32| f64::from(cost) / f64::from(STEP);
@@ -67,7 +69,7 @@ impl fmt::Display for Costs {
     }
 }
 
-/// So many steps in units.
+/// Steps in units of a cost.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is clamped to small positive numbers")]
 fn units(steps: f64) -> u32 {
     (steps * f64::from(STEP)).round().clamp(0.0, f64::from(MOST)) as u32

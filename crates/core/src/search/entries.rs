@@ -1,5 +1,5 @@
-//! The entries of a grid: where something unknown can be entered from a visited cell, or a piece still to be inspected be met.
-//! Every strategy but the snail is a way to weigh them.
+//! The entries of a grid: places where an unknown cell can be entered from a visited one, or a piece still to be
+//! inspected be met. Every strategy but the snail is a way to weigh them.
 
 use super::costs::{affordable, in_thousandths};
 use super::far::turn;
@@ -18,15 +18,15 @@ pub(crate) struct Entry {
     pub(crate) target: Spot,
 }
 
-/// A cell to be entered, and the moves that do so, the last step into it among them.
+/// A cell to enter, and the moves that lead into it, the last step included.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Visit {
     pub(crate) cell: Cell,
     pub(crate) route: Vec<Move>,
 }
 
-/// The entry for which the way there, in thousandths of a step, and what it is worth come to the least. `worth` gives less for what
-/// is to be done sooner, and never less than `least`, which ends the search.
+/// The entry with the least sum of the way there, in thousandths of a step, and its worth. `worth` is lower for cells
+/// that should come sooner, and never below `least`, which ends the search.
 pub(crate) fn best_entry(view: &View<'_>, ways: &mut Ways, least: i32, mut worth: impl FnMut(&Entry) -> i32) -> Option<Visit> {
     let View { grid, pose, terms: Terms { costs, .. }, .. } = *view;
     if !grid.has_open() {

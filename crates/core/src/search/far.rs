@@ -1,27 +1,27 @@
-//! Ways that lead far: by steps alone, cell by cell, whatever turns they take. In a hall of a million cells it is found in a few
-//! milliseconds; among ways of equally many steps one that goes straight on is taken.
+//! Ways that lead far: counted in steps alone, cell by cell, without the cost of turns. In a hall of a million cells
+//! one is found in a few milliseconds; of ways with equally many steps, one that goes straight on is chosen.
 
 use super::grid::{Grid, Spot, onward};
 use crate::command::Move;
 use crate::units::{Heading, Pose};
 
-/// Finds ways by steps; keeps its working memory from one search to the next.
+/// Finds ways by steps; reuses its working memory for the next search.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Steps {
-    /// For each cell how it stands in this search: one byte, so that all of a large hall is at hand for the processor.
+    /// The state of each cell in this search, in one byte, so that a large hall fits into the processor's cache.
     marks: Vec<u8>,
     wave: Vec<Spot>,
     next: Vec<Spot>,
 }
 
-/// No wave has come to this cell yet.
+/// No wave has reached this cell yet.
 const UNTOUCHED: u8 = 0;
 
 /// No way leads through it.
 const SHUT: u8 = 1;
 
-/// The marks of the waves go up by one and come round after three: neighbours are one wave apart at most, so that this tells which of
-/// them was reached before.
+/// The marks of the waves go up by one and start again after three: neighbours are at most one wave apart, so the mark
+/// tells which of them was reached before.
 const FIRST: u8 = 2;
 const LAST: u8 = 4;
 
@@ -102,7 +102,7 @@ impl Steps {
     }
 }
 
-/// The turns from one heading to another.
+/// Adds the turns from one heading to another.
 pub(super) fn turn(moves: &mut Vec<Move>, from: Heading, to: Heading) {
     if to == from.left() {
         moves.push(Move::TurnLeft);
@@ -123,7 +123,7 @@ mod tests {
     use crate::units::Cell;
     use crate::world::hall_map::Bounds;
 
-    /// By steps alone a way is as short in steps as the exact one, and leads where it says.
+    /// A way by steps alone has as few steps as the exact one, and leads where it should.
     #[test]
     fn a_far_way_takes_as_few_steps_as_there_are() {
         let mut dice = crate::rng::RandomStream::new(3, "far");

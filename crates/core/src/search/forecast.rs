@@ -1,44 +1,45 @@
-//! How much of a search is left, as a range. It goes by the part of the hall inside the walls that are known of which nothing is known
-//! yet, and by what a cell has taken so far. Its bounds were read off random halls; how often they hold on others is told by
-//! `hallsweep evaluate --time-left`.
+//! Estimates how much of a search is left, as a range: from the unknown part of the hall inside the known walls, and
+//! from the pace so far. Its bounds were read off random halls; `hallsweep evaluate --time-left` measures how often
+//! they hold on others.
 
 use super::grid::{Grid, Square};
 use crate::command::Strategy;
 use crate::units::Cell;
 
-/// From the least to the most, in the unit of what a cell has taken.
+/// A range of the remaining effort, in the unit of the pace.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forecast {
     /// It will hardly take less.
     pub least: f64,
-    /// Nor more; `None` while a side of the hall is not known to end.
+    /// It will hardly take more; `None` while a side of the hall is not known to end.
     pub most: Option<f64>,
 }
 
-/// Fewer cells say nothing of what one takes.
+/// Fewer cells than this give no pace.
 pub const FEW: u32 = 8;
 
 /// A side of the hall is known to end where at least this share of it is known to be wall.
 const ENDS: f64 = 0.25;
 
-/// What is left against what the unknown cells would take at the pace so far, while the hall may go on.
+/// Least remaining effort while the hall may go on, as a factor on the unknown cells at the pace so far.
 const OPEN: f64 = 0.65;
 
-/// The same in a hall whose ends are known: up to this share of it known, at least and at most.
+/// The factors for a hall whose ends are known: up to this known share of it, the least and the greatest.
 const CLOSED: [(f64, f64, f64); 5] =
     [(0.25, 0.65, 1.6), (0.5, 0.7, 1.75), (0.75, 0.6, 2.2), (0.9, 0.5, 2.5), (f64::INFINITY, 0.55, 5.0)];
 
 /// The hall as far as its walls are known.
 struct Extent {
-    /// Cells inside, walls left out.
+    /// Cells inside, without walls.
     cells: u32,
-    /// Those of which it is known what stands there.
+    /// Cells inside whose content is known.
     known: u32,
     /// Whether all four sides are known to end.
     is_closed: bool,
 }
 
-/// What is left for a robot in `from`, if a cell takes so much; `None` when nothing that can be reached is open, and the robot goes home.
+/// The remaining effort of a robot at `from`, at `a_cell` per cell; `None` when nothing that can be reached is open,
+/// and the robot goes home.
 #[must_use]
 pub fn forecast(grid: &Grid, strategy: Strategy, from: Cell, a_cell: f64) -> Option<Forecast> {
     if !grid.has_open() {
@@ -58,9 +59,9 @@ pub fn forecast(grid: &Grid, strategy: Strategy, from: Cell, a_cell: f64) -> Opt
 
 /// The hall from one side to the other.
 struct Span {
-    /// How many cells of its outermost lines are known to be wall.
+    /// Number of known wall cells in its two outermost lines.
     walls: [u32; 2],
-    /// How many cells lie between them.
+    /// Number of lines between them.
     inside: u32,
 }
 
@@ -73,7 +74,7 @@ impl Span {
         Span { walls, inside: size.unsigned_abs().saturating_sub(count(ends)).max(1) }
     }
 
-    /// Whether it is known to end on both sides, in a hall that is so long the other way.
+    /// Whether it is known to end on both sides, when it has this length the other way.
     fn ends(&self, length: u32) -> bool {
         self.walls.into_iter().all(|walls| f64::from(walls) >= ENDS * f64::from(length))
     }

@@ -1,5 +1,5 @@
-//! The nearest unknown cell, with the pocket rule: a cell whose unvisited neighbours would be left over waits for them, so that few lone
-//! cells are left behind to come back for.
+//! The nearest unknown cell, with the pocket rule: a cell whose unvisited neighbours would be left over waits for them,
+//! so that few lone cells are left behind to come back for.
 
 use super::entries::{Entry, Visit, best_entry};
 use super::grid::onward;
@@ -7,7 +7,7 @@ use super::view::View;
 use super::ways::Ways;
 use crate::units::Heading;
 
-/// So many thousandths of a step each unvisited neighbour of a cell counts against it; 2000 to 3000 do about as well.
+/// Penalty for each unvisited neighbour of a cell, in thousandths of a step; 2000 to 3000 do about as well.
 const NEIGHBOUR: i32 = 2500;
 
 pub(super) fn next(view: &View<'_>, ways: &mut Ways) -> Option<Visit> {

@@ -1,23 +1,22 @@
-//! The occupancy grid that a search looks at: one byte a cell in one block of memory, with room to spare on every side, so that a look round a
-//! cell is a few plain reads. The map that the doors show stands in `crate::world::hall_map`; both are told the same marks.
+//! The occupancy grid that a search reads: one byte per cell in one block of memory, with spare room on every side, so
+//! that a look round a cell is a few plain reads. The map that the doors show stands in `crate::world::hall_map`; both
+//! receive the same marks.
 
 use super::census::Census;
 use crate::units::{Cell, Heading};
 use crate::world::hall_map::{Bounds, HallMap, Mark};
 
-/// What a search needs to know of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Square {
-    /// Nothing is known.
     Unknown = 0,
     /// Seen to be free, and not visited yet.
     Seen = 1,
     /// The robot was there.
     Visited = 2,
-    /// A wall stands there, or whatever else is no luggage.
+    /// A wall, or anything else that is not luggage.
     Obstacle = 3,
-    /// Something stands there that is still to be inspected.
+    /// An obstacle that is still to be inspected.
     Target = 4,
     /// Luggage that was inspected.
     Luggage = 5,
@@ -29,45 +28,44 @@ impl Square {
         matches!(self, Square::Unknown | Square::Seen | Square::Target)
     }
 
-    /// Whether something stands there of which it is settled what it is.
+    /// Whether it is known which obstacle stands there.
     #[must_use]
     pub const fn is_settled(self) -> bool {
         matches!(self, Square::Obstacle | Square::Luggage)
     }
 }
 
-/// Every cell further than this from the edge of the memory may be looked round without asking where the memory ends.
+/// Distance from the edge of the memory beyond which a look round a cell needs no check of the bounds.
 pub(crate) const RIM: i32 = 8;
 
-/// So many cells are laid out beyond the first ones on every side.
+/// Spare cells beyond the first ones on every side.
 const SPARE: i32 = 32;
 
-/// The number of a cell in the memory of a grid.
+/// The index of a cell in the memory of a grid.
 pub(crate) type Spot = usize;
 
-/// What is counted as marks come.
+/// Counts that are updated with each mark.
 #[derive(Clone, Copy, Debug, Default)]
 struct Counts {
     /// Cells that are open and next to a visited one.
     open: usize,
-    /// Cells that are blocked by what is no luggage.
+    /// Cells that are blocked by something other than luggage.
     obstacles: u32,
     census: Census,
 }
 
-/// What is known of every cell, laid out row by row.
 #[derive(Clone, Debug)]
 pub struct Grid {
     squares: Vec<Square>,
     room: Bounds,
     known: Bounds,
     counts: Counts,
-    /// One step to the north, east, south and west.
+    /// One step to the north, east, south and west, as a distance in memory.
     steps: [isize; 4],
 }
 
 impl Grid {
-    /// A grid in which nothing is known, with room for these cells.
+    /// An empty grid with memory for these cells.
     #[must_use]
     pub fn with_room_for(bounds: Bounds) -> Grid {
         let room = bounds.grown(RIM + 1);
@@ -82,7 +80,6 @@ impl Grid {
         }
     }
 
-    /// The grid of this map.
     #[must_use]
     pub fn of(map: &HallMap) -> Grid {
         let mut grid = Grid::with_room_for(map.known_bounds().grown(SPARE));
@@ -92,7 +89,6 @@ impl Grid {
         grid
     }
 
-    /// Takes over a mark of the map.
     pub fn mark(&mut self, cell: Cell, mark: Mark) {
         let square = match mark {
             Mark::Unknown => Square::Unknown,
@@ -105,7 +101,6 @@ impl Grid {
         self.set(cell, square);
     }
 
-    /// From now on this is known of a cell.
     pub fn set(&mut self, cell: Cell, square: Square) {
         if self.at(cell) == square {
             return;
@@ -130,17 +125,15 @@ impl Grid {
         self.counts.open > 0
     }
 
-    /// How many cells are known to be blocked by what is no luggage.
     pub(crate) const fn obstacles(&self) -> u32 {
         self.counts.obstacles
     }
 
-    /// What is known of where luggage stands.
     pub const fn census(&self) -> Census {
         self.counts.census
     }
 
-    /// What depends on a cell.
+    /// The share of a cell and its neighbours in the counts.
     fn counts_round(&self, spot: Spot) -> Counts {
         let around = |spot: Spot| self.steps.into_iter().map(move |step| onward(spot, step));
         let is_at_edge =
@@ -152,7 +145,7 @@ impl Grid {
         }
     }
 
-    /// What a cell and the eight round it bring to the census.
+    /// The share of a cell and the eight round it in the census.
     fn census_round(&self, spot: Spot) -> Census {
         let down = self.steps[2];
         let around = |spot: Spot| {
@@ -172,18 +165,17 @@ impl Grid {
         census
     }
 
-    /// The least rectangle that holds home and every cell of which anything was ever known.
+    /// The least rectangle with home and every cell of which anything was ever known.
     pub(crate) const fn known(&self) -> Bounds {
         self.known
     }
 
-    /// What is known of a cell.
     #[must_use]
     pub fn at(&self, cell: Cell) -> Square {
         if self.room.contains(cell) { self.squares[self.spot(cell)] } else { Square::Unknown }
     }
 
-    /// Doubles on every side that is too near.
+    /// Doubles the memory on every side that is too near.
     fn make_room(&mut self, cell: Cell) {
         let (room, more) = (self.room, self.room.width().max(self.room.height()));
         let mut wider = room.grown(-RIM - 1).including(cell);
@@ -209,7 +201,7 @@ impl Grid {
         *self = larger;
     }
 
-    /// How many cells there is memory for.
+    /// Number of cells for which there is memory.
     pub(crate) const fn size(&self) -> usize {
         self.squares.len()
     }
@@ -229,13 +221,12 @@ impl Grid {
         self.squares[spot]
     }
 
-    /// How far it is in memory to the next cell in this direction.
+    /// Distance in memory to the next cell in this direction.
     pub(crate) const fn step(&self, heading: Heading) -> isize {
         self.steps[heading as usize]
     }
 }
 
-/// The spot so far on in memory.
 pub(crate) const fn onward(spot: Spot, by: isize) -> Spot {
     spot.wrapping_add_signed(by)
 }
@@ -245,7 +236,7 @@ mod tests {
     use super::*;
     use crate::rng::RandomStream;
 
-    /// What is kept as marks come is what would be counted anew, also when the memory has grown on the way.
+    /// Counts that are updated with each mark equal a fresh count, even when the memory has grown on the way.
     #[test]
     fn the_counts_follow_every_mark() {
         const SQUARES: [Square; 6] =

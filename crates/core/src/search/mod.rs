@@ -1,6 +1,6 @@
-//! The order in which a hall is searched: one file a strategy, registered in one list, and the ways under them.
-//! A strategy looks at a view and says what to do next; it performs nothing. That nothing reachable is left out is seen to here, for
-//! all of them.
+//! The order in which a hall is searched: one file per strategy, registered in one list, and the ways under them. A
+//! strategy reads a view and says what to do next; it performs nothing. This module ensures for all of them that
+//! nothing reachable is left out.
 //!
 //! ```text
 //!   map ─ marks ─► Grid ─┐
@@ -33,30 +33,27 @@ pub use self::view::{Gait, Goal, NextGoal, Objective, Sensing, Terms, View};
 use self::ways::Ways;
 use crate::command::Strategy;
 
-/// A search under way.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Search {
-    /// A snail's.
     Snail(Snail),
-    /// One that keeps nothing in mind.
+    /// A strategy without memory.
     Of(Strategy),
 }
 
 impl Strategy {
-    /// The strategy of this name.
     #[must_use]
     pub fn named(name: &str) -> Option<Strategy> {
         Strategy::ALL.into_iter().find(|strategy| strategy.name() == name)
     }
 
-    /// Whether it wants to be asked as soon as anything new is seen, and not only when its goal is reached or proves blocked. The others
-    /// go on to the goal they have chosen.
+    /// Whether it has to be asked as soon as anything new is seen, and not only when its goal is reached or proves
+    /// blocked. The others go on to their chosen goal.
     #[must_use]
     pub const fn heeds_news(self) -> bool {
         matches!(self, Strategy::Auto | Strategy::Scored)
     }
 
-    /// The search of which these notes were kept.
+    /// The search that made these notes.
     #[must_use]
     pub fn resume(self, notes: &[i64]) -> Search {
         match self {
@@ -65,7 +62,6 @@ impl Strategy {
         }
     }
 
-    /// A search that has not begun yet.
     #[must_use]
     pub fn begin(self) -> Search {
         self.resume(&[])
@@ -73,7 +69,6 @@ impl Strategy {
 }
 
 impl Search {
-    /// Whose it is.
     #[must_use]
     pub const fn strategy(&self) -> Strategy {
         match self {
@@ -82,7 +77,7 @@ impl Search {
         }
     }
 
-    /// How far it has come, as plain numbers for the record.
+    /// Its progress, as plain numbers for the record.
     #[must_use]
     pub fn notes(&self) -> Vec<i64> {
         match self {
@@ -105,7 +100,7 @@ impl Search {
     }
 }
 
-/// The one guard of completeness: a strategy that has nothing more to propose has not searched the hall thereby.
+/// Ensures completeness: a strategy that proposes nothing more has not searched the whole hall by that alone.
 fn guarded(proposed: Option<Visit>, view: &View<'_>, ways: &mut Ways) -> NextGoal {
     match proposed.or_else(|| nearest(view, ways, |_| true)) {
         Some(Visit { cell, route }) => NextGoal::Visit(cell, route),
@@ -122,7 +117,7 @@ mod tests {
     use crate::units::{Cell, Pose, Revision};
     use crate::world::hall_map::{HallMap, Mark};
 
-    /// What is next for a robot at home, of whose neighbours these are walls, when its strategy proposes this.
+    /// What a robot at home, with these walls round it, does when its strategy proposes this.
     fn next(walls: &[Cell], proposed: Option<Visit>) -> NextGoal {
         let mut map = HallMap::new(Cell::HOME, Revision(1));
         for wall in walls {

@@ -1,12 +1,13 @@
-//! What a robot would look into: the cells round an unknown one, seen in the direction in which it would be entered, as the numbers
-//! by which `scored` weighs it. Left and right count alike: an outlook is turned over so that the heavier side lies on the right.
+//! The outlook of an unknown cell: the cells round it, seen in the direction in which it would be entered, as the
+//! numbers by which `scored` weighs it. Left and right count alike: an outlook is mirrored so that the heavier side
+//! lies on the right.
 //!
 //! ```text
 //!      ahead   4 … 1, 0 = the target, the unknown cell, −1 = the visited cell from which it is entered, −2
 //!      aside  −2, −1 left of that line, 0 on it, 1, 2 right
 //! ```
-//! A cell counts as unknown (0), as visited (1) or as blocked (2). One that was only seen is still to be visited where the hall is to be
-//! covered; where luggage is to be found there is nothing more to it.
+//! A cell counts as unknown (0), as visited (1) or as blocked (2). One that was only seen counts as unknown where the
+//! hall is to be covered, and as visited where luggage is to be found.
 
 use super::entries::Entry;
 use super::grid::{Grid, Spot, Square, onward};
@@ -24,11 +25,11 @@ const BLOCKED: u8 = 2;
 pub struct Outlook {
     /// For the linear part, in the order of `LINEAR_NAMES`, in thousandths.
     pub linear: [i16; LINEAR],
-    /// For each table the row, counted from the first of all.
+    /// The row in each table, counted from the first row of all.
     pub rows: [u32; TABLES.len()],
 }
 
-/// How an entry lies to the way the robot faces where it stands.
+/// The direction of an entry, relative to the heading of the robot where it stands.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Turn {
     StraightOn,
@@ -38,7 +39,7 @@ enum Turn {
     Elsewhere,
 }
 
-/// Where the robot stands that looks.
+/// The robot's place and what it reads.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Looking<'a> {
     grid: &'a Grid,
@@ -46,14 +47,14 @@ pub(crate) struct Looking<'a> {
     heading: Heading,
     cell: Cell,
     gait: Gait,
-    /// What a cell counts as that was seen to be free.
+    /// The count of a cell that was only seen.
     seen: u8,
 }
 
 /// A place in the window: ahead of the target, and aside.
 type Place = (isize, isize);
 
-/// An entry as it is seen.
+/// An entry with its surroundings.
 struct Sight<'a> {
     looking: &'a Looking<'a>,
     entry: &'a Entry,
@@ -63,9 +64,9 @@ struct Sight<'a> {
     /// The cells round the target, `[ahead + 2][aside + 2]`.
     window: [[u8; 5]; 7],
     turn: Turn,
-    /// How many cells behind the target are unknown in a row.
+    /// Number of unknown cells in a row behind the target.
     run: usize,
-    /// How many unknown cells hang together with the target.
+    /// Number of unknown cells connected with the target.
     component: usize,
 }
 
@@ -88,7 +89,7 @@ impl<'a> Looking<'a> {
         }
     }
 
-    /// How many unknown cells hang together with this one, counted to one more than `SMALL`.
+    /// Number of unknown cells connected with this one, counted up to one more than `SMALL`.
     fn component(&self, target: Spot) -> usize {
         let mut cells = [target; SMALL + 1];
         let (mut count, mut done) = (1, 0);
@@ -278,8 +279,8 @@ impl<'a> Sight<'a> {
         places.iter().fold(0, |sum, place| sum * 2 + usize::from(self.is_unknown(*place)))
     }
 
-    /// By which turn the target is entered: 0 none, 1 to the right or 2 to the left as it is turned over, 3 back. On a way it is the
-    /// last one, if the way ends with it.
+    /// The turn by which the mirrored target is entered: 0 none, 1 right, 2 left, 3 back. On a way it is the last turn,
+    /// if the way ends with it.
     fn entering(&self) -> usize {
         let side = |is_right: bool| usize::from(is_right == self.is_mirrored) + 1;
         match (self.turn, self.entry.at.by) {
@@ -291,7 +292,7 @@ impl<'a> Sight<'a> {
         }
     }
 
-    /// How many unknown cells lie beside the target on one side, up to 3.
+    /// Number of unknown cells beside the target on one side, up to 3.
     fn width(&self, side: isize) -> usize {
         (1..=3).take_while(|away| self.beyond((0, away * side)) == 0).count()
     }

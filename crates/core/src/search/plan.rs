@@ -1,5 +1,5 @@
-//! The planner: the occupancy grid as the engine knows it, and the cheapest ways over it to a cell or a pose. What to aim at is a strategy's
-//! business; whether the robot may move is the mission's.
+//! The planner: the occupancy grid as the engine knows it, and the cheapest ways over it to a cell or a pose. The
+//! strategy decides where to go, and the mission whether the robot may move.
 
 use super::Search;
 use super::costs::{Costs, STEP};
@@ -11,15 +11,16 @@ use crate::command::Move;
 use crate::units::{Cell, Heading, Pose};
 use crate::world::hall_map::{Bounds, HallMap};
 
-/// Which cells a way may lead through. The goal itself may also be unknown, or an obstacle that is still to be inspected.
+/// Which cells a way may lead through. The goal itself may also be unknown, or an obstacle that is still to be
+/// inspected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Through {
     Known,
-    /// Unknown cells too, taken to be free until they prove not to be.
+    /// Unknown cells too, which are taken to be free.
     Unknown,
 }
 
-/// What is known, and the memory to find ways over it.
+/// The grid, and the memory to find ways over it.
 #[derive(Clone, Debug)]
 pub(crate) struct Planner {
     pub(crate) grid: Grid,
@@ -32,12 +33,11 @@ impl Planner {
         Planner { grid: Grid::of(map), ways: Ways::default(), costs: Costs::EVEN }
     }
 
-    /// Another map takes the place of the one before.
+    /// Replaces the whole map.
     pub(crate) fn learn(&mut self, map: &HallMap) {
         self.grid = Grid::of(map);
     }
 
-    /// A cell of the map was marked.
     pub(crate) fn mark(&mut self, cell: Cell, map: &HallMap) {
         self.grid.mark(cell, map.at(cell));
     }
@@ -55,8 +55,8 @@ impl Planner {
         Ways::default().way_to_cell(&self.grid, self.costs, start, goal, passable).is_some()
     }
 
-    /// The cheapest way to `goal`; empty when the robot stands there, `None` when there is none. A goal beyond what is known is
-    /// approached by way of the edge of the known, as if all beyond were free.
+    /// The cheapest way to `goal`; empty when the robot stands there, `None` when there is none. A goal beyond the
+    /// known cells is approached by way of their edge, as if everything beyond were free.
     pub(crate) fn way_to_cell(&mut self, start: Pose, goal: Cell, through: Through) -> Option<Vec<Move>> {
         way(&self.grid, &mut self.ways, self.costs, start, goal, through)
     }
@@ -82,7 +82,8 @@ impl Planner {
 }
 
 impl Ways {
-    /// The cheapest way to a cell, unknown ones taken for free; towards it, when it lies beyond what is known.
+    /// The cheapest way to a cell, with unknown cells taken to be free; towards it, when it lies beyond the known
+    /// cells.
     #[must_use]
     pub fn way_over_unknown(&mut self, grid: &Grid, costs: Costs, start: Pose, goal: Cell) -> Option<Vec<Move>> {
         way(grid, self, costs, start, goal, Through::Unknown)
@@ -90,7 +91,7 @@ impl Ways {
 }
 
 fn way(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal: Cell, through: Through) -> Option<Vec<Move>> {
-    // What is known, and the cells next to it.
+    // The known cells, and those next to them.
     let area = grid.known().including(start.cell).grown(1);
     if !area.contains(goal) {
         return if through == Through::Unknown { towards(grid, ways, costs, start, goal, area) } else { None };
@@ -100,7 +101,7 @@ fn way(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal: Cell, thro
     ways.way_to_cell(grid, costs, start, goal, passable)
 }
 
-/// Towards a goal outside `area`: to the edge from which the rest, taken as free, is cheapest.
+/// Towards a goal outside `area`: to the edge from which the rest, taken to be free, is cheapest.
 fn towards(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal: Cell, area: Bounds) -> Option<Vec<Move>> {
     let inner = area.grown(-1);
     let mut best: Option<(u32, (Spot, Heading))> = None;
@@ -125,12 +126,11 @@ fn towards(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal: Cell, 
     if all {
         return None;
     }
-    // It lies further away than can be looked at state by state.
+    // It lies too far away for a search over cell × heading.
     let passable = |spot: Spot| may_enter(grid, area, spot, Through::Unknown);
     ways.steps.way(grid, start, passable, |spot| !inner.contains(grid.cell(spot))).map(|(_, way)| way)
 }
 
-/// Whether a way may lead through a cell.
 fn may_enter(grid: &Grid, area: Bounds, spot: Spot, through: Through) -> bool {
     match grid.here(spot) {
         Square::Visited => true,
@@ -150,7 +150,7 @@ pub(crate) fn after(pose: Pose, step: Move) -> Pose {
     }
 }
 
-/// The cells a way passes, the start left out.
+/// The cells a way passes, without the start.
 pub(crate) fn cells_along(start: Pose, moves: impl IntoIterator<Item = Move>) -> Vec<Cell> {
     let mut pose = start;
     let mut cells = Vec::new();
@@ -170,7 +170,8 @@ mod tests {
     use crate::units::Revision;
     use crate::world::hall_map::Mark;
 
-    /// A map from a drawing: `.` visited, `?` unknown, `#` wall, `b` a bag still to be inspected; the first cell is (0, 0).
+    /// A map from a drawing: `.` visited, `?` unknown, `#` wall, `b` a bag still to be inspected; the first cell is (0,
+    /// 0).
     fn map(rows: &[&str]) -> HallMap {
         let mut map = HallMap::new(Cell::HOME, Revision(1));
         for (y, row) in (0..).zip(rows) {
@@ -227,7 +228,7 @@ mod tests {
         assert_eq!(way, [Move::Forward]);
     }
 
-    /// More is known than can be looked at state by state.
+    /// The known hall is too large for a search over cell × heading.
     #[test]
     fn a_goal_beyond_a_large_known_hall_is_approached_too() {
         let row = ".".repeat(300);

@@ -1,5 +1,5 @@
-//! The tuned score: of all unknown cells that can be entered, the one for which the way there, and what its surroundings are worth, come
-//! to the least. The weights come from `hallsweep tune`.
+//! The tuned score: chooses the unknown cell with the least sum of the way there and the worth of its surroundings. The
+//! weights come from `hallsweep tune`.
 
 use super::costs::in_thousandths;
 use super::entries::{Entry, Visit, best_entry};
@@ -19,18 +19,16 @@ pub(super) fn next(view: &View<'_>, ways: &mut Ways) -> Option<Visit> {
 /// An unknown cell that could be entered next, as `hallsweep tune` sees it.
 #[derive(Clone, Debug)]
 pub struct Candidate {
-    /// The cell.
     pub cell: Cell,
-    /// The way in which it would be entered.
+    /// The heading in which it would be entered.
     pub heading: Heading,
-    /// The way and the worth, in thousandths of a step.
+    /// The way plus the worth, in thousandths of a step.
     pub score: i32,
-    /// What is seen of it.
     pub outlook: Outlook,
 }
 
-/// The entry of least score by these weights, and the moves that enter it; `seen` is told of every entry that was weighed, and those
-/// up to `slack` above the best are.
+/// The entry of least score by these weights, and the moves that enter it. `seen` is called for every entry that was
+/// weighed, including those up to `slack` above the best.
 pub fn choose(
     view: &View<'_>,
     ways: &mut Ways,

@@ -1,9 +1,10 @@
-//! The seeds' *chiocciola*: towards (1,1), (2,2), … with everything unknown in the square [0..k]×[0..k] visited and a return
-//! home after each, then whatever is left, nearest first (mission §5).
+//! The seeds' *chiocciola*: towards (1,1), (2,2), … with everything unknown in the square [0..k]×[0..k] visited and a
+//! return home after each, then whatever is left, nearest first (mission §5).
 //!
-//! Taken literally, "no plan to (k,k) means that the walls are found" leaves halls incomplete. Here a ring ends the growing only
-//! when nothing unknown lies next to a visited cell south-east of home; and a ring beyond a far wall aims at the last column or
-//! row in front of it, as the seeds clamp their goals. The search is over when nothing unknown can be reached anywhere.
+//! Taken literally, "no plan to (k,k) means that the walls are found" leaves halls incomplete. Here a ring ends the
+//! growing only when nothing unknown lies next to a visited cell south-east of home; and a ring beyond a far wall aims
+//! at the last column or row in front of it, as the seeds clamp their goals. The search is over when nothing unknown
+//! can be reached anywhere.
 
 use super::entries::{Visit, nearest};
 use super::grid::{Square, onward};
@@ -12,7 +13,7 @@ use super::ways::Ways;
 use crate::units::{Cell, Heading};
 use crate::world::hall_map::{Bounds, REACH};
 
-/// Where a snail has come to.
+/// The progress of a snail.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Snail {
     ring: i32,
@@ -22,9 +23,9 @@ pub struct Snail {
 /// What comes next in a ring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
-    /// Set out for the ring's corner.
+    /// Go to the ring's corner.
     Corner,
-    /// Visit what is unknown in the ring's square.
+    /// Visit the unknown cells in the ring's square.
     Fill,
     /// Home, then the next ring.
     NextRing,
@@ -44,12 +45,12 @@ impl Default for Snail {
 }
 
 impl Snail {
-    /// How far it has come, as plain numbers for the record.
+    /// Its progress, as plain numbers for the record.
     pub(super) fn notes(&self) -> Vec<i64> {
         vec![i64::from(self.ring), STAGES.iter().position(|stage| *stage == self.stage).unwrap_or(0) as i64]
     }
 
-    /// The snail that made these notes; one that cannot have made them begins anew.
+    /// The snail that made these notes; impossible notes give a new snail.
     pub(super) fn from_notes(notes: &[i64]) -> Snail {
         let ring = notes.first().and_then(|ring| i32::try_from(*ring).ok()).filter(|ring| (1..=2 * REACH).contains(ring));
         let stage = notes.get(1).and_then(|place| STAGES.get(usize::try_from(*place).ok()?));
@@ -121,7 +122,7 @@ mod tests {
     use crate::units::{Pose, Revision};
     use crate::world::hall_map::{HallMap, Mark};
 
-    /// A passage that was driven through and is blocked now leaves unknown cells behind it that nobody can reach.
+    /// A passage that was driven through and is now blocked leaves unknown cells behind it that nobody can reach.
     #[test]
     fn a_search_ends_although_a_passage_was_blocked_behind_which_the_unknown_goes_on() {
         let mut map = HallMap::new(Cell::HOME, Revision(1));

@@ -1,11 +1,12 @@
-//! Round and round from the walls inwards: what is visited or blocked stays on the robot's right hand as long as it can.
+//! Round and round from the walls inwards: visited or blocked cells stay on the robot's right hand for as long as
+//! possible.
 
 use super::entries::{Entry, Visit, best_entry};
 use super::grid::onward;
 use super::view::View;
 use super::ways::Ways;
 
-/// What it counts against a cell, in thousandths of a step, that its right side is open.
+/// Penalty for a cell whose right side is open, in thousandths of a step.
 const OPEN: i32 = 2500;
 
 pub(super) fn next(view: &View<'_>, ways: &mut Ways) -> Option<Visit> {

@@ -1,10 +1,10 @@
-//! What a score is made of: the numbers of its linear part, and its tables, by the names that files of weights use. How an outlook comes
-//! to a number or a row stands in `outlook`.
+//! The parts of a score: the numbers of its linear part, and its tables, by their names in files of weights. How an
+//! outlook becomes a number or a row stands in `outlook`.
 
-/// How many numbers the linear part of a score weighs.
+/// Number of values in the linear part of a score.
 pub const LINEAR: usize = 28;
 
-/// What each of them is, as files of weights call it.
+/// Their names in files of weights.
 pub const LINEAR_NAMES: [&str; LINEAR] = [
     "behindUnknown",
     "oneSideUnknown",
@@ -36,7 +36,7 @@ pub const LINEAR_NAMES: [&str; LINEAR] = [
     "seenRun",
 ];
 
-/// The tables: what each is called in files of weights, and how many rows it has.
+/// The name of each table in files of weights, and its number of rows.
 pub const TABLES: [(&str, usize); 14] = [
     ("round", power(3, 7)),
     ("unknown", power(2, 12)),
@@ -54,7 +54,7 @@ pub const TABLES: [(&str, usize); 14] = [
     ("far", power(3, 8)),
 ];
 
-/// Where each table begins among the rows of all.
+/// The first row of each table among the rows of all.
 pub const STARTS: [usize; TABLES.len() + 1] = {
     let mut starts = [0; TABLES.len() + 1];
     let mut n = 0;
@@ -65,13 +65,13 @@ pub const STARTS: [usize; TABLES.len() + 1] = {
     starts
 };
 
-/// How many rows all tables have.
+/// Number of rows of all tables.
 pub const ROWS: usize = STARTS[TABLES.len()];
 
-/// So far ahead a run, or an edge along it, is followed.
+/// Greatest length of a run, or of an edge along it, in cells.
 pub(super) const RUN: usize = 6;
 
-/// Unknown cells that hang together are counted up to so many.
+/// Connected unknown cells are counted up to this number.
 pub(super) const SMALL: usize = 10;
 
 const fn power(base: usize, exponent: u32) -> usize {

@@ -1,4 +1,4 @@
-//! What a strategy is shown, and what it may want.
+//! What a strategy reads, and what it may want.
 
 use super::costs::Costs;
 use super::grid::Grid;
@@ -7,7 +7,7 @@ use crate::units::{Cell, Pose};
 
 named! {
     ALL by name;
-    /// What a search is to be good at.
+    /// The aim of a search.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum Objective {
         /// Luggage soon.
@@ -31,28 +31,25 @@ named! {
     }
 }
 
-/// What a search is asked to do, and how the robot senses.
+/// The task of a search, and the robot's senses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Terms {
-    /// What it is to be good at.
     pub objective: Objective,
-    /// Reach of its sonar, in cells; 0 where it finds out by driving into what is there.
+    /// Reach of its sonar, in cells; 0 where it finds obstacles by driving into them.
     pub sonar_cells: u8,
-    /// What moves cost it.
     pub costs: Costs,
 }
 
-/// How a robot came to where it stands, as far as the looks of an entry depend on it.
+/// How a robot came to where it stands, as far as the outlook of an entry depends on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Gait {
     /// The last turn: −1 to the left, 1 to the right, 0 none yet.
     pub turn: i8,
-    /// The cells driven straight on since.
+    /// Cells driven straight on since.
     pub run: u8,
 }
 
 impl Gait {
-    /// The gait after a move.
     #[must_use]
     pub const fn after(self, step: Move) -> Gait {
         match step {
@@ -64,20 +61,14 @@ impl Gait {
     }
 }
 
-/// What a strategy sees.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
-    /// What is known of the hall.
     pub grid: &'a Grid,
-    /// Where the robot stands.
     pub pose: Pose,
-    /// How it came there.
     pub gait: Gait,
-    /// What it is asked.
     pub terms: Terms,
 }
 
-/// What a search is after.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Goal {
     /// A cell to be visited, or found to be an obstacle.
@@ -87,7 +78,6 @@ pub enum Goal {
 }
 
 impl Goal {
-    /// The cell it means.
     #[must_use]
     pub const fn cell(self) -> Cell {
         match self {
@@ -97,11 +87,10 @@ impl Goal {
     }
 }
 
-/// What to do next.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NextGoal {
-    /// Go to this cell, or find out what stands there: by these moves, or without any by the cheapest way there is, unknown cells
-    /// taken for free ones.
+    /// Go to this cell, or find out what stands there: by these moves, or without any by the cheapest way there is,
+    /// with unknown cells taken to be free.
     Visit(Cell, Vec<Move>),
     /// Go home, and ask again there.
     GoHome,

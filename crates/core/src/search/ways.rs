@@ -1,9 +1,10 @@
-//! Ways from where the robot stands, the cheapest first: over cell × heading, because turns cost as well as steps. What is worth
-//! aiming at is a strategy's business; whether the robot may move is the mission's.
+//! Ways from where the robot stands, the cheapest first: over cell × heading, because turns cost as well as steps. The
+//! strategy decides where to go, and the mission whether the robot may move.
 //!
-//! States wait by what they cost in a ring of buckets as long as the dearest move, which for whole numbers is a queue in constant
-//! time; with an estimate of what is left the same loop is A*. A state is settled when it is taken out for the first time. What lies
-//! further away than so many states is looked for by steps alone, which is not exact and several times faster (`far`).
+//! States wait by their cost in a ring of buckets as long as the most expensive move, which for whole numbers is a
+//! queue in constant time; with an estimate of the remaining cost the same loop is A*. A state is settled when it is
+//! taken out for the first time. Goals beyond `MOST` states are searched for by steps alone, which is not exact and
+//! several times faster (`far`).
 
 use super::costs::{Costs, STEP};
 use super::far::Steps;
@@ -11,10 +12,10 @@ use super::grid::{Grid, Spot, Square, onward};
 use crate::command::Move;
 use crate::units::{Cell, Heading, Pose};
 
-/// Finds ways; keeps its working memory from one search to the next.
+/// Finds ways; reuses its working memory for the next search.
 #[derive(Clone, Debug, Default)]
 pub struct Ways {
-    /// For each state the search that settled it, so that nothing needs to be wiped.
+    /// For each state the search that settled it, so that nothing needs to be cleared.
     settled: Vec<u32>,
     /// For each settled state the move that led to it.
     came_by: Vec<u8>,
@@ -23,15 +24,15 @@ pub struct Ways {
     pub(super) steps: Steps,
 }
 
-/// So many states are settled at most before a search counts as one that leads far: about a millisecond.
+/// States settled before a search counts as one that leads far: about a millisecond.
 const MOST: usize = 1 << 16;
 
-/// A state that a search has come to.
+/// A state that a search has reached.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reached {
     pub(crate) spot: Spot,
     pub(crate) heading: Heading,
-    /// What it costs to come here, in the units of `Costs`.
+    /// The cost of the way to it, in the units of `Costs`.
     pub(crate) cost: u32,
     /// The last move; `None` where the robot stands.
     pub(crate) by: Option<Move>,
@@ -39,17 +40,17 @@ pub(crate) struct Reached {
 
 const MOVES: [Move; 3] = [Move::Forward, Move::TurnLeft, Move::TurnRight];
 
-/// No move led here: here the robot stands.
+/// No move led here: the robot stands here.
 const NONE: u8 = 3;
 
 impl Ways {
-    /// Goes through the states that are reached over visited cells, the cheapest first, until they cost more than `reached` says
-    /// that it is worth. False when there were more states than are looked at.
+    /// Visits the states that can be reached over visited cells, the cheapest first, until they cost more than the
+    /// limit that `reached` returns. False when there were more than `MOST` states.
     pub(crate) fn spread(&mut self, grid: &Grid, costs: Costs, start: Pose, reached: impl FnMut(Reached) -> u32) -> bool {
         self.search(grid, costs, start, |_| 0, |spot| grid.here(spot) == Square::Visited, reached)
     }
 
-    /// The cheapest way to a cell through what is `passable`, guided by the steps that are left at least.
+    /// The cheapest way to a cell over `passable` cells, guided by the least number of remaining steps.
     pub(crate) fn way_to_cell(
         &mut self,
         grid: &Grid,
@@ -80,8 +81,8 @@ impl Ways {
         self.way_to_cell(grid, costs, start, goal, |spot| grid.here(spot) == Square::Visited)
     }
 
-    /// `left` is what a way from there to the goal costs at least, and no less than a move on is nearer. False when there were more
-    /// states than are looked at.
+    /// `left` is a lower bound of the cost from a state to the goal, and decreases by no more than the cost of a move.
+    /// False when there were more than `MOST` states.
     pub(crate) fn search(
         &mut self,
         grid: &Grid,
@@ -95,7 +96,7 @@ impl Ways {
         let price = [STEP, costs.turn, costs.turn];
         let length = self.ring.len();
         let from = grid.spot(start.cell);
-        // Whole costs: what was spent, and what is left at least.
+        // Whole costs: the cost so far plus the lower bound of the rest.
         let (mut whole, mut worth) = (left(from), u32::MAX);
         self.ring[whole as usize % length].push(pack(from, start.heading, NONE));
         let (mut waiting, mut settled) = (1usize, 0);

@@ -1,4 +1,4 @@
-//! The weights of the score: what they are, and how they are written in a file.
+//! The weights of the score, and their form in a file.
 //!
 //! ```text
 //!   # where they come from, in any words
@@ -6,7 +6,7 @@
 //!   behindUnknown 1870          a line for each number of the linear part that counts
 //!   [round] 0:-120 7:15 …       and one for each table, with the rows that count
 //! ```
-//! Everything is in thousandths of a step, which is what the way to an entry is counted in.
+//! Everything is in thousandths of a step, the unit of the way to an entry.
 
 use std::fmt::Write;
 use std::sync::LazyLock;
@@ -16,23 +16,23 @@ use super::outlook::Outlook;
 use super::tables::{LINEAR, LINEAR_NAMES, ROWS, STARTS, TABLES};
 use super::view::{Objective, Terms};
 
-/// What the numbers of an outlook are worth, in thousandths of a step.
+/// The worth of each number of an outlook, in thousandths of a step.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Weights {
     /// For the linear part.
     pub linear: [i32; LINEAR],
     /// For every row of every table.
     pub rows: Vec<i16>,
-    /// No outlook counts for less than this: it bounds the search.
+    /// Lower bound of an outlook's worth: it bounds the search.
     pub least: i32,
 }
 
 /// Weights that are shipped, and what they were tuned for.
 struct Set {
     objective: Objective,
-    /// How many cells the sonar saw.
+    /// Reach of the sonar, in cells.
     sonar_cells: u8,
-    /// What a turn cost.
+    /// The cost of a turn.
     turn: u32,
     terrain: Terrain,
     weights: LazyLock<Weights>,
@@ -62,14 +62,14 @@ static SETS: [Set; 10] = [
     set!(Cover, 1, 4, Usual, "cover-sonar"),
     set!(Find, 0, 4, Usual, "find-bump"),
     set!(Find, 0, 6, Usual, "find-slow-turns"),
-    // Where the sonar sees two cells either would do, and the first is taken.
+    // Where the sonar sees two cells either set would do, and the first is taken.
     set!(Find, 3, 4, Usual, "find-far-sonar"),
     set!(Find, 1, 4, Usual, "find-sonar"),
 ];
 
 impl Set {
-    /// How far this is from what is asked, the weightiest first. Whether turns cost anything weighs more than what the hall is like, and that
-    /// more than what they cost.
+    /// How far this is from the task, with the most important difference first. Whether turns cost anything matters
+    /// more than the terrain, and that more than how much they cost.
     fn distance(&self, terms: Terms, terrain: Terrain) -> (bool, bool, u8, bool, bool, u32) {
         let turn = terms.costs.turn;
         (
@@ -83,7 +83,6 @@ impl Set {
     }
 }
 
-/// What is wrong with a file of weights.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("line {line} of the weights: {found:?} is not {wanted}")]
 pub struct WeightsError {
@@ -93,23 +92,23 @@ pub struct WeightsError {
 }
 
 impl Weights {
-    /// Weights that count nothing but the way.
+    /// Weights by which only the way counts.
     #[must_use]
     pub fn nothing() -> Weights {
         Weights { linear: [0; LINEAR], rows: vec![0; ROWS], least: 0 }
     }
 
-    /// Those that were tuned for this, or else for what is nearest to it.
+    /// The weights that were tuned for this, or else for the most similar task.
     #[must_use]
     pub fn shipped(terms: Terms, terrain: Terrain) -> &'static Weights {
         let nearest = SETS.iter().min_by_key(|set| set.distance(terms, terrain));
         &nearest.expect("some sets are shipped").weights
     }
 
-    /// The weights that a file says.
+    /// The weights in a file.
     ///
     /// # Errors
-    /// The first line that is not as it should be.
+    /// The first invalid line.
     pub fn read(text: &str) -> Result<Weights, WeightsError> {
         let mut weights = Weights::nothing();
         let mut has_least = false;
@@ -143,7 +142,7 @@ impl Weights {
         }
     }
 
-    /// A file of these weights that says of itself where it comes from. Rows of less than `smallest` are left out.
+    /// A file of these weights that names their origin. Rows of less than `smallest` are left out.
     #[must_use]
     pub fn write(&self, origin: &str, smallest: i16) -> String {
         let mut text: String = origin.lines().map(|line| format!("# {line}\n")).collect();
@@ -164,7 +163,7 @@ impl Weights {
         text
     }
 
-    /// What an outlook is worth, beside the way.
+    /// The worth of an outlook, without the way.
     #[must_use]
     pub fn worth(&self, outlook: &Outlook) -> i32 {
         let linear: i64 = self.linear.iter().zip(outlook.linear).map(|(weight, n)| i64::from(*weight) * i64::from(n)).sum();
@@ -173,7 +172,7 @@ impl Weights {
     }
 }
 
-/// `ROW:WEIGHT` of a table with so many rows.
+/// `ROW:WEIGHT` in a table with this many rows.
 fn read_row(word: &str, size: usize) -> Option<(usize, i16)> {
     let (row, weight) = word.split_once(':')?;
     let row = row.parse().ok().filter(|row| *row < size)?;

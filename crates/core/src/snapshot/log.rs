@@ -1,4 +1,4 @@
-//! The latest lines of what happened, numbered, for whoever watches. The journal keeps everything; this keeps what fits a page.
+//! The latest lines of what happened, numbered. The journal stores everything; this stores what fits a page.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -6,32 +6,26 @@ use std::sync::Arc;
 use crate::snapshot::said::Said;
 use crate::units::{Seq, WallTime};
 
-/// How many lines are at hand: as many as a person scrolls through; older ones are the journal's.
+/// Number of lines: as many as a person scrolls through; older ones are in the journal.
 pub const LOG_LINES: usize = 256;
 
-/// One line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LogLine {
     /// Its number, from 1 without gaps.
     pub number: u64,
-    /// When.
     pub wall: WallTime,
-    /// How loud.
     pub tone: Tone,
-    /// What happened.
     pub said: Said,
 }
 
 named! {
     ALL by name;
-    /// How loud a line is.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum Tone {
         /// For the record.
         Info = "info",
         /// Something was refused or is held.
         Warning = "warning",
-        /// An alarm.
         Alarm = "alarm",
     }
 }
@@ -53,8 +47,8 @@ struct WaitingLine {
 }
 
 impl Log {
-    /// Writes a line: a warning is there at once, and then it says so; any other waits for its record. Of too many that wait the
-    /// oldest is left to the journal.
+    /// Adds a line: a warning is shown at once, any other waits for its record. Returns whether it is shown. When too
+    /// many wait, the oldest is left to the journal.
     pub(crate) fn write(&mut self, wall: WallTime, tone: Tone, said: Said) -> bool {
         if tone != Tone::Info {
             self.put(wall, tone, said);
@@ -67,7 +61,7 @@ impl Log {
         false
     }
 
-    /// Shows the lines whose record is kept; true when there are any. Those that came since the last time wait for `written`.
+    /// Shows the lines whose entry is on record; true when there are any. Lines since the last call wait for `written`.
     pub(crate) fn show(&mut self, written: Seq, kept: Seq) -> bool {
         for line in self.waiting.iter_mut().rev().take_while(|line| line.seq.is_none()) {
             line.seq = Some(written);
@@ -79,12 +73,12 @@ impl Log {
         due > 0
     }
 
-    /// What the lines wait for is lost: they wait for what is put on record next.
+    /// The entries that lines wait for are lost: the lines wait for the next entry instead.
     pub(crate) fn lose(&mut self) {
         self.waiting.iter_mut().for_each(|line| line.seq = None);
     }
 
-    /// Puts a line where it is seen; the oldest gives way when there are too many.
+    /// Shows a line; the oldest gives way when there are too many.
     pub(crate) fn put(&mut self, wall: WallTime, tone: Tone, said: Said) {
         self.written += 1;
         if self.lines.len() == LOG_LINES {

@@ -25,43 +25,38 @@ use crate::world::records::LuggageRecords;
 use crate::world::resource::Resource;
 use crate::world::temperature::TemperatureView;
 
-/// Everything that can be seen, at one moment.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
-    /// Which run of the program this is: revisions of another run mean nothing here.
+    /// The run of the program: revisions of another run mean nothing here.
     pub run: Arc<str>,
     /// How often anything has changed.
     pub revision: Revision,
     /// For each resource the revision of its last change, in the order of `Resource::ALL`.
     pub revisions: [Revision; Resource::COUNT],
-    /// The mission.
     pub mission: MissionView,
     /// The robot that searches.
     pub robot: RobotView,
     /// All robots, the one that searches first.
     pub robots: Arc<[RobotShown]>,
-    /// The hall; its tiles are shared with the core.
+    /// Its tiles are shared with the core.
     pub map: HallMap,
     /// The luggage of this mission, by number.
     pub luggage: LuggageRecords,
-    /// The temperature.
     pub temperature: TemperatureView,
-    /// The alarms, oldest first.
+    /// Oldest first.
     pub alarms: Arc<[AlarmView]>,
     /// The retrieval under way, or in fault, as far as it is on record.
     pub retrieval: Option<Arc<RetrievalView>>,
-    /// The latest log lines, oldest first.
+    /// The latest lines, oldest first.
     pub log: Arc<[Arc<LogLine>]>,
 }
 
 impl Snapshot {
-    /// When this resource last changed.
     #[must_use]
     pub fn revision_of(&self, resource: Resource) -> Revision {
         self.revisions[resource as usize]
     }
 
-    /// The record with this number.
     #[must_use]
     pub fn luggage(&self, id: LuggageId) -> Option<&Arc<Luggage>> {
         self.luggage.get(id)
@@ -74,7 +69,8 @@ impl Snapshot {
         inspected.or_else(|| self.luggage.pending().next())
     }
 
-    /// Why the robots could not be put down in another hall just now, by what is shown (`Engine::put_down_in`); `None` when they could.
+    /// Why the robots could not be put down in another hall just now, by what is shown (`Engine::put_down_in`); `None`
+    /// when they could.
     #[must_use]
     pub fn bound_to_hall(&self) -> Option<Refused> {
         let is_over = matches!(self.mission.phase, PhaseName::Idle | PhaseName::Explored | PhaseName::BagSecured);
@@ -89,22 +85,18 @@ impl Snapshot {
     }
 }
 
-/// What is shown of the mission.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MissionView {
-    /// Its number; 0 before the first.
+    /// 0 before the first.
     pub id: MissionId,
-    /// The phase.
     pub phase: PhaseName,
     /// The phase that is interrupted, while driving by hand or in fault.
     pub interrupted: Option<PhaseName>,
-    /// Why it is in fault.
     pub fault: Option<FaultCause>,
-    /// What holds the robot.
     pub holds: Vec<Hold>,
     /// Why nothing can be put on record, while that is so.
     pub store_failure: Option<String>,
-    /// The cell it is on its way to.
+    /// The cell that the robot drives to.
     pub goal: Option<Cell>,
     /// The cells it means to pass on the way there, the next one first.
     pub route: Arc<[Cell]>,
@@ -112,42 +104,41 @@ pub struct MissionView {
     pub trail: Arc<[Cell]>,
     /// The piece in front of the robot, once it has a number.
     pub inspected: Option<LuggageId>,
-    /// The order of the search.
     pub strategy: Strategy,
     /// Raised by every stop.
     pub epoch: Epoch,
-    /// How far the search has come.
     pub progress: Progress,
     /// By how many milliseconds the clock was set since the mission began.
     pub clock_set_ms: i64,
-    /// What each command would be refused with just now, if it would.
     pub refusals: Refusals,
 }
 
-/// How far the search has come. How large the hall is nobody knows before the end.
+/// The progress of the search. Nobody knows before the end how large the hall is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Progress {
-    /// Cells visited.
+    /// Number of cells.
     pub visited: usize,
-    /// What is to be looked at next: unknown cells beside visited ones, and obstacles still to be inspected.
+    /// Number of places to be looked at next: unknown cells beside visited ones, and obstacles still to be inspected.
     pub unknown: usize,
-    /// How long the search will go on driving, photos and answers left out; `None` while nobody can tell, or nothing is open.
+    /// The remaining driving time of the search, without photos and answers; `None` while it cannot be estimated, or
+    /// nothing is open.
     pub left: Option<TimeLeft>,
     /// How much of the hall can be searched, where the hall is known beforehand.
     pub reach: Option<Reach>,
 }
 
-/// How long a search will take, as a range.
+/// The remaining time of a search, as a range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TimeLeft {
     /// It will hardly be less.
     pub least: Duration,
-    /// Nor more; `None` while the hall may go on.
+    /// It will hardly be more; `None` while the hall may go on.
     pub most: Option<Duration>,
 }
 
 impl Progress {
-    /// How much of the hall is searched: 100, or nothing while anything is open, because what it will come to nobody knows.
+    /// How much of the hall is searched: 100, or `None` while anything is open, because nobody knows how large the hall
+    /// is.
     #[must_use]
     pub const fn percent(self) -> Option<u8> {
         if self.visited > 0 && self.unknown == 0 { Some(100) } else { None }
@@ -157,18 +148,14 @@ impl Progress {
 /// Why each of the operator's buttons would be refused just now; `None` where it would not.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Refusals {
-    /// START.
     pub start: Option<Refused>,
-    /// BACK HOME.
     pub back_home: Option<Refused>,
-    /// RETRIEVE.
     pub retrieve: Option<Refused>,
-    /// RESET.
     pub reset: Option<Refused>,
-    /// Moves by hand, whatever the way is.
+    /// Moves by hand, in any direction.
     pub drive: Option<Refused>,
     /// Choosing a strategy.
     pub strategy: Option<Refused>,
-    /// Taking the photo again.
+    /// Retaking the photo.
     pub retake: Option<Refused>,
 }

@@ -1,4 +1,5 @@
-//! What is shown of a retrieval: how far it has come, the trees at work and what they share. What its robots do is shown of the robots.
+//! The view of a retrieval: its progress, the trees at work and their blackboard. The robots themselves are shown among
+//! the robots.
 
 use std::sync::Arc;
 
@@ -11,31 +12,27 @@ use behaviour_trees::{Blackboard, Status, Tree};
 pub struct RetrievalView {
     /// The piece that is fetched.
     pub luggage: LuggageId,
-    /// By whom.
     pub fetcher: Fetcher,
-    /// The word for how far it has come.
     pub stage: &'static str,
     /// Why it cannot be fetched, once that is known.
     pub reason: Option<NotFetched>,
-    /// The cells in which it lies now, as far as they are known; none while it is off the floor.
+    /// The known cells in which it lies now; none while it is off the floor.
     pub piece: Vec<Cell>,
-    /// The trees that lead it; none when it is fetched without.
+    /// None when it is fetched without trees.
     pub trees: Arc<TreesView>,
 }
 
 /// Trees after a tick.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TreesView {
-    /// How often they have been ticked.
     pub ticks: u64,
     /// In the order in which they are ticked.
     pub trees: Vec<TreeView>,
-    /// What they share: the name and the value of each entry that holds something.
+    /// The name and the value of each entry that has one.
     pub blackboard: Vec<(Arc<str>, String)>,
 }
 
 impl TreesView {
-    /// Trees as they are after their last tick.
     #[must_use]
     pub fn of(trees: &[Tree], blackboard: &Blackboard) -> TreesView {
         let held = blackboard.entries().filter_map(|entry| Some((Arc::from(entry.name()), entry.value()?.to_string())));
@@ -47,34 +44,28 @@ impl TreesView {
     }
 }
 
-/// A tree after a tick.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TreeView {
-    /// Its ID.
     pub id: Arc<str>,
     /// In preorder.
     pub nodes: Vec<NodeShown>,
 }
 
-/// A node after a tick.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodeShown {
     /// Names of the subtrees it is in and its own, joined with `/`.
     pub path: Arc<str>,
-    /// Its name.
     pub name: Arc<str>,
-    /// The name of its kind.
     pub kind: Arc<str>,
     /// How far below the root it is.
     pub depth: usize,
-    /// What it said in the last tick if it was ticked in it, else how it stands.
+    /// What it returned in the last tick if it was ticked, else its status.
     pub status: Status,
     /// Whether it was ticked in the last tick.
     pub is_ticked: bool,
 }
 
 impl TreeView {
-    /// A tree as it is after its last tick.
     #[must_use]
     pub fn of(tree: &Tree) -> TreeView {
         let nodes = tree.nodes().map(|node| NodeShown {

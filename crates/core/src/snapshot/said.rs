@@ -1,5 +1,5 @@
-//! What the log says, as values: whoever shows it in another language makes the sentence of these. `Display` is the English one, as
-//! programs read it. When a line is shown, and how many there are, is the business of `log`.
+//! The lines of the log as values, from which other languages make their sentences. `Display` is the English sentence,
+//! as programs read it. When a line is shown, and how many there are, is decided in `log`.
 
 use std::fmt;
 use std::sync::Arc;
@@ -14,37 +14,31 @@ use crate::units::{Cell, LuggageId, Pose};
 use crate::world::alarm::AlarmCause;
 use behaviour_trees::state::StateError;
 
-/// What a line of the log says. `Display` is the sentence.
+/// A line of the log. `Display` is the sentence.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Said {
-    /// Somebody asked for something, or did something to the simulator.
+    /// Somebody sent a command, or did something to the simulator.
     Asked {
-        /// What it was.
         asked: Asked,
         /// The piece that was meant, where the words do not name it.
         meant: Option<LuggageId>,
-        /// By whom.
         issuer: Issuer,
-        /// Why it was refused; `None` when it was accepted.
+        /// `None` when it was accepted.
         refused: Option<Refused>,
     },
-    /// A safe that had been accepted was overtaken by a danger before it was on record, and so refused with this.
+    /// An accepted verdict of safe was overtaken by danger before it was on record, and so refused for this reason.
     Overtaken(Refused),
-    /// This holds the robot now, for this reason where there is more to say of it.
+    /// A hold has begun, for this reason if there is more to say.
     Held(Hold, Option<HoldReason>),
-    /// This holds it no longer.
+    /// A hold has ended.
     Over(Hold),
-    /// From the first phase on to the second.
+    /// From the first phase to the second.
     Phase(PhaseName, PhaseName),
-    /// The mission is in fault.
     Fault(FaultCause),
-    /// An alarm was raised.
     Alarm(AlarmCause),
     /// A piece was found, and is on record.
     Found {
-        /// Its number.
         luggage: LuggageId,
-        /// Where it stands.
         cell: Cell,
         /// Whether its photo is usable.
         has_photo: bool,
@@ -57,40 +51,38 @@ pub enum Said {
     Secured(LuggageId),
     /// No way leads to the cell to which somebody sent the robot.
     NoWay(Cell),
-    /// A robot says that it stands elsewhere than the record has it; `None`: the robot that searches.
+    /// A robot reports that it stands elsewhere than the record has it; `None`: the robot that searches.
     Stands(Option<RobotId>, Pose),
-    /// Something is the matter with a robot.
     Robot(RobotId, Trouble),
-    /// The pair's trees cannot go on from where they stood.
+    /// The pair's trees cannot resume their state.
     TreesBeginAnew(StateError),
-    /// The program was started again.
     StartedAgain,
     /// The program was asked to end, by this.
     Ended(String),
     /// The robot was put down in another hall.
     PutDown,
-    /// What the journal says, recalled from before a restart or of another moment. `Said::fact` makes it.
+    /// A fact of the journal, recalled from before a restart or from another moment. `Said::fact` makes it.
     Fact(Arc<Fact>),
-    /// In the words of others, as those of whoever found a file damaged.
+    /// Foreign words, such as those about a damaged file.
     Words(String),
 }
 
-/// What is the matter with a robot. Words are those of the robot, or of the link to it.
+/// Trouble with a robot. Words come from the robot, or from the link to it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Trouble {
-    /// It says that it stands in this cell, where no hall reaches.
+    /// It reports that it stands in this cell, where no hall reaches.
     TooFar(Cell),
-    /// It was the last to read that it is too hot, and has no thermometer any more.
+    /// Its last reading was too hot, and it no longer has a thermometer.
     NoThermometer,
-    /// It cannot be reached, which holds the robots already; why.
+    /// It still cannot be reached, which holds the robots already, for this reason.
     StillUnreached(String),
-    /// It cannot be reached; why.
+    /// It cannot be reached, for this reason.
     Unreached(String),
     /// It met something as it left this cell.
     MetObstacle(Cell),
-    /// It could not carry out its order; why.
+    /// It could not carry out its order, for this reason.
     Failed(String),
-    /// It took no photo; why.
+    /// It took no photo, for this reason.
     NoPhoto(String),
     /// It did not finish its order in time.
     Unanswered,
@@ -140,7 +132,8 @@ impl fmt::Display for Said {
 }
 
 impl Said {
-    /// What the journal says. Lines are kept for long: what is large and is not said, as a photo or all that stands, is not kept with them.
+    /// A line about a fact. Lines are stored for long, so large parts that are not shown (a photo, the whole state) are
+    /// left out.
     #[must_use]
     pub fn fact(fact: &Fact) -> Said {
         if let Fact::Luggage { record, .. } = fact {

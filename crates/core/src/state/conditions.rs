@@ -1,14 +1,13 @@
-//! What a record of a mission means beside itself, and what may be other at another time: where it was, and what counted as too hot.
+//! The circumstances of a mission's record, which may differ at another time: where it was, and which temperature
+//! counted as too hot.
 
 use std::fmt;
 use std::sync::Arc;
 
 use crate::units::Celsius;
 
-/// The circumstances of what happens.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conditions {
-    /// Where it happens.
     pub venue: Venue,
     /// Above this nothing moves.
     pub threshold: Celsius,
@@ -17,33 +16,32 @@ pub struct Conditions {
 /// Where the robots are.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Venue {
-    /// The name of the hall; where it is none of ours, what is known of the place, as the address of the robot in it.
+    /// The name of the hall; for a foreign place, what is known of it, such as the address of the robot in it.
     pub name: Arc<str>,
     /// The side of a cell, in metres, where it is known.
     pub cell_m: Option<f64>,
-    /// The robot that searches counts its way by time, and nobody has said where things stand: one that is met for the first time may
-    /// be shown a cell beside where it is.
+    /// Whether the robot that searches counts its way by time, without known places of things: a thing that is met for
+    /// the first time may then be shown a cell beside where it is.
     pub is_reckoned: bool,
     /// How much of it can be searched, where it is known beforehand.
     pub reach: Option<Reach>,
     /// Robots that take part, the one that searches first; none where that is not on record.
     pub robots: Arc<[Participant]>,
-    /// What chance follows from in a simulated hall.
+    /// The seed of everything random in a simulated hall.
     pub seed: Option<u64>,
 }
 
 /// A robot that takes part, as the settings have it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Participant {
-    /// Its name.
     pub name: Arc<str>,
-    /// As `sim` or `line`: the settings have the list.
+    /// Such as `sim` or `line`: the settings have the list.
     pub kind: Arc<str>,
-    /// Where it is reached; `None` for one that is part of this program.
+    /// `None` for a robot that is part of this program.
     pub address: Option<Arc<str>>,
 }
 
-/// How much of a hall a robot can come to from its start.
+/// How much of a hall a robot can reach from its start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reach {
     /// Free cells that can be reached, the start included.
@@ -53,7 +51,6 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// Whether some free cells cannot be reached.
     #[must_use]
     pub const fn is_partial(self) -> bool {
         self.reachable < self.free

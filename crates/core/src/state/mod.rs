@@ -1,6 +1,6 @@
-//! What outlives the program, and how it follows from the facts, one by one (safety R1): live and when a journal is read back
-//! by the same code. Nothing else changes it, but for what must be said anew after a restart (`after_restart`).
-//! How facts are written and read back is the store's business.
+//! The state that outlives the program, and how it follows from the facts, one by one (safety R1): live and when a
+//! journal is read back, by the same code. Nothing else changes it, except that some parts have to be reported anew
+//! after a restart (`after_restart`). How facts are written and read back stands in the store.
 
 mod conditions;
 mod phase;
@@ -29,64 +29,57 @@ use crate::robot::RobotId;
 use crate::search::Goal;
 use crate::units::Piece;
 
-/// So many cells of the map take as much on record as an entry, since rows are written in runs.
+/// Cells of the map that take as much on record as an entry, since rows are written in runs.
 const CELLS_AN_ENTRY: usize = 64;
 
-/// Everything that is as it was after a restart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PersistentState {
     /// The number of the mission, or of the last.
     pub mission: MissionId,
     /// Whether it has begun and is not archived yet.
     pub under_way: bool,
-    /// Where it stands.
     pub phase: Phase,
-    /// What holds the robot.
     pub holds: Holds,
     /// Raised by every stop.
     pub epoch: Epoch,
-    /// The order of the search.
     pub strategy: Strategy,
-    /// How far the search has come.
     pub search: Search,
-    /// What it is after.
+    /// What the search is after.
     pub goal: Option<Goal>,
     /// Cells that were free once and blocked later.
     pub blocked: BTreeSet<Cell>,
     /// Where the last completed order left the robot that searches.
     pub pose: Pose,
-    /// The same of the others that have moved.
+    /// Where the last completed orders left the other robots that have moved.
     pub others: BTreeMap<RobotId, Pose>,
-    /// How many steps those who are before the entrance stand from home.
+    /// Steps from home of the robots that stand before the entrance.
     pub outside: BTreeMap<RobotId, u8>,
     /// The retrieval under way, or in fault.
     pub retrieval: Option<Retrieval>,
-    /// Whether the LED blinks.
     pub led_blinking: bool,
-    /// The hall.
     pub map: HallMap,
-    /// The pieces the camera would know again.
+    /// The pieces that the camera would recognise.
     pub pieces: BTreeSet<Piece>,
-    /// The cells where a piece that was known already was met once more.
+    /// The cells where a known piece was met once more.
     pub met_again: BTreeMap<Cell, Piece>,
     /// The luggage of the mission.
     pub luggage: LuggageRecords,
     /// The number of the last piece of all missions.
     pub last_luggage: LuggageId,
-    /// The alarms, oldest first.
+    /// Oldest first.
     pub alarms: Vec<Arc<Alarm>>,
     /// The number of the last alarm of all missions.
     pub last_alarm: AlarmId,
-    /// The operator's last reading: nobody else would tell it again.
+    /// The operator's last reading, which no thermometer would repeat.
     pub reading: Option<Celsius>,
-    /// Where this is; `None` where no journal said so yet.
+    /// `None` where no journal has recorded them yet.
     pub conditions: Option<Conditions>,
     /// By how many milliseconds the clock was set since the mission began.
     pub clock_set_ms: i64,
 }
 
 impl PersistentState {
-    /// Before anything has happened.
+    /// The state before anything has happened.
     #[must_use]
     pub fn first(strategy: Strategy) -> PersistentState {
         PersistentState {
@@ -117,18 +110,18 @@ impl PersistentState {
         }
     }
 
-    /// How many entries would take as much, in bytes and in time, as saying all of this: luggage and the map, beside which the rest is
-    /// nothing.
+    /// Number of entries that take as much, in bytes and in time, as a record of all of this: luggage and the map,
+    /// beside which the rest is negligible.
     pub(crate) fn size_in_entries(&self) -> u64 {
         (self.luggage.len() + self.map.visited() / CELLS_AN_ENTRY) as u64
     }
 
-    /// What stands after one more entry of a journal.
+    /// Applies one more entry of a journal.
     pub fn apply(&mut self, entry: &Entry) {
         self.follow(&entry.fact, entry.wall, Revision(1));
     }
 
-    /// What stands once this has happened; changes of the map are of this revision.
+    /// Applies a fact; changes of the map get this revision.
     pub(crate) fn follow(&mut self, fact: &Fact, wall: WallTime, revision: Revision) {
         match fact {
             Fact::ProgramStarted(_)
@@ -174,8 +167,8 @@ impl PersistentState {
         }
     }
 
-    /// What stands when the program comes back. What holds the robot because of something outside is not known before that says so
-    /// again, and no robot is linked yet.
+    /// The state when the program comes back. Holds with a cause outside are not known before that is reported again,
+    /// and no robot is linked yet.
     #[must_use]
     pub(crate) fn after_restart(mut self) -> PersistentState {
         for hold in [Hold::Temperature, Hold::TemperatureStale, Hold::Store] {
@@ -215,7 +208,8 @@ impl PersistentState {
         self.map.mark(cell, mark, revision);
     }
 
-    /// A record of a piece known already keeps the verdict that was given in the meantime, and since when the piece waits.
+    /// A new record of a known piece gets the verdict that was given in the meantime, and the time since which the
+    /// piece waits.
     fn keep(&mut self, record: &Arc<Luggage>) {
         let known = self.luggage.get(record.id);
         let (verdict, secured) = known.map_or((None, None), |known| (known.verdict.clone(), known.secured));
@@ -230,7 +224,7 @@ impl PersistentState {
         self.luggage.change(luggage, |record| record.secured = Some(wall));
     }
 
-    /// What is counted from a moment before goes on as if the clock had been as it is now.
+    /// Times that were noted earlier are shifted, as if the clock had always been as it is now.
     fn set_clock(&mut self, by_ms: i64) {
         self.clock_set_ms = self.clock_set_ms.saturating_add(by_ms);
         let waiting: Vec<LuggageId> = self.luggage.iter().filter(|record| record.is_pending()).map(|record| record.id).collect();

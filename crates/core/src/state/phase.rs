@@ -1,11 +1,9 @@
-//! The phases of a mission, each with exactly the data it needs (mission §4).
-//! What leads from one to the next stands in `table`.
+//! The phases of a mission, each with exactly the data it needs (mission §4). The transitions stand in `table`.
 
 use crate::command::Move;
 use crate::phase::{FaultCause, PhaseName};
 use crate::units::{Cell, LuggageId, Piece, Pose};
 
-/// Where the mission stands.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Phase {
     /// No mission.
@@ -14,13 +12,13 @@ pub enum Phase {
     Exploring,
     /// At a piece of luggage, from the bump on.
     Inspecting(Inspection),
-    /// Driven by hand; keeps the phase it interrupted.
+    /// Driven by hand; stores the phase it interrupted.
     Driving {
         /// The cell of a goto; `None` for a single move.
         goal: Option<Cell>,
         /// The move that is still to be ordered.
         next: Option<Move>,
-        /// What goes on afterwards.
+        /// The phase that goes on afterwards.
         interrupted: Box<Phase>,
     },
     /// On the way home after backHome.
@@ -31,15 +29,13 @@ pub enum Phase {
     ReturningWithAlarm,
     /// Home, and a bomb is known to be in the hall.
     BombLocated,
-    /// The bomb is being fetched.
     Retrieving,
     /// The bomb is in the container.
     BagSecured,
     /// The whole hall is searched and the robot is home.
     Explored,
-    /// Something went wrong; keeps the phase it interrupted.
+    /// Something went wrong; stores the phase it interrupted.
     Fault {
-        /// What went wrong.
         cause: FaultCause,
         /// Where START goes back to once the cause is gone.
         interrupted: Box<Phase>,
@@ -77,7 +73,7 @@ impl Phase {
         self.interrupted().map_or(self, Phase::underlying)
     }
 
-    /// The phase that many interruptions below this one.
+    /// The phase below this many interruptions.
     pub(crate) fn below_mut(&mut self, depth: usize) -> &mut Phase {
         if depth == 0 || self.interrupted().is_none() {
             return self;
@@ -86,7 +82,6 @@ impl Phase {
         interrupted.below_mut(depth - 1)
     }
 
-    /// As `underlying`, to be changed.
     pub(crate) fn underlying_mut(&mut self) -> &mut Phase {
         self.below_mut(usize::MAX)
     }
@@ -119,20 +114,17 @@ impl Phase {
     }
 }
 
-/// A piece being inspected.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inspection {
     /// The cell of the obstacle.
     pub cell: Cell,
-    /// Which piece the camera takes it for, if it can tell.
+    /// The piece that the camera recognised, if it could.
     pub piece: Option<Piece>,
     /// Where the robot stands to photograph it.
     pub pose: Pose,
-    /// How far it has come.
     pub stage: Stage,
 }
 
-/// How far an inspection has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Returning to the centre of the cell it came from: the only part that is motion.
@@ -141,9 +133,9 @@ pub enum Stage {
     TakingPhoto,
     /// The record is on its way to the store.
     Recording(LuggageId),
-    /// The record is kept; the operator decides.
+    /// The record is in the store; the operator decides.
     AwaitingVerdict(LuggageId),
-    /// As before, and the photo is being taken again.
+    /// The operator may decide, and the photo is being taken again.
     RetakingPhoto(LuggageId),
 }
 

@@ -1,4 +1,4 @@
-//! What the journal tells of thermometers.
+//! Readings of thermometers, as the journal has them.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -8,12 +8,12 @@ use crate::effect::{Entry, Fact};
 use crate::units::Now;
 use crate::world::temperature::Thermometer;
 
-/// The sources that are not silent, as the journal tells.
+/// The sources that are not silent, by the journal.
 #[derive(Clone, Debug, Default)]
 pub struct Speaking(BTreeSet<Arc<str>>);
 
 impl Speaking {
-    /// Whether any source speaks after this.
+    /// Returns whether any source is not silent after this fact.
     pub fn hear(&mut self, fact: &Fact) -> bool {
         if let Fact::Temperature(source, _) = fact {
             self.0.insert(Arc::clone(source));
@@ -26,7 +26,7 @@ impl Speaking {
     }
 }
 
-/// Lets a thermometer take what the journal tells, oldest first, as it was taken when it happened.
+/// Repeats the readings of the journal, oldest first, in a thermometer, as it took them when they came.
 pub(crate) fn recall(thermometer: &mut Thermometer, entries: &[Entry]) {
     for (Entry { wall, fact }, minute) in entries.iter().zip(0..) {
         // Far enough from one another that each is shown.

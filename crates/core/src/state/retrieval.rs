@@ -1,5 +1,5 @@
-//! What is kept of a retrieval, so that it goes on where it stood after a restart. What its robots do next follows from this and from
-//! where they say they are.
+//! The stored state of a retrieval, from which it goes on after a restart. The next actions of its robots follow from
+//! this and from their own reports of where they stand.
 
 use std::collections::BTreeSet;
 
@@ -12,35 +12,31 @@ use crate::units::{AlarmId, Cell, LuggageId};
 pub struct Retrieval {
     /// The piece that is fetched.
     pub luggage: LuggageId,
-    /// By whom.
     pub fetcher: Fetcher,
-    /// How far it has come.
     pub stage: RetrievalStage,
-    /// The cells it is known to stand on; none while it is off the floor.
+    /// The known cells on which it stands; none while it is off the floor.
     pub piece: BTreeSet<Cell>,
     /// The robots' last call to the operator, which holds them until it is acknowledged.
     pub call: Option<AlarmId>,
-    /// How the pair's trees stand, once they have been ticked.
+    /// The state of the pair's trees, once they have been ticked.
     pub team: Option<TeamState>,
 }
 
-/// How far a retrieval has come.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RetrievalStage {
     /// The robot that searches leaves home, so that the others can come in.
     MakingRoom,
-    /// The piece is fetched.
     Fetching,
-    /// The robot that fetches by itself has it at home and is about to let go of it.
+    /// The robot that fetches by itself has it at home and is about to release it.
     LettingGo,
     /// It is in the container, or cannot be fetched, for this reason: the robots that fetched go back outside.
     GoingOut(Option<NotFetched>),
-    /// Everybody is outside: the robot that searches comes home, and then the piece is secured, or for this reason it is not.
+    /// Everybody is outside: the robot that searches comes home, and then the piece is secured, or for this reason it
+    /// is not.
     ComingHome(Option<NotFetched>),
 }
 
 impl RetrievalStage {
-    /// The fixed word for it.
     #[must_use]
     pub const fn name(&self) -> &'static str {
         match self {

@@ -1,5 +1,5 @@
-//! Alarms: what an operator must be told loudly, until somebody says that it was seen. One is shown at once; its number is shown
-//! when it is on record, because a number that was shown must never mean another (safety R4).
+//! Alarms: what an operator must be told loudly, until somebody acknowledges it. An alarm is shown at once, and its
+//! number once that is on record, because a number that was shown must never mean another alarm (safety R4).
 
 use std::fmt;
 use std::sync::Arc;
@@ -7,44 +7,35 @@ use std::sync::Arc;
 use crate::pair::Saying;
 use crate::units::{AlarmId, Cell, LuggageId, WallTime};
 
-/// One alarm.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Alarm {
-    /// Its number.
     pub id: AlarmId,
-    /// When it was raised.
     pub raised: WallTime,
-    /// What it says to an operator.
     pub cause: AlarmCause,
-    /// The piece it is about, where it is about one.
     pub luggage: Option<LuggageId>,
-    /// Who has seen it, and when.
+    /// Who acknowledged it, and when.
     pub acknowledged: Option<(Arc<str>, WallTime)>,
 }
 
-/// What is shown of an alarm.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AlarmView {
-    /// Its number; `None` until it is on record.
+    /// `None` until it is on record.
     pub id: Option<AlarmId>,
-    /// When it was raised.
     pub raised: WallTime,
-    /// What it says to an operator.
     pub cause: AlarmCause,
-    /// The piece it is about, where it is about one.
     pub luggage: Option<LuggageId>,
-    /// Who has seen it, and when.
+    /// Who acknowledged it, and when.
     pub acknowledged: Option<(Arc<str>, WallTime)>,
 }
 
-/// Why there is an alarm. `Display` is what an operator reads, and what the journal keeps.
+/// Why there is an alarm. `Display` is what an operator reads, and what the journal stores.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum AlarmCause {
     /// The piece in this cell was found dangerous.
     Dangerous(LuggageId, Cell),
-    /// The same was said of it, but is not on record.
+    /// The piece was found dangerous, but that is not on record.
     Unrecorded(LuggageId, Cell),
-    /// The pair that fetches this piece has something to say.
+    /// The pair that fetches this piece calls the operator.
     Call(LuggageId, Saying),
     /// In words of another version.
     Other(String),
@@ -64,14 +55,13 @@ impl fmt::Display for AlarmCause {
 }
 
 impl AlarmCause {
-    /// What has these words: `Other` when nothing else has.
+    /// The cause with these words; `Other` when there is none.
     #[must_use]
     pub fn from_words(words: &str) -> AlarmCause {
         read(words).unwrap_or_else(|| AlarmCause::Other(words.to_owned()))
     }
 }
 
-/// The cause that is written so.
 fn read(words: &str) -> Option<AlarmCause> {
     let about = words.strip_prefix("luggage #")?;
     let (number, rest) = about.split_at(about.find([' ', ':'])?);
@@ -92,7 +82,6 @@ impl AlarmView {
         AlarmView { id: None, raised, cause, luggage, acknowledged }
     }
 
-    /// Whether it is on record.
     #[must_use]
     pub const fn is_recorded(&self) -> bool {
         self.id.is_some()

@@ -4,17 +4,14 @@ use crate::units::Cell;
 
 named! {
     by name;
-    /// What is known of a cell.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum Mark {
-        /// Nothing.
         #[default]
         Unknown = "unknown",
-        /// Its sonar has seen that it is free; the robot was not there yet.
+        /// The sonar has seen that it is free; the robot was not there yet.
         Seen = "seen",
-        /// The robot was there: it is free.
+        /// The robot was there, so it is free.
         Visited = "visited",
-        /// A wall.
         Wall = "wall",
         /// An inspected piece of luggage, or an obstacle that could not be told from one.
         Luggage = "luggage",
@@ -24,7 +21,7 @@ named! {
 }
 
 impl Mark {
-    /// Whether the robot is still to go there, and nothing is known to stand in its way.
+    /// Whether the robot is still to go there, and no known obstacle prevents it.
     #[must_use]
     pub const fn is_unvisited(self) -> bool {
         matches!(self, Mark::Unknown | Mark::Seen)
@@ -47,7 +44,6 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The rectangle of one cell.
     #[must_use]
     pub const fn of(cell: Cell) -> Bounds {
         Bounds { least: cell, most: cell }
@@ -61,25 +57,24 @@ impl Bounds {
         }
     }
 
-    /// Larger by so many cells on every side.
+    /// Larger by this many cells on every side.
     #[must_use]
     pub const fn grown(self, by: i32) -> Bounds {
         Bounds { least: Cell::new(self.least.x - by, self.least.y - by), most: Cell::new(self.most.x + by, self.most.y + by) }
     }
 
-    /// Whether it holds `cell`.
     #[must_use]
     pub const fn contains(self, cell: Cell) -> bool {
         cell.x >= self.least.x && cell.y >= self.least.y && cell.x <= self.most.x && cell.y <= self.most.y
     }
 
-    /// Columns.
+    /// In columns.
     #[must_use]
     pub const fn width(self) -> i32 {
         self.most.x - self.least.x + 1
     }
 
-    /// Rows.
+    /// In rows.
     #[must_use]
     pub const fn height(self) -> i32 {
         self.most.y - self.least.y + 1

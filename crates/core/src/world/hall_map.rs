@@ -1,5 +1,5 @@
-//! The hall as far as it is known: a mark for every cell, and the frontier where the known ends. How they are kept in memory that
-//! snapshots share stands in `tiles`; how a map is written on a wire is `hallsweep::api`'s business.
+//! The hall as far as it is known: a mark for every cell, and the frontier where the known cells end. How they are
+//! stored in memory that snapshots share stands in `tiles`; how a map is written on a wire stands in `hallsweep::api`.
 
 use std::sync::Arc;
 
@@ -8,16 +8,15 @@ pub use super::tiles::{TILE, Tile, cells_of};
 use super::tiles::{Tiles, place_in_tile, tile_of};
 use crate::units::{Cell, Revision};
 
-/// No cell further from home than this, in either direction, is kept: a robot that reports more is wrong.
+/// Greatest coordinate of a stored cell, in either direction from home: a robot that reports more is wrong.
 pub const REACH: i32 = 8192;
 
-/// Everything known of the hall.
 #[derive(Clone, Debug)]
 pub struct HallMap {
     tiles: Tiles,
     visited: usize,
     uninspected: usize,
-    /// How many cells the frontier has.
+    /// Number of cells of the frontier.
     open: usize,
     visited_bounds: Bounds,
     known_bounds: Bounds,
@@ -39,18 +38,16 @@ impl HallMap {
         map
     }
 
-    /// What is known of `cell`.
     #[must_use]
     pub fn at(&self, cell: Cell) -> Mark {
         self.tiles.at(cell)
     }
 
-    /// Whether this mark would change anything.
     pub(crate) fn is_news(&self, cell: Cell, mark: Mark) -> bool {
         self.at(cell) != mark && cell.x.abs() <= REACH && cell.y.abs() <= REACH
     }
 
-    /// Writes a mark; true when it changed anything. Cells beyond `REACH` are not kept.
+    /// Writes a mark; true when it changed anything. Cells beyond `REACH` are not stored.
     pub fn mark(&mut self, cell: Cell, mark: Mark, revision: Revision) -> bool {
         if !self.is_news(cell, mark) {
             return false;
@@ -75,7 +72,7 @@ impl HallMap {
         true
     }
 
-    /// Nobody has seen this map before this revision: all of it counts as changed then.
+    /// Nobody has seen this map before this revision, so all of it counts as changed by it.
     pub(crate) fn show_first_at(&mut self, revision: Revision) {
         self.tiles.iter_mut().for_each(|tile| tile.revision = revision);
     }
@@ -85,25 +82,25 @@ impl HallMap {
         self.tiles.iter().flat_map(|(corner, tile)| tile.frontier(corner))
     }
 
-    /// How many of them there are.
     #[must_use]
     pub const fn frontier_size(&self) -> usize {
         self.open
     }
 
-    /// How many cells the robot has visited.
+    /// Number of cells that the robot has visited.
     #[must_use]
     pub const fn visited(&self) -> usize {
         self.visited
     }
 
-    /// How many obstacles are still to be inspected.
+    /// Number of obstacles that are still to be inspected.
     #[must_use]
     pub const fn uninspected(&self) -> usize {
         self.uninspected
     }
 
-    /// Known places that are not searched: cells never entered beside visited ones, and obstacles that were not inspected.
+    /// Number of known places that are not searched: cells never entered beside visited ones, and obstacles that were
+    /// not inspected.
     #[must_use]
     pub const fn unsearched(&self) -> usize {
         self.open + self.uninspected
@@ -132,18 +129,17 @@ impl HallMap {
         self.tiles.tile(tile_of(corner)).is_some_and(|tile| tile.is_known())
     }
 
-    /// Those of them that may have changed since `older`, an earlier state of this map.
+    /// The tiles that may have changed since `older`, an earlier state of this map.
     pub fn tiles_changed_since<'a>(&'a self, older: &'a HallMap) -> impl Iterator<Item = (Cell, &'a Arc<Tile>)> {
         self.tiles.changed(&older.tiles).filter(|(_, tile)| tile.is_known())
     }
 
-    /// Every cell of which anything is known, with its mark.
     pub fn known(&self) -> impl Iterator<Item = (Cell, Mark)> {
         let marked = self.tiles().flat_map(|(corner, tile)| cells_of(corner).map(|cell| (cell, tile.at(place_in_tile(cell)))));
         marked.filter(|(_, mark)| *mark != Mark::Unknown)
     }
 
-    /// The cells whose mark differs from `older`'s, with their marks here. Tiles that are shared are not looked into.
+    /// The cells whose mark differs from `older`'s, with their marks here. Shared tiles are not compared.
     #[must_use]
     pub fn changes_since(&self, older: &HallMap) -> Vec<(Cell, Mark)> {
         let mut changes = Vec::new();
@@ -156,7 +152,7 @@ impl HallMap {
         changes
     }
 
-    /// Looks whether the known ends in `cell` now.
+    /// Updates whether the frontier runs through `cell`.
     fn move_frontier(&mut self, cell: Cell, revision: Revision) {
         let is_open = self.at(cell).is_unvisited() && cell.neighbours().into_iter().any(|next| self.at(next) == Mark::Visited);
         let was_open = self.tiles.tile(tile_of(cell)).is_some_and(|tile| tile.is_open(place_in_tile(cell)));

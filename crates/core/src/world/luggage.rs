@@ -1,4 +1,4 @@
-//! Luggage records: what was met, where it was photographed from, and what the operator said of it (mission §7).
+//! Luggage records: what was met, where it was photographed from, and the operator's verdict (mission §7).
 
 use std::sync::Arc;
 
@@ -6,24 +6,21 @@ use crate::command::{Note, Verdict};
 use crate::event::Photo;
 use crate::units::{Cell, LuggageId, Piece, Pose, WallTime};
 
-/// The record of one piece.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Luggage {
     /// Its number, never used for another piece.
     pub id: LuggageId,
-    /// The cell of the bag, where it was met.
+    /// Where it was met.
     pub cell: Cell,
-    /// Where the robot stood when it took the photo, and which way it faced.
+    /// The robot's pose for the photo.
     pub pose: Pose,
     /// When the photo was taken (or failed).
     pub taken: WallTime,
-    /// When the first photo of it was: from then on it waits for its verdict.
+    /// When its first photo was taken: from then on it waits for its verdict.
     pub first_taken: WallTime,
-    /// What became of the photo.
     pub photo: PhotoState,
-    /// What was decided.
     pub verdict: Option<Decision>,
-    /// Which piece the camera takes it for, if it can tell.
+    /// The piece that the camera recognised, if it could.
     pub piece: Option<Piece>,
     /// When it was put into the container.
     pub secured: Option<WallTime>,
@@ -31,22 +28,19 @@ pub struct Luggage {
     pub clock_set_ms: i64,
 }
 
-/// What became of a photo.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PhotoState {
-    /// It is kept; how many bytes, and how often it was taken (so that a retaken one is not taken for the first).
     Taken {
-        /// Size in bytes.
         bytes: usize,
-        /// 1 for the first photo, more after a retake.
+        /// 1 for the first photo, more after a retake, so that a new photo is not taken for the first.
         take: u32,
     },
-    /// There is none, and why.
+    /// There is none, for this reason.
     Failed(String),
 }
 
 impl PhotoState {
-    /// What becomes of it when a photo is taken (again), or fails: an older one stays good.
+    /// The state after another photo was taken, or failed: an older photo stays valid then.
     #[must_use]
     pub fn after(before: Option<&PhotoState>, photo: &Result<Photo, String>) -> PhotoState {
         let take = match before {
@@ -61,30 +55,25 @@ impl PhotoState {
     }
 }
 
-/// Why there is no photo of a piece to look at. `Display` is the sentence a person reads.
+/// Why there is no photo of a piece. `Display` is the sentence a person reads.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoPhoto {
-    /// The camera failed, and how.
+    /// The camera failed, for this reason.
     #[error("there is no photo of luggage #{0}: {1}; take it again")]
     Failed(LuggageId, String),
-    /// It was not taken so often; how often it was.
+    /// This take does not exist; the last number is that of the takes.
     #[error("there is no photo {1} of luggage #{0}: there are 1 to {2}")]
     NotTaken(LuggageId, u64, u32),
-    /// It was taken, and the record has it no more.
+    /// It was taken, and is no longer on record.
     #[error("the photo of luggage #{0} is not kept")]
     NotKept(LuggageId),
 }
 
-/// A verdict that stands.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Decision {
-    /// What it is.
     pub verdict: Verdict,
-    /// Who said so.
     pub who: Arc<str>,
-    /// When.
     pub wall: WallTime,
-    /// What else was said of it.
     pub note: Option<Note>,
 }
 
@@ -95,19 +84,17 @@ impl Luggage {
         self.first_taken.set_by(self.clock_set_ms)
     }
 
-    /// Whether its verdict is still to be given.
     #[must_use]
     pub const fn is_pending(&self) -> bool {
         self.verdict.is_none()
     }
 
-    /// Whether there is a photo to judge by.
     #[must_use]
     pub const fn has_photo(&self) -> bool {
         matches!(self.photo, PhotoState::Taken { .. })
     }
 
-    /// How often its photo was taken.
+    /// The number of the latest take.
     ///
     /// # Errors
     /// `Failed` when there is none.
@@ -118,7 +105,6 @@ impl Luggage {
         }
     }
 
-    /// Whether it was found dangerous.
     #[must_use]
     pub fn is_dangerous(&self) -> bool {
         self.verdict.as_ref().is_some_and(|decision| decision.verdict == Verdict::Danger)

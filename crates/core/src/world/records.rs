@@ -1,6 +1,6 @@
-//! The luggage records by their numbers, in memory that snapshots share: a copy costs next to nothing, and what has changed between two
-//! states is found without looking at the rest. Which of them wait for a verdict, are bombs still in the hall or are secured is kept at
-//! hand.
+//! The luggage records by their numbers, in memory that snapshots share: a copy costs next to nothing, and the changes
+//! between two states are found without comparing the rest. Which records wait for a verdict, are bombs still in the
+//! hall or are secured is indexed.
 
 use std::collections::BTreeSet;
 use std::ops::Index;
@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::luggage::Luggage;
 use crate::units::LuggageId;
 
-/// So many records hang together: a change copies as many pointers, and a snapshot one for each such part.
+/// Records per part: a change copies as many pointers, and a snapshot one for each part.
 pub const PART: usize = 128;
 
 type Part = Arc<Vec<Arc<Luggage>>>;
@@ -17,7 +17,7 @@ type Part = Arc<Vec<Arc<Luggage>>>;
 /// Records of luggage, each number once, in the order of the numbers.
 #[derive(Clone, Debug, Default)]
 pub struct LuggageRecords {
-    /// None of them is empty.
+    /// No part is empty.
     parts: Arc<Vec<Part>>,
     size: usize,
     pending: BTreeSet<LuggageId>,
@@ -27,75 +27,70 @@ pub struct LuggageRecords {
 }
 
 impl LuggageRecords {
-    /// How many there are.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.size
     }
 
-    /// Whether there is none.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.size == 0
     }
 
-    /// All of them.
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = &Arc<Luggage>> {
         self.parts.iter().flat_map(|part| part.iter())
     }
 
-    /// The one of this number.
     #[must_use]
     pub fn get(&self, id: LuggageId) -> Option<&Arc<Luggage>> {
         let part = self.parts.get(self.part_of(id)?)?;
         part.binary_search_by_key(&id, |record| record.id).ok().map(|place| &part[place])
     }
 
-    /// The latest.
     #[must_use]
     pub fn last(&self) -> Option<&Arc<Luggage>> {
         self.parts.last()?.last()
     }
 
-    /// Those that wait for their verdict, the oldest first.
+    /// Records that wait for their verdict, the oldest first.
     pub fn pending(&self) -> impl Iterator<Item = &Arc<Luggage>> {
         self.pending.iter().filter_map(|id| self.get(*id))
     }
 
-    /// Those that were found dangerous and are still in the hall, the oldest first.
+    /// Records of dangerous pieces that are still in the hall, the oldest first.
     pub fn bombs_left(&self) -> impl Iterator<Item = &Arc<Luggage>> {
         self.bombs_left.iter().filter_map(|id| self.get(*id))
     }
 
-    /// Those that are in the container, the oldest first.
+    /// Records of pieces in the container, the oldest first.
     pub fn secured(&self) -> impl Iterator<Item = &Arc<Luggage>> {
         self.secured.iter().filter_map(|id| self.get(*id))
     }
 
-    /// Those that wait for their verdict and have no photo, the oldest first.
+    /// Records that wait for their verdict and have no photo, the oldest first.
     pub fn photoless(&self) -> impl Iterator<Item = &Arc<Luggage>> {
         self.photoless.iter().filter_map(|id| self.get(*id))
     }
 
-    /// All of them, part by part: none has more than `PART`.
+    /// All records, part by part: none has more than `PART`.
     pub fn parts(&self) -> impl ExactSizeIterator<Item = &[Arc<Luggage>]> {
         self.parts.iter().map(|part| &part[..])
     }
 
-    /// The parts that are not the same memory as in `older`, an earlier state of these, each with its place.
+    /// The parts that are not the same memory as in `older`, an earlier state of these, each with its index.
     pub fn parts_changed_since<'a>(&'a self, older: &'a LuggageRecords) -> impl Iterator<Item = (usize, &'a [Arc<Luggage>])> {
         let is_shared = |n: usize, part: &Part| older.parts.get(n).is_some_and(|old| Arc::ptr_eq(old, part));
         let parts = self.parts.iter().enumerate().filter(move |(n, part)| !is_shared(*n, part));
         parts.map(|(n, part)| (n, &part[..]))
     }
 
-    /// Those that are not the same memory as in `older`, an earlier state of these.
+    /// The records that are not the same memory as in `older`, an earlier state of these.
     pub fn changed_since<'a>(&'a self, older: &'a LuggageRecords) -> impl Iterator<Item = &'a Arc<Luggage>> {
         let is_same = |record: &Arc<Luggage>| older.get(record.id).is_some_and(|old| Arc::ptr_eq(old, record));
         self.parts_changed_since(older).flat_map(|(_, part)| part).filter(move |record| !is_same(record))
     }
 
-    /// Puts a record in the place of the one of its number, or where its number belongs.
+    /// Inserts a record, or replaces the one with its number.
     pub fn insert(&mut self, record: Arc<Luggage>) {
         let id = record.id;
         let is_pending = record.is_pending();
@@ -132,7 +127,6 @@ impl LuggageRecords {
         }
     }
 
-    /// Changes the record of this number, if there is one.
     pub fn change(&mut self, id: LuggageId, change: impl FnOnce(&mut Luggage)) {
         if let Some(record) = self.get(id) {
             let mut changed = Luggage::clone(record);
@@ -147,7 +141,7 @@ impl LuggageRecords {
     }
 }
 
-/// Parts that are shared are not looked into, as long as both are divided alike, which they are unless numbers came out of order.
+/// Shared parts are not compared, as long as both are divided alike, which they are unless numbers came out of order.
 impl PartialEq for LuggageRecords {
     fn eq(&self, other: &LuggageRecords) -> bool {
         if self.size != other.size || Arc::ptr_eq(&self.parts, &other.parts) {
@@ -177,7 +171,7 @@ impl<const N: usize> From<[Arc<Luggage>; N]> for LuggageRecords {
     }
 }
 
-/// By place, the oldest being the first.
+/// By index, the oldest being the first.
 impl Index<usize> for LuggageRecords {
     type Output = Arc<Luggage>;
 

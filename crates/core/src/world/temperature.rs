@@ -1,5 +1,5 @@
-//! The temperature of the hall: the last reading of every source, compared with the threshold.
-//! Which hold follows from it is the mission's business.
+//! The temperature of the hall: the last reading of every source, compared with the threshold. Which hold follows from
+//! it is decided in the mission.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -8,13 +8,14 @@ use std::time::Duration;
 use crate::command::{OPERATOR, OTHERS, ROBOT};
 use crate::units::{Celsius, Now, WallTime};
 
-/// How many sources are listened to: the operator, the hall, and room for the sensors of a large hall.
+/// Most sources of readings: the operator, the hall, and room for the sensors of a large hall.
 pub const SOURCES: usize = 64;
 
 /// Time without a reading after which a robot's thermometer counts as silent. Sensors have a setting of their own.
 pub const SILENCE: Duration = Duration::from_secs(30);
 
-/// Shortest time between two updates of an unchanged reading's time, so that a thermometer that reports often does not wake every door.
+/// Shortest time between two updates of an unchanged reading's time, so that a thermometer that reports often does not
+/// wake every door.
 const SHOWN_ANEW: Duration = Duration::from_secs(5);
 
 /// No sensor has a blank in its name.
@@ -22,14 +23,15 @@ fn is_robot(source: &str) -> bool {
     source == ROBOT || source.strip_prefix(ROBOT).is_some_and(|rest| rest.starts_with(' '))
 }
 
-/// The last reading of every source. A source is hot from a reading above the threshold until one at or below
-/// threshold − hysteresis; the hall is hot while any source is.
+/// The last reading of every source. A source is hot from a reading above the threshold until one at or below threshold
+/// − hysteresis; the hall is hot while any source is.
 #[derive(Clone, Debug)]
 pub(crate) struct Thermometer {
     threshold: Celsius,
     hysteresis: f64,
     sources: BTreeMap<Arc<str>, Source>,
-    /// The latest reading of those that are not silent, else of all; its time may be a little older than the latest.
+    /// The latest reading of those sources that are not silent, else of all; its time may be a little older than the
+    /// latest.
     pub(crate) last: Option<(Arc<str>, Source)>,
 }
 
@@ -43,7 +45,8 @@ pub(crate) struct Source {
 
 impl Source {
     fn view(&self) -> Reading {
-        // One that was never heard in this run is remembered from before, and its silence began with the run.
+        // The reading of a source without a reading in this run comes from an earlier run, and its silence began with
+        // this one.
         let read = Some(self.read.wall).filter(|read| Some(*read) != self.silent_since);
         Reading { celsius: self.reading, read, silent_since: self.silent_since }
     }
@@ -54,8 +57,8 @@ impl Thermometer {
         Thermometer { threshold, hysteresis, sources: BTreeMap::new(), last: None }
     }
 
-    /// Takes a reading; true when it is news: of this source, or in what a door shows. Readings of more sources than can be listened to are
-    /// shown, and count as `OTHERS`.
+    /// Takes a reading; true when it changes something of this source, or of what a door shows. Readings beyond
+    /// `SOURCES` are shown, and count as `OTHERS`.
     pub(crate) fn read(&mut self, source: &Arc<str>, reading: Celsius, now: Now) -> bool {
         let source = if self.sources.len() < SOURCES || self.sources.contains_key(source) {
             Arc::clone(source)
@@ -76,7 +79,7 @@ impl Thermometer {
         is_news
     }
 
-    /// What this source read last is not known any more; true when that is news.
+    /// Marks a source as silent, so that its last reading no longer counts as known; true when that is new.
     pub(crate) fn fall_silent(&mut self, source: &str, wall: WallTime) -> bool {
         let Some(known) = self.sources.get_mut(source).filter(|known| known.silent_since.is_none()) else { return false };
         known.silent_since = Some(wall);
@@ -85,7 +88,7 @@ impl Thermometer {
         true
     }
 
-    /// The machine's clock was set by so many milliseconds: readings are as old as before.
+    /// The machine's clock was set by this many milliseconds: readings keep their age.
     pub(crate) fn set_clock(&mut self, by_ms: i64) {
         for source in self.sources.values_mut().chain(self.last.iter_mut().map(|(_, last)| last)) {
             source.read.wall = source.read.wall.set_by(by_ms);
@@ -93,7 +96,7 @@ impl Thermometer {
         }
     }
 
-    /// The program begins anew: nobody has spoken, but what the operator said before is remembered.
+    /// The program begins anew: no source has a reading in this run, but the operator's earlier word is remembered.
     pub(crate) fn begin_anew(&mut self, now: Now) {
         let said = self.sources.remove(OPERATOR);
         (self.sources, self.last) = (BTreeMap::new(), None);
@@ -102,7 +105,7 @@ impl Thermometer {
         }
     }
 
-    /// Takes what the operator said before the program was started. How old it is nobody knows.
+    /// Takes the operator's word from before the program was started. Its age is unknown.
     pub(crate) fn remember(&mut self, said: Celsius, now: Now) {
         self.read(&Arc::from(OPERATOR), said, now);
         self.fall_silent(OPERATOR, now.wall);
@@ -114,14 +117,14 @@ impl Thermometer {
         speaking.map(|(name, source)| (source.read.since_start.saturating_add(SILENCE), Arc::clone(name))).min()
     }
 
-    /// What the thermometers say that are not silent.
+    /// The readings of thermometers that are not silent.
     pub(crate) fn readings(&self) -> Vec<(Arc<str>, Celsius)> {
         let speaking = self.sources.iter().filter(|(name, source)| &***name != OPERATOR && source.silent_since.is_none());
         speaking.map(|(name, source)| (Arc::clone(name), source.reading)).collect()
     }
 
-    /// The source will not be heard again. If its last word is that it is too hot, that becomes the operator's word, who alone can take it
-    /// back; true when it is.
+    /// Removes a source. If its last reading was too hot, that becomes the operator's word, which only the operator can
+    /// take back; true when it does.
     pub(crate) fn retire(&mut self, source: &str) -> bool {
         let left = self.sources.remove(source).filter(|left| left.hot);
         left.is_some_and(|left| {
@@ -130,7 +133,7 @@ impl Thermometer {
         })
     }
 
-    /// Whether any source's last word is that it is too hot.
+    /// Whether any source's last reading is too hot.
     pub(crate) fn is_hot(&self) -> bool {
         self.sources.values().any(|source| source.hot)
     }
@@ -158,7 +161,6 @@ impl Thermometer {
     }
 }
 
-/// What is shown of the temperature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TemperatureView {
     /// The latest reading of all sources that are not silent, else of all; `None` before the first.
@@ -167,33 +169,28 @@ pub struct TemperatureView {
     pub read: Option<WallTime>,
     /// Since when its source is silent, so that nobody knows the temperature; `None` while it is known.
     pub silent_since: Option<WallTime>,
-    /// What it means.
     pub status: TemperatureStatus,
     /// Above this nothing moves.
     pub threshold: Celsius,
-    /// A source that was above it is cool again at this reading or below.
+    /// A source that was above the threshold is cool again at this reading or below.
     pub cool: Celsius,
-    /// The sources that keep the hall too hot, each with its last reading.
+    /// The sources that make the hall too hot, each with its last reading.
     pub hot: Vec<(Arc<str>, Reading)>,
 }
 
-/// What a source read last.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
-    /// In degrees.
     pub celsius: Celsius,
-    /// When, to some seconds; `None` where that is not known.
+    /// To some seconds; `None` where that is not known.
     pub read: Option<WallTime>,
-    /// Since when the source is silent.
     pub silent_since: Option<WallTime>,
 }
 
 named! {
     ALL by name;
-    /// What the temperature means for the robot.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum TemperatureStatus {
-        /// It may move.
+        /// The robot may move.
         Ok = "ok",
         /// Too hot, by a reading or by the operator's word.
         TooHigh = "tooHigh",

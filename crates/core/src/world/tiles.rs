@@ -1,5 +1,5 @@
-//! Squares of the hall in shared memory: what a snapshot holds is not copied, and a change copies what it touches alone. What the marks
-//! mean stands in `hall_map`.
+//! Squares of the hall in shared memory: a snapshot copies none of them, and a change copies only those that it
+//! touches. What the marks mean stands in `hall_map`.
 //!
 //! ```text
 //!   a block of 8 × 8 tiles, a tile of 32 × 32 cells; a map of a thousand cells a side has sixteen blocks
@@ -15,29 +15,27 @@ use std::sync::Arc;
 use super::area::{Bounds, Mark};
 use crate::units::{Cell, Revision};
 
-/// The side of a tile in cells.
+/// In cells.
 pub const TILE: i32 = 32;
 
-/// The side of a block in tiles.
+/// In tiles.
 const BLOCK: i32 = 8;
 
-/// A square of cells and when it last changed.
 #[derive(Clone, Debug)]
 pub struct Tile {
-    /// The revision of its last change.
     pub revision: Revision,
     marks: [Mark; (TILE * TILE) as usize],
-    /// For each row the cells where the known ends.
+    /// For each row the cells of the frontier, as bits.
     frontier: [u32; TILE as usize],
     open: u16,
-    /// Cells of which anything is known. A tile without any lies beyond the known, and only its frontier counts.
+    /// Number of known cells. A tile without any lies beyond the known ones, and only its frontier counts.
     known: u16,
 }
 
 /// Blocks of tiles in a grid that grows.
 #[derive(Clone, Debug)]
 pub(super) struct Tiles {
-    /// Where there is room for blocks, in blocks; they lie row by row.
+    /// The extent of the grid, in blocks, which lie row by row.
     grid: Bounds,
     blocks: Vec<Option<Arc<Block>>>,
 }
@@ -65,23 +63,22 @@ impl Tile {
         self.marks[place] = mark;
     }
 
-    /// Whether anything is known of one of its cells.
     pub(super) const fn is_known(&self) -> bool {
         self.known > 0
     }
 
-    /// Whether the known ends in this cell.
+    /// Whether the frontier runs through this cell.
     pub(super) const fn is_open(&self, place: usize) -> bool {
         self.frontier[place / TILE as usize] >> (place % TILE as usize) & 1 == 1
     }
 
-    /// From now on it does, or does not any more.
+    /// Toggles whether the frontier runs through this cell.
     pub(super) fn turn_open(&mut self, place: usize) {
         self.open = if self.is_open(place) { self.open - 1 } else { self.open + 1 };
         self.frontier[place / TILE as usize] ^= 1 << (place % TILE as usize);
     }
 
-    /// The cells where the known ends, row by row, when the north-west corner is `corner`.
+    /// The cells of the frontier, row by row, when the north-west corner is `corner`.
     pub(super) fn frontier(&self, corner: Cell) -> impl Iterator<Item = Cell> {
         let rows = (0..).zip(self.frontier).filter(move |_| self.open > 0);
         rows.flat_map(move |(y, row)| {
@@ -99,12 +96,11 @@ impl Tiles {
         self.tile(tile_of(cell)).map_or(Mark::Unknown, |tile| tile.marks[place_in_tile(cell)])
     }
 
-    /// The tile at this place, counted in tiles.
+    /// Coordinates are in tiles.
     pub(super) fn tile(&self, place: Cell) -> Option<&Arc<Tile>> {
         self.blocks.get(self.index(block_of(place))?)?.as_ref()?[place_in_block(place)].as_ref()
     }
 
-    /// The tile that holds a cell, to be changed.
     pub(super) fn tile_mut(&mut self, cell: Cell) -> &mut Tile {
         let place = tile_of(cell);
         let block = block_of(place);
@@ -117,18 +113,17 @@ impl Tiles {
         Arc::make_mut(tile)
     }
 
-    /// Every tile there is, with the cell of its north-west corner.
+    /// With the cell of each tile's north-west corner.
     pub(super) fn iter(&self) -> impl Iterator<Item = (Cell, &Arc<Tile>)> {
         self.blocks().flat_map(|(at, block)| tiles_of(at, block))
     }
 
-    /// Every tile, to be changed.
     pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Tile> {
         let blocks = self.blocks.iter_mut().flatten();
         blocks.flat_map(|block| Arc::make_mut(block).iter_mut().flatten().map(Arc::make_mut))
     }
 
-    /// The tiles that are not the same memory as `older`'s. Blocks that are shared are not looked into.
+    /// The tiles that are not the same memory as `older`'s. Shared blocks are not compared.
     pub(super) fn changed<'a>(&'a self, older: &'a Tiles) -> impl Iterator<Item = (Cell, &'a Arc<Tile>)> {
         let is_shared = |at: Cell, block: &Arc<Block>| older.block(at).is_some_and(|old| Arc::ptr_eq(old, block));
         let blocks = self.blocks().filter(move |(at, block)| !is_shared(*at, block));
@@ -171,7 +166,7 @@ fn tiles_of(at: Cell, block: &Arc<Block>) -> impl Iterator<Item = (Cell, &Arc<Ti
     })
 }
 
-/// The place of the tile that holds a cell, counted in tiles.
+/// Coordinates are in tiles.
 pub(super) const fn tile_of(cell: Cell) -> Cell {
     Cell::new(cell.x.div_euclid(TILE), cell.y.div_euclid(TILE))
 }
@@ -180,7 +175,7 @@ const fn block_of(tile: Cell) -> Cell {
     Cell::new(tile.x.div_euclid(BLOCK), tile.y.div_euclid(BLOCK))
 }
 
-/// Where a cell lies in its tile, row by row.
+/// The index of a cell in its tile, row by row.
 pub(super) const fn place_in_tile(cell: Cell) -> usize {
     (cell.y.rem_euclid(TILE) * TILE + cell.x.rem_euclid(TILE)) as usize
 }

@@ -1,4 +1,5 @@
-//! Leaves that look, reckon and speak: where the pallet and the parcel are, whether everybody is where they should be, and what is said.
+//! Leaves that look, calculate and speak: where the pallet and the parcel are, whether both robots are where they
+//! should be, and what is said.
 
 use super::{Performer, SEEN, answer, place_in, place_of, robot_in, written};
 use crate::arm::{ArmAction, ArmState, Parcel};
@@ -8,20 +9,20 @@ use crate::place::Place;
 use crate::retrieval::view::Which;
 use behaviour_trees::{Leaf, Status, Value};
 
-/// How far the distance of the bases may be from what is wanted when a parcel is put down, in micrometres: a box on a shelf has about as
-/// much room.
+/// Greatest error of the bases' distance when a parcel is put down, in micrometres: a box on a shelf has about as much
+/// room.
 const DROP_GAP_UM: i32 = 2500;
 
-/// What the camera's answer is when it has recognised nothing.
+/// The camera's answer when it has recognised nothing.
 const NONE: &str = "none";
 
-/// The camera's answer as it stands in the entry `SEEN`.
+/// The camera's answer in the form of the entry `SEEN`.
 pub(in crate::retrieval) fn seen(found: Option<Parcel>) -> (&'static str, Value) {
     (SEEN, found.map_or_else(|| Value::text(NONE), |parcel| written(parcel.place)))
 }
 
 impl Performer<'_> {
-    /// The pallet is where it is known to be; a parcel is looked for with the camera of SRM1.
+    /// The pallet is where it is known to be; a parcel is searched for with the camera of SRM1.
     pub(super) fn find(&mut self, leaf: &mut Leaf<'_>) -> Status {
         let (seen, found) = (1, 2);
         let is_pallet = leaf.text(0) == Some("pallet");
@@ -51,8 +52,8 @@ impl Performer<'_> {
         Status::Success
     }
 
-    /// Where the piece stands. One that fell on the way out lies in no cell, and one of whose fall a program that was ended has not heard
-    /// is in none that is known: the two stand on both sides of it.
+    /// The known place of the piece. A piece without a known cell lies between the two robots: it fell on the way out,
+    /// or its fall was not heard because the program was killed.
     fn parcel_known(&self) -> Option<Place> {
         let [one, two] = self.places();
         let between = |place: &Place| one != two && place.is_beside(one) && place.is_beside(two);
@@ -61,8 +62,8 @@ impl Performer<'_> {
         self.view.piece.first().copied().map(Place::Cell).or_else(fallen)
     }
 
-    /// Where it is, if both robots can come there and carry the parcel off. A parcel that was not recognised is where it is known to be:
-    /// the operator has looked.
+    /// The parcel's place, if both robots can reach it and carry the parcel off. A parcel that was not recognised is
+    /// where it is known to be, since the operator has looked.
     pub(super) fn calculate_goal(&mut self, leaf: &mut Leaf<'_>) -> Status {
         let Some(place) = place_in(leaf, 1).or_else(|| self.parcel_known()) else {
             return self.fails(RetrievalFault::NothingToFetch);
@@ -93,7 +94,7 @@ impl Performer<'_> {
         beside && !base.off_centre && base.open.is_none()
     }
 
-    /// To the other robot at once; to the operator until it has been acknowledged.
+    /// Done at once when said to the other robot; when said to the operator, done once it is acknowledged.
     pub(super) fn say(&mut self, leaf: &mut Leaf<'_>) -> Status {
         if leaf.text(0) == Some(Which::Srm2.name()) {
             let Some(message) = leaf.read(1).cloned() else { return self.fails(RetrievalFault::Tree) };
@@ -133,13 +134,14 @@ impl Performer<'_> {
         exact && still && self.load().is_some()
     }
 
-    /// The place by which the two take hold of the piece from where they stand, if they can and if they can carry it from there.
+    /// The place by which the two grip the piece from where they stand, if they can and if they can carry it from
+    /// there.
     pub(super) fn grip_place(&mut self, place: Place) -> Option<Place> {
         let still = Which::ALL.into_iter().all(|which| !self.base(which).off_centre);
         still.then(|| self.grip_between(place))?
     }
 
-    /// The same once both have gone back to the centres of their places.
+    /// The place by which the two grip the piece once both have gone back to the centres of their places.
     pub(super) fn grip_between(&mut self, place: Place) -> Option<Place> {
         let [one, two] = self.places();
         let piece = self.piece(place);

@@ -1,5 +1,5 @@
-//! Leaves that drive: each base by itself to its place, both with the parcel between them, and the last few centimetres.
-//! Which way leads there, `way` finds; how a base turns, `steer`.
+//! Leaves that drive: each base by itself to its place, both with the parcel between them, and the last few
+//! centimetres. The way is found in `way`; how a base turns stands in `steer`.
 
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -17,10 +17,10 @@ use crate::units::Cell;
 use crate::world::hall_map::Mark;
 use behaviour_trees::{Leaf, Status};
 
-/// How long the last few centimetres may take: dozens of tries.
+/// Longest time for the last few centimetres: dozens of tries.
 const ADJUSTING: Duration = Duration::from_secs(600);
 
-/// How a base comes to a place by itself.
+/// How a base reaches a place by itself.
 enum Going {
     There,
     OnTheWay,
@@ -43,7 +43,7 @@ impl Performer<'_> {
         match self.go_near(which, place) {
             Going::There => Status::Success,
             Going::OnTheWay => Status::Running,
-            // The other one is in the way: both go to where they can take hold.
+            // The other base is in the way, so both go to where they can grip.
             Going::NoWay => match self.correct_bases(place) {
                 Status::Failure => Status::Failure,
                 Status::Idle | Status::Running | Status::Success | Status::Skipped => Status::Running,
@@ -64,7 +64,8 @@ impl Performer<'_> {
         }
     }
 
-    /// From where the piece at this place is lifted, as planned last, or anew: SRM1 goes there first, or, where it is in the other's way, SRM2.
+    /// From where the piece at this place is lifted, as last planned, or planned anew: SRM1 goes there first, or SRM2
+    /// where SRM1 would be in its way.
     pub(super) fn stands(&mut self, place: Place) -> Option<Plan> {
         let is_closed = |cell: &Cell| self.view.map.at(*cell).is_obstacle();
         let usable = |(at, plan): &(Place, Plan)| *at == place && !plan.stands.bases.iter().any(is_closed);
@@ -95,7 +96,8 @@ impl Performer<'_> {
         self.view.way_out && self.plan(place, [Place::ENTRANCE; 2]).is_some()
     }
 
-    /// Both to where they can take hold. Where they are in each other's way for good, they go outside first and come in in another order.
+    /// Both to where they can grip. Where they are in each other's way for good, they go outside first and come in in
+    /// another order.
     fn correct_bases(&mut self, place: Place) -> Status {
         if self.is_anybody_busy() {
             return Status::Running;
@@ -115,7 +117,7 @@ impl Performer<'_> {
                 Going::NoWay => self.routes.stands = None,
             }
             if self.stands(place).is_some() {
-                // It has just been planned with what is known by now.
+                // The plan has just been made with what is known by now.
                 return Status::Running;
             }
         }
@@ -134,7 +136,8 @@ impl Performer<'_> {
         }
     }
 
-    /// Back to the pallet for the next parcel. With nothing left to be fetched, a pair that has a way out has no reason to go back in.
+    /// Back to the pallet for the next parcel. With nothing left to fetch, a pair that has a way out has no reason to
+    /// go back in.
     fn return_to(&mut self, pallet: Place) -> Status {
         if self.view.piece.is_empty() && self.view.way_out {
             return Status::Success;
@@ -148,7 +151,8 @@ impl Performer<'_> {
         }
     }
 
-    /// One after the other, so that neither is in the way of the other's route unseen; where the first finds no way, the second tries.
+    /// One after the other, so that neither blocks the other's route unseen; where the first finds no way, the second
+    /// tries.
     fn one_after_the_other(&mut self, order: [Which; 2], mut go: impl FnMut(&mut Self, Which) -> Going) -> Going {
         let mut all = Going::There;
         for which in order {
@@ -216,7 +220,7 @@ impl Performer<'_> {
         Going::OnTheWay
     }
 
-    /// Backwards only into what is known to be free: the camera looks ahead.
+    /// Backwards only into cells that are known to be free: the camera looks ahead.
     fn gear(&self, next: Place) -> Gear {
         let is_known = next.cell().is_none_or(|cell| self.view.map.at(cell) == Mark::Visited);
         if is_known { Gear::Either } else { Gear::Forwards }
@@ -240,7 +244,7 @@ impl Performer<'_> {
         (!all_centred).then_some(Status::Running)
     }
 
-    /// The parcel to where it is to go; it fails when it is not in both grippers any more.
+    /// The parcel to its destination; fails when the parcel is no longer in both grippers.
     fn carry(&mut self) -> Status {
         let Some(parcel) = self.load() else { return Status::Failure };
         if let Some(status) = self.recentre_both() {
@@ -252,7 +256,7 @@ impl Performer<'_> {
         }
         let train = self.train(parcel.place);
         if !train.bases.iter().all(|base| base.is_beside(parcel.place)) {
-            // One of the two has said that the step is done, and the other has not yet.
+            // One of the two has reported the end of the step, and the other has not yet.
             return if is_still { self.fails(RetrievalFault::NoWayToTarget) } else { Status::Running };
         }
         let floor = self.floor(self.view.piece, self.view.others);
@@ -280,10 +284,11 @@ impl Performer<'_> {
         Status::Running
     }
 
-    /// The wheels' controllers close the gap only while they drive: off the place and onto it again, until the gap is right.
+    /// The wheels' controllers correct the gap only while they drive: off the place and onto it again, until the gap is
+    /// right.
     fn adjust(&mut self) -> Status {
         let Some(parcel) = self.load() else { return Status::Failure };
-        // While one of the two has not said yet that the step is done, where they stand is no train.
+        // While one of the two has not reported the end of the step, their places form no train.
         if self.is_anybody_busy() {
             return Status::Running;
         }
@@ -303,7 +308,7 @@ impl Performer<'_> {
         }
     }
 
-    /// One step off where the train stands, over ground on which it has been.
+    /// One step away from the train's place, over ground on which it has been.
     fn step_aside(&self, train: Train) -> Option<Train> {
         let is_free = |place: &Place| {
             let known = place.cell().is_none_or(|cell| self.view.map.at(cell) == Mark::Visited);

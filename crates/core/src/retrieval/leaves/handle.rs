@@ -1,5 +1,5 @@
-//! Leaves of the arms: to the parcel, closed, controllers, up, down, open. Each is done when both arms say so, so that it makes no
-//! difference whether the program was ended in between.
+//! Leaves of the arms: to the parcel, close, start the controllers, up, down, open. Each is done when both arms report
+//! it, so that it makes no difference whether the program ended in between.
 
 use super::{MOST_FAILURES, Performer, REPORTING, place_in};
 use crate::arm::{ArmAction, ArmState, Gripper};
@@ -9,7 +9,7 @@ use crate::retrieval::view::Which;
 use behaviour_trees::{Leaf, Status};
 
 impl Performer<'_> {
-    /// Both arms do this until each says that it is done.
+    /// Both arms do this until each reports that it is done.
     fn both(&mut self, action: ArmAction, is_done: impl Fn(&ArmState) -> bool) -> Status {
         let mut all_done = true;
         for which in Which::ALL {
@@ -38,7 +38,8 @@ impl Performer<'_> {
         self.both(ArmAction::AlignEndEffector(grip), |arm| arm.aligned == Some(grip))
     }
 
-    /// Grippers that have closed round nothing in common are a case for a person, once both robots have had time to say what they hold.
+    /// Grippers that have closed without a common parcel are a case for a person, once both robots have had time to
+    /// report what they hold.
     pub(super) fn close_grippers(&mut self, leaf: &Leaf<'_>) -> Status {
         let held = self.arms().iter().all(|arm| arm.holds.is_some());
         if held {
@@ -62,7 +63,7 @@ impl Performer<'_> {
         }
     }
 
-    /// Starting takes no time; what is not held needs no holding.
+    /// Starting takes no time, and without a parcel there is nothing to start.
     pub(super) fn start_controller(&mut self, leaf: &Leaf<'_>) -> Status {
         let (action, is_at_work): (_, fn(&ArmState) -> bool) = match leaf.text(0) {
             Some("ForceControllerInit") => (ArmAction::HoldForce, |arm| arm.controllers.force),
@@ -73,7 +74,7 @@ impl Performer<'_> {
         if self.load().is_none() { Status::Failure } else { self.both(action, is_at_work) }
     }
 
-    /// It fails when the parcel is not in both grippers, or not any more.
+    /// Fails when the parcel is not in both grippers, or no longer.
     pub(super) fn lift(&mut self) -> Status {
         if self.load().is_none() {
             return Status::Failure;
@@ -84,7 +85,7 @@ impl Performer<'_> {
         }
     }
 
-    /// Puts the parcel down, where it is to go and nowhere else.
+    /// Puts the parcel down at its destination and nowhere else.
     pub(super) fn drop(&mut self) -> Status {
         let Some(parcel) = self.load() else { return Status::Failure };
         if parcel.place != self.view.target {

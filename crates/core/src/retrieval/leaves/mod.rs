@@ -1,7 +1,8 @@
-//! The leaves of the three trees, pure: they look at a view and come to statuses, proposals and sayings, and move nothing.
-//! Here stand their names and ports, and who performs which; what they do stands in `ask`, `drive` and `handle`.
+//! The leaves of the three trees, as pure functions: they read a view, return statuses, proposals and sayings, and move
+//! nothing. This file has their names and ports, and the dispatch; what they do stands in `ask`, `drive` and `handle`.
 //!
-//! What must outlive the program is in the blackboard. What is found out by looking at the map again, the routes, is not kept.
+//! State that must outlive the program is on the blackboard. Routes are not: they are found again by looking at the
+//! map.
 
 mod ask;
 mod drive;
@@ -23,17 +24,17 @@ use crate::units::Cell;
 use behaviour_trees::{Catalogue, Direction, Leaf, LeafKind, Leaves, Port, Status, Value, ValueType};
 use routes::Routes;
 
-/// Orders that a robot may fail to carry out one after the other before the leaf gives up: once may be chance, thrice is not.
+/// Consecutive failed orders of a robot before the leaf gives up: one may be chance, three are not.
 pub(crate) const MOST_FAILURES: u32 = 3;
 
-/// The two report one after the other; of what both hold or neither does they must agree after so long. The first gripper that closes
-/// says what it holds when the second is closed, too.
+/// Time within which the two must agree whether both hold something, since they report one after the other. The first
+/// gripper that closes reports what it holds when the second is closed, too.
 pub(super) const REPORTING: Duration = Duration::from_secs(30);
 
-/// Longer than any one leaf runs in the largest hall: a train needs about an hour for the way through all of it.
+/// Longest run of a leaf: a train needs about an hour for the way through the largest hall.
 const LONGEST: Duration = Duration::from_secs(4 * 3600);
 
-/// The entry in which the camera's answer is kept until the leaf has read it.
+/// The entry for the camera's answer until the leaf has read it.
 pub(super) const SEEN: &str = "parcel_seen";
 
 named! {
@@ -99,21 +100,21 @@ pub fn catalogue() -> Catalogue {
     Catalogue::new(Kind::ALL.into_iter().map(Kind::described).collect())
 }
 
-/// What the leaves came to in one tick of the trees.
+/// The result of all leaves in one tick of the trees.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Output {
-    /// What each robot is to do; the first leaf that wants something of it in a tick has it.
+    /// The action of each robot; the first leaf in a tick that wants something of it decides.
     pub(super) proposals: [Option<Action>; 2],
     pub(super) sayings: Vec<Saying>,
-    /// Why the last leaf that cannot be helped has failed.
+    /// Why the last leaf failed for a reason that only a person can mend.
     pub(super) fault: Option<RetrievalFault>,
-    /// What stands where it was to go, still in the grippers.
+    /// A parcel that stands at its destination, still in the grippers.
     pub(super) dropped: Option<Parcel>,
-    /// The grippers have let go.
+    /// The grippers have released it.
     pub(super) released: bool,
 }
 
-/// Whoever performs the leaves, for one tick.
+/// Performs the leaves for one tick.
 #[derive(Debug)]
 pub(super) struct Performer<'a> {
     pub(super) view: &'a View<'a>,
@@ -147,12 +148,12 @@ impl Leaves for Performer<'_> {
         }
     }
 
-    /// A robot ends the step that it is told to make, or somebody halts it; the leaf has nothing of its own to end.
+    /// A robot ends its step by itself, or somebody halts it, so the leaf has nothing to end.
     fn halt(&mut self, _: &mut Leaf<'_>) {}
 }
 
 impl<'a> Performer<'a> {
-    /// It fails for a reason that nobody but a person can mend.
+    /// Fails for a reason that only a person can mend.
     fn fails(&mut self, fault: RetrievalFault) -> Status {
         self.output.fault = Some(fault);
         Status::Failure
@@ -178,14 +179,14 @@ impl<'a> Performer<'a> {
         Which::ALL.map(|which| self.base(which).stands.place)
     }
 
-    /// The parcel that both arms hold. Where it is they report one after the other, before they say that a step is done: while one of
-    /// them is busy, this is where SRM1 knows it.
+    /// The parcel that both arms hold. They report its place one after the other, before they report the end of a step:
+    /// while one of them is busy, SRM1's report counts.
     fn load(&self) -> Option<Parcel> {
         let [one, two] = self.arms().map(|arm| arm.holds);
         one.filter(|one| two.is_some_and(|two| one.piece == two.piece))
     }
 
-    /// The cells of the piece that is at this place: all that are known of it, or this one.
+    /// The known cells of the piece at this place, or this one if none are known.
     fn piece(&self, at: Place) -> BTreeSet<Cell> {
         match at {
             Place::Cell(cell) if self.view.piece.contains(&cell) => self.view.piece.clone(),
@@ -194,7 +195,7 @@ impl<'a> Performer<'a> {
         }
     }
 
-    /// The floor as a base finds it that goes by itself.
+    /// The floor for a base that drives by itself.
     fn floor<'b>(&self, freed: &'b BTreeSet<Cell>, taken: &'b [Place]) -> Floor<'b>
     where
         'a: 'b,
@@ -202,7 +203,7 @@ impl<'a> Performer<'a> {
         Floor { map: self.view.map, way_out: self.view.way_out, freed, taken }
     }
 
-    /// What the two would carry if they took hold from where they stand.
+    /// What the two would carry if they gripped from where they stand.
     fn train(&self, parcel: Place) -> Train {
         Train { bases: self.places(), parcel }
     }
@@ -212,7 +213,7 @@ const fn answer(truth: bool) -> Status {
     if truth { Status::Success } else { Status::Failure }
 }
 
-/// A place as it is written in an entry: `3;4` in the hall, `outside;1` before its entrance.
+/// A place in the form of an entry: `3;4` in the hall, `outside;1` before its entrance.
 pub(super) fn written(place: Place) -> Value {
     Value::text(&match place {
         Place::Cell(Cell { x, y }) => format!("{x};{y}"),
@@ -220,7 +221,6 @@ pub(super) fn written(place: Place) -> Value {
     })
 }
 
-/// The place that a text names.
 pub(super) fn place_of(text: &str) -> Option<Place> {
     match text.split_once(';')? {
         ("outside", steps) => steps.parse().ok().filter(|steps| (1..=Place::FURTHEST).contains(steps)).map(Place::Outside),

@@ -1,5 +1,6 @@
-//! Routes that are being followed, so that a way is not looked for anew at every step: of each base alone, of the train, and the places
-//! from which a piece is lifted. A route is dropped when it does not fit any more; nothing of it outlives the program.
+//! Routes that are being followed, so that a way is not searched for at every step: those of each base alone, of the
+//! train, and the places from which a piece is lifted. A route that no longer fits is dropped; none outlives the
+//! program.
 
 use std::collections::VecDeque;
 
@@ -24,7 +25,7 @@ pub(in crate::retrieval) struct Routes {
 }
 
 impl Routes {
-    /// Forgets all of them: something else is wanted now.
+    /// Forgets all routes, as something else is wanted now.
     pub(in crate::retrieval) fn forget(&mut self) {
         *self = Routes::default();
     }
