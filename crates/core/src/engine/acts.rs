@@ -1,5 +1,5 @@
-//! Carries out the acts of the table, each a small deed on world, mission and outbox.
-//! Records of luggage and verdicts stand in `records`.
+//! Carries out the acts of the table, each a small change of world, mission and outbox. Records of luggage and verdicts
+//! stand in `records`.
 
 use std::sync::Arc;
 
@@ -69,8 +69,8 @@ impl Engine {
         self.mission.forget_way();
         self.world.touch(Resource::Mission);
         self.record(Fact::MissionBegan(self.state.mission.next(), self.state.strategy));
-        // Only changes go on record: without this a mission in which the temperature stays has none. What an operator said, long ago
-        // perhaps, is not read now.
+        // Readings go on record only when they change: without this, a mission with a constant temperature would have
+        // none. The operator's word, which may be old, is no reading of now.
         for (source, celsius) in self.world.thermometer.readings() {
             self.record(Fact::Temperature(source, celsius));
         }
@@ -99,7 +99,8 @@ impl Engine {
     }
 
     pub(super) fn raise(&mut self, hold: Hold, why: Option<HoldReason>) {
-        // The link that is lost is that of the robot that searches, or of one that fetches with others; the rest have holds of their own.
+        // This hold concerns the link of the robot that searches, or of one that fetches with others; the rest have
+        // holds of their own.
         if hold == Hold::RobotLink && self.state.retrieval.is_none() {
             self.halt_searching()
         } else {
@@ -152,8 +153,8 @@ impl Engine {
         }
     }
 
-    /// A halt goes ahead of everything that is still to be done outside (safety S2), and an order that has not gone out never
-    /// will.
+    /// A halt goes ahead of everything that is still to be done outside (safety S2), and an order that has not gone out
+    /// never will.
     pub(super) fn send_halt_to(&mut self, robot: &RobotId) {
         let taken_back = self.outbox.halt(robot);
         let Some(robot) = self.robots.get_mut(robot) else { return };
@@ -168,7 +169,7 @@ impl Engine {
         if self.state.led_blinking != blinks {
             self.world.touch(Resource::Robot);
             self.record(Fact::Led(blinks));
-            // That it blinks shows a mission: it begins to when that is on record.
+            // A blinking LED shows a mission, so it begins to blink when that is on record.
             if !blinks {
                 self.on_record.lit = false;
                 self.outbox.send(Effect::Led(self.robots.searching_id().clone(), false));
@@ -187,14 +188,14 @@ impl Engine {
         }
     }
 
-    /// A danger was said that could not be recorded: it alarms all the same, and nobody's SAFE or START lets the robot go on before
-    /// somebody has seen that, or danger is on record.
+    /// A danger that could not be recorded raises an alarm all the same, and no SAFE or START lets the robot go on
+    /// before somebody has acknowledged it, or danger is on record.
     pub(super) fn alarm_unrecorded(&mut self, luggage: LuggageId) {
         self.alarm_about(Some(luggage), AlarmCause::Unrecorded);
         self.raise(Hold::Alarm, None);
     }
 
-    /// The hold ends when of every piece that alarms danger is on record, or the alarm was seen.
+    /// The hold ends when danger is on record for every piece with an alarm, or the alarm was acknowledged.
     pub(super) fn end_alarm_hold(&mut self) {
         let dangerous = |id: LuggageId| self.state.luggage.get(id).is_some_and(|luggage| luggage.is_dangerous());
         let unseen = self.state.alarms.iter().filter(|alarm| alarm.acknowledged.is_none());
@@ -219,7 +220,7 @@ impl Engine {
         }
     }
 
-    /// What the configured sensor reads; it is not silent.
+    /// Takes a reading of the configured sensor, which is thus not silent.
     fn hear_sensor(&mut self, context: &InputContext) {
         let sensor = context.reading.as_ref().map(|(sensor, _)| Arc::clone(sensor));
         if sensor.is_some_and(|sensor| self.watchdog.hear(&sensor, self.now.since_start)) {
@@ -230,7 +231,7 @@ impl Engine {
 
     pub(super) fn read_temperature(&mut self, source: &Arc<str>, celsius: Celsius) {
         let before = self.world.thermometer.last.clone();
-        // A sensor that says the same again and again does not fill the journal.
+        // A sensor that repeats a reading does not fill the journal.
         if self.world.thermometer.read(source, celsius, self.now) {
             self.record(Fact::Temperature(Arc::clone(source), celsius));
         }
@@ -270,7 +271,7 @@ impl Engine {
             let bombs = self.state.luggage.bombs_left().map(|luggage| luggage.id).collect();
             self.record(Fact::MissionArchived(self.state.mission, bombs));
         } else {
-            // Of this there is no fact but the one with which the page ends, which says everything.
+            // There is no fact for this alone: the page ends with one that records the whole state.
             self.state.put_away();
         }
         self.outbox.sum_up();
@@ -278,7 +279,8 @@ impl Engine {
         self.world.touch(Resource::Mission);
     }
 
-    /// Takes the cells that were found blocked after they had been free for free once more: somebody may have cleared the way.
+    /// Treats the cells that were found blocked after they had been free as free again: somebody may have cleared the
+    /// way.
     fn retry_blocked(&mut self) {
         for cell in self.state.blocked.clone() {
             self.mark(cell, Mark::Visited);

@@ -1,4 +1,5 @@
-//! What the robots say of their arms during a retrieval, and what follows for the piece and the map: it was lifted, set down, lost, or seen.
+//! The robots' reports about their arms during a retrieval, and what follows for the piece and the map: it was lifted,
+//! set down, lost, or seen.
 
 use std::collections::BTreeSet;
 
@@ -12,7 +13,8 @@ use crate::world::hall_map::Mark;
 use crate::world::resource::Resource;
 
 impl Engine {
-    /// How an arm is now. A piece that is lifted stands nowhere; one that is set down stands where it was held.
+    /// Handles the state of an arm. A piece that is lifted stands nowhere; one that is set down stands where it was
+    /// held.
     pub(super) fn arm_reported(&mut self, robot: &RobotId, arm: ArmState) {
         let Some(known) = self.robots.get_mut(robot) else { return };
         let before = std::mem::replace(&mut known.arm, arm);
@@ -24,14 +26,15 @@ impl Engine {
         let off_floor = |arm: ArmState| arm.holds.filter(|_| !arm.on_floor);
         match (off_floor(before), off_floor(arm)) {
             (None, Some(_)) => self.piece_lifted(),
-            // It fell where it was held; robots that lose it say the same once more, maybe much later. Who fetches by himself lets go at home.
+            // It fell where it was held; robots that lose it report the same once more, maybe much later. A robot that
+            // fetches by itself releases it at home.
             (Some(parcel), None) if !self.searches(robot) => self.piece_set_down(parcel.place),
             (None, None) if before.holds.is_none() => self.found_set_down(arm),
             (None | Some(_), None) | (Some(_), Some(_)) => {}
         }
     }
 
-    /// It was set down while nobody heard of it: the program was killed, or the link lost.
+    /// It was set down while nobody listened: the program was killed, or the link lost.
     fn found_set_down(&mut self, arm: ArmState) {
         let is_off_floor = self.state.retrieval.as_ref().is_some_and(|retrieval| retrieval.piece.is_empty());
         if let Some(parcel) = arm.holds.filter(|_| is_off_floor) {
@@ -50,7 +53,7 @@ impl Engine {
         self.note_retrieval(Some(Retrieval { piece: BTreeSet::new(), ..retrieval }));
     }
 
-    /// Obstacles that touch the piece and that nobody has recognised for another one: they may have been it.
+    /// Obstacles that touch the piece and were not recognised as another one: they may have been part of it.
     fn doubtful(&self, piece: &BTreeSet<Cell>) -> BTreeSet<Cell> {
         let recognised = |cell: &Cell| {
             let recorded = self.state.luggage.iter().any(|luggage| luggage.cell == *cell && luggage.piece.is_some());
@@ -75,22 +78,23 @@ impl Engine {
         self.note_retrieval(Some(Retrieval { piece: BTreeSet::from([cell]), ..retrieval }));
     }
 
-    /// The parcel lies on the floor; both robots say so, and again whenever they are reached anew. Another one may lie there since an
-    /// earlier retrieval.
+    /// The parcel lies on the floor; both robots report it, and again whenever they are reached anew. Another parcel
+    /// may lie there since an earlier retrieval.
     pub(super) fn parcel_lost(&mut self, robot: &RobotId, parcel: Parcel) {
         if self.is_fetching(robot) && self.is_wanted_parcel(parcel) {
             self.piece_set_down(parcel.place);
         }
     }
 
-    /// Whether this is what is fetched: by its identity, or, where the camera could not tell when it was recorded, by where it is.
+    /// Whether this is the piece being fetched: by its identity, or, where the camera could not tell when it was
+    /// recorded, by its place.
     pub(super) fn is_wanted_parcel(&self, parcel: Parcel) -> bool {
         let Some(retrieval) = &self.state.retrieval else { return false };
         let is_there = retrieval.piece.is_empty() || parcel.place.cell().is_some_and(|cell| retrieval.piece.contains(&cell));
         self.wanted_piece().map_or(is_there, |wanted| wanted == parcel.piece)
     }
 
-    /// One more cell of the piece that is to be lifted.
+    /// Adds a cell to the piece that is to be lifted.
     pub(super) fn grow_piece(&mut self, cell: Cell, piece: Piece) {
         let Some(retrieval) = self.state.retrieval.clone() else { return };
         let is_it = self.state.luggage.get(retrieval.luggage).is_some_and(|luggage| luggage.piece == Some(piece));
@@ -100,7 +104,7 @@ impl Engine {
         }
     }
 
-    /// What was seen where a parcel was looked for.
+    /// Handles the robot's answer to a look for a parcel.
     pub(super) fn found(&mut self, robot: &RobotId, order: OrderId, parcel: Option<Parcel>) {
         if self.close(robot, order).is_some() {
             let is_unknown = self.state.retrieval.as_ref().is_some_and(|retrieval| retrieval.piece.is_empty());

@@ -16,11 +16,11 @@ use crate::world::hall_map::Mark;
 pub(super) struct Step {
     pub(super) to: To,
     pub(super) acts: &'static [Act],
-    /// How many interruptions lie between the phase it concerns and the one that stands.
+    /// Number of interruptions between the phase that the step concerns and the present one.
     pub(super) depth: usize,
 }
 
-/// A refusal, and what is done all the same.
+/// A refusal, and the acts that are carried out all the same.
 pub(super) type RefusedStep = (Refused, &'static [Act]);
 
 impl Engine {
@@ -46,7 +46,8 @@ impl Engine {
         }
     }
 
-    /// A movement command from before the last stop is refused as outdated (safety S4), and one that may be; no other ever is.
+    /// Refuses a movement command that was sent before the last stop (safety S4), or may have been; other commands are
+    /// never refused for that.
     pub(super) fn refuse_outdated(&self, input: Input, request: &Request, sent: Option<Epoch>) -> Result<(), Refused> {
         let moves = matches!(input, Input::Start | Input::BackHome | Input::Retrieve | Input::Move | Input::Goto);
         match sent {
@@ -56,7 +57,7 @@ impl Engine {
         }
     }
 
-    /// Whether this guard forbids the input, and with which words.
+    /// The refusal, if this guard forbids the input.
     fn guard(&self, guard: Guard, phase: &Phase, input: Input, context: &InputContext) -> Option<Refused> {
         let luggage = context.luggage.and_then(|id| self.state.luggage.get(id));
         let forbids = |yes: bool, refused: Refused| yes.then_some(refused);
@@ -132,7 +133,7 @@ impl Engine {
         }
     }
 
-    /// A verdict that stands, or danger on its way to the store, is not changed by another.
+    /// The refusal of a verdict that would change one that stands, or a danger on its way to the store.
     fn decided(&self, input: Input, context: &InputContext) -> Option<Refused> {
         let luggage = context.luggage?;
         let in_flight = || self.mission.deciding(luggage).filter(|verdict| *verdict == Verdict::Danger || input != Input::Danger);
@@ -144,7 +145,7 @@ impl Engine {
         self.verdict_kept(luggage).or_else(|| self.mission.deciding(luggage))
     }
 
-    /// The first piece whose verdict is pending, or with a usable photo and pending.
+    /// The first piece with a pending verdict, or with a pending verdict and a usable photo.
     fn first_pending(&self, with_photo: bool) -> Option<LuggageId> {
         self.state.luggage.pending().find(|luggage| !with_photo || luggage.has_photo()).map(|luggage| luggage.id)
     }
@@ -154,7 +155,7 @@ impl Engine {
         self.inspected().filter(|id| self.state.luggage.get(*id).is_some_and(|luggage| luggage.is_pending()))
     }
 
-    /// The cell a move or goto would enter first of all, or aims at.
+    /// The cell that a move or goto would enter first, or aims at.
     fn aims_at(&self, context: &InputContext) -> Option<Cell> {
         let pose = self.state.pose;
         context.cell.or(context.step.map(|step| after(pose, step).cell)).filter(|cell| *cell != pose.cell)
@@ -195,7 +196,7 @@ impl Engine {
     }
 }
 
-/// Whether START in this phase sets out to explore.
+/// Whether START in this phase begins or continues the exploration.
 fn explores(phase: &Phase) -> bool {
     matches!(phase.underlying(), Phase::Exploring | Phase::AtHome)
 }

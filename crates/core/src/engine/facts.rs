@@ -1,5 +1,5 @@
-//! What happens goes on record, and what outlives the program follows from it: the one way by which the engine changes `state`.
-//! Luggage and verdicts, which nothing may follow before they are kept, stand in `records`.
+//! Puts facts on record and applies them: the only way in which the engine changes `state`. Luggage and verdicts, which
+//! nothing may follow before they are in the store, stand in `records`.
 
 use super::Engine;
 use crate::command::{Command, LuggageRef, Refusal, Refused, Request, TemperatureReport};
@@ -10,7 +10,7 @@ use crate::snapshot::said::Said;
 use crate::units::Seq;
 
 impl Engine {
-    /// This has happened: what outlives the program follows from it at once, and it goes on record. Its place in the journal.
+    /// Applies a fact at once and puts it on record. Returns its place in the journal.
     pub(super) fn record(&mut self, fact: Fact) -> Seq {
         self.state.follow(&fact, self.now.wall, self.world.revision());
         if let Fact::Mark(cell, _) = fact {
@@ -21,7 +21,7 @@ impl Engine {
         self.outbox.record(self.now.wall, fact)
     }
 
-    /// The same, but it goes on record with the next entry or in a moment, unless it is replaced by then.
+    /// Applies a fact at once; it goes on record with the next entry or in a moment, unless it is replaced by then.
     pub(super) fn record_soon(&mut self, fact: Fact) {
         self.state.follow(&fact, self.now.wall, self.world.revision());
         self.outbox.record_soon(self.now, fact);
@@ -31,10 +31,10 @@ impl Engine {
         self.outbox.record(self.now.wall, Fact::State(Box::new(self.state.clone())));
     }
 
-    /// Every command goes into the log and the journal, a refused one too (safety A6); only what a sensor says again and again
-    /// does not.
+    /// Writes a command into the log and the journal, even a refused one (safety A6), except for unchanged readings of
+    /// a sensor.
     pub(super) fn write_command(&mut self, request: &Request, context: &InputContext, refused: Option<&Refused>) {
-        // A stop goes on record behind what it does.
+        // A stop goes on record after it has taken effect.
         let is_left_out = matches!(request.command, Command::Temperature(TemperatureReport::Sensor(..)) | Command::Stop);
         if is_left_out && refused.is_none() {
             return;

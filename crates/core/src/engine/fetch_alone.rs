@@ -1,5 +1,6 @@
-//! A retrieval by the robot that searches itself: it goes back to the piece, sees that it is the one, takes it onto its back, and lets go
-//! of it at home, where the container stands. The retrieval by the pair, and what both have in common, is `retrieval`'s business.
+//! A retrieval by the robot that searches: it goes back to the piece, recognises it, takes it onto its back, and
+//! releases it at home, where the container stands. The retrieval by the pair, and what both have in common, stand in
+//! `retrieval`.
 
 use super::Engine;
 use super::motion::Turn;
@@ -15,8 +16,8 @@ use crate::units::{Cell, Heading, Pose};
 use crate::world::hall_map::Mark;
 
 impl Engine {
-    /// One look at it. Everything follows from where the robot stands and what it holds, so it makes no difference whether the program
-    /// was ended in between.
+    /// One step of the retrieval. Everything follows from where the robot stands and what it holds, so it makes no
+    /// difference whether the program ended in between.
     pub(super) fn fetch_alone(&mut self) -> Turn {
         if self.steps_outside(self.robots.searching_id()) > 0 {
             return self.order(Action::Enter);
@@ -39,7 +40,7 @@ impl Engine {
         }
     }
 
-    /// That it is about to is on record before it does, so a piece that is gone then was let go where the container stands.
+    /// The intention is on record before the act, so a piece that is gone then was released into the container.
     pub(super) fn let_go(&mut self) -> Turn {
         let robot = self.robots.searching();
         match robot.arm.holds {
@@ -53,7 +54,7 @@ impl Engine {
         }
     }
 
-    /// By the way it came: nothing unknown is entered with a piece that may explode.
+    /// By the way it came: with a piece that may explode it enters no unknown cell.
     fn carry_home(&mut self) -> Turn {
         if self.mission.route.is_empty() {
             let way = self.way_home(Through::Known);
@@ -76,7 +77,7 @@ impl Engine {
         if self.follow_route() { Turn::Rest } else { self.give_up(AloneFault::NoWayToPiece) }
     }
 
-    /// Only what it was sent for.
+    /// Takes only the piece that it was sent for.
     fn take(&mut self, place: Place) -> Turn {
         if self.robots.searching().failures >= MOST_FAILURES {
             self.robots.searching_mut().failures = 0;
@@ -93,7 +94,7 @@ impl Engine {
         self.state.retrieval.iter().flat_map(|retrieval| retrieval.piece.iter().copied())
     }
 
-    /// The shortest way to stand before any cell of it, facing it.
+    /// The shortest way to a cell beside the piece, facing it.
     fn way_to_piece(&mut self) -> Option<Vec<Move>> {
         let sides = |cell: Cell| Heading::ALL.map(|heading| (cell, heading));
         let sides: Vec<(Cell, Heading)> = self.piece_to_fetch().flat_map(sides).collect();
@@ -101,8 +102,8 @@ impl Engine {
         ways.min_by_key(Vec::len)
     }
 
-    /// The way to stand before a cell of it, facing it in this direction. Where it was photographed from afar the robot has not been in the
-    /// cells before it, but has seen that they are free.
+    /// The way to stand before a cell of it, facing it in this direction. Where the piece was photographed from afar
+    /// the robot has not been in the cells before it, but has seen that they are free.
     fn way_before(&mut self, piece: Cell, heading: Heading) -> Option<Vec<Move>> {
         let back = |cell: &Cell| Some(cell.ahead(heading.opposite()));
         let mut before = std::iter::successors(back(&piece), back);

@@ -1,5 +1,6 @@
-//! The engine: world and mission together, behind the verbs of the core. Commands and events go in, effects come out, and a
-//! snapshot can be taken at any time. No clock, no I/O: `now` is an argument, and whoever polls the effects performs them.
+//! The engine: world and mission together, behind the verbs of the core. Commands and events go in, effects come out,
+//! and a snapshot can be taken at any time. No clock, no I/O: `now` is an argument, and whoever polls the effects
+//! performs them.
 //!
 //! ```text
 //!   handle_command ─┐                      ┌─ acts ── world, holds, records
@@ -74,7 +75,6 @@ use crate::snapshot::log::Tone;
 use crate::snapshot::retrieval::TreesView;
 use crate::snapshot::said::Said;
 
-/// The whole core.
 #[derive(Clone, Debug)]
 pub struct Engine {
     settings: Settings,
@@ -89,23 +89,24 @@ pub struct Engine {
     repeats: Repeats,
     refusals: Sharing<Note>,
     stops: Stops,
-    /// The epoch in which the command was given that released the robot last.
+    /// The epoch of the command that last released the robot.
     released: Option<Epoch>,
     on_record: OnRecord,
-    /// What was last seen where a parcel was looked for, until the trees have been told.
+    /// The latest answer to a look for a parcel, until the trees have been told.
     seen: Option<Option<Parcel>>,
     /// The pair's trees, while they fetch.
     team: Option<Ticked>,
     /// The trees after their last tick.
     trees: Arc<TreesView>,
     is_ending: bool,
-    /// By how many milliseconds the clock was set since the start of the program, as far as it is on record.
+    /// By how many milliseconds the clock was set since the start of the program, as far as that is on record.
     clock_set_ms: i64,
     taken: Option<Arc<Snapshot>>,
 }
 
 impl Engine {
-    /// An engine in which nothing has happened yet: the robot at home, facing south, idle. `run` names this run of the program.
+    /// An engine in which nothing has happened yet: the robot at home, facing south, idle. `run` names this run of the
+    /// program.
     #[must_use]
     pub fn new(settings: Settings, strategy: Strategy, run: Arc<str>) -> Engine {
         Engine {
@@ -132,8 +133,8 @@ impl Engine {
         }
     }
 
-    /// Takes a command. An accepted one is answered by `Effect::Answer` with this ticket, as soon as what must be on record first
-    /// is there.
+    /// Handles a command. An accepted one is answered by `Effect::Answer` with this ticket, as soon as what must be on
+    /// record first is there.
     ///
     /// # Errors
     /// The refusal and its reason; then nothing has changed but the log.
@@ -141,7 +142,7 @@ impl Engine {
         self.handle_many(request, 1, now)
     }
 
-    /// Takes so many stops of one sender at once, of which this is the last: they have one answer.
+    /// Handles `count` stops of one sender at once, of which this is the last: they have one answer.
     ///
     /// # Errors
     /// As for any command; a stop is never refused.
@@ -155,7 +156,8 @@ impl Engine {
             return repeated;
         }
         let (input, mut context) = InputContext::of(&request.command, &request.issuer, self.pending());
-        // A number that no stop has made yet is none: what was given before a stop does not come after it.
+        // An epoch that no stop has reached yet is invalid: a command that was sent before a stop does not come after
+        // it.
         context.epoch = [request.epoch, request.arrived].into_iter().flatten().min();
         let outcome = match self.refuse_outdated(input, &request, context.epoch) {
             Ok(()) => self.decide(input, &context),
@@ -187,21 +189,22 @@ impl Engine {
         self.world.write(now.wall, Tone::Warning, Said::Words(words.to_owned()));
     }
 
-    /// From now on this sensor must be heard at least every `patience`; until it is for the first time it counts as silent.
+    /// From now on this sensor must report at least every `patience`; until its first report it counts as silent.
     pub fn watch_sensor(&mut self, sensor: Arc<str>, patience: Duration, now: Now) {
         self.begin(now);
         self.watchdog.begin(Arc::clone(&sensor), patience);
         self.feed(Input::SensorSilent, &InputContext { why: Some(HoldReason::Unheard(sensor)), ..InputContext::default() });
     }
 
-    /// There is one more robot beside the one that searches; it stands at home as long as it does not say otherwise.
+    /// Adds a robot beside the one that searches; it stands at home until it reports otherwise.
     pub fn add_robot(&mut self, robot: RobotId, now: Now) {
         self.begin(now);
         self.robots.add(robot, self.state.holds.contains(Hold::AwaitingStart));
         self.world.touch(Resource::Robot);
     }
 
-    /// A halt was raised outside the queue of commands (safety S1): hold at once; the command with its sender's name follows.
+    /// A halt was raised outside the queue of commands (safety S1): hold at once; the command with its sender's name
+    /// follows.
     pub fn handle_halt(&mut self, epoch: Epoch, now: Now) {
         self.begin(now);
         if epoch > self.state.epoch {
@@ -209,7 +212,6 @@ impl Engine {
         }
     }
 
-    /// Takes an event.
     pub fn handle_event(&mut self, event: Event, now: Now) {
         self.begin(now);
         match event {
@@ -237,7 +239,7 @@ impl Engine {
         self.go_on();
     }
 
-    /// Time has passed; call it at `poll_timeout`.
+    /// Call this at `poll_timeout`.
     pub fn handle_timeout(&mut self, now: Now) {
         self.begin(now);
         let (refusals, stops) = (self.refusals.fall_due(now.since_start), self.stops.records.fall_due(now.since_start));
@@ -260,7 +262,7 @@ impl Engine {
 
     /// The next thing to be done outside, oldest first.
     pub fn poll_effect(&mut self) -> Option<Effect> {
-        // What is on its way to the store is not in what stands yet, and must not be forgotten by reading on from there.
+        // Records on their way to the store are not in the state yet, and must not be forgotten by a start from it.
         let in_flight = !self.mission.recording.is_empty() || !self.mission.deciding.is_empty();
         if self.outbox.is_to_sum_up(self.state.size_in_entries()) && !in_flight {
             self.record_state();
@@ -268,7 +270,7 @@ impl Engine {
         self.outbox.poll()
     }
 
-    /// The last entry on its way to the store, or kept: a refusal is on record when this is kept.
+    /// The last entry that was sent to the store: a refusal is on record when the store has it.
     #[must_use]
     pub fn written(&self) -> Seq {
         self.outbox.written()
@@ -296,7 +298,7 @@ impl Engine {
         snapshot
     }
 
-    /// What is shown of a resource may follow from another (a refusal from an alarm, the progress from the map): then it has
+    /// The view of a resource may depend on another (a refusal on an alarm, the progress on the map): then it has
     /// changed as well.
     fn touch_derived(&mut self, shown: &Shown) {
         let Some(before) = self.taken.clone() else { return };
@@ -317,10 +319,12 @@ impl Engine {
         self.look();
     }
 
-    /// Carries out an accepted command; it is answered once it is kept with all that followed from it. A stop waits for no record; and
-    /// what the table still accepts while the store cannot write is on record already, or need not be.
+    /// Carries out an accepted command; it is answered once everything that followed from it is in the store. A stop
+    /// waits for no record; and the commands that the table still accepts while the store cannot write are on record
+    /// already, or need not be.
     fn carry_out(&mut self, (request, count): (&Request, u64), input: Input, step: Step, context: &InputContext) -> Ticket {
-        // What a stop does was done when it was raised, ahead of the queue: what was given since then to release the robot stands.
+        // The effect of a stop took place when it was raised, ahead of the queue: a command that has released the robot
+        // since then stands.
         let is_over = |raised: Epoch| raised <= self.state.epoch && self.released.is_some_and(|released| released >= raised);
         if input != Input::Stop || !context.epoch.is_some_and(is_over) {
             self.apply(step, context);
@@ -352,7 +356,7 @@ impl Engine {
         self.outbox.send(Effect::Answer(ticket, answer));
     }
 
-    /// The answer to a command that came before under the same id; `None` for one that did not.
+    /// The answer to an earlier command with the same id; `None` if there was none.
     fn repeated(&mut self, request: &Request) -> Option<Result<Ticket, Refused>> {
         let id = request.id.as_ref().filter(|_| request.command != Command::Stop)?;
         let outcome = match self.repeats.look_up(&request.issuer.key(), id, &Content::of(request)) {
@@ -371,7 +375,7 @@ impl Engine {
         if let (Outcome::Before(Some(luggage)), Command::Verdict { verdict, .. }) = (&outcome, &request.command)
             && let Some(stands) = self.verdict_kept(*luggage).filter(|stands| stands != verdict)
         {
-            // It was replaced by another before it was kept.
+            // It was replaced by another before it was in the store.
             return Some(Err(Refused::Decided { luggage: *luggage, verdict: stands }));
         }
         let ticket = self.outbox.next_ticket();

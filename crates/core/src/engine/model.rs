@@ -1,5 +1,5 @@
-//! The resource model itself: everything that is shown, with a revision for each part.
-//! What may change it, and when, is the mission's business; here changes are only made and counted.
+//! The resource model: everything that is shown, with a revision for each part. The mission decides what may change and
+//! when; this module makes the changes and counts them.
 
 use std::sync::Arc;
 
@@ -12,15 +12,15 @@ use crate::world::temperature::Thermometer;
 
 #[derive(Clone, Debug)]
 pub(crate) struct World {
-    /// Which run of the program this is.
+    /// The run of the program.
     pub(crate) run: Arc<str>,
     pub(crate) thermometer: Thermometer,
     pub(crate) log: Log,
-    /// Why nothing can be put on record just now, as the store says it.
+    /// Why nothing can be put on record just now, in the store's words.
     pub(crate) store_failure: Option<String>,
     revision: Revision,
     revisions: [Revision; Resource::COUNT],
-    /// Whether the input being handled has raised the revision already: all its changes make one revision.
+    /// Whether the current input has raised the revision already: all its changes make one revision.
     raised: bool,
 }
 
@@ -60,7 +60,7 @@ impl World {
         self.revisions
     }
 
-    /// Writes a log line: a warning at once, what follows from a command or a find when that is on record (safety R4).
+    /// Writes a log line: a warning at once, anything else when it is on record (safety R4).
     pub(crate) fn write(&mut self, wall: WallTime, tone: Tone, said: Said) {
         if self.log.write(wall, tone, said) {
             self.touch(Resource::Log);

@@ -19,26 +19,24 @@ use crate::units::{Cell, Now, OrderId};
 use crate::world::hall_map::Mark;
 use crate::world::resource::Resource;
 
-/// After so many looks without an order something is wrong with the search: goals that are given up one after the other are
+/// Number of looks without an order that mean an error in the search: goals that are given up one after the other are
 /// bounded by the unknown cells of a large hall.
 const TURNS: usize = 100_000;
 
 /// Why a robot must not do something just now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Barred {
-    /// There is no such robot.
     Unknown,
-    /// It searches, and takes no orders but of the mission.
+    /// It searches, and takes orders from the mission only.
     Searching,
-    /// It lacks this.
+    /// It lacks this part.
     NotCapable(Part),
-    /// It stands away from the centre of its cell: it is recentred first.
+    /// It stands away from the centre of its cell, and has to be recentred first.
     OffCentre,
-    /// Something holds it.
     Held,
     /// The program ends.
     Ending,
-    /// What must be on record first is not kept yet.
+    /// A record that has to come first is not in the store yet.
     Unrecorded,
     /// Its link is not up.
     Unlinked,
@@ -46,7 +44,7 @@ pub enum Barred {
     Busy,
 }
 
-/// What one look at the mission came to.
+/// The result of one look at the mission.
 pub(super) enum Turn {
     /// An order was given, or there is nothing to do until something happens.
     Rest,
@@ -64,8 +62,8 @@ impl Engine {
         self.feed(Input::NoWayHome, &InputContext { fault: Some(FaultCause::Undecided), ..InputContext::default() });
     }
 
-    /// The one gate between whoever wants a motion and the robot. A lost link holds the robot whose link it is, and each waits for
-    /// START by itself; every other hold holds all of them.
+    /// The one gate between whoever wants a motion and the robot. A lost link holds the robot whose link it is, and
+    /// each waits for START by itself; every other hold holds all of them.
     pub(super) fn may_move(&self, id: &RobotId) -> Result<(), Barred> {
         let Some(robot) = self.robots.get(id) else { return Err(Barred::Unknown) };
         let is_held = if self.searches(id) { !self.state.holds.is_empty() } else { !self.holds_of(robot).is_empty() };
@@ -84,8 +82,8 @@ impl Engine {
         }
     }
 
-    /// Somebody wants a robot beside the one that searches to do this: it is ordered, if the gate lets it through. What becomes of
-    /// it is seen in the snapshot.
+    /// Orders this action of a robot beside the one that searches, if the gate lets it through. The outcome is seen in
+    /// the snapshot.
     ///
     /// # Errors
     /// Why it must not be done just now; nothing has changed.
@@ -112,7 +110,7 @@ impl Engine {
     pub(super) fn order_of(&mut self, robot: &RobotId, action: Action) -> OrderId {
         let (epoch, now) = (self.state.epoch, self.now.since_start);
         let known = self.robots.get_mut(robot).expect("whoever gives an order has looked that the robot is there");
-        // What it saw after an order whose end it never told was seen from elsewhere.
+        // The sonar's view after an order without a reported end was from another place.
         known.ahead = None;
         let order = known.controller.give(action, epoch, now);
         self.outbox.send(Effect::Order(robot.clone(), order));
@@ -165,20 +163,20 @@ impl Engine {
         }
     }
 
-    /// Coming home needs no motion, so it is noticed also while something holds the robot.
+    /// Arrival at home needs no motion, so it is noticed even while something holds the robot.
     fn has_come_home(&self) -> bool {
         let on_the_way = matches!(self.state.phase, Phase::ReturningHome | Phase::ReturningWithAlarm);
         on_the_way && self.is_home() && self.robots.searching().controller.open().is_none()
     }
 
-    /// The robot had backed up already when the program was killed, and says so.
+    /// The robot reports that it had backed up already when the program was killed.
     fn has_backed_up(&self) -> bool {
         let robot = self.robots.searching();
         let stands = robot.controller.is_free() && !robot.off_centre;
         stands && matches!(&self.state.phase, Phase::Inspecting(inspection) if inspection.stage == Stage::BackingUp)
     }
 
-    /// A photo is not motion: it is taken under holds too, as long as there is a robot to take it and a store to keep it.
+    /// A photo is not motion: it is taken under holds too, as long as there is a robot to take it and a store for it.
     fn wants_photo(&self) -> bool {
         let wanted = matches!(self.stage(), Some(Stage::TakingPhoto | Stage::RetakingPhoto(_)));
         let barred = [Hold::RobotLink, Hold::Store].into_iter().any(|hold| self.state.holds.contains(hold));
@@ -190,7 +188,7 @@ impl Engine {
         Turn::Rest
     }
 
-    /// A piece left without a photo first; then the goal that is being pursued; then whatever the strategy wants.
+    /// A piece left without a photo first; then the present goal; then whatever the strategy wants.
     fn explore(&mut self) -> Turn {
         if let Some(turn) = self.revisit() {
             return turn;
@@ -220,7 +218,8 @@ impl Engine {
         }
     }
 
-    /// Asks the strategy until it wants something that is not done already; `None` when the hall is explored and the robot home.
+    /// Asks the strategy until it wants something that is not done already; `None` when the hall is explored and the
+    /// robot home.
     fn next_goal(&mut self) -> Option<Goal> {
         let mut search = self.state.search.clone();
         self.mission.has_news = false;
@@ -275,7 +274,7 @@ impl Engine {
         true
     }
 
-    /// A piece whose photo failed and that was left behind is driven back to.
+    /// Drives back to a piece whose photo failed and that was left behind.
     fn revisit(&mut self) -> Option<Turn> {
         let left_behind = self.state.luggage.photoless().next();
         let (id, pose) = left_behind.map(|luggage| (luggage.id, luggage.pose))?;
@@ -290,7 +289,7 @@ impl Engine {
         self.follow_route().then_some(Turn::Rest)
     }
 
-    /// Home through visited cells only: on the way back nothing unknown is visited.
+    /// Home through visited cells only: on the way back no unknown cell is visited.
     fn go_home(&mut self) -> Turn {
         if self.mission.route.is_empty() {
             let way = self.way_home(Through::Known);
@@ -303,7 +302,7 @@ impl Engine {
         Turn::Rest
     }
 
-    /// The way home; none leads there while something stands in the home cell itself.
+    /// The way home; there is none while something stands in the home cell itself.
     pub(super) fn way_home(&mut self, through: Through) -> Option<Vec<Move>> {
         let free = !self.state.map.at(Cell::HOME).is_obstacle();
         free.then(|| self.planner.way_to_cell(self.state.pose, Cell::HOME, through))?

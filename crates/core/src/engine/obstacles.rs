@@ -1,4 +1,4 @@
-//! What stands in the way, met by a bump or seen by sonar: what it is taken for, and what the map learns of it.
+//! Obstacles, met by a bump or seen by sonar: what they are taken for, and the marks on the map.
 
 use super::Engine;
 use crate::effect::Fact;
@@ -9,8 +9,8 @@ use crate::world::hall_map::{Mark, REACH};
 use crate::world::luggage::Luggage;
 
 impl Engine {
-    /// What the sonar of the robot that searches has seen from where it has come to: free cells, and what stands behind them, which it
-    /// need not bump into.
+    /// Handles what the sonar of the robot that searches sees from where it stands: free cells, and the obstacle behind
+    /// them, into which it need not bump.
     pub(super) fn look_ahead(&mut self) {
         let seen = self.robots.searching_mut().ahead.take();
         let Some(Ahead { free, obstacle }) = seen.filter(|_| self.settings.sonar_cells > 0) else { return };
@@ -39,7 +39,8 @@ impl Engine {
             Obstacle::Luggage(piece) if self.state.pieces.contains(&piece) => Mark::Luggage,
             Obstacle::Luggage(_) | Obstacle::Unknown => Mark::NotInspected,
         };
-        // A mark that was settled stays: an inspected bag is not asked about again because the camera could not tell this time.
+        // A settled mark stays: no verdict is asked again on an inspected bag because the camera could not recognise it
+        // this time.
         if !matches!(self.state.map.at(cell), Mark::Wall | Mark::Luggage) {
             self.mark(cell, mark);
         }
@@ -56,7 +57,7 @@ impl Engine {
         }
     }
 
-    /// A piece that was known already stands here, too: so much more of it is to be lifted.
+    /// A known piece stands in this cell as well, so the piece to be lifted is larger.
     fn note_piece_at(&mut self, cell: Cell, obstacle: Obstacle) {
         let Obstacle::Luggage(piece) = obstacle else { return };
         let is_known = self.state.pieces.contains(&piece);

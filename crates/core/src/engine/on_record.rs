@@ -1,5 +1,6 @@
-//! What may be shown of the mission: as much as is on record (safety R4). The state itself runs ahead of the record (ADR 2); a view
-//! of it waits here until the store has kept the page it follows from. What warns or halts does not wait: `view` puts that in.
+//! Limits what is shown of the mission to what is on record (safety R4). The state itself runs ahead of the record (ADR
+//! 2); a view of it waits here until the page it follows from is in the store. Warnings and halts do not wait: `view`
+//! adds them.
 //!
 //! ```text
 //!   the state after each input ─► StateView, with the last entry written so far ─► ahead: (Seq, StateView), … ─► kept up to Seq ─► shown
@@ -23,14 +24,14 @@ use crate::world::hall_map::HallMap;
 use crate::world::records::LuggageRecords;
 use crate::world::resource::Resource;
 
-/// So many views wait at most. When the store lags further behind, the latest takes the place of the one before: what is between is
+/// Most views that wait. When the store lags further behind, the latest replaces the one before: states in between are
 /// not shown, and nothing is shown early.
 const AHEAD: usize = 64;
 
-/// After a loss nothing is shown before everything that stands is on record anew.
+/// After a loss nothing is shown before the whole state is on record anew.
 const NEVER: Seq = Seq(u64::MAX);
 
-/// What follows from commands and finds, as it was after one input.
+/// The results of commands and finds, as they were after one input.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct StateView {
     pub(super) mission: MissionId,
@@ -54,9 +55,9 @@ pub(super) struct StateView {
 pub(super) struct OnRecord {
     pub(super) shown: StateView,
     ahead: VecDeque<(Seq, StateView)>,
-    /// When the state was last looked at: nothing has changed since, if both are as they were.
+    /// The revision and entry of the last look: nothing has changed since if both are the same.
     looked: (Revision, Seq),
-    /// Nothing is shown before this entry is kept, because something before it was lost.
+    /// Nothing is shown before this entry is in the store, because something before it was lost.
     floor: Seq,
     emptied: u64,
     /// The map as it was before it was emptied, while that is not on record.
@@ -75,7 +76,7 @@ impl OnRecord {
         OnRecord { emptied: shown.emptied, shown, ahead, looked, floor: Seq(0), before: None, lit }
     }
 
-    /// Whether what is shown is all there is.
+    /// Whether the shown state is the present one.
     pub(super) fn is_current(&self) -> bool {
         self.ahead.is_empty() && self.floor != NEVER
     }
@@ -101,7 +102,7 @@ impl OnRecord {
 }
 
 impl Engine {
-    /// Looks at what has become of the mission since the last look, and shows of it what is on record.
+    /// Notes the state after an input, and shows as much of it as is on record.
     pub(super) fn look(&mut self) {
         let looked = (self.world.revision(), self.outbox.written());
         if looked != self.on_record.looked {
@@ -111,7 +112,7 @@ impl Engine {
             if view != *latest {
                 let buttons = view.refusals != latest.refusals;
                 self.on_record.push(looked.1, view);
-                // A button that is refused now is not offered any longer, although why is not on record yet.
+                // A button that is refused now is no longer offered, although the reason is not on record yet.
                 if buttons {
                     self.world.touch(Resource::Mission);
                 }
@@ -120,8 +121,8 @@ impl Engine {
         self.show_kept();
     }
 
-    /// What was on its way to the store is lost. Records and verdicts that were kept stay shown, although what follows from them is
-    /// not on record.
+    /// Entries on their way to the store are lost. Records and verdicts that were stored stay shown, although what
+    /// follows from them is not on record.
     pub(super) fn show_nothing_lost(&mut self) {
         self.on_record.ahead.clear();
         self.on_record.floor = NEVER;
@@ -134,7 +135,7 @@ impl Engine {
         }
     }
 
-    /// Everything that stands is on its way to the store anew, up to here.
+    /// The whole state is on its way to the store anew, up to this entry.
     pub(super) fn show_from(&mut self, seq: Seq) {
         self.on_record.ahead.clear();
         self.on_record.floor = seq;

@@ -1,4 +1,5 @@
-//! What leaves the core: effects in order, entries of the journal with their numbers, and the answers that wait for a record.
+//! What leaves the core: effects in order, entries of the journal with their numbers, and the answers that wait for a
+//! record.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -8,38 +9,42 @@ use crate::effect::{Effect, Entry, Fact, Order, Page};
 use crate::event::RobotId;
 use crate::units::{LuggageId, Now, Seq, Ticket, WallTime};
 
-/// After so many entries everything that stands is put on record, so that a start need not read more than these: half a second.
+/// Number of entries after which the whole state is put on record, so that a start need not read more than these: half
+/// a second.
 const SUM_UP_AFTER: u64 = 10_000;
 
-/// But not before so many times the entries that would take as much (`PersistentState::size_in_entries`), so that a move in a large hall
-/// costs a quarter more at most. A start reads a quarter of a million entries in a second.
+/// The state is not put on record before this many times the entries that would take as much
+/// (`PersistentState::size_in_entries`), so that a move in a large hall costs a quarter more at most. A start reads a
+/// quarter of a million entries in a second.
 const TIMES_ITS_SIZE: u64 = 4;
 
-/// So long at most the epoch of a stop waits for an entry with which it goes on record.
+/// Longest wait of a stop's epoch for an entry with which it goes on record.
 const SOON: Duration = Duration::from_secs(1);
 
-/// So many commands are put on record once more after the store has failed: an hour of nervous clicking.
+/// Commands that are put on record once more after the store has failed: an hour of nervous clicking.
 const COMMANDS: usize = 1024;
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outbox {
     effects: VecDeque<Effect>,
-    /// What the input being handled has put on record so far.
+    /// The entries of the current input so far.
     page: Vec<Entry>,
-    /// What goes on record with the next entry, or by then.
+    /// A fact that goes on record with the next entry, or at this time.
     soon: Option<(Entry, Duration)>,
-    /// Whether the page is to end with everything that stands.
+    /// Whether the page is to end with the whole state.
     sums_up: bool,
     since_summed_up: u64,
     written: Seq,
-    /// The last entry without which the robot must not move on: all but what others say while it moves.
+    /// The last entry without which the robot must not move on: all but commands and readings that others send while it
+    /// moves.
     barrier: Seq,
     kept: Seq,
     tickets: Ticket,
     waiting: Vec<WaitingAnswer>,
-    /// The commands that are not kept yet: each is to be in the journal, whatever becomes of the store (safety A6).
+    /// The commands that are not in the store yet: each has to reach the journal, whatever happens to the store (safety
+    /// A6).
     commands: VecDeque<Unkept>,
-    /// Everything up to here that was not kept when the store failed is lost.
+    /// All entries up to here that were not stored when the store failed are lost.
     lost: Seq,
 }
 
@@ -47,7 +52,7 @@ pub(super) struct Outbox {
 struct Unkept {
     seq: Seq,
     entry: Entry,
-    /// What its sender is told when it is lost, if it was accepted and waits for its record.
+    /// What the sender is told when it is lost, if it was accepted and waits for its record.
     if_lost: Option<Refused>,
 }
 
@@ -57,9 +62,9 @@ pub(super) struct WaitingAnswer {
     pub(super) ticket: Ticket,
     pub(super) seq: Seq,
     pub(super) luggage: Option<LuggageId>,
-    /// The verdict it gave, if it gave one: another may have won by then.
+    /// The verdict of the command, if it is one: another may have replaced it by then.
     pub(super) verdict: Option<crate::command::Verdict>,
-    /// Whether that verdict is kept, and what waits is what followed from it.
+    /// Whether that verdict is in the store, and only its consequences are waited for.
     pub(super) decided: bool,
 }
 
@@ -72,7 +77,7 @@ impl Outbox {
         self.effects.push_back(effect);
     }
 
-    /// Puts a halt ahead of everything else; a motion that has not gone out is taken back, and returned.
+    /// Puts a halt ahead of everything else; a motion that has not gone out is withdrawn, and returned.
     pub(super) fn halt(&mut self, robot: &RobotId) -> Option<Order> {
         let place = self
             .effects
@@ -89,7 +94,7 @@ impl Outbox {
         }
     }
 
-    /// The next effect: halts first, then what is to be kept, then the rest.
+    /// The next effect: halts first, then pages for the store, then the rest.
     pub(super) fn poll(&mut self) -> Option<Effect> {
         if self.page.is_empty() || matches!(self.effects.front(), Some(Effect::Halt(_))) {
             return self.effects.pop_front();
@@ -103,13 +108,13 @@ impl Outbox {
         self.sums_up = true;
     }
 
-    /// Whether everything that stands, which takes as much as `size` entries, is to go on record now.
+    /// Whether the whole state, which takes as much as `size` entries, is to go on record now.
     pub(super) fn is_to_sum_up(&self, size: u64) -> bool {
         self.sums_up || self.since_summed_up >= SUM_UP_AFTER.max(TIMES_ITS_SIZE * size)
     }
 
-    /// Puts a fact on its way to the store with the next one, or in a moment, unless it is replaced by then: so a flood of them makes
-    /// no flood of pages.
+    /// Sends a fact to the store with the next one, or in a moment, unless it is replaced by then: a flood of such
+    /// facts makes no flood of pages.
     pub(super) fn record_soon(&mut self, now: Now, fact: Fact) {
         let due = self.soon.take().map_or(now.since_start.saturating_add(SOON), |(_, due)| due);
         self.soon = Some((Entry { wall: now.wall, fact }, due));
@@ -125,7 +130,7 @@ impl Outbox {
         }
     }
 
-    /// Puts a fact on its way to the store, behind what waits for one; its place in the journal.
+    /// Sends a fact to the store, behind one that waits for the next. Returns its place in the journal.
     pub(super) fn record(&mut self, wall: WallTime, fact: Fact) -> Seq {
         if let Some((Entry { wall, fact }, _)) = self.soon.take() {
             self.record(wall, fact);
@@ -136,7 +141,7 @@ impl Outbox {
         if matches!(entry.fact, Fact::State(_)) {
             (self.sums_up, self.since_summed_up) = (false, 0);
         }
-        // Whoever sends commands and readings without end must not keep the robot from moving.
+        // Commands and readings without end must not prevent the robot from moving.
         if !matches!(entry.fact, Fact::Command { .. } | Fact::Temperature(..) | Fact::ThermometerSilent(_)) {
             self.barrier = self.written;
         }
@@ -144,7 +149,7 @@ impl Outbox {
         self.written
     }
 
-    /// Puts a command on its way to the store; `if_lost` is what its sender is told when it never gets there.
+    /// Sends a command to the store; `if_lost` is the answer to its sender if it never gets there.
     pub(super) fn record_command(&mut self, wall: WallTime, fact: Fact, if_lost: Option<Refused>) {
         let entry = Entry { wall, fact };
         let seq = self.record(wall, entry.fact.clone());
@@ -153,8 +158,8 @@ impl Outbox {
         }
     }
 
-    /// Puts the commands that were lost when the store failed on their way once more, each as it was answered. Those that came
-    /// later are still with the store, which keeps them now.
+    /// Sends the commands that were lost when the store failed once more, each as it was answered. The store still has
+    /// those that came later, and stores them now.
     pub(super) fn repeat_commands(&mut self) {
         let lost = self.lost;
         let (repeat, rest) = std::mem::take(&mut self.commands).into_iter().partition(|unkept: &Unkept| unkept.seq <= lost);
@@ -176,8 +181,9 @@ impl Outbox {
         self.kept
     }
 
-    /// Whether everything is kept that became of the mission so far. The robot waits for it before each move, so that a kill can
-    /// never lose more than the move under way: what it says of where it stands then still joins what is known.
+    /// Whether everything that concerns the mission is in the store. The robot waits for it before each move, so that a
+    /// kill can never lose more than the move under way: the robot's own report of where it stands then still connects
+    /// with what is known.
     pub(super) fn is_settled(&self) -> bool {
         self.kept >= self.barrier
     }
@@ -218,7 +224,7 @@ impl Outbox {
         }
     }
 
-    /// Lets the answers that waited for a replaced verdict on this piece wait for the one that replaced it.
+    /// Lets answers that waited for a replaced verdict on this piece wait for the new one.
     pub(super) fn defer(&mut self, luggage: LuggageId, seq: Seq) {
         for waiting in &mut self.waiting {
             if waiting.luggage == Some(luggage) && waiting.verdict.is_some() {

@@ -1,5 +1,5 @@
-//! How everything looked at a moment of which there is only the record, by the same view as of what stands now. What never goes on
-//! record is not in it: what the sonar saw, what a robot was just doing, the way it meant to go, its arm.
+//! The view of a past moment from its record, by the same code as the present view. State that never goes on record is
+//! missing: what the sonar saw, what a robot was just doing, its planned way, its arm.
 
 use std::sync::Arc;
 
@@ -17,23 +17,23 @@ use crate::units::{Cell, Revision, Seq};
 use crate::world::resource::Resource;
 use crate::world::temperature::{Reading, Thermometer};
 
-/// What is on record of a moment.
+/// The record of a moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Past {
     /// The last entry of the journal up to then; each has a snapshot of its own.
     pub seq: Seq,
-    /// What follows from the entries up to it.
+    /// The state after that entry.
     pub state: PersistentState,
     /// The cells the robot that searches came through, the latest last.
     pub trail: Vec<Cell>,
-    /// The entries of not long before that tell of the temperature, oldest first.
+    /// Recent entries with temperatures, oldest first.
     pub temperatures: Vec<Entry>,
-    /// The latest of what people did and what was found, oldest first.
+    /// The latest actions of people and finds, oldest first.
     pub latest: Vec<Remembered>,
 }
 
-/// The cells that the robot left, the latest last, as far as a snapshot shows them: from the latest entries, oldest first, of where it stood
-/// and of what begins a way anew.
+/// The cells that the robot left, the latest last, as many as a snapshot shows. They come from the latest entries,
+/// oldest first, with its poses and with what begins a new way.
 #[must_use]
 pub fn way_behind<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Vec<Cell> {
     let mut cells = vec![Cell::HOME];
@@ -46,7 +46,7 @@ pub fn way_behind<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Vec<Cell>
             cells.drain(..cells.len().saturating_sub(1));
         }
     }
-    // Where it stands it has not left; and where it was first is known only if that was home.
+    // It has not left the cell where it stands; and its first cell is known only if that was home.
     cells.pop();
     if let [first, second, ..] = cells[..]
         && !first.neighbours().contains(&second)
@@ -61,7 +61,7 @@ const fn begins_a_way(fact: &Fact) -> bool {
 }
 
 impl Past {
-    /// What was read last, as far as it is in these entries; the settings matter only to what follows from it.
+    /// The last reading in these entries; the settings matter only to what follows from it.
     #[must_use]
     pub fn reading(&self) -> Option<Reading> {
         let mut thermometer = Thermometer::new(Settings::default().threshold, 0.0);
@@ -69,8 +69,8 @@ impl Past {
         thermometer.latest()
     }
 
-    /// The state as the doors show it, with these robots beside the one that searches. What is too hot is so by the threshold of
-    /// then, and where that is not on record by that of now.
+    /// The state as the doors show it, with these robots beside the one that searches. Too hot is judged by the
+    /// threshold of then, and where that is not on record by that of now.
     #[must_use]
     pub fn snapshot(self, settings: Settings, others: impl IntoIterator<Item = RobotId>) -> Snapshot {
         let Past { seq, state, trail, temperatures, latest } = self;

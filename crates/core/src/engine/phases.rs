@@ -1,4 +1,4 @@
-//! Going from phase to phase: what each one takes along from the one before.
+//! Transitions between phases, and the data that each phase takes from the one before.
 
 use super::Engine;
 use super::decide::Step;
@@ -25,7 +25,7 @@ impl Engine {
         self.perform_all(step.acts, context);
     }
 
-    /// Moves to where a step leads: the phase that stands, or the one that many interruptions below it.
+    /// Goes to the phase of a step, in place of the present one, or of the one below that many interruptions.
     fn go(&mut self, step: Step, context: &InputContext) {
         if step.to == To::Stay {
             return;
@@ -53,7 +53,7 @@ impl Engine {
         self.is_home() && !self.robots.searching().controller.is_moving()
     }
 
-    /// The phase that was interrupted. Waiting at home is over once the robot has been driven away, or is just being.
+    /// The phase that was interrupted. Waiting at home is over once the robot has been driven away, or is about to be.
     fn resumed(&self, phase: Phase) -> Phase {
         let (Phase::Driving { interrupted, .. } | Phase::Fault { interrupted, .. }) = phase else { return phase };
         if *interrupted == Phase::AtHome && !self.stands_at_home() { Phase::Exploring } else { *interrupted }
@@ -88,7 +88,7 @@ impl Engine {
         }
     }
 
-    /// A fault interrupts what a drive by hand had interrupted, and halts.
+    /// Halts the robot. A fault during a drive by hand interrupts the phase that the drive had interrupted.
     fn fault(&mut self, old: Phase, context: &InputContext) -> Phase {
         let cause = context.fault.clone().unwrap_or_else(|| FaultCause::Robot("it did not say why".to_owned()));
         self.halt_searching();
@@ -107,7 +107,7 @@ impl Engine {
         }
     }
 
-    /// How far the inspection has come, interrupted or not.
+    /// The stage of the inspection, interrupted or not.
     pub(super) fn stage(&self) -> Option<Stage> {
         self.state.phase.inspection().map(|inspection| inspection.stage)
     }

@@ -1,5 +1,5 @@
-//! The end of the program, and after a restart: the engine as it was, held, and what a kill cut short brought to its end (safety R1, R2).
-//! How what stands follows from the journal is said by `crate::state`.
+//! The end of the program, and the engine after a restart: in its earlier state, held, with everything completed that a
+//! kill cut short (safety R1, R2). How the state follows from the journal stands in `crate::state`.
 
 use std::sync::Arc;
 
@@ -18,30 +18,27 @@ use crate::world::hall_map::Mark;
 use crate::world::luggage::Luggage;
 use crate::world::resource::Resource;
 
-/// Smaller changes of the wall clock are not put on record: a leap second, or what the machine corrects all the time.
+/// Smaller changes of the wall clock, in milliseconds, do not go on record: a leap second, or continuous corrections by
+/// the machine.
 const CLOCK_SET_MS: i64 = 2000;
 
 /// What was read back from the store.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recalled {
-    /// What stands.
     pub state: PersistentState,
     /// The last entry of the journal.
     pub written: Seq,
     /// The latest commands that carried an id, oldest first.
     pub commands: Vec<Entry>,
-    /// The latest of what people did and what was found, oldest first.
+    /// The latest actions of people and finds, oldest first.
     pub latest: Vec<Remembered>,
 }
 
-/// A line of the log as it was before a restart.
+/// A line of the log from before a restart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Remembered {
-    /// When it was.
     pub wall: WallTime,
-    /// How loud.
     pub tone: Tone,
-    /// What happened.
     pub said: Said,
 }
 
@@ -60,7 +57,7 @@ impl Engine {
         }
         engine.take_up(state);
         engine.on_record = OnRecord::of(engine.mission_as_it_is());
-        // A clock that was set back while the program was off is known to be so; one that was set forward is not.
+        // A clock that was set back while the program was off is noticed; one that was set forward is not.
         let back_ms = now.wall.unix_ms.saturating_sub(told);
         if back_ms <= -CLOCK_SET_MS {
             engine.record(Fact::ClockSet(back_ms));
@@ -74,8 +71,8 @@ impl Engine {
         engine
     }
 
-    /// Notes by how many milliseconds the machine's clock was set since the start of the program. A change goes on record, before
-    /// anything that happened by the new clock.
+    /// Notes by how many milliseconds the machine's clock was set since the start of the program. A change goes on
+    /// record before anything that happened by the new clock.
     pub fn note_clock(&mut self, set_ms: i64, now: Now) {
         let by_ms = set_ms.saturating_sub(self.clock_set_ms);
         if by_ms.saturating_abs() < CLOCK_SET_MS {
@@ -83,7 +80,7 @@ impl Engine {
         }
         self.clock_set_ms = set_ms;
         self.begin(now);
-        // What is shown is as old as before.
+        // Times that are shown keep their age.
         self.world.thermometer.set_clock(by_ms);
         for id in self.robots.ids() {
             let Some(robot) = self.robots.get_mut(&id) else { continue };
@@ -96,8 +93,8 @@ impl Engine {
         self.record(fact);
     }
 
-    /// The program was asked to end, by this: the robot halts and gets no order any more. What it was about stays as it is, and a
-    /// start of the program holds it (safety R1).
+    /// The program was asked to end, by this: the robot halts and gets no further order. Its work stays as it is, and
+    /// the next start holds it (safety R1).
     pub fn handle_end(&mut self, by: &str, now: Now) {
         self.begin(now);
         self.is_ending = true;
@@ -106,7 +103,7 @@ impl Engine {
         self.record(Fact::ProgramEnded(by.to_owned()));
     }
 
-    /// The last of all: what has waited for more of its kind goes on record.
+    /// Puts on record what waits to share an entry; call it last of all.
     pub fn record_rest(&mut self, now: Now) {
         self.begin(now);
         let (refusals, stops) = (self.refusals.rest(now.since_start), self.stops.records.rest(now.since_start));
@@ -118,7 +115,7 @@ impl Engine {
         self.record(Fact::ProgramStarted(env!("CARGO_PKG_VERSION").to_owned()));
     }
 
-    /// Where the robots are. It goes on record when it is other than before, beside what counts as too hot.
+    /// Sets where the robots are. The venue goes on record when it has changed, with the threshold.
     pub fn note_venue(&mut self, venue: Venue, now: Now) {
         self.begin(now);
         self.record_conditions(venue);
@@ -131,8 +128,8 @@ impl Engine {
         }
     }
 
-    /// The robot was put down at home in another hall: what was recalled of the old one is put away. Only while no mission is
-    /// under way in the old one.
+    /// The robot was put down at home in another hall: what was recalled of the old one is put away. Only while no
+    /// mission is under way in the old one.
     pub fn put_down_elsewhere(&mut self, now: Now) {
         self.begin(now);
         self.put_down();
@@ -154,7 +151,7 @@ impl Engine {
     }
 
     fn take_up(&mut self, state: PersistentState) {
-        // Where exactly a robot stands that was on its way is not known until it says so, or senses.
+        // The exact place of a robot that was on its way is unknown until it reports that, or senses.
         self.robots.searching_mut().off_centre = was_moving(&state.phase);
         if state.led_blinking {
             self.outbox.send(Effect::Led(self.robots.searching_id().clone(), true));
@@ -163,7 +160,7 @@ impl Engine {
         self.planner.learn(&self.state.map);
         self.recall_team();
         let cell = self.state.pose.cell;
-        // Before the entrance it stands in no cell: a parcel may lie at home by now.
+        // A robot before the entrance stands in no cell: a parcel may lie at home by now.
         if self.steps_outside(self.robots.searching_id()) == 0 && self.state.map.at(cell) != Mark::Visited {
             self.mark(cell, Mark::Visited);
         }
@@ -173,7 +170,7 @@ impl Engine {
         }
     }
 
-    /// A kill may fall between a record and what follows from it: then it follows now.
+    /// A kill may fall between a record and its consequences, which follow now.
     fn finish(&mut self) {
         let about = |luggage: &Luggage| InputContext { luggage: Some(luggage.id), ..InputContext::default() };
         for luggage in self.state.luggage.iter().map(Arc::clone).collect::<Vec<_>>() {

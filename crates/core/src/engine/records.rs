@@ -1,4 +1,5 @@
-//! Luggage and verdicts on their way through the store: nothing is shown, answered or acted on before it is kept (safety V3).
+//! Luggage and verdicts on their way through the store: nothing is shown, answered or acted on before it is in the
+//! store (safety V3).
 
 use std::sync::Arc;
 
@@ -35,7 +36,7 @@ impl Engine {
         self.set_stage(Stage::Recording(id));
     }
 
-    /// A new photo of a recorded piece; when it failed, an older one stays good.
+    /// A new photo of a recorded piece; when it failed, an older one stays valid.
     pub(super) fn record_retake(&mut self, context: &InputContext) {
         let Some(Stage::RetakingPhoto(id)) = self.stage() else { return };
         self.set_stage(Stage::AwaitingVerdict(id));
@@ -56,14 +57,14 @@ impl Engine {
         self.mission.recording.push(Recording { seq, wall, fact });
     }
 
-    /// The record of a piece is kept: show it and wait for the operator.
+    /// The record of a piece is in the store: show it and wait for the operator.
     pub(super) fn ask_operator(&mut self, context: &InputContext) {
         let Some(luggage) = context.luggage.and_then(|id| self.state.luggage.get(id)).map(Arc::clone) else { return };
         self.mark(luggage.cell, Mark::Luggage);
         self.set_stage(Stage::AwaitingVerdict(luggage.id));
     }
 
-    /// Puts a verdict on its way; a danger takes the place of a safe that is not kept yet (safety V1).
+    /// Sends a verdict to the store; a danger replaces a safe that is not there yet (safety V1).
     pub(super) fn record_verdict(&mut self, context: &InputContext) {
         let (Some(luggage), Some(verdict), Some(issuer)) = (context.luggage, context.verdict, &context.issuer) else { return };
         let who = Arc::clone(&issuer.who);
@@ -75,7 +76,7 @@ impl Engine {
         self.mission.deciding.push(Deciding { seq, wall: self.now.wall, luggage, verdict, who, note });
     }
 
-    /// Everything up to `seq` is kept: what waited for it happens now, in order.
+    /// Everything up to `seq` is in the store: what waited for it happens now, in order.
     pub(super) fn kept(&mut self, seq: Seq) {
         self.outbox.keep(seq);
         self.show_kept();
@@ -123,7 +124,7 @@ impl Engine {
     fn answer_due(&mut self) {
         for waiting in self.outbox.due() {
             if waiting.verdict.is_some() && !waiting.decided && !self.outbox.is_kept() {
-                // What follows from the verdict is shown together with it.
+                // The consequences of the verdict are shown together with it.
                 self.outbox.wait(WaitingAnswer { seq: self.outbox.written(), decided: true, ..waiting });
                 continue;
             }
@@ -143,8 +144,8 @@ impl Engine {
         self.send_answer(waiting.ticket, answer);
     }
 
-    /// The store has failed: verdicts on their way are withdrawn, a danger among them alarms all the same, and whoever waits
-    /// for a record is told so.
+    /// The store has failed: verdicts on their way are withdrawn, a danger among them raises an alarm all the same, and
+    /// senders that wait for a record are told.
     pub(super) fn withdraw_unkept(&mut self) {
         for deciding in std::mem::take(&mut self.mission.deciding) {
             if deciding.verdict == Verdict::Danger {
@@ -161,7 +162,7 @@ impl Engine {
         }
     }
 
-    /// The store writes again: what it may have lost is put on record once more, a withdrawn verdict never.
+    /// The store writes again: entries that it may have lost go on record once more, a withdrawn verdict never.
     pub(super) fn record_anew(&mut self) {
         let wall = self.now.wall;
         self.outbox.repeat_commands();

@@ -1,6 +1,7 @@
-//! How much of what doors refuse goes on record one by one (safety A5, A6): a sender who is refused without end, as somebody with a
-//! viewer's key may be, fills neither the disk nor the queue of records in which a STOP waits. Beyond a burst his refusals share
-//! an entry, which says how many they were. What the state refuses is not counted here: that is the operators' own.
+//! Limits how many of the doors' refusals go on record one by one (safety A5, A6): a sender who is refused without end,
+//! perhaps with a viewer's key, must fill neither the disk nor the queue of records in which a STOP waits. Beyond a
+//! burst the refusals of a sender share an entry with their number. Refusals by the state are not counted here: those
+//! are the operators' own.
 
 use std::time::Duration;
 
@@ -13,21 +14,23 @@ use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
 use crate::units::{Now, Seq};
 
-/// More than a person presses in a minute; then one entry in so long. There are fewer keys, at each of the doors, than senders.
+/// More than a person presses in a minute; beyond it one entry per period. There are fewer keys, at all doors together,
+/// than senders.
 pub(super) const LIMITS: Limits =
     Limits { burst: 60, earned: Duration::from_secs(10), every: Duration::from_secs(10), senders: 512 };
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Note {
     pub(super) issuer: Issuer,
-    /// What was asked for, and how much more was since the last note.
+    /// The latest request, and how many more came since the last entry.
     pub(super) asked: Asked,
     pub(super) refused: Refused,
 }
 
 impl Engine {
-    /// Notes a command that a door refused to take from its sender (safety A6): `asked` is what was asked for, as the door knows
-    /// it, the last of `count`. Its place in the journal; of who is refused without end some share an entry, which has none yet.
+    /// Notes a command that a door refused (safety A6): `asked` is what was asked for, as the door knows it, the last
+    /// of `count`. Returns its place in the journal; `None` when it will share an entry, because its sender is refused
+    /// without end.
     pub fn note_refused(&mut self, issuer: Issuer, asked: String, refused: &Refused, count: u64, now: Now) -> Option<Seq> {
         self.begin(now);
         let note = Note { issuer, asked: Asked::from_words(&asked), refused: refused.clone() };

@@ -1,5 +1,5 @@
-//! Commands that come again under the same id: answered as before and not carried out again, also after a restart.
-//! A STOP is none of these: it halts each time (`stops`).
+//! Commands that come again under the same id: they get the same answer and are not carried out again, even after a
+//! restart. A STOP is not among them: it halts each time (`stops`).
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
@@ -11,11 +11,11 @@ use crate::mission::Asked;
 use crate::refused::OTHER_CONTENT;
 use crate::units::{Epoch, LuggageId, Ticket};
 
-/// So many ids are remembered: more than any client has under way. Of more the oldest of whoever has most of them is given up, by name
-/// and address: a flood from one address makes the ids of no other forgotten.
+/// Most ids that are remembered: more than any client has under way. Beyond it, the oldest id of whoever has most is
+/// forgotten, by name and address: a flood from one address makes the ids of no other forgotten.
 pub const IDS: usize = 1024;
 
-/// Who sent it, and its name for the command: two people may use the same.
+/// The sender, and its id for the command: two people may use the same.
 type Key = (Arc<str>, CommandId);
 
 type IdOwner = (Arc<str>, Arc<str>);
@@ -25,7 +25,7 @@ pub(super) struct Repeats {
     known: BTreeMap<Key, Repeat>,
     /// Each sender's ids by their numbers.
     ids: BTreeMap<IdOwner, BTreeMap<u64, CommandId>>,
-    /// The senders by how many ids they have, and of those who have as many the one with the oldest last.
+    /// The senders by their number of ids; of those with equally many, the one with the oldest id comes last.
     ranks: BTreeMap<(usize, Reverse<u64>), IdOwner>,
     open: BTreeMap<Ticket, Key>,
     noted: u64,
@@ -37,11 +37,11 @@ struct Repeat {
     outcome: Outcome,
     /// The address it came from first.
     from: Arc<str>,
-    /// Later ones have higher ones.
+    /// Later ids have higher numbers.
     number: u64,
 }
 
-/// What makes two commands the same: what is asked, and the epoch that their sender said it saw.
+/// Two commands with equal content are the same: what is asked, and the epoch that the sender named.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Content {
     asked: Asked,
@@ -52,7 +52,7 @@ pub(super) struct Content {
 pub(super) enum Outcome {
     Open(Ticket),
     Answered(Result<Accepted, Refused>),
-    /// It was accepted before the program was started again; the piece it was about.
+    /// It was accepted before the program was started again; with the piece it was about.
     Before(Option<LuggageId>),
 }
 
@@ -103,7 +103,7 @@ impl Repeats {
         }
     }
 
-    /// Changes what ids a sender has, and his rank with them.
+    /// Changes a sender's ids, and its rank with them.
     fn change_ids(&mut self, sender: IdOwner, change: impl FnOnce(&mut BTreeMap<u64, CommandId>) -> Option<CommandId>) {
         let rank = |ids: &BTreeMap<u64, CommandId>| ids.first_key_value().map(|(oldest, _)| (ids.len(), Reverse(*oldest)));
         let ids = self.ids.entry(sender.clone()).or_default();
@@ -119,7 +119,7 @@ impl Repeats {
 
     pub(super) fn answer(&mut self, ticket: Ticket, answer: &Result<Accepted, Refused>) {
         let Some(key) = self.open.remove(&ticket) else { return };
-        // Its id may have been given up, and used again for another command.
+        // Its id may have been forgotten, and used again for another command.
         let is_its = |repeat: &&mut Repeat| matches!(repeat.outcome, Outcome::Open(open) if open == ticket);
         let Some(repeat) = self.known.get_mut(&key).filter(is_its) else { return };
         repeat.outcome = Outcome::Answered(answer.clone());
@@ -128,11 +128,11 @@ impl Repeats {
         }
     }
 
-    /// Takes up what the journal says of the commands before a restart.
+    /// Restores the commands of the journal after a restart.
     pub(super) fn recall(&mut self, entries: &[Entry]) {
         for Entry { fact, .. } in entries {
             if let Fact::Command { issuer, id: Some(id), command, luggage, refused, epoch } = fact {
-                // One that contradicted the first of its name was no use of the name, and a STOP never is.
+                // A command that contradicted the first of its id did not use the id, and a STOP never does.
                 let contradicted = refused.as_ref().is_some_and(|refusal| refusal.code == OTHER_CONTENT);
                 let content = Content::read_back(command, *epoch);
                 if contradicted || content.asked == Asked::Command(Command::Stop) {
@@ -194,7 +194,7 @@ mod tests {
         assert!(matches!(repeats.look_up(&"somebody".into(), &id(1), &asked("RESET")), IdUse::New));
     }
 
-    /// Safety S4, A5: where nobody signs in all have one name, and still an address of their own.
+    /// Safety S4, A5: without authentication all have one name, but an address each.
     #[test]
     fn nobodys_flood_makes_the_ids_of_another_forgotten() {
         for (name, address) in [("operator", "127.0.0.7"), ("anna", "127.0.0.1")] {
@@ -207,7 +207,7 @@ mod tests {
         }
     }
 
-    /// Of addresses that have as many ids.
+    /// Of addresses with equally many ids.
     #[test]
     fn among_equals_the_oldest_gives_way() {
         let mut repeats = Repeats::default();
@@ -236,7 +236,7 @@ mod tests {
         assert_eq!((repeats.known.len(), repeats.ids.len(), repeats.ranks.len()), (0, 0, 0));
     }
 
-    /// As a journal of another version may hold them.
+    /// A journal of another version may hold such words.
     #[test]
     fn words_that_are_no_command_are_the_same_as_themselves_alone() {
         let mut repeats = Repeats::default();
@@ -246,7 +246,7 @@ mod tests {
         assert!(matches!(repeats.look_up(&anna.who, &id(0), &asked("safe #1")), IdUse::Other));
     }
 
-    /// As a journal may hold an id twice, when it was given up in between.
+    /// A journal may hold an id twice, when it was forgotten in between.
     #[test]
     fn an_id_that_comes_twice_takes_one_place() {
         let mut repeats = Repeats::default();

@@ -1,4 +1,4 @@
-//! What a robot reports, taken into the world first and then told to the mission.
+//! Robots' reports: they change the world first, and are then passed to the mission.
 
 use std::sync::Arc;
 
@@ -22,7 +22,7 @@ use crate::world::hall_map::{Mark, REACH};
 use crate::world::resource::Resource;
 
 impl Engine {
-    /// Takes a report of a robot. One that nobody has said is there is not listened to.
+    /// Handles a report of a robot. Reports of unknown robots are ignored.
     pub(super) fn report(&mut self, robot: &RobotId, report: RobotEvent) {
         if self.robots.get(robot).is_none() {
             return;
@@ -65,7 +65,8 @@ impl Engine {
         self.robots.searching_id() == robot
     }
 
-    /// As a source of readings. With a blank, which no sensor has in its name: a robot's is never taken for that of something else.
+    /// The robot's name as a source of readings. It contains a blank, which no sensor's name does, so the two cannot be
+    /// confused.
     fn thermometer_of(&self, robot: &RobotId) -> String {
         if self.searches(robot) { ROBOT.to_owned() } else { format!("{ROBOT} {robot}") }
     }
@@ -85,7 +86,7 @@ impl Engine {
         self.record(fact);
     }
 
-    /// The robot's own reckoning counts: it may have ended a move of which the record says nothing (safety R2).
+    /// The robot's own reckoning counts: it may have ended a move of which nothing is on record (safety R2).
     fn stands(&mut self, robot: &RobotId, Whereabouts { pose, off_centre }: Whereabouts) {
         if pose.cell.x.abs() > REACH || pose.cell.y.abs() > REACH {
             let said = Said::Robot(robot.clone(), Trouble::TooFar(pose.cell));
@@ -117,7 +118,7 @@ impl Engine {
         }
     }
 
-    /// The same before the entrance.
+    /// Handles the report of a robot before the entrance, whose own reckoning counts as well.
     fn stands_outside(&mut self, robot: &RobotId, steps: u8, heading: Heading, off_centre: OffCentre) {
         self.set_off_centre(robot, off_centre);
         self.world.touch(Resource::Robot);
@@ -142,8 +143,8 @@ impl Engine {
         self.note_outside(robot, steps);
     }
 
-    /// Carried away from the piece in front of it, the robot can take no photo of it: a piece without a record stays a target of
-    /// the search, and one with a record keeps the photo it has.
+    /// A robot that was carried away from the piece in front of it can take no photo of it: a piece without a record
+    /// stays a target of the search, and one with a record stays with the photo it has.
     fn leave_inspection(&mut self) {
         match self.stage() {
             Some(Stage::BackingUp | Stage::TakingPhoto) => {
@@ -174,7 +175,7 @@ impl Engine {
         let Some(known) = self.robots.get_mut(robot) else { return };
         known.holds.clear(Hold::RobotLink);
         self.world.touch(Resource::Robot);
-        // What a retrieval needs it needs all of.
+        // A retrieval needs every one of its robots.
         let needed = self.searches(robot) || self.is_fetching(robot);
         let missing = self.state.retrieval.is_some() && self.unreached().is_some();
         if needed && !missing {
@@ -182,7 +183,7 @@ impl Engine {
         }
     }
 
-    /// The robot halts by itself; where exactly it stands is not known before it is recentred. The others go on.
+    /// The robot halts by itself; its exact place is unknown until it is recentred. The others go on.
     pub(super) fn link_lost(&mut self, robot: &RobotId, words: String) {
         let (searches, now) = (self.searches(robot), self.now.wall);
         self.fall_silent(&self.thermometer_of(robot));
@@ -200,7 +201,7 @@ impl Engine {
         if searches || fetches {
             let why = if searches { words.clone() } else { format!("{robot}: {words}") };
             if self.state.holds.contains(Hold::RobotLink) {
-                // What it is held by already says no more than that; why may be news.
+                // The hold is known already, but the reason may be new.
                 self.write_trouble(Tone::Warning, robot, Trouble::StillUnreached(words));
             }
             self.feed(Input::LinkLost, &InputContext { why: Some(HoldReason::Words(why)), ..InputContext::default() });
@@ -222,7 +223,7 @@ impl Engine {
     fn done(&mut self, robot: &RobotId, id: OrderId) {
         let Some(order) = self.close(robot, id) else { return };
         if let Some(robot) = self.robots.get_mut(robot) {
-            // A hook that has closed round nothing has not done what it was to do.
+            // A hook that has closed without a piece has not done what it was to do.
             let is_empty = order.action == Action::Arm(ArmAction::CloseGripper) && robot.arm == ArmState::default();
             robot.failures = if is_empty { robot.failures.saturating_add(1) } else { 0 };
         }
@@ -238,7 +239,7 @@ impl Engine {
         }
     }
 
-    /// The robot stands where the move led; after a late answer too, so it is not off centre any more.
+    /// The robot stands where the move led; after a late answer too, so it is no longer off centre.
     fn moved(&mut self, robot: &RobotId, step: Move) {
         self.set_off_centre(robot, false);
         let before = self.pose_of(robot);
@@ -251,7 +252,7 @@ impl Engine {
         self.record_pose(robot, pose);
     }
 
-    /// What a move of the robot that searches means for the map, and for the way ahead.
+    /// Updates the map, and the way ahead, after a move of the robot that searches.
     fn follow_move(&mut self, step: Move, before: Pose, pose: Pose) {
         self.mission.gait = self.mission.gait.after(step);
         if self.mission.route.front() == Some(&step) {
@@ -269,7 +270,7 @@ impl Engine {
         self.count(step);
     }
 
-    /// A move of the search counts in what a cell has taken.
+    /// Counts a move of the search for the pace.
     fn count(&mut self, step: Move) {
         let Some(can) = self.robots.searching().controller.capabilities else { return };
         if matches!(self.state.phase, Phase::Exploring) {

@@ -1,5 +1,6 @@
-//! A retrieval, stage by stage: the robot that searches makes room, the others fetch the piece, and it comes home again. What the pair
-//! does while it fetches, its trees say (`crate::retrieval`); all they propose goes through the one gate.
+//! A retrieval, stage by stage: the robot that searches makes room, the others fetch the piece, and it comes home
+//! again. The pair's actions while it fetches come from its trees (`crate::retrieval`); all their proposals go through
+//! the one gate.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -24,7 +25,7 @@ use crate::world::luggage::Luggage;
 use crate::world::resource::Resource;
 
 impl Engine {
-    /// Those who fetch, by the settings; `None` when they are not there, or nobody is to.
+    /// The robots that fetch, by the settings; `None` when they do not exist, or nobody is to fetch.
     pub(super) fn fetchers(&self) -> Option<Vec<RobotId>> {
         let fetchers = match self.settings.fetcher {
             Fetcher::Pair => Which::ALL.map(Which::robot).to_vec(),
@@ -39,7 +40,7 @@ impl Engine {
         self.robots.searching().controller.capabilities.is_none_or(|can| can.parts.has(Part::Gripper))
     }
 
-    /// The first of those that a retrieval needs whose link is not up.
+    /// The first robot needed for a retrieval whose link is not up.
     pub(super) fn unreached(&self) -> Option<RobotId> {
         let needed = self.fetchers().into_iter().flatten().chain([self.robots.searching_id().clone()]);
         let is_linked = |robot: &RobotId| self.robots.get(robot).is_some_and(|robot| robot.controller.capabilities.is_some());
@@ -51,8 +52,8 @@ impl Engine {
         self.state.retrieval.is_some() && self.fetchers().is_some_and(|fetchers| fetchers.contains(robot))
     }
 
-    /// The first robot that is not where a mission begins, while the retrieval that brings it there can go on; and the one that searches
-    /// as long as it carries something.
+    /// The first robot that is not where a mission begins, while the retrieval that brings it there can go on; also the
+    /// one that searches while it carries something.
     pub(super) fn abroad(&self, phase: &Phase) -> Option<RobotId> {
         let can_go_on = self.state.retrieval.is_some() && self.fault_stands(phase).is_none();
         let searching = Some(self.robots.searching_id().clone()).filter(|robot| self.steps_outside(robot) > 0);
@@ -90,7 +91,7 @@ impl Engine {
         }
     }
 
-    /// One that came to nothing begins anew, with what is known by now; with something in the grip they first go out.
+    /// A failed retrieval begins anew, with what is known by now; robots that hold something go out first.
     pub(super) fn retry_retrieval(&mut self) {
         let Some(retrieval) = self.state.retrieval.clone() else { return };
         let pair = Which::ALL.map(|which| self.base_view(which).arm);
@@ -150,12 +151,12 @@ impl Engine {
         self.state.alarms.iter().any(|alarm| Some(alarm.id) == call && alarm.acknowledged.is_none())
     }
 
-    /// One look at a retrieval.
+    /// One step of a retrieval.
     pub(super) fn retrieve(&mut self) -> Turn {
         let Some(retrieval) = &self.state.retrieval else { return Turn::Rest };
         let (began, set) = (retrieval.fetcher, self.settings.fetcher);
         if began != set {
-            // Who began it may stand anywhere, with the piece in the grip.
+            // The robot that began it may stand anywhere, with the piece in the grip.
             self.not_fetched(NotFetched::OtherFetcher { began, set });
             return Turn::Again;
         }
@@ -185,7 +186,7 @@ impl Engine {
             self.set_retrieval_stage(RetrievalStage::Fetching);
             return Turn::Again;
         }
-        // The entrance is at the back of whoever stands at home as a mission begins.
+        // The entrance is behind a robot that stands at home as a mission begins.
         match self.state.pose.heading {
             Heading::South => self.order(Action::Leave),
             Heading::East => self.order(Action::Move(Move::TurnRight)),
@@ -231,7 +232,7 @@ impl Engine {
         Turn::Again
     }
 
-    /// What comes next is tried as often as anything.
+    /// Resets the count of failures, so that the next stage has all its tries.
     pub(super) fn forget_failures(&mut self) {
         for which in Which::ALL {
             if let Some(robot) = self.robots.get_mut(&which.robot()) {
@@ -253,7 +254,7 @@ impl Engine {
         steer(stands, *way.first()?, Gear::Forwards)
     }
 
-    /// The robot that searches stands where a mission begins: at home.
+    /// The robot that searches goes to where a mission begins: home.
     fn come_home(&mut self, reason: Option<NotFetched>) -> Turn {
         if self.steps_outside(self.robots.searching_id()) > 0 {
             return self.order(Action::Enter);
@@ -271,7 +272,7 @@ impl Engine {
         self.feed(Input::NotFetched, &InputContext { fault: Some(FaultCause::NotFetched(why)), ..InputContext::default() });
     }
 
-    /// What a robot is wanted to do, if the gate lets it through; else it is wanted again at the next look.
+    /// Orders a proposed action, if the gate lets it through; otherwise it is proposed again at the next look.
     pub(super) fn let_through(&mut self, which: Which, action: Action) {
         let robot = which.robot();
         if self.may_do(&robot, action).is_ok() {
@@ -292,7 +293,7 @@ impl Engine {
     }
 }
 
-/// What both arms do next to let go of what they hold, wherever a halt has left it; `None` when both are open.
+/// The next action of both arms to release what they hold, wherever a halt has left it; `None` when both are open.
 fn set_down(bases: &[BaseView; 2]) -> Option<ArmAction> {
     let arms = bases.map(|base| base.arm);
     if arms.iter().any(|arm| arm.holds.is_some() && !arm.on_floor) {

@@ -1,6 +1,6 @@
-//! Entries of the journal that many share (safety A5, A6): whoever sends the same sort of thing without end fills neither the disk
-//! nor the queue of records. So much of one sender is put on record one by one; beyond that one entry now and then says how much it
-//! was. What the entries say, and of what there are so many, is the business of `refusals` and `stops`.
+//! Shared entries of the journal (safety A5, A6): a sender that repeats the same sort of thing without end fills
+//! neither the disk nor the queue of records. A burst of each sender goes on record one by one; beyond it, an entry now
+//! and then holds their number. What the entries say is decided in `refusals` and `stops`.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -10,24 +10,24 @@ use crate::command::Door;
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
-    /// So much one by one,
+    /// Number of a sender's items that are written one by one.
     pub(super) burst: u32,
-    /// and one more after so long;
+    /// Time after which a sender may have one more item written by itself.
     pub(super) earned: Duration,
-    /// beyond that one entry in so long.
+    /// Least time between two shared entries of a sender.
     pub(super) every: Duration,
-    /// So many senders are told apart.
+    /// Number of senders that are told apart.
     pub(super) senders: usize,
 }
 
-/// Whoever is told apart from others: by a name or an address, and by the door.
+/// Identifies a sender: a name or an address, and the door.
 pub(super) type Sender = (Arc<str>, Door);
 
 #[derive(Clone, Debug)]
 pub(super) struct Sharing<T> {
     limits: Limits,
     senders: BTreeMap<Sender, Tally<T>>,
-    /// Of those for whom there was no room.
+    /// Items of senders for whom there was no room.
     others: Tally<T>,
 }
 
@@ -41,11 +41,11 @@ pub(super) struct Shared<T> {
 
 #[derive(Clone, Debug)]
 struct Tally<T> {
-    /// So much more is written one by one.
+    /// Number of items that are still written one by one.
     room: u32,
-    /// When the last of this was earned, or the last shared entry written.
+    /// When `room` last grew, or the last shared entry was written.
     since: Duration,
-    /// What was not written since, and when the first and the last of it came.
+    /// The items not written yet, and when the first and the last of them came.
     unwritten: Option<(Shared<T>, Duration)>,
 }
 
@@ -54,7 +54,7 @@ impl<T> Sharing<T> {
         Sharing { limits, senders: BTreeMap::new(), others: Tally::new(limits, Duration::ZERO) }
     }
 
-    /// Takes what came just now, and how much of it; it is to be written at once, or later with more.
+    /// Takes an item and its count. Returns it when it is to be written at once, and not later with more.
     pub(super) fn come(&mut self, sender: Sender, note: (T, u64), now: Duration) -> Option<Shared<T>> {
         let limits = self.limits;
         let is_known = self.senders.contains_key(&sender);
@@ -69,20 +69,20 @@ impl<T> Sharing<T> {
         tally.come(note, limits, now)
     }
 
-    /// When something is to be written that was not written at once.
+    /// When a shared entry is due.
     pub(super) fn due(&self) -> Option<Duration> {
         let first = |tally: &Tally<T>| tally.unwritten.as_ref().map(|(_, first)| first.saturating_add(self.limits.every));
         self.senders.values().chain([&self.others]).filter_map(first).min()
     }
 
-    /// What is to be written by now.
+    /// The shared entries that are due by now.
     pub(super) fn fall_due(&mut self, now: Duration) -> Vec<Shared<T>> {
         let every = self.limits.every;
         let tallies = self.senders.values_mut().chain([&mut self.others]);
         tallies.filter_map(|tally| tally.take(|first| first.saturating_add(every) <= now, now)).collect()
     }
 
-    /// All that was not written yet.
+    /// Everything that was not written yet.
     pub(super) fn rest(&mut self, now: Duration) -> Vec<Shared<T>> {
         self.senders.values_mut().chain([&mut self.others]).filter_map(|tally| tally.take(|_| true, now)).collect()
     }
@@ -142,7 +142,7 @@ mod tests {
         (name.into(), Door("http"))
     }
 
-    /// What was put on record, and how much that comes to.
+    /// Number of entries, and the sum of their counts.
     fn written(entries: &[Shared<u32>]) -> (usize, u64) {
         (entries.len(), entries.iter().map(|entry| entry.count).sum())
     }
@@ -208,7 +208,7 @@ mod tests {
         assert_eq!(written(&entries), (LIMITS.senders + LIMITS.burst as usize + 1, 1000));
     }
 
-    /// Safety A6: as they come from beside the queue of commands.
+    /// Safety A6: items may come with a count from beside the queue of commands.
     #[test]
     fn what_came_as_many_at_once_is_not_forgotten_for_a_newcomer() {
         let mut sharing = Sharing::new(LIMITS);

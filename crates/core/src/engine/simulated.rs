@@ -1,5 +1,6 @@
-//! What is done to the hall and the robots where both are simulated, and what stays true of the mission then: it is on record with whoever
-//! did it, and a robot is put down in another hall only when nothing is lost by it. How anything is simulated is not known here.
+//! Actions on a simulated hall and simulated robots, and what they mean for the mission: they go on record with whoever
+//! took them, and a robot is put down in another hall only when nothing is lost by it. How anything is simulated is not
+//! known here.
 
 use super::Engine;
 use super::outbox::WaitingAnswer;
@@ -14,14 +15,15 @@ use crate::state::Venue;
 use crate::units::{Now, Ticket};
 
 impl Engine {
-    /// Somebody did something to what is simulated, in these words, as `the simulator was paused`: it goes into log and journal.
+    /// Writes an action on the simulator into log and journal, in words like `the simulator was paused`.
     pub fn note_simulated(&mut self, issuer: &Issuer, words: &str, now: Now) {
         self.begin(now);
         self.write_simulated(issuer, words);
     }
 
-    /// Puts the robots down at home in another hall, while no mission is under way (one that is over is put away). These, which are
-    /// simulated, count as unreached until they say that they stand there. The ticket is answered when all of it is on record.
+    /// Puts the robots down at home in another hall, while no mission is under way (one that is over is put away).
+    /// These simulated robots count as unreached until they report that they stand there. The ticket is answered when
+    /// all of it is on record.
     ///
     /// # Errors
     /// Why not now: something would be lost. Nothing has changed.

@@ -1,6 +1,6 @@
-//! The answers to STOP, and its records. Each answer waits for the robot to stand, but never for long (safety S8). Each sender's STOPs
-//! are on record one by one; beyond a few a second they share an entry, so that whoever presses without end does not fill the store
-//! (safety A5, A6). The halt itself waits for nothing; it went out before.
+//! The answers to STOP, and its records. Each answer waits for the robot to stand, but never for long (safety S8). Each
+//! sender's STOPs are on record one by one; beyond a few a second they share an entry, so that nobody can fill the
+//! store by pressing without end (safety A5, A6). The halt itself waits for nothing; it went out before.
 
 use std::collections::VecDeque;
 use std::net::IpAddr;
@@ -16,31 +16,32 @@ use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
 use crate::units::{Epoch, Ticket, WallTime};
 
-/// More than a person presses, and less than a disk keeps. The senders are those who pressed in the last seconds.
+/// More than a person presses, and less than a disk can write. The senders are those who pressed in the last seconds.
 const RECORDS: Limits = Limits { burst: 20, earned: Duration::from_millis(200), every: Duration::from_secs(1), senders: 128 };
 
-/// So long the answer to a stop waits for the robot to say that it stands.
+/// Longest wait of a stop's answer for the robot's report that it stands.
 const PATIENCE: Duration = Duration::from_millis(100);
 
-/// So long a STOP that comes again under its own name is the same press, unless the robot was released meanwhile: a page tries again
-/// and again that hears no answer.
+/// Time within which a STOP with the same id is the same press, unless the robot was released meanwhile: a page that
+/// gets no answer tries again and again.
 const SAME_PRESS: Duration = Duration::from_secs(60);
 
-/// So many presses with a name are remembered: more than there are pages. Of more the oldest is forgotten.
+/// Presses with an id that are remembered: more than there are pages. Beyond it the oldest is forgotten.
 const PRESSES: usize = 128;
 
 #[derive(Clone, Debug)]
 pub(super) struct Stops {
-    /// Oldest first, each with when it is answered at the latest. Bounded by the places of the doors: each is somebody's who waits.
+    /// Oldest first, each with the latest time of its answer. Bounded by the doors, as each belongs to a sender that
+    /// waits.
     waiting: Vec<(Ticket, Duration)>,
-    /// When the next order may be looked for that was put off for the sake of an answer.
+    /// When the next order may be given that was delayed for the sake of an answer.
     put_off: Option<Duration>,
     pub(super) records: Sharing<Press>,
     /// Oldest first.
     named: VecDeque<Named>,
 }
 
-/// A press that is on record and has a name.
+/// A press that is on record and has an id.
 #[derive(Clone, Debug)]
 struct Named {
     who: Arc<str>,
@@ -78,8 +79,8 @@ impl Engine {
         }
     }
 
-    /// Gives the next order, if there is one to give. When stops are answered because the robot stands, that is put off, so that
-    /// the revision of their answers is one in which it does.
+    /// Gives the next order, if there is one. After answers to stops because the robot stands it is delayed, so that
+    /// the robot stands in the revision of these answers.
     pub(super) fn go_on(&mut self) {
         self.stops.put_off = None;
         if self.stops.waiting.is_empty() || self.robots.are_halting() {
@@ -100,7 +101,7 @@ impl Engine {
         }
     }
 
-    /// Puts so many stops of one sender on record, now or together with others of his.
+    /// Puts `count` stops of one sender on record, now or together with others of the same sender.
     pub(super) fn record_stop(&mut self, request: &Request, count: u64) {
         if count == 1 && self.is_same_press(request) {
             return;
@@ -144,7 +145,7 @@ impl Engine {
     }
 }
 
-/// By what a sender is told apart from others: his name, or his address where nobody on this machine signs in.
+/// What tells a sender apart: its name, or its address where nobody on this machine signs in.
 fn sender(issuer: &Issuer) -> Sender {
     let is_here = issuer.from.parse().is_ok_and(|address: IpAddr| address.is_loopback());
     let name = if is_here && *issuer.who == *OPERATOR { Arc::clone(&issuer.from) } else { issuer.key() };

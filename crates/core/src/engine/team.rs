@@ -1,5 +1,5 @@
-//! The pair's trees at work in the hall: when they are ticked, what they see, and what becomes of what they want. All they propose
-//! goes through the one gate; while anything holds the pair nobody ticks them, so their time stands still.
+//! The pair's trees at work in the hall: when they are ticked, what they see, and what becomes of their proposals,
+//! which go through the one gate. While anything holds the pair nobody ticks them, so their time stands still.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -26,7 +26,7 @@ pub(super) struct Ticked {
     pub(super) team: Team,
     /// Since the start of the program; `None` before the first tick, and after a hold.
     at: Option<Duration>,
-    /// Something has happened since: the next tick waits for no more.
+    /// Something has happened since, so the next tick is due at once.
     is_awake: bool,
 }
 
@@ -45,21 +45,21 @@ impl Engine {
             && self.may_move(self.robots.searching_id()).is_ok()
     }
 
-    /// One of the pair has said something, or something was kept: the trees look at once.
+    /// One of the pair has reported something, or a record is in the store: the trees are ticked at once.
     pub(super) fn wake_team(&mut self) {
         if let Some(ticked) = &mut self.team {
             ticked.is_awake = true;
         }
     }
 
-    /// Time that passes under a hold is none of the trees'.
+    /// Time under a hold does not count as the trees' time.
     pub(super) fn stop_trees_clock(&mut self) {
         if let Some(ticked) = &mut self.team {
             ticked.at = None;
         }
     }
 
-    /// Ticks the trees when their time has come, and carries out what they come to.
+    /// Ticks the trees when their time has come, and carries out the result.
     pub(super) fn fetch(&mut self) -> Turn {
         let mut ticked = self.team.take().unwrap_or_else(|| self.resumed_team());
         let now = self.now.since_start;
@@ -111,7 +111,7 @@ impl Engine {
         self.state.luggage.get(luggage)?.piece
     }
 
-    /// What the leaves see.
+    /// Calls `look` with what the leaves see.
     fn with_view<T>(&self, look: impl FnOnce(&View<'_>) -> T) -> T {
         let nothing = std::collections::BTreeSet::new();
         let view = View {
@@ -127,7 +127,7 @@ impl Engine {
         look(&view)
     }
 
-    /// After a restart everybody sees the trees as they stood, before anything goes on.
+    /// After a restart the trees are shown in their earlier state, before anything goes on.
     pub(super) fn recall_team(&mut self) {
         if self.state.retrieval.as_ref().is_some_and(|retrieval| retrieval.team.is_some()) {
             let ticked = self.resumed_team();
@@ -136,7 +136,7 @@ impl Engine {
         }
     }
 
-    /// What is shown of the trees is new with each tick; on record goes what they could not go on without.
+    /// The view of the trees is new with each tick; only state that they could not resume without goes on record.
     fn note_tick(&mut self, team: &Team) {
         self.trees = Arc::new(TreesView::of(team.trees(), team.blackboard()));
         let state = team.state();

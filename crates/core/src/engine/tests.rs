@@ -1,5 +1,5 @@
-//! Moments of an engine that no door can bring about at will. What every pair of phase and input leads to is in `by_hand`, what is
-//! shown meanwhile in `shown`.
+//! Situations of an engine that no door can create at will. The outcome of every pair of phase and input stands in
+//! `by_hand`, what is shown meanwhile in `shown`.
 
 mod by_hand;
 mod clock;
@@ -44,7 +44,8 @@ fn phase(name: PhaseName) -> Phase {
     }
 }
 
-/// An engine in a phase and under holds, with a linked robot in the middle of a cell away from home, and one pending piece.
+/// An engine in a phase and under holds, with a linked robot in the middle of a cell away from home, and one pending
+/// piece.
 fn sweep_in(name: PhaseName, holds: &[Hold]) -> Engine {
     let mut engine = Engine::new(Settings::default(), Strategy::Snail, "test".into());
     let quick = Duration::from_millis(1);
@@ -152,7 +153,7 @@ fn a_hold_raised_during_a_mission_also_waits_for_a_start() {
     }
 }
 
-/// Safety V1: the first verdict that is kept is final, and a danger that comes before a safe is kept takes its place.
+/// Safety V1: the first verdict that is stored is final, and a danger that comes before a safe is stored replaces it.
 #[test]
 fn a_danger_that_comes_before_a_safe_is_kept_replaces_it() {
     let give = |engine: &mut Engine, verdict| {

@@ -20,7 +20,7 @@ use crate::world::alarm::AlarmView;
 use crate::world::resource::Resource;
 use crate::world::temperature::{TemperatureStatus, TemperatureView};
 
-/// What is shown of the mission and the robot: put together from several parts of the state.
+/// Views of the mission and the robot, which combine several parts of the state.
 pub(super) struct Shown {
     pub(super) mission: MissionView,
     pub(super) robot: RobotView,
@@ -65,7 +65,8 @@ impl Engine {
         robots.collect()
     }
 
-    /// What holds a robot beside the one that searches: its own link, and what holds all; each waits for START by itself.
+    /// The holds of a robot beside the one that searches: its own link, and the holds of all; each waits for START by
+    /// itself.
     pub(super) fn holds_of(&self, robot: &Robot) -> Vec<Hold> {
         let of_all = |hold: &Hold| !matches!(hold, Hold::RobotLink | Hold::AwaitingStart) && self.state.holds.contains(*hold);
         Hold::ALL.into_iter().filter(|hold| of_all(hold) || robot.holds.contains(*hold)).collect()
@@ -92,7 +93,7 @@ impl Engine {
         }
     }
 
-    /// What follows from commands and finds as far as it is on record; what warns or halts as it is.
+    /// The results of commands and finds as far as they are on record; warnings and halts as they are.
     fn mission_view(&self) -> MissionView {
         let shown = &self.on_record.shown;
         let as_it_is = (shown.mission, shown.phase) == (self.state.mission, self.phase_name());
@@ -117,7 +118,7 @@ impl Engine {
         }
     }
 
-    /// A fault warns, so it is shown at once; what it interrupts is what was shown before.
+    /// A fault is a warning, so it is shown at once; the phase that it interrupts is the one that was shown before.
     fn phase_shown(&self, shown: &StateView) -> (PhaseName, Option<PhaseName>, Option<FaultCause>) {
         let Some(cause) = self.state.phase.fault() else { return (shown.phase, shown.interrupted, shown.fault.clone()) };
         (PhaseName::Fault, shown.interrupted.or(Some(shown.phase)), Some(cause.clone()))
@@ -161,7 +162,8 @@ impl Engine {
         Progress { visited: map.visited(), unknown: map.unsearched(), left: self.time_left(), reach }
     }
 
-    /// While it searches, whatever holds or interrupts it. It is a guess from all that is known, on record or not.
+    /// Shown during a search, whatever holds or interrupts it. It is an estimate from all that is known, on record or
+    /// not.
     fn time_left(&self) -> Option<TimeLeft> {
         if !matches!(self.state.phase.underlying(), Phase::Exploring | Phase::Inspecting(_)) {
             return None;
@@ -173,13 +175,13 @@ impl Engine {
         Some(TimeLeft { least: time(forecast.least)?, most: forecast.most.and_then(time) })
     }
 
-    /// What each button would be refused with, as far as it is on record.
+    /// The refusal of each button, as far as it is on record.
     pub(super) fn refusals(&self) -> Refusals {
         self.each_button(|input, context, _| self.decide(input, context).err().map(|(refused, _)| refused))
     }
 
-    /// The same as it is shown: what holds the robot is said at once, and so is that something else has changed of which there is
-    /// no record yet.
+    /// The refusals as they are shown: holds at once, and also that something else has changed of which there is no
+    /// record yet.
     fn refusals_shown(&self) -> Refusals {
         if self.on_record.is_current() {
             return self.on_record.shown.refusals.clone();
@@ -192,7 +194,7 @@ impl Engine {
         })
     }
 
-    /// `why` is told of each button what is shown of it, too.
+    /// `why` also gets what is shown of each button.
     fn each_button(&self, why: impl Fn(Input, &InputContext, &Option<Refused>) -> Option<Refused>) -> Refusals {
         let plain = InputContext::default();
         let turn = InputContext { step: Some(Move::TurnLeft), ..InputContext::default() };

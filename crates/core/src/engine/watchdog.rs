@@ -1,5 +1,5 @@
-//! The watch over the configured temperature sensors: how long the silence of each is borne. What silence means for the mission
-//! is the table's business.
+//! The watch over the configured temperature sensors: how long each may be silent. What silence means for the mission
+//! stands in the table.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -16,7 +16,7 @@ struct Watched {
 }
 
 impl SensorWatchdog {
-    /// Watches one more sensor, which has not been heard yet and counts as silent until it is.
+    /// Watches one more sensor, which counts as silent until its first report.
     pub(super) fn begin(&mut self, sensor: Arc<str>, patience: Duration) {
         self.0.retain(|watched| watched.sensor != sensor);
         self.0.push(Watched { sensor, patience, due: None });
@@ -26,7 +26,7 @@ impl SensorWatchdog {
         self.0.iter().any(|watched| *watched.sensor == *sensor)
     }
 
-    /// The sensor was heard; true when it was the last that had been silent.
+    /// The sensor reported; true when it was the last that had been silent.
     pub(super) fn hear(&mut self, sensor: &str, since_start: Duration) -> bool {
         let Some(watched) = self.0.iter_mut().find(|watched| *watched.sensor == *sensor) else { return false };
         let was_silent = watched.due.replace(since_start.saturating_add(watched.patience)).is_none();
@@ -37,7 +37,7 @@ impl SensorWatchdog {
         self.0.iter().filter_map(|watched| watched.due).min()
     }
 
-    /// A sensor whose silence has just lasted too long; said once.
+    /// A sensor whose silence has just lasted too long; returned once.
     pub(super) fn falls_silent(&mut self, since_start: Duration) -> Option<Arc<str>> {
         let watched = self.0.iter_mut().find(|watched| watched.due.is_some_and(|due| due <= since_start))?;
         watched.due = None;

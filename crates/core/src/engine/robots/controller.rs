@@ -1,4 +1,4 @@
-//! What the engine knows of one robot: the one open order, what the robot can do, and how it got off centre.
+//! The engine's knowledge of one robot: the one open order, its capabilities, and how it got off centre.
 
 use std::time::Duration;
 
@@ -8,22 +8,22 @@ use crate::event::Capabilities;
 use crate::robot::RobotState;
 use crate::units::{Epoch, OrderId};
 
-/// How much longer than the robot's own deadline an answer is waited for: the way there and back.
+/// How long after the robot's own deadline an answer is waited for: the way there and back.
 const GRACE: Duration = Duration::from_secs(2);
 
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RobotController {
-    /// What the robot can do; nothing is known before its link is up.
+    /// `None` before its link is up.
     pub(crate) capabilities: Option<Capabilities>,
     open: Option<Open>,
     /// An order that was given up: its answer may still come.
     overdue: Option<Order>,
     last: OrderId,
-    /// It was told to halt, or cannot be reached, and has not said since that it stands.
+    /// It was told to halt, or cannot be reached, and has not reported since that it stands.
     halting: bool,
     /// Its time stands still: nothing it does is overdue.
     is_paused: bool,
-    /// What the robot will be seen doing when it recentres: the opposite of what took it off centre.
+    /// The state that the robot will show when it recentres: the opposite of the move that took it off centre.
     way_back: Option<RobotState>,
 }
 
@@ -57,7 +57,7 @@ impl RobotController {
         self.halting |= self.may_be_moving();
     }
 
-    /// The robot's link is lost; true when it was on the move. It halts by itself, and says so when it is back.
+    /// The robot's link is lost; true when it was on the move. It halts by itself, and reports that when it is back.
     pub(crate) fn lose(&mut self) -> bool {
         self.capabilities = None;
         let halting = self.halting || self.may_be_moving();
@@ -66,7 +66,8 @@ impl RobotController {
         was_moving
     }
 
-    /// The robot's link is up: it stands, unless it has an order. That one is waited for anew, as long as this robot takes.
+    /// The robot's link is up: it stands, unless it has an order. The deadline of that one starts again, by this
+    /// robot's times.
     pub(crate) fn link_up(&mut self, can: Capabilities, since_start: Duration) {
         (self.capabilities, self.is_paused) = (Some(can), false);
         self.halting &= self.is_moving();
@@ -86,7 +87,8 @@ impl RobotController {
         self.is_moving() || self.overdue.is_some_and(|order| order.action.is_motion())
     }
 
-    /// A new open order. It begins after whatever the robot was told before; who gives one after a fault has looked after it.
+    /// A new open order. It ends the wait for a halt: the robot begins it after everything it was told before, and
+    /// after a fault somebody has looked after the robot.
     pub(crate) fn give(&mut self, action: Action, epoch: Epoch, since_start: Duration) -> Order {
         self.last = self.last.next();
         let order = Order { id: self.last, action, epoch, deadline: self.deadline(action) };
@@ -95,7 +97,7 @@ impl RobotController {
         order
     }
 
-    /// Closes the open order, or the one that was given up, if it is this one; an answer to any other is out of date.
+    /// Closes the open order, or the one that was given up, if it has this id; an answer to any other is out of date.
     pub(crate) fn close(&mut self, id: OrderId) -> Option<Order> {
         let order = self.overdue.take_if(|order| order.id == id).or_else(|| self.close_open(id))?;
         self.halting &= self.may_be_moving();

@@ -1,5 +1,5 @@
-//! The robots by their ids: what each can do, its open order, how it stands, what holds it alone. One of them searches; where that
-//! one stands is part of `state`, as is where the others do. What a mission wants of them is not decided here.
+//! The robots by their ids: capabilities, open orders, holds of their own. One of them searches; where it stands is
+//! part of `state`, as is where the others do. What a mission wants of them is not decided here.
 
 mod controller;
 
@@ -23,13 +23,13 @@ pub(crate) struct Robot {
     pub(crate) sonar_cm: Option<u16>,
     /// What is ahead of it once the order under way is done.
     pub(crate) ahead: Option<Ahead>,
-    /// What holds this robot and no other. What holds the one that searches is among the holds of the mission.
+    /// The holds of this robot alone. Those of the one that searches are among the holds of the mission.
     pub(crate) holds: Holds,
-    /// Its arm, if it has one, as it last said.
+    /// Its arm, if it has one, as last reported.
     pub(crate) arm: ArmState,
-    /// Whether it has said so since the program began or its link was lost.
+    /// Whether it has reported its arm since the program began or its link was lost.
     pub(crate) arm_is_heard: bool,
-    /// Orders in a row that it failed to carry out.
+    /// Consecutive orders that it failed to carry out.
     pub(crate) failures: u32,
     /// Why it cannot be reached, while that is so and a reason is known.
     pub(crate) unreached: Option<Arc<str>>,
@@ -47,7 +47,7 @@ impl Robots {
         Robots { searching: (searching, Robot::default()), others: BTreeMap::new() }
     }
 
-    /// One more, which is not reached yet, and waits for a START where the one that searches does.
+    /// Adds a robot that is not reached yet, and waits for a START where the one that searches does.
     pub(crate) fn add(&mut self, id: RobotId, is_awaited: bool) {
         if id != self.searching.0 {
             let holds = std::iter::once(Hold::RobotLink).chain(is_awaited.then_some(Hold::AwaitingStart)).collect();
@@ -80,13 +80,13 @@ impl Robots {
         std::iter::once((&self.searching.0, &self.searching.1)).chain(&self.others)
     }
 
-    /// Something holds all of them during a mission: that it has ended sets none of them moving before a START. Whether that is new
-    /// to any.
+    /// A hold of all robots during a mission: its end sets none of them moving before a START. Returns whether that is
+    /// new to any.
     pub(crate) fn others_wait(&mut self) -> bool {
         self.others.values_mut().fold(false, |any, robot| any | robot.holds.raise(Hold::AwaitingStart))
     }
 
-    /// A START was accepted: what waited for it may move. Whether any has.
+    /// A START was accepted: robots that waited for it may move. Returns whether any did.
     pub(crate) fn release(&mut self) -> bool {
         self.others.values_mut().fold(false, |any, robot| any | robot.holds.release())
     }
@@ -104,7 +104,7 @@ impl Robots {
         self.iter().filter(|(_, robot)| robot.controller.is_moving()).map(|(id, _)| id.clone()).collect()
     }
 
-    /// The next time at which an open order of any counts as unanswered.
+    /// The next time at which an open order of any robot counts as unanswered.
     pub(crate) fn due(&self) -> Option<Duration> {
         self.iter().filter_map(|(_, robot)| robot.controller.due()).min()
     }

@@ -1,12 +1,13 @@
-//! Every phase × every command and event, with what follows written out by hand from mission §4: nothing here asks the table of the
-//! code. Each mission-wide rule that is not a cell (what clears which hold, what blinks, what is on record) is a sentence below.
+//! Every phase × every command and event, with the outcome written out by hand from mission §4, independently of the
+//! code's table. Each mission-wide rule that is not a cell (what clears which hold, what blinks, what is on record) is
+//! a sentence below.
 
 use super::*;
 use crate::command::Refusal;
 use crate::world::hall_map::Mark;
 
-/// The commands whose cells are written out. The others are accepted in every phase and leave it as it is: OK, a reading, a sensor's
-/// reading and the acknowledgement of an alarm.
+/// The commands whose cells are written out. The others are accepted in every phase and leave it as it is: OK, a
+/// reading, a sensor's reading and the acknowledgement of an alarm.
 const COLUMNS: [Input; 12] = [
     Input::Start,
     Input::Stop,
@@ -22,8 +23,8 @@ const COLUMNS: [Input; 12] = [
     Input::Strategy,
 ];
 
-/// With a piece whose verdict is pending and that has a usable photo. `.` leaves the phase, a short name is the new phase once all is
-/// on record, `!` a refusal; `a/b` is `a` while nothing holds and `b` after STOP.
+/// With a piece whose verdict is pending and that has a usable photo. `.` leaves the phase, a short name is the new
+/// phase once all is on record, `!` a refusal; `a/b` is `a` while nothing holds and `b` after STOP.
 const PENDING: &str = "
     id  ex  .  !np .  .  .  !np !vp      dr      dr      !np .
     ex  !vp .  rh  .  ra .  !np !mv/!vp  !ns/dr  !ns/dr  !np !np
@@ -39,7 +40,7 @@ const PENDING: &str = "
     fa  !vp .  !np .  .  .  !np !vp      !np     !np     !np !np
 ";
 
-/// The same with that piece decided: safe.
+/// As `PENDING`, with that piece decided as safe.
 const DECIDED: &str = "
     id  ex  .  !np .  !de .  !np .       dr      dr      !np .
     ex  .   .  rh  .  !de .  !np !mv/id  !ns/dr  !ns/dr  !np !np
@@ -55,7 +56,7 @@ const DECIDED: &str = "
     fa  ex  .  !np .  !de .  !np id      !np     !np     !np !np
 ";
 
-/// The events that lead from one phase to another; wherever they do not they change nothing.
+/// The events that lead from one phase to another; elsewhere they change nothing.
 const EVENTS: &[(Input, &str)] = &[
     (Input::Blocked, "ex>in"),
     (Input::AtPiece, "ex>in"),
@@ -133,7 +134,7 @@ fn cell(table: &'static str, phase: PhaseName, input: Input, stopped: bool) -> &
     if stopped { held } else { free }
 }
 
-/// What a cell comes to: the new phase, or the refusal's code.
+/// The meaning of a cell: the new phase, or the refusal's code.
 fn meant(cell: &'static str, phase: PhaseName) -> Result<PhaseName, &'static str> {
     match (cell, cell.strip_prefix('!')) {
         (_, Some(refusal)) => Err(code(refusal)),
@@ -142,8 +143,8 @@ fn meant(cell: &'static str, phase: PhaseName) -> Result<PhaseName, &'static str
     }
 }
 
-/// Mission §4: a movement command is refused with the reasons while a hold stands that it does not clear, unless the phase refuses it
-/// anyhow; under `store` what would be put on record is refused too.
+/// Mission §4: a movement command is refused with the reasons while a hold stands that it does not clear, unless the
+/// phase refuses it anyhow; under `store`, commands that would go on record are refused too.
 fn expected(table: &'static str, phase: PhaseName, input: Input, holds: &[Hold]) -> Result<PhaseName, &'static str> {
     let stopped = meant(cell(table, phase, input, true), phase);
     let moves = [Input::Start, Input::BackHome, Input::Retrieve, Input::Move, Input::Goto].contains(&input);
@@ -160,8 +161,9 @@ fn expected(table: &'static str, phase: PhaseName, input: Input, holds: &[Hold])
     }
 }
 
-/// The engine of this phase: where the robot waits it is at home, elsewhere a cell to the south. One alarm is on record, a sensor is
-/// configured, the piece is decided or not, and an obstacle stands at (1, 1) that nobody has looked at.
+/// The engine of this phase: where the robot waits it is at home, elsewhere a cell to the south. One alarm is on
+/// record, a sensor is configured, the piece is decided or not, and an obstacle stands at (1, 1) that nobody has looked
+/// at.
 fn moment(name: PhaseName, table: &'static str, holds: &[Hold]) -> Engine {
     let mut engine = sweep_in(name, &[]);
     let waits = [PhaseName::Idle, PhaseName::AtHome, PhaseName::BombLocated, PhaseName::BagSecured, PhaseName::Explored];
@@ -214,7 +216,7 @@ fn every_command_in_every_phase_does_what_the_mission_says() {
     for table in [PENDING, DECIDED] {
         for name in PhaseName::ALL {
             for input in Input::COMMANDS {
-                // Any hold ends a drive, so a held one is nowhere.
+                // Any hold ends a drive, so there is no held drive.
                 for holds in HOLDS.into_iter().filter(|holds| holds.is_empty() || name != PhaseName::Driving) {
                     check_command(table, name, input, holds);
                 }
@@ -344,7 +346,7 @@ fn a_verdict_acts_on_the_phase_that_was_interrupted() {
     }
 }
 
-/// Mission §4, rule 6: the end of a drive from idle leaves idle as it was.
+/// Mission §4, rule 6: the end of a drive from idle leaves idle as it was, and no hold waits for START.
 #[test]
 fn a_drive_from_idle_ends_in_idle_and_waits_for_nobody() {
     for (end, hold) in

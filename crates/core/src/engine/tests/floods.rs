@@ -5,7 +5,6 @@ use crate::command::CommandId;
 use crate::effect::{Entry, Fact};
 use crate::state::PersistentState;
 
-/// An engine, and what it has put on record.
 struct Recorder {
     engine: Engine,
     millis: u64,
@@ -26,12 +25,12 @@ impl Recorder {
         Now { since_start: Duration::from_millis(self.millis), wall: WallTime::default() }
     }
 
-    /// As the loop takes a STOP: it halts first, and who pressed it follows.
+    /// Handles a STOP as the loop does: it halts first, and its sender follows.
     fn stop(&mut self, who: &str, from: &str) {
         self.press(Issuer { door: Door("http"), who: who.into(), from: from.into() }, None);
     }
 
-    /// The same with a name for the press.
+    /// A STOP with an id for the press.
     fn stop_named(&mut self, who: &str, name: &str) {
         let issuer = Issuer { door: Door("http"), who: who.into(), from: "192.0.2.7".into() };
         self.press(issuer, CommandId::new(name));
@@ -74,7 +73,7 @@ impl Recorder {
         self.entries.iter().filter_map(|entry| by(entry, name)).collect()
     }
 
-    /// In which epoch a start would go on from what is on record.
+    /// The epoch of a start from what is on record.
     fn epoch_on_record(&self) -> Epoch {
         let mut state = PersistentState::first(Strategy::Snail);
         self.entries.iter().for_each(|entry| state.apply(entry));
@@ -88,7 +87,7 @@ fn by<'a>(entry: &'a Entry, name: &str) -> Option<&'a str> {
     (*issuer.who == *name || *issuer.from == *name).then_some(command)
 }
 
-/// How many stops an entry stands for.
+/// Number of stops for which an entry stands.
 fn count(words: &str) -> u64 {
     words.split(' ').nth(1).map_or(1, |count| count.parse().expect("a number"))
 }
@@ -139,7 +138,7 @@ fn the_epoch_of_a_flood_is_on_record_with_the_next_entry_or_soon() {
     assert_eq!(recorder.by("lobby").iter().map(|words| count(words)).sum::<u64>(), 300);
 }
 
-/// Safety S1, A6: whoever hears no answer presses again and again, by hand or as a page does by itself.
+/// Safety S1, A6: a sender that gets no answer presses again and again, by hand or as a page does by itself.
 #[test]
 fn a_stop_under_the_name_of_the_one_before_halts_again_and_is_the_same_press() {
     let mut recorder = Recorder::new();
@@ -167,7 +166,7 @@ fn a_stop_under_the_name_of_the_one_before_halts_again_and_is_the_same_press() {
     assert_eq!(all, (Epoch(8), 9), "each has halted and is answered, as the START is");
 }
 
-/// Safety A5, A6: 128 names are remembered, and of what comes as many at once each is counted.
+/// Safety A5, A6: 128 ids are remembered, and stops that come together are all counted.
 #[test]
 fn presses_that_were_forgotten_or_come_in_crowds_are_on_record() {
     let mut recorder = Recorder::new();
@@ -185,7 +184,7 @@ fn presses_that_were_forgotten_or_come_in_crowds_are_on_record() {
     assert_eq!(recorder.entries.iter().filter(is_named).count(), 20, "what stands for many has no name");
 }
 
-/// Safety A6: what doors refuse, at the latest at the end of the program.
+/// Safety A6: refusals by doors are on record at the end of the program at the latest.
 #[test]
 fn all_that_doors_refuse_is_on_record() {
     let mut recorder = Recorder::new();
@@ -203,7 +202,7 @@ fn all_that_doors_refuse_is_on_record() {
     assert_eq!(recorder.by("lobby")[120..], ["RESET, and 39 more that were refused"; 2]);
 }
 
-/// A stop of which nobody heard who pressed it.
+/// A stop whose sender is never known.
 #[test]
 fn an_epoch_goes_on_record_although_no_command_follows() {
     let mut recorder = Recorder::new();
@@ -215,7 +214,7 @@ fn an_epoch_goes_on_record_although_no_command_follows() {
     assert_eq!(recorder.engine.poll_timeout(), None, "nothing is left to be done");
 }
 
-/// Where nobody signs in all have one name.
+/// Without authentication all have one name.
 #[test]
 fn whoever_signs_in_nowhere_is_told_apart_by_his_address_and_others_by_their_names() {
     let mut recorder = Recorder::new();
@@ -227,7 +226,7 @@ fn whoever_signs_in_nowhere_is_told_apart_by_his_address_and_others_by_their_nam
     assert_eq!(recorder.by("lobby").len(), 20, "many addresses are no more than one");
 }
 
-/// A name is the person's own choice.
+/// A person may choose any name.
 #[test]
 fn whoever_signs_in_under_many_names_has_the_share_of_one_key() {
     let mut recorder = Recorder::new();

@@ -1,4 +1,5 @@
-//! What is shown while the store lags (safety R4): bounded, never early, and never at odds with what a button does.
+//! What is shown while the store lags (safety R4): bounded, never early, and never in contradiction to what a button
+//! does.
 
 use super::*;
 use crate::rng::RandomStream;
@@ -34,8 +35,8 @@ fn at_most_64_views_wait_for_a_store_that_lags_and_none_is_shown_early() {
     assert_eq!((state.mission.id, state.mission.phase), (begun[59].1, PhaseName::Idle), "and the latest is shown in the end");
 }
 
-/// Safety R4: who may press a button by what is shown is not refused, and once everything is on record it is refused with just the
-/// words that are shown.
+/// Safety R4: a button that is shown as enabled is not refused, and once everything is on record a refusal has exactly
+/// the words that are shown.
 #[test]
 fn nothing_that_is_shown_contradicts_a_button() {
     for seed in 0..200 {

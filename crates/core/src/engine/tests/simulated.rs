@@ -1,4 +1,4 @@
-//! What the core makes of a simulator in somebody's hand: time that stands still, and another hall.
+//! The core's part in the control of a simulator: time that stands still, and another hall.
 
 use super::*;
 use crate::state::{Conditions, Venue};
@@ -19,7 +19,7 @@ fn put_down(engine: &mut Engine) -> Result<Ticket, Refused> {
     engine.put_down_in(venue("depot", Some(0.5)), &[RobotId::discovery()], &issuer(), now(2))
 }
 
-/// Everything that the engine wants kept, as words.
+/// Everything that the engine puts on record, as words.
 fn recorded(engine: &mut Engine) -> Vec<String> {
     let mut words = Vec::new();
     while let Some(effect) = engine.poll_effect() {

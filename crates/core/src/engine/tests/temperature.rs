@@ -1,4 +1,4 @@
-//! What was known of the temperature, as the journal tells of it later.
+//! Past temperatures, as the journal has them later.
 
 use super::*;
 use crate::command::OPERATOR;
