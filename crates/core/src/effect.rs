@@ -1,5 +1,5 @@
-//! What the core asks of the world outside: orders to robots, halts, records, answers.
-//! It only asks; whoever polls the effects performs them.
+//! The core's requests to the world outside: orders to robots, halts, records, answers. Whoever polls the effects
+//! performs them.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -16,7 +16,6 @@ use crate::world::alarm::AlarmCause;
 use crate::world::hall_map::Mark;
 use crate::world::luggage::Luggage;
 
-/// Something to be done outside.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Effect {
     /// Give a robot an order. A halt raised after `order.epoch` makes it void.
@@ -25,18 +24,16 @@ pub enum Effect {
     Halt(RobotId),
     /// Let the LED blink, or not.
     Led(RobotId, bool),
-    /// Keep this for good, and say `Event::Recorded` of its last entry when it is.
+    /// Store this for good, and report `Event::Recorded` of its last entry when it is stored.
     Record(Page),
-    /// Answer a command.
     Answer(Ticket, Result<Accepted, Refused>),
 }
 
-/// One bounded thing for a robot to do: at most one cell, one quarter turn, one photo or one movement of its arm.
+/// One bounded action of a robot: at most one cell, one quarter turn, one photo or one movement of its arm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Order {
     /// Its number, by which the robot answers.
     pub id: OrderId,
-    /// What to do.
     pub action: Action,
     /// The epoch in which it was given; after a later stop it must not begin.
     pub epoch: Epoch,
@@ -44,20 +41,18 @@ pub struct Order {
     pub deadline: Duration,
 }
 
-/// What one order asks.
+/// The content of one order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
-    /// A basic move.
     Move(Move),
     /// Sense, then return to the centre of the cell and the heading in which the last completed order left the robot.
     Recentre,
-    /// Take a photo of what is ahead, with this written on it.
+    /// Take a photo of what is ahead, with this printed on it.
     Photograph(Stamp),
     /// One place further in, on the way from before the entrance to home. The heading stays.
     Enter,
     /// One place further out, from home or on the way from there. The heading stays.
     Leave,
-    /// Something that the arm does.
     Arm(ArmAction),
 }
 
@@ -78,7 +73,7 @@ impl Action {
         matches!(self, Action::Move(_) | Action::Recentre | Action::Enter | Action::Leave)
     }
 
-    /// What a robot must have for it.
+    /// The part that a robot needs for it.
     #[must_use]
     pub const fn part(self) -> Part {
         match self {
@@ -92,21 +87,20 @@ impl Action {
     }
 }
 
-/// What is written on a photo.
+/// Printed on a photo.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stamp {
     /// Where the robot stands, in the map's own cells.
     pub pose: Pose,
-    /// When.
     pub wall: WallTime,
 }
 
-/// What one input put on record: kept together or not at all, so that the journal never ends in the middle of one.
+/// The entries of one input: stored together or not at all, so that the journal never ends in the middle of one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Page {
     /// The place of the first entry; the others follow without a gap.
     pub first: Seq,
-    /// The entries; never none.
+    /// At least one.
     pub entries: Vec<Entry>,
 }
 
@@ -121,68 +115,65 @@ impl Page {
 /// One line of the journal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// When it happened.
     pub wall: WallTime,
-    /// What happened.
     pub fact: Fact,
 }
 
-/// What is worth keeping for good. `crate::state` folds them into what stands.
+/// What is stored for good. `crate::state` folds facts into the state.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Fact {
-    /// The program was started, in this version, over what had been kept before.
+    /// The program was started, in this version, over what had been stored before.
     ProgramStarted(String),
     /// The program was asked to end, by this.
     ProgramEnded(String),
-    /// The machine's wall clock was set by so many milliseconds, back if negative, or the machine slept: entries before are by the
-    /// clock as it was.
+    /// The machine's wall clock was set by this many milliseconds, back if negative, or the machine slept: earlier
+    /// entries have the time of the earlier clock.
     ClockSet(i64),
-    /// Where, and under which threshold, what follows happens.
+    /// Where, and under which threshold, the following entries happen.
     Conditions(Conditions),
-    /// Everything that stands, so that nothing before needs to be read to go on.
+    /// The whole state, so that nothing before needs to be read to go on.
     State(Box<PersistentState>),
-    /// A command came, and what became of it.
+    /// A command came, and was accepted or refused.
     Command {
-        /// Who gave it, where from and by which door.
+        /// Who sent it, where from and by which door.
         issuer: Issuer,
-        /// The sender's own name for it.
+        /// The sender's own id for it.
         id: Option<CommandId>,
         /// The command in a few words.
         command: String,
-        /// The epoch that its sender said it saw.
+        /// The epoch that its sender named.
         epoch: Option<Epoch>,
         /// The piece it turned out to be about.
         luggage: Option<LuggageId>,
-        /// Why it was refused, if it was.
+        /// `None` if it was accepted.
         refused: Option<Refusal>,
     },
-    /// A mission began.
     MissionBegan(MissionId, Strategy),
-    /// A mission was put away; the bombs that were left in place.
+    /// A mission was put away, with the bombs that were left in place.
     MissionArchived(MissionId, Vec<LuggageId>),
-    /// The phase changed, or how far an inspection has come.
+    /// The phase changed, or the stage of an inspection.
     Phase(Phase),
     /// The set of holds changed.
     Holds(Vec<Hold>),
-    /// Somebody's stop raised the epoch.
+    /// A stop raised the epoch.
     Epoch(Epoch),
-    /// The goal changed; how far the search has come.
+    /// The goal or the progress of the search changed.
     Goal(Option<Goal>, Search),
     /// The robot that searches stands at a pose.
     Pose(Pose),
     /// Another robot stands at a pose.
     RobotPose(RobotId, Pose),
-    /// So many steps from home a robot stands before the entrance now; 0: it is in the hall.
+    /// Steps from home at which a robot now stands before the entrance; 0: it is in the hall.
     Outside(RobotId, u8),
-    /// How a retrieval stands now; `None`: none is under way any more.
+    /// The present state of the retrieval; `None`: none is under way any more.
     Retrieval(Option<Box<Retrieval>>),
-    /// A piece that was known already was met in this cell, too.
+    /// A known piece was met in this cell, too.
     MetAgain(Cell, Piece),
     /// The piece is in the container.
     Secured(LuggageId),
     /// The LED begins or ends blinking.
     Led(bool),
-    /// An obstacle was met; what it was taken for.
+    /// An obstacle was met, with the word for what it was taken for.
     Obstacle(Cell, &'static str),
     /// A cell is known now.
     Mark(Cell, Mark),
@@ -190,60 +181,54 @@ pub enum Fact {
     Luggage {
         /// Its record, without a verdict.
         record: Arc<Luggage>,
-        /// The new photo; absent when none was taken, and when the entry was read back: pictures are kept apart.
+        /// The new photo; `None` without one, and when the entry was read back: pictures are stored separately.
         photo: Option<Photo>,
     },
-    /// A verdict was given.
     Verdict {
-        /// Of which piece.
         luggage: LuggageId,
-        /// What it is.
         verdict: Verdict,
-        /// Who says so.
         who: Arc<str>,
-        /// What else was said of it.
         note: Option<Note>,
     },
-    /// A temperature was read: the source and the reading.
+    /// The source of a reading, and the reading.
     Temperature(Arc<str>, Celsius),
-    /// A source of readings fell silent: what it read last is not known any more.
+    /// A source of readings fell silent: its last reading no longer counts as known.
     ThermometerSilent(Arc<str>),
-    /// An alarm was raised: the piece it is about, and what it says.
+    /// An alarm was raised, about this piece if it is about one.
     AlarmRaised(AlarmId, Option<LuggageId>, AlarmCause),
-    /// An alarm was seen by somebody.
+    /// Somebody acknowledged an alarm.
     AlarmAcknowledged(AlarmId, Arc<str>),
-    /// A strategy was chosen.
     Strategy(Strategy),
     /// The map was emptied, with the robot facing this way at home.
     MapEmptied(Heading),
-    /// Old missions were written out into an archive.
+    /// Old missions were moved into an archive.
     WrittenOut(WrittenOut),
     /// All entries before this one were unpacked from an archive.
     Unpacked(Unpacked),
 }
 
-/// What an archive took out of the journal.
+/// The part of the journal that was moved into an archive.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WrittenOut {
     /// The first and the last mission in it.
     pub missions: (MissionId, MissionId),
-    /// Entries up to here stand in it alone.
+    /// Entries up to here are in the archive only.
     pub until: Seq,
-    /// What its file was called.
+    /// The name of its file.
     pub file: String,
     /// The SHA-256 of the file, in 64 lower-case hexadecimal digits.
     pub digest: String,
 }
 
-/// What a journal was unpacked from, and where it begins.
+/// The archive from which a journal was unpacked, and where the journal begins.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unpacked {
-    /// What the file of the archive was called.
+    /// The name of the archive's file.
     pub file: String,
     /// The SHA-256 of the file, in 64 lower-case hexadecimal digits.
     pub digest: String,
-    /// The last entry that is not in it, 0 where none is missing,
+    /// The last entry that is not in the journal; 0 where none is missing.
     pub behind: Seq,
-    /// and the digest of that entry's page, in 64 lower-case hexadecimal digits.
+    /// The digest of that entry's page, in 64 lower-case hexadecimal digits.
     pub page: String,
 }

@@ -9,7 +9,7 @@ macro_rules! named {
         named! { by $by; $(#[$meta])* $vis enum $name { $($(#[$doc])* $variant = $word,)* } }
 
         impl $name {
-            /// All of them, in the order in which they are listed.
+            /// All variants, in their order.
             $vis const ALL: [$name; [$($word),*].len()] = [$($name::$variant),*];
         }
     };
@@ -20,7 +20,7 @@ macro_rules! named {
         }
 
         impl $name {
-            /// The fixed word for it.
+            /// Its fixed word.
             #[must_use]
             $vis const fn $by(self) -> &'static str {
                 match self {

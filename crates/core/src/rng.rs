@@ -1,21 +1,18 @@
-//! Randomness that comes back: one seed, and for each purpose a stream of its own by name, so that drawing more of one
-//! changes nothing of another.
+//! Reproducible random numbers: one seed, and a stream of its own for each named purpose, so that drawing more for one
+//! purpose changes nothing for another.
 
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
 
-/// A stream of random numbers for one purpose.
 #[derive(Clone, Debug)]
 pub struct RandomStream(ChaCha8Rng);
 
 impl RandomStream {
-    /// The stream of `purpose` under `seed`.
     #[must_use]
     pub fn new(seed: u64, purpose: &str) -> RandomStream {
         RandomStream(ChaCha8Rng::seed_from_u64(seed ^ fnv1a(purpose)))
     }
 
-    /// A whole number, each as likely.
     pub fn number(&mut self) -> u64 {
         self.0.next_u64()
     }
@@ -26,7 +23,6 @@ impl RandomStream {
         (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Whether something of this probability happens.
     pub fn happens(&mut self, probability: f64) -> bool {
         self.fraction() < probability
     }
@@ -36,14 +32,14 @@ impl RandomStream {
         self.0.next_u64() % bound.max(1)
     }
 
-    /// About normally distributed with mean 0 and the given deviation: the sum of twelve uniform draws.
+    /// Approximately normal with mean 0 and the given deviation: the sum of twelve uniform draws.
     pub fn normal(&mut self, deviation: f64) -> f64 {
         let sum: f64 = (0..12).map(|_| self.fraction()).sum();
         (sum - 6.0) * deviation
     }
 }
 
-/// FNV-1a over the bytes of a text: enough to set streams, and trees, apart.
+/// FNV-1a over the bytes of a text: enough to tell streams, and trees, apart.
 pub(crate) fn fnv1a(text: &str) -> u64 {
     text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }

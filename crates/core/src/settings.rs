@@ -1,11 +1,10 @@
-//! What can be set in the core; reading settings from files is `config`'s job.
+//! The settings of the core. They are read from files by `config`.
 
 use super::search::Objective;
 use super::search::costs::Costs;
 use super::units::Celsius;
 use crate::not_fetched::Fetcher;
 
-/// The settings of an engine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// Above this the hall is too hot for anything to move.
@@ -14,13 +13,12 @@ pub struct Settings {
     pub hysteresis: f64,
     /// Whether to inspect every obstacle, walls too, as the original did.
     pub inspect_everything: bool,
-    /// Who fetches a dangerous piece.
     pub fetcher: Fetcher,
-    /// What the search is to be good at.
     pub objective: Objective,
-    /// So many cells ahead the robot's sonar tells the search whether they are free; 0: it learns by driving into them.
+    /// Number of cells ahead of which the robot's sonar tells the search whether they are free; 0: it learns that by
+    /// driving into them.
     pub sonar_cells: u8,
-    /// What moves cost in the eyes of the search; `None`: as long as they take the robot.
+    /// The costs of moves in the search; `None`: the times that the robot needs for them.
     pub costs: Option<Costs>,
     /// Whether a recognised wall reveals the straight line it belongs to as far as the camera sees it.
     pub wall_lines: bool,

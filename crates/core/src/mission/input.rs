@@ -1,5 +1,5 @@
-//! Everything that can reach a mission, by name: the columns of the table.
-//! What an input carries (which piece, which cell) stands beside it, in `InputContext`.
+//! All inputs of a mission, by name: the columns of the table. The details of an input (which piece, which cell) stand
+//! beside it, in `InputContext`.
 
 use std::sync::Arc;
 
@@ -65,13 +65,13 @@ impl Input {
     pub(crate) const EVENTS: [Input; 25] = *Input::ALL.last_chunk().expect("they are listed last");
 }
 
-/// What an input is about. Which fields matter depends on the input; the rest stays empty.
+/// The details of an input. Which fields matter depends on the input; the rest stays empty.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct InputContext {
     pub(crate) issuer: Option<Issuer>,
-    /// The epoch that a stop has raised; of another command, the one in which it was given.
+    /// The epoch that a stop has raised; of another command, the one in which it was sent.
     pub(crate) epoch: Option<Epoch>,
-    /// The piece named, or found to be meant by a bare word.
+    /// The piece that is named, or meant by a bare word.
     pub(crate) luggage: Option<LuggageId>,
     pub(crate) verdict: Option<Verdict>,
     pub(crate) note: Option<Note>,
@@ -85,14 +85,14 @@ pub(crate) struct InputContext {
     /// The source of a reading, and the reading.
     pub(crate) reading: Option<(Arc<str>, Celsius)>,
     pub(crate) fault: Option<FaultCause>,
-    /// What more there is to say of a hold that it raises.
+    /// The reason of a hold that it raises, if there is more to say.
     pub(crate) why: Option<HoldReason>,
     /// Why there is no photo, in words.
     pub(crate) words: Option<String>,
 }
 
 impl InputContext {
-    /// The input a command is, and what it is about. `pending` is the piece a bare word would mean.
+    /// The input that a command is, with its details. `pending` is the piece that a bare word would mean.
     pub(crate) fn of(command: &Command, issuer: &Issuer, pending: Option<LuggageId>) -> (Input, InputContext) {
         let context = InputContext { issuer: Some(issuer.clone()), ..InputContext::default() };
         match command {

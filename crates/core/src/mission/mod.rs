@@ -1,5 +1,5 @@
-//! The mission: the one total table that says what every input does in every phase, and its words. Phases stand in `crate::state`;
-//! `crate::engine` carries the acts out.
+//! The mission: the one total table that defines every input in every phase, and its words. Phases stand in
+//! `crate::state`; `crate::engine` carries the acts out.
 
 mod asked;
 pub mod fact_words;

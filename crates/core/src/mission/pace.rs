@@ -1,5 +1,5 @@
-//! How long a cell has taken a search so far, by what the robot says of its moves: what a forecast goes by. It is counted anew in each run of
-//! the program.
+//! The time that a cell has taken in a search so far, by the robot's moves: the basis of a forecast. It is counted anew
+//! in each run of the program.
 
 use std::time::Duration;
 
@@ -8,18 +8,18 @@ use crate::search::forecast::FEW;
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Pace {
     driven: Duration,
-    /// How many cells had been looked at before the first move that was counted.
+    /// Number of cells that had been looked at before the first move that was counted.
     before: Option<u32>,
 }
 
 impl Pace {
-    /// A move that took so long, after which so many cells have been looked at.
+    /// Counts a move of this duration, after which this many cells have been looked at.
     pub(crate) fn count(&mut self, took: Duration, looked_at: u32) {
         self.before.get_or_insert(looked_at.saturating_sub(1));
         self.driven = self.driven.saturating_add(took);
     }
 
-    /// The mean time a cell has taken; `None` while too few say anything.
+    /// The mean time per cell; `None` while there are too few cells for one.
     pub(crate) fn a_cell(&self, looked_at: u32) -> Option<Duration> {
         let cells = looked_at.checked_sub(self.before?).filter(|cells| *cells >= FEW)?;
         Some(self.driven / cells).filter(|time| !time.is_zero())

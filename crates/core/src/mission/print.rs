@@ -5,8 +5,8 @@ use super::table::{Row, row};
 use super::{Input, rules};
 use crate::phase::PhaseName;
 
-/// The whole table: what is the same in every phase, then a section a phase; a line an input. Inputs that change nothing are gathered at
-/// the end of each section.
+/// The whole table: what is the same in every phase, then a section per phase with a line per input. Inputs that change
+/// nothing are gathered at the end of each section.
 #[must_use]
 pub fn table_markdown() -> String {
     let mut text = String::from(

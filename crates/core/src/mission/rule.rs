@@ -1,5 +1,5 @@
-//! The words in which the table is written: what may forbid an input (its guards), what a case depends on, what follows.
-//! Here they are only named and explained; `crate::engine` tests the guards and cases and carries out the acts.
+//! The vocabulary of the table: guards that may forbid an input, cases, and outcomes. Here they are only named and
+//! explained; `crate::engine` tests the guards and cases and carries out the acts.
 
 use crate::hold::Hold;
 use crate::phase::PhaseName;
@@ -8,11 +8,11 @@ use crate::phase::PhaseName;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Rule {
     RefuseIf(Guard),
-    /// Refused if this guard forbids it, but these acts are done all the same.
+    /// Refused if this guard forbids it, but these acts are carried out all the same.
     RefuseIfThen(Guard, &'static [Act]),
     /// In this case: on to a phase, with these acts.
     When(Case, To, &'static [Act]),
-    /// Else: on to a phase, with these acts. Always the last line.
+    /// Otherwise: on to a phase, with these acts. Always the last line.
     Go(To, &'static [Act]),
     /// Always refused. The last line.
     Never(Guard),
@@ -29,7 +29,7 @@ pub(crate) enum To {
 
 named! {
     by in_words;
-    /// What may forbid an input (its guards); each is a refusal with its reason.
+    /// What may forbid an input; each guard is a refusal with its reason.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub(crate) enum Guard {
         Held = "a hold stands that it does not clear",
@@ -75,7 +75,7 @@ named! {
     }
 }
 
-/// What is done; each is one small deed, explained by `Act::in_words`.
+/// What is done; each act is one small change, explained by `Act::in_words`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Act {
     Release,

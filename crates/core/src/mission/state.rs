@@ -1,4 +1,4 @@
-//! What of a mission ends with the program: the way ahead and behind, and what is on its way to the store.
+//! The part of a mission that ends with the program: the way ahead and behind, and what is on its way to the store.
 //! What outlives the program is `crate::state`.
 
 use std::collections::VecDeque;
@@ -10,14 +10,14 @@ use crate::effect::Fact;
 use crate::search::Gait;
 use crate::units::{Cell, LuggageId, Seq, WallTime};
 
-/// How many cells of the way behind the robot are shown.
+/// Number of cells behind the robot that are shown.
 pub(crate) const TRAIL: usize = 48;
 
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Mission {
     /// The moves still to be made towards the goal; empty when they are to be planned anew.
     pub(crate) route: VecDeque<Move>,
-    /// Whether the sonar has seen anything new since the search was asked.
+    /// Whether the sonar has seen anything new since the search was last asked.
     pub(crate) has_news: bool,
     /// How long a cell has taken.
     pub(crate) pace: Pace,
@@ -27,13 +27,12 @@ pub(crate) struct Mission {
     pub(crate) trail: VecDeque<Cell>,
     /// Whether the move by hand that the phase names has been ordered.
     pub(crate) is_driven: bool,
-    /// Records on their way to the store.
     pub(crate) recording: Vec<Recording>,
-    /// Verdicts on their way to the store; at most one a piece.
+    /// At most one per piece.
     pub(crate) deciding: Vec<Deciding>,
 }
 
-/// A piece that is not yet on record.
+/// A piece that is not on record yet.
 #[derive(Clone, Debug)]
 pub(crate) struct Recording {
     pub(crate) seq: Seq,
@@ -42,7 +41,7 @@ pub(crate) struct Recording {
     pub(crate) fact: Fact,
 }
 
-/// A verdict that is not yet on record.
+/// A verdict that is not on record yet.
 #[derive(Clone, Debug)]
 pub(crate) struct Deciding {
     pub(crate) seq: Seq,
@@ -54,14 +53,14 @@ pub(crate) struct Deciding {
 }
 
 impl Mission {
-    /// The way of a search that ends.
+    /// Forgets the way of a search that ends.
     pub(crate) fn forget_way(&mut self) {
         self.route.clear();
         self.trail.clear();
         self.pace = Pace::default();
     }
 
-    /// The robot has left a cell.
+    /// Notes that the robot has left a cell.
     pub(crate) fn leave(&mut self, cell: Cell) {
         if self.trail.len() == TRAIL {
             self.trail.pop_front();
@@ -69,7 +68,6 @@ impl Mission {
         self.trail.push_back(cell);
     }
 
-    /// The verdict on its way to the store for this piece.
     pub(crate) fn deciding(&self, luggage: LuggageId) -> Option<Verdict> {
         self.deciding.iter().find(|deciding| deciding.luggage == luggage).map(|deciding| deciding.verdict)
     }

@@ -1,36 +1,36 @@
-//! What an arm is told and what it says of itself. How it is done, and how well it holds, is the robot's business.
+//! Actions of an arm, and its state as it reports it. How an action is done, and how well a parcel is held, is left to
+//! the robot.
 //!
 //! Quantities are whole numbers of small units, so that what is written down is read back exactly.
 
 use crate::place::Place;
 use crate::units::Piece;
 
-/// One bounded thing for an arm, or for the camera on it, to do. The controllers are started, which takes no time, and go on by
-/// themselves, under a halt too, until the parcel is released.
+/// One bounded action of an arm, or of the camera on it. A controller is started, which takes no time, and goes on by
+/// itself, even under a halt, until the parcel is released.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ArmAction {
     /// Look for a parcel at this place, or near it. It is answered by `RobotEvent::Found`.
     FindParcel(Place),
     /// Bring the gripper to the parcel at this place, which is beside the base.
     AlignEndEffector(Place),
-    /// Take hold of the parcel at which the gripper is.
+    /// Grip the parcel at which the gripper is.
     CloseGripper,
-    /// Begin to hold the gripping force.
+    /// Start to control the gripping force.
     HoldForce,
-    /// Begin to hold the angle of the paddle.
+    /// Start to control the angle of the paddle.
     HoldAngle,
-    /// Begin to hold the distance to the other base.
+    /// Start to control the distance to the other base.
     HoldDistance,
     /// Lift the parcel, together with the other arm.
     Lift,
     /// Put the parcel down, together with the other arm.
     Lower,
-    /// Let go of a parcel that stands on the floor.
+    /// Release a parcel that stands on the floor.
     Release,
 }
 
 impl ArmAction {
-    /// The fixed word for it.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -62,13 +62,11 @@ impl ArmAction {
 
 named! {
     ALL by name;
-    /// What a gripper does.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum Gripper {
-        /// It is open.
         #[default]
         Open = "open",
-        /// It is closed, round a parcel or round nothing.
+        /// Round a parcel or round nothing.
         Closed = "closed",
     }
 }
@@ -76,27 +74,24 @@ named! {
 /// A piece, and the place where it lies, or over which it is held.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parcel {
-    /// Which.
     pub piece: Piece,
-    /// Where: of a piece that covers several cells, the one by which it is lifted.
+    /// For a piece that covers several cells, the one by which it is lifted.
     pub place: Place,
 }
 
 /// Which controllers of an arm, and of its base, are at work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Controllers {
-    /// The gripping force is held.
     pub force: bool,
-    /// The angle of the paddle is held.
+    /// The angle of the paddle.
     pub angle: bool,
-    /// The distance to the other base is held.
+    /// The distance to the other base.
     pub distance: bool,
 }
 
-/// An arm as its robot says it is.
+/// An arm as its robot reports it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ArmState {
-    /// Open or closed.
     pub gripper: Gripper,
     /// The parcel at which the gripper is, not necessarily closed.
     pub aligned: Option<Place>,
@@ -104,9 +99,8 @@ pub struct ArmState {
     pub holds: Option<Parcel>,
     /// Whether the parcel is off the floor, all the way up.
     pub lifted: bool,
-    /// Whether the parcel that is held stands on the floor. Neither of the two is so in between.
+    /// Whether the parcel that is held stands on the floor. In between it is neither on the floor nor lifted.
     pub on_floor: bool,
-    /// Which controllers are at work.
     pub controllers: Controllers,
     /// The gripping force, in millinewtons; 0 when nothing is held.
     pub force_mn: i32,

@@ -1,5 +1,5 @@
-//! What can be asked of hallsweep, and by whom. Why it may be refused stands in `refused`.
-//! How a command is written on a wire is the business of the doors.
+//! What can be asked of hallsweep, and by whom. Why it may be refused stands in `refused`. The doors decide how a
+//! command is written on a wire.
 
 use std::sync::Arc;
 
@@ -14,50 +14,48 @@ pub const OPERATOR: &str = "operator";
 /// The source of the robot's own thermometer.
 pub const ROBOT: &str = "robot";
 
-/// The source of all for whom there is no room.
+/// The common source of all for whom there is no room.
 pub const OTHERS: &str = "others";
 
-/// A command with what came with it.
+/// A command with its sender and what came with it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
-    /// What is asked.
     pub command: Command,
-    /// The epoch its sender saw. Only movement commands look at it.
+    /// The epoch that its sender saw. Only movement commands look at it.
     pub epoch: Option<Epoch>,
     /// The epoch in which it arrived, which counts where the sender named none.
     pub arrived: Option<Epoch>,
-    /// It was sent before, and nobody knows when: a movement command that names no epoch may be from before a stop or a restart.
+    /// It was sent before, and nobody knows when: a movement command that names no epoch may be from before a stop or a
+    /// restart.
     pub is_again: bool,
-    /// Who asks.
     pub issuer: Issuer,
-    /// The sender's own name for this command: one that comes again is answered as before, and not carried out again.
+    /// The sender's own id for this command: one that comes again gets the same answer, and is not carried out again.
     pub id: Option<CommandId>,
 }
 
 impl Request {
-    /// A command as its sender gave it, without an epoch or an id.
+    /// A command without an epoch or an id.
     #[must_use]
     pub const fn new(command: Command, issuer: Issuer) -> Request {
         Request { command, epoch: None, arrived: None, is_again: false, issuer, id: None }
     }
 }
 
-/// A sender's own name for one command.
+/// A sender's own id for one command.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct CommandId(Arc<str>);
 
 impl CommandId {
-    /// The longest name taken, in bytes: more than a UUID in any writing.
+    /// Longest id, in bytes: more than a UUID in any writing.
     pub const MOST: usize = 128;
 
-    /// `text` as a name: 1 to `MOST` visible ASCII characters, else `None`.
+    /// `None` unless the text has 1 to `MOST` visible ASCII characters.
     #[must_use]
     pub fn new(text: &str) -> Option<CommandId> {
         let sound = (1..=CommandId::MOST).contains(&text.len()) && text.bytes().all(|byte| byte.is_ascii_graphic());
         sound.then(|| CommandId(Arc::from(text)))
     }
 
-    /// The name.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.0
@@ -81,22 +79,16 @@ pub enum Command {
     Move(Move),
     /// Drive to a cell by hand.
     Goto(Cell),
-    /// Say of a piece of luggage what it is.
     Verdict {
-        /// The piece meant.
         luggage: LuggageRef,
-        /// What it is.
         verdict: Verdict,
-        /// What is to be remembered of it.
         note: Option<Note>,
     },
     /// Take the photo of the piece being inspected again.
     RetakePhoto(LuggageId),
     /// The operator has seen the alarm.
     Acknowledge(AlarmId),
-    /// Choose the order of the search.
     ChooseStrategy(Strategy),
-    /// What is known of the temperature.
     Temperature(TemperatureReport),
 }
 
@@ -120,7 +112,7 @@ impl Command {
         }
     }
 
-    /// Whether it can let a halted robot go.
+    /// Whether it can release a halted robot.
     #[must_use]
     pub const fn releases(&self) -> bool {
         match self {
@@ -171,7 +163,7 @@ impl Move {
 
 named! {
     by name;
-    /// What the operator says of a piece.
+    /// The operator's verdict on a piece.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum Verdict {
         /// The search goes on.
@@ -181,15 +173,15 @@ named! {
     }
 }
 
-/// What an operator wrote down with a verdict, for whoever reads the record later.
+/// An operator's note with a verdict, for whoever reads the record later.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Note(Arc<str>);
 
 impl Note {
-    /// The longest note, in characters: some sentences, and no more than a line of the log can bear.
+    /// Longest note, in characters: some sentences, and no more than fits a line of the log.
     pub const MOST: usize = 500;
 
-    /// `text` without the blanks around it as a note: 1 to `MOST` visible characters, in one line; else `None`.
+    /// Removes blanks around the text; `None` unless 1 to `MOST` visible characters in one line are left.
     #[must_use]
     pub fn new(text: &str) -> Option<Note> {
         let text = text.trim();
@@ -197,7 +189,6 @@ impl Note {
         sound.then(|| Note(Arc::from(text)))
     }
 
-    /// The words.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.0
@@ -210,16 +201,15 @@ impl std::fmt::Display for Note {
     }
 }
 
-/// How a verdict says which piece it means.
+/// How a verdict names its piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LuggageRef {
-    /// By its number.
     Id(LuggageId),
     /// An old client's bare word: the one piece whose verdict is pending.
     Pending,
 }
 
-/// What an operator or a tool reports of the temperature.
+/// An operator's or a tool's report of the temperature.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TemperatureReport {
     /// The button OK; concerns the hold `tooHigh` alone.
@@ -233,11 +223,11 @@ pub enum TemperatureReport {
 }
 
 impl TemperatureReport {
-    /// The longest name of a sensor, in characters.
+    /// Longest name of a sensor, in characters.
     pub const MOST: usize = 64;
 
-    /// `text` as the name of a sensor: 1 to `MOST` visible characters, no blanks, no comma, and none of the names under which
-    /// readings of others are kept; else `None`.
+    /// `None` unless the text has 1 to `MOST` visible characters, no blanks and no comma, and is no name under which
+    /// other readings are stored.
     #[must_use]
     pub fn sensor_name(text: &str) -> Option<Arc<str>> {
         let visible = |letter: char| !letter.is_whitespace() && !letter.is_control() && letter != ',';
@@ -246,14 +236,13 @@ impl TemperatureReport {
     }
 }
 
-/// Who gave a command.
+/// Who sent a command.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Issuer {
-    /// By which door it came.
     pub door: Door,
-    /// The name of whoever gave it, as far as it is known: that of a key, and behind it in brackets a person's.
+    /// The name of the sender, as far as it is known: that of a key, and behind it in brackets a person's.
     pub who: Arc<str>,
-    /// Where it came from, as `192.0.2.7`; `here` where there is no address.
+    /// The sender's address, such as `192.0.2.7`; `here` where there is none.
     pub from: Arc<str>,
 }
 
@@ -264,8 +253,8 @@ impl Issuer {
         Issuer { door, who: Arc::from("operator"), from: Arc::from("here") }
     }
 
-    /// The name by which shares are counted and repeats are known: that of the key, without the person's behind it, as `operator` of
-    /// `operator (Anna)`. Several names give nobody several shares.
+    /// The name by which shares are counted and repeats are recognised: that of the key, without the person's behind
+    /// it, such as `operator` for `operator (Anna)`. Nobody gets several shares by using several names.
     #[must_use]
     pub fn key(&self) -> Arc<str> {
         self.who.split_once(" (").map_or_else(|| Arc::clone(&self.who), |(key, _)| Arc::from(key))
@@ -273,28 +262,28 @@ impl Issuer {
 }
 
 impl std::fmt::Display for Issuer {
-    /// As `operator (console, 192.0.2.7)`.
+    /// Written like `operator (console, 192.0.2.7)`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{} ({}", self.who, self.door.0)?;
         if self.door == Door::LOCAL { f.write_str(")") } else { write!(f, ", {})", self.from) }
     }
 }
 
-/// A way in, by the word that records have for it. Which ways there are, the outside knows.
+/// A way in, by its word in records. Which ways there are is known outside the core.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Door(pub &'static str);
 
 impl Door {
-    /// None: whoever holds the engine itself, as the command line does (`hallsweep explore`).
+    /// No door: the caller owns the engine, as the command line does (`hallsweep explore`).
     pub const LOCAL: Door = Door("local");
 }
 
-/// What an accepted command is answered with.
+/// The answer to an accepted command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Accepted {
     /// The revision of the state that contains its effect.
     pub revision: super::units::Revision,
-    /// The epoch that held then: what a movement command may carry next.
+    /// The epoch of that state, which the next movement command may carry.
     pub epoch: Epoch,
     /// The piece it concerned, where it concerned one.
     pub luggage: Option<LuggageId>,
@@ -305,10 +294,10 @@ named! {
     /// The ways to search a hall.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum Strategy {
-        /// For whoever does not want to choose: the tuned score, or along the walls where that finds luggage sooner.
+        /// The default: the tuned score, or along the walls where that finds luggage sooner.
         #[default]
         Auto = "auto",
-        /// Whatever comes to the least by a tuned score of the way there and of what lies round it.
+        /// The cell with the least tuned score of the way there and of its surroundings.
         Scored = "scored",
         /// The nearest unknown cell, lone ones first.
         Frontier = "frontier",

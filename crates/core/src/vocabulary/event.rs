@@ -1,5 +1,5 @@
-//! What reaches the core from outside: a robot's reports, sensors' readings, the store's word that something is kept.
-//! What the core sends out stands in `effect`.
+//! What reaches the core from outside: robots' reports, sensors' readings, the store's reports. What the core sends out
+//! stands in `effect`.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -9,60 +9,56 @@ use crate::command::Move;
 pub use crate::robot::{Parts, RobotId};
 use crate::units::{Celsius, Heading, OrderId, Piece, Pose, Seq};
 
-/// Something that happened outside the core.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
-    /// A robot reports.
     Robot(RobotId, RobotEvent),
-    /// Everything up to this entry is kept for good.
+    /// Everything up to this entry is stored for good.
     Recorded(Seq),
-    /// The store cannot write.
+    /// The store cannot write, for this reason.
     StoreFailed(String),
     /// The store still cannot write, now for this reason.
     StoreReason(String),
-    /// The store can write again.
     StoreRestored,
 }
 
-/// What a robot says. It answers every order with exactly one of `Done`, `Blocked`, `Halted`, `Photo`, `PhotoFailed`, `Found` or
-/// `Failed`; the others come when they come.
+/// A robot's report. It answers every order with exactly one of `Done`, `Blocked`, `Halted`, `Photo`, `PhotoFailed`,
+/// `Found` or `Failed`; the others may come at any time.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RobotEvent {
-    /// Where the robot stands by its own reckoning; a robot that knows says so just before `LinkUp`.
+    /// Where the robot stands by its own reckoning; a robot that knows reports it just before `LinkUp`.
     Stands(Whereabouts),
-    /// The same of a robot that is before the entrance: so many steps from home (`retrieval::Place::Outside`), which way it faces, and
+    /// Where a robot before the entrance stands: the steps from home (`retrieval::Place::Outside`), its heading, and
     /// whether it stands away from there.
     StandsOutside(u8, Heading, OffCentre),
-    /// The link stands (again); what this robot can do.
+    /// The link stands (again), with what this robot can do.
     LinkUp(Capabilities),
-    /// The link is lost; the robot halts by itself. No open order will be answered.
+    /// The link is lost, for this reason; the robot halts by itself. No open order will be answered.
     LinkLost(String),
-    /// Its time stands still, as that of a simulated robot may: it obeys halts and answers them, and nothing that is under way is overdue
-    /// before `LinkUp` says that its time goes on, and what takes how long now.
+    /// The robot's time stands still, as that of a simulated robot may: it obeys halts and answers them, and nothing
+    /// that is under way is overdue before `LinkUp` reports that its time goes on, and how long its actions take now.
     Paused,
     /// A step, turn, recentring or movement of the arm is complete, or a controller at work.
     Done(OrderId),
     /// A step met an obstacle: the robot stands against it, away from the centre of the cell it left, until recentred.
     Blocked(OrderId, Obstacle),
-    /// The order was cut short by a halt, or came after one and was not begun. `off_centre` says whether the robot now stands
-    /// away from a cell centre or between two headings, to be recentred before anything else.
+    /// The order was cut short by a halt, or came after one and was not begun. `off_centre` says whether the robot now
+    /// stands away from a cell centre or between two headings, to be recentred before anything else.
     Halted(OrderId, OffCentre),
-    /// The photo that was ordered.
     Photo(OrderId, Photo),
-    /// The photo could not be taken; why.
+    /// The photo could not be taken, for this reason.
     PhotoFailed(OrderId, String),
-    /// The robot cannot do what was ordered; why.
+    /// The robot cannot carry out the order, for this reason.
     Failed(OrderId, String),
-    /// What was seen where a parcel was looked for; `None` when none was recognised.
+    /// The answer to a look for a parcel; `None` when none was recognised.
     Found(OrderId, Option<Parcel>),
-    /// How its arm is now: at every change of what it holds or does, before the answer to the order that changed it, and every now and
-    /// then while it holds something.
+    /// The present state of its arm: at every change of what it holds or does, before the answer to the order that
+    /// changed it, and every now and then while it holds something.
     Arm(ArmState),
-    /// The parcel has slipped out of the grippers; where it lies now. Both robots of the pair say so.
+    /// The parcel has slipped out of the grippers and lies here now. Both robots of the pair report it.
     ParcelLost(Parcel),
     /// The front sonar: centimetres to what is ahead, `None` beyond its range.
     Sonar(Option<u16>),
-    /// What its front sonar makes of the cells ahead of where the order under way leaves it, just before that is `Done`.
+    /// What its front sonar sees ahead of where the current order leaves it, just before that is `Done`.
     Ahead(Ahead),
     /// The robot's own thermometer.
     Temperature(Celsius),
@@ -71,7 +67,7 @@ pub enum RobotEvent {
 /// What is ahead of a robot that stands in the centre of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ahead {
-    /// So many cells are free, as far as its sonar is believed.
+    /// Number of free cells, as far as its sonar is believed.
     pub free: u16,
     /// What stands in the next one, as the camera takes it.
     pub obstacle: Option<Obstacle>,
@@ -89,20 +85,19 @@ pub struct Whereabouts {
     pub off_centre: OffCentre,
 }
 
-/// What a robot can do and how long it takes; it says so when the link comes up.
+/// What a robot can do and how long that takes; reported when the link comes up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Capabilities {
-    /// One cell forward or backward.
+    /// Duration of one cell forward or backward.
     pub step: Duration,
-    /// A turn of 90°.
+    /// Duration of a turn of 90°.
     pub turn: Duration,
-    /// One photo, transfer included.
+    /// Duration of one photo, transfer included.
     pub photo: Duration,
-    /// The longest movement of its arm; zero when it has none.
+    /// Duration of the longest movement of its arm; zero when it has none.
     pub arm: Duration,
     /// Whether it has the small corrective turns.
     pub nudges: bool,
-    /// What it has.
     pub parts: Parts,
 }
 
@@ -120,26 +115,26 @@ impl Capabilities {
 /// What the robot takes an obstacle for (mission §3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Obstacle {
-    /// A wall of the hall. The camera sees how many more cells the same straight wall goes on to the robot's left and right
-    /// of the cell that was met; zero when it cannot tell.
+    /// A wall of the hall. The camera sees how many more cells the same straight wall continues to the robot's left and
+    /// right of the cell that was met; zero when it cannot tell.
     Wall {
         /// Further cells of this wall to the left of the cell met.
         left: u16,
         /// Further cells to its right.
         right: u16,
     },
-    /// Luggage, and which piece: the same piece has the same number from whichever side it is met.
+    /// The same piece has the same number from whichever side it is met.
     Luggage(Piece),
     /// It cannot tell.
     Unknown,
 }
 
-/// A photo as the camera gave it.
+/// A photo as the camera made it.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Photo {
     /// The encoded picture.
     pub bytes: Arc<[u8]>,
-    /// Its media type, as `image/png`.
+    /// Its media type, such as `image/png`.
     pub media_type: &'static str,
 }
 

@@ -1,4 +1,4 @@
-//! What holds the robot: a set beside the phase. While it is not empty nothing moves (mission §4).
+//! The holds on the robot: a set beside the phase. While it is not empty nothing moves (mission §4).
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -24,15 +24,15 @@ named! {
         Store = "store",
         /// The program was started again.
         Restart = "restart",
-        /// Danger was said and could not be recorded: that must be acknowledged, or danger put on record, first.
+        /// A verdict of danger could not be recorded: that must be acknowledged, or danger put on record, first.
         Alarm = "alarm",
-        /// The cause of a hold may be gone, but nobody has said START since.
+        /// The cause of a hold may be gone, but nobody has pressed START since.
         AwaitingStart = "awaitingStart",
     }
 }
 
 impl Hold {
-    /// What an operator reads, and what to do about it.
+    /// For an operator: the hold, and what to do about it.
     #[must_use]
     pub const fn in_words(self) -> &'static str {
         match self {
@@ -48,7 +48,7 @@ impl Hold {
         }
     }
 
-    /// What an operator reads when it has ended.
+    /// For an operator, when it has ended.
     #[must_use]
     pub const fn over_in_words(self) -> &'static str {
         match self {
@@ -75,24 +75,22 @@ impl Hold {
 pub struct Holds(BTreeSet<Hold>);
 
 impl Holds {
-    /// Whether nothing holds the robot.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Whether this hold stands.
     #[must_use]
     pub fn contains(&self, hold: Hold) -> bool {
         self.0.contains(&hold)
     }
 
-    /// Raises a hold; true when it did not stand before.
+    /// True when it did not stand before.
     pub(crate) fn raise(&mut self, hold: Hold) -> bool {
         self.0.insert(hold)
     }
 
-    /// Clears a hold, and no other; true when it stood.
+    /// True when it stood; no other hold is changed.
     pub(crate) fn clear(&mut self, hold: Hold) -> bool {
         self.0.remove(&hold)
     }
@@ -109,7 +107,6 @@ impl Holds {
         self.0.iter().copied().filter(|hold| !hold.cleared_by_start()).collect()
     }
 
-    /// All of them, in order.
     #[must_use]
     pub fn to_vec(&self) -> Vec<Hold> {
         self.0.iter().copied().collect()
@@ -122,14 +119,14 @@ impl FromIterator<Hold> for Holds {
     }
 }
 
-/// What more there is to say of a hold.
+/// Details of a hold.
 #[derive(Clone, Debug, PartialEq)]
 pub enum HoldReason {
-    /// This was read.
+    /// The reading that is too hot.
     Reading(Celsius),
     /// The sensor of this name is silent.
     Silent(Arc<str>),
-    /// The sensor of this name was never heard since the program was started.
+    /// The sensor of this name has not reported since the program was started.
     Unheard(Arc<str>),
     /// In the words of the store, or of the link to a robot.
     Words(String),

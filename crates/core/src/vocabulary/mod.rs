@@ -1,5 +1,5 @@
-//! The words of the core: what may be asked, what may be reported, what is refused, and the names of everything that is counted, held or
-//! carried. No module here knows how a mission goes on; all others use these.
+//! The vocabulary of the core: what may be asked, what may be reported, what is refused, and the names of everything
+//! that is counted, held or carried. No module here knows the course of a mission; all others use these.
 
 pub mod arm;
 pub mod command;

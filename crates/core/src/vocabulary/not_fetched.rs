@@ -1,4 +1,5 @@
-//! Who fetches a piece, and why it was not fetched, in words and back: the journal keeps the words alone. What ends a run of the pair stands in `pair`.
+//! Who fetches a piece, and why it was not fetched, in words and back: the journal stores only the words. What ends a
+//! run of the pair stands in `pair`.
 
 use std::fmt;
 
@@ -18,24 +19,24 @@ named! {
     }
 }
 
-/// Between why the robots go out without the piece and why they cannot.
+/// Stands between why the robots go out without the piece and why they cannot.
 const AND: &str = "; and ";
 
-/// Why a piece was not fetched. `Display` is what an operator reads, and what the journal keeps.
+/// Why a piece was not fetched. `Display` is what an operator reads, and what the journal stores.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NotFetched {
-    /// The pair could not go on; and what was wrong with a tree, in the words of whatever read it.
+    /// The pair could not go on; with the error of a tree, in the words of whoever read it.
     Pair(RetrievalFault, Option<String>),
     /// The robot that fetches by itself could not go on.
     Alone(AloneFault),
-    /// The settings name another fetcher than the one who began, and who may stand anywhere with the piece in the grip.
+    /// The settings name another fetcher than the one that began, which may stand anywhere with the piece in the grip.
     OtherFetcher {
-        /// Who began.
         began: Fetcher,
-        /// Who is set now.
+        /// The present setting.
         set: Fetcher,
     },
-    /// The robots that fetched cannot go back outside; and why they were to go without the piece, where they were.
+    /// The robots that fetched cannot go back outside; with the reason why they were to go without the piece, where
+    /// there is one.
     Stuck(StuckFault, Option<Box<NotFetched>>),
     /// In words of another version.
     Other(String),
@@ -46,29 +47,21 @@ named! {
     /// What ended a retrieval by the robot that searches.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum AloneFault {
-        /// It holds another piece.
         OtherPiece = "the robot has taken another piece than the one it was sent for",
-        /// It had the piece, and has it no more.
         PieceLost = "the robot does not hold the piece any more, and it is not in the container",
-        /// It has the piece and cannot come home with it.
         NoWayHome = "no known way leads home with the piece",
-        /// It cannot come to stand before the piece.
         NoWayToPiece = "no way leads to the piece",
-        /// It has tried several times.
         CannotTake = "the robot cannot take hold of the piece",
-        /// It sees something else, or nothing.
         NotRecognised = "the robot does not recognise the piece where it should stand",
     }
 }
 
 named! {
     ALL by in_words;
-    /// What keeps the robots that fetched in the hall.
+    /// What prevents the robots that fetched from leaving the hall.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum StuckFault {
-        /// One of them failed several times.
         RobotFails = "a robot that fetches cannot do what it is told",
-        /// They find no way.
         NoWayOut = "no way leads the robots that fetch back outside",
     }
 }
@@ -90,7 +83,7 @@ impl fmt::Display for NotFetched {
 }
 
 impl NotFetched {
-    /// What has these words: `Other` when nothing else has.
+    /// The reason with these words; `Other` when there is none.
     #[must_use]
     pub fn from_words(words: &str) -> NotFetched {
         let stuck = StuckFault::ALL.into_iter().find_map(|fault| {
@@ -102,7 +95,7 @@ impl NotFetched {
     }
 }
 
-/// What has these words, and is no more than one reason: words that say many, as a damaged journal may, are taken apart no further.
+/// A single reason with these words: the many reasons that a damaged journal may hold are not taken apart any further.
 fn once(words: &str) -> NotFetched {
     let pair = RetrievalFault::ALL.into_iter().find_map(|fault| {
         let more = words.strip_prefix(fault.in_words())?;

@@ -1,25 +1,24 @@
-//! What the pair calls the operator for, and why it cannot go on, each by a name and in words.
+//! The pair's calls to the operator, and why it cannot go on, each by a name and in words.
 
 named! {
     ALL by name;
     /// What ended a run of the pair.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum RetrievalFault {
-        /// Nothing is known of what is to be fetched.
+        /// The place of the piece is unknown.
         NothingToFetch = "nothingToFetch",
-        /// As far as is known, the two cannot both stand beside the parcel and carry it to where it is to go.
+        /// As far as is known, the two cannot both stand beside the parcel and carry it to its destination.
         NoWayToParcel = "noWayToParcel",
-        /// The two hold the parcel, and no way leads to where it is to go.
+        /// The two hold the parcel, and no way leads to its destination.
         NoWayToTarget = "noWayToTarget",
         /// The way back to the pallet is closed.
         NoWayBack = "noWayBack",
-        /// Something else is in the grippers than what was to be fetched.
+        /// Something else than the wanted piece is in the grippers.
         WrongParcel = "wrongParcel",
-        /// A robot could not carry out the same thing several times.
+        /// A robot failed several times to carry out the same action.
         RobotFails = "robotFails",
-        /// The parcel was lost too often.
         LostTooOften = "lostTooOften",
-        /// The parcel could not be brought exactly to where it is to be put down.
+        /// The parcel could not be brought exactly over its destination.
         NotAligned = "notAligned",
         /// One step of the work took longer than it ever should.
         TakesTooLong = "takesTooLong",
@@ -29,7 +28,6 @@ named! {
 }
 
 impl RetrievalFault {
-    /// What it says to an operator.
     #[must_use]
     pub const fn in_words(self) -> &'static str {
         match self {
@@ -49,7 +47,7 @@ impl RetrievalFault {
 
 named! {
     ALL by name;
-    /// What the pair says to the operator: an alarm, which is to be acknowledged before the trees go on.
+    /// A call of the pair to the operator: an alarm, which has to be acknowledged before the trees go on.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum Saying {
         /// No parcel is recognised where one should be.
@@ -60,7 +58,6 @@ named! {
 }
 
 impl Saying {
-    /// What it says, in words for the operator.
     #[must_use]
     pub const fn in_words(self) -> &'static str {
         match self {

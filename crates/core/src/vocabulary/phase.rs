@@ -4,7 +4,7 @@ use super::not_fetched::NotFetched;
 
 named! {
     ALL by name;
-    /// The phases by the names that every door shows.
+    /// The phases by the names that every door shows; `state::Phase` explains them.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
     pub enum PhaseName {
         #[default]
@@ -24,7 +24,7 @@ named! {
 }
 
 impl PhaseName {
-    /// The same for an operator.
+    /// For an operator.
     #[must_use]
     pub const fn in_words(self) -> &'static str {
         match self {
@@ -44,25 +44,22 @@ impl PhaseName {
     }
 }
 
-/// Why a mission is in fault.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FaultCause {
-    /// No known way leads home.
     NoWayHome,
     /// The robot did not finish an order in time.
     Unanswered,
     /// The search went round in circles without giving an order.
     Undecided,
-    /// The robot could not carry out an order; its own words.
+    /// The robot could not carry out an order; with its own words.
     Robot(String),
-    /// The piece cannot be fetched; why.
     NotFetched(NotFetched),
 }
 
-/// What stands before and behind a robot's own words.
+/// Stands before and behind a robot's own words.
 const ROBOT: (&str, &str) = ("the robot could not carry out its order (", "): look after it, then press START");
 
-/// What stands before why a piece was not fetched.
+/// Stands before the reason why a piece was not fetched.
 const NOT_FETCHED: &str = "the piece was not fetched: ";
 
 impl std::fmt::Display for FaultCause {
@@ -78,7 +75,7 @@ impl std::fmt::Display for FaultCause {
 }
 
 impl FaultCause {
-    /// The cause that has these words; `None` when none has them, as those of another version.
+    /// The cause with these words; `None` for others, such as those of another version.
     #[must_use]
     pub fn from_words(words: &str) -> Option<FaultCause> {
         let robot = || words.strip_prefix(ROBOT.0)?.strip_suffix(ROBOT.1);

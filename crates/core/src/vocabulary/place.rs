@@ -1,4 +1,5 @@
-//! Where the robots of a retrieval can be: in a cell of the hall, or outside, beyond home. What stands in a cell, the map knows.
+//! Where the robots of a retrieval can be: in a cell of the hall, or outside, beyond home. The content of a cell is on
+//! the map.
 
 use std::fmt;
 
@@ -9,7 +10,7 @@ use crate::units::Cell;
 pub enum Place {
     /// In the hall.
     Cell(Cell),
-    /// Before the entrance: so many steps from home, at most [`Place::FURTHEST`]. There is room for all there.
+    /// Before the entrance: steps from home, at most [`Place::FURTHEST`]. There is room for all robots.
     Outside(u8),
 }
 
@@ -20,7 +21,7 @@ impl Place {
     /// Where robots wait to come in, and where the container stands.
     pub const ENTRANCE: Place = Place::Outside(1);
 
-    /// The cell, in the hall.
+    /// `None` outside the hall.
     #[must_use]
     pub const fn cell(self) -> Option<Cell> {
         match self {

@@ -1,17 +1,17 @@
-//! The name of a robot, what it does, and what it is made of, as far as a mission cares: whoever wants something of a robot asks here
-//! whether it has what it takes.
+//! The name of a robot, its state, and its parts as far as a mission needs them: whoever wants something of a robot
+//! checks here whether it has the parts for that.
 
 use std::sync::Arc;
 
-/// The name by which settings, orders, reports and records mean one robot.
+/// The name of a robot in settings, orders, reports and records.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct RobotId(Arc<str>);
 
 impl RobotId {
-    /// The longest name, in bytes: it stands in a topic, a path and a caption.
+    /// Longest name, in bytes: it stands in a topic, a path and a caption.
     pub const MOST: usize = 32;
 
-    /// `text` as a name: 1 to `MOST` small letters, digits and hyphens, the first a letter; else `None`.
+    /// `None` unless the text has 1 to `MOST` small letters, digits and hyphens, the first a letter.
     #[must_use]
     pub fn new(text: &str) -> Option<RobotId> {
         let usable = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'-';
@@ -19,13 +19,12 @@ impl RobotId {
         (begins && text.len() <= RobotId::MOST && text.bytes().all(usable)).then(|| RobotId(Arc::from(text)))
     }
 
-    /// The robot that searches, where nothing else is said.
+    /// The default name of the robot that searches.
     #[must_use]
     pub fn discovery() -> RobotId {
         RobotId(Arc::from("discovery"))
     }
 
-    /// The name.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.0
@@ -59,28 +58,22 @@ named! {
     /// One thing that a robot may have.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
     pub enum Part {
-        /// It drives.
         Base = "base",
-        /// It takes photos.
         Camera = "camera",
         /// It measures how far it is to what is ahead.
         Sonar = "sonar",
         /// It has a light that can blink.
         Led = "led",
-        /// It measures the temperature.
         Thermometer = "thermometer",
         /// It feels what it runs into.
         Bump = "bump",
-        /// It reaches out.
         Arm = "arm",
-        /// It takes hold of things.
         Gripper = "gripper",
-        /// It says itself when a move has ended.
+        /// It reports the end of a move.
         AcknowledgedMoves = "acknowledgedMoves",
     }
 }
 
-/// A set of parts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Parts(u16);
 
@@ -89,14 +82,13 @@ impl Parts {
     pub const ROUND_ROBOT: Parts =
         Parts::of(&[Part::Base, Part::Camera, Part::Sonar, Part::Led, Part::Thermometer, Part::Bump, Part::AcknowledgedMoves]);
 
-    /// The same with a hook, by which it takes a piece onto its back.
+    /// With a hook, by which it takes a piece onto its back.
     pub const ROUND_ROBOT_WITH_HOOK: Parts = Parts::ROUND_ROBOT.with(Part::Gripper);
 
-    /// A robot that fetches: it drives, sees, reaches out and takes hold.
+    /// A robot that fetches: it drives, sees, reaches out and grips.
     pub const MANIPULATOR: Parts =
         Parts::of(&[Part::Base, Part::Camera, Part::Bump, Part::Arm, Part::Gripper, Part::AcknowledgedMoves]);
 
-    /// These.
     #[must_use]
     pub const fn of(parts: &[Part]) -> Parts {
         let (mut set, mut n) = (0, 0);
@@ -107,25 +99,22 @@ impl Parts {
         Parts(set)
     }
 
-    /// These and one more.
     #[must_use]
     pub const fn with(self, part: Part) -> Parts {
         Parts(self.0 | 1 << part as u16)
     }
 
-    /// These but for one.
     #[must_use]
     pub const fn without(self, part: Part) -> Parts {
         Parts(self.0 & !(1 << part as u16))
     }
 
-    /// Whether this is among them.
     #[must_use]
     pub const fn has(self, part: Part) -> bool {
         self.0 & (1 << part as u16) != 0
     }
 
-    /// All that are in it, in the order of `Part::ALL`.
+    /// In the order of `Part::ALL`.
     pub fn iter(self) -> impl Iterator<Item = Part> {
         Part::ALL.into_iter().filter(move |part| self.has(*part))
     }

@@ -1,5 +1,5 @@
-//! The quantities of the field: cells, headings, poses, temperatures, time and the numbers things are known by.
-//! Nothing here reads a clock or knows how a value is written on a wire.
+//! The quantities of the field: cells, headings, poses, temperatures, time and identifying numbers. Nothing here reads
+//! a clock or knows how a value is written on a wire.
 
 use std::fmt;
 use std::time::Duration;
@@ -17,32 +17,30 @@ impl Cell {
     /// Where the robot starts and comes home to.
     pub const HOME: Cell = Cell { x: 0, y: 0 };
 
-    /// The cell at column `x`, row `y`.
     #[must_use]
     pub const fn new(x: i32, y: i32) -> Cell {
         Cell { x, y }
     }
 
-    /// The same cell, counted from this one.
+    /// The same cell, counted from `origin`.
     #[must_use]
     pub const fn relative_to(self, origin: Cell) -> Cell {
         Cell::new(self.x - origin.x, self.y - origin.y)
     }
 
-    /// The cell that is written so: `(1, 2)`.
+    /// Parses `(1, 2)`.
     pub(crate) fn from_words(words: &str) -> Option<Cell> {
         let (x, y) = words.strip_prefix('(')?.strip_suffix(')')?.split_once(", ")?;
         Some(Cell::new(x.parse().ok()?, y.parse().ok()?))
     }
 
-    /// The next cell in the direction `heading`.
     #[must_use]
     pub const fn ahead(self, heading: Heading) -> Cell {
         let (dx, dy) = heading.vector();
         Cell { x: self.x + dx, y: self.y + dy }
     }
 
-    /// The cell so many further in the direction `heading`.
+    /// The cell `cells` further in the direction `heading`.
     #[must_use]
     pub fn onward(self, heading: Heading, cells: u16) -> Cell {
         let (dx, dy) = heading.vector();
@@ -71,7 +69,7 @@ named! {
         North = "north",
         /// Towards greater `x`.
         East = "east",
-        /// Towards greater `y`; every robot starts so.
+        /// Towards greater `y`; every robot starts with this heading.
         South = "south",
         /// Towards lesser `x`.
         West = "west",
@@ -107,19 +105,15 @@ impl Heading {
         self.left().opposite()
     }
 
-    /// Facing the other way.
     #[must_use]
     pub const fn opposite(self) -> Heading {
         self.left().left()
     }
 }
 
-/// Where a robot stands and which way it faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Pose {
-    /// The cell it stands in.
     pub cell: Cell,
-    /// The way it faces.
     pub heading: Heading,
 }
 
@@ -127,7 +121,6 @@ impl Pose {
     /// The pose of a robot that has just been put down at home.
     pub const START: Pose = Pose { cell: Cell::HOME, heading: Heading::South };
 
-    /// The cell in front of the robot.
     #[must_use]
     pub const fn ahead(self) -> Cell {
         self.cell.ahead(self.heading)
@@ -144,13 +137,12 @@ impl Celsius {
     /// The hottest reading believed, in °C.
     pub const MOST: f64 = 1000.0;
 
-    /// `degrees` °C, or `None` when it is not a number or outside `LEAST..=MOST`.
+    /// `None` when `degrees` is not a number or outside `LEAST..=MOST`.
     #[must_use]
     pub fn new(degrees: f64) -> Option<Celsius> {
         (Celsius::LEAST..=Celsius::MOST).contains(&degrees).then_some(Celsius(degrees))
     }
 
-    /// The number of degrees.
     #[must_use]
     pub const fn degrees(self) -> f64 {
         self.0
@@ -163,7 +155,7 @@ impl fmt::Display for Celsius {
     }
 }
 
-/// A moment of the wall clock, for display and records only; order is kept by sequence numbers.
+/// A moment of the wall clock, for display and records only; order follows from sequence numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct WallTime {
     /// Milliseconds since 1970-01-01T00:00:00Z.
@@ -173,14 +165,14 @@ pub struct WallTime {
 }
 
 impl WallTime {
-    /// The same moment by a clock that was set by so many milliseconds since.
+    /// The same moment by a clock that was set by this many milliseconds since.
     #[must_use]
     pub const fn set_by(self, ms: i64) -> WallTime {
         WallTime { unix_ms: self.unix_ms.saturating_add(ms), ..self }
     }
 }
 
-/// The time as the core is told it: it never asks.
+/// The time as an argument: the core never asks for it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Now {
     /// Since the program (or the simulated run) began; never goes back.
@@ -189,7 +181,7 @@ pub struct Now {
     pub wall: WallTime,
 }
 
-/// Declares the numbers by which things are known, so that none is taken for another.
+/// Declares number types for identifiers, so that one kind is never taken for another.
 macro_rules! numbers {
     ($($(#[$doc:meta])* $name:ident;)*) => {$(
         $(#[$doc])*
@@ -197,7 +189,8 @@ macro_rules! numbers {
         pub struct $name(pub u64);
 
         impl $name {
-            /// The one after this. Nothing counts so far, but a damaged record may say so, and that must not end the program.
+            /// The number after this one; saturates. Nothing counts that far, but a damaged record may say so, and that
+            /// must not end the program.
             #[must_use]
             pub const fn next(self) -> $name {
                 $name(self.0.saturating_add(1))
@@ -231,7 +224,7 @@ numbers! {
     Ticket;
 }
 
-/// The number by which the camera knows a piece of luggage again. It says nothing about records.
+/// The number by which the camera recognises a piece of luggage. It says nothing about records.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Piece(pub u32);
 

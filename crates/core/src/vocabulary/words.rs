@@ -1,14 +1,14 @@
-//! What of a text from outside may be shown to people.
+//! Which letters of a text from outside may be shown to people.
 
-/// Whether this letter is shown, and leaves alone how others are: it is no control, parts no lines, turns no writing round and is not
-/// without width.
+/// Whether this letter is visible and does not change how others are shown: no control character, no line break, no
+/// change of writing direction, and not without width.
 #[must_use]
 pub fn is_visible(letter: char) -> bool {
     let is_hidden = matches!(letter, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}');
     !letter.is_control() && !is_hidden
 }
 
-/// Words as somebody may write them who knows our sentences: pieces of those, and of what has a meaning in them.
+/// Words of somebody who knows our sentences: pieces of those, and characters with a meaning in them.
 #[cfg(test)]
 pub(crate) fn hostile(dice: &mut crate::rng::RandomStream) -> String {
     const PIECES: [&str; 40] = [
@@ -57,7 +57,7 @@ pub(crate) fn hostile(dice: &mut crate::rng::RandomStream) -> String {
     (0..length).map(|_| PIECES[dice.below(PIECES.len() as u64) as usize]).collect()
 }
 
-/// Any number, and the small ones most people use.
+/// Any number, often one of the small ones that most people use.
 #[cfg(test)]
 pub(crate) fn number(dice: &mut crate::rng::RandomStream) -> u64 {
     let shift = dice.below(64);

@@ -1,4 +1,5 @@
-//! The inputs that mean the same in every phase, each with its cell; and which inputs are left to the phases (`search`, `alarm`).
+//! The inputs that mean the same in every phase, each with its cell; and the inputs that are left to the phases
+//! (`search`, `alarm`).
 
 use crate::hold::Hold;
 use crate::mission::Input;
@@ -14,7 +15,7 @@ use crate::phase::PhaseName;
 #[derive(Clone, Copy, Debug)]
 pub(in crate::mission) enum Row {
     Everywhere(&'static [Rule]),
-    /// What halts the robot: the same in every phase, but that a drive by hand ends with it.
+    /// Inputs that halt the robot: the same in every phase, except that a drive by hand ends with them.
     Halting {
         elsewhere: &'static [Rule],
         driving: &'static [Rule],
@@ -80,7 +81,8 @@ const RESET: &[Rule] = &[
     When(Case::RobotAtHome, Phase(PhaseName::Idle), &[Archive, EndRetrieval, LedOff, Release, EmptyMap]),
     Go(Phase(PhaseName::Idle), &[Archive, EndRetrieval, LedOff, Release]),
 ];
-/// What makes it safer is done although it cannot be put on record; its sender is told that it is not.
+/// An input that makes the hall safer takes effect although it cannot be put on record; its sender is told that it is
+/// not.
 const BUTTON_TOO_HIGH: &[Rule] = &[RefuseIfThen(Guard::StoreDown, &[Raise(Hold::TooHigh)]), Go(Stay, &[Raise(Hold::TooHigh)])];
 const READING: &[Rule] = &[RefuseIfThen(Guard::StoreDown, &[NoteReading]), Go(Stay, &[NoteReading])];
 const ACKNOWLEDGE: &[Rule] = &[RefuseIf(Guard::UnknownAlarm), RefuseIf(Guard::StoreDown), Go(Stay, &[Acknowledge])];

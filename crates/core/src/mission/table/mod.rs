@@ -1,7 +1,7 @@
-//! The transition table: for every phase and every input the rules that decide, read from the top; the first that applies wins
-//! (mission §4). Total and without a wildcard: a new input does not compile until it stands in `everywhere`, or in each of the phases;
-//! nor a new phase until it says what each input does that does not stand there.
-//! `docs/mission-table.md` prints it, and a test holds the two together.
+//! The transition table: for every phase and every input the rules that decide, read from the top; the first that
+//! applies wins (mission §4). Total and without a wildcard: a new input does not compile until it stands in
+//! `everywhere`, or in each of the phases; nor a new phase until it defines each input that does not stand there.
+//! `docs/mission-table.md` prints it, and a test compares the two.
 
 mod alarm;
 mod everywhere;
@@ -70,7 +70,7 @@ mod tests {
         }
     }
 
-    /// Safety S1: a STOP that comes again may be passed over only while none of these was given.
+    /// Safety S1: a repeated STOP may be ignored only while no such command was given.
     #[test]
     fn what_lets_a_halted_robot_go_is_a_command_that_is_known_to() {
         let commands = [

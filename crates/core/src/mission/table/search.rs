@@ -1,5 +1,5 @@
-//! The table's cells for the search: from idle to explored, the ways home and driving by hand.
-//! Danger and fault stand in `alarm`.
+//! The table's cells for the search: from idle to explored, the ways home and driving by hand. Danger and fault stand
+//! in `alarm`.
 
 use super::everywhere::{PhaseEvent, PhaseInput};
 use super::shared::{

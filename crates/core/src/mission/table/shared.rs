@@ -1,5 +1,5 @@
-//! Cells that several phases share, by name. Which phase has which stands in `search` and `alarm`; what all phases share in
-//! `everywhere`.
+//! Cells that several phases share, by name. Which phase has which stands in `search` and `alarm`; cells that all
+//! phases share stand in `everywhere`.
 
 use super::everywhere::PhaseEvent;
 use crate::mission::rule::Act::{AlarmDanger, Archive, AskOperator, Begin, ChooseStrategy, EmptyMap, LedOff, Release};
