@@ -22,7 +22,6 @@ use bonsai_bt::{Action, BT, Behavior, Event, UpdateArgs};
 /// Goal in nanoseconds per node, with ports and halts.
 const GOAL: f64 = 50.0;
 
-/// Number of nodes of every tree.
 const NODES: usize = 100;
 
 /// Leaves that do almost nothing, so that the tree round them is measured.

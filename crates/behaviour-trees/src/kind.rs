@@ -237,7 +237,6 @@ impl BuiltIn {
         }
     }
 
-    /// Its ports, in the order in which they are bound.
     pub(crate) const fn ports(self) -> &'static [BuiltInPort] {
         use Needed::{No, Otherwise, Yes};
         use ValueType::{Any, Bool, Int, Number, Text};

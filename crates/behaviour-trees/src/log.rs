@@ -53,7 +53,6 @@ pub struct Moment {
     pub entries: BTreeMap<Arc<str>, Value>,
 }
 
-/// Nodes and entries that differ from an earlier moment.
 type Changes = (Vec<(NodeId, NodeState)>, Vec<(Arc<str>, Option<Value>)>);
 
 impl Moment {

@@ -18,14 +18,12 @@ const ALL_OTHERS: &str = "*";
 #[derive(Clone, Debug, Default)]
 pub struct Mocks {
     mocks: BTreeMap<String, Mock>,
-    /// How often each node has been ticked.
     ticks: BTreeMap<NodeId, u64>,
     halted: Vec<NodeId>,
 }
 
 #[derive(Clone, Debug, Default)]
 struct Mock {
-    /// What it returns, and in how many ticks.
     says: Vec<(Status, u64)>,
     /// What it writes whenever it succeeds, by the names of its ports.
     writes: Vec<(String, String)>,

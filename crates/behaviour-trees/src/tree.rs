@@ -67,7 +67,6 @@ pub(crate) struct Node {
     pub(crate) conditions: Option<u32>,
 }
 
-/// The scripts round a node, by the time of their evaluation.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Conditions {
     pub(crate) failure_if: Option<Script>,
@@ -94,7 +93,6 @@ pub(crate) struct Shape {
     pub(crate) leaf_kinds: Vec<LeafKind>,
 }
 
-/// The state of a node.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Live {
     pub(crate) status: Status,

@@ -13,7 +13,6 @@ use super::limits::{ASSEMBLIES, BLOCK, BODY};
 use super::network::is_this_machine;
 use super::response::Response;
 
-/// The value of a Block option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Block {
     /// Its number, of 20 bits.

@@ -29,7 +29,6 @@ impl MessageKey {
     }
 }
 
-/// What is known of a message that came before.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum KnownMessage {
     Open(ExchangeId),

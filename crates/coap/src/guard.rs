@@ -62,7 +62,6 @@ impl Guard {
         }
     }
 
-    /// Whether a request of this address exceeds the rate of its network.
     pub(super) fn is_too_much(&mut self, peer: SocketAddr, now: Duration) -> bool {
         if is_this_machine(peer.ip()) {
             return false;
@@ -82,13 +81,11 @@ impl Guard {
         is_too_much
     }
 
-    /// Whether this address has proved that it receives our datagrams.
     pub(super) fn is_proved(&self, peer: SocketAddr, now: Duration) -> bool {
         is_this_machine(peer.ip())
             || self.peers.get(&peer).and_then(|stranger| stranger.proved).is_some_and(|at| now <= at + PROVED)
     }
 
-    /// Whether a datagram of this length may go to this address now.
     pub(super) fn has_room(&self, peer: SocketAddr, length: usize, now: Duration) -> bool {
         let fits = |stranger: &Stranger| stranger.sent + length <= stranger.received.saturating_mul(AMPLIFICATION);
         self.is_proved(peer, now) || self.peers.get(&peer).is_some_and(fits)

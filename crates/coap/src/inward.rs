@@ -219,7 +219,6 @@ impl Endpoint {
         true
     }
 
-    /// Sends another block of the answer to a request that was already carried out.
     fn read_on(&mut self, reply_to: ReplyTo, read: &ParsedRequest, block: Block, now: Duration) {
         let shape = ReplyOptions { block2: Some(block), wants_size: read.wants_size, ..ReplyOptions::default() };
         if let Some(answer) = self.long_answers.read(&body_key(&read.request, &[]), block, now) {

@@ -124,7 +124,6 @@ mod tests {
         message.datagram(Kind::Con, 1)
     }
 
-    /// Whether one of the readings has this path and payload.
     fn reads(bytes: &[u8], path: &[&str], payload: &[u8]) -> bool {
         requests(peer(), bytes).any(|request| request.path == path && request.payload == payload)
     }

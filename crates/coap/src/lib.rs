@@ -129,7 +129,6 @@ pub struct Endpoint {
     out: VecDeque<Transmit>,
 }
 
-/// What must be known of a request when its answer comes.
 #[derive(Debug)]
 struct Open {
     reply_to: ReplyTo,

@@ -149,7 +149,6 @@ impl Outgoing {
         self.bytes.len()
     }
 
-    /// Completes the datagram with its type and id.
     pub(super) fn datagram(mut self, kind: Kind, id: u16) -> Vec<u8> {
         self.bytes[0] = self.bytes[0] & 0xCF | kind as u8;
         self.bytes[2..4].copy_from_slice(&id.to_be_bytes());

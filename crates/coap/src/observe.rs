@@ -32,7 +32,6 @@ pub(super) struct Acknowledging {
     asked: Duration,
     /// When it was first asked without having acknowledged since.
     unanswered: Option<Duration>,
-    /// Whether it ever acknowledged.
     is_proved: bool,
 }
 
@@ -40,7 +39,6 @@ pub(super) struct Acknowledging {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SubjectId(u64);
 
-/// Whose observations have to give way for a new one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Crowd {
     /// The new one itself, whose peer has too many or whose path is too long: nobody gives way.
@@ -270,7 +268,6 @@ impl Observers {
         Some(Notification { peer, token, response, thing, version, exponent, confirm: true, sequence })
     }
 
-    /// Notes that a notification was sent under this message id.
     pub(super) fn told(&mut self, id: ObserverId, notification: &Notification, message: u16, now: Duration) {
         let Some(observer) = self.observers.get_mut(&id) else { return };
         if let Some(subject) = self.subjects.get(&observer.subject) {

@@ -50,7 +50,6 @@ pub(super) struct ParsedRequest {
     pub(super) etags: Vec<ETag>,
     /// 0 to register an observer, 1 to deregister it.
     pub(super) observe: Option<u32>,
-    /// Which block of the request's body this is.
     pub(super) block1: Option<Block>,
     /// Which block of the answer is wanted.
     pub(super) block2: Option<Block>,

@@ -77,7 +77,6 @@ impl Queue {
         }
     }
 
-    /// The next of the datagrams that go before all others.
     pub(super) fn next_first(&mut self) -> Option<Datagram> {
         let datagram = self.first.pop_front()?;
         self.left += cost(&datagram.1);

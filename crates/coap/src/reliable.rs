@@ -121,7 +121,6 @@ impl Reliable {
         silent.min().map(|(_, peer, observer)| (peer, observer))
     }
 
-    /// Removes the notification of an observer that is gone.
     pub(super) fn withdraw(&mut self, peer: SocketAddr, observer: ObserverId) {
         let Some(queue) = self.peers.get_mut(&peer) else { return };
         let is_its = |sent: &mut Sent| matches!(sent.about, About::Notification(whose, ..) if whose == observer);

@@ -20,7 +20,6 @@ pub(super) struct Target {
     accept: Option<Format>,
 }
 
-/// A subject with its observers.
 #[derive(Debug)]
 pub(super) struct Subject {
     /// As its first observer asked for it.

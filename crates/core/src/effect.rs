@@ -32,7 +32,6 @@ pub enum Effect {
 /// One bounded action of a robot: at most one cell, one quarter turn, one photo or one movement of its arm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Order {
-    /// Its number, by which the robot answers.
     pub id: OrderId,
     pub action: Action,
     /// The epoch in which it was given; after a later stop it must not begin.
@@ -41,7 +40,6 @@ pub struct Order {
     pub deadline: Duration,
 }
 
-/// The content of one order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
     Move(Move),
@@ -73,7 +71,6 @@ impl Action {
         matches!(self, Action::Move(_) | Action::Recentre | Action::Enter | Action::Leave)
     }
 
-    /// The part that a robot needs for it.
     #[must_use]
     pub const fn part(self) -> Part {
         match self {
@@ -112,7 +109,6 @@ impl Page {
     }
 }
 
-/// One line of the journal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
     pub wall: WallTime,
@@ -139,7 +135,6 @@ pub enum Fact {
         issuer: Issuer,
         /// The sender's own id for it.
         id: Option<CommandId>,
-        /// The command in a few words.
         command: String,
         /// The epoch that its sender named.
         epoch: Option<Epoch>,
@@ -151,31 +146,22 @@ pub enum Fact {
     MissionBegan(MissionId, Strategy),
     /// A mission was put away, with the bombs that were left in place.
     MissionArchived(MissionId, Vec<LuggageId>),
-    /// The phase changed, or the stage of an inspection.
     Phase(Phase),
-    /// The set of holds changed.
     Holds(Vec<Hold>),
-    /// A stop raised the epoch.
     Epoch(Epoch),
-    /// The goal or the progress of the search changed.
     Goal(Option<Goal>, Search),
-    /// The robot that searches stands at a pose.
     Pose(Pose),
-    /// Another robot stands at a pose.
     RobotPose(RobotId, Pose),
     /// Steps from home at which a robot now stands before the entrance; 0: it is in the hall.
     Outside(RobotId, u8),
     /// The present state of the retrieval; `None`: none is under way any more.
     Retrieval(Option<Box<Retrieval>>),
-    /// A known piece was met in this cell, too.
     MetAgain(Cell, Piece),
-    /// The piece is in the container.
     Secured(LuggageId),
     /// The LED begins or ends blinking.
     Led(bool),
     /// An obstacle was met, with the word for what it was taken for.
     Obstacle(Cell, &'static str),
-    /// A cell is known now.
     Mark(Cell, Mark),
     /// A piece of luggage was inspected, or photographed again.
     Luggage {
@@ -196,7 +182,6 @@ pub enum Fact {
     ThermometerSilent(Arc<str>),
     /// An alarm was raised, about this piece if it is about one.
     AlarmRaised(AlarmId, Option<LuggageId>, AlarmCause),
-    /// Somebody acknowledged an alarm.
     AlarmAcknowledged(AlarmId, Arc<str>),
     Strategy(Strategy),
     /// The map was emptied, with the robot facing this way at home.
@@ -214,7 +199,6 @@ pub struct WrittenOut {
     pub missions: (MissionId, MissionId),
     /// Entries up to here are in the archive only.
     pub until: Seq,
-    /// The name of its file.
     pub file: String,
     /// The SHA-256 of the file, in 64 lower-case hexadecimal digits.
     pub digest: String,
@@ -223,7 +207,6 @@ pub struct WrittenOut {
 /// The archive from which a journal was unpacked, and where the journal begins.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unpacked {
-    /// The name of the archive's file.
     pub file: String,
     /// The SHA-256 of the file, in 64 lower-case hexadecimal digits.
     pub digest: String,

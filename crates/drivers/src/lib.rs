@@ -43,7 +43,6 @@ pub trait Driver: fmt::Debug + Send {
     /// Halts the robot, whatever it does. A photo is no motion and goes on.
     fn handle_halt(&mut self, now: Now);
 
-    /// Sets the LED, if the robot has one.
     fn handle_led(&mut self, blinks: bool, now: Now);
 
     /// The drawing that `Output::Draw` asked for.

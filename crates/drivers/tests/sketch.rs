@@ -122,7 +122,6 @@ impl Test {
         self.driver.handle_order(Order { id: OrderId(id), action, epoch: Epoch(0), deadline }, self.now);
     }
 
-    /// Sends an order, and waits for its answer.
     fn orders(&mut self, id: u64, action: Action) -> RobotEvent {
         self.order(id, action);
         self.event()

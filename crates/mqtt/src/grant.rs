@@ -8,11 +8,9 @@ use super::packet::filters::Options;
 /// Subscription ids; most messages have none.
 pub(crate) type Ids = Option<Arc<[u32]>>;
 
-/// The terms on which a subscriber holds a filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Grant {
     pub(crate) options: Options,
-    /// Its subscription id.
     pub(crate) id: Option<u32>,
 }
 

@@ -19,11 +19,9 @@ pub struct Message {
     topic: Arc<str>,
     payload: Box<[u8]>,
     qos: Qos,
-    /// Whether it was to be retained.
     retain: bool,
     /// Its publisher's properties, in the encoding of MQTT 5.
     properties: Box<[u8]>,
-    /// When it expires.
     expires_at: Option<Duration>,
     /// Who published it, if that was a connected client.
     publisher: Option<SubscriberId>,
@@ -34,7 +32,6 @@ pub struct Message {
     alive: Arc<AtomicUsize>,
 }
 
-/// The parts of a message to be made.
 #[derive(Clone, Debug)]
 pub(crate) struct Draft<'a> {
     pub(crate) topic: Arc<str>,
@@ -99,7 +96,6 @@ impl Message {
         Some(u32::try_from(left.as_millis().div_ceil(1000)).unwrap_or(u32::MAX))
     }
 
-    /// Whether it has expired.
     pub(crate) fn is_over(&self, now: Duration) -> bool {
         self.expires_at.is_some_and(|at| at <= now)
     }

@@ -11,7 +11,6 @@ use super::message::SubscriberId;
 use super::passage::Router;
 use super::subscriber::{Reader, Subscriber};
 
-/// All readers of one topic.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Found {
     /// Readers that each get the message.
@@ -31,7 +30,6 @@ pub(crate) struct Readers {
     router: Option<Box<dyn Router>>,
 }
 
-/// A subscriber that holds a filter, and its group.
 #[derive(Clone, Debug)]
 struct Holder {
     subscriber: Arc<Subscriber>,
@@ -46,7 +44,6 @@ impl Found {
         self.each.is_empty() && self.groups.is_empty()
     }
 
-    /// All readers that may get the message.
     pub(crate) fn all(&self) -> impl Iterator<Item = &Reader> {
         self.each.iter().chain(self.groups.iter().flatten())
     }

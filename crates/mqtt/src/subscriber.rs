@@ -36,7 +36,6 @@ pub(crate) struct Reader {
     pub(crate) qos: Qos,
     /// Whether its messages carry the RETAIN flag with which they were published.
     pub(crate) as_published: bool,
-    /// The ids of its matching subscriptions.
     pub(crate) ids: Ids,
 }
 
@@ -47,7 +46,6 @@ pub struct Subscriber {
     queue: Mutex<Queue>,
     /// Weight of the messages in the queue.
     lag: AtomicUsize,
-    /// Publishers to wake when it has caught up.
     waiting: Mutex<Vec<Waker>>,
     /// Since when every check found it behind, in milliseconds on the clock of all connections; 0: it is not behind.
     behind_since_ms: AtomicU64,
@@ -69,7 +67,6 @@ struct Queue {
     /// Size in bytes of the queued messages, which other subscribers may share.
     bytes: usize,
     presence: Presence,
-    /// The connection to wake when something comes.
     taker: Option<Waker>,
 }
 
@@ -84,7 +81,6 @@ enum Presence {
     Gone,
 }
 
-/// A message on its way to one subscriber.
 #[derive(Clone, Debug)]
 pub(crate) struct Delivery {
     pub(crate) message: Arc<Message>,
@@ -92,7 +88,6 @@ pub(crate) struct Delivery {
     pub(crate) qos: Qos,
     /// The RETAIN flag that it is sent with.
     pub(crate) retain: bool,
-    /// The ids of the subscriptions that match.
     pub(crate) ids: Ids,
 }
 
@@ -260,7 +255,6 @@ impl Subscriber {
         self.queue().waiting.len() * size_of::<Delivery>()
     }
 
-    /// Whether its client is connected.
     pub(crate) fn is_here(&self) -> bool {
         self.queue().presence == Presence::Here
     }

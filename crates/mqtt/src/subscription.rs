@@ -53,7 +53,6 @@ impl Subscription {
         name
     }
 
-    /// Removes a filter, and returns whether it was held.
     pub(crate) fn strike(&mut self, filter: &str) -> bool {
         if self.held.remove(filter).is_none() {
             return false;

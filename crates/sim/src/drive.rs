@@ -83,7 +83,6 @@ impl Chassis {
         Wheels { left: speed, right: -speed }
     }
 
-    /// Where a body is after its wheels have turned at constant speeds for a time.
     pub(super) fn after(self, from: BodyPose, wheels: Wheels, time: Duration) -> BodyPose {
         let v = self.wheel_radius_m * (wheels.left + wheels.right) / 2.0;
         let omega = self.wheel_radius_m * (wheels.left - wheels.right) / self.axle_m;

@@ -36,9 +36,7 @@ pub struct SimMemory {
     pub outside: u8,
     /// Where its body really is.
     pub stands: Astray,
-    /// What it has taken with its hook.
     pub taken: Taken,
-    /// The motion under way, if any.
     pub motion: Option<Underway>,
     /// How long the hall has existed, over all runs: its temperature goes on from here.
     pub age: Duration,
@@ -94,10 +92,8 @@ pub struct Astray {
     pub turned_urad: i64,
 }
 
-/// A motion under way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Underway {
-    /// Where it ends.
     pub to: Astray,
     /// How long it still takes, in simulated time.
     pub left: Duration,

@@ -46,7 +46,6 @@ pub struct Whose {
     fingerprint: String,
 }
 
-/// A file that was read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Page {
     pub whose: Whose,
@@ -60,7 +59,6 @@ pub struct Page {
 pub enum Unread {
     /// It was written by another version.
     Version(String),
-    /// What is wrong, in words.
     Damaged(String),
 }
 

@@ -20,7 +20,6 @@ pub struct SimSettings {
     pub step: Duration,
     /// Duration of a turn of 90°.
     pub turn: Duration,
-    /// Duration of a photo.
     pub photo: Duration,
     /// Whether it has a hook, by which it takes the piece ahead onto its back.
     pub has_hook: bool,
@@ -32,7 +31,6 @@ pub struct SimSettings {
     pub axle_m: f64,
 }
 
-/// How photos are made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Camera {
     /// A perspective picture of the hall.

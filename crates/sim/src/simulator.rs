@@ -53,7 +53,6 @@ pub struct Sim {
     faults: Faults,
     failures: RandomStream,
     events: VecDeque<RobotEvent>,
-    /// How old the hall was when this run began.
     before: Duration,
     /// How often the robot went on after the end of a program.
     restarts: u32,
@@ -352,7 +351,6 @@ impl Sim {
         self.unkept = true;
     }
 
-    /// Where its body belongs.
     fn centre(&self) -> BodyPose {
         centre_of(self.pose, self.outside, self.hall.cell_m())
     }

@@ -41,12 +41,10 @@ impl Speed {
         }
     }
 
-    /// A simulated duration in real time.
     pub fn to_real(self, simulated: Duration) -> Duration {
         times(simulated, 1.0 / self.factor())
     }
 
-    /// A real duration in simulated time.
     pub fn to_simulated(self, real: Duration) -> Duration {
         times(real, self.factor())
     }

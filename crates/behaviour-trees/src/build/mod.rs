@@ -177,7 +177,6 @@ struct Builder<'a> {
     findings: &'a mut Findings,
     scopes: Scopes,
     shape: Shape,
-    /// Paths in use.
     paths: BTreeSet<Arc<str>>,
     /// The trees round the node being built, from the outermost.
     open: Vec<&'a str>,

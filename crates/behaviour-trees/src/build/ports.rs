@@ -11,7 +11,6 @@ use crate::status::Status;
 use crate::tree::{Conditions, Kind};
 use crate::value::{Value, ValueType};
 
-/// Attributes that are conditions of a node.
 const CONDITIONS: [&str; 8] = ["_failureIf", "_successIf", "_skipIf", "_while", "_onSuccess", "_onFailure", "_onHalted", "_post"];
 
 /// Whether a subtree sees the names outside.
@@ -196,7 +195,6 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// The scripts round a node, if it has any.
     pub(super) fn conditions(&mut self, element: &Element, scope: usize) -> Option<u32> {
         let mut conditions = Conditions::default();
         let mut are_some = false;

@@ -20,7 +20,6 @@ struct Scope {
     prefix: String,
     /// Names in this scope, with their names in the parent.
     remapped: BTreeMap<String, String>,
-    /// Names that were given a text.
     own: BTreeSet<String>,
     has_autoremap: bool,
     is_root: bool,
@@ -35,7 +34,6 @@ impl Scopes {
         Scopes { scopes: vec![Scope { is_root: true, ..Scope::default() }], root }
     }
 
-    /// Opens the scope of the subtree at this path, within another.
     pub(super) fn enter(&mut self, parent: usize, path: &str, has_autoremap: bool) -> usize {
         let prefix = format!("{}{path}/", self.root);
         self.scopes.push(Scope { parent, prefix, has_autoremap, ..Scope::default() });

@@ -194,7 +194,6 @@ fn assign(assignment: Assignment, slot: Slot, value: Value, blackboard: &mut Bla
 mod tests {
     use super::*;
 
-    /// Executes a script on a blackboard of its own, and compares its result or its error.
     fn check(text: &str, expected: Result<Value, &str>) {
         let mut blackboard = Blackboard::new();
         let script = Script::parse(text, &mut |name| blackboard.mention(name));

@@ -14,7 +14,6 @@ pub const LONGEST_SCRIPT: usize = 4096;
 /// Deepest nesting of parentheses and operators: scripts are executed by recursive calls.
 pub(crate) const DEEPEST_EXPRESSION: usize = 64;
 
-/// A parsed script.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Script {
     expressions: Vec<Expression>,

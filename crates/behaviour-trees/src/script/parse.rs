@@ -7,7 +7,6 @@ use super::{Assignment, Comparison, DEEPEST_EXPRESSION, Expression, Infix, Prefi
 use crate::blackboard::{Slot, Unfit};
 use crate::value::Value;
 
-/// The operators of one level of precedence.
 type Level<T> = &'static [(&'static str, T)];
 
 const ASSIGNMENTS: Level<Assignment> = &[

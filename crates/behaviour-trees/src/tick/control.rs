@@ -208,7 +208,6 @@ impl<'a, L: Leaves> Run<'a, L> {
         }
     }
 
-    /// Forgets the results of a parallel node's children.
     pub(super) fn uncount(&mut self, at: usize) {
         let shape: &'a Shape = self.shape;
         self.live[at].count = 0;

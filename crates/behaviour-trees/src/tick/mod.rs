@@ -48,7 +48,6 @@ pub(crate) struct Faulted;
 
 pub(crate) type Outcome = Result<Status, Faulted>;
 
-/// A tree while it is ticked or halted.
 pub(crate) struct Run<'a, L> {
     pub(crate) shape: &'a Shape,
     pub(crate) live: &'a mut [Live],
@@ -165,7 +164,6 @@ impl<'a, L: Leaves> Run<'a, L> {
         Ok(None)
     }
 
-    /// Executes the scripts that follow when a node is done.
     fn after(&mut self, at: usize, node: &Node, said: Status) -> Result<(), Faulted> {
         let Some(conditions) = node.conditions else { return Ok(()) };
         let shape: &'a Shape = self.shape;
@@ -239,7 +237,6 @@ impl<'a, L: Leaves> Run<'a, L> {
         }
     }
 
-    /// Records why the tick cannot go on.
     fn fault<T>(&mut self, at: usize, reason: impl Into<String>) -> Result<T, Faulted> {
         let label = &self.shape.labels[at];
         self.fault.get_or_insert_with(|| Fault {
@@ -278,7 +275,6 @@ impl<'a, L: Leaves> Run<'a, L> {
         }
     }
 
-    /// The whole number in a port.
     fn number(&mut self, at: usize, node: &Node, port: usize) -> Result<i64, Faulted> {
         // The common case first: a number that stands in the file.
         if let Some(Value::Int(number)) = self.port(node, port) {

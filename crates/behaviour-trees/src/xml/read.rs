@@ -107,7 +107,6 @@ fn look_at_attributes(lines: &Lines<'_>) -> Result<(), TreeError> {
     Ok(())
 }
 
-/// The text, with the means to find places in it.
 struct Lines<'x> {
     text: &'x str,
     /// Where each line begins, in bytes: searching again for each node would take quadratic time.
@@ -344,7 +343,6 @@ fn name<'n>(node: Node<'n, '_>) -> &'n str {
     node.tag_name().name()
 }
 
-/// The text in an element, between its children.
 fn text(node: Node<'_, '_>) -> String {
     let text: String = node.children().filter_map(|child| child.text().filter(|_| child.is_text())).collect();
     text.trim().to_owned()

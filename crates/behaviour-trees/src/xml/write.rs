@@ -94,7 +94,6 @@ impl Writer {
     }
 }
 
-/// Attributes as they stand in a tag, with a blank before each.
 fn line<'a>(first: impl IntoIterator<Item = (&'a str, &'a str)>, others: &'a [Attribute]) -> String {
     let others = others.iter().map(|attribute| (attribute.name.as_str(), attribute.value.as_str()));
     first.into_iter().chain(others).map(|(name, value)| format!(" {name}=\"{}\"", escaped(value))).collect()

@@ -13,7 +13,6 @@ fn file(root: &str, models: &str) -> String {
     )
 }
 
-/// The faults and the notes of a file.
 fn found(text: &str) -> (Vec<String>, Vec<String>) {
     let mut findings = Findings::default();
     if let Some(document) = xml::read_with(text, &mut findings) {

@@ -61,7 +61,6 @@ fn leaf(words: &'static [&'static str]) -> impl Strategy<Value = Element> {
     prop::collection::vec(select(words), 1..5).prop_map(|says| Element::new("Leaf", vec![]).with("says", &says.join(",")))
 }
 
-/// A tree of these kinds, over leaves that return these words.
 fn trees(kinds: &'static [&'static str], words: &'static [&'static str]) -> impl Strategy<Value = Element> {
     let tree = leaf(words).prop_recursive(5, 40, 4, move |inner| {
         let children = prop::collection::vec(inner, 1..5);

@@ -5,7 +5,6 @@ use std::collections::BTreeSet;
 
 use behaviour_trees::{Element, Status};
 
-/// What all nodes read and write.
 #[derive(Default)]
 pub(crate) struct World {
     pub(crate) clock_ms: u64,
@@ -337,7 +336,6 @@ impl Reference {
         Ok(if world.clock_ms - self.started.unwrap() < msec { Status::Running } else { Status::Success })
     }
 
-    /// Ticks the child, which is reset when it is done.
     fn child(&mut self, world: &mut World) -> Said {
         let said = self.children[0].execute(world)?;
         if matches!(said, Status::Success | Status::Failure) {

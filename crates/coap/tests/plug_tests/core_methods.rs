@@ -13,7 +13,6 @@ use crate::rig::message::{Kind, Message, option};
 use crate::rig::network::Weather;
 use crate::rig::scene::Scene;
 
-/// A request of this method, with a text as its payload where the method has one.
 fn request(method: Method, id: u16) -> Message {
     let message = Message::con(method, id).token(b"tk").path("/test");
     match method {

@@ -10,7 +10,6 @@ use crate::rig::message::{Kind, Message, option};
 /// A number of datagrams of one kind that exceeds the room for it.
 type Flood = (u16, fn(u16) -> Vec<u8>);
 
-/// One of several flooding peers on this machine.
 fn flooder(n: u16) -> SocketAddr {
     SocketAddr::from(([127, 0, 0, 2], 10_000 + n))
 }

@@ -10,7 +10,6 @@ use crate::rig::message::{Kind, Message, option};
 use crate::rig::network::Weather;
 use crate::rig::scene::Scene;
 
-/// Registers an observer, and returns the checked answer.
 #[track_caller]
 pub(crate) fn observe(bench: &mut Bench, path: &str, token: &[u8]) -> Message {
     let id = u16::try_from(bench.server.asked.len()).unwrap();

@@ -121,7 +121,6 @@ fn cook(seed: u64) {
     }
 }
 
-/// Checks everything that came out.
 fn taste(bench: &mut Bench, heard: &mut HashMap<SocketAddr, Vec<Message>>, accounts: &mut HashMap<SocketAddr, Account>) {
     for out in bench.take() {
         assert!(out.bytes.len() <= limits::BLOCK + limits::HEAD, "a datagram of {} bytes", out.bytes.len());

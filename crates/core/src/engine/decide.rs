@@ -20,7 +20,6 @@ pub(super) struct Step {
     pub(super) depth: usize,
 }
 
-/// A refusal, and the acts that are carried out all the same.
 pub(super) type RefusedStep = (Refused, &'static [Act]);
 
 impl Engine {
@@ -57,7 +56,6 @@ impl Engine {
         }
     }
 
-    /// The refusal, if this guard forbids the input.
     fn guard(&self, guard: Guard, phase: &Phase, input: Input, context: &InputContext) -> Option<Refused> {
         let luggage = context.luggage.and_then(|id| self.state.luggage.get(id));
         let forbids = |yes: bool, refused: Refused| yes.then_some(refused);
@@ -140,7 +138,6 @@ impl Engine {
         self.verdict_kept(luggage).or_else(in_flight).map(|verdict| Refused::Decided { luggage, verdict })
     }
 
-    /// The verdict that stands for a piece, or is on its way to the store.
     fn verdict_of(&self, luggage: LuggageId) -> Option<Verdict> {
         self.verdict_kept(luggage).or_else(|| self.mission.deciding(luggage))
     }

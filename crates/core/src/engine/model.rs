@@ -12,7 +12,6 @@ use crate::world::temperature::Thermometer;
 
 #[derive(Clone, Debug)]
 pub(crate) struct World {
-    /// The run of the program.
     pub(crate) run: Arc<str>,
     pub(crate) thermometer: Thermometer,
     pub(crate) log: Log,

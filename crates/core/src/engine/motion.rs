@@ -29,12 +29,10 @@ pub enum Barred {
     Unknown,
     /// It searches, and takes orders from the mission only.
     Searching,
-    /// It lacks this part.
     NotCapable(Part),
     /// It stands away from the centre of its cell, and has to be recentred first.
     OffCentre,
     Held,
-    /// The program ends.
     Ending,
     /// A record that has to come first is not in the store yet.
     Unrecorded,
@@ -44,7 +42,6 @@ pub enum Barred {
     Busy,
 }
 
-/// The result of one look at the mission.
 pub(super) enum Turn {
     /// An order was given, or there is nothing to do until something happens.
     Rest,
@@ -96,7 +93,6 @@ impl Engine {
         Ok(self.order_of(robot, action))
     }
 
-    /// Whether the gate lets this robot do this now.
     pub(super) fn may_do(&self, robot: &RobotId, action: Action) -> Result<(), Barred> {
         self.may_move(robot)?;
         let Some(known) = self.robots.get(robot) else { return Err(Barred::Unknown) };

@@ -27,7 +27,6 @@ const COMMANDS: usize = 1024;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outbox {
     effects: VecDeque<Effect>,
-    /// The entries of the current input so far.
     page: Vec<Entry>,
     /// A fact that goes on record with the next entry, or at this time.
     soon: Option<(Entry, Duration)>,

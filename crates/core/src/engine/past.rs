@@ -17,7 +17,6 @@ use crate::units::{Cell, Revision, Seq};
 use crate::world::resource::Resource;
 use crate::world::temperature::{Reading, Thermometer};
 
-/// The record of a moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Past {
     /// The last entry of the journal up to then; each has a snapshot of its own.

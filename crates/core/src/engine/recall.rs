@@ -22,7 +22,6 @@ use crate::world::resource::Resource;
 /// the machine.
 const CLOCK_SET_MS: i64 = 2000;
 
-/// What was read back from the store.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recalled {
     pub state: PersistentState,
@@ -34,7 +33,6 @@ pub struct Recalled {
     pub latest: Vec<Remembered>,
 }
 
-/// A line of the log from before a restart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Remembered {
     pub wall: WallTime,

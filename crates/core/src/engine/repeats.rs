@@ -23,7 +23,6 @@ type IdOwner = (Arc<str>, Arc<str>);
 #[derive(Clone, Debug, Default)]
 pub(super) struct Repeats {
     known: BTreeMap<Key, Repeat>,
-    /// Each sender's ids by their numbers.
     ids: BTreeMap<IdOwner, BTreeMap<u64, CommandId>>,
     /// The senders by their number of ids; of those with equally many, the one with the oldest id comes last.
     ranks: BTreeMap<(usize, Reverse<u64>), IdOwner>,
@@ -103,7 +102,6 @@ impl Repeats {
         }
     }
 
-    /// Changes a sender's ids, and its rank with them.
     fn change_ids(&mut self, sender: IdOwner, change: impl FnOnce(&mut BTreeMap<u64, CommandId>) -> Option<CommandId>) {
         let rank = |ids: &BTreeMap<u64, CommandId>| ids.first_key_value().map(|(oldest, _)| (ids.len(), Reverse(*oldest)));
         let ids = self.ids.entry(sender.clone()).or_default();

@@ -270,7 +270,6 @@ impl Engine {
         self.count(step);
     }
 
-    /// Counts a move of the search for the pace.
     fn count(&mut self, step: Move) {
         let Some(can) = self.robots.searching().controller.capabilities else { return };
         if matches!(self.state.phase, Phase::Exploring) {

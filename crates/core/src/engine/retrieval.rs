@@ -151,7 +151,6 @@ impl Engine {
         self.state.alarms.iter().any(|alarm| Some(alarm.id) == call && alarm.acknowledged.is_none())
     }
 
-    /// One step of a retrieval.
     pub(super) fn retrieve(&mut self) -> Turn {
         let Some(retrieval) = &self.state.retrieval else { return Turn::Rest };
         let (began, set) = (retrieval.fetcher, self.settings.fetcher);

@@ -69,13 +69,11 @@ impl<T> Sharing<T> {
         tally.come(note, limits, now)
     }
 
-    /// When a shared entry is due.
     pub(super) fn due(&self) -> Option<Duration> {
         let first = |tally: &Tally<T>| tally.unwritten.as_ref().map(|(_, first)| first.saturating_add(self.limits.every));
         self.senders.values().chain([&self.others]).filter_map(first).min()
     }
 
-    /// The shared entries that are due by now.
     pub(super) fn fall_due(&mut self, now: Duration) -> Vec<Shared<T>> {
         let every = self.limits.every;
         let tallies = self.senders.values_mut().chain([&mut self.others]);

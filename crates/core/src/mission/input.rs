@@ -82,7 +82,6 @@ pub(crate) struct InputContext {
     pub(crate) photo: Option<Photo>,
     pub(crate) alarm: Option<AlarmId>,
     pub(crate) strategy: Option<Strategy>,
-    /// The source of a reading, and the reading.
     pub(crate) reading: Option<(Arc<str>, Celsius)>,
     pub(crate) fault: Option<FaultCause>,
     /// The reason of a hold that it raises, if there is more to say.

@@ -19,9 +19,7 @@ pub(crate) struct Mission {
     pub(crate) route: VecDeque<Move>,
     /// Whether the sonar has seen anything new since the search was last asked.
     pub(crate) has_news: bool,
-    /// How long a cell has taken.
     pub(crate) pace: Pace,
-    /// How the robot came to where it stands.
     pub(crate) gait: Gait,
     /// The cells behind the robot, the latest last.
     pub(crate) trail: VecDeque<Cell>,

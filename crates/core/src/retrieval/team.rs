@@ -21,7 +21,6 @@ use crate::state::TeamStage;
 use crate::units::Piece;
 use behaviour_trees::{Blackboard, Status, Tree, TreeError, xml};
 
-/// How often a team is ticked.
 pub const TICK: Duration = Duration::from_millis(100);
 
 /// Losses of one parcel after which something is wrong with the grippers, or with the parcel.
@@ -38,15 +37,12 @@ pub const FILES: [(&str, &str); 3] = [
 /// program ends is found again.
 const PARCEL: &str = "parcel";
 
-/// The index of the Supervisor's tree among the three.
 const SUPERVISOR: usize = 2;
 
-/// The result of one tick of the three trees.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TickOutcome {
     /// At most one action for each robot.
     pub proposals: Vec<Proposal>,
-    /// What is said to the operator now.
     pub sayings: Vec<Saying>,
 }
 
@@ -186,7 +182,6 @@ impl Team {
         self.follow(index, said, output.fault, view, outcome);
     }
 
-    /// Handles the end of a tree.
     fn follow(&mut self, index: usize, said: Status, fault: Option<RetrievalFault>, view: &View<'_>, outcome: &mut TickOutcome) {
         match (said, fault) {
             (Status::Failure, Some(fault)) => self.stage = TeamStage::Faulted(fault),
@@ -231,13 +226,11 @@ impl Team {
         &self.blackboard
     }
 
-    /// The pieces that were released at their destination, in order.
     #[must_use]
     pub fn delivered(&self) -> &[Piece] {
         &self.delivered
     }
 
-    /// How often the current parcel was lost.
     #[must_use]
     pub const fn losses(&self) -> u32 {
         self.losses

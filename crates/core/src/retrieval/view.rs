@@ -41,7 +41,6 @@ impl Which {
         .expect("both are names of robots")
     }
 
-    /// Its index in arrays for both.
     #[must_use]
     pub const fn index(self) -> usize {
         match self {
@@ -73,7 +72,6 @@ pub struct BaseView {
     pub arm: ArmState,
 }
 
-/// What the leaves know.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
     pub map: &'a HallMap,
@@ -102,7 +100,6 @@ impl View<'_> {
     }
 }
 
-/// What a leaf wants a robot to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Proposal {
     pub which: Which,

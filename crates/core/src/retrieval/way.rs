@@ -26,7 +26,6 @@ const UNKNOWN: u32 = 5;
 /// How far beyond the known cells ways may lead: round any corner of the known area there is room for a train to turn.
 const MARGIN: i32 = 4;
 
-/// The floor as the pair sees it.
 #[derive(Clone, Copy, Debug)]
 pub struct Floor<'a> {
     pub map: &'a HallMap,
@@ -63,7 +62,6 @@ impl Train {
     }
 }
 
-/// From where a piece is lifted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stands {
     /// The cell of the piece that both stand beside, and over which it is carried.
@@ -199,7 +197,6 @@ fn trains(piece: &BTreeSet<Cell>) -> impl Iterator<Item = Train> {
 
 /// A node of the searches, with its index in an area.
 trait Node: Copy {
-    /// Number of nodes for each place.
     const SHARE: usize;
     fn number(self, area: Bounds) -> usize;
     fn of_number(number: usize, area: Bounds) -> Self;

@@ -6,7 +6,6 @@ use std::time::Duration;
 /// The cost of each kind of move, in quarters of a step: small whole numbers, so that a search can sort by them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Costs {
-    /// A quarter turn.
     pub turn: u32,
     /// A step that meets an obstacle, and the way back.
     pub bump: u32,
@@ -69,7 +68,6 @@ impl fmt::Display for Costs {
     }
 }
 
-/// Steps in units of a cost.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is clamped to small positive numbers")]
 fn units(steps: f64) -> u32 {
     (steps * f64::from(STEP)).round().clamp(0.0, f64::from(MOST)) as u32

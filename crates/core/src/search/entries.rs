@@ -9,12 +9,10 @@ use super::ways::{Reached, Ways};
 use crate::command::Move;
 use crate::units::{Cell, Heading};
 
-/// A cell that could be entered next, and from where.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Entry {
     /// The state before it, and the way there.
     pub(crate) at: Reached,
-    /// The cell that would be entered.
     pub(crate) target: Spot,
 }
 

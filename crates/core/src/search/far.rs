@@ -14,10 +14,8 @@ pub(crate) struct Steps {
     next: Vec<Spot>,
 }
 
-/// No wave has reached this cell yet.
 const UNTOUCHED: u8 = 0;
 
-/// No way leads through it.
 const SHUT: u8 = 1;
 
 /// The marks of the waves go up by one and start again after three: neighbours are at most one wave apart, so the mark
@@ -102,7 +100,6 @@ impl Steps {
     }
 }
 
-/// Adds the turns from one heading to another.
 pub(super) fn turn(moves: &mut Vec<Move>, from: Heading, to: Heading) {
     if to == from.left() {
         moves.push(Move::TurnLeft);

@@ -28,13 +28,11 @@ const OPEN: f64 = 0.65;
 const CLOSED: [(f64, f64, f64); 5] =
     [(0.25, 0.65, 1.6), (0.5, 0.7, 1.75), (0.75, 0.6, 2.2), (0.9, 0.5, 2.5), (f64::INFINITY, 0.55, 5.0)];
 
-/// The hall as far as its walls are known.
 struct Extent {
     /// Cells inside, without walls.
     cells: u32,
     /// Cells inside whose content is known.
     known: u32,
-    /// Whether all four sides are known to end.
     is_closed: bool,
 }
 
@@ -57,7 +55,6 @@ pub fn forecast(grid: &Grid, strategy: Strategy, from: Cell, a_cell: f64) -> Opt
     Some(Forecast { least: least * at_this_pace, most: Some(most * at_this_pace) })
 }
 
-/// The hall from one side to the other.
 struct Span {
     /// Number of known wall cells in its two outermost lines.
     walls: [u32; 2],

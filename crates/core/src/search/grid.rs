@@ -12,18 +12,14 @@ pub enum Square {
     Unknown = 0,
     /// Seen to be free, and not visited yet.
     Seen = 1,
-    /// The robot was there.
     Visited = 2,
     /// A wall, or anything else that is not luggage.
     Obstacle = 3,
-    /// An obstacle that is still to be inspected.
     Target = 4,
-    /// Luggage that was inspected.
     Luggage = 5,
 }
 
 impl Square {
-    /// Whether something is still to be found out there.
     pub(crate) const fn is_open(self) -> bool {
         matches!(self, Square::Unknown | Square::Seen | Square::Target)
     }
@@ -47,7 +43,6 @@ pub(crate) type Spot = usize;
 /// Counts that are updated with each mark.
 #[derive(Clone, Copy, Debug, Default)]
 struct Counts {
-    /// Cells that are open and next to a visited one.
     open: usize,
     /// Cells that are blocked by something other than luggage.
     obstacles: u32,
@@ -120,7 +115,6 @@ impl Grid {
         self.known = self.known.including(cell);
     }
 
-    /// Whether anything is open next to a visited cell.
     pub(crate) const fn has_open(&self) -> bool {
         self.counts.open > 0
     }

@@ -53,7 +53,6 @@ impl Strategy {
         matches!(self, Strategy::Auto | Strategy::Scored)
     }
 
-    /// The search that made these notes.
     #[must_use]
     pub fn resume(self, notes: &[i64]) -> Search {
         match self {

@@ -20,7 +20,6 @@ const UNKNOWN: u8 = 0;
 const VISITED: u8 = 1;
 const BLOCKED: u8 = 2;
 
-/// The numbers of one entry.
 #[derive(Clone, Copy, Debug)]
 pub struct Outlook {
     /// For the linear part, in the order of `LINEAR_NAMES`, in thousandths.
@@ -39,7 +38,6 @@ enum Turn {
     Elsewhere,
 }
 
-/// The robot's place and what it reads.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Looking<'a> {
     grid: &'a Grid,
@@ -54,7 +52,6 @@ pub(crate) struct Looking<'a> {
 /// A place in the window: ahead of the target, and aside.
 type Place = (isize, isize);
 
-/// An entry with its surroundings.
 struct Sight<'a> {
     looking: &'a Looking<'a>,
     entry: &'a Entry,
@@ -160,7 +157,6 @@ impl<'a> Sight<'a> {
         self.at(place) == BLOCKED
     }
 
-    /// A cell anywhere round the target.
     fn beyond(&self, (ahead, aside): Place) -> u8 {
         self.looking.kind(self.looking.grid.here(onward(self.entry.target, ahead * self.forward + aside * self.right)))
     }

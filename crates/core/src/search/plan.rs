@@ -33,7 +33,6 @@ impl Planner {
         Planner { grid: Grid::of(map), ways: Ways::default(), costs: Costs::EVEN }
     }
 
-    /// Replaces the whole map.
     pub(crate) fn learn(&mut self, map: &HallMap) {
         self.grid = Grid::of(map);
     }
@@ -42,7 +41,6 @@ impl Planner {
         self.grid.mark(cell, map.at(cell));
     }
 
-    /// What the search wants next of a robot that stands here.
     pub(crate) fn ask(&mut self, search: &mut Search, pose: Pose, gait: Gait, objective: Objective, sonar_cells: u8) -> NextGoal {
         let Planner { grid, ways, costs } = self;
         let terms = Terms { objective, sonar_cells, costs: *costs };

@@ -20,7 +20,6 @@ pub(super) fn next(view: &View<'_>, ways: &mut Ways) -> Option<Visit> {
 #[derive(Clone, Debug)]
 pub struct Candidate {
     pub cell: Cell,
-    /// The heading in which it would be entered.
     pub heading: Heading,
     /// The way plus the worth, in thousandths of a step.
     pub score: i32,
@@ -47,7 +46,6 @@ pub fn choose(
     visit.map(|Visit { cell, route }| (cell, route))
 }
 
-/// The moves that enter a candidate.
 pub fn visit(view: &View<'_>, ways: &mut Ways, candidate: &Candidate) -> Option<(Cell, Vec<Move>)> {
     let mut found = false;
     let at = view.grid.spot(candidate.cell.ahead(candidate.heading.opposite()));

@@ -13,21 +13,17 @@ use super::ways::Ways;
 use crate::units::{Cell, Heading};
 use crate::world::hall_map::{Bounds, REACH};
 
-/// The progress of a snail.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Snail {
     ring: i32,
     stage: Stage,
 }
 
-/// What comes next in a ring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
-    /// Go to the ring's corner.
     Corner,
     /// Visit the unknown cells in the ring's square.
     Fill,
-    /// Home, then the next ring.
     NextRing,
     /// Both far walls are known: visit what is left.
     Finish,

@@ -65,7 +65,6 @@ pub const STARTS: [usize; TABLES.len() + 1] = {
     starts
 };
 
-/// Number of rows of all tables.
 pub const ROWS: usize = STARTS[TABLES.len()];
 
 /// Greatest length of a run, or of an edge along it, in cells.

@@ -7,10 +7,8 @@ use crate::units::{Cell, Pose};
 
 named! {
     ALL by name;
-    /// The aim of a search.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum Objective {
-        /// Luggage soon.
         #[default]
         Find = "find",
         /// The whole hall with few moves.
@@ -20,10 +18,8 @@ named! {
 
 named! {
     ALL by name;
-    /// How a robot learns that a cell is free.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum Sensing {
-        /// By driving into it.
         #[default]
         Bump = "bump",
         /// By its front sonar, before it drives.
@@ -31,7 +27,6 @@ named! {
     }
 }
 
-/// The task of a search, and the robot's senses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Terms {
     pub objective: Objective,
@@ -73,7 +68,6 @@ pub struct View<'a> {
 pub enum Goal {
     /// A cell to be visited, or found to be an obstacle.
     Visit(Cell),
-    /// The home cell, before the search goes on.
     Home,
 }
 

@@ -27,7 +27,6 @@ pub struct Ways {
 /// States settled before a search counts as one that leads far: about a millisecond.
 const MOST: usize = 1 << 16;
 
-/// A state that a search has reached.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reached {
     pub(crate) spot: Spot,

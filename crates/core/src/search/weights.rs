@@ -19,9 +19,7 @@ use super::view::{Objective, Terms};
 /// The worth of each number of an outlook, in thousandths of a step.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Weights {
-    /// For the linear part.
     pub linear: [i32; LINEAR],
-    /// For every row of every table.
     pub rows: Vec<i16>,
     /// Lower bound of an outlook's worth: it bounds the search.
     pub least: i32,
@@ -32,7 +30,6 @@ struct Set {
     objective: Objective,
     /// Reach of the sonar, in cells.
     sonar_cells: u8,
-    /// The cost of a turn.
     turn: u32,
     terrain: Terrain,
     weights: LazyLock<Weights>,

@@ -34,7 +34,6 @@ pub struct Snapshot {
     /// For each resource the revision of its last change, in the order of `Resource::ALL`.
     pub revisions: [Revision; Resource::COUNT],
     pub mission: MissionView,
-    /// The robot that searches.
     pub robot: RobotView,
     /// All robots, the one that searches first.
     pub robots: Arc<[RobotShown]>,
@@ -94,7 +93,6 @@ pub struct MissionView {
     pub interrupted: Option<PhaseName>,
     pub fault: Option<FaultCause>,
     pub holds: Vec<Hold>,
-    /// Why nothing can be put on record, while that is so.
     pub store_failure: Option<String>,
     /// The cell that the robot drives to.
     pub goal: Option<Cell>,
@@ -127,7 +125,6 @@ pub struct Progress {
     pub reach: Option<Reach>,
 }
 
-/// The remaining time of a search, as a range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TimeLeft {
     /// It will hardly be less.
@@ -154,8 +151,6 @@ pub struct Refusals {
     pub reset: Option<Refused>,
     /// Moves by hand, in any direction.
     pub drive: Option<Refused>,
-    /// Choosing a strategy.
     pub strategy: Option<Refused>,
-    /// Retaking the photo.
     pub retake: Option<Refused>,
 }

@@ -10,11 +10,9 @@ use behaviour_trees::{Blackboard, Status, Tree};
 /// A retrieval under way, or in fault.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RetrievalView {
-    /// The piece that is fetched.
     pub luggage: LuggageId,
     pub fetcher: Fetcher,
     pub stage: &'static str,
-    /// Why it cannot be fetched, once that is known.
     pub reason: Option<NotFetched>,
     /// The known cells in which it lies now; none while it is off the floor.
     pub piece: Vec<Cell>,
@@ -22,7 +20,6 @@ pub struct RetrievalView {
     pub trees: Arc<TreesView>,
 }
 
-/// Trees after a tick.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TreesView {
     pub ticks: u64,

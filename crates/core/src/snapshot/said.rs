@@ -30,7 +30,6 @@ pub enum Said {
     Overtaken(Refused),
     /// A hold has begun, for this reason if there is more to say.
     Held(Hold, Option<HoldReason>),
-    /// A hold has ended.
     Over(Hold),
     /// From the first phase to the second.
     Phase(PhaseName, PhaseName),
@@ -40,26 +39,21 @@ pub enum Said {
     Found {
         luggage: LuggageId,
         cell: Cell,
-        /// Whether its photo is usable.
         has_photo: bool,
     },
     /// A new photo of a piece is on record.
     PhotographedAgain(LuggageId),
     /// There is no new photo of a piece, and the first one stays.
     PhotoStays(LuggageId),
-    /// A piece is in the container.
     Secured(LuggageId),
-    /// No way leads to the cell to which somebody sent the robot.
     NoWay(Cell),
     /// A robot reports that it stands elsewhere than the record has it; `None`: the robot that searches.
     Stands(Option<RobotId>, Pose),
     Robot(RobotId, Trouble),
-    /// The pair's trees cannot resume their state.
     TreesBeginAnew(StateError),
     StartedAgain,
     /// The program was asked to end, by this.
     Ended(String),
-    /// The robot was put down in another hall.
     PutDown,
     /// A fact of the journal, recalled from before a restart or from another moment. `Said::fact` makes it.
     Fact(Arc<Fact>),
@@ -76,7 +70,6 @@ pub enum Trouble {
     NoThermometer,
     /// It still cannot be reached, which holds the robots already, for this reason.
     StillUnreached(String),
-    /// It cannot be reached, for this reason.
     Unreached(String),
     /// It met something as it left this cell.
     MetObstacle(Cell),

@@ -13,7 +13,6 @@ pub struct Conditions {
     pub threshold: Celsius,
 }
 
-/// Where the robots are.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Venue {
     /// The name of the hall; for a foreign place, what is known of it, such as the address of the robot in it.
@@ -41,7 +40,6 @@ pub struct Participant {
     pub address: Option<Arc<str>>,
 }
 
-/// How much of a hall a robot can reach from its start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reach {
     /// Free cells that can be reached, the start included.

@@ -44,9 +44,7 @@ pub struct PersistentState {
     pub epoch: Epoch,
     pub strategy: Strategy,
     pub search: Search,
-    /// What the search is after.
     pub goal: Option<Goal>,
-    /// Cells that were free once and blocked later.
     pub blocked: BTreeSet<Cell>,
     /// Where the last completed order left the robot that searches.
     pub pose: Pose,
@@ -62,7 +60,6 @@ pub struct PersistentState {
     pub pieces: BTreeSet<Piece>,
     /// The cells where a known piece was met once more.
     pub met_again: BTreeMap<Cell, Piece>,
-    /// The luggage of the mission.
     pub luggage: LuggageRecords,
     /// The number of the last piece of all missions.
     pub last_luggage: LuggageId,
@@ -79,7 +76,6 @@ pub struct PersistentState {
 }
 
 impl PersistentState {
-    /// The state before anything has happened.
     #[must_use]
     pub fn first(strategy: Strategy) -> PersistentState {
         PersistentState {
@@ -116,7 +112,6 @@ impl PersistentState {
         (self.luggage.len() + self.map.visited() / CELLS_AN_ENTRY) as u64
     }
 
-    /// Applies one more entry of a journal.
     pub fn apply(&mut self, entry: &Entry) {
         self.follow(&entry.fact, entry.wall, Revision(1));
     }

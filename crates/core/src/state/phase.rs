@@ -6,7 +6,6 @@ use crate::units::{Cell, LuggageId, Piece, Pose};
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Phase {
-    /// No mission.
     Idle,
     /// Searching, the last way home included.
     Exploring,
@@ -16,7 +15,6 @@ pub enum Phase {
     Driving {
         /// The cell of a goto; `None` for a single move.
         goal: Option<Cell>,
-        /// The move that is still to be ordered.
         next: Option<Move>,
         /// The phase that goes on afterwards.
         interrupted: Box<Phase>,
@@ -30,7 +28,6 @@ pub enum Phase {
     /// Home, and a bomb is known to be in the hall.
     BombLocated,
     Retrieving,
-    /// The bomb is in the container.
     BagSecured,
     /// The whole hall is searched and the robot is home.
     Explored,
@@ -116,7 +113,6 @@ impl Phase {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inspection {
-    /// The cell of the obstacle.
     pub cell: Cell,
     /// The piece that the camera recognised, if it could.
     pub piece: Option<Piece>,
@@ -131,7 +127,6 @@ pub enum Stage {
     BackingUp,
     /// The photo is to be taken, or is being taken.
     TakingPhoto,
-    /// The record is on its way to the store.
     Recording(LuggageId),
     /// The record is in the store; the operator decides.
     AwaitingVerdict(LuggageId),
@@ -140,7 +135,6 @@ pub enum Stage {
 }
 
 impl Inspection {
-    /// The record of this piece, once there is one.
     #[must_use]
     pub const fn luggage(&self) -> Option<LuggageId> {
         match self.stage {

@@ -10,7 +10,6 @@ use crate::units::{AlarmId, Cell, LuggageId};
 /// A retrieval under way, or in fault.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Retrieval {
-    /// The piece that is fetched.
     pub luggage: LuggageId,
     pub fetcher: Fetcher,
     pub stage: RetrievalStage,
@@ -48,7 +47,6 @@ impl RetrievalStage {
         }
     }
 
-    /// Why the piece cannot be fetched, once that is known.
     #[must_use]
     pub const fn reason(&self) -> Option<&NotFetched> {
         match self {

@@ -9,17 +9,13 @@ use behaviour_trees::{Status, Value};
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TeamStage {
-    /// The trees are at work.
     Working,
     /// The parcel is lost; work goes on when the call has been acknowledged.
     Lost,
-    /// Everything has been fetched.
     Done,
-    /// It cannot go on.
     Faulted(RetrievalFault),
 }
 
-/// The state of a team between two ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TeamState {
     /// SRM1, SRM2 and the Supervisor.
@@ -29,7 +25,6 @@ pub struct TeamState {
     /// The entries of the blackboard that have a value.
     pub blackboard: Vec<(String, Value)>,
     pub stage: TeamStage,
-    /// How often a parcel was lost.
     pub losses: u32,
     /// Whether this run of the Supervisor has reported a loss.
     pub has_called: bool,

@@ -83,13 +83,10 @@ pub struct Parcel {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Controllers {
     pub force: bool,
-    /// The angle of the paddle.
     pub angle: bool,
-    /// The distance to the other base.
     pub distance: bool,
 }
 
-/// An arm as its robot reports it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ArmState {
     pub gripper: Gripper,

@@ -17,7 +17,6 @@ pub const ROBOT: &str = "robot";
 /// The common source of all for whom there is no room.
 pub const OTHERS: &str = "others";
 
-/// A command with its sender and what came with it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
     pub command: Command,
@@ -71,29 +70,23 @@ pub enum Command {
     Stop,
     /// Go to the home cell and wait.
     BackHome,
-    /// Fetch the dangerous piece.
     Retrieve,
     /// Archive the mission and be idle.
     Reset,
-    /// One basic move by hand.
     Move(Move),
-    /// Drive to a cell by hand.
     Goto(Cell),
     Verdict {
         luggage: LuggageRef,
         verdict: Verdict,
         note: Option<Note>,
     },
-    /// Take the photo of the piece being inspected again.
     RetakePhoto(LuggageId),
-    /// The operator has seen the alarm.
     Acknowledge(AlarmId),
     ChooseStrategy(Strategy),
     Temperature(TemperatureReport),
 }
 
 impl Command {
-    /// The piece of luggage it is about, where it is about one.
     #[must_use]
     pub const fn luggage(&self) -> Option<LuggageRef> {
         match self {
@@ -163,7 +156,6 @@ impl Move {
 
 named! {
     by name;
-    /// The operator's verdict on a piece.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum Verdict {
         /// The search goes on.
@@ -201,7 +193,6 @@ impl std::fmt::Display for Note {
     }
 }
 
-/// How a verdict names its piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LuggageRef {
     Id(LuggageId),
@@ -209,7 +200,6 @@ pub enum LuggageRef {
     Pending,
 }
 
-/// An operator's or a tool's report of the temperature.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TemperatureReport {
     /// The button OK; concerns the hold `tooHigh` alone.
@@ -236,7 +226,6 @@ impl TemperatureReport {
     }
 }
 
-/// Who sent a command.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Issuer {
     pub door: Door,
@@ -278,7 +267,6 @@ impl Door {
     pub const LOCAL: Door = Door("local");
 }
 
-/// The answer to an accepted command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Accepted {
     /// The revision of the state that contains its effect.
@@ -291,7 +279,6 @@ pub struct Accepted {
 
 named! {
     ALL by name;
-    /// The ways to search a hall.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum Strategy {
         /// The default: the tuned score, or along the walls where that finds luggage sooner.

@@ -47,7 +47,6 @@ pub enum RobotEvent {
     Photo(OrderId, Photo),
     /// The photo could not be taken, for this reason.
     PhotoFailed(OrderId, String),
-    /// The robot cannot carry out the order, for this reason.
     Failed(OrderId, String),
     /// The answer to a look for a parcel; `None` when none was recognised.
     Found(OrderId, Option<Parcel>),
@@ -60,7 +59,6 @@ pub enum RobotEvent {
     Sonar(Option<u16>),
     /// What its front sonar sees ahead of where the current order leaves it, just before that is `Done`.
     Ahead(Ahead),
-    /// The robot's own thermometer.
     Temperature(Celsius),
 }
 
@@ -76,7 +74,6 @@ pub struct Ahead {
 /// Whether a halted robot stands away from where its last completed order left it.
 pub type OffCentre = bool;
 
-/// Where a robot stands by its own reckoning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Whereabouts {
     /// The cell and heading in which its last completed order left it.
@@ -102,7 +99,6 @@ pub struct Capabilities {
 }
 
 impl Capabilities {
-    /// How long a move takes.
     #[must_use]
     pub const fn time(&self, step: Move) -> Duration {
         match step {
@@ -129,10 +125,8 @@ pub enum Obstacle {
     Unknown,
 }
 
-/// A photo as the camera made it.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Photo {
-    /// The encoded picture.
     pub bytes: Arc<[u8]>,
     /// Its media type, such as `image/png`.
     pub media_type: &'static str,

@@ -10,7 +10,6 @@ named! {
     /// One reason for which the robot must not move.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
     pub enum Hold {
-        /// STOP was pressed.
         Operator = "operator",
         /// The operator's button TOO HIGH.
         TooHigh = "tooHigh",
@@ -18,11 +17,8 @@ named! {
         Temperature = "temperature",
         /// A configured sensor is silent.
         TemperatureStale = "temperatureStale",
-        /// The robot cannot be reached.
         RobotLink = "robotLink",
-        /// Nothing can be put on record.
         Store = "store",
-        /// The program was started again.
         Restart = "restart",
         /// A verdict of danger could not be recorded: that must be acknowledged, or danger put on record, first.
         Alarm = "alarm",
@@ -70,7 +66,6 @@ impl Hold {
     }
 }
 
-/// The holds that stand.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Holds(BTreeSet<Hold>);
 
@@ -119,7 +114,6 @@ impl FromIterator<Hold> for Holds {
     }
 }
 
-/// Details of a hold.
 #[derive(Clone, Debug, PartialEq)]
 pub enum HoldReason {
     /// The reading that is too hot.

@@ -44,7 +44,6 @@ pub enum NotFetched {
 
 named! {
     ALL by in_words;
-    /// What ended a retrieval by the robot that searches.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum AloneFault {
         OtherPiece = "the robot has taken another piece than the one it was sent for",

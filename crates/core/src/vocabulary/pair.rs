@@ -2,7 +2,6 @@
 
 named! {
     ALL by name;
-    /// What ended a run of the pair.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum RetrievalFault {
         /// The place of the piece is unknown.
@@ -11,9 +10,7 @@ named! {
         NoWayToParcel = "noWayToParcel",
         /// The two hold the parcel, and no way leads to its destination.
         NoWayToTarget = "noWayToTarget",
-        /// The way back to the pallet is closed.
         NoWayBack = "noWayBack",
-        /// Something else than the wanted piece is in the grippers.
         WrongParcel = "wrongParcel",
         /// A robot failed several times to carry out the same action.
         RobotFails = "robotFails",
@@ -52,7 +49,6 @@ named! {
     pub enum Saying {
         /// No parcel is recognised where one should be.
         CallOperator = "callOperator",
-        /// The parcel has slipped out of the grippers.
         PackageLost = "packageLost",
     }
 }

@@ -8,7 +8,6 @@ use crate::units::Cell;
 /// A place that one base, or one parcel, fills.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Place {
-    /// In the hall.
     Cell(Cell),
     /// Before the entrance: steps from home, at most [`Place::FURTHEST`]. There is room for all robots.
     Outside(u8),

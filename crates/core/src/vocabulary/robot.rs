@@ -55,14 +55,12 @@ named! {
 
 named! {
     ALL by name;
-    /// One thing that a robot may have.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
     pub enum Part {
         Base = "base",
         Camera = "camera",
         /// It measures how far it is to what is ahead.
         Sonar = "sonar",
-        /// It has a light that can blink.
         Led = "led",
         Thermometer = "thermometer",
         /// It feels what it runs into.

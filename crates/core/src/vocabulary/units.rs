@@ -62,7 +62,6 @@ impl fmt::Display for Cell {
 
 named! {
     ALL by name;
-    /// One of the four directions a robot can face.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
     pub enum Heading {
         /// Towards lesser `y`.
@@ -177,7 +176,6 @@ impl WallTime {
 pub struct Now {
     /// Since the program (or the simulated run) began; never goes back.
     pub since_start: Duration,
-    /// The wall clock at that moment.
     pub wall: WallTime,
 }
 

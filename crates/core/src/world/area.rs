@@ -27,7 +27,6 @@ impl Mark {
         matches!(self, Mark::Unknown | Mark::Seen)
     }
 
-    /// Whether the robot cannot go there.
     #[must_use]
     pub const fn is_obstacle(self) -> bool {
         matches!(self, Mark::Wall | Mark::Luggage | Mark::NotInspected)

@@ -93,7 +93,6 @@ impl HallMap {
         self.visited
     }
 
-    /// Number of obstacles that are still to be inspected.
     #[must_use]
     pub const fn uninspected(&self) -> usize {
         self.uninspected

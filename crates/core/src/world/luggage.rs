@@ -22,7 +22,6 @@ pub struct Luggage {
     pub verdict: Option<Decision>,
     /// The piece that the camera recognised, if it could.
     pub piece: Option<Piece>,
-    /// When it was put into the container.
     pub secured: Option<WallTime>,
     /// By how many milliseconds the clock was set between the first photo and the verdict, or until now.
     pub clock_set_ms: i64,
@@ -35,7 +34,6 @@ pub enum PhotoState {
         /// 1 for the first photo, more after a retake, so that a new photo is not taken for the first.
         take: u32,
     },
-    /// There is none, for this reason.
     Failed(String),
 }
 
@@ -58,7 +56,6 @@ impl PhotoState {
 /// Why there is no photo of a piece. `Display` is the sentence a person reads.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoPhoto {
-    /// The camera failed, for this reason.
     #[error("there is no photo of luggage #{0}: {1}; take it again")]
     Failed(LuggageId, String),
     /// This take does not exist; the last number is that of the takes.
@@ -110,7 +107,6 @@ impl Luggage {
         self.verdict.as_ref().is_some_and(|decision| decision.verdict == Verdict::Danger)
     }
 
-    /// Whether it was found dangerous and is still in the hall.
     #[must_use]
     pub fn is_bomb_left(&self) -> bool {
         self.is_dangerous() && self.secured.is_none()

@@ -12,7 +12,6 @@ named! {
         Robot = "robot",
         Map = "map",
         Luggage = "luggage",
-        /// Temperature and threshold.
         Temperature = "temperature",
         Alarms = "alarms",
         /// The piece being fetched, and the trees at work.

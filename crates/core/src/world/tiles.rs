@@ -32,7 +32,6 @@ pub struct Tile {
     known: u16,
 }
 
-/// Blocks of tiles in a grid that grows.
 #[derive(Clone, Debug)]
 pub(super) struct Tiles {
     /// The extent of the grid, in blocks, which lie row by row.
@@ -67,12 +66,10 @@ impl Tile {
         self.known > 0
     }
 
-    /// Whether the frontier runs through this cell.
     pub(super) const fn is_open(&self, place: usize) -> bool {
         self.frontier[place / TILE as usize] >> (place % TILE as usize) & 1 == 1
     }
 
-    /// Toggles whether the frontier runs through this cell.
     pub(super) fn turn_open(&mut self, place: usize) {
         self.open = if self.is_open(place) { self.open - 1 } else { self.open + 1 };
         self.frontier[place / TILE as usize] ^= 1 << (place % TILE as usize);

@@ -59,7 +59,6 @@ pub struct LineDriver {
     pub(super) sonar: Option<Option<u16>>,
     pub(super) temperature: Option<Celsius>,
     pub(super) readings_at: Duration,
-    /// Number of halts in a row that nobody asked for.
     pub(super) unasked: u8,
     /// The name of the latest robot.
     pub(super) name: Option<RobotName>,
@@ -91,7 +90,6 @@ pub(super) struct Robot {
     pub(super) pose: Pose,
 }
 
-/// The order that waits for its answer.
 #[derive(Debug)]
 pub(super) struct Open {
     pub(super) order: Order,
@@ -226,7 +224,6 @@ impl LineDriver {
         }
     }
 
-    /// Gives up a robot that was silent for this time.
     fn give_up(&mut self, patience: Duration) {
         let damaged = if self.lines.passed_over() > 0 { "; lines were damaged on their way" } else { "" };
         let unknown = self.not_understood.take().map(|text| format!("; `{text}` was not understood"));

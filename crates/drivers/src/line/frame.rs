@@ -39,7 +39,6 @@ impl LineReader {
         }
     }
 
-    /// Number of invalid lines.
     #[must_use]
     pub const fn passed_over(&self) -> u64 {
         self.passed_over

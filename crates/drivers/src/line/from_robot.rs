@@ -18,7 +18,6 @@ pub enum FromRobot {
     Blocked(Seq, Option<u16>, Obstacle),
     /// A motion was cut short by a halt, or not begun.
     Halted(Seq, OffCentre),
-    /// It cannot carry out the order, for this reason.
     Failed(Seq, Words),
     /// It has no photo, for this reason.
     NoPhoto(Seq, Words),
@@ -150,7 +149,6 @@ impl fmt::Display for Hello {
     }
 }
 
-/// The parts for which the protocol has words.
 const PARTS: [Part; 6] = [Part::Base, Part::Camera, Part::Sonar, Part::Led, Part::Thermometer, Part::Bump];
 
 /// Longest step, turn or photo, in milliseconds.

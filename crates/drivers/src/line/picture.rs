@@ -17,9 +17,7 @@ const KINDS: [Kind; 2] = [(is_png, "image/png"), (is_jpeg, "image/jpeg")];
 
 #[derive(Debug)]
 pub(super) struct Picture {
-    /// Whether anybody still waits for it.
     pub(super) is_wanted: bool,
-    /// When it is given up.
     pub(super) until: Duration,
     length: u32,
     expected: u32,
@@ -50,7 +48,6 @@ impl Picture {
         self.come == self.length
     }
 
-    /// The photo, or why it is invalid.
     pub(super) fn developed(self) -> Result<Photo, String> {
         if !self.is_whole() {
             return Err(format!("only {} of {} bytes of the photo came: take it again", self.come, self.length));
@@ -112,7 +109,6 @@ fn is_jpeg(bytes: &[u8]) -> bool {
     false
 }
 
-/// A grey pixel, for tests.
 #[cfg(test)]
 pub(super) const PNG: &[u8] = b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\x01\0\0\0\x01\x08\0\0\0\0\x3a\x7e\x9b\x55\0\0\0\x0aIDAT\x78\xda\x63\xa8\x07\0\0\x81\0\x80\
     \x6f\x1c\x0e\x51\0\0\0\0IEND\xae\x42\x60\x82";
@@ -135,7 +131,6 @@ mod tests {
         crc.value()
     }
 
-    /// A grey pixel.
     const JPEG: &[u8] =
         b"\xff\xd8\xff\xc0\0\x0b\x08\0\x01\0\x01\x01\x01\x11\0\xff\xda\0\x08\x01\x01\0\0\x3f\0\xd2\xcf\x20\xff\xd9\0\0";
 

@@ -23,7 +23,6 @@ const WAITING: usize = 32;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Asked {
-    /// Begin this, and answer it once.
     Order(Order),
     /// Halt, and answer what was under way.
     Halt,
@@ -100,7 +99,6 @@ impl LineRobot {
         }
     }
 
-    /// A report of the body, about an order or a measurement.
     pub fn handle_event(&mut self, event: RobotEvent) {
         match event {
             RobotEvent::Stands(stands) => self.stands = stands,
@@ -208,7 +206,6 @@ impl LineRobot {
         }
     }
 
-    /// Halts a motion, once.
     fn halt(&mut self) {
         if let Some(under_way) = self.under_way.as_mut().filter(|under_way| under_way.task.is_motion() && !under_way.is_halted) {
             under_way.is_halted = true;

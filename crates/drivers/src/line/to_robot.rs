@@ -8,7 +8,6 @@ use hallsweep_core::units::Pose;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ToRobot {
-    /// Asks who the robot is.
     Hello,
     /// Halt; all orders up to this number are void, and new ones begin above it.
     From(Seq),
@@ -21,9 +20,7 @@ pub enum ToRobot {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Task {
-    /// One cell forward.
     Forward,
-    /// One cell backward.
     Backward,
     /// 90° to the left.
     Left,

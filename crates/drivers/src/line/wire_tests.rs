@@ -14,10 +14,8 @@ use hallsweep_core::units::{Epoch, Now, OrderId, Pose, WallTime};
 
 const TICK: Duration = Duration::from_millis(5);
 
-/// Number of orders in each run.
 const ORDERS: u64 = 120;
 
-/// One direction of the wire.
 struct Wire {
     chance: RandomStream,
     trouble: f64,

@@ -70,7 +70,6 @@ impl VirtualRobot {
         self.gauge_on();
     }
 
-    /// Begins another leg.
     pub(super) fn gauge_on(&mut self) {
         let longest = self.gauge.unwrap_or_default() * SLOWER;
         if self.gauged.div_duration_f64(self.step) > longest {

@@ -10,7 +10,6 @@ use super::unheard::Unheard;
 use super::{Aim, Dialect, VirtualRobot};
 use hallsweep_core::units::Heading;
 
-/// The version of the format.
 const VERSION: u32 = 1;
 
 /// Longest text that is stored, in characters; longer ones are cut.

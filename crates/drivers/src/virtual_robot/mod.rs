@@ -52,7 +52,6 @@ const TURN: Duration = Duration::from_millis(400);
 /// Longest time for a photo: drawing it takes some hundredths of a second, on a machine that may have much else to do.
 const DRAWING: Duration = Duration::from_secs(2);
 
-/// The version of its server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dialect {
     /// JSON between semicolons over TCP: it reports contacts, and nothing else.
@@ -108,7 +107,6 @@ pub struct VirtualRobot {
     met: Option<String>,
     /// How long it had driven when it met something before the latency was known.
     first_contact: Option<Duration>,
-    /// What its scene file tells.
     room: Option<Room>,
     /// Distance from its start to what stands ahead, in cells, until its step is measured by that.
     gauge: Option<f64>,
@@ -211,7 +209,6 @@ impl VirtualRobot {
         self.task.as_mut().and_then(|task| task.leg.as_mut())
     }
 
-    /// Ends the task with this answer.
     fn answer(&mut self, answer: impl FnOnce(OrderId) -> RobotEvent) {
         if let Some(task) = self.task.take() {
             self.events.push_back(answer(task.order));

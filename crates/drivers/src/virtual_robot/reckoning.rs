@@ -76,7 +76,6 @@ pub(super) struct Drift {
 }
 
 impl Reckoning {
-    /// A robot that was just put down at home.
     pub(super) fn at_home() -> Reckoning {
         Reckoning {
             cell: (0, 0),
@@ -105,7 +104,6 @@ impl Reckoning {
         };
     }
 
-    /// Whether what was read back is plausible.
     pub(super) fn is_sound(&self) -> bool {
         let bounded = |length: f64| length.is_finite() && length.abs() < 1e6;
         let faces = self.faces.len().max(self.contacts.len()) <= FACES
@@ -122,7 +120,6 @@ impl Reckoning {
         Pose { cell: Cell::new(self.cell.0, self.cell.1), heading }
     }
 
-    /// An order is complete, and this is where it ends.
     pub(super) fn complete(&mut self, pose: Pose) {
         self.cell = (pose.cell.x, pose.cell.y);
         if !self.stood.contains(&self.cell) && self.stood.len() < CELLS {
@@ -132,7 +129,6 @@ impl Reckoning {
         self.heading = pose.heading.name().to_owned();
     }
 
-    /// Where its centre is.
     pub(super) const fn at(&self) -> (f64, f64) {
         (self.at[0], self.at[1])
     }
@@ -185,7 +181,6 @@ impl Reckoning {
         self.stood = BTreeSet::from([self.cell]);
     }
 
-    /// The cell in which its centre is.
     #[expect(clippy::cast_possible_truncation, reason = "it is bounded, and a room has some hundred cells a side")]
     pub(super) fn cell(&self) -> Cell {
         Cell::new(self.at[0].round() as i32, self.at[1].round() as i32)
@@ -235,7 +230,6 @@ impl Reckoning {
         }
     }
 
-    /// Sets the known place of a thing.
     pub(super) fn place(&mut self, name: &str, towards: Heading, at: f64) {
         if self.faces.len() < FACES {
             self.placed.insert(key(name, towards));

@@ -38,13 +38,11 @@ pub struct Room {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Thing {
-    /// The page's name for it.
     pub name: String,
     /// Where the robot's centre touches it.
     pub extent: Extent,
 }
 
-/// From where to where, on both axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extent {
     pub x: (f64, f64),
@@ -91,7 +89,6 @@ impl Room {
         self.moving.iter().any(|moving| moving == name)
     }
 
-    /// Whether the robot can stand in the centre of this cell.
     fn is_free(&self, cell: Cell) -> bool {
         self.is_open((f64::from(cell.x), f64::from(cell.y)))
     }
@@ -149,7 +146,6 @@ impl Room {
 }
 
 impl VirtualRobot {
-    /// Adds what is known of the room.
     #[must_use]
     pub fn in_room(mut self, room: Room) -> VirtualRobot {
         for Thing { name, extent } in &room.things {
@@ -198,7 +194,6 @@ impl VirtualRobot {
         room.met(at, towards).map(str::to_owned)
     }
 
-    /// Whether the robot cannot stand in this cell, by the room.
     pub(super) fn is_barred(&self, cell: Cell) -> bool {
         self.room.as_ref().is_some_and(|room| !room.is_free(cell))
     }

@@ -21,7 +21,6 @@ pub(super) struct Task {
 pub(super) enum Aim {
     Step(Pose),
     Turn(Pose),
-    /// Back to the centre of its cell.
     Back,
     /// Back to the centre of its cell, beside which it stands: it turns towards it first, and then faces this way.
     Aside(Pose),
@@ -43,7 +42,6 @@ pub(super) enum Aim {
     Draw,
 }
 
-/// What follows once the latency is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Then {
     /// The step to this pose was stopped.

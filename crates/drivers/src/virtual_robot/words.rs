@@ -78,7 +78,6 @@ impl Command {
     }
 }
 
-/// A stream of messages between semicolons, which comes in pieces.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Stream {
     begun: Vec<u8>,
@@ -87,7 +86,6 @@ pub(super) struct Stream {
 }
 
 impl Stream {
-    /// The messages in this piece and in what came before.
     pub(super) fn read(&mut self, bytes: &[u8]) -> Vec<Heard> {
         let mut heard = Vec::new();
         for byte in bytes {

@@ -10,7 +10,6 @@ use hallsweep_drivers::{self as drivers, Extent, Room};
 /// Half the side of the square as which the robot acts, in units: boxes grow by it.
 const PADDING: f64 = 2.0;
 
-/// A thing in the room, with the padding.
 #[derive(Clone, Debug)]
 pub(crate) struct Thing {
     pub(crate) name: String,
@@ -56,7 +55,6 @@ impl Scene {
         self.put(name, (x / width + 0.5, -z / height + 0.5), (1.0 / width, 1.0 / height));
     }
 
-    /// What its scene file tells a driver.
     pub(crate) fn told(&self) -> Room {
         let (px, pz) = self.player;
         let extent = |x: (f64, f64), z: (f64, f64)| Extent {
@@ -94,7 +92,6 @@ pub(crate) enum Command {
     Alarm,
 }
 
-/// What the page tells the server.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Told {
     Collision(String),

@@ -30,12 +30,10 @@ pub(crate) struct Rig {
     pub(crate) server: Server,
     pub(crate) now: Duration,
     client: Option<Client>,
-    /// When the next connection is tried.
     call: Option<Duration>,
     /// What the driver stored last.
     pub(crate) memory: String,
     answers: BTreeMap<Ticket, Result<Accepted, Refused>>,
-    /// The names of what was drawn.
     pub(crate) drawn: Vec<String>,
     pub(crate) reports: Vec<RobotEvent>,
     dialect: Dialect,
@@ -187,7 +185,6 @@ impl Rig {
         self.server.heard.iter().any(serves)
     }
 
-    /// Whether the driver waits for the outcome of a motion.
     pub(crate) fn is_awaiting(&mut self) -> bool {
         self.state().robot.state.name() != "stopped" && self.call.is_none()
     }

@@ -8,7 +8,6 @@ use serde_json::{Value, json};
 
 use super::page::{Command, Page, Told};
 
-/// A client's connection.
 pub(crate) type Client = u64;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,7 +66,6 @@ pub(crate) struct Server {
     from_page: Vec<(Duration, Told)>,
     timers: Vec<(Duration, &'static str)>,
     target: bool,
-    /// What goes out to which connection.
     pub(crate) sent: Vec<(Client, Vec<u8>)>,
     now: Duration,
 }
@@ -251,7 +249,6 @@ impl Server {
         self.now = now;
     }
 
-    /// Handles what the page tells it.
     fn hear(&mut self, told: Told) {
         match (self.version, told) {
             (Version::Year2023, Told::Collision(name)) => {

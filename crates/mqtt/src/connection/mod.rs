@@ -79,7 +79,6 @@ pub struct ClientConnection {
     now: Duration,
     writer: ClientWriter,
     to_client: Outbox,
-    /// Topic aliases that the client has set.
     aliases: HashMap<u16, Arc<[u8]>>,
     routes: Routes,
     flood: Flood,

@@ -93,7 +93,6 @@ impl Routes {
         Arc::clone(&self.topic)
     }
 
-    /// Whether anybody reads what this client publishes on the topic.
     pub(super) fn is_read(&mut self, publisher: SubscriberId, broker: &Broker) -> bool {
         let generation = broker.readers.generation();
         if self.generation != Some(generation) {

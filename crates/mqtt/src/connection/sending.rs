@@ -18,7 +18,6 @@ use crate::subscriber::Delivery;
 pub(super) struct Unacknowledged {
     /// Sent in an earlier connection, and not yet in this one.
     unsent: VecDeque<Sent>,
-    /// Sent in this connection.
     sent: VecDeque<Sent>,
     /// Maximum number of messages in `sent`.
     window: usize,

@@ -48,7 +48,6 @@ fn reason(fields: &mut Fields<'_>, kind: Kind) -> Result<u8, Malformed> {
     }
 }
 
-/// Reads the id and the codes of a SUBACK.
 #[cfg(test)]
 pub(crate) fn read_suback(body: &[u8]) -> Result<(u16, &[u8]), Malformed> {
     let mut fields = Fields::new(body);

@@ -49,7 +49,6 @@ impl Qos {
     }
 }
 
-/// Reads the fields of a body, one after the other.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fields<'a>(&'a [u8]);
 

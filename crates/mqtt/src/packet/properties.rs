@@ -75,7 +75,6 @@ impl<'a> Properties<'a> {
         Properties(split(fields).unwrap())
     }
 
-    /// The encoded properties.
     pub(crate) const fn bytes(self) -> &'a [u8] {
         self.0
     }

@@ -11,7 +11,6 @@ use crate::limits::{ALIASES, CLIENT_PACKET, UNRELEASED};
 /// A whole PINGRESP.
 pub const PINGRESP: [u8; 2] = [Kind::Pingresp.first_byte(), 0];
 
-/// The DUP flag of a PUBLISH.
 const DUPLICATE: u8 = 8;
 
 /// The code of a SUBACK for a filter that is refused.
@@ -133,7 +132,6 @@ pub fn publish(out: &mut BytesMut, topic: &[u8], payload: &[u8], qos: Qos, id: u
     PublishHead { topic, qos, id, retain, is_duplicate: false, properties: None }.with(out, payload);
 }
 
-/// All of a PUBLISH but its payload.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PublishHead<'a> {
     /// Empty when an alias stands for it.

@@ -3,7 +3,6 @@
 
 use std::fmt;
 
-/// A fault in a hall file and where it is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HallError {
     /// The file, or the name of the hall when it is not from a file.
@@ -25,7 +24,6 @@ impl fmt::Display for HallError {
 
 impl std::error::Error for HallError {}
 
-/// What is wrong with a hall file, with the offending value and what to do.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum HallFault {
     #[error("cannot read this file ({0}): give the path of a .toml, .map, .yaml or .txt file, or one of the built-in halls {1}")]

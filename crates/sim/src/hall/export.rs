@@ -59,7 +59,6 @@ pub struct Written {
     pub lost: Vec<String>,
 }
 
-/// A hall to be written, or the explored part of one.
 #[derive(Clone, Debug)]
 pub struct Export {
     /// With walls where nothing is known.
@@ -200,7 +199,6 @@ fn pieces(count: usize) -> String {
     format!("{count} {}", if count == 1 { "piece" } else { "pieces" })
 }
 
-/// Properties of the luggage that the format cannot express.
 fn lost_luggage(hall: &Hall, again: &Hall) -> Vec<String> {
     let is_luggage = |truth: &Truth| matches!(truth, Truth::Luggage(_));
     if !hall.pieces().is_empty() && !again.squares.iter().any(is_luggage) {

@@ -43,7 +43,6 @@ pub(super) const USUAL_CELL_M: f64 = 0.5;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Truth {
-    /// The robot can stand here.
     Free,
     /// A wall, a pillar, or outside the hall.
     Wall,
@@ -80,7 +79,6 @@ impl Hall {
         Hall { name: name.into(), description: None, cell_m: USUAL_CELL_M, bounds, squares, bags, temperature: None }
     }
 
-    /// Sets what a hall file says beside the drawing.
     pub(super) fn measured(self, cell_m: f64, temperature: Option<Curve>) -> Hall {
         Hall { cell_m, temperature, ..self }
     }

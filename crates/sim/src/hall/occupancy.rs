@@ -65,13 +65,11 @@ enum Negate {
 #[serde(deny_unknown_fields)]
 struct Own {
     cell_m: f64,
-    /// The grey of luggage.
     luggage: u8,
     /// Column and row of the robot's start, counted from 0 in the north-west corner.
     home: (u32, u32),
 }
 
-/// How greys become occupancy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Mode {
     Trinary,

@@ -4,7 +4,6 @@
 use super::error::HallFault;
 use super::pixel::{Pixel, sides};
 
-/// A PGM image of which some rows have been read.
 #[derive(Debug)]
 pub(super) struct Pgm<'a> {
     pub(super) width: u32,

@@ -20,7 +20,6 @@ const PNG_BEGIN: &[u8] = b"\x89PNG\r\n\x1a\n";
 /// `map_server` reads these; here they are refused by name.
 const BMP_BEGIN: &[u8] = b"BM";
 
-/// An image of which some rows have been read.
 pub(super) enum Image<'a> {
     Pgm(Pgm<'a>),
     Png(Box<Reader<Cursor<&'a [u8]>>>),

@@ -10,7 +10,6 @@ use crate::bag::Bag;
 use hallsweep_core::units::{Cell, Piece};
 use hallsweep_core::world::hall_map::Bounds;
 
-/// The plan, and the piece of each letter.
 #[derive(Debug)]
 pub(super) struct Drawing {
     pub(super) plan: Plan,

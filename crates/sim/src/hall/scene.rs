@@ -43,17 +43,14 @@ const STEPS: [Duration; 2] = [Duration::from_millis(50), Duration::from_secs(5)]
 /// A scene file, in units of the page's world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// Where the player can be.
     pub floor: Floor,
     pub player: Player,
-    /// Fixed obstacles, in the order of the file.
     pub statics: Vec<StaticObstacle>,
     pub moving: Vec<MovingObstacle>,
     /// The sonars of the hall, which see what passes before them.
     pub sonars: Vec<SceneSonar>,
 }
 
-/// The lengths of the floor's sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Floor {
     /// From west to east.
@@ -99,7 +96,6 @@ pub struct MovingObstacle {
     pub along_z: bool,
     /// In the page's own unit.
     pub speed: f64,
-    /// How far it goes.
     pub range: f64,
 }
 

@@ -17,13 +17,11 @@ use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::records::LuggageRecords;
 
-/// How the simulated operator answers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Verdicts {
     /// Danger for what the hall file says is dangerous, safe for the rest.
     #[default]
     Hall,
-    /// Safe for everything.
     AllSafe,
 }
 
@@ -42,7 +40,6 @@ pub struct Figures {
     /// Whether every reachable cell was visited, nothing reachable is unknown and every piece that can be touched is on
     /// record.
     pub complete: bool,
-    /// Whether the robot ended at home.
     pub home: bool,
     pub luggage: LuggageRecords,
     /// How many moves had been made when a dangerous piece was first met.

@@ -50,7 +50,6 @@ pub struct Run {
 pub struct Moves {
     /// Cells driven.
     pub steps: u64,
-    /// Quarter turns.
     pub turns: u64,
     /// Steps that met an obstacle, the way back included.
     pub bumps: u64,

@@ -56,7 +56,6 @@ const ANGLE_CREEP: f64 = 0.03;
 /// Least and greatest difference between the speeds of two bases, as a share.
 const SPEED_DIFFERS: (f64, f64) = (0.04, 0.08);
 
-/// The error of one quantity and its sum over time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Held {
     pub(super) error: f64,
@@ -77,7 +76,6 @@ impl Held {
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Grip {
-    /// The parcel, and the place over which it is.
     pub(super) parcel: Parcel,
     /// 0 on the floor, 1 all the way up.
     pub(super) height: f64,
@@ -151,7 +149,6 @@ impl Spread {
         self.worst = self.worst.max(other.worst);
     }
 
-    /// The largest error.
     #[must_use]
     pub const fn worst(&self) -> f64 {
         self.worst
@@ -165,7 +162,6 @@ impl Spread {
     }
 }
 
-/// How well everything was held while parcels were off the floor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Holding {
     /// Errors of the gripping force, in newtons.

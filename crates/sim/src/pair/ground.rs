@@ -18,7 +18,6 @@ pub(super) struct Ground {
     /// Where a piece lies that was lifted once, on one place however large it was; `None` in the grippers or in the
     /// container.
     moved: BTreeMap<Piece, Option<Place>>,
-    /// The pieces in the container, in their order.
     taken_in: Vec<Piece>,
     /// Cells that were closed since the hall was opened.
     closed: BTreeSet<Cell>,

@@ -28,13 +28,10 @@ const QUARTER_URAD: u64 = 1_570_797;
 pub struct PairMemory {
     /// SRM1 and SRM2.
     pub robots: [RobotMemory; 2],
-    /// The parcel in the grippers.
     pub grip: Option<GripMemory>,
     /// Pieces that lie elsewhere than the hall has them.
     pub lying: Vec<(Piece, Place)>,
-    /// The pieces in the container, in their order.
     pub taken_in: Vec<Piece>,
-    /// Cells that were closed.
     pub closed: Vec<Cell>,
     /// Slips still to come; `None` in a hall that was just opened.
     pub slips: Option<Vec<Slip>>,
@@ -53,13 +50,11 @@ pub struct RobotMemory {
     /// Where it rolls to, and how long still.
     pub motion: Option<(AstrayMemory, Duration)>,
     pub gripper: Gripper,
-    /// The parcel at which its gripper is.
     pub aligned: Option<Place>,
     /// Its controllers, which go on by themselves.
     pub controllers: Controllers,
 }
 
-/// How far a base is from where it belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AstrayMemory {
     Not,
@@ -72,7 +67,6 @@ pub enum AstrayMemory {
 /// A parcel in the grippers. For each quantity: the error, and its sum over time, in millionths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GripMemory {
-    /// The parcel, and the place over which it is.
     pub parcel: Parcel,
     /// How high it is lifted, in millionths.
     pub height: i64,

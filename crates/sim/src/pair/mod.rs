@@ -55,7 +55,6 @@ pub struct Pair {
     noise: RandomStream,
     looks: RandomStream,
     events: VecDeque<(Which, RobotEvent)>,
-    /// Mishaps that are still to come.
     slips: Vec<Slip>,
     unrecognised: Vec<u32>,
     holding: Holding,
@@ -172,13 +171,11 @@ impl Pair {
         (robot.stands, robot.astray_at(self.now) != Astray::Not)
     }
 
-    /// Where the body of a robot really is now.
     #[must_use]
     pub fn body(&self, which: Which) -> BodyPose {
         self.robots[which.index()].body_at(self.now, self.ground.hall().cell_m())
     }
 
-    /// The arm as its robot reports it.
     #[must_use]
     pub fn arm(&self, which: Which) -> ArmState {
         let robot = &self.robots[which.index()];
@@ -221,7 +218,6 @@ impl Pair {
         Some((x + (to_x - x) * share, y + (to_y - y) * share, grip.height))
     }
 
-    /// The pieces in the container, in their order.
     #[must_use]
     pub fn taken_in(&self) -> &[Piece] {
         self.ground.taken_in()
@@ -239,7 +235,6 @@ impl Pair {
         self.ground.moved().map(|(piece, place)| (piece, place.and_then(Place::cell))).collect()
     }
 
-    /// How well parcels were held while they were off the floor.
     #[must_use]
     pub const fn holding(&self) -> &Holding {
         &self.holding

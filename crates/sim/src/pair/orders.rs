@@ -16,11 +16,9 @@ use hallsweep_core::place::Place;
 use hallsweep_core::retrieval::{BasePose, Which};
 use hallsweep_core::units::Cell;
 
-/// Why an order cannot be carried out.
 type Words = &'static str;
 
 impl Pair {
-    /// The work of an order, if it is possible at present.
     pub(super) fn work_of(&self, which: Which, action: Action) -> Result<Work, Words> {
         let stands = self.robots[which.index()].stands;
         match action {
@@ -235,7 +233,6 @@ const fn step_to(to: Place) -> Work {
     Work::Step { to, until: 1.0, against: None }
 }
 
-/// Where a robot stands after this step.
 pub(super) const fn moved(stands: BasePose, to: Place) -> BasePose {
     BasePose { place: to, heading: stands.heading }
 }

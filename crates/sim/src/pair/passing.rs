@@ -151,7 +151,6 @@ impl Pair {
         }
     }
 
-    /// Ends what both did together.
     fn finish_together(&mut self) {
         let [Some(one), Some(two)] = Which::ALL.map(|which| self.robots[which.index()].task.take()) else { return };
         let orders = [one.order, two.order];
@@ -215,7 +214,6 @@ impl Pair {
         self.robots[leader.index()].stands.place == self.settings.container
     }
 
-    /// One integration step of the grip.
     fn hold(&mut self) {
         self.next_step += STEP;
         let now = self.now;

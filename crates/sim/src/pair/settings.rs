@@ -15,13 +15,10 @@ pub struct PairSettings {
     pub loaded_step: Duration,
     /// Duration of a turn of 90°.
     pub turn: Duration,
-    /// Duration of a look for a parcel.
     pub look: Duration,
-    /// Duration of a movement of the arm.
     pub arm: Duration,
     /// Probability that a look does not recognise a parcel that is there, 0–1.
     pub unrecognised_rate: f64,
-    /// Whether there is a way out at home.
     pub way_out: bool,
     /// The place where released parcels are taken in for good: the target area, or the container.
     pub container: Place,
@@ -31,7 +28,6 @@ pub struct PairSettings {
 /// What is to go wrong, each once. Parcels are counted from 1: the first is the current one while none has arrived.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Mishaps {
-    /// Parcels that slip out of the grippers.
     pub slips: Vec<Slip>,
     /// Parcels that a look does not recognise.
     pub unrecognised: Vec<u32>,
@@ -39,7 +35,6 @@ pub struct Mishaps {
     pub jams: Vec<u32>,
 }
 
-/// When a parcel is to slip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Slip {
     /// The parcel, counted from 1.

@@ -4,12 +4,10 @@
 use super::{End, Sim, Task, Work};
 use hallsweep_core::units::{Cell, Now};
 
-/// The faults that are switched on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Faults {
     /// Its thermometer is missing, and no reading comes.
     pub no_thermometer: bool,
-    /// No photo succeeds.
     pub camera_fails: bool,
 }
 

@@ -18,7 +18,6 @@ pub(super) enum Handling {
 }
 
 impl Sim {
-    /// The hook as the robot reports it.
     #[must_use]
     pub fn hook(&self) -> ArmState {
         let holds = self.taken.carried.map(|piece| Parcel { piece, place: Place::Cell(self.pose.cell) });
@@ -26,7 +25,6 @@ impl Sim {
         ArmState { gripper, holds, lifted: holds.is_some(), ..ArmState::default() }
     }
 
-    /// The pieces that were released into the container.
     pub fn taken_in(&self) -> impl Iterator<Item = Piece> {
         self.taken.in_container()
     }

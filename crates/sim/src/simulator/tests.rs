@@ -11,7 +11,6 @@ mod recall;
 
 const OPEN: [&str; 5] = [".....", ".....", "..S..", ".....", "....."];
 
-/// A simulator with the time that has passed and its orders.
 struct Run {
     sim: Sim,
     now: Duration,
@@ -75,7 +74,6 @@ impl Run {
         self.sim.pose_at(self.now())
     }
 
-    /// Checks that the body is on free floor.
     fn check_floor(&self, seed: u64) {
         let body = self.body();
         let cell = Cell::new((body.x_m / 0.5).round() as i32, (body.y_m / 0.5).round() as i32);

@@ -142,7 +142,6 @@ fn conditioned(mut element: Element, mut conditions: Vec<Attribute>) -> Element 
     element
 }
 
-/// Random choices for ports.
 struct Picks(std::array::IntoIter<u8, 8>);
 
 impl Picks {

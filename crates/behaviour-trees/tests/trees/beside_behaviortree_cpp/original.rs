@@ -76,7 +76,6 @@ fn clients() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/clients")
 }
 
-/// Python with the libraries of the list.
 fn python() -> Command {
     let mut timeout = Command::new("timeout");
     timeout.args([PATIENCE_S, "python3", "-W", "ignore"]).env("PYTHONPATH", clients().join("python_modules"));

@@ -70,12 +70,10 @@ impl Bench {
         self.run_until(self.now);
     }
 
-    /// Puts a datagram into the backlog.
     pub(crate) fn hear(&mut self, peer: SocketAddr, bytes: &[u8]) {
         self.backlog.hear(peer, bytes);
     }
 
-    /// Handles the next datagram of the backlog.
     pub(crate) fn take_turn(&mut self) {
         if let Some((peer, bytes)) = self.backlog.take() {
             self.endpoint.handle_datagram(peer, &bytes, self.now);
@@ -93,12 +91,10 @@ impl Bench {
         turns
     }
 
-    /// Sends a message from this machine, and returns what is answered at once.
     pub(crate) fn send(&mut self, message: &Message) -> Vec<Message> {
         self.send_from(here(), message)
     }
 
-    /// Sends a message, and returns what its sender is answered at once.
     pub(crate) fn send_from(&mut self, peer: SocketAddr, message: &Message) -> Vec<Message> {
         self.deliver(peer, &message.encoded());
         self.said_to(peer)
@@ -117,7 +113,6 @@ impl Bench {
         said.remove(0)
     }
 
-    /// Changes the application's things and tells the endpoint.
     pub(crate) fn change(&mut self, happens: impl FnOnce(&mut Server)) {
         happens(&mut self.server);
         self.tell_changes();

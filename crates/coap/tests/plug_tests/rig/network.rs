@@ -7,7 +7,6 @@ use std::time::Duration;
 
 use super::chance::Chance;
 
-/// What happens to datagrams, in either direction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Weather {
     /// Share of datagrams that are lost.
@@ -30,7 +29,6 @@ impl Weather {
 
 #[derive(Clone, Debug)]
 pub(crate) struct Datagram {
-    /// The client's address, in either direction.
     pub(crate) client: SocketAddr,
     /// Whether it goes to the endpoint.
     pub(crate) is_up: bool,

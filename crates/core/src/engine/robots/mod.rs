@@ -109,7 +109,6 @@ impl Robots {
         self.iter().filter_map(|(_, robot)| robot.controller.due()).min()
     }
 
-    /// A robot whose open order counts as unanswered now.
     pub(crate) fn overdue(&self, since_start: Duration) -> Option<RobotId> {
         let is_late = |robot: &Robot| robot.controller.due().is_some_and(|due| due <= since_start);
         self.iter().find(|(_, robot)| is_late(robot)).map(|(id, _)| id.clone())

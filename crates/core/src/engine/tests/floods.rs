@@ -68,7 +68,6 @@ impl Recorder {
         }
     }
 
-    /// The commands of this sender that are on record.
     fn by(&self, name: &str) -> Vec<&str> {
         self.entries.iter().filter_map(|entry| by(entry, name)).collect()
     }
@@ -87,7 +86,6 @@ fn by<'a>(entry: &'a Entry, name: &str) -> Option<&'a str> {
     (*issuer.who == *name || *issuer.from == *name).then_some(command)
 }
 
-/// Number of stops for which an entry stands.
 fn count(words: &str) -> u64 {
     words.split(' ').nth(1).map_or(1, |count| count.parse().expect("a number"))
 }

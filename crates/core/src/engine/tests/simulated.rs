@@ -19,7 +19,6 @@ fn put_down(engine: &mut Engine) -> Result<Ticket, Refused> {
     engine.put_down_in(venue("depot", Some(0.5)), &[RobotId::discovery()], &issuer(), now(2))
 }
 
-/// Everything that the engine puts on record, as words.
 fn recorded(engine: &mut Engine) -> Vec<String> {
     let mut words = Vec::new();
     while let Some(effect) = engine.poll_effect() {

@@ -6,7 +6,6 @@ use crate::effect::Entry;
 use crate::engine::Past;
 use crate::engine::recall::Recalled;
 
-/// An engine and everything that it put on record.
 struct Kept {
     engine: Engine,
     entries: Vec<Entry>,

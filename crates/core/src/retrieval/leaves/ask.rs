@@ -126,7 +126,6 @@ impl Performer<'_> {
         }
     }
 
-    /// Whether the parcel is exactly over where it is to be put down.
     pub(super) fn is_at_drop(&self) -> bool {
         let over = |arm: &ArmState| arm.holds.is_some_and(|parcel| parcel.place == self.view.target);
         let exact = self.arms().iter().all(|arm| arm.lifted && over(arm) && arm.gap_um.abs() <= DROP_GAP_UM);

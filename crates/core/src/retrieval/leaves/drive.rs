@@ -191,7 +191,6 @@ impl Performer<'_> {
         ways.min().map(|(_, end)| end)
     }
 
-    /// The next move of one base on its way to a place.
     fn go(&mut self, which: Which, to: Place) -> Going {
         let base = self.base(which);
         if base.open.is_some() {

@@ -100,7 +100,6 @@ pub fn catalogue() -> Catalogue {
     Catalogue::new(Kind::ALL.into_iter().map(Kind::described).collect())
 }
 
-/// The result of all leaves in one tick of the trees.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Output {
     /// The action of each robot; the first leaf in a tick that wants something of it decides.
@@ -110,11 +109,9 @@ pub(super) struct Output {
     pub(super) fault: Option<RetrievalFault>,
     /// A parcel that stands at its destination, still in the grippers.
     pub(super) dropped: Option<Parcel>,
-    /// The grippers have released it.
     pub(super) released: bool,
 }
 
-/// Performs the leaves for one tick.
 #[derive(Debug)]
 pub(super) struct Performer<'a> {
     pub(super) view: &'a View<'a>,

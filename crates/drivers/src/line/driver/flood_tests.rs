@@ -13,7 +13,6 @@ enum Step {
     Stop,
     Order,
     Photograph,
-    /// The robot answers the open order with done or halted.
     Answer(&'static str),
     Passes(u64),
 }
@@ -28,7 +27,6 @@ fn step() -> impl Strategy<Value = Step> {
     ]
 }
 
-/// A driver with every line that it has written, and its time.
 struct Flooded {
     test: Test,
     written: Vec<(Duration, ToRobot)>,

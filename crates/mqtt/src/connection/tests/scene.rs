@@ -106,7 +106,6 @@ impl Scene {
         Scene { connection, broker: Arc::clone(broker), listener, now: Duration::from_secs(1) }
     }
 
-    /// Another client at the same broker, with these filters.
     pub(super) fn reader(&self, filters: &[(&str, Qos)]) -> Scene {
         let mut reader = Scene::at_broker(&self.broker, OPERATOR, |_| {});
         reader.subscribe(filters);
@@ -123,7 +122,6 @@ impl Scene {
         self.connection.handle_client(&mut bytes, self.now)
     }
 
-    /// What the client receives now.
     pub(super) fn got(&mut self) -> Vec<String> {
         self.connection.handle_come(self.now);
         let got = in_words(&taken(self.connection.to_client()));
@@ -157,7 +155,6 @@ impl Scene {
     }
 }
 
-/// Takes everything that waits for a client.
 pub(super) fn taken(outbox: &mut Outbox) -> Vec<u8> {
     outbox.copy_to_bytes(outbox.len()).into()
 }

@@ -10,7 +10,6 @@ pub(crate) struct Ask {
     pub(crate) path: String,
     pub(crate) payload: Vec<u8>,
     pub(crate) accept: Option<u16>,
-    /// Whether it registers as an observer.
     pub(crate) observes: bool,
     /// The size exponent of the blocks that it sends and wants.
     pub(crate) exponent: u8,

@@ -23,7 +23,6 @@ pub(crate) enum Step {
     Done,
 }
 
-/// A message on its way.
 #[derive(Clone, Debug)]
 pub(crate) struct Trip {
     pub(crate) message: Message,
@@ -74,7 +73,6 @@ impl Exchange {
         if self.ask.payload.len() > self.ask.size() { self.upload(token) } else { message.payload(&self.ask.payload) }
     }
 
-    /// The next block of the request's body.
     fn upload(&mut self, token: &[u8]) -> Message {
         let start = self.sent_bytes;
         let end = self.ask.payload.len().min(start + self.ask.size());

@@ -60,7 +60,6 @@ impl Client {
         }
     }
 
-    /// Sends a request, and returns its token.
     pub(crate) fn ask(&mut self, ask: Ask, now: Duration) -> Vec<u8> {
         let token = self.next_token.to_be_bytes().to_vec();
         self.next_token += 1;
@@ -71,12 +70,10 @@ impl Client {
         token
     }
 
-    /// The outcome of a request, if it has one yet.
     pub(crate) fn outcome(&self, token: &[u8]) -> Option<&Outcome> {
         self.exchanges.get(token).and_then(|exchange| exchange.outcome.as_ref())
     }
 
-    /// The state that an observation holds.
     pub(crate) fn held(&self, token: &[u8]) -> Option<&[u8]> {
         self.exchanges.get(token)?.observation.as_ref()?.held.as_deref()
     }
@@ -135,7 +132,6 @@ impl Client {
         self.note_due();
     }
 
-    /// Sends a message of an exchange under a new id.
     fn post(&mut self, token: &[u8], message: Message, now: Duration) {
         let message = Message { id: self.next_id, ..message };
         self.next_id = self.next_id.wrapping_add(1);
@@ -200,7 +196,6 @@ impl Client {
         }
     }
 
-    /// Handles the answer to a registration, or a notification.
     fn notified(&mut self, message: &Message, token: &[u8], now: Duration) {
         let exchange = self.exchanges.get_mut(token).expect("it was found before");
         exchange.trip = None;
@@ -238,7 +233,6 @@ impl Client {
         self.post(&own, next, now);
     }
 
-    /// Stores a fetched body in its observation.
     fn fetched(&mut self, own: &[u8], now: Duration) {
         let exchange = &self.exchanges[own];
         let Some(token) = exchange.fetches_for.clone() else { return };

@@ -13,11 +13,9 @@ pub(crate) struct Observation {
     newest: Option<(u32, Duration)>,
     /// The last state that was accepted.
     pub(crate) held: Option<Vec<u8>>,
-    /// Every state that was accepted, with its time.
     pub(crate) states: Vec<(Duration, Vec<u8>)>,
     /// When the state becomes stale, and the client registers again.
     pub(crate) fresh_until: Option<Duration>,
-    /// Whether the server has ended it.
     pub(crate) is_over: bool,
 }
 
