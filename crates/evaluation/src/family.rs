@@ -1,4 +1,4 @@
-//! Random halls by family: what strategies are tuned and measured on.
+//! Random halls by family, on which strategies are tuned and measured.
 
 use std::fmt;
 use std::str::FromStr;
@@ -8,14 +8,13 @@ use hallsweep_sim::Hall;
 
 use crate::Ground;
 
-/// A kind of random hall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Family {
-    /// Luggage in each cell with this chance.
+    /// Luggage in each cell with this probability.
     Luggage(f64),
     /// Luggage along the walls and in the corners only.
     Walls,
-    /// Closed rooms that nobody can come into, and loose luggage.
+    /// Closed rooms that nobody can enter, and loose luggage.
     Islands,
     /// Alcoves along the walls, one cell wide.
     Pockets,
@@ -26,7 +25,7 @@ pub enum Family {
 }
 
 impl Family {
-    /// Each of them, luggage in the three densities that are measured.
+    /// Each family, with luggage in the three densities that are measured.
     pub const ALL: [Family; 9] = [
         Family::Luggage(0.0),
         Family::Luggage(0.05),
@@ -39,7 +38,7 @@ impl Family {
         Family::Maze,
     ];
 
-    /// Hardly ever does a hall of so many cells hold more luggage.
+    /// Hardly any hall with this many cells holds more luggage.
     #[must_use]
     #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a hall is small")]
     pub(crate) fn most_pieces(self, cells: usize) -> usize {
@@ -52,10 +51,10 @@ impl Family {
     }
 }
 
-/// So much luggage can be asked for; with more, hardly any cell can be reached.
+/// Most luggage that can be asked for, in percent; with more, hardly any cell can be reached.
 const MOST_LUGGAGE: u8 = 30;
 
-/// The families that are one word; the others are luggage in so many of a hundred cells, as `luggage-10`.
+/// The families that are one word; the others are luggage in a percentage of the cells, such as `luggage-10`.
 const NAMED: [(&str, Family); 6] = [
     ("empty", Family::Luggage(0.0)),
     ("walls", Family::Walls),
@@ -87,10 +86,11 @@ impl FromStr for Family {
     }
 }
 
-/// So often a hall is drawn anew of which too little can be reached.
+/// Most draws of a hall; the last one is taken even if too little of it can be reached.
 const DRAWN: usize = 1000;
 
-/// A hall of this family of which more than a third can be reached: in one where luggage shuts home in there is nothing to search.
+/// A hall of this family, more than a third of which can be reached if `DRAWN` draws find one: where luggage shuts home
+/// in there is nothing to search.
 #[must_use]
 pub fn hall(family: Family, columns: usize, lines: usize, dice: &mut RandomStream) -> Hall {
     let mut hall = drawn(family, columns, lines, dice);
@@ -143,7 +143,7 @@ impl Drawing {
         &mut self.squares[y * self.columns + x]
     }
 
-    /// A place so far from another, where it is inside.
+    /// The place at this distance from another, if it is inside.
     fn beside(&self, (x, y): (usize, usize), (dx, dy): (isize, isize)) -> Option<(usize, usize)> {
         let (x, y) = (x.checked_add_signed(dx)?, y.checked_add_signed(dy)?);
         (x < self.columns && y < self.lines).then_some((x, y))

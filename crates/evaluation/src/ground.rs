@@ -1,4 +1,4 @@
-//! What a hall really is, laid out for walks, and which of its cells anybody can come to.
+//! The true hall in a form for fast walks, with the cells that a robot can reach.
 
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::Bounds;
@@ -11,16 +11,15 @@ pub struct Ground {
     squares: Vec<Truth>,
     /// For each cell whether it can be reached, or touched when it is luggage.
     within: Vec<bool>,
-    /// How many cells can be reached, home included.
+    /// Number of cells that can be reached, home included.
     pub reachable: usize,
-    /// How many cells are free.
+    /// Number of free cells.
     pub free: usize,
-    /// How many cells of luggage can be touched.
+    /// Number of cells of luggage that can be touched.
     pub touchable: usize,
 }
 
 impl Ground {
-    /// The ground of a hall.
     #[must_use]
     pub fn of(hall: &Hall) -> Ground {
         let bounds = hall.bounds().grown(1);
@@ -52,13 +51,12 @@ impl Ground {
         }
     }
 
-    /// The rectangle it lies in, its rim included.
+    /// The rim is included.
     #[must_use]
     pub const fn bounds(&self) -> Bounds {
         self.bounds
     }
 
-    /// What a cell really is.
     #[must_use]
     pub fn at(&self, cell: Cell) -> Truth {
         if self.bounds.contains(cell) { self.squares[self.place(cell)] } else { Truth::Wall }
@@ -78,13 +76,13 @@ impl Ground {
         all.filter(|cell| self.is_within(*cell)).collect()
     }
 
-    /// How many cells it has, its rim included.
+    /// Number of cells, the rim included.
     #[must_use]
     pub(crate) const fn size(&self) -> usize {
         self.squares.len()
     }
 
-    /// The number of a cell inside the rectangle.
+    /// The index of a cell inside the rectangle.
     pub(crate) fn place(&self, cell: Cell) -> usize {
         let place = (cell.y - self.bounds.least.y) * self.bounds.width() + cell.x - self.bounds.least.x;
         usize::try_from(place).expect("a cell inside the rectangle has a place")

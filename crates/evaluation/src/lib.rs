@@ -1,5 +1,5 @@
-//! Strategies of search, measured and tuned: random halls by family, bare walks through them without a mission round them, and the
-//! finding of weights. Nothing here is needed to run a mission, and no file is written.
+//! Strategies of search, measured and tuned: random halls by family, bare walks through them without a mission, and the
+//! tuning of weights. Nothing here is needed to run a mission, and no file is written.
 //!
 //! ```text
 //!   family ─► hall ─► ground ─► walk: strategy and floor, move by move, as a mission makes them

@@ -1,11 +1,11 @@
-//! Work on many things at once, with the results in the order of the things whatever thread was quicker.
+//! Parallel work with results in the order of the items, whichever thread was quicker.
 
 use std::num::NonZero;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use hallsweep_core::search::ways::Ways;
 
-/// Works on the things 0 … `count` on all processors; each worker has memory for ways of its own.
+/// Works on the items 0 … `count` on all processors; each worker has memory of its own for ways.
 pub(crate) fn each<R: Send>(count: usize, work: impl Fn(usize, &mut Ways) -> R + Sync) -> Vec<R> {
     let next = AtomicUsize::new(0);
     let worker = || {

@@ -1,5 +1,5 @@
-//! How often a forecast of what is left of a search holds: on random halls that its bounds were not read off, at every moment of a search, each
-//! moment weighed by how long it lasts.
+//! How often a forecast of the remaining search time holds: on random halls from which its bounds were not read off, at
+//! every moment of a search, each moment weighed by its duration.
 
 use hallsweep_core::command::Strategy;
 use hallsweep_core::search::costs::Costs;
@@ -12,7 +12,7 @@ use crate::family::Family;
 use crate::walk::Walk;
 use crate::{Ground, parallel};
 
-/// What is searched by in each hall: strategy, goal, cells of sonar.
+/// The searches in each hall: strategy, goal, cells of sonar.
 const SEARCHES: [(Strategy, Objective, u8); 7] = [
     (Strategy::Auto, Objective::Find, 0),
     (Strategy::Auto, Objective::Find, 1),
@@ -23,21 +23,21 @@ const SEARCHES: [(Strategy, Objective, u8); 7] = [
     (Strategy::Spiral, Objective::Cover, 0),
 ];
 
-/// The sides of the halls.
+/// The sides of the halls, in cells.
 const SIDES: [(usize, usize); 4] = [(12, 9), (20, 20), (40, 25), (50, 50)];
 
-/// Shares of the time that searches took, as long as each decision stood.
+/// Shares of the searches' time, each decision weighed by its duration.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Held {
-    /// While it was said how long it takes at most.
+    /// While an upper bound was given.
     pub with_most: f64,
-    /// Of that, while what was left lay within the range; `None` where no range was said.
+    /// Share of the time with an upper bound in which the rest lay within the range; `None` where no range was given.
     pub within: Option<f64>,
-    /// While only a least was said, of that while no less was left.
+    /// Share of the time with only a lower bound in which no less was left.
     pub at_least: Option<f64>,
 }
 
-/// Time that searches took, by what was said in it.
+/// Time of searches, by the bounds that were given in it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     all: f64,
@@ -47,7 +47,7 @@ struct Sums {
     at_least: f64,
 }
 
-/// How often forecasts hold in halls of one family, so many of each size.
+/// How often forecasts hold in halls of one family, `count` of each size.
 #[must_use]
 pub fn held(family: Family, count: usize, seed: u64) -> Held {
     let halls = SIDES.map(|(columns, lines)| Halls::Random { kind: Kind { family, columns, lines }, count, seed });
@@ -88,7 +88,7 @@ fn now(walk: &Walk, strategy: Strategy) -> Option<Forecast> {
 }
 
 impl Sums {
-    /// A moment that lasts so long, when so much is left.
+    /// A moment with this duration, and the time left then.
     fn of(said: Option<Forecast>, left: f64, lasts: f64) -> Sums {
         let all = Sums { all: lasts, ..Sums::default() };
         let when = |so: bool| if so { lasts } else { 0.0 };
@@ -116,12 +116,12 @@ impl Sums {
 mod tests {
     use super::*;
 
-    /// What docs/search.md and the console say of it.
+    /// docs/search.md and the console state these shares.
     #[test]
     fn a_forecast_holds_as_often_as_it_is_said_to() {
         let all = Family::ALL.map(|family| held(family, 3, 77));
         for (family, held) in Family::ALL.into_iter().zip(all) {
-            // So few halls of corridors differ much.
+            // A small number of halls of corridors varies much.
             let least = if matches!(family, Family::Corridors | Family::Maze) { 0.6 } else { 0.9 };
             let is_held = |share: Option<f64>| share.is_none_or(|share| share >= least);
             assert!(is_held(held.within) && is_held(held.at_least), "{family}: {held:?}");

@@ -1,4 +1,4 @@
-//! A search without a mission round it: strategy, what is known, and the truth, move by move. It makes the moves that a mission makes
+//! A search without a mission: strategy, known cells, and the truth, move by move. It makes the moves of a mission
 //! whose operator finds everything safe, in a hundredth of the time.
 
 use hallsweep_core::command::Move;
@@ -13,7 +13,7 @@ use hallsweep_sim::headless::Moves;
 
 use crate::Ground;
 
-/// What moves cost, in steps.
+/// The cost of moves, in steps.
 #[must_use]
 #[expect(clippy::cast_precision_loss, reason = "no search makes 2^53 moves")]
 pub fn cost(moves: Moves, costs: Costs) -> f64 {
@@ -22,41 +22,36 @@ pub fn cost(moves: Moves, costs: Costs) -> f64 {
     sum / f64::from(STEP)
 }
 
-/// How far a walk has come.
 #[derive(Clone, Debug)]
 pub struct Walk {
     terms: Terms,
-    /// What is known.
     pub grid: Grid,
-    /// Where the robot stands.
     pub pose: Pose,
     gait: Gait,
-    /// What it has done.
     pub moves: Moves,
-    /// Cells visited.
+    /// Number of cells visited.
     pub visited: usize,
-    /// Cells of luggage found.
+    /// Number of cells of luggage found.
     pub found: usize,
-    /// For all luggage found, the moves before it, added up.
+    /// Sum over all luggage found of the moves before it.
     pub found_after: u64,
-    /// Cells and pieces of which it is known what stands there.
+    /// Number of cells and pieces whose content is known.
     pub known: usize,
-    /// The moves before each of them was known, added up: when a piece would have been found that stood there.
+    /// Sum over these cells of the moves before each was known: when a piece would have been found that stood there.
     pub known_after: u64,
-    /// Where somebody wants it, every cell the robot stood in, one after the other.
+    /// Every cell in which the robot stood, one after the other, if the caller wants it.
     pub trail: Option<Vec<Cell>>,
     /// Whether the search is asked again as soon as anything new is seen.
     pub heeds_news: bool,
-    /// Whether an obstacle was met or seen that was not known, since it was asked.
+    /// Whether an unknown obstacle was met or seen since the search was last asked.
     has_met: bool,
-    /// Whether the sonar has seen anything new since then.
+    /// Whether the sonar has seen anything new since the search was last asked.
     has_news: bool,
-    /// A number for what is known.
+    /// A hash of what is known.
     print: u64,
 }
 
 impl Walk {
-    /// A robot at home.
     #[must_use]
     pub fn new(ground: &Ground, terms: Terms) -> Walk {
         let mut grid = Grid::with_room_for(ground.bounds());
@@ -81,13 +76,12 @@ impl Walk {
         }
     }
 
-    /// What a strategy sees.
     #[must_use]
     pub fn view(&self) -> View<'_> {
         View { grid: &self.grid, pose: self.pose, gait: self.gait, terms: self.terms }
     }
 
-    /// Two walks through the same hall with the same number go on alike, but for their gait.
+    /// Two walks through the same hall with the same hash go on alike, but for their gait.
     #[must_use]
     pub fn state(&self) -> u64 {
         self.print ^ mixed(self.pose.cell, 64 + self.pose.heading as u64)
@@ -103,7 +97,7 @@ impl Walk {
         }
     }
 
-    /// What the moves cost so far, in steps.
+    /// The cost of the moves so far, in steps.
     #[must_use]
     pub fn cost(&self) -> f64 {
         cost(self.moves, self.terms.costs)
@@ -120,7 +114,7 @@ impl Walk {
         }
     }
 
-    /// Does what a strategy wants; false when that was the end of the search, and the robot is home.
+    /// Carries out what a strategy wants; false when that was the end of the search, and the robot is home.
     pub fn follow(&mut self, ground: &Ground, ways: &mut Ways, goal: NextGoal) -> bool {
         match goal {
             NextGoal::Visit(cell, route) => {
@@ -138,8 +132,8 @@ impl Walk {
         true
     }
 
-    /// Makes the moves that lead into an open cell, until something is in the way, or is seen that was not known; or, where news are
-    /// heeded, until anything new is seen.
+    /// Makes the moves that lead into an open cell, until something is in the way, or an unknown obstacle is seen; or,
+    /// where news are heeded, until anything new is seen.
     pub fn enter(&mut self, ground: &Ground, cell: Cell, route: &[Move]) {
         (self.has_met, self.has_news) = (false, false);
         for step in route {
@@ -157,8 +151,8 @@ impl Walk {
         }
     }
 
-    /// Towards a cell as if everything unknown were free, until it is known what it is or it cannot be reached. The way is planned anew
-    /// where an obstacle was seen.
+    /// Towards a cell as if everything unknown were free, until its content is known or it cannot be reached. The way
+    /// is planned anew where an obstacle was seen.
     fn dare(&mut self, ground: &Ground, ways: &mut Ways, cell: Cell) {
         while self.grid.at(cell) != Square::Visited && !self.grid.at(cell).is_settled() {
             let way = ways.way_over_unknown(&self.grid, self.terms.costs, self.pose, cell);
@@ -216,7 +210,8 @@ impl Walk {
         self.print ^= mixed(cell, square as u64);
     }
 
-    /// What stands behind a cell ahead, or that of the robot, is seen for what it is; of a wall the straight line it belongs to.
+    /// The obstacle behind a cell ahead, or behind that of the robot, is recognised; of a wall the straight line it
+    /// belongs to.
     fn meet(&mut self, ground: &Ground, before: Cell) {
         let cell = before.ahead(self.pose.heading);
         if self.grid.at(cell).is_settled() {
@@ -261,7 +256,7 @@ impl Walk {
     }
 }
 
-/// A number for one thing that is known of a cell, so different from others that their exclusive or tells sets of them apart.
+/// A hash of one fact about a cell; the exclusive or of several tells sets of them apart.
 fn mixed(cell: Cell, salt: u64) -> u64 {
     let place = (u64::from(cell.x.cast_unsigned()) << 32) | u64::from(cell.y.cast_unsigned());
     let mut x = place.wrapping_add(salt.wrapping_mul(0x2545_F491_4F6C_DD1D)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
@@ -303,7 +298,7 @@ mod tests {
         }
     }
 
-    /// Larger than what a search looks at state by state, so that some ways lead far.
+    /// Too large for a search over cell × heading, so that some ways lead far.
     #[test]
     fn large_halls_are_covered_too() {
         let mut ways = Ways::default();
@@ -319,7 +314,7 @@ mod tests {
         }
     }
 
-    /// A walk is what a mission does, move by move, whose operator finds everything safe.
+    /// A walk makes the moves of a mission whose operator finds everything safe.
     #[test]
     fn a_walk_makes_the_moves_of_a_mission() {
         let mut ways = Ways::default();

@@ -1,5 +1,6 @@
-//! Whatever the hall, the strategy, the goal, the sensing and the costs: nothing that can be reached is left out, and the robot comes home.
-//! By bare walks, which are quick, and now and then by a whole mission. A failure prints the number of its hall. `HALLSWEEP_HALLS=10000` takes so many.
+//! Searches with any hall, strategy, goal, sensing and costs: nothing that can be reached is left out, and the robot
+//! comes home. By bare walks, which are quick, and now and then by a whole mission. A failure prints the number of its
+//! hall. `HALLSWEEP_HALLS=10000` sets the number of halls.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -17,18 +18,19 @@ use hallsweep_evaluation::walk::Walk;
 use hallsweep_sim::headless::{Verdicts, explore};
 use hallsweep_sim::{Camera, Hall, SimSettings};
 
-/// So many halls when nobody asks for more.
+/// Number of halls by default.
 const HALLS: u64 = 180;
 
-/// One of so many is searched by a mission too, in one of the ways; no multiple of the families, so that each has its turn.
+/// One hall of this many is searched by a mission too, in one of the ways; no multiple of the number of families, so
+/// that each has its turn.
 const MISSION: u64 = 20;
 
 const SONARS: [u8; 3] = [0, 1, 3];
 
-/// Even costs, those of the simulated robot, and steps alone.
+/// Costs of a turn: even costs, those of the simulated robot, and steps alone.
 const TURNS: [f64; 3] = [1.0, 1.5, 0.0];
 
-/// In turn one of each family, 5 to 40 cells a side.
+/// In turn one hall of each family, 5 to 40 cells a side.
 fn drawn(n: u64) -> Hall {
     let mut dice = RandomStream::new(n, "every hall");
     let family = Family::ALL[place(n, Family::ALL.len())];

@@ -1,5 +1,6 @@
-//! The table of figures in docs/search.md against walks through the halls that it names. A few halls of each row are searched, and must come to
-//! what the table says as nearly as so few halls can; as many as it is made of, `HALLSWEEP_HALLS=600`, must come to it in every digit.
+//! The table of figures in docs/search.md against walks through the halls that it names. A few halls of each row are
+//! searched, and must be as near to the table as can be expected of so few; all the halls of the table,
+//! `HALLSWEEP_HALLS=600`, must give every digit of it.
 
 use std::time::Duration;
 
@@ -9,22 +10,23 @@ use hallsweep_evaluation::compare::{Entrant, Estimate, Timings, against, over};
 
 const PAGE: &str = include_str!("../../../docs/search.md");
 
-/// Halls of each row when nobody asks for more.
+/// Halls of each row by default.
 const HALLS: usize = 2;
 
-/// A mean of a few halls may be this many times as far from that of all as its own 95 % interval reaches, were the halls of a row all alike.
+/// Greatest distance of the mean of a few halls from that of all, in units of its own 95 % interval, were the halls of
+/// a row all alike.
 const FAR: f64 = 1.5;
 
 const SHOWN: [Strategy; 5] = [Strategy::Snail, Strategy::Columns, Strategy::Spiral, Strategy::Frontier, Strategy::Auto];
 
-/// What a row comes to: each strategy, and `auto` less `frontier`, hall by hall.
+/// The results of a row: each strategy, and `auto` less `frontier`, hall by hall.
 fn estimates(row: &Row) -> Vec<Option<Estimate>> {
     let trials = row.contest.run(&SHOWN.map(Entrant::Strategy), || Duration::ZERO, || ());
     let alone = trials.iter().map(|trials| over(trials, row.measure));
     alone.chain([against(&trials[4], &trials[3], row.measure)]).collect()
 }
 
-/// As the table has it: in thousandths, without an interval where all halls are the same.
+/// The form in the table: in thousandths, without an interval where all halls are the same.
 fn cell(estimate: Option<Estimate>) -> String {
     estimate.map_or_else(String::new, |Estimate { mean, half_width, .. }| {
         let interval = if half_width < 0.000_5 { String::new() } else { format!(" ± {half_width:.3}") };

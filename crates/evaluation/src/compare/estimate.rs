@@ -1,20 +1,19 @@
-//! Means, and how sure they are.
+//! Means with their confidence intervals.
 
 use std::fmt;
 
 /// A mean and its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// The mean.
     pub mean: f64,
-    /// The interval reaches so far to either side; 0 for a single number, of which nothing can be said.
+    /// Half the width of the interval; 0 for a single number, which has none.
     pub half_width: f64,
-    /// Of so many numbers.
+    /// Number of values.
     pub count: usize,
 }
 
 impl Estimate {
-    /// The mean of these numbers with Student's interval; `None` of nothing.
+    /// The mean of these numbers with Student's interval; `None` without numbers.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "nobody walks through 2^53 halls")]
     pub fn of(numbers: impl IntoIterator<Item = f64>) -> Option<Estimate> {
@@ -33,7 +32,7 @@ impl Estimate {
     }
 }
 
-/// The mean, and where there is one the interval, with three digits behind the point, or none from a hundred up.
+/// The mean, and the interval if there is one, with three digits behind the point, or none from a hundred up.
 impl fmt::Display for Estimate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let digits = |number: f64| if number.abs() < 100.0 { 3 } else { 0 };
@@ -43,8 +42,8 @@ impl fmt::Display for Estimate {
     }
 }
 
-/// Student's quantile of 97.5 % with so many degrees of freedom: a few by the table, more by the expansion of Cornish and Fisher in its
-/// inverse, which is good to three thousandths from five on.
+/// Student's quantile of 97.5 % with this many degrees of freedom: a few by the table, more by the inverse of the
+/// expansion of Cornish and Fisher, which is accurate to three thousandths from five on.
 #[expect(clippy::cast_precision_loss, reason = "nobody walks through 2^53 halls")]
 fn student(freedom: usize) -> f64 {
     const FEW: [f64; 5] = [f64::INFINITY, 12.706, 4.303, 3.182, 2.776];

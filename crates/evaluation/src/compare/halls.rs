@@ -10,38 +10,30 @@ use hallsweep_sim::{Hall, MAX_PIECES};
 use crate::Ground;
 use crate::family::{Family, hall};
 
-/// Where the halls of a comparison come from.
 #[derive(Clone, Debug)]
 pub enum Halls {
-    /// Random ones. No hall that anything was tuned on is among them: they come from a stream of their own.
+    /// Random halls. No hall that anything was tuned on is among them: they come from a stream of their own.
     Random {
-        /// Of which kind.
         kind: Kind,
-        /// How many.
         count: usize,
-        /// Where their chance comes from.
         seed: u64,
     },
-    /// This one.
     Drawn(Box<Hall>),
 }
 
-/// A kind of random halls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kind {
-    /// Their family.
     pub family: Family,
-    /// Their cells from west to east.
+    /// Cells from west to east.
     pub columns: usize,
-    /// Their cells from north to south.
+    /// Cells from north to south.
     pub lines: usize,
 }
 
-/// The longest side of a random hall.
+/// The longest side of a random hall, in cells.
 const MOST_SIDE: usize = 2048;
 
 impl Halls {
-    /// How many there are.
     #[must_use]
     pub const fn count(&self) -> usize {
         match self {
@@ -50,7 +42,7 @@ impl Halls {
         }
     }
 
-    /// The one of this number, counted from 0.
+    /// Numbers count from 0.
     #[must_use]
     pub fn hall(&self, number: usize) -> Cow<'_, Hall> {
         match self {
@@ -83,7 +75,7 @@ impl fmt::Display for Kind {
     }
 }
 
-/// A family and a size, as `luggage-10:50x50`.
+/// A family and a size, such as `luggage-10:50x50`.
 impl FromStr for Kind {
     type Err = KindError;
 
@@ -101,24 +93,24 @@ impl FromStr for Kind {
     }
 }
 
-/// Whether this means luggage in so many of a hundred cells.
+/// Whether this names luggage in a percentage of the cells.
 fn is_share(family: &str) -> bool {
     family.strip_prefix("luggage-").is_some_and(|share| share.bytes().all(|digit| digit.is_ascii_digit()))
 }
 
-/// Why something written names no kind of random halls.
+/// Why a text names no kind of random halls.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum KindError {
-    /// It does not begin with a family: perhaps a file is meant.
+    /// It does not begin with a family: perhaps it is the name of a file.
     #[error("no family of halls")]
     NoFamily,
-    /// So much luggage is none of the families.
+    /// No family has this much luggage.
     #[error("luggage-PERCENT goes from luggage-1 to luggage-30")]
     Share,
-    /// So large a hall of the family may hold more luggage than a hall can.
+    /// A hall of this family and size may hold more luggage than a hall can.
     #[error("a hall of {0} would hold too much luggage, more than 262,144 pieces: take a smaller one, or less luggage")]
     TooMuch(String),
-    /// A family, but not its size.
+    /// A family, but no valid size.
     #[error("{0:?} is no size: write columns and lines, as 50x50, each from 1 to 2048")]
     Size(String),
 }

@@ -1,11 +1,11 @@
-//! Strategies side by side: the same halls for each of them, and what came of it.
+//! Compares strategies: the same halls for each of them, and the results.
 //!
 //! ```text
 //!   Halls ─ ground ─┐
 //!   Entrant ────────┼─► trial ─► Trial ─► Measure ─► Estimate: mean and interval, alone or hall by hall against another
 //!   Terms ──────────┘
 //! ```
-//! What is compared in the tables of the documentation stands in `rows`.
+//! The comparisons in the tables of the documentation stand in `rows`.
 
 mod estimate;
 mod halls;
@@ -21,24 +21,24 @@ use std::time::Duration;
 use crate::parallel;
 use hallsweep_core::search::Terms;
 
-/// What one trial is judged by.
+/// A measure of one trial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
-    /// What all moves cost, a reachable cell.
+    /// The cost of all moves per reachable cell.
     MovesPerCell,
-    /// The moves before a piece of luggage was found, the mean of all of them, a reachable cell.
+    /// The moves before a piece of luggage was found, as the mean over all pieces, per reachable cell.
     ToAPiece,
-    /// The steps against those that no closed tour over the same cells does with less.
+    /// The steps in proportion to a lower bound for closed tours over the same cells.
     StepsOverBound,
     /// How long the moves take the robot.
     Seconds,
 }
 
 impl Measure {
-    /// All of them, in the order in which they are shown.
+    /// All measures, in the order in which they are shown.
     pub const ALL: [Measure; 4] = [Measure::MovesPerCell, Measure::ToAPiece, Measure::StepsOverBound, Measure::Seconds];
 
-    /// What it comes to in this trial; `None` where the hall has nothing to measure it by.
+    /// The value in this trial; `None` where the hall has nothing to measure it by.
     #[must_use]
     pub fn of(self, trial: &Trial) -> Option<f64> {
         match self {
@@ -50,10 +50,9 @@ impl Measure {
     }
 }
 
-/// What all entrants are asked, and on which halls.
+/// The task of all entrants, and the halls.
 #[derive(Clone, Debug)]
 pub struct Contest {
-    /// The halls.
     pub halls: Halls,
     /// The goal, the sensing and the costs.
     pub terms: Terms,
@@ -62,8 +61,8 @@ pub struct Contest {
 }
 
 impl Contest {
-    /// Every entrant on every hall: for each entrant its trials, hall by hall. `clock` tells how long a decision takes; `done` is called
-    /// after each trial, from whatever thread.
+    /// Every entrant on every hall: for each entrant its trials, hall by hall. `clock` measures how long a decision
+    /// takes; `done` is called after each trial, from any thread.
     pub fn run(&self, entrants: &[Entrant], clock: impl Fn() -> Duration + Sync, done: impl Fn() + Sync) -> Vec<Vec<Trial>> {
         let halls = self.halls.count();
         let mut trials = parallel::each(halls * entrants.len(), |n, ways| {
@@ -84,7 +83,7 @@ impl Contest {
     }
 }
 
-/// What a measure comes to over trials; `None` where no hall has anything to measure it by.
+/// The mean of a measure over trials; `None` where no hall has anything to measure it by.
 #[must_use]
 pub fn over(trials: &[Trial], measure: Measure) -> Option<Estimate> {
     Estimate::of(trials.iter().filter_map(|trial| measure.of(trial)))
@@ -97,7 +96,7 @@ pub fn against(trials: &[Trial], others: &[Trial], measure: Measure) -> Option<E
     Estimate::of(pairs.filter_map(|(trial, other)| Some(measure.of(trial)? - measure.of(other)?)))
 }
 
-/// How long the decisions of all these trials took: the median, the slowest of a hundred, and the slowest of all.
+/// How long the decisions of all these trials took: the median, the 99th percentile, and the slowest of all.
 #[must_use]
 pub fn decisions(trials: &[Trial]) -> [Duration; 3] {
     let mut all: Vec<u32> = trials.iter().flat_map(|trial| &trial.decisions_ns).copied().collect();

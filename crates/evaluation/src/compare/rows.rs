@@ -1,4 +1,4 @@
-//! The rows of the table in `docs/search.md`: which halls, asked for what, measured how.
+//! The rows of the table in `docs/search.md`: the halls, the task and the measure of each.
 
 use hallsweep_core::search::Objective;
 use hallsweep_core::search::costs::Costs;
@@ -7,19 +7,16 @@ use super::{Contest, Halls, Kind, Measure, Timings};
 use crate::family::Family;
 use hallsweep_core::search::Terms;
 
-/// Nothing counts but steps.
+/// Only steps count.
 const STEPS: Costs = Costs { turn: 0, bump: 0 };
 
-/// A row of a table.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// The halls, and what is asked.
     pub contest: Contest,
-    /// What is measured.
     pub measure: Measure,
 }
 
-/// All rows, with so many halls each, and a robot whose moves take so long.
+/// All rows, with `count` halls each, and a robot whose moves take these times.
 #[must_use]
 pub fn rows(count: usize, seed: u64, timings: Timings) -> Vec<Row> {
     let of = |family, (columns, lines): (usize, usize)| Halls::Random { kind: Kind { family, columns, lines }, count, seed };

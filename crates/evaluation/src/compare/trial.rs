@@ -1,4 +1,4 @@
-//! One search through one hall, and what is measured of it.
+//! One search through one hall, and its measurements.
 
 use std::time::Duration;
 
@@ -15,22 +15,17 @@ use crate::Ground;
 use crate::walk::{Walk, cost};
 use hallsweep_core::search::Terms;
 
-/// Who searches.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Entrant {
-    /// One of the strategies.
     Strategy(Strategy),
-    /// The score, by other weights than those that are shipped.
+    /// The score, with other weights than those that are shipped.
     Weights {
-        /// What it is called.
         name: String,
-        /// The weights.
         weights: Box<Weights>,
     },
 }
 
 impl Entrant {
-    /// What it is called.
     #[must_use]
     pub fn name(&self) -> &str {
         match self {
@@ -55,7 +50,6 @@ impl Entrant {
     }
 }
 
-/// What decides in a search under way.
 enum Decider<'a> {
     Search(Search),
     Score(&'a Weights),
@@ -72,7 +66,7 @@ impl Decider<'_> {
     }
 }
 
-/// How long the robot takes for a move of each kind, in seconds.
+/// The robot's time for a move of each kind, in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timings {
     /// One cell forward.
@@ -83,22 +77,23 @@ pub struct Timings {
     pub bump_s: f64,
 }
 
-/// What came of a search.
+/// The result of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trial {
     /// Cells that can be reached, home included.
     pub cells: usize,
     /// All free cells.
     pub free_cells: usize,
-    /// What the robot did.
     pub moves: Moves,
-    /// What that cost, a cell, in steps.
+    /// The cost of the moves per cell, in steps.
     pub moves_per_cell: f64,
-    /// The mean of the moves before each cell of luggage was found, a reachable cell; `None` where there is none to find.
+    /// The mean of the moves before each cell of luggage was found, per reachable cell; `None` where there is none to
+    /// find.
     pub to_a_piece: Option<f64>,
-    /// Steps against twice the cells of the more frequent colour, if cells were coloured like a chessboard: no closed tour has fewer.
+    /// Steps in proportion to a lower bound: twice the cells of the more frequent colour, if cells were coloured like a
+    /// chessboard.
     pub steps_over_bound: f64,
-    /// How long the moves take, in seconds. Photos and answers come on top.
+    /// How long the moves take, in seconds, without photos and answers.
     pub seconds: f64,
     /// Whether everything was visited and found, and the robot is home.
     pub complete: bool,
@@ -106,7 +101,7 @@ pub struct Trial {
     pub decisions_ns: Vec<u32>,
 }
 
-/// One search through a hall; `clock` tells how long its decisions take.
+/// One search through a hall; `clock` measures how long its decisions take.
 #[expect(clippy::cast_precision_loss, reason = "no search makes 2^53 moves")]
 pub fn trial(
     ground: &Ground,
@@ -149,7 +144,7 @@ fn bound(ground: &Ground) -> f64 {
     2.0 * dark.max(ground.reachable - dark) as f64
 }
 
-/// The cells that the robot stands in during a whole search, one after the other.
+/// The cells in which the robot stands during a whole search, one after the other.
 #[must_use]
 pub fn tour(ground: &Ground, terms: Terms, entrant: &Entrant, ways: &mut Ways) -> Vec<Cell> {
     let (mut walk, mut decider) = (Walk::new(ground, terms), entrant.begin());

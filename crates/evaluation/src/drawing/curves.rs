@@ -1,13 +1,11 @@
-//! What grows with something else: a line for each thing that was measured, over a scale that doubles, from nothing upwards.
+//! Draws curves: a line for each measured thing, over a scale that doubles, with the ordinate beginning at 0.
 
 use super::{COLOURS, escaped, opening, push};
 
-/// One thing that was measured.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// What it is.
     pub name: String,
-    /// Where it was measured, more than nothing, and what it came to.
+    /// Abscissas above 0, with the measured values.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -18,10 +16,10 @@ const RIGHT: f64 = 180.0;
 const TOP: f64 = 60.0;
 const BOTTOM: f64 = 60.0;
 
-/// The height is divided into so many parts, each with its number.
+/// Number of parts of the height, each with its label.
 const PARTS: u8 = 4;
 
-/// Where numbers stand in the picture.
+/// The mapping from values to places in the picture.
 struct Scale {
     least: f64,
     most: f64,
@@ -48,7 +46,7 @@ impl Scale {
     }
 }
 
-/// The picture of these curves; `axes` says what is measured to the right and upwards.
+/// The picture of these curves; `axes` names what is measured to the right and upwards.
 #[must_use]
 pub fn curves(title: &str, axes: [&str; 2], curves: &[Curve]) -> String {
     let scale = Scale::of(curves);
@@ -103,7 +101,7 @@ mod tests {
         let picture = curves("growth", ["cells", "µs"], &drawn);
         assert_eq!((picture.matches("<polyline").count(), picture.matches("<circle").count()), (2, 5));
         assert!(picture.contains("a &amp; b") && picture.contains(">4.00<") && picture.contains(">200<"), "{picture}");
-        // A doubling is as wide wherever it is, and nothing lies on the floor.
+        // Every doubling has the same width, and no value is 0.
         let middle = f64::midpoint(LEFT, WIDTH - RIGHT);
         assert!(picture.contains(&format!("cx=\"{middle:.1}\" cy=\"{:.1}\"", f64::midpoint(TOP, HEIGHT - BOTTOM))), "{picture}");
         assert!(picture.contains(&format!("cx=\"{LEFT:.1}\" cy=\"{:.1}\"", HEIGHT - BOTTOM)), "{picture}");

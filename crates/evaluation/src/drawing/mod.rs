@@ -1,4 +1,5 @@
-//! Pictures of searches as SVG that stands alone: a tour through a hall, strategies side by side, and what grows with the hall.
+//! Pictures of searches as stand-alone SVG: a tour through a hall, strategies side by side, and growth with the size of
+//! the hall.
 
 mod curves;
 mod plot;
@@ -10,10 +11,10 @@ pub use self::tour::tour;
 
 use std::fmt::Arguments;
 
-/// One colour after the other, as far apart as they come for people who see few.
+/// Colours in their order of use, chosen to be distinct for people with defective colour vision.
 const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#343a40"];
 
-/// The first tag of a picture of this size, and its ground.
+/// The first tag of a picture of this size, and its background.
 fn opening(width: f64, height: f64, title: &str) -> String {
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" role=\"img\" \
@@ -23,13 +24,12 @@ fn opening(width: f64, height: f64, title: &str) -> String {
     )
 }
 
-/// Adds a line of the picture.
 fn push(out: &mut String, line: Arguments<'_>) {
     use std::fmt::Write;
     let _ = writeln!(out, "{line}");
 }
 
-/// What may stand in the text and the attributes of SVG; names come from files.
+/// Escapes text and attributes of SVG; names come from files.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for letter in text.chars() {

@@ -1,23 +1,19 @@
-//! Strategies side by side: a band for each kind of hall, in it a line for each strategy with its mean and its interval.
+//! Draws strategies side by side: a band for each kind of hall, with a line for each strategy with its mean and its
+//! interval.
 
 use super::{COLOURS, escaped, opening, push};
 use crate::compare::Estimate;
 
-/// What stands in one band.
 #[derive(Clone, Debug)]
 pub struct Band {
-    /// What it is about.
     pub title: String,
-    /// Its lines.
     pub dots: Vec<Dot>,
 }
 
 /// One line of a band.
 #[derive(Clone, Debug)]
 pub struct Dot {
-    /// Whose it is.
     pub name: String,
-    /// Its mean and its interval.
     pub estimate: Estimate,
 }
 

@@ -1,4 +1,4 @@
-//! A tour through a hall: the walls, the luggage, and the robot's way, which begins blue and ends red.
+//! Draws a tour through a hall: the walls, the luggage, and the robot's way, which begins blue and ends red.
 
 use hallsweep_core::units::Cell;
 use hallsweep_sim::{Hall, Truth};
@@ -10,13 +10,13 @@ const SIDE: f64 = 900.0;
 
 const MARGIN: f64 = 16.0;
 
-/// The lines above the hall.
+/// Height of the lines above the hall, in the units of the picture.
 const HEAD: f64 = 34.0;
 
-/// The way is drawn in so many colours.
+/// Number of colours of the way.
 const COLOURS: usize = 24;
 
-/// The picture of this way through a hall; `caption` says who went it.
+/// `caption` says who went it.
 #[must_use]
 pub fn tour(hall: &Hall, way: &[Cell], caption: &str) -> String {
     let bounds = hall.bounds();
@@ -65,7 +65,7 @@ pub fn tour(hall: &Hall, way: &[Cell], caption: &str) -> String {
     out
 }
 
-/// The way in parts that are equally long, each of which begins where the one before ends.
+/// Equally long parts of the way, each of which begins where the one before ends.
 fn parts(way: &[Cell]) -> impl Iterator<Item = &[Cell]> {
     let steps = way.len().saturating_sub(1);
     let each = steps.div_ceil(COLOURS).max(1);

@@ -1,4 +1,4 @@
-//! What would have come of another choice: one entry is forced, the policy followed on, and the difference of costs learnt from.
+//! The effect of another choice: one entry is forced, the policy followed on, and the difference of costs learnt from.
 //!
 //! ```text
 //!   a walk   ──●────●────●────●────●────●──  its decisions
@@ -24,43 +24,41 @@ use super::{Task, below};
 use crate::walk::Walk;
 use crate::{Ground, parallel};
 
-/// Alternatives are tried whose score is at most so much above the best, in thousandths of a step.
+/// Greatest score above the best at which an alternative is tried, in thousandths of a step.
 const SLACK: i32 = 2500;
 
-/// No single counterfactual is believed to make a larger difference than this, in steps.
+/// Greatest difference that a single counterfactual may make, in steps.
 const MOST: f64 = 40.0;
 
-/// No row of a table counts for more than this, in thousandths of a step.
+/// Greatest weight of a row of a table, in thousandths of a step.
 const MOST_ROW: f64 = 5000.0;
 
-/// So many moments of a walk tell what was left of it, to judge others by.
+/// Moments of a walk whose remaining costs are used to judge others.
 const LOOKS: usize = 12;
 
-/// How a round of counterfactuals is done.
+/// The settings of a round of counterfactuals.
 #[derive(Clone, Copy, Debug)]
 pub struct Round {
-    /// Which it is: every one has halls of its own.
+    /// Its number: every round has halls of its own.
     pub number: u64,
-    /// In so many halls.
+    /// Number of halls.
     pub halls: usize,
-    /// So many steps each is followed.
+    /// Steps for which each counterfactual is followed.
     pub horizon: f64,
-    /// At this share of the decisions.
+    /// Share of the decisions that are tried.
     pub tried: f64,
-    /// How stiff the regression is.
+    /// The stiffness of the regression.
     pub ridge: f64,
-    /// How much of what it finds is taken over.
+    /// Share of its result that is adopted.
     pub taken: f64,
 }
 
-/// What was learnt in a round.
 #[derive(Clone, Debug)]
 pub struct Learnt {
-    /// The better weights.
     pub weights: Weights,
-    /// How many counterfactuals there were.
+    /// Number of counterfactuals.
     pub tried: usize,
-    /// The mean square of what the scores missed, before and after, over all that is known.
+    /// The mean square error of the scores, before and after, over all that is known.
     pub missed: (f64, f64),
 }
 
@@ -68,7 +66,7 @@ pub struct Learnt {
 #[derive(Debug)]
 pub struct Lessons<'a> {
     task: &'a Task,
-    /// What the numbers of a rest are worth.
+    /// The worth of each number of a rest.
     worth: Vec<f64>,
     /// The difference of costs less that of the ways alone, and where the outlooks differ.
     samples: Vec<Sample>,
@@ -79,7 +77,7 @@ struct Moment {
     walk: Walk,
     /// The least score.
     way: i32,
-    /// Cells and pieces still to be found.
+    /// Number of cells and pieces still to be found.
     unknown: f64,
 }
 
@@ -91,7 +89,6 @@ struct Trial {
     outlooks: Vec<(u32, f32)>,
 }
 
-/// A hall to learn in.
 struct Course<'a> {
     task: &'a Task,
     weights: &'a Weights,
@@ -102,7 +99,7 @@ struct Course<'a> {
 }
 
 impl<'a> Lessons<'a> {
-    /// Nothing is learnt yet; what is left of a hall is judged by what it comes to with these weights, over so many halls.
+    /// Without lessons yet; the rest of a hall is judged by its cost with these weights, over this many halls.
     #[must_use]
     pub fn new(task: &'a Task, weights: &Weights, halls: usize) -> Lessons<'a> {
         let rests = parallel::each(halls, |n, ways| {
@@ -157,7 +154,7 @@ impl<'a> Course<'a> {
         Course { task, weights, cells: ground.cells(), ground, judge: Judge::default(), candidates: Vec::new() }
     }
 
-    /// The best entry; the candidates near it stand in `candidates` then.
+    /// The best entry; the candidates near it are in `candidates` afterwards.
     fn choose(&mut self, walk: &Walk, ways: &mut Ways) -> Option<(Cell, Vec<Move>)> {
         self.candidates.clear();
         let best = choose(&walk.view(), ways, self.weights, SLACK, |candidate| self.candidates.push(candidate));
@@ -173,7 +170,7 @@ impl<'a> Course<'a> {
         Moment { walk: walk.clone(), way, unknown: unknown as f64 }
     }
 
-    /// Every decision of a whole walk, then its end, then home. `seen` looks at the candidates of each decision.
+    /// Every decision of a whole walk, then its end, then home. `seen` gets the candidates of each decision.
     fn walk(&mut self, ways: &mut Ways, mut seen: impl FnMut(usize, &[Candidate])) -> Vec<Moment> {
         let (mut walk, mut moments) = (Walk::new(&self.ground, self.task.terms), Vec::new());
         while let Some((cell, route)) = self.choose(&walk, ways) {
@@ -191,7 +188,7 @@ impl<'a> Course<'a> {
         self.judge.rest(&self.ground, &self.cells, &moment.walk, moment.way)
     }
 
-    /// What is spent by then, and how much a step that is left weighs: for luggage soon, as much as there is still to be found.
+    /// The costs by then, and the weight of a remaining step: for luggage soon, the number of pieces still to be found.
     #[expect(clippy::cast_precision_loss, reason = "a training hall is small")]
     fn account(&self, moment: &Moment) -> (f64, f64) {
         match self.task.terms.objective {
@@ -200,7 +197,7 @@ impl<'a> Course<'a> {
         }
     }
 
-    /// What was left at random moments of a walk, and what it came to.
+    /// What was left at random moments of a walk, with its real cost.
     #[expect(clippy::cast_possible_truncation, reason = "costs of a training hall are small")]
     fn looks_back(&mut self, moments: &[Moment], number: u64) -> Vec<Sample> {
         let mut dice = RandomStream::new(self.task.seed ^ number, "looks");
@@ -283,14 +280,14 @@ impl<'a> Course<'a> {
         }
     }
 
-    /// What is left; nothing once everything is found and the robot home.
+    /// The rest; empty once everything is found and the robot home.
     fn rest_unless_home(&mut self, moment: &Moment) -> Rest {
         let is_home = moment.unknown == 0.0 && moment.walk.pose.cell == Cell::HOME;
         if is_home { Rest::new() } else { self.rest(moment) }
     }
 }
 
-/// The best candidate and another: half of the time the next best, because where two are close it matters which.
+/// The best candidate and another: half of the time the next best, because where two are close the choice matters.
 fn fork(candidates: &[Candidate], dice: &mut RandomStream) -> Option<(Candidate, Candidate)> {
     let mut sorted: Vec<&Candidate> = candidates.iter().collect();
     sorted.sort_by_key(|candidate| candidate.score);

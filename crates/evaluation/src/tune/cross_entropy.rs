@@ -1,4 +1,5 @@
-//! Cross-entropy over the linear part of the weights: candidates are drawn round a mean, and mean and spread follow the best of them.
+//! Cross-entropy over the linear part of the weights: candidates are drawn round a mean, and mean and spread follow the
+//! best of them.
 
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::search::tables::LINEAR;
@@ -7,22 +8,22 @@ use hallsweep_core::search::weights::Weights;
 use super::Task;
 use crate::{Ground, parallel};
 
-/// So many candidates a generation,
+/// Candidates per generation.
 const CANDIDATES: usize = 44;
 
-/// of which the best shape the next one,
+/// Candidates of a generation that shape the next one.
 const BEST: usize = 10;
 
-/// each over so many fresh halls.
+/// Fresh halls for each candidate.
 const HALLS: u64 = 24;
 
-/// How far candidates lie from the mean at first, and at least, in thousandths of a step.
+/// Spread of the candidates at first, and at least, in thousandths of a step.
 const SPREAD: (f64, f64) = (700.0, 40.0);
 
-/// So much of mean and spread the best of a generation bring.
+/// Share of the new mean and spread that comes from the best of a generation.
 const PACE: f64 = 0.7;
 
-/// Better weights after so many generations; `told` of each hears what its best come to in the mean.
+/// Better weights after this many generations; `told` gets the mean of each generation's best.
 #[must_use]
 #[expect(clippy::cast_possible_truncation, reason = "weights are small whole numbers")]
 pub fn cross_entropy(task: &Task, start: &Weights, generations: u64, mut told: impl FnMut(u64, f64)) -> Weights {

@@ -1,5 +1,5 @@
-//! Finds the weights of the score: the linear part by cross-entropy, the tables by regression on counterfactuals. The same task and
-//! seed find the same weights, however many processors work on it.
+//! Tunes the weights of the score: the linear part by cross-entropy, the tables by regression on counterfactuals. The
+//! same task and seed give the same weights, on any number of processors.
 //!
 //! ```text
 //!   cross_entropy    candidates round a mean ─► each over the same fresh halls ─► mean and spread of the best ─► again
@@ -27,16 +27,14 @@ use crate::family::{Family, hall};
 use crate::walk::Walk;
 use hallsweep_core::search::Terms;
 
-/// What is tuned for, and on which halls.
 #[derive(Clone, Debug)]
 pub struct Task {
     /// The goal, the sensing and the costs.
     pub terms: Terms,
-    /// The sides of the halls, the least and the most.
+    /// The least and the greatest side of a hall, in cells.
     pub sides: (usize, usize),
-    /// The families, one as often as the other.
+    /// The families, which are equally frequent.
     pub families: Vec<Family>,
-    /// Where all chance comes from.
     pub seed: u64,
 }
 
@@ -47,7 +45,7 @@ impl Task {
         Task { terms, sides: (20, 30), families: vec![Family::Luggage(0.1)], seed }
     }
 
-    /// Weights to begin with: none for luggage soon, and for few moves the pocket rule.
+    /// The initial weights: none for luggage soon, and for few moves the pocket rule.
     #[must_use]
     pub fn first_weights(&self) -> Weights {
         let mut weights = Weights { least: -3000, ..Weights::nothing() };
@@ -57,7 +55,6 @@ impl Task {
         weights
     }
 
-    /// A hall to learn on.
     fn ground(&self, purpose: &str, number: u64) -> Ground {
         let mut dice = RandomStream::new(self.seed.wrapping_mul(1_000_003).wrapping_add(number), purpose);
         let (least, most) = self.sides;
@@ -67,7 +64,7 @@ impl Task {
         Ground::of(&hall(family, columns, lines, &mut dice))
     }
 
-    /// What a whole search by these weights comes to, a cell: moves, or the moves before a piece is found anywhere.
+    /// The cost of a whole search by these weights, per cell: moves, or the moves before a piece is found anywhere.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "a hall has fewer cells than 2^53")]
     pub fn price(&self, ground: &Ground, weights: &Weights, ways: &mut Ways) -> f64 {
@@ -98,7 +95,8 @@ mod tests {
         Task { sides: (10, 14), ..Task::usual(terms, 3) }
     }
 
-    /// A short tuning, on halls as small as can be: better than before on halls that it has not seen, and the same every time.
+    /// A short tuning, on the smallest possible halls: better than before on halls that it has not seen, and the same
+    /// every time.
     #[test]
     fn tuning_finds_better_weights_and_the_same_ones_again() {
         for objective in Objective::ALL {

@@ -1,5 +1,5 @@
-//! What is left of a hall when a counterfactual is not followed further: judged by somebody who knows the hall, from how its unvisited
-//! cells lie. It takes the place of the rest of the walk, of which chance makes up the most.
+//! The rest of a hall where a counterfactual is not followed further, judged with knowledge of the hall by the layout
+//! of its unvisited cells. It replaces the rest of the walk, most of which is chance.
 
 use std::sync::LazyLock;
 
@@ -11,19 +11,18 @@ use super::ridge::{self, Sample};
 use crate::Ground;
 use crate::walk::Walk;
 
-/// The numbers that describe what is left, beside the neighbourhoods.
+/// Numbers that describe the rest, without the neighbourhoods.
 const PLAIN: usize = 14;
 
 /// The eight cells round one, each unvisited, visited or blocked.
 const NEIGHBOURHOODS: usize = 3usize.pow(8);
 
-/// All numbers.
 pub(super) const NUMBERS: usize = PLAIN + NEIGHBOURHOODS;
 
 /// Clockwise from the north.
 const ROUND: [(i32, i32); 8] = [(0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1)];
 
-/// Neighbourhoods that are turned or mirrored images of each other have one number: the least of theirs.
+/// Neighbourhoods that are turned or mirrored images of each other share one number: the least of theirs.
 static CLASSES: LazyLock<Vec<u32>> = LazyLock::new(|| {
     let digit = |code: u32, place: u32| code / 3u32.pow(place) % 3;
     let image = |code: u32, turn: u32, is_mirrored: bool| {
@@ -34,10 +33,10 @@ static CLASSES: LazyLock<Vec<u32>> = LazyLock::new(|| {
     (0..NEIGHBOURHOODS as u32).map(|code| images(code).min().unwrap_or(code)).collect()
 });
 
-/// What is left, number by number; those that are 0 are left out.
+/// The rest, number by number, without zeros.
 pub(super) type Rest = Vec<(u32, f32)>;
 
-/// Looks at what is left; keeps its memory from one look to the next.
+/// Describes rests; reuses its memory for the next one.
 #[derive(Debug, Default)]
 pub(super) struct Judge {
     taken: Vec<u32>,
@@ -45,7 +44,7 @@ pub(super) struct Judge {
 }
 
 impl Judge {
-    /// What is left of a walk that would go `way` thousandths of a step before it enters something new.
+    /// The rest of a walk that would go `way` thousandths of a step before it enters a new cell.
     #[expect(clippy::cast_precision_loss, reason = "a training hall is small")]
     pub(super) fn rest(&mut self, ground: &Ground, cells: &[Cell], walk: &Walk, way: i32) -> Rest {
         self.taken.resize(ground.size(), 0);
@@ -77,7 +76,7 @@ impl Judge {
         counted(plain, neighbourhoods)
     }
 
-    /// The unvisited cells that hang together with this one, unless one of them was the first of such a part before.
+    /// The unvisited cells connected with this one; `None` if the part was found before.
     fn part(&mut self, ground: &Ground, first: Cell, is_left: impl Fn(Cell) -> bool) -> Option<Vec<Cell>> {
         let look = self.look;
         let mut take = |cell: Cell| std::mem::replace(&mut self.taken[ground.place(cell)], look) != look;
@@ -95,7 +94,7 @@ impl Judge {
     }
 }
 
-/// Parts of like size are counted together.
+/// Parts of similar size are counted together.
 const fn class(size: usize) -> usize {
     match size {
         0..=1 => 1,
@@ -126,12 +125,12 @@ fn counted(plain: [f32; PLAIN], mut neighbourhoods: Vec<u32>) -> Rest {
     rest
 }
 
-/// What each number is worth, from what was left at moments of whole walks and what it came to.
+/// The worth of each number, from the rests at moments of whole walks and their real costs.
 pub(super) fn worth(samples: &[Sample]) -> Vec<f64> {
     ridge::ridge(samples, NUMBERS, 30.0, 100)
 }
 
-/// One rest less another, each weighed.
+/// One weighed rest less another.
 #[expect(clippy::cast_possible_truncation, reason = "sums of small numbers need no more digits")]
 pub(super) fn difference(a: &Rest, weight_a: f64, b: &Rest, weight_b: f64) -> Rest {
     let (mut a, mut b) = (a.iter().peekable(), b.iter().peekable());

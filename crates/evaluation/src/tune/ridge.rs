@@ -1,14 +1,14 @@
-//! Ridge regression over many numbers of which each sample has few: by conjugate gradients, with the diagonal as preconditioner, because
-//! some numbers are counts of hundreds and some are ones.
+//! Ridge regression over many numbers of which each sample has few: by conjugate gradients, with the diagonal as
+//! preconditioner, because some numbers are counts of hundreds and some are ones.
 
-/// One sample: what is to be explained, and the numbers that may.
+/// One sample: the value to be explained, and the numbers that explain it.
 #[derive(Clone, Debug)]
 pub(super) struct Sample {
     pub(super) target: f32,
     pub(super) numbers: Vec<(u32, f32)>,
 }
 
-/// The coefficients of `size` numbers that explain the samples best, each held back by `stiffness`.
+/// The coefficients of `size` numbers that explain the samples best, each restrained by `stiffness`.
 pub(super) fn ridge(samples: &[Sample], size: usize, stiffness: f64, steps: usize) -> Vec<f64> {
     let mut residual = vec![0.0; size];
     let mut diagonal = vec![stiffness; size];
