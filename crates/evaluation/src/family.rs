@@ -230,5 +230,5 @@ impl Drawing {
 }
 
 fn below(bound: usize, dice: &mut RandomStream) -> usize {
-    usize::try_from(dice.below(bound as u64)).expect("it is below a number of this type")
+    usize::try_from(dice.below(bound as u64)).expect("it is below a usize")
 }

@@ -39,7 +39,7 @@ fn drawn(n: u64) -> Hall {
 }
 
 fn place(n: u64, of: usize) -> usize {
-    usize::try_from(n % of as u64).expect("it is below a number of this type")
+    usize::try_from(n % of as u64).expect("it is below a usize")
 }
 
 /// Every way to search: strategy and terms.

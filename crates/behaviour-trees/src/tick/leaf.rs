@@ -110,7 +110,7 @@ impl<'a, L: Leaves> Run<'a, L> {
         let shape: &'a Shape = self.shape;
         let number = u32::try_from(at).unwrap_or(u32::MAX);
         let found = shape.scripts.binary_search_by_key(&number, |(node, _)| *node);
-        &shape.scripts[found.expect("whoever builds such a node gives it a script")].1
+        &shape.scripts[found.expect("a node of this kind is built with a script")].1
     }
 
     /// A barrier: a party arrives by its tick, and the barrier opens when all have arrived. The first binding is the

@@ -105,7 +105,7 @@ impl Engine {
 
     pub(super) fn order_of(&mut self, robot: &RobotId, action: Action) -> OrderId {
         let (epoch, now) = (self.state.epoch, self.now.since_start);
-        let known = self.robots.get_mut(robot).expect("whoever gives an order has looked that the robot is there");
+        let known = self.robots.get_mut(robot).expect("callers check that the robot exists before they order");
         // The sonar's view after an order without a reported end was from another place.
         known.ahead = None;
         let order = known.controller.give(action, epoch, now);

@@ -72,8 +72,7 @@ impl Team {
     /// The trees that come with the program, not begun.
     #[must_use]
     pub fn new() -> Team {
-        Team::of(FILES.map(|(_, file)| file))
-            .expect("the files that come with the program are tested to be trees of these leaves")
+        Team::of(FILES.map(|(_, file)| file)).expect("a test builds the trees of the shipped files")
     }
 
     /// The trees of SRM1, SRM2 and the Supervisor in these files.

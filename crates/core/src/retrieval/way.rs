@@ -219,7 +219,7 @@ impl Node for Place {
     }
 
     fn of_number(number: usize, area: Bounds) -> Place {
-        let whole = i64::try_from(number).expect("an area has fewer cells than that");
+        let whole = i64::try_from(number).expect("the number of cells of an area fits into an i64");
         match whole - i64::from(Place::FURTHEST) {
             cell @ 0.. => {
                 let width = i64::from(area.width());

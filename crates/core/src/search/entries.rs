@@ -83,7 +83,7 @@ fn far(view: &View<'_>, ways: &mut Ways, wanted: impl Fn(Cell) -> bool) -> Optio
     };
     let passable = |spot: Spot| grid.here(spot) == Square::Visited;
     let (end, mut route) = ways.steps.way(grid, view.pose, passable, |spot| opens(spot).is_some())?;
-    let heading = opens(grid.spot(end.cell)).expect("the search has ended where something opens");
+    let heading = opens(grid.spot(end.cell)).expect("the search ends only where an entry opens");
     turn(&mut route, end.heading, heading);
     route.push(Move::Forward);
     Some(Visit { cell: end.cell.ahead(heading), route })

@@ -85,7 +85,7 @@ impl Steps {
             let comes_from = |heading: &Heading| self.marks[onward(spot, grid.step(heading.opposite()))] == before;
             let straight = headings.last().copied().filter(comes_from);
             let heading =
-                straight.or_else(|| Heading::ALL.into_iter().find(comes_from)).expect("each wave came from the one before");
+                straight.or_else(|| Heading::ALL.into_iter().find(comes_from)).expect("each wave is reached from the one before");
             headings.push(heading);
             spot = onward(spot, grid.step(heading.opposite()));
         }

@@ -51,7 +51,7 @@ pub fn forecast(grid: &Grid, strategy: Strategy, from: Cell, a_cell: f64) -> Opt
         return Some(Forecast { least: OPEN * at_this_pace, most: None });
     }
     let share = f64::from(extent.known) / f64::from(extent.cells);
-    let (_, least, most) = CLOSED.into_iter().find(|(up_to, ..)| share <= *up_to).expect("the last has no end");
+    let (_, least, most) = CLOSED.into_iter().find(|(up_to, ..)| share <= *up_to).expect("the last range has no upper end");
     Some(Forecast { least: least * at_this_pace, most: Some(most * at_this_pace) })
 }
 

@@ -44,7 +44,7 @@ macro_rules! set {
             terrain: Terrain::$terrain,
             weights: LazyLock::new(|| {
                 let read = Weights::read(include_str!(concat!("../../weights/", $file, ".txt")));
-                read.expect("what is shipped is read in a test")
+                read.expect("a test reads all shipped weights")
             }),
         }
     };
@@ -99,7 +99,7 @@ impl Weights {
     #[must_use]
     pub fn shipped(terms: Terms, terrain: Terrain) -> &'static Weights {
         let nearest = SETS.iter().min_by_key(|set| set.distance(terms, terrain));
-        &nearest.expect("some sets are shipped").weights
+        &nearest.expect("at least one set is shipped").weights
     }
 
     /// The weights in a file.

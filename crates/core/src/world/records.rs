@@ -176,7 +176,7 @@ impl Index<usize> for LuggageRecords {
     type Output = Arc<Luggage>;
 
     fn index(&self, place: usize) -> &Arc<Luggage> {
-        self.iter().nth(place).expect("there are more records than this place")
+        self.iter().nth(place).expect("the index is below the number of records")
     }
 }
 

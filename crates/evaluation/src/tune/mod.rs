@@ -82,7 +82,7 @@ impl Task {
 }
 
 fn below(bound: usize, dice: &mut RandomStream) -> usize {
-    usize::try_from(dice.below(bound as u64)).expect("it is below a number of this type")
+    usize::try_from(dice.below(bound as u64)).expect("it is below a usize")
 }
 
 #[cfg(test)]

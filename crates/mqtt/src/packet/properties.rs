@@ -272,6 +272,6 @@ pub(crate) fn put_variable(out: &mut BytesMut, mut number: u32) {
 }
 
 fn put_bytes(out: &mut BytesMut, bytes: &[u8]) {
-    out.put_u16(u16::try_from(bytes.len()).expect("it was read from a field of at most so many bytes, or is short"));
+    out.put_u16(u16::try_from(bytes.len()).expect("it comes from a field with a two-byte length, or is short"));
     out.put_slice(bytes);
 }

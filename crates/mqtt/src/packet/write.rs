@@ -289,7 +289,7 @@ fn text(out: &mut BytesMut, text: &str) {
 
 /// A field with its length in two bytes. All values come from such a field, or are short.
 fn bytes(out: &mut BytesMut, bytes: &[u8]) {
-    out.put_u16(u16::try_from(bytes.len()).expect("it was read from a field of at most so many bytes, or is bounded by TOPIC"));
+    out.put_u16(u16::try_from(bytes.len()).expect("it comes from a field with a two-byte length, or is bounded by TOPIC"));
     out.put_slice(bytes);
 }
 

@@ -217,7 +217,7 @@ impl Source<'_> {
         for keyframe in keyframes {
             let at_s = self.within("at_s", Some(&keyframe.at_s), 0.0..=MAX_SECONDS)?.unwrap_or(0.0);
             let degrees = self.within("celsius", Some(&keyframe.celsius), Celsius::LEAST..=Celsius::MOST)?;
-            let celsius = degrees.and_then(Celsius::new).expect("the limits are those of a temperature");
+            let celsius = degrees.and_then(Celsius::new).expect("the checked limits are those of Celsius");
             if let Some((before, _)) = keys.last().filter(|(before, _)| at_s <= *before) {
                 let fault = HallFault::TemperatureOrder { at: at_s.to_string(), before: before.to_string() };
                 return Err(self.at(&keyframe.at_s.span(), fault));
