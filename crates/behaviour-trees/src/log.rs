@@ -62,7 +62,6 @@ impl Moment {
         Moment { nodes: tree.nodes().map(standing).collect(), entries: held.collect() }
     }
 
-    /// The nodes and the entries that differ in another moment of the same tree.
     fn changes(&self, other: &Moment) -> Changes {
         let before = self.nodes.iter().copied().chain(std::iter::repeat(NodeState::default()));
         let nodes = (0..).map(NodeId).zip(other.nodes.iter().copied()).zip(before);

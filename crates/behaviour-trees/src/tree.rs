@@ -79,7 +79,6 @@ pub(crate) struct Conditions {
     pub(crate) post: Option<Script>,
 }
 
-/// Everything about a tree that does not change.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Shape {
     pub(crate) nodes: Vec<Node>,
@@ -96,7 +95,6 @@ pub(crate) struct Shape {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Live {
     pub(crate) status: Status,
-    /// What it returned when it was last ticked.
     pub(crate) returned: Status,
     /// Whether a parallel parent has its result.
     pub(crate) is_counted: bool,
@@ -112,7 +110,6 @@ pub(crate) struct Live {
     pub(crate) failures: u32,
     /// The tree's time when it began, in nanoseconds; or the number of the last write that it has seen.
     pub(crate) since: u64,
-    /// The number of the tick in which it was last ticked.
     pub(crate) ticked: u64,
 }
 

@@ -102,7 +102,6 @@ impl Exchanges {
         Some(&entry.message)
     }
 
-    /// Adds a message that was not known and is to be answered.
     pub(super) fn open(&mut self, key: MessageKey, exchange: ExchangeId, is_command: bool, now: Duration) {
         let table = if is_command { &mut self.commands } else { &mut self.reads };
         table.insert(key, Entry { since: now, message: KnownMessage::Open(exchange), good_while: None });

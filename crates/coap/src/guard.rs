@@ -17,7 +17,6 @@ use super::network::{Network, is_this_machine};
 const TIME: usize = 4;
 const PROOF: usize = 8;
 
-/// What is known of addresses beyond this machine.
 pub(super) struct Guard {
     secret: Vec<u8>,
     peers: LinkedHashMap<SocketAddr, Stranger>,

@@ -271,7 +271,6 @@ impl Endpoint {
         self.asked.push_back((exchange, request));
     }
 
-    /// Acknowledges a repeated request that is still being answered.
     fn acknowledge_open(&mut self, reply_to: ReplyTo, exchange: ExchangeId, now: Duration) {
         let Some(open) = self.open.get_mut(&exchange).filter(|_| reply_to.kind == Kind::Con) else { return };
         open.is_acknowledged = true;

@@ -35,9 +35,7 @@ pub(super) struct Knowledge {
 
 #[derive(Clone, Copy, Debug, Default)]
 struct KnownThing {
-    /// The version that it was last told.
     told: u64,
-    /// When it was last told.
     at: Duration,
     /// The last version that it surely has.
     sure: u64,

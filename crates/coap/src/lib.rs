@@ -118,7 +118,6 @@ pub struct Endpoint {
     /// order of their times.
     patience: BTreeMap<ExchangeId, Duration>,
     counted: u64,
-    /// The latest message id for each peer.
     ids: LinkedHashMap<SocketAddr, u16>,
     chance: Chance,
     asked: VecDeque<(ExchangeId, Request)>,

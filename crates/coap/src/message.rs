@@ -102,7 +102,6 @@ pub(super) fn empty(kind: Kind, id: u16) -> Vec<u8> {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Outgoing {
     bytes: Vec<u8>,
-    /// The number of the latest option.
     option: u16,
 }
 

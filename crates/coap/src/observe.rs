@@ -101,7 +101,6 @@ struct Observer {
     /// The ids of the latest notifications, by which it may reject them.
     ids: [Option<u16>; 4],
     sequence: u64,
-    /// When it was last told something.
     sent: Duration,
     acknowledging: Acknowledging,
     /// Round-trip time, once it is known.
@@ -188,7 +187,6 @@ impl Observers {
         self.by_peer.get(&peer).into_iter().flatten().copied()
     }
 
-    /// Ends all observations, and returns the peers and tokens.
     pub(super) fn clear(&mut self) -> Vec<(SocketAddr, Token)> {
         let gone = std::mem::replace(self, Observers::new(self.began)).observers;
         gone.into_values().map(|observer| (observer.peer, observer.token)).collect()

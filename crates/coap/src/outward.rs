@@ -85,7 +85,6 @@ impl Endpoint {
         self.send_to_observer(peer, message.datagram(Kind::Non, id));
     }
 
-    /// Ends an observation, and drops what is on its way for it.
     pub(super) fn forget(&mut self, peer: SocketAddr, observer: ObserverId) {
         self.reliable.withdraw(peer, observer);
         self.observers.remove(observer);

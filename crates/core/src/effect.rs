@@ -22,7 +22,6 @@ pub enum Effect {
     Order(RobotId, Order),
     /// Halt a robot where it is, whatever it does.
     Halt(RobotId),
-    /// Let the LED blink, or not.
     Led(RobotId, bool),
     /// Store this for good, and report `Event::Recorded` of its last entry when it is stored.
     Record(Page),
@@ -102,7 +101,6 @@ pub struct Page {
 }
 
 impl Page {
-    /// The place of the last entry.
     #[must_use]
     pub fn last(&self) -> Seq {
         Seq((self.first.0 + self.entries.len() as u64).saturating_sub(1))
@@ -133,12 +131,10 @@ pub enum Fact {
     Command {
         /// Who sent it, where from and by which door.
         issuer: Issuer,
-        /// The sender's own id for it.
         id: Option<CommandId>,
         command: String,
         /// The epoch that its sender named.
         epoch: Option<Epoch>,
-        /// The piece it turned out to be about.
         luggage: Option<LuggageId>,
         /// `None` if it was accepted.
         refused: Option<Refusal>,
@@ -158,12 +154,10 @@ pub enum Fact {
     Retrieval(Option<Box<Retrieval>>),
     MetAgain(Cell, Piece),
     Secured(LuggageId),
-    /// The LED begins or ends blinking.
     Led(bool),
     /// An obstacle was met, with the word for what it was taken for.
     Obstacle(Cell, &'static str),
     Mark(Cell, Mark),
-    /// A piece of luggage was inspected, or photographed again.
     Luggage {
         /// Its record, without a verdict.
         record: Arc<Luggage>,
@@ -176,7 +170,6 @@ pub enum Fact {
         who: Arc<str>,
         note: Option<Note>,
     },
-    /// The source of a reading, and the reading.
     Temperature(Arc<str>, Celsius),
     /// A source of readings fell silent: its last reading no longer counts as known.
     ThermometerSilent(Arc<str>),
@@ -186,7 +179,6 @@ pub enum Fact {
     Strategy(Strategy),
     /// The map was emptied, with the robot facing this way at home.
     MapEmptied(Heading),
-    /// Old missions were moved into an archive.
     WrittenOut(WrittenOut),
     /// All entries before this one were unpacked from an archive.
     Unpacked(Unpacked),

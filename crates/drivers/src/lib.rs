@@ -45,7 +45,6 @@ pub trait Driver: fmt::Debug + Send {
 
     fn handle_led(&mut self, blinks: bool, now: Now);
 
-    /// The drawing that `Output::Draw` asked for.
     fn handle_drawing(&mut self, order: OrderId, drawing: Photo, now: Now);
 
     /// Handles everything that is due by `now`.
@@ -84,6 +83,5 @@ pub enum Output {
 pub struct Subject {
     /// Printed on the drawing, as on a photo.
     pub stamp: Stamp,
-    /// The robot's name for the thing ahead, if it has one.
     pub name: Option<String>,
 }

@@ -34,7 +34,6 @@ pub struct SimMemory {
     pub pose: Pose,
     /// Steps from home at which it stands before the entrance; 0: it is in the hall.
     pub outside: u8,
-    /// Where its body really is.
     pub stands: Astray,
     pub taken: Taken,
     pub motion: Option<Underway>,
@@ -64,7 +63,6 @@ impl Taken {
         (piece.0 as usize) < 64 * Taken::WORDS
     }
 
-    /// Moves the carried piece into the container, and returns it.
     pub fn let_go(&mut self) -> Option<Piece> {
         let piece = self.carried.take().filter(|piece| Taken::has_room_for(*piece))?;
         self.container[piece.0 as usize / 64] |= 1 << (piece.0 % 64);
@@ -159,7 +157,6 @@ impl SimMemory {
 }
 
 impl Astray {
-    /// How far `body` is from `centre`.
     pub fn between(centre: BodyPose, body: BodyPose) -> Astray {
         let turned_urad = micro(normal(body.theta - centre.theta));
         if turned_urad != 0 {

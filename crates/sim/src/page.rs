@@ -36,7 +36,6 @@ const MAGIC: &str = "hallsweep simulated robot, version ";
 
 const VERSION: &str = "1";
 
-/// The hall to which a memory belongs.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Whose {

@@ -33,7 +33,6 @@ pub struct SimSettings {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Camera {
-    /// A perspective picture of the hall.
     #[default]
     Rendered,
     /// Two pixels that still differ from bag to bag, for runs in which nobody looks.

@@ -62,7 +62,6 @@ struct Ray {
 }
 
 impl Ray {
-    /// Distance to the first obstacle within `reach`.
     fn to_obstacle(&self, hall: &Hall, reach: f64) -> Option<f64> {
         let (dx, dy) = self.direction;
         let mut cell = (self.x.round(), self.y.round());
@@ -84,7 +83,6 @@ impl Ray {
         None
     }
 
-    /// Distance at which the line enters a square around `centre`.
     fn way_to_square(&self, centre: (f64, f64), half: f64) -> Option<f64> {
         let span = |place: f64, middle: f64, d: f64| {
             let (a, b) = ((middle - half - place) / d, (middle + half - place) / d);

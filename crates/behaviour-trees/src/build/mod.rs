@@ -181,9 +181,7 @@ struct Builder<'a> {
     /// The trees round the node being built, from the outermost.
     open: Vec<&'a str>,
     depth: usize,
-    /// Number of nodes so far, including those that are refused.
     nodes: usize,
-    /// Bytes of attributes so far.
     text: usize,
     /// Hash of everything that the nodes so far say.
     fingerprint: u64,

@@ -49,7 +49,6 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Checks the ports of a node that a file declares and nobody performs.
     pub(super) fn bind_declared(&mut self, element: &Element, model: &Model, scope: usize) {
         let port = |name: &str| model.ports.iter().find(|port| port.name == name);
         self.known_ports(element, |name| port(name).is_some());
@@ -66,7 +65,6 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Moves a fault into the findings.
     fn told<T>(&mut self, result: Result<T, TreeError>) -> Option<T> {
         result.map_err(|fault| self.findings.fault(fault)).ok()
     }

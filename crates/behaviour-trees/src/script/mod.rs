@@ -157,7 +157,6 @@ impl Script {
         parse::parse(text, slot)
     }
 
-    /// Executes it, and returns the value of its last statement.
     pub(crate) fn carry_out(&self, blackboard: &mut Blackboard) -> Result<Value, Trouble> {
         let mut last = Value::Bool(false);
         for statement in &self.statements {

@@ -75,7 +75,6 @@ impl Parser<'_> {
         is_next
     }
 
-    /// Takes the next token if it is an operator of this level.
     fn operator<T: Copy>(&mut self, level: Level<T>) -> Option<T> {
         let (_, operator) = level.iter().find(|(sign, _)| self.is_next(sign))?;
         self.next += 1;

@@ -62,7 +62,6 @@ fn token(text: &str, at: usize, first: char) -> Result<(Token, usize), ScriptErr
     }
 }
 
-/// A whole number, decimal or hexadecimal, or one with a fraction or an exponent.
 fn number(at: usize, rest: &str) -> Result<(Token, usize), ScriptError> {
     let digits = |from: usize| rest[from..].bytes().take_while(u8::is_ascii_digit).count();
     let byte = |place: usize| rest.as_bytes().get(place).copied().unwrap_or(0);

@@ -227,7 +227,6 @@ proptest! {
     }
 }
 
-/// Texts with everything that has a meaning in XML.
 fn texts() -> impl Strategy<Value = String> {
     prop::collection::vec(
         select(&["a", "Z", " ", "  ", "<", ">", "&", "\"", "'", "\n", "\t", "\r", "]]>", "é", "{x}", "&amp;", "🧳"][..]),

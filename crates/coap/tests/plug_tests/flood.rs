@@ -7,7 +7,6 @@ use coap_endpoint::{Backlog, Code, Method, Request};
 use crate::rig::bench::{Bench, here, stranger};
 use crate::rig::message::{Kind, Message, option};
 
-/// A number of datagrams of one kind that exceeds the room for it.
 type Flood = (u16, fn(u16) -> Vec<u8>);
 
 fn flooder(n: u16) -> SocketAddr {

@@ -9,7 +9,6 @@ use crate::rig::bench::{Bench, Out, here};
 use crate::rig::each_seed;
 use crate::rig::message::{Kind, Message};
 
-/// A bench on which a late answer has just been sent, and that answer.
 fn answered_late(seed: u64) -> (Bench, Out) {
     let mut bench = Bench::seeded(seed);
     bench.deliver(here(), &Message::get("/separate", 1).token(b"s").encoded());

@@ -118,7 +118,6 @@ fn urgent() -> Bench {
     bench
 }
 
-/// The ways in which an urgent request is sent, each with its datagrams.
 fn urgent_messages() -> Vec<(&'static str, Vec<Vec<u8>>)> {
     let stop = |kind| Message { kind, ..Message::con(Method::Post, 0).path("/stop") };
     let word = |id, number, more, body: &str| {

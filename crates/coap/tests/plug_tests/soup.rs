@@ -29,7 +29,6 @@ const PATHS: [&str; 12] = [
 
 const OPTIONS: [u16; 20] = [1, 3, 4, 5, 6, 7, 8, 9, 11, 12, 14, 15, 17, 23, 27, 28, 35, 60, 252, 258];
 
-/// A random sender, on this machine or elsewhere.
 fn peer(chance: &mut Chance) -> SocketAddr {
     let port = 40_000 + u16::try_from(chance.below(5)).unwrap();
     let last = u8::try_from(chance.below(5)).unwrap();

@@ -94,7 +94,6 @@ impl Engine {
         self.wanted_piece().map_or(is_there, |wanted| wanted == parcel.piece)
     }
 
-    /// Adds a cell to the piece that is to be lifted.
     pub(super) fn grow_piece(&mut self, cell: Cell, piece: Piece) {
         let Some(retrieval) = self.state.retrieval.clone() else { return };
         let is_it = self.state.luggage.get(retrieval.luggage).is_some_and(|luggage| luggage.piece == Some(piece));
@@ -104,7 +103,6 @@ impl Engine {
         }
     }
 
-    /// Handles the robot's answer to a look for a parcel.
     pub(super) fn found(&mut self, robot: &RobotId, order: OrderId, parcel: Option<Parcel>) {
         if self.close(robot, order).is_some() {
             let is_unknown = self.state.retrieval.as_ref().is_some_and(|retrieval| retrieval.piece.is_empty());

@@ -193,7 +193,6 @@ impl Engine {
     }
 }
 
-/// Whether START in this phase begins or continues the exploration.
 fn explores(phase: &Phase) -> bool {
     matches!(phase.underlying(), Phase::Exploring | Phase::AtHome)
 }

@@ -36,7 +36,6 @@ pub enum Barred {
     Ending,
     /// A record that has to come first is not in the store yet.
     Unrecorded,
-    /// Its link is not up.
     Unlinked,
     /// It has not answered its last order.
     Busy,

@@ -76,7 +76,6 @@ impl OnRecord {
         OnRecord { emptied: shown.emptied, shown, ahead, looked, floor: Seq(0), before: None, lit }
     }
 
-    /// Whether the shown state is the present one.
     pub(super) fn is_current(&self) -> bool {
         self.ahead.is_empty() && self.floor != NEVER
     }

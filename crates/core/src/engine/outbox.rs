@@ -55,7 +55,6 @@ struct Unkept {
     if_lost: Option<Refused>,
 }
 
-/// An accepted command whose answer waits for a record.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WaitingAnswer {
     pub(super) ticket: Ticket,

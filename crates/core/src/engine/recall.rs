@@ -25,7 +25,6 @@ const CLOCK_SET_MS: i64 = 2000;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recalled {
     pub state: PersistentState,
-    /// The last entry of the journal.
     pub written: Seq,
     /// The latest commands that carried an id, oldest first.
     pub commands: Vec<Entry>,

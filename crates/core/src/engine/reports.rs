@@ -135,7 +135,6 @@ impl Engine {
         }
     }
 
-    /// A step on the way out, or back in.
     fn passed(&mut self, robot: &RobotId, action: Action) {
         self.set_off_centre(robot, false);
         let steps = self.steps_outside(robot);

@@ -47,7 +47,6 @@ impl Engine {
         needed.into_iter().find(|robot| !is_linked(robot))
     }
 
-    /// Whether a retrieval under way needs this robot, beside the one that searches.
     pub(super) fn is_fetching(&self, robot: &RobotId) -> bool {
         self.state.retrieval.is_some() && self.fetchers().is_some_and(|fetchers| fetchers.contains(robot))
     }

@@ -80,7 +80,6 @@ impl<T> Sharing<T> {
         tallies.filter_map(|tally| tally.take(|first| first.saturating_add(every) <= now, now)).collect()
     }
 
-    /// Everything that was not written yet.
     pub(super) fn rest(&mut self, now: Duration) -> Vec<Shared<T>> {
         self.senders.values_mut().chain([&mut self.others]).filter_map(|tally| tally.take(|_| true, now)).collect()
     }
@@ -140,7 +139,6 @@ mod tests {
         (name.into(), Door("http"))
     }
 
-    /// Number of entries, and the sum of their counts.
     fn written(entries: &[Shared<u32>]) -> (usize, u64) {
         (entries.len(), entries.iter().map(|entry| entry.count).sum())
     }

@@ -41,7 +41,6 @@ pub(super) struct Stops {
     named: VecDeque<Named>,
 }
 
-/// A press that is on record and has an id.
 #[derive(Clone, Debug)]
 struct Named {
     who: Arc<str>,

@@ -20,7 +20,6 @@ use crate::state::{Phase, Retrieval, RetrievalStage, TeamStage};
 use crate::world::alarm::AlarmCause;
 use crate::world::resource::Resource;
 
-/// The trees, and when they were last ticked.
 #[derive(Clone, Debug)]
 pub(super) struct Ticked {
     pub(super) team: Team,
@@ -31,7 +30,6 @@ pub(super) struct Ticked {
 }
 
 impl Engine {
-    /// When the trees are to be ticked next.
     pub(super) fn tick_due(&self) -> Option<Duration> {
         let ticked = self.team.as_ref().filter(|_| self.is_fetching_by_trees())?;
         Some(ticked.at.map_or(self.now.since_start, |at| at.saturating_add(TICK)))
@@ -111,7 +109,6 @@ impl Engine {
         self.state.luggage.get(luggage)?.piece
     }
 
-    /// Calls `look` with what the leaves see.
     fn with_view<T>(&self, look: impl FnOnce(&View<'_>) -> T) -> T {
         let nothing = std::collections::BTreeSet::new();
         let view = View {

@@ -175,7 +175,6 @@ impl Engine {
         Some(TimeLeft { least: time(forecast.least)?, most: forecast.most.and_then(time) })
     }
 
-    /// The refusal of each button, as far as it is on record.
     pub(super) fn refusals(&self) -> Refusals {
         self.each_button(|input, context, _| self.decide(input, context).err().map(|(refused, _)| refused))
     }

@@ -76,7 +76,6 @@ pub(crate) struct InputContext {
     pub(crate) verdict: Option<Verdict>,
     pub(crate) note: Option<Note>,
     pub(crate) step: Option<Move>,
-    /// The cell of a goto, or of an obstacle.
     pub(crate) cell: Option<Cell>,
     pub(crate) obstacle: Option<Obstacle>,
     pub(crate) photo: Option<Photo>,

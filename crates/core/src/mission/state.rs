@@ -30,7 +30,6 @@ pub(crate) struct Mission {
     pub(crate) deciding: Vec<Deciding>,
 }
 
-/// A piece that is not on record yet.
 #[derive(Clone, Debug)]
 pub(crate) struct Recording {
     pub(crate) seq: Seq,
@@ -39,7 +38,6 @@ pub(crate) struct Recording {
     pub(crate) fact: Fact,
 }
 
-/// A verdict that is not on record yet.
 #[derive(Clone, Debug)]
 pub(crate) struct Deciding {
     pub(crate) seq: Seq,
@@ -58,7 +56,6 @@ impl Mission {
         self.pace = Pace::default();
     }
 
-    /// Notes that the robot has left a cell.
     pub(crate) fn leave(&mut self, cell: Cell) {
         if self.trail.len() == TRAIL {
             self.trail.pop_front();

@@ -51,7 +51,6 @@ pub struct Team {
     pub(super) trees: [Tree; 3],
     pub(super) blackboard: Blackboard,
     pub(super) routes: Routes,
-    /// The last status of each tree.
     pub(super) said: [Status; 3],
     pub(super) stage: TeamStage,
     pub(super) losses: u32,
@@ -62,14 +61,12 @@ pub struct Team {
     pub(super) delivered: Vec<Piece>,
     /// Number of runs of the Supervisor that have begun.
     pub(super) runs: u32,
-    /// The error of a tree that could not be performed.
     words: Option<String>,
     /// How long the two have disagreed whether they hold something.
     waited: Duration,
 }
 
 impl Team {
-    /// The trees that come with the program, not begun.
     #[must_use]
     pub fn new() -> Team {
         Team::of(FILES.map(|(_, file)| file)).expect("a test builds the trees of the shipped files")
@@ -100,7 +97,6 @@ impl Team {
         })
     }
 
-    /// Takes a robot's answer to a look for a parcel.
     pub fn handle_found(&mut self, found: Option<Parcel>, wanted: Option<Piece>) {
         let (entry, value) = seen(found.filter(|parcel| wanted.is_none_or(|wanted| wanted == parcel.piece)));
         // Cannot fail: the entry is one for texts, and the text is short.
@@ -235,13 +231,11 @@ impl Team {
         self.losses
     }
 
-    /// Number of runs of the Supervisor that have begun.
     #[must_use]
     pub const fn runs(&self) -> u32 {
         self.runs
     }
 
-    /// The error of a tree that could not be performed.
     #[must_use]
     pub fn words(&self) -> Option<&str> {
         self.words.as_deref()
@@ -266,7 +260,6 @@ mod tests {
     use crate::units::{Cell, Heading, Revision};
     use crate::world::hall_map::HallMap;
 
-    /// A tick with the two robots at these places, and a piece in this cell.
     fn ticked(team: &mut Team, places: [Place; 2], piece: Option<Cell>, failures: u32) -> TickOutcome {
         ticked_holding(team, places, piece, failures, [None; 2])
     }

@@ -57,7 +57,6 @@ pub struct BasePose {
     pub heading: Heading,
 }
 
-/// One of the two robots, as last reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BaseView {
     /// Where its last completed order left it.

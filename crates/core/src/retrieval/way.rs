@@ -37,7 +37,6 @@ pub struct Floor<'a> {
     pub taken: &'a [Place],
 }
 
-/// Two bases and the parcel they hold between them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Train {
     /// Of SRM1 and of SRM2: each beside the parcel, and not in the same place.
@@ -186,7 +185,6 @@ impl Floor<'_> {
     }
 }
 
-/// All ways to stand beside a piece.
 fn trains(piece: &BTreeSet<Cell>) -> impl Iterator<Item = Train> {
     piece.iter().flat_map(move |grip| {
         let beside = move || grip.neighbours().into_iter().filter(|cell| !piece.contains(cell)).map(Place::Cell);
@@ -195,7 +193,6 @@ fn trains(piece: &BTreeSet<Cell>) -> impl Iterator<Item = Train> {
     })
 }
 
-/// A node of the searches, with its index in an area.
 trait Node: Copy {
     const SHARE: usize;
     fn number(self, area: Bounds) -> usize;

@@ -32,7 +32,6 @@ fn draw(rows: &[&str]) -> Drawn {
     drawn
 }
 
-/// A hall with a wall all round it.
 fn walled(rows: &[&str]) -> Drawn {
     let mut drawn = draw(rows);
     let (width, height) = (rows[0].len() as i32, rows.len() as i32);

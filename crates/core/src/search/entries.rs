@@ -50,7 +50,6 @@ pub(crate) fn best_entry(view: &View<'_>, ways: &mut Ways, least: i32, mut worth
     }
 }
 
-/// The nearest entry whose cell is `wanted`.
 pub(crate) fn nearest(view: &View<'_>, ways: &mut Ways, wanted: impl Fn(Cell) -> bool) -> Option<Visit> {
     let View { grid, pose, terms: Terms { costs, .. }, .. } = *view;
     if !grid.has_open() {

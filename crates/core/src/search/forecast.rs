@@ -31,7 +31,6 @@ const CLOSED: [(f64, f64, f64); 5] =
 struct Extent {
     /// Cells inside, without walls.
     cells: u32,
-    /// Cells inside whose content is known.
     known: u32,
     is_closed: bool,
 }
@@ -58,7 +57,6 @@ pub fn forecast(grid: &Grid, strategy: Strategy, from: Cell, a_cell: f64) -> Opt
 struct Span {
     /// Number of known wall cells in its two outermost lines.
     walls: [u32; 2],
-    /// Number of lines between them.
     inside: u32,
 }
 

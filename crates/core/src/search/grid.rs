@@ -37,10 +37,8 @@ pub(crate) const RIM: i32 = 8;
 /// Spare cells beyond the first ones on every side.
 const SPARE: i32 = 32;
 
-/// The index of a cell in the memory of a grid.
 pub(crate) type Spot = usize;
 
-/// Counts that are updated with each mark.
 #[derive(Clone, Copy, Debug, Default)]
 struct Counts {
     open: usize,

@@ -34,7 +34,6 @@ enum Turn {
     StraightOn,
     Aside,
     Back,
-    /// The robot goes elsewhere first.
     Elsewhere,
 }
 

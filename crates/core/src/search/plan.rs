@@ -20,7 +20,6 @@ pub(crate) enum Through {
     Unknown,
 }
 
-/// The grid, and the memory to find ways over it.
 #[derive(Clone, Debug)]
 pub(crate) struct Planner {
     pub(crate) grid: Grid,

@@ -16,7 +16,6 @@ pub(super) fn next(view: &View<'_>, ways: &mut Ways) -> Option<Visit> {
     best_entry(view, ways, weights.least, |entry| weights.worth(&looking.at(entry)))
 }
 
-/// An unknown cell that could be entered next, as `hallsweep tune` sees it.
 #[derive(Clone, Debug)]
 pub struct Candidate {
     pub cell: Cell,

@@ -27,7 +27,6 @@ enum Stage {
     NextRing,
     /// Both far walls are known: visit what is left.
     Finish,
-    /// Nothing is left: home.
     Done,
 }
 

@@ -17,7 +17,6 @@ use crate::units::{Cell, Heading, Pose};
 pub struct Ways {
     /// For each state the search that settled it, so that nothing needs to be cleared.
     settled: Vec<u32>,
-    /// For each settled state the move that led to it.
     came_by: Vec<u8>,
     search: u32,
     ring: Vec<Vec<u64>>,

@@ -25,7 +25,6 @@ pub struct Weights {
     pub least: i32,
 }
 
-/// Weights that are shipped, and what they were tuned for.
 struct Set {
     objective: Objective,
     /// Reach of the sonar, in cells.

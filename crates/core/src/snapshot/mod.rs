@@ -94,7 +94,6 @@ pub struct MissionView {
     pub fault: Option<FaultCause>,
     pub holds: Vec<Hold>,
     pub store_failure: Option<String>,
-    /// The cell that the robot drives to.
     pub goal: Option<Cell>,
     /// The cells it means to pass on the way there, the next one first.
     pub route: Arc<[Cell]>,

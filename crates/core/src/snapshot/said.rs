@@ -41,7 +41,6 @@ pub enum Said {
         cell: Cell,
         has_photo: bool,
     },
-    /// A new photo of a piece is on record.
     PhotographedAgain(LuggageId),
     /// There is no new photo of a piece, and the first one stays.
     PhotoStays(LuggageId),

@@ -30,7 +30,6 @@ pub struct Venue {
     pub seed: Option<u64>,
 }
 
-/// A robot that takes part, as the settings have it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Participant {
     pub name: Arc<str>,

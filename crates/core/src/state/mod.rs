@@ -52,11 +52,9 @@ pub struct PersistentState {
     pub others: BTreeMap<RobotId, Pose>,
     /// Steps from home of the robots that stand before the entrance.
     pub outside: BTreeMap<RobotId, u8>,
-    /// The retrieval under way, or in fault.
     pub retrieval: Option<Retrieval>,
     pub led_blinking: bool,
     pub map: HallMap,
-    /// The pieces that the camera would recognise.
     pub pieces: BTreeSet<Piece>,
     /// The cells where a known piece was met once more.
     pub met_again: BTreeMap<Cell, Piece>,

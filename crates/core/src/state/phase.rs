@@ -16,7 +16,6 @@ pub enum Phase {
         /// The cell of a goto; `None` for a single move.
         goal: Option<Cell>,
         next: Option<Move>,
-        /// The phase that goes on afterwards.
         interrupted: Box<Phase>,
     },
     /// On the way home after backHome.
@@ -116,7 +115,6 @@ pub struct Inspection {
     pub cell: Cell,
     /// The piece that the camera recognised, if it could.
     pub piece: Option<Piece>,
-    /// Where the robot stands to photograph it.
     pub pose: Pose,
     pub stage: Stage,
 }
@@ -125,7 +123,6 @@ pub struct Inspection {
 pub enum Stage {
     /// Returning to the centre of the cell it came from: the only part that is motion.
     BackingUp,
-    /// The photo is to be taken, or is being taken.
     TakingPhoto,
     Recording(LuggageId),
     /// The record is in the store; the operator decides.

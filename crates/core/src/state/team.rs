@@ -20,9 +20,7 @@ pub enum TeamStage {
 pub struct TeamState {
     /// SRM1, SRM2 and the Supervisor.
     pub trees: [TreeState; 3],
-    /// The last status of each tree.
     pub said: [Status; 3],
-    /// The entries of the blackboard that have a value.
     pub blackboard: Vec<(String, Value)>,
     pub stage: TeamStage,
     pub losses: u32,

@@ -14,7 +14,6 @@ pub enum ArmAction {
     FindParcel(Place),
     /// Bring the gripper to the parcel at this place, which is beside the base.
     AlignEndEffector(Place),
-    /// Grip the parcel at which the gripper is.
     CloseGripper,
     /// Start to control the gripping force.
     HoldForce,
@@ -22,9 +21,7 @@ pub enum ArmAction {
     HoldAngle,
     /// Start to control the distance to the other base.
     HoldDistance,
-    /// Lift the parcel, together with the other arm.
     Lift,
-    /// Put the parcel down, together with the other arm.
     Lower,
     /// Release a parcel that stands on the floor.
     Release,
@@ -79,7 +76,6 @@ pub struct Parcel {
     pub place: Place,
 }
 
-/// Which controllers of an arm, and of its base, are at work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Controllers {
     pub force: bool,

@@ -64,11 +64,9 @@ impl CommandId {
 /// Everything an operator, or a tool acting for one, can ask for (mission §4).
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
-    /// Begin, or go on with what was halted.
     Start,
     /// Halt the robot where it is. The handle raises the halt before this command is even queued.
     Stop,
-    /// Go to the home cell and wait.
     BackHome,
     Retrieve,
     /// Archive the mission and be idle.
@@ -204,7 +202,6 @@ pub enum LuggageRef {
 pub enum TemperatureReport {
     /// The button OK; concerns the hold `tooHigh` alone.
     Ok,
-    /// The button TOO HIGH.
     TooHigh,
     /// The operator's own reading, compared with the threshold.
     Reading(Celsius),

@@ -85,7 +85,6 @@ pub struct Whereabouts {
 /// What a robot can do and how long that takes; reported when the link comes up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Capabilities {
-    /// Duration of one cell forward or backward.
     pub step: Duration,
     /// Duration of a turn of 90°.
     pub turn: Duration,

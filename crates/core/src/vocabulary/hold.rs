@@ -13,9 +13,7 @@ named! {
         Operator = "operator",
         /// The operator's button TOO HIGH.
         TooHigh = "tooHigh",
-        /// A reading is above the threshold.
         Temperature = "temperature",
-        /// A configured sensor is silent.
         TemperatureStale = "temperatureStale",
         RobotLink = "robotLink",
         Store = "store",

@@ -4,7 +4,6 @@ named! {
     ALL by name;
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum RetrievalFault {
-        /// The place of the piece is unknown.
         NothingToFetch = "nothingToFetch",
         /// As far as is known, the two cannot both stand beside the parcel and carry it to its destination.
         NoWayToParcel = "noWayToParcel",
@@ -12,7 +11,6 @@ named! {
         NoWayToTarget = "noWayToTarget",
         NoWayBack = "noWayBack",
         WrongParcel = "wrongParcel",
-        /// A robot failed several times to carry out the same action.
         RobotFails = "robotFails",
         LostTooOften = "lostTooOften",
         /// The parcel could not be brought exactly over its destination.

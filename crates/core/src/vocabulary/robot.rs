@@ -59,7 +59,6 @@ named! {
     pub enum Part {
         Base = "base",
         Camera = "camera",
-        /// It measures how far it is to what is ahead.
         Sonar = "sonar",
         Led = "led",
         Thermometer = "thermometer",

@@ -15,7 +15,6 @@ named! {
         Wall = "wall",
         /// An inspected piece of luggage, or an obstacle that could not be told from one.
         Luggage = "luggage",
-        /// An obstacle that still has to be inspected.
         NotInspected = "notInspected",
     }
 }

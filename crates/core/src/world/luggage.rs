@@ -12,7 +12,6 @@ pub struct Luggage {
     pub id: LuggageId,
     /// Where it was met.
     pub cell: Cell,
-    /// The robot's pose for the photo.
     pub pose: Pose,
     /// When the photo was taken (or failed).
     pub taken: WallTime,
@@ -61,7 +60,6 @@ pub enum NoPhoto {
     /// This take does not exist; the last number is that of the takes.
     #[error("there is no photo {1} of luggage #{0}: there are 1 to {2}")]
     NotTaken(LuggageId, u64, u32),
-    /// It was taken, and is no longer on record.
     #[error("the photo of luggage #{0} is not kept")]
     NotKept(LuggageId),
 }

@@ -90,7 +90,6 @@ impl LuggageRecords {
         self.parts_changed_since(older).flat_map(|(_, part)| part).filter(move |record| !is_same(record))
     }
 
-    /// Inserts a record, or replaces the one with its number.
     pub fn insert(&mut self, record: Arc<Luggage>) {
         let id = record.id;
         let is_pending = record.is_pending();

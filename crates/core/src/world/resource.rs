@@ -16,7 +16,6 @@ named! {
         Alarms = "alarms",
         /// The piece being fetched, and the trees at work.
         Retrieval = "retrieval",
-        /// The latest log lines.
         Log = "log",
     }
 }

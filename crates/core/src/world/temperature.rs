@@ -117,7 +117,6 @@ impl Thermometer {
         speaking.map(|(name, source)| (source.read.since_start.saturating_add(SILENCE), Arc::clone(name))).min()
     }
 
-    /// The readings of thermometers that are not silent.
     pub(crate) fn readings(&self) -> Vec<(Arc<str>, Celsius)> {
         let speaking = self.sources.iter().filter(|(name, source)| &***name != OPERATOR && source.silent_since.is_none());
         speaking.map(|(name, source)| (Arc::clone(name), source.reading)).collect()

@@ -60,7 +60,6 @@ pub struct LineDriver {
     pub(super) temperature: Option<Celsius>,
     pub(super) readings_at: Duration,
     pub(super) unasked: u8,
-    /// The name of the latest robot.
     pub(super) name: Option<RobotName>,
     pub(super) connected: Duration,
     /// When the last valid line came.
@@ -252,7 +251,6 @@ impl LineDriver {
         }
     }
 
-    /// When the incoming photo is given up.
     fn picture_until(&self) -> Option<Duration> {
         self.picture.as_ref().map(|picture| picture.until.min(self.heard + PAUSE))
     }

@@ -59,7 +59,6 @@ pub struct Floor {
     pub z: f64,
 }
 
-/// The robot as it stands when the page is opened.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Player {
     pub x: f64,
@@ -99,7 +98,6 @@ pub struct MovingObstacle {
     pub range: f64,
 }
 
-/// A sonar that stands in the hall.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneSonar {
     pub name: String,

@@ -169,7 +169,6 @@ impl Source<'_> {
         self.line(span) + usize::from(next)
     }
 
-    /// Adds the descriptions to the drawn pieces, exactly one to each.
     fn furnish(&self, drawing: Drawing, span: &Range<usize>, luggage: &[Luggage]) -> Result<Plan, HallError> {
         let Drawing { mut plan, letters } = drawing;
         let mut described: BTreeMap<char, Piece> = BTreeMap::new();

@@ -44,7 +44,6 @@ pub struct Figures {
     pub luggage: LuggageRecords,
     /// How many moves had been made when a dangerous piece was first met.
     pub bomb_found_at: Option<u64>,
-    /// The last state.
     pub state: Arc<Snapshot>,
     /// Everything that was put on record, if the run collects it.
     pub journal: Vec<Entry>,
@@ -116,7 +115,6 @@ pub fn explore_and_tell(
     figures(&mut run, hall, sim.seed, bomb_found_at, stuck, &inspected)
 }
 
-/// The piece that an entry puts on record.
 fn inspected_piece(entry: &Entry, hall: &Hall) -> Option<Piece> {
     if let Fact::Luggage { record, .. } = &entry.fact { piece_at(hall, record.cell) } else { None }
 }
@@ -125,7 +123,6 @@ fn piece_at(hall: &Hall, cell: Cell) -> Option<Piece> {
     if let Truth::Luggage(piece) = hall.truth(cell) { Some(piece) } else { None }
 }
 
-/// Presses START as soon as the hall is cool enough.
 fn start(run: &mut Run) -> Result<(), String> {
     while let Err(refused) = run.give(Command::Start) {
         let cooling = run.state().mission.holds == [Hold::Temperature];

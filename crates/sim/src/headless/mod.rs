@@ -48,7 +48,6 @@ pub struct Run {
 /// Moves by kind; one unit each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Moves {
-    /// Cells driven.
     pub steps: u64,
     pub turns: u64,
     /// Steps that met an obstacle, the way back included.

@@ -21,7 +21,6 @@ pub(super) struct Ground {
     taken_in: Vec<Piece>,
     /// Cells that were closed since the hall was opened.
     closed: BTreeSet<Cell>,
-    /// Cells with a temporary obstacle.
     blocked: BTreeSet<Cell>,
 }
 

@@ -29,7 +29,6 @@ pub struct PairMemory {
     /// SRM1 and SRM2.
     pub robots: [RobotMemory; 2],
     pub grip: Option<GripMemory>,
-    /// Pieces that lie elsewhere than the hall has them.
     pub lying: Vec<(Piece, Place)>,
     pub taken_in: Vec<Piece>,
     pub closed: Vec<Cell>,
@@ -45,9 +44,7 @@ pub struct PairMemory {
 pub struct RobotMemory {
     /// Where the last completed order left it.
     pub stands: BasePose,
-    /// Where its body really is.
     pub astray: AstrayMemory,
-    /// Where it rolls to, and how long still.
     pub motion: Option<(AstrayMemory, Duration)>,
     pub gripper: Gripper,
     pub aligned: Option<Place>,

@@ -112,7 +112,6 @@ impl Pair {
         self.pass_to(now.since_start);
     }
 
-    /// The next report, and whose it is.
     pub fn poll_event(&mut self) -> Option<(Which, RobotEvent)> {
         self.events.pop_front()
     }

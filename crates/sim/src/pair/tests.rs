@@ -85,7 +85,6 @@ impl Run {
         self.both(Action::Arm(action))
     }
 
-    /// Grips the parcel and starts these controllers.
     fn grip(&mut self, controllers: Controllers) {
         for action in [ArmAction::AlignEndEffector(at(3, 0)), ArmAction::CloseGripper] {
             assert_eq!(done(&self.arms(action)), 2, "{action:?}");

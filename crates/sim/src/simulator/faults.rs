@@ -40,7 +40,6 @@ impl Sim {
         self.introduce();
     }
 
-    /// Whether it stands in this cell, or is on its way into it.
     #[must_use]
     pub fn is_in_or_enters(&self, cell: Cell) -> bool {
         let enters = |task: &Task| matches!(task.work, Work::Drive { end: End::At(pose), .. } if pose.cell == cell);

@@ -149,7 +149,6 @@ impl Picks {
         words[usize::from(self.0.next().unwrap_or_default()) % words.len()]
     }
 
-    /// Sets a port to one of these words, or leaves it out.
     fn port(&mut self, element: Element, name: &str, words: &[&str]) -> Element {
         match self.of(&["", "set", "set"]) {
             "" => element,

@@ -71,7 +71,6 @@ fn start() -> (Child, ChildStdin, BufReader<ChildStdout>) {
     (child, input, BufReader::new(output))
 }
 
-/// The folder with the list of clients, what it installs, and the scripts that use the libraries.
 fn clients() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/clients")
 }

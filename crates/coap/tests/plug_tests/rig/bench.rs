@@ -81,7 +81,6 @@ impl Bench {
         }
     }
 
-    /// Handles the whole backlog, and returns how many turns that took.
     pub(crate) fn catch_up(&mut self) -> usize {
         let mut turns = 0;
         while !self.backlog.is_empty() {

@@ -30,7 +30,6 @@ impl Weather {
 #[derive(Clone, Debug)]
 pub(crate) struct Datagram {
     pub(crate) client: SocketAddr,
-    /// Whether it goes to the endpoint.
     pub(crate) is_up: bool,
     pub(crate) bytes: Vec<u8>,
 }

@@ -41,7 +41,6 @@ impl Scene {
         self.bench.now
     }
 
-    /// Sends a request of the first client, and returns its token.
     pub(crate) fn begin(&mut self, ask: Ask) -> Vec<u8> {
         self.begin_of(0, ask)
     }
@@ -53,7 +52,6 @@ impl Scene {
         token
     }
 
-    /// Sends a request of the first client, and waits for its outcome.
     pub(crate) fn ask(&mut self, ask: Ask) -> Outcome {
         let token = self.begin(ask);
         let end = self.now() + PATIENCE;
@@ -73,7 +71,6 @@ impl Scene {
         while self.step(end) {}
     }
 
-    /// The program ends and starts again.
     pub(crate) fn restart(&mut self) {
         self.bench.restart(self.seed + 1000);
     }
@@ -106,7 +103,6 @@ impl Scene {
         }
     }
 
-    /// Hands everything that is to be sent to the network.
     fn settle(&mut self) {
         let now = self.now();
         for out in self.bench.take() {

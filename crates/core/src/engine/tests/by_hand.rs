@@ -85,7 +85,6 @@ const EVENTS: &[(Input, &str)] = &[
     (Input::StoreRestored, ""),
 ];
 
-/// What raises a hold, and what ends it.
 const CAUSES: [(Hold, Input, Input); 4] = [
     (Hold::RobotLink, Input::LinkLost, Input::LinkUp),
     (Hold::Temperature, Input::Heat, Input::Cool),

@@ -5,7 +5,6 @@ use crate::engine::recall::{Recalled, Remembered};
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
 
-/// The facts that the engine puts on record, all of which are stored.
 fn recorded(engine: &mut Engine) -> Vec<Fact> {
     let mut facts = Vec::new();
     while let Some(effect) = engine.poll_effect() {

@@ -66,7 +66,6 @@ pub(super) const fn waiting(event: PhaseEvent, danger: &'static [Rule]) -> &'sta
     }
 }
 
-/// The events on a way home.
 pub(super) const fn going_home(event: PhaseEvent, arrival: &'static [Rule], danger: &'static [Rule]) -> &'static [Rule] {
     match event {
         PhaseEvent::CameHome => arrival,

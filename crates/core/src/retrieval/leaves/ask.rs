@@ -84,7 +84,6 @@ impl Performer<'_> {
         }
     }
 
-    /// Whether a robot stands still beside the piece at this place.
     pub(super) fn is_near(&self, which: Which, place: Place) -> bool {
         let base = self.base(which);
         let beside = match place {

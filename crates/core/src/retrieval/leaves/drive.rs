@@ -179,7 +179,6 @@ impl Performer<'_> {
         self.go(which, end)
     }
 
-    /// The nearest free place beside a piece.
     fn room_beside(&self, which: Which, place: Place) -> Option<Place> {
         let (here, other) = (self.base(which).stands.place, [self.base(which.other()).stands.place]);
         let none = BTreeSet::new();

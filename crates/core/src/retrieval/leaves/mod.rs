@@ -115,7 +115,6 @@ pub(super) struct Output {
 #[derive(Debug)]
 pub(super) struct Performer<'a> {
     pub(super) view: &'a View<'a>,
-    /// Where the parcel was last.
     pub(super) last: Option<Place>,
     pub(super) routes: &'a mut Routes,
     pub(super) output: &'a mut Output,

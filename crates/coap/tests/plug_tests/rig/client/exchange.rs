@@ -60,7 +60,6 @@ impl Exchange {
         }
     }
 
-    /// The first message, whose id is still to be set.
     pub(crate) fn first(&mut self, token: &[u8]) -> Message {
         (self.sent_bytes, self.body, self.etag) = (0, Vec::new(), None);
         let mut message = self.ask.head(0, token);

@@ -24,7 +24,6 @@ const MAX_RETRANSMIT: u32 = 4;
 
 pub(crate) struct Client {
     pub(crate) address: SocketAddr,
-    /// Every message that came, with its time.
     pub(crate) seen: Vec<(Duration, Message)>,
     /// Every message that was sent, retransmissions included.
     pub(crate) sent: Vec<(Duration, Message)>,
@@ -176,7 +175,6 @@ impl Client {
         }
     }
 
-    /// Handles an answer or a notification, in whichever message it came.
     fn answered(&mut self, message: &Message, now: Duration) {
         let token = message.token.clone();
         let Some(exchange) = self.exchanges.get_mut(&token) else { return };
@@ -219,7 +217,6 @@ impl Client {
         }
     }
 
-    /// Fetches the further blocks of a notification.
     fn fetch_rest(&mut self, message: &Message, exponent: u8, token: &[u8], now: Duration) {
         let ask = Ask { observes: false, ..self.exchanges[token].ask.clone() };
         self.exchanges.retain(|_, exchange| exchange.fetches_for.as_deref() != Some(token));

@@ -11,7 +11,6 @@ const MAX_AGE_S: u32 = 60;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Observation {
     newest: Option<(u32, Duration)>,
-    /// The last state that was accepted.
     pub(crate) held: Option<Vec<u8>>,
     pub(crate) states: Vec<(Duration, Vec<u8>)>,
     /// When the state becomes stale, and the client registers again.

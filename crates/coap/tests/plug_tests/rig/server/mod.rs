@@ -30,7 +30,6 @@ pub(crate) struct Server {
     pub(crate) slow: Duration,
     pub(crate) slow_observable: bool,
     pub(crate) asked: Vec<Request>,
-    /// Whether something changed that the endpoint has not been told.
     pub(crate) has_changed: bool,
 }
 
