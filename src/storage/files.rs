@@ -1,6 +1,6 @@
-//! How the files of the data folder are made and opened, for all that keeps something there. Made for their owner alone, or for
-//! the group as well where the folder is the group's. Opened only when they are plain files: a pipe in the place of one would
-//! keep whoever opens it waiting for ever, and a link that leads nowhere would look like a file that never was.
+//! How the files of the data folder are created and opened, for every module that stores something there. A file is private to
+//! its owner, or shared with the group where the folder belongs to the group. Only plain files are opened: opening a pipe would
+//! block for ever, and a dangling link would look like a missing file.
 
 use std::fs::{self, DirBuilder, File, OpenOptions};
 use std::io::{self, Read};
@@ -8,13 +8,13 @@ use std::path::Path;
 
 const SPECIAL: &str = "it is no plain file, but a pipe or a device";
 
-/// Fails, with the reason in a few words, when something else than a plain file has this name, or one that this user may not read.
-/// That nothing has it is none.
+/// Fails with a short reason when `path` is something else than a plain file, or one that this user may not read. A missing file
+/// is not an error.
 pub(crate) fn check_plain(path: &Path) -> io::Result<()> {
     check(path, |there| (!there.is_file()).then(|| if there.is_dir() { "it is a folder" } else { SPECIAL }))
 }
 
-/// The same for a folder.
+/// Like `check_plain`, for a folder.
 pub(crate) fn check_folder(path: &Path) -> io::Result<()> {
     check(path, |there| (!there.is_dir()).then_some("it is not a folder"))
 }
@@ -30,7 +30,7 @@ fn check(path: &Path, wrong: impl Fn(&fs::Metadata) -> Option<&'static str>) -> 
     }
 }
 
-/// Nothing is opened for it: where a program closes a file of an SQLite database, it loses the locks that it has on it.
+/// Checks rights without opening the file: a program that closes a file of an SQLite database loses its locks on that database.
 #[cfg(unix)]
 fn check_rights(path: &Path, is_folder: bool) -> io::Result<()> {
     use rustix::fs::Access;
@@ -43,14 +43,14 @@ fn check_rights(_: &Path, _: bool) -> io::Result<()> {
     Ok(())
 }
 
-/// The bytes of a plain file, and one more than `most` when it has more than that.
+/// Reads a plain file, at most `most` + 1 bytes, so that the caller sees when it is too large.
 pub(crate) fn read(path: &Path, most: usize) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     open(path, File::options().read(true))?.take(most as u64 + 1).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 
-/// The same; `None` where there is no such file.
+/// Like `read`; `None` when there is no such file.
 pub(crate) fn read_if_there(path: &Path, most: usize) -> io::Result<Option<Vec<u8>>> {
     match read(path, most) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
@@ -58,13 +58,13 @@ pub(crate) fn read_if_there(path: &Path, most: usize) -> io::Result<Option<Vec<u
     }
 }
 
-/// Opens a plain file as `options` say; one that is made by that is private.
+/// Opens a plain file with `options`; a file created by them is private.
 pub(crate) fn open(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     check_plain(path)?;
     open_at_once(path, options)
 }
 
-/// The same without looking before: a pipe that takes the place of a plain file in between is not waited for either.
+/// Opens without checking first. `NONBLOCK` keeps a pipe that replaced the file since the check from blocking.
 fn open_at_once(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     #[cfg(unix)]
     std::os::unix::fs::OpenOptionsExt::custom_flags(options, rustix::fs::OFlags::NONBLOCK.bits().cast_signed());
@@ -72,21 +72,20 @@ fn open_at_once(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     if file.metadata()?.is_file() { Ok(file) } else { Err(io::Error::other(SPECIAL)) }
 }
 
-/// Makes a file anew, for one that is still to be given its name. What has this name is a leftover of a kill: it is removed, so that
-/// no pipe is waited for and no link is followed. Only a folder stays, and is an error.
+/// Creates a file under its temporary name. A leftover of a kill with this name is removed first, so that no pipe blocks and no
+/// link is followed. A folder with this name stays, and is an error.
 pub(crate) fn create(path: &Path) -> io::Result<File> {
     let _ = fs::remove_file(path);
     check_no_folder(path)?;
     open_unchecked(path, File::options().write(true).create_new(true)).map_err(naming(path))
 }
 
-/// Fails when a folder keeps a file of this name from being made.
 pub(crate) fn check_no_folder(path: &Path) -> io::Result<()> {
     let is_folder = fs::symlink_metadata(path).is_ok_and(|there| there.is_dir());
     if is_folder { Err(naming(path)(io::Error::other("it is a folder"))) } else { Ok(()) }
 }
 
-/// Adds to an error which file it is about, so that somebody who only reads the error can see to it.
+/// Adds the path to an error, because the operator may see only the error.
 pub(crate) fn naming(path: &Path) -> impl Fn(io::Error) -> io::Error {
     move |error| io::Error::new(error.kind(), format!("{}: {error}", path.display()))
 }
@@ -102,7 +101,7 @@ fn open_unchecked(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     Ok(file)
 }
 
-/// Makes a folder for its owner alone, and those above it.
+/// Creates a folder, and its parents, for its owner alone.
 pub(crate) fn make_folder(path: &Path) -> io::Result<()> {
     let mut builder = DirBuilder::new();
     #[cfg(unix)]
@@ -110,7 +109,7 @@ pub(crate) fn make_folder(path: &Path) -> io::Result<()> {
     builder.recursive(true).create(path)
 }
 
-/// Makes a folder in one that is there; for the group as well where that is the group's.
+/// Creates a folder inside an existing one; shared with the group where the parent belongs to the group.
 pub(crate) fn make_folder_within(path: &Path) -> io::Result<()> {
     if path.is_dir() {
         return Ok(());
@@ -119,20 +118,19 @@ pub(crate) fn make_folder_within(path: &Path) -> io::Result<()> {
     made.and_then(|()| share(path, &File::open(path)?)).map_err(naming(path))
 }
 
-/// Makes the names in a folder last.
+/// Flushes the names in a folder to disk.
 pub(crate) fn sync_folder(path: &Path) -> io::Result<()> {
     let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
-    // Elsewhere a folder cannot be opened as a file, and its names last by themselves.
+    // Other systems cannot open a folder as a file, and make its names durable by themselves.
     if cfg!(unix) { File::open(path)?.sync_all() } else { Ok(()) }
 }
 
-/// The folder in which a file stands.
 pub(super) fn above(path: &Path) -> &Path {
     path.parent().filter(|above| !above.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Whether the group of this folder does with its files as the owner does: puts others in their place, too. Where there is an access
-/// list (ACL), the mode does not say who the group is.
+/// Whether the group may replace files of this folder as its owner may. With an access list (ACL) the mode does not tell what the
+/// group may do.
 #[cfg(unix)]
 pub(super) fn is_the_groups(folder: &Path) -> io::Result<bool> {
     use std::os::unix::fs::PermissionsExt;
@@ -142,14 +140,14 @@ pub(super) fn is_the_groups(folder: &Path) -> io::Result<bool> {
     Ok(mode & (GROUP_WRITES | OWN_FILES_ONLY) == GROUP_WRITES && !has_access_list(folder))
 }
 
-/// Whether others are named for a file or folder beside its mode, or for what is made in it.
+/// Whether an access list names other users for a path, or a default one for what is created in it.
 #[cfg(target_os = "linux")]
 pub(super) fn has_access_list(path: &Path) -> bool {
     let lists = ["system.posix_acl_access", "system.posix_acl_default"];
     let mut room = [0; 256];
     lists.into_iter().any(|list| match rustix::fs::getxattr(path, list, &mut room[..]) {
         Ok(bytes) => bytes > 0,
-        // One that is longer is one all the same.
+        // The list is longer than the buffer, so there is one.
         Err(error) => error == rustix::io::Errno::RANGE,
     })
 }
@@ -159,25 +157,24 @@ pub(super) fn has_access_list(_: &Path) -> bool {
     false
 }
 
-/// Gives the group what the owner has, where the folder in which it stands is the group's: what the mask of the process says is no
-/// matter then.
+/// Grants the group the owner's rights where the folder belongs to the group, regardless of the umask of the process.
 #[cfg(unix)]
 pub(super) fn share(path: &Path, made: &File) -> io::Result<()> {
     use std::os::unix::fs::{MetadataExt, PermissionsExt};
     let (folder, there) = (above(path), made.metadata()?);
     let shared = there.mode() | (there.mode() & 0o700) >> 3;
-    // It has the group of whoever made it, unless the folder hands on its own.
+    // A new file has the group of its creator unless the folder passes on its own.
     if shared == there.mode() || fs::metadata(folder)?.gid() != there.gid() || !is_the_groups(folder)? {
         return Ok(());
     }
     match made.set_permissions(fs::Permissions::from_mode(shared)) {
-        // A volume that does not let modes be chosen: what it chose must do.
+        // The volume does not allow modes to be set, so its own choice stands.
         Err(error) if error.kind() == io::ErrorKind::PermissionDenied => Ok(()),
         set => set,
     }
 }
 
-/// Elsewhere a file has the rights of its folder.
+/// On other systems a file has the rights of its folder.
 #[cfg(not(unix))]
 #[expect(clippy::unnecessary_wraps, reason = "it has the shape of the one that shares")]
 pub(super) fn share(_: &Path, _: &File) -> io::Result<()> {
@@ -213,7 +210,7 @@ mod tests {
             assert!(said.to_string().contains(words), "{name}: {said}");
             assert!(open(&at(name), OpenOptions::new().write(true)).is_err(), "{name}");
         }
-        // As when the pipe has taken the place of a file that was looked at just before.
+        // Simulates a pipe that replaced the file just after the check.
         for mut options in [File::options().read(true).clone(), File::options().write(true).clone()] {
             assert!(open_at_once(&at("pipe"), &mut options).is_err());
         }

@@ -1,5 +1,5 @@
-//! The store behind the ports `runtime::store::Store` and `runtime::archive::Archive`, on disk or in memory; what remembers a STOP
-//! beside it; and how files of the data folder are named, made, opened and written, for all that keeps something there.
+//! The store behind the ports `runtime::store::Store` and `runtime::archive::Archive`, on disk or in memory; the file that
+//! remembers a STOP; and how all files of the data folder are named, created, opened and written.
 
 pub(crate) mod files;
 pub mod names;

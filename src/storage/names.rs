@@ -1,10 +1,10 @@
-//! The table of everything that the program itself keeps in the data folder, and the only place that spells these names. Small files
-//! are opened by a `Name` alone, so that none is missing in the table; the tests of damage and the page `docs/journal.md` go by `ALL`
-//! (safety R5).
+//! The table of every file that the program keeps in the data folder, and the only place that spells these names. Small files can
+//! be opened only by a `Name`, so the table is complete; the tests of damage and the page `docs/journal.md` use `ALL` (safety
+//! R5).
 
 use std::path::{Path, PathBuf};
 
-/// A file or folder, by its path in the data folder. `*` stands for the part in which files of one kind differ.
+/// Path of a file or folder within the data folder. `*` stands for the part in which files of one kind differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Name(&'static str);
 
@@ -56,7 +56,7 @@ impl Name {
         data.join(self.0)
     }
 
-    /// The path of one file of its kind, which has `part` in the place of `*`.
+    /// Path of one file of its kind, with `part` in place of `*`.
     pub(crate) fn of(self, data: &Path, part: &str) -> PathBuf {
         data.join(self.0.replace('*', part))
     }

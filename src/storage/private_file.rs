@@ -1,10 +1,10 @@
-//! A small file that holds secrets: which programs of this machine may read it, and how it is replaced.
+//! A small file that holds secrets: who may read it, and how it is replaced.
 //!
 //! ```text
-//!   its owner alone                 it is made so, in a folder that is its owner's alone to write to
-//!   the group of its folder         who may put another file in its place learns nothing by reading it
-//!   whoever the volume lets         some volumes give every file the same mode, whatever is asked for
-//!   anybody else                    what stands in it may be known already
+//!   its owner alone                 created so, in a folder that only its owner may write to
+//!   the group of its folder         whoever may replace the file learns nothing new by reading it
+//!   whoever the volume allows       some volumes give every file the same mode, whatever is asked for
+//!   anybody else                    the secrets may be known already
 //! ```
 
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -15,23 +15,23 @@ use std::time::Duration;
 use super::files;
 use super::names::{self, Name};
 
-/// How often it is looked whether the folder is free, and how many times: two seconds together.
+/// Interval and number of attempts to lock the folder: two seconds in all.
 const GLANCE: Duration = Duration::from_millis(20);
 const GLANCES: u32 = 100;
 
-/// A file for whoever runs hallsweep alone, which is replaced as a whole at each writing.
+/// A file private to the user who runs hallsweep, replaced as a whole at each write.
 #[derive(Clone, Debug)]
 pub(crate) struct PrivateFile(PathBuf);
 
-/// Who may do something with a file by its mode.
+/// Who may read a file, by its mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Readers {
     Owner,
-    /// The group of its folder too, which may put another file in its place.
+    /// Also the group of its folder, which may replace the file anyway.
     Group,
-    /// Those too whom the volume lets, which makes every file so.
+    /// Also those whom the volume allows: it gives every file this mode.
     OfVolume,
-    /// Others, by this mode, as in `chmod`.
+    /// Other users; the mode as in `chmod`.
     Others(u32),
 }
 
@@ -44,8 +44,8 @@ impl PrivateFile {
         &self.0
     }
 
-    /// What stands in it up to `most` bytes, and who may read it; `None` where there is no such file. Where there are no modes the
-    /// folder of the user keeps others out.
+    /// The first `most` bytes and who may read them; `None` when there is no such file. On systems without modes the user's own
+    /// folder protects the file.
     pub(crate) fn read(&self, most: u64) -> io::Result<Option<(Vec<u8>, Readers)>> {
         let file = match files::open(&self.0, File::options().read(true)) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
@@ -57,8 +57,9 @@ impl PrivateFile {
         Ok(Some((bytes, readers)))
     }
 
-    /// Keeps other programs that call this waiting until what is given back is dropped, so that what is written follows from what was
-    /// read. Not for ever, since whoever may look into the folder can lock it; and where it cannot be locked nobody waits.
+    /// Excludes other callers of this function until the returned lock is dropped, so that a write follows from what was read.
+    /// Waits two seconds at most, since anybody who may read the folder can lock it, and does not wait where the folder cannot be
+    /// locked.
     pub(crate) fn alone(&self) -> Option<File> {
         let folder = File::open(files::above(&self.0)).ok()?;
         (0..GLANCES).find_map(|_| match folder.try_lock() {
@@ -71,13 +72,13 @@ impl PrivateFile {
         Some(folder)
     }
 
-    /// Replaces it, and is done when that has reached the disk. The folder is made when it is not there.
+    /// Replaces the file and returns once it is on disk. Creates the folder when there is none.
     pub(crate) fn replace(&self, bytes: &[u8]) -> io::Result<()> {
         let folder = files::above(&self.0);
         files::make_folder(folder)?;
-        // Two programs may write it at once.
+        // The process id keeps two programs that write at once apart.
         let fresh = self.0.with_extension(format!("{}.new", std::process::id()));
-        // One that a crash left behind may be anybody's: it is not written into.
+        // A leftover of a crash may belong to another user, so it is not written into.
         let _ = fs::remove_file(&fresh);
         let written = write(&fresh, bytes).and_then(|()| fs::rename(&fresh, &self.0));
         if written.is_err() {
@@ -94,7 +95,7 @@ fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     file.sync_all()
 }
 
-/// Makes one for its owner alone, where nothing has this name.
+/// Creates a private file; fails when the name exists.
 fn make(path: &Path) -> io::Result<File> {
     let mut options = OpenOptions::new();
     options.write(true).create_new(true);
@@ -119,13 +120,13 @@ fn readers(path: &Path, file: &fs::Metadata, made: impl FnOnce() -> u32) -> io::
     Ok(if made() & open == open { Readers::OfVolume } else { Readers::Others(file.mode() & 0o777) })
 }
 
-/// The mode of a file that was made for its owner alone in this folder: nothing else tells what the volume makes of it. 0 where none
-/// can be made.
+/// The mode that the volume gives to a private file in this folder, found by creating one; there is no other way to know it. 0
+/// when none can be created.
 #[cfg(unix)]
 fn mode_of_volume(folder: &Path) -> u32 {
     use std::hash::{BuildHasher, Hasher, RandomState};
     use std::os::unix::fs::MetadataExt;
-    // In containers every program may have the same number, and one that was killed leaves its file behind.
+    // A random name: in containers programs may share a process id, and a killed one leaves its file behind.
     let tried = names::MODE.of(folder, &format!("{:016x}", RandomState::new().build_hasher().finish()));
     let made = make(&tried).and_then(|made| made.metadata()).map_or(0, |made| made.mode());
     let _ = fs::remove_file(&tried);
@@ -158,7 +159,7 @@ mod tests {
         file.read(9).expect("it can be read").expect("it is there").1
     }
 
-    /// As a cluster makes a volume, and all that is on it, at each start (`fsGroup`). Safety A1.
+    /// Safety A1. A cluster sets the group of a volume and of all files on it at each start (`fsGroup`).
     #[test]
     fn who_may_put_another_file_in_its_place_may_read_it_and_nobody_else() {
         let scratch = Scratch::new();
@@ -179,13 +180,13 @@ mod tests {
             assert_eq!(readers_of(&file), expect, "{mode:o}");
         }
         set(file.path(), 0o660);
-        // The group may do nothing there; or it may add files, and leaves those of others alone.
+        // The group may do nothing there, or it may add files but not replace those of others.
         for folder_mode in [0o700, 0o750, 0o1770] {
             set(&folder, folder_mode);
             assert_eq!(readers_of(&file), Readers::Others(0o660), "in a folder {folder_mode:o}");
         }
         set(&folder, 0o2770);
-        // A user that is named beside the mode, where the system knows such lists: version 2, the owner, user 1, group, mask, others.
+        // An access list that names a user, where the system supports it: version 2, the owner, user 1, group, mask, others.
         #[cfg(target_os = "linux")]
         {
             let entry =
@@ -205,11 +206,11 @@ mod tests {
                 set(&folder, 0o2770);
             }
         }
-        // Only root gives a file to a group that it is not in.
+        // Only root can give a file to a group that it is not in.
         let stranger = fs::metadata(&folder).unwrap().gid() + 1;
         if chown(file.path(), None, Some(stranger)).is_ok() {
             assert_eq!(readers_of(&file), Readers::Others(0o660), "of another group than the folder");
-            // Where the folder does not hand on its group, what is made is ours alone.
+            // The folder does not pass on its group, so new files are private.
             chown(&folder, None, Some(stranger)).unwrap();
             set(&folder, 0o770);
             file.replace(b"secret").unwrap();

@@ -1,9 +1,9 @@
-//! For tests: a folder of one test. What is put there is the test's own.
+//! The folder of one test.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// A folder that is gone when the test ends.
+/// Removed when the test ends.
 pub(crate) struct Scratch(pub(crate) PathBuf);
 
 impl Scratch {
@@ -11,7 +11,7 @@ impl Scratch {
         static NUMBER: AtomicU32 = AtomicU32::new(0);
         let name = format!("hallsweep-test-{}-{}", std::process::id(), NUMBER.fetch_add(1, Ordering::Relaxed));
         let path = std::env::temp_dir().join(name);
-        // What a run left behind that was killed.
+        // Removes the leftover of a run that was killed.
         let _ = std::fs::remove_dir_all(&path);
         std::fs::create_dir(&path).expect("a fresh folder");
         Scratch(path)
@@ -20,7 +20,7 @@ impl Scratch {
 
 impl Drop for Scratch {
     fn drop(&mut self) {
-        // Left behind it harms nobody.
+        // A folder that stays behind is harmless.
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }

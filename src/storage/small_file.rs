@@ -1,11 +1,11 @@
-//! The one way in which the small files of the data folder are read and written: what remembers a STOP, where the simulated robot
-//! stands, what was said to be lost. Each says itself what stands in it and when it is written; how the files of the folder are made
-//! and opened at all is said in `files`, and how secrets are kept in `private_file`.
+//! The one way to read and write small files of the data folder: the STOP file, the position of the simulated robot, the mark of
+//! lost entries. Their contents and the moments of writing belong to the owners; creating and opening is in `files`, secrets are
+//! in `private_file`.
 //!
 //! ```text
-//!   make        beside it, fsync, rename     whole or not at all, and it lasts: the first writing
-//!   swap        beside it, rename            whole or not at all, in the system's hands at once
-//!   write_at    in place, nothing flushed    in the system's hands at once, so that it outlives `kill -9`; needs no room
+//!   make        new file, fsync, rename      all or nothing, and durable: the first write
+//!   swap        new file, rename             all or nothing, handed to the system at once
+//!   write_at    in place, not flushed        handed to the system at once, so that it outlives `kill -9`; needs no free space
 //! ```
 
 use std::fs::{self, File};
@@ -18,7 +18,7 @@ use super::files;
 use super::names::Name;
 use crate::runtime::archive::hex;
 
-/// By which a damaged text differs from what was written.
+/// Detects a damaged text: the first 8 bytes of its SHA-256.
 pub(crate) fn checksum(text: &str) -> String {
     hex(&Sha256::digest(text)[..8])
 }
@@ -26,19 +26,19 @@ pub(crate) fn checksum(text: &str) -> String {
 #[derive(Debug)]
 pub(crate) struct SmallFile {
     path: PathBuf,
-    /// Opened for writing; `None` before the first writing and after one that failed.
+    /// Opened for writing; `None` before the first write and after a failed one.
     open: Option<File>,
-    /// Whether it was said already that it cannot be written.
+    /// Whether the failure is in the log already.
     is_failing: bool,
 }
 
 impl SmallFile {
-    /// The file `name` in the data folder. Nothing is opened or looked at.
+    /// Does not touch the disk.
     pub(crate) fn within(data: &Path, name: Name) -> SmallFile {
         SmallFile::of(data, name, "")
     }
 
-    /// One of several files of a kind: `part` tells it from the others.
+    /// Like `within`, for one of several files of a kind, told apart by `part`.
     pub(crate) fn of(data: &Path, name: Name, part: &str) -> SmallFile {
         SmallFile { path: name.of(data, part), open: None, is_failing: false }
     }
@@ -47,17 +47,17 @@ impl SmallFile {
         &self.path
     }
 
-    /// What stands in it, and one byte more than `most` when it has more than that; `None` where there is no such file.
+    /// Reads at most `most` + 1 bytes, so that the caller sees when it is too large; `None` when there is no such file.
     pub(crate) fn read(&self, most: usize) -> io::Result<Option<Vec<u8>>> {
         files::read_if_there(&self.path, most)
     }
 
-    /// What the file is called until it is whole.
+    /// Temporary name of the file until it is complete.
     pub(crate) fn unfinished(&self) -> PathBuf {
         self.path.with_extension("new")
     }
 
-    /// Makes it anew, whole or not at all, and waits for the disk: a power cut then leaves the old one or the new one.
+    /// Replaces the file and waits for the disk: a power cut leaves the old contents or the new ones.
     pub(crate) fn make(&mut self, bytes: &[u8]) -> io::Result<()> {
         let unfinished = self.unfinished();
         let mut file = files::create(&unfinished)?;
@@ -68,14 +68,14 @@ impl SmallFile {
         Ok(())
     }
 
-    /// Replaces it, whole or not at all, and flushes nothing: what was handed over outlives `kill -9`.
+    /// Replaces the file without a flush: the new contents outlive `kill -9`, but not a power cut.
     pub(crate) fn swap(&mut self, bytes: &[u8]) -> io::Result<()> {
         let unfinished = self.unfinished();
         files::create(&unfinished)?.write_all(bytes)?;
         fs::rename(&unfinished, &self.path)
     }
 
-    /// Writes over what stands at `place` of a file that is there.
+    /// Overwrites an existing file from offset `place`.
     pub(crate) fn write_at(&mut self, place: u64, bytes: &[u8]) -> io::Result<()> {
         let mut file = match self.open.take() {
             Some(file) => file,
@@ -87,14 +87,14 @@ impl SmallFile {
         Ok(())
     }
 
-    /// Writes over its beginning, also where there is none yet; what is given back can be flushed.
+    /// Overwrites the start of the file, creating it when there is none. The returned file can be flushed.
     pub(crate) fn write_over(&self, bytes: &[u8]) -> io::Result<File> {
         let mut file = files::open(&self.path, File::options().write(true).create(true).truncate(false))?;
         file.write_all(bytes)?;
         Ok(file)
     }
 
-    /// Says in the log when it begins to fail, and when it is well again; not each time.
+    /// Logs when writing starts to fail and when it works again, not each attempt.
     pub(crate) fn say(&mut self, outcome: &io::Result<()>, failing: &str, well_again: &str) {
         match outcome {
             Ok(()) if std::mem::take(&mut self.is_failing) => tracing::info!(file = %self.path.display(), "{well_again}"),

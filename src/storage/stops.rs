@@ -1,13 +1,13 @@
-//! A second rope for STOP (safety S4): a stop is answered before its record, so its epoch also goes into a tiny file of its own,
-//! in place, where it outlives `kill -9` also when the journal cannot be written. What follows from it at the next start is the
-//! app's business, and who stopped is on record in the journal alone.
+//! A second record of STOP (safety S4): a stop is answered before it is in the journal, so its epoch is also written in place to
+//! a small file, where it outlives `kill -9` even when the journal cannot be written. What a start does with it is decided in
+//! `app`, and only the journal records who stopped.
 //!
 //! ```text
 //!   hallsweep stops 1 00000000000000000041 5d1c0a8e77f0b3c2     two lines like this; the greater one counts, and the
 //!   hallsweep stops 1 00000000000000000042 90b2f3a4c5d60718     other one is written next
 //! ```
-//! The file has its full size from the first start, so that a full disk has room for every later stop. Nothing is flushed: what is
-//! written is in the system's hands at once, and only a power cut may take the last seconds of it.
+//! The file has its full size from the first start, so that a full disk has room for every later stop. Nothing is flushed: written bytes
+//! are in the system's hands at once, and only a power cut may lose the last seconds of them.
 
 use std::fs;
 use std::io;
@@ -19,46 +19,46 @@ use crate::storage::small_file::{SmallFile, checksum};
 use crate::storage::{files, names};
 use hallsweep_core::units::Epoch;
 
-/// How a line begins: whose it is, and its version.
+/// How a line begins: the program's name and the version of the format.
 const BEGINS: &str = "hallsweep stops 1 ";
 
-/// The bytes of a line: its beginning, twenty digits, a space, sixteen of checksum, the end of the line.
+/// Bytes of a line: its beginning, twenty digits, a space, sixteen of checksum, the end of the line.
 const LINE: usize = BEGINS.len() + 20 + 1 + 16 + 1;
 
-/// The bytes of the file. Both lines lie in one sector.
+/// Bytes of the file. Both lines are in one sector.
 const SIZE: usize = 2 * LINE;
 
-/// A greater epoch was never reached by pressing a button: nobody wrote that.
+/// Largest epoch accepted from the file; no number of presses reaches a larger one.
 const GREATEST: u64 = i64::MAX as u64;
 
-/// So long after the file could not be written it is tried again, when nobody stops before.
+/// Time after which a failed write is retried, when no stop comes before.
 const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
 
 #[derive(Debug)]
 pub struct Stops {
     file: SmallFile,
     epoch: Epoch,
-    /// The line that is written next.
+    /// The line to write next.
     turn: usize,
-    /// Whether what stood there could not be understood.
+    /// Whether the contents could not be read.
     was_damaged: bool,
-    /// Whether that stands beside it under another name.
+    /// Whether a copy of them was stored under another name.
     was_set_aside: bool,
 }
 
-/// What the bytes of a file come to.
+/// Result of parsing the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Found {
     epoch: Epoch,
-    /// Which line says so.
+    /// The line that has the greater epoch.
     line: usize,
-    /// Whether the other line is whole too. If not, it may have named a later stop.
+    /// Whether the other line is readable too. If not, it may have named a later stop.
     is_sure: bool,
 }
 
 impl Stops {
-    /// Why the file in the folder `dir` cannot be had at all, in words that end with what to do; `None` where it can, or where
-    /// there is none yet. Nothing is changed.
+    /// Why the file in the folder `dir` cannot be used at all, in words that end with what to do; `None` when it can be, or when
+    /// there is none yet. Changes nothing.
     pub fn unusable(dir: &Path) -> Option<String> {
         let file = SmallFile::within(dir, names::STOPS);
         let unusable = |path: &Path, error: &io::Error| {
@@ -71,8 +71,8 @@ impl Stops {
         }
     }
 
-    /// The file in the folder `dir`, made with its full size when there is none. No fault of it is an error: the log says it, and
-    /// it is tried again with the next stop. One of which a line cannot be understood is set aside and begun anew.
+    /// Opens the file in the folder `dir`, or creates it with its full size. A fault is not an error but logged, and the next
+    /// stop retries. A file with an unreadable line is set aside and begun anew.
     pub fn open(dir: &Path) -> Stops {
         let mut stops = Stops {
             file: SmallFile::within(dir, names::STOPS),
@@ -90,8 +90,8 @@ impl Stops {
                 found => {
                     stops.was_damaged = true;
                     stops.epoch = found.map_or(Epoch(0), |found| found.epoch);
-                    // A second name for it, since a kill before the new one is there must find it still. Where the volume has none, it
-                    // is written over all the same: a STOP must find its file.
+                    // A second name for it, since a kill before the new file exists must still find it. On a volume without
+                    // links it is overwritten all the same, because a STOP must find its file.
                     let aside = names::STOPS_DAMAGED.within(dir);
                     let _ = fs::remove_file(&aside);
                     stops.was_set_aside = fs::hard_link(stops.file.path(), &aside).is_ok();
@@ -108,18 +108,18 @@ impl Stops {
         stops
     }
 
-    /// The epoch of the last stop that was written down; 0 when none was.
+    /// Epoch of the last stop in the file; 0 when there is none.
     pub const fn epoch(&self) -> Epoch {
         self.epoch
     }
 
-    /// Where the file is, if what stood there could not be understood: nobody knows then whether the last stop is on record.
-    /// Says also whether what stood there was set aside.
+    /// Path of the file if its contents could not be read, in which case the last stop may be missing from the records. Also
+    /// whether the contents were set aside.
     pub fn damaged(&self) -> Option<(&Path, bool)> {
         self.was_damaged.then_some((self.file.path(), self.was_set_aside))
     }
 
-    /// Writes an epoch down, unless a later one stands there already. When that fails the log says so, and it stays to be done.
+    /// Writes an epoch, unless a later one is stored. A failure is logged, and the write is retried later.
     fn keep(&mut self, epoch: Epoch) {
         if epoch > self.epoch {
             let kept = self.write(epoch);
@@ -152,8 +152,7 @@ impl Stops {
     }
 }
 
-/// Writes down every stop and says so to the halter, on a thread where blocking is allowed: a disk that hangs keeps nobody from
-/// stopping. Ends with the program.
+/// Writes every stop and tells the halter, on a thread that may block: a disk that hangs prevents no stop. Ends with the program.
 pub async fn follow(mut stops: Stops, halter: Halter) {
     let mut halts = halter.watch();
     halter.note(Some(stops.epoch()));
@@ -169,7 +168,7 @@ pub async fn follow(mut stops: Stops, halter: Halter) {
         }
         if epoch > stops.epoch() {
             halter.note(None);
-            // It could not be written: the next halt or the time to try again, whichever comes first.
+            // The write failed: retry at the next halt or after the pause, whichever comes first.
             let _ = tokio::time::timeout(WRITTEN_AGAIN, halts.raised()).await;
         } else {
             halter.note(Some(stops.epoch()));
@@ -178,7 +177,7 @@ pub async fn follow(mut stops: Stops, halter: Halter) {
     }
 }
 
-/// The greater epoch of those lines that are whole; `None` when none is, or when it is some other file.
+/// The greater epoch of the readable lines; `None` when neither is readable, or when it is some other file.
 fn understood(bytes: &[u8]) -> Option<Found> {
     if bytes.len() != SIZE {
         return None;
@@ -189,7 +188,7 @@ fn understood(bytes: &[u8]) -> Option<Found> {
     Some(Found { epoch, line, is_sure: lines.len() == SIZE / LINE })
 }
 
-/// The epoch of a line, if it is one that `line` made.
+/// Epoch of a line that `line` wrote.
 fn epoch_of(bytes: &[u8]) -> Option<Epoch> {
     let digits = std::str::from_utf8(bytes).ok()?.strip_prefix(BEGINS)?.get(..20)?;
     let epoch = digits.parse().ok().filter(|epoch| *epoch <= GREATEST).map(Epoch)?;

@@ -1,4 +1,4 @@
-//! What the file that remembers STOP survives: kills, damage, any bytes at all. Kept apart from `stops` because there is much of it.
+//! What the STOP file survives: kills, damage, arbitrary bytes. A file of its own because of its length.
 
 use std::path::PathBuf;
 
@@ -56,7 +56,7 @@ fn a_line_that_was_cut_short_costs_only_itself_and_leaves_a_doubt() {
         let again = Stops::open(&scratch.0);
         assert_eq!((again.epoch(), again.damaged()), (Epoch(6), None));
     }
-    // Opened again it writes over the older line, so that a kill in the middle of that costs nothing that was there.
+    // After reopening it overwrites the older line, so that a kill in the middle of that costs nothing that was there.
     for epochs in [[7, 6], [6, 7]] {
         std::fs::write(file_in(&scratch), epochs.map(|epoch| line(Epoch(epoch))).concat()).unwrap();
         Stops::open(&scratch.0).keep(Epoch(8));
@@ -90,7 +90,7 @@ fn it_is_for_its_owner_alone_and_nothing_else_is_left_there() {
     assert_eq!(std::fs::read_dir(&scratch.0).unwrap().count(), 1);
 }
 
-/// A folder that is not there yet, or no longer: the stop is written when it is.
+/// The folder does not exist yet, or no longer: the stop is written once it does.
 #[tokio::test(start_paused = true)]
 async fn what_could_not_be_written_is_written_as_soon_as_it_can_be() {
     let scratch = Scratch::new();
@@ -113,13 +113,13 @@ async fn what_could_not_be_written_is_written_as_soon_as_it_can_be() {
     following.abort();
 }
 
-/// Safety S4: whoever was answered finds it written.
+/// Safety S4: an answered stop is in the file.
 #[tokio::test(start_paused = true)]
 async fn a_stop_that_was_noted_stands_in_the_file() {
     let scratch = Scratch::new();
     let halter = Halter::new(Epoch(0));
     let following = tokio::spawn(follow(Stops::open(&scratch.0), halter.clone()));
-    // It has begun when it says so.
+    // One yield lets the thread begin.
     tokio::task::yield_now().await;
     for _ in 0..100 {
         let epoch = halter.stop();
@@ -130,7 +130,7 @@ async fn a_stop_that_was_noted_stands_in_the_file() {
 }
 
 proptest! {
-    /// Safety A7: whatever bytes stand there, they are read without a panic, and only what was written is believed.
+    /// Safety A7: arbitrary bytes are read without a panic, and only lines that the program wrote are accepted.
     #[test]
     fn any_bytes_are_read(bytes in prop::collection::vec(any::<u8>(), 0..2 * SIZE), epoch in 0..=GREATEST, at in 0..SIZE) {
         prop_assert_eq!(understood(&bytes), None);

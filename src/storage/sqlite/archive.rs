@@ -1,5 +1,5 @@
-//! What the doors fetch: photos, luggage, missions that are over, their entries. Each question has a connection of its own, so
-//! that none waits for another, for the writer, or for a disk that cannot be written.
+//! What the doors read: photos, luggage, past missions and their entries. Each query has a connection of its own, so that none
+//! waits for another, for the writer, or for a disk that cannot be written.
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -21,14 +21,14 @@ use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
 use hallsweep_core::world::luggage::{Decision, Luggage};
 
-/// So many connections are kept for the next question: as many as are asked at once in a busy moment.
+/// Idle connections kept for later queries: as many as run at once in a busy moment.
 const IDLE: usize = 4;
 
-/// A retrieval is the last that happens in a mission, and takes some hundreds of entries: it is looked for among so many, which takes
-/// milliseconds.
+/// Number of last entries searched for a retrieval. A retrieval is the last part of a mission and takes some hundreds of entries;
+/// the search takes milliseconds.
 const SEARCHED: u64 = 20_000;
 
-/// The columns of a mission, in the order in which `record` takes them.
+/// Columns of a mission, in the order in which `record` reads them.
 const MISSION: &str = "SELECT id, strategy, began_ms, began_offset_s, archived_ms, archived_offset_s, phase, left_in_place,
     (SELECT count(*) FROM luggage WHERE mission = missions.id),
     (SELECT count(*) FROM luggage WHERE mission = missions.id AND verdict = 'danger') FROM missions";
@@ -44,7 +44,7 @@ impl SqliteArchive {
         SqliteArchive::Folder { folder, idle: Mutex::default() }
     }
 
-    /// Answers with a connection; with what nothing gives, where there is no journal yet.
+    /// Runs a query; the default value where there is no journal yet.
     fn ask<T: Default>(&self, question: impl FnOnce(&Connection) -> Result<T, Fault>) -> Result<T, Unreadable> {
         let answer = match self {
             SqliteArchive::Folder { folder, idle } => ask_folder(folder, idle, question),
@@ -67,7 +67,6 @@ impl SqliteArchive {
         Ok(entries)
     }
 
-    /// The photo whose digest and media type are asked for.
     fn picture(&self, connection: &Connection, sql: &str, which: impl Params) -> Result<Option<Photo>, Fault> {
         let picture = |row: &Row<'_>| Ok(Picture { digest: row.get(0)?, media_type: row.get(1)? });
         let picture = connection.prepare_cached(sql)?.query_row(which, picture).optional()?;
@@ -81,7 +80,7 @@ impl SqliteArchive {
         }
     }
 
-    /// The folder, as it is called in words for an operator.
+    /// The folder, for messages to an operator.
     fn path(&self) -> &Path {
         match self {
             SqliteArchive::Folder { folder, .. } => folder.path(),
@@ -90,13 +89,13 @@ impl SqliteArchive {
     }
 }
 
-/// Asks a connection that idles, or a new one.
+/// Runs a query on an idle connection or a new one.
 fn ask_folder<T: Default>(
     folder: &Folder,
     idle: &Mutex<Vec<Reader>>,
     question: impl FnOnce(&Connection) -> Result<T, Fault>,
 ) -> Result<T, Fault> {
-    // A list of connections is whole whoever panicked.
+    // A panic cannot leave the list of connections incomplete.
     let idle = || idle.lock().unwrap_or_else(PoisonError::into_inner);
     let ready = idle().pop();
     let opened = ready.map_or_else(|| connect::reader(folder), |reader| Ok(Some(reader)))?;
@@ -109,7 +108,7 @@ fn ask_folder<T: Default>(
     Ok(answer)
 }
 
-/// A number beyond those of the store is that of nothing.
+/// A number above the largest of the store belongs to nothing.
 impl MemoryStore {
     pub fn archive(&self) -> Arc<dyn Archive> {
         Arc::new(SqliteArchive::Memory(Arc::clone(&self.journal)))

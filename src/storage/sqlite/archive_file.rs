@@ -1,13 +1,14 @@
-//! Archives: old missions of a journal in one file, a journal of its own with the photos in it. What is in one is a stretch of the chain:
+//! Archives: old missions of a journal in one file, which is a journal of its own and includes the photos. An archive holds a section of the
+//! chain:
 //!
 //! ```text
-//!   journal   1 ─────────────── gone ─┬─ RESET, all that stands ─┬─ last ──────────────► head
+//!   journal   1 ─────────────── gone ─┬─ RESET, state snapshot ──┬─ last ──────────────► head
 //!   archive   1 ──────────────────────┼───────────────────────── last
 //!   next                              gone ───────────────────────────────── …
 //! ```
-//! The page with which the last of its missions ends stands in both, since what stands afterwards follows from it; so each archive can be
-//! folded by itself, and the next, or the journal, begins behind a page that is in the one before. Nothing leaves the journal before the archive is
-//! on the disk, was read again and found sound, with the same digests.
+//! Both contain the page with which the last archived mission ends, since the state afterwards follows from it: each archive can be folded by
+//! itself, and the next archive, or the journal, continues a page that is in the one before. Entries leave the journal only after the archive is
+//! on disk, was read again and has the same digests.
 
 use std::collections::BTreeSet;
 use std::fs::File;
@@ -29,27 +30,26 @@ use crate::storage::{files, names};
 use hallsweep_core::effect::{Entry, Fact, Page, WrittenOut};
 use hallsweep_core::units::{Seq, WallTime};
 
-/// What was written out.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Archived {
     pub what: WrittenOut,
-    /// The last entry in it, and the digest of its page.
+    /// Last entry of the archive, and the digest of its page.
     pub last: Head,
     pub photos: u64,
-    /// How many missions are still to be written out.
+    /// Number of missions that are due but did not fit into this archive.
     pub left: u64,
 }
 
-/// What stands behind the name of an archive while it is written.
+/// Suffix of an archive's name while it is written.
 const UNFINISHED: &str = "unfinished";
 
-/// Writes out all missions that were put away before `before`, oldest first and without a gap, into `file`, and takes them out of the journal.
-/// `None` where there is none; nothing is changed then.
+/// Moves all missions that were put away before `before`, oldest first and without a gap, from the journal into `file`. `None`,
+/// and no change, when there are none.
 pub fn write_out(data: &Path, before: WallTime, now: WallTime, file: &Path) -> Result<Option<Archived>, Unreadable> {
     write_out_within(data, (before, now), Bound::NONE, |_| file.to_owned())
 }
 
-/// The same into the folder `archives` of the data folder, not more than a start waits for.
+/// Like `write_out`, into the folder `archives` of the data folder, limited to what a start can wait for.
 pub fn write_out_at_start(data: &Path, before: WallTime, now: WallTime) -> Result<Option<Archived>, Unreadable> {
     let archives = names::ARCHIVES.within(data);
     let made = files::make_folder_within(&archives).and_then(|()| files::sync_folder(data));
@@ -59,7 +59,8 @@ pub fn write_out_at_start(data: &Path, before: WallTime, now: WallTime) -> Resul
     write_out_within(data, (before, now), Bound::OF_A_START, |cut| names::ARCHIVE.of(data, &stem(cut)))
 }
 
-/// Removes what kills left half done in the folder that is ours alone. A folder among that is in nobody's way.
+/// Removes the leftovers of kills from the folder `archives`, which only this program writes to. A folder among them does no
+/// harm.
 fn sweep(archives: &Path) -> std::io::Result<()> {
     for file in std::fs::read_dir(archives)? {
         let path = file?.path();
@@ -70,13 +71,13 @@ fn sweep(archives: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
-/// A name that follows from what is in it.
+/// The name follows from the contents, so that the same archive gets the same name again.
 fn stem(Cut { missions: (first, last), last: end, .. }: &Cut) -> String {
     format!("missions-{first}-to-{last}-{}", &end.hex()[..16])
 }
 
-/// Writes out as many as the bound takes, into the file that `file` says. One that is there already with just that in it, because a kill or a lock came
-/// between its writing and the journal's, is taken for it.
+/// Moves as many missions as the bound allows into the file that `file` names. An existing file with exactly these contents is
+/// used: a kill or a lock came between writing it and changing the journal.
 pub(super) fn write_out_within(
     data: &Path,
     (before, now): (WallTime, WallTime),
@@ -112,15 +113,15 @@ pub(super) fn write_out_within(
     let archived = Archived { left: due.0 - cut.missions.1.0, ..written(&folder, &journal, cut, &file)? };
     let gone = take_out(&folder, &mut journal, &archived, now).map_err(words)?;
     gone.iter().for_each(|picture| {
-        // Whoever finds it later finds a photo that nothing names, and that is in the archive.
+        // A photo that stays is harmless: nothing names it, and the archive has it too.
         let _ = std::fs::remove_file(folder.photo(picture));
     });
-    // The room that is free now is given back where that can be done; else the journal takes it again.
+    // Returns the freed space to the disk where possible; otherwise the journal uses it again.
     let _ = journal.execute_batch("VACUUM");
     Ok(Some(archived))
 }
 
-/// Whether a file would lie among those of this data folder, or of another: they have names and meanings. In `archives` it may.
+/// Whether `file` would lie among the named files of this data folder, or of another one. The folder `archives` is allowed.
 pub fn is_within(data: &Path, file: &Path) -> bool {
     let file = file.canonicalize().unwrap_or_else(|_| file.to_owned());
     let folder = file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -129,7 +130,7 @@ pub fn is_within(data: &Path, file: &Path) -> bool {
     above.any(|above| data.as_deref() == Some(above) || names::JOURNAL.within(above).exists())
 }
 
-/// Fails unless the journal is sound, whole and of this version. Its photos are looked at as far as they leave it, when they are copied.
+/// Fails unless the journal is sound, complete and of this version. Photos are checked only when they are copied out.
 fn ready(folder: &Folder) -> Result<(), Unreadable> {
     let words = |fault: Fault| Unreadable(fault.words(folder.path(), Then::StartAgain));
     if marker::read(folder).map_err(words)?.is_some() {
@@ -139,11 +140,11 @@ fn ready(folder: &Folder) -> Result<(), Unreadable> {
     }
     head::check(folder).map_err(words)?;
     let journal = sound_by(folder, check_entries)?;
-    // One that has stayed behind would name what goes now.
+    // An outdated head file would name an entry that is about to leave.
     chain::end(&journal).and_then(|end| head::write(folder, &end)).map_err(words)
 }
 
-/// A connection to a journal or archive that is sound.
+/// Opens a journal or archive that passes the check.
 pub(super) fn sound(folder: &Folder) -> Result<Connection, Unreadable> {
     sound_by(folder, check)
 }
@@ -163,7 +164,7 @@ fn sound_by(folder: &Folder, check: fn(&Connection, &Folder) -> Result<Findings,
     }
 }
 
-/// The file, whole and read again: the one that is there, or a new one, which has this name only when all of it is on the disk.
+/// Returns the existing file, or writes a new one, which gets this name only when it is complete on disk.
 fn written(folder: &Folder, journal: &Connection, cut: &Cut, file: &Path) -> Result<Archived, Unreadable> {
     if file.symlink_metadata().is_ok() {
         let why = |Unreadable(why)| {
@@ -182,7 +183,7 @@ fn written(folder: &Folder, journal: &Connection, cut: &Cut, file: &Path) -> Res
         std::fs::rename(&unfinished, file)?;
         Ok(sync_parent(file)?)
     });
-    // What was begun is of no use to anybody, and the journal has all of it.
+    // The partial file is useless, since the journal still has everything.
     let said = |fault: Fault| {
         if matches!(fault, Fault::Photo(_)) {
             Unreadable(format!("nothing is written out: {}", fault.words(folder.path(), Then::StartAgain)))
@@ -206,7 +207,7 @@ fn filled(folder: &Folder, journal: &Connection, last: Seq, file: &Path) -> Resu
     Ok(File::open(file)?.sync_all()?)
 }
 
-/// Copies entries, pages and losses into an empty file, up to `last`, and makes the other tables of them; then whatever is `more`.
+/// Copies entries, pages and losses up to `last` into an empty file, rebuilds the other tables from them, then runs `more`.
 pub(super) fn copy<T>(
     from: &Connection,
     file: &Path,
@@ -215,7 +216,7 @@ pub(super) fn copy<T>(
 ) -> Result<T, Fault> {
     let mut to = Connection::open_with_flags(file, OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX)?;
     to.pragma_update(None, "synchronous", "FULL")?;
-    // Half a file is written anew: nothing need lie beside it from which it could be mended.
+    // An incomplete file is written anew, so it needs no rollback journal on disk.
     to.query_row("PRAGMA journal_mode = MEMORY", [], |_| Ok(()))?;
     schema::bring_up_to_date(&mut to)?;
     let last = last.map_or(Ok(i64::MAX), |last| whole(last.0))?;
@@ -237,7 +238,7 @@ pub(super) fn copy<T>(
     Ok(more)
 }
 
-/// Reads the file again; what is on record of it when it is sound, and begins and ends with the pages that the journal has there.
+/// Reads the archive again; returns its record when it is sound and begins and ends with the same pages as the journal.
 pub(super) fn checked(journal: &Connection, cut: &Cut, file: &Path) -> Result<Archived, Unreadable> {
     let fault = |fault: Fault| refused(file, &fault);
     let archive = Folder::new(file);
@@ -257,13 +258,13 @@ pub(super) fn checked(journal: &Connection, cut: &Cut, file: &Path) -> Result<Ar
     Ok(Archived { what, last: cut.last, photos: count(photos), left: 0 })
 }
 
-/// Takes out what has left, and puts that on record, in one transaction; the photos that nothing names any more.
+/// Deletes the archived entries and records that, in one transaction. Returns the photos that nothing names any more.
 fn take_out(folder: &Folder, journal: &mut Connection, archived: &Archived, now: WallTime) -> Result<Vec<Picture>, Fault> {
     let before = photos(journal)?;
     let transaction = journal.transaction_with_behavior(TransactionBehavior::Immediate)?;
     let last = rows::last_up_to(&transaction, None)?;
     let entry = Entry { wall: now, fact: Fact::WrittenOut(archived.what.clone()) };
-    // It belongs to no mission, also where one is under way.
+    // The entry belongs to no mission, even while one is under way.
     let page = Page { first: last.next(), entries: vec![entry] };
     pages::write(&transaction, Pictures::Files(folder), &page, None)?;
     let head = chain::close_page(&transaction)?;
@@ -274,7 +275,7 @@ fn take_out(folder: &Folder, journal: &mut Connection, archived: &Archived, now:
     project::rebuild(&transaction)?;
     let after = photos(&transaction)?;
     transaction.commit()?;
-    // Where this fails the file names what was there before, and still is.
+    // When this fails, the head file names an older entry, which the journal still holds.
     let _ = head::write(folder, &head);
     Ok(before
         .difference(&after)

@@ -1,13 +1,13 @@
-//! The chain of digests: each page holds the one before it, so that whoever changes, removes or exchanges entries changes every digest
-//! behind them, and with them the head, which a report names and `journal.head` remembers.
+//! The chain of digests: each page includes the digest of the page before, so that changing, removing or exchanging entries changes all later
+//! digests, and with them the head, which a report names and `journal.head` stores.
 //!
 //! ```text
 //!   32 zero bytes ──► page 1 ──► page 2 ──► … ──► head
-//!                      digest = SHA-256(digest before ‖ a line for each of its entries)
+//!                      digest = SHA-256(previous digest ‖ one line for each entry of the page)
 //!                      line   = [seq,mission,atMs,offsetS,"kind","body"]⏎     JSON without spaces, the columns of `events`
 //! ```
-//! A journal of before this format begins with pages of all that it held when it was brought up to date. What is hashed are the columns
-//! as they stand there, so that no later version reads other digests from them.
+//! A journal from before this format gets pages over all its entries when it is migrated. The digests cover the stored columns, so that
+//! every later version computes the same ones.
 
 use rusqlite::{Connection, OptionalExtension, Row, params};
 use sha2::{Digest, Sha256};
@@ -17,18 +17,19 @@ use super::rows;
 use crate::runtime::archive::Head;
 use hallsweep_core::units::Seq;
 
-/// What stands before the first page.
+/// The head before the first page.
 pub(super) const NOTHING: Head = Head { seq: Seq(0), digest: [0; 32] };
 
-/// The columns of an entry, in the order in which they are hashed.
+/// Columns of an entry, in the order in which they are hashed.
 const COLUMNS: &str = "seq, mission, at_ms, offset_s, kind, body";
 
-/// Closes a page over all entries behind the end of the chain, if there are any; its end then.
+/// Closes a page over all entries after the end of the chain, if there are any; returns the new end.
 pub(super) fn close_page(connection: &Connection) -> Result<Head, Fault> {
     close_page_at(connection, i64::MAX)
 }
 
-/// Chains what was written before there was a chain: a page for each mission and one for its end, so that old ones can be written out.
+/// Chains entries from before there was a chain, with a page for each mission and one for its end, so that old missions can be
+/// archived.
 pub(super) fn close_old_pages(connection: &Connection) -> Result<(), Fault> {
     let sql = "SELECT seq - 1 FROM events WHERE kind = 'missionArchived' UNION SELECT seq FROM events WHERE kind = 'standing' ORDER BY 1";
     let mut statement = connection.prepare(sql)?;
@@ -54,37 +55,36 @@ fn close_page_at(connection: &Connection, last: i64) -> Result<Head, Fault> {
     Ok(head)
 }
 
-/// The last page.
 pub(super) fn end(connection: &Connection) -> Result<Head, Fault> {
     let sql = "SELECT last, digest FROM pages ORDER BY last DESC LIMIT 1";
     Ok(connection.prepare_cached(sql)?.query_row([], head).optional()?.unwrap_or(NOTHING))
 }
 
-/// The page in which an entry stands, or would stand.
+/// The page that contains the entry `seq`, or would contain it.
 pub(super) fn page_of(connection: &Connection, seq: Seq) -> Result<Option<Head>, Fault> {
     let sql = "SELECT last, digest FROM pages WHERE last >= ?1 ORDER BY last LIMIT 1";
     Ok(connection.prepare_cached(sql)?.query_row([whole(seq.0)?], head).optional()?)
 }
 
-/// The page before the one in which an entry stands.
+/// The page before the one that contains the entry `seq`.
 pub(super) fn page_before(connection: &Connection, seq: Seq) -> Result<Option<Head>, Fault> {
     let sql = "SELECT last, digest FROM pages WHERE last < ?1 ORDER BY last DESC LIMIT 1";
     Ok(connection.prepare_cached(sql)?.query_row([whole(seq.0)?], head).optional()?)
 }
 
-/// The page behind which the journal begins: the last of what was written out of it, if anything was.
+/// The page after which the journal begins: the last archived one, if there is one.
 pub(super) fn anchor(connection: &Connection) -> Result<Head, Fault> {
     let first = rows::first(connection)?.unwrap_or(Seq(1));
     if first == Seq(1) { Ok(NOTHING) } else { Ok(page_before(connection, first)?.unwrap_or(NOTHING)) }
 }
 
-/// Forgets the pages behind `kept`, with their entries.
+/// Deletes all pages after `kept`, with their entries.
 pub(super) fn take_back(connection: &Connection, kept: Seq) -> Result<(), Fault> {
     connection.execute("DELETE FROM pages WHERE last > ?1", [whole(kept.0)?])?;
     Ok(())
 }
 
-/// Makes every digest anew, and says of what does not agree where it is and what is wrong with it.
+/// Recomputes every digest and reports each mismatch with its place.
 pub(super) fn check(connection: &Connection, mut say: impl FnMut(String)) -> Result<(), Fault> {
     let mut statement = connection.prepare(&format!("SELECT {COLUMNS} FROM events ORDER BY seq"))?;
     let mut entries = statement.query([])?;
@@ -117,7 +117,7 @@ pub(super) fn check(connection: &Connection, mut say: impl FnMut(String)) -> Res
     Ok(())
 }
 
-/// A page to which entries may come.
+/// A page to which entries can still be added.
 struct OpenPage {
     last: Seq,
     hasher: Sha256,
@@ -131,7 +131,7 @@ impl OpenPage {
     fn take(&mut self, row: &Row<'_>) -> Result<(), Fault> {
         let (mission, at_ms, offset_s): (Option<i64>, i64, i64) = (row.get(1)?, row.get(2)?, row.get(3)?);
         self.last = place(row);
-        // What is no text is hashed all the same: that it is none is found where it is read.
+        // Bytes that are not text are hashed all the same; reading the entry finds the fault.
         let text = |column| row.get_ref(column).map(|value| String::from_utf8_lossy(value.as_bytes().unwrap_or_default()));
         let line = serde_json::to_string(&(self.last.0, mission, at_ms, offset_s, text(4)?, text(5)?));
         self.hasher.update(line.expect("numbers and texts are JSON"));
@@ -144,12 +144,12 @@ impl OpenPage {
     }
 }
 
-/// The place is the key of the table, which is a number whatever else is damaged.
+/// The place is the key of the table, which is a number even when other columns are damaged.
 fn place(row: &Row<'_>) -> Seq {
     Seq(row.get(0).map_or(0, count))
 }
 
-/// A digest of another length, which nobody wrote, becomes one that agrees with nothing.
+/// A digest of a wrong length, which the program never writes, becomes one that matches nothing.
 fn head(row: &Row<'_>) -> rusqlite::Result<Head> {
     let digest = row.get_ref(1)?.as_bytes().ok().and_then(|bytes| bytes.try_into().ok()).unwrap_or([0; 32]);
     Ok(Head { seq: Seq(count(row.get(0)?)), digest })

@@ -1,5 +1,5 @@
-//! `hallsweep journal check`: whether the file is sound, the entries follow one another, can be understood and are what was kept, the
-//! tables are what follows from them, and every photo is there.
+//! `hallsweep journal check`: whether the file is sound, the entries are in order, readable and unchanged, the tables follow from
+//! them, and every photo is there.
 
 use rusqlite::Connection;
 use rusqlite::types::Value;
@@ -15,16 +15,16 @@ use crate::runtime::archive::Head;
 use crate::storage::names;
 use hallsweep_core::units::Seq;
 
-/// At most so many findings are listed: who has more needs a backup, not a list.
+/// Maximum number of listed findings: with more, a backup is needed, not a list.
 const LISTED: usize = 100;
 
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Findings {
-    /// What is wrong, a sentence each, the first 100.
+    /// One sentence for each fault; at most the first 100.
     pub faults: Vec<String>,
-    /// How much is wrong, also what is not listed.
+    /// Number of faults, including those not listed.
     pub count: u64,
-    /// What is right, and still worth knowing.
+    /// Observations that are not faults.
     pub notes: Vec<String>,
     pub entries: u64,
     pub photos: u64,
@@ -39,12 +39,12 @@ impl Findings {
     }
 }
 
-/// Checks everything, at one moment of a journal that may be written on meanwhile.
+/// Checks everything in one read transaction, since a program may be writing to the journal.
 pub(super) fn check(connection: &Connection, folder: &Folder) -> Result<Findings, Fault> {
     checked(connection, folder, pictures)
 }
 
-/// The same but for the photos, of which there may be many times as much as of entries.
+/// Checks all but the photos, which may be many times larger than the entries.
 pub(super) fn check_entries(connection: &Connection, folder: &Folder) -> Result<Findings, Fault> {
     checked(connection, folder, |_, _, _| Ok(()))
 }
@@ -55,7 +55,7 @@ fn checked(
     pictures: fn(&Connection, &Folder, &mut Findings) -> Result<(), Fault>,
 ) -> Result<Findings, Fault> {
     let mut findings = Findings::default();
-    // Before the journal, which may have grown by then, but is never behind it.
+    // Read before the journal: the journal may grow in between, but is never behind its head file.
     let head = if folder.is_archive() { None } else { Some(head::read(folder)) };
     let moment = connection.unchecked_transaction()?;
     structure(&moment, &mut findings)?;
@@ -65,7 +65,7 @@ fn checked(
         if unclear {
             findings.notes.push(advice(folder));
         } else {
-            // What follows from the entries of an older format is made up to date by the next start.
+            // The tables of an older format are migrated by the next start.
             if schema::format(&moment)? == schema::Format::Current {
                 projections(&moment, &anew, &mut findings)?;
             }
@@ -83,7 +83,7 @@ fn checked(
     Ok(findings)
 }
 
-/// Whether the journal holds what was kept up to where `journal.head` says.
+/// Whether the journal still holds the entry that `journal.head` names.
 fn end(connection: &Connection, head: Result<Option<Head>, Fault>, folder: &Folder, findings: &mut Findings) {
     let none = "there is no journal.head: whether entries were cut off at the end is not known; the next start makes it anew";
     let lost = head.as_ref().map_or(Ok(()), |_| head::check(folder)).and_then(|()| marker::read(folder).map(drop));
@@ -97,7 +97,7 @@ fn end(connection: &Connection, head: Result<Option<Head>, Fault>, folder: &Fold
     }
 }
 
-/// What SQLite itself finds.
+/// Runs SQLite's own check.
 fn structure(connection: &Connection, findings: &mut Findings) -> Result<(), Fault> {
     let mut statement = connection.prepare(&format!("PRAGMA integrity_check({LISTED})"))?;
     let mut rows = statement.query([])?;
@@ -110,7 +110,7 @@ fn structure(connection: &Connection, findings: &mut Findings) -> Result<(), Fau
     Ok(())
 }
 
-/// Whether its tables, and what belongs to them, are ours.
+/// Whether tables, indices and triggers are the ones that this program creates.
 fn as_made(connection: &Connection, folder: &Folder, findings: &mut Findings) -> Result<(), Fault> {
     if schema::format(connection)? == schema::Format::Current && tables(connection)? != tables(&expected(folder)?)? {
         findings.fault("its tables, indices and triggers are not those that hallsweep makes".to_owned());
@@ -124,7 +124,7 @@ fn empty() -> Result<Connection, Fault> {
     Ok(empty)
 }
 
-/// What belongs into an empty journal, or into an archive.
+/// The schema of an empty journal, or of an archive.
 fn expected(folder: &Folder) -> Result<Connection, Fault> {
     let empty = empty()?;
     if folder.is_archive() {
@@ -133,12 +133,13 @@ fn expected(folder: &Folder) -> Result<Connection, Fault> {
     Ok(empty)
 }
 
-/// How the tables are made, and what belongs to them; what SQLite has for itself is left out.
+/// SQL of all tables, indices and triggers, without SQLite's internal ones.
 fn tables(connection: &Connection) -> Result<std::collections::BTreeSet<String>, Fault> {
     rows_of(connection, "(SELECT type, name, tbl_name, sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%')")
 }
 
-/// The order of the entries, and what they say; the tables that follow from them, and whether some cannot be understood.
+/// Checks the order and contents of the entries. Returns the tables that follow from them, and whether some entries cannot be
+/// read.
 fn entries(connection: &Connection, folder: &Folder, findings: &mut Findings) -> Result<(Connection, bool), Fault> {
     let losses = losses(connection)?;
     let anew = empty()?;
@@ -163,7 +164,7 @@ fn entries(connection: &Connection, folder: &Folder, findings: &mut Findings) ->
     Ok((anew, unclear))
 }
 
-/// The entry behind which the journal begins, where what stood before is in an archive.
+/// The entry after which the journal begins, when earlier ones were archived.
 fn begins_behind(connection: &Connection, folder: &Folder, findings: &mut Findings) -> Result<Seq, Fault> {
     if schema::format(connection)? != schema::Format::Current {
         return Ok(Seq(0));
@@ -188,14 +189,14 @@ fn begins_behind(connection: &Connection, folder: &Folder, findings: &mut Findin
             anchor.seq, record.file, record.digest
         ));
     } else {
-        // That something stands before it is no reason for it not to be there.
+        // An entry that should have been archived is still present, which is no fault here.
         return Ok(Seq(0));
     }
     Ok(anchor.seq)
 }
 
-/// What to do about entries that cannot be understood, so that nothing sound is lost. The tables are not held against the entries
-/// then: they were made when these could be understood, and know more.
+/// What to do about unreadable entries without losing sound ones. The tables are not compared with the entries in this case: they
+/// were built when the entries could be read, and contain more.
 fn advice(folder: &Folder) -> String {
     let goes_on = marker::read(folder).and_then(|lost_after| recall::recall(folder, lost_after)).is_ok();
     let then = if goes_on {
@@ -228,7 +229,7 @@ fn losses(connection: &Connection) -> Result<Vec<Seq>, Fault> {
     Ok(kept.map(|kept| kept.map(|kept| Seq(count(kept)))).collect::<Result<_, _>>()?)
 }
 
-/// Whether the tables are what follows from the entries.
+/// Compares the stored tables with those rebuilt from the entries.
 fn projections(connection: &Connection, anew: &Connection, findings: &mut Findings) -> Result<(), Fault> {
     for table in ["missions", "photos", "luggage", "takes"] {
         let (there, expected) = (rows_of(connection, table)?, rows_of(anew, table)?);
@@ -254,7 +255,7 @@ fn rows_of(connection: &Connection, table: &str) -> Result<std::collections::BTr
     Ok(rows.collect::<Result<_, _>>()?)
 }
 
-/// Whether every photo is there, and is what it was.
+/// Whether every photo is present and unchanged.
 fn pictures(connection: &Connection, folder: &Folder, findings: &mut Findings) -> Result<(), Fault> {
     let mut statement = connection.prepare("SELECT digest, media_type FROM photos")?;
     let pictures = statement.query_map([], |row| Ok(Picture { digest: row.get(0)?, media_type: row.get(1)? }))?;

@@ -9,16 +9,16 @@ use super::fault::Fault;
 use super::folder::Folder;
 use super::schema::{self, Format};
 
-/// How long a lock of another program is waited for: more than any reader of this program holds one.
+/// Time to wait for a lock of another program: longer than any reader of this program holds one.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// After a checkpoint the write-ahead log is cut to this many bytes, so that one large mission does not leave a large file.
+/// Size in bytes to which a checkpoint cuts the write-ahead log, so that one large mission does not leave a large file.
 const LOG_LIMIT: i64 = 16 * 1024 * 1024;
 
-/// So many prepared statements are kept: more than there are.
+/// Capacity of the cache of prepared statements: more than there are statements.
 pub(super) const STATEMENTS: usize = 32;
 
-/// The connection that writes. Each commit has reached the disk when it returns (safety D1).
+/// Opens the connection that writes. Each commit is on disk when it returns (safety D1).
 pub(super) fn writer(folder: &Folder) -> Result<Connection, Fault> {
     let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let connection = Connection::open_with_flags(folder.journal(), flags)?;
@@ -27,7 +27,7 @@ pub(super) fn writer(folder: &Folder) -> Result<Connection, Fault> {
     }
     connection.busy_timeout(PATIENCE)?;
     connection.set_prepared_statement_cache_capacity(STATEMENTS);
-    // What is not ours is not even switched to another mode of writing.
+    // A foreign file is rejected before its journal mode is changed.
     schema::format(&connection)?;
     let mode: String = connection.query_row("PRAGMA journal_mode = WAL", [], |row| row.get(0))?;
     if mode != "wal" {
@@ -43,16 +43,16 @@ pub(super) fn writer(folder: &Folder) -> Result<Connection, Fault> {
 #[derive(Debug)]
 pub(super) struct Reader {
     pub(super) connection: Connection,
-    /// Whether it takes it that nobody writes: it would not see when somebody did.
+    /// Whether the file was opened as immutable: such a connection does not see later writes.
     pub(super) is_still: bool,
 }
 
-/// A connection that only reads; `None` when there is no journal yet.
+/// Opens a read-only connection; `None` when there is no journal yet.
 pub(super) fn reader(folder: &Folder) -> Result<Option<Reader>, Fault> {
     reader_from(folder, schema::FORMAT)
 }
 
-/// The same for whoever only reads entries, which were written alike before other tables were added.
+/// Like `reader`, for entries only: their format is older than that of the other tables.
 pub(super) fn reader_of_entries(folder: &Folder) -> Result<Option<Reader>, Fault> {
     reader_from(folder, schema::ENTRIES_SINCE)
 }
@@ -62,8 +62,8 @@ fn reader_from(folder: &Folder, oldest: i64) -> Result<Option<Reader>, Fault> {
         return Ok(None);
     }
     match open_reader(&folder.journal(), OpenFlags::empty(), oldest) {
-        // Where nothing can be written SQLite cannot even make the files by which readers and writers agree. Nobody else writes
-        // there either, so that it can be told that the file stands still.
+        // On a read-only disk SQLite cannot create the files through which readers and writers coordinate. Nobody else writes
+        // there either, so the file may be opened as immutable.
         Err(Fault::Sql(error)) if needs_no_log(&error) && !folder.has_log() => {
             let address = format!("file:{}?immutable=1", escaped(&folder.journal()));
             let connection = open_reader(Path::new(&address), OpenFlags::SQLITE_OPEN_URI, oldest)?;
@@ -90,14 +90,13 @@ fn needs_no_log(error: &rusqlite::Error) -> bool {
     matches!(error.sqlite_error_code(), Some(ErrorCode::CannotOpen | ErrorCode::ReadOnly))
 }
 
-/// A path as part of a URI.
 fn escaped(path: &Path) -> String {
     let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/-._~".contains(&byte);
     let bytes = path.as_os_str().as_encoded_bytes();
     bytes.iter().map(|byte| if plain(*byte) { char::from(*byte).to_string() } else { format!("%{byte:02X}") }).collect()
 }
 
-/// Some settings answer with their value, some with nothing.
+/// Some pragmas return their value, some return nothing.
 fn no_row(error: rusqlite::Error) -> Result<(), rusqlite::Error> {
     if matches!(error, rusqlite::Error::QueryReturnedNoRows) { Ok(()) } else { Err(error) }
 }

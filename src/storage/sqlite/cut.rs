@@ -1,4 +1,5 @@
-//! Where old missions may be cut off the journal: behind each page with which one ends, as long as everything that stands follows on it.
+//! Where old missions may be cut off the journal: after each page that ends a mission, provided that the state afterwards follows
+//! from what stays.
 
 use rusqlite::Connection;
 
@@ -8,18 +9,17 @@ use super::rows;
 use crate::runtime::archive::Head;
 use hallsweep_core::units::{MissionId, Seq, WallTime};
 
-/// What would be cut off, and how much that is.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cut {
     pub(super) missions: (MissionId, MissionId),
-    /// The last entry that leaves the journal, and the end of the page that is written out last.
+    /// Last entry that leaves the journal, and the end of the last archived page.
     pub(super) gone: Seq,
     pub(super) last: Head,
     entries: u64,
     photo_bytes: u64,
 }
 
-/// How much is cut off at once.
+/// Maximum amount cut off at once.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bound {
     pub(super) entries: u64,
@@ -29,7 +29,7 @@ pub(super) struct Bound {
 impl Bound {
     pub(super) const NONE: Bound = Bound { entries: u64::MAX, photo_bytes: u64::MAX };
 
-    /// While a start waits for it: some seconds on a common disk, where a photo is written, read again and digested.
+    /// Bound for a start, which waits for it: some seconds on a common disk, since photos are written, read again and hashed.
     pub(super) const OF_A_START: Bound = Bound { entries: 250_000, photo_bytes: 128 * 1024 * 1024 };
 
     pub(super) fn takes(self, cut: &Cut) -> bool {
@@ -37,9 +37,10 @@ impl Bound {
     }
 }
 
-/// Where the journal may be cut, so that nothing leaves it that was not put away before `before`; each further one takes more with it.
+/// All places where the journal may be cut so that only missions put away before `before` leave it; each place includes the ones
+/// before it.
 pub(super) fn cuts(journal: &Connection, before: WallTime) -> Result<Vec<Cut>, Fault> {
-    // The photos of a piece belong to the mission in which it was found.
+    // Photos count towards the mission in which their piece was found.
     let sql = "SELECT id, archived_seq, (SELECT coalesce(sum(bytes), 0) FROM luggage JOIN takes ON takes.luggage = luggage.id
                    JOIN photos ON photos.digest = takes.photo WHERE luggage.mission = missions.id)
                FROM missions ORDER BY id";
@@ -57,7 +58,7 @@ pub(super) fn cuts(journal: &Connection, before: WallTime) -> Result<Vec<Cut>, F
         let mission = MissionId(count(id));
         let first = *first.get_or_insert(mission);
         photo_bytes += count(bytes);
-        // Everything that stands goes on record with the emptied map, in the page with which a mission ends.
+        // The whole state is recorded with the emptied map, in the page that ends a mission.
         let Some(last) = chain::page_of(journal, archived)? else { break };
         let standing = rows::last_standing(journal, Some(last.seq.next()))?;
         let gone = chain::page_before(journal, archived)?;

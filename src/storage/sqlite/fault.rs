@@ -1,4 +1,4 @@
-//! What can go wrong between the journal and the disk, and what an operator is told to do about it.
+//! Faults between the journal and the disk, and what an operator is told to do about each.
 
 use std::fmt::Display;
 use std::io;
@@ -11,71 +11,71 @@ use crate::api::journal::Unparsed;
 use crate::storage::names::{self, Name};
 use hallsweep_core::units::Seq;
 
-/// What belongs together: whoever moves one of these without the others has half a journal.
+/// Files that must be moved together: each is incomplete without the others.
 pub(super) const ALL: &str = "journal.db, journal.db-wal, journal.db-shm, journal.head and the folder photos";
 
-/// What is said of a journal to which `journal.head` does not belong.
+/// Advice when `journal.head` does not belong to the journal.
 const WRONG_ONE: &str = "nothing is written to it: put the one back that belongs to journal.head, or, when a backup is meant to stand there, \
                          move journal.head away; then start hallsweep again";
 
-/// Of what SQLite found so many characters are shown: it lists pages by the hundred.
+/// Maximum number of characters shown of SQLite's findings: it may list hundreds of pages.
 const SHOWN: usize = 200;
 
 #[derive(Debug)]
 pub(super) enum Fault {
     Sql(rusqlite::Error),
-    /// The system says so, of a file beside the journal.
+    /// An I/O error on a file beside the journal.
     File(io::Error),
-    /// The journal's own structure is broken; what SQLite found.
+    /// SQLite found the structure of the journal broken; its findings.
     Damaged(String),
-    /// The journal is missing or empty, and its write-ahead log is not.
+    /// The journal is missing or empty, but its write-ahead log is not.
     OnlyLog,
-    /// The journal has no entry, and there are photos.
+    /// The journal has no entry, but there are photos.
     OnlyPhotos,
-    /// Something of this name cannot be the file that it should be; why.
+    /// The path cannot be the file of this name; with the reason.
     Unusable(Name, String),
     /// The user who runs the program may not read this file or folder.
     Closed(PathBuf),
-    /// This file was deleted or replaced while it was open.
+    /// The file was deleted or replaced while it was open.
     TakenAway(&'static str),
-    /// It was written by a version that knows more; its format.
+    /// A newer version wrote the file; its format.
     Newer(i64),
-    /// It was written by an older version, and nothing can be written to bring it up to date.
+    /// An older version wrote the file, and it cannot be migrated because nothing can be written; its format.
     Older(i64),
     Foreign,
-    /// An entry of the journal says nothing that this version understands.
+    /// This version does not understand an entry.
     Unparsed(Seq, Unparsed),
-    /// Its last entry is not the one that was read at the start.
+    /// The last entry is not the one that was read at the start.
     Changed,
-    /// It was kept up to this entry, and ends before it.
+    /// The journal was written up to this entry, but ends before it.
     CutOff(Seq),
-    /// It was kept up to this entry, and holds another in its place.
+    /// The journal was written up to this entry, but holds a different one in its place.
     Another(Seq),
-    /// The chain of digests ends with this entry, and the journal with another.
+    /// The chain ends with this entry, the journal with another.
     Unchained(Seq),
     InUse,
     Unwritable,
-    /// A photo's file is not there, or is not what it was; in words that begin with the file.
+    /// A photo's file is missing or changed; the words begin with the file.
     Photo(String),
     Number(u64),
-    /// It took so long that what was handed over has been given up for lost.
+    /// Writing took too long, so the pages were declared lost.
     GivenUp,
     Hung,
-    /// More was handed over than the disk takes.
+    /// The disk is too slow for the pages handed over.
     Behind,
     Gone,
 }
 
-/// What follows once the cause of a fault is gone.
+/// What happens once the cause of a fault is gone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Then {
     GoesOn,
-    /// What was kept is not known: the program must be started again.
+    /// The program must be restarted, because the stored state is unknown.
     StartAgain,
 }
 
 impl Fault {
-    /// What it means that a file of this name cannot be had.
+    /// Turns an I/O error on a named file into a fault.
     pub(super) fn of_file(error: io::Error, name: Name, path: PathBuf) -> Fault {
         if error.kind() == io::ErrorKind::PermissionDenied {
             Fault::Closed(path)
@@ -84,7 +84,7 @@ impl Fault {
         }
     }
 
-    /// Whether waiting helps nobody: the file itself must be seen to.
+    /// Whether waiting cannot help, because the file itself needs repair.
     pub(super) fn is_final(&self) -> bool {
         match self {
             Fault::Sql(error) => is_damage(error),
@@ -114,7 +114,7 @@ impl Fault {
         }
     }
 
-    /// What whoever only reads is told of an entry that cannot be understood, beside those that can.
+    /// What a reader of entries is told in place of one that cannot be read.
     pub(super) fn words_of_an_entry(&self, folder: &Path) -> String {
         if let Fault::Unparsed(seq, why) = self {
             return format!("entry {seq} of the journal cannot be understood ({})", one_line(why));
@@ -122,7 +122,7 @@ impl Fault {
         if let Fault::Damaged(detail) = self { one_line(detail) } else { self.words(folder, Then::StartAgain) }
     }
 
-    /// What an operator reads: what is wrong, and what to do.
+    /// The message to an operator: what is wrong, and what to do.
     pub(super) fn words(&self, folder: &Path, then: Then) -> String {
         let file = Folder::new(folder).journal();
         let (file, shown) = (file.display(), folder.display());
@@ -196,7 +196,6 @@ impl Fault {
 enum Trouble {
     Full,
     Locked,
-    /// Another program has locked the journal.
     Busy,
     Broken(String),
     Silent,
@@ -247,7 +246,7 @@ impl Trouble {
     }
 }
 
-/// What to do about a file that cannot be what its name says.
+/// Advice about a path that cannot be the file of its name.
 fn unusable(name: Name, why: &str, folder: &Path) -> String {
     let what = if [names::JOURNAL, names::LOG, names::LOG_INDEX, names::PHOTOS].contains(&name) {
         format!("it is left as it is: put the one that belongs there back, or move {ALL} away together to begin anew")
@@ -259,7 +258,7 @@ fn unusable(name: Name, why: &str, folder: &Path) -> String {
     format!("{} cannot be used ({why}): {what}, then start hallsweep again", name.within(folder).display())
 }
 
-/// What SQLite says over several lines, as a few words.
+/// Shortens SQLite's message of several lines.
 pub(super) fn one_line(detail: &dyn Display) -> String {
     let text = detail.to_string().replace("*** in database main ***", " ");
     text.split_whitespace().collect::<Vec<_>>().join(" ").chars().take(SHOWN).collect()
@@ -285,7 +284,7 @@ pub(super) fn whole(number: u64) -> Result<i64, Fault> {
     i64::try_from(number).map_err(|_| Fault::Number(number))
 }
 
-/// A number that `whole` made; a negative one, which nobody wrote, becomes 0.
+/// Reverses `whole`; a negative number, which the program never writes, becomes 0.
 pub(super) fn count(number: i64) -> u64 {
     u64::try_from(number).unwrap_or(0)
 }

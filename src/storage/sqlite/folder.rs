@@ -1,5 +1,5 @@
-//! The folder in which everything is kept: where the files of the journal are, who may read it, and that only one hallsweep uses it at a
-//! time. The names stand in `names`.
+//! The data folder: where the files of the journal are, who may read them, and the lock that admits one hallsweep at a time. The
+//! names are in `names`.
 
 use std::fs::{File, TryLockError};
 use std::io::{self, Write};
@@ -11,26 +11,26 @@ use crate::storage::files;
 use crate::storage::names::{self, Name};
 use crate::storage::small_file::SmallFile;
 
-/// The folder, which may not be there yet; or an archive, which is one file and is only read: see `archive_file` and `unpack`.
+/// A data folder, which may not exist yet; or an archive, which is one file and is only read: see `archive_file` and `unpack`.
 #[derive(Clone, Debug)]
 pub(super) struct Folder {
     path: PathBuf,
     is_archive: bool,
 }
 
-/// As long as this lives no other hallsweep writes into the folder; the system ends it with the program, however that ends.
+/// Excludes every other hallsweep from writing while it lives. The system releases it when the program ends, however it ends.
 #[derive(Debug)]
 pub(super) struct Lock {
     file: File,
     path: PathBuf,
 }
 
-/// The device and the number of a file, by which it differs from all others that are there. Where the system has no such numbers
-/// all files look the same; but there a file that is open cannot be taken away either.
+/// Device and inode of a file, which tell it from all other existing files. On systems without them all files look the same; but
+/// those systems do not allow an open file to be removed.
 pub(super) type Identity = (u64, u64);
 
 impl Lock {
-    /// Whether the file that is locked is still the one that the next hallsweep would lock.
+    /// Whether the locked file is still the one that another hallsweep would lock.
     pub(super) fn is_in_place(&self) -> bool {
         let held = self.file.metadata().map(|file| identity(&file));
         let there = std::fs::metadata(&self.path).map(|file| identity(&file));
@@ -43,7 +43,6 @@ impl Folder {
         Folder { path: path.to_owned(), is_archive: path.is_file() }
     }
 
-    /// Whether it is an archive.
     pub(super) fn is_archive(&self) -> bool {
         self.is_archive
     }
@@ -68,7 +67,7 @@ impl Folder {
         SmallFile::within(&self.path, names::HEAD)
     }
 
-    /// Where a photo is, whether or not it is there.
+    /// Path of a photo, which may not exist.
     pub(super) fn photo(&self, picture: &Picture) -> PathBuf {
         let (first, rest) = picture.digest.split_at(2);
         self.photos().join(first).join(format!("{rest}.{}", extension(&picture.media_type)))
@@ -78,7 +77,7 @@ impl Folder {
         names::PHOTOS.within(&self.path)
     }
 
-    /// Whether there is a journal: a file that is not empty. What cannot be looked at may be one.
+    /// Whether there is a journal: a file that is not empty. A file that cannot be inspected counts as one.
     pub(super) fn has_journal(&self) -> Result<bool, Fault> {
         if !self.is_archive {
             self.check_rollback()?;
@@ -86,7 +85,7 @@ impl Folder {
         match std::fs::metadata(self.journal()) {
             Ok(file) if file.len() > 0 => Ok(true),
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error.into()),
-            // SQLite would begin a new journal and write over the log.
+            // SQLite would begin a new journal and overwrite the log.
             Ok(_) | Err(_) if self.has_log() => Err(Fault::OnlyLog),
             Ok(_) | Err(_) => Ok(false),
         }
@@ -102,14 +101,14 @@ impl Folder {
         files.any(|file| file.path().extension() != Some("unfinished".as_ref()))
     }
 
-    /// Fails when something has the name of a file of the journal that cannot be one (safety R5): SQLite would wait at a pipe for
-    /// ever, and say of a folder that the disk is ill.
+    /// Fails when a path with the name of a journal file cannot be one (safety R5): SQLite would block on a pipe, and report a
+    /// folder as a disk error.
     pub(super) fn check_journal(&self) -> Result<(), Fault> {
         self.check_plain(&[names::JOURNAL, names::LOG, names::LOG_INDEX])?;
         self.check_log()
     }
 
-    /// The same of what is beside it, without which it can be read all the same.
+    /// Like `check_journal`, for the files beside it that reading does not need.
     pub(super) fn check_beside(&self) -> Result<(), Fault> {
         self.check_plain(&[names::LOCK, names::LOST, names::HEAD])?;
         files::check_folder(&self.photos()).map_err(|error| Fault::of_file(error, names::PHOTOS, self.photos()))
@@ -122,8 +121,8 @@ impl Folder {
         })
     }
 
-    /// SQLite looks into this file before it reads the journal: it would wait at a pipe, and take garbage for a change that was cut
-    /// short.
+    /// SQLite opens this file before it reads the journal: it would block on a pipe, and take garbage for an interrupted
+    /// transaction.
     fn check_rollback(&self) -> Result<(), Fault> {
         const BEGINS: [u8; 8] = [0xd9, 0xd5, 0x05, 0xf9, 0x20, 0xa1, 0x63, 0xd7];
         self.check_plain(&[names::ROLLBACK])?;
@@ -132,7 +131,7 @@ impl Folder {
         if begins { Ok(()) } else { Err(Fault::Unusable(names::ROLLBACK, "it does not begin as it should".to_owned())) }
     }
 
-    /// SQLite passes over a log that does not begin like one, and would write over the entries in it.
+    /// SQLite ignores a log with a wrong header, and would overwrite the entries in it.
     fn check_log(&self) -> Result<(), Fault> {
         const BEGINS: [[u8; 4]; 2] = [0x377f_0682_u32.to_be_bytes(), 0x377f_0683_u32.to_be_bytes()];
         let bytes = files::read_if_there(&self.write_ahead_log(), BEGINS[0].len())?.unwrap_or_default();
@@ -144,13 +143,13 @@ impl Folder {
         Ok(identity(&std::fs::metadata(self.journal())?))
     }
 
-    /// Which file the lock is just now; `None` when there is none.
+    /// Identity of the present lock file; `None` when there is none.
     pub(super) fn lock_identity(&self) -> Option<Identity> {
         std::fs::metadata(names::LOCK.within(&self.path)).ok().map(|file| identity(&file))
     }
 
-    /// Creates what is not there yet: the folder for its owner alone, and an empty file for the journal, likewise. SQLite gives
-    /// the files beside it the same rights.
+    /// Creates what is missing: the folder, private to its owner, and an empty, private journal file. SQLite gives the files
+    /// beside it the same mode.
     pub(super) fn create(&self) -> Result<(), Fault> {
         self.create_path()?;
         if !self.journal().exists() {
@@ -168,24 +167,24 @@ impl Folder {
         Ok(())
     }
 
-    /// Proves that so many bytes can be written to the folder and flushed.
+    /// Proves that `bytes` bytes can be written to the folder and flushed.
     pub(super) fn prove_room(&self, bytes: usize) -> Result<(), Fault> {
         let path = names::ROOM.within(&self.path);
         let written = files::create(&path).and_then(|mut file| {
             file.write_all(&vec![0; bytes])?;
             file.sync_all()
         });
-        // It has done its work, whatever came of it.
+        // The test file is removed whether or not it could be written.
         let removed = std::fs::remove_file(&path);
         Ok(written.and(removed)?)
     }
 
-    /// Takes the folder for this program alone. Without that nothing may be written there.
+    /// Locks the folder for this program. Nothing may be written without the lock.
     pub(super) fn lock(&self) -> Result<Lock, Fault> {
         let path = names::LOCK.within(&self.path);
         files::check_plain(&path)?;
         let opened = files::open(&path, File::options().read(true).write(true).create(true).truncate(false));
-        // Where nothing can be written, a lock that is there can still be held.
+        // On a read-only disk an existing lock file can still be locked.
         let file = opened.or_else(|error| File::open(&path).map_err(|_| error))?;
         match file.try_lock() {
             Ok(()) => Ok(Lock { file, path }),
@@ -206,7 +205,7 @@ fn identity(_file: &std::fs::Metadata) -> Identity {
     (0, 0)
 }
 
-/// The end of a photo's name. It is for people who look into the folder; the program goes by the media type on record.
+/// Extension of a photo's name, for people who look into the folder; the program uses the media type on record.
 fn extension(media_type: &str) -> &'static str {
     match media_type {
         "image/png" => "png",
@@ -215,7 +214,7 @@ fn extension(media_type: &str) -> &'static str {
     }
 }
 
-/// Makes the name of a file or folder last.
+/// Flushes the name of a file or folder to disk.
 pub(super) fn sync_parent(path: &Path) -> io::Result<()> {
     files::sync_folder(path.parent().unwrap_or(Path::new(".")))
 }

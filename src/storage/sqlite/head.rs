@@ -1,6 +1,6 @@
-//! The file `journal.head`: up to which entry the journal was kept, and the digest of its page. It is written behind each commit, into the
-//! hands of the system, without a flush: so that it is noticed when entries were cut off at the end. It may be behind the
-//! journal, after a kill or a power cut, and is never before it.
+//! The file `journal.head`: the last entry written to the journal, and the digest of its page. It shows when entries were cut off
+//! at the end. It is written after each commit and without a flush, so after a kill or a power cut it may be behind the journal,
+//! but never ahead of it.
 
 use std::io;
 use std::sync::mpsc::{self, Receiver};
@@ -16,17 +16,17 @@ use crate::runtime::archive::Head;
 use crate::storage::names;
 use hallsweep_core::units::Seq;
 
-/// So many bytes has the file: always as many, so that each writing covers the one before.
+/// Fixed size of the file in bytes, so that each write overwrites the one before.
 const LENGTH: usize = "entry ".len() + 20 + " sha256 ".len() + 64 + 1;
 
-/// Writes it, on a thread of its own: nobody waits for a disk that hangs there, and the file stays behind then.
+/// Writes the file on a thread of its own: when the disk hangs nobody waits, and the file stays behind the journal.
 #[derive(Debug)]
 pub(super) struct HeadFile {
     slot: Arc<Slot>,
     done: Receiver<()>,
 }
 
-/// The head that is to be written next.
+/// The next head to write.
 #[derive(Debug, Default)]
 struct Slot {
     next: Mutex<Next>,
@@ -40,10 +40,9 @@ struct Next {
 }
 
 impl HeadFile {
-    /// For the head of the journal in this folder.
     pub(super) fn start(folder: &Folder) -> io::Result<HeadFile> {
         let (slot, mut file) = (Arc::new(Slot::default()), folder.head());
-        // Whoever has moved the folder away and put another in its place must not find there where this journal ends.
+        // A folder that replaced the original one must not get this journal's head.
         let (folder, lock) = (folder.clone(), folder.lock_identity());
         let (say_done, done) = mpsc::channel();
         let heads = Arc::clone(&slot);
@@ -64,27 +63,27 @@ impl HeadFile {
         Ok(HeadFile { slot, done })
     }
 
-    /// Says that the journal is kept up to here.
+    /// Queues the head for writing.
     pub(super) fn put(&self, head: Head) {
         self.slot.change(|next| next.head = Some(head));
     }
 
-    /// Ends it; what was put last is still written, if that takes no longer than this.
+    /// Stops the thread; the last head is still written if that takes no longer than `patience`.
     pub(super) fn end(&self, patience: Duration) {
         self.slot.change(|next| next.is_over = true);
-        // Nothing is ever sent: it is over when the other end is gone.
+        // Nothing is ever sent on this channel: it ends when the thread ends.
         let _ = self.done.recv_timeout(patience);
     }
 }
 
 impl Slot {
     fn change(&self, change: impl FnOnce(&mut Next)) {
-        // Nothing that is done under the lock can panic halfway.
+        // No code under the lock can panic.
         change(&mut self.next.lock().unwrap_or_else(PoisonError::into_inner));
         self.changed.notify_one();
     }
 
-    /// The next head; nothing when all are written and none will come.
+    /// Waits for the next head; `None` when all are written and no more will come.
     fn wait(&self) -> Option<Head> {
         let next = self.next.lock().unwrap_or_else(PoisonError::into_inner);
         let waited = self.changed.wait_while(next, |next| next.head.is_none() && !next.is_over);
@@ -92,12 +91,12 @@ impl Slot {
     }
 }
 
-/// Writes it so that it lasts, for whoever has the time.
+/// Writes the head durably, for callers that may wait.
 pub(super) fn write(folder: &Folder, head: &Head) -> Result<(), Fault> {
     Ok(folder.head().write_over(text(head).as_bytes())?.sync_all()?)
 }
 
-/// Fails when the journal does not hold what the file says that was kept, or what was kept is said to be lost.
+/// Fails when the journal does not hold the entry that the file names, or when the entry was declared lost.
 pub(super) fn check(folder: &Folder) -> Result<(), Fault> {
     let Some(head) = read(folder)? else { return Ok(()) };
     let lost_after = marker::read(folder)?;
@@ -111,7 +110,8 @@ pub(super) fn check(folder: &Folder) -> Result<(), Fault> {
     is_held(&connection, &head)
 }
 
-/// Fails when the journal does not hold this page. Every journal goes on from nothing: a kill may come before the file names its first page.
+/// Fails when the journal does not hold this page. The empty head fits every journal: a kill may come before the file names the
+/// first page.
 pub(super) fn is_held(connection: &Connection, head: &Head) -> Result<(), Fault> {
     if *head == chain::NOTHING {
         return Ok(());
@@ -119,13 +119,13 @@ pub(super) fn is_held(connection: &Connection, head: &Head) -> Result<(), Fault>
     if rows::last_up_to(connection, None)? < head.seq {
         return Err(Fault::CutOff(head.seq));
     }
-    // One that was never chained is not the one that the file belongs to.
+    // A journal that was never chained cannot be the one that the file belongs to.
     let is_chained = schema::format(connection)? == schema::Format::Current;
     let there = if is_chained { chain::page_of(connection, head.seq)? } else { None };
     if there == Some(*head) { Ok(()) } else { Err(Fault::Another(head.seq)) }
 }
 
-/// Up to where the journal was kept; nothing where there is no such file, or one that a power cut left empty.
+/// The stored head; `None` when there is no file, or one that a power cut left empty.
 pub(super) fn read(folder: &Folder) -> Result<Option<Head>, Fault> {
     let bytes = folder.head().read(LENGTH)?.unwrap_or_default();
     if bytes.iter().all(|byte| *byte == 0) {

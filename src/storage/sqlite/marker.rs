@@ -1,10 +1,11 @@
-//! The file `journal.lost`: after which entry everything was said to be lost. A commit whose flush hangs can be found whole after
-//! a kill; this file, for which nothing is flushed, outlives the kill too, so that what was said to be lost stays lost (safety V3).
+//! The file `journal.lost`: the entry after which everything was declared lost. After a kill, a commit whose flush hung may be
+//! found complete on disk; this file needs no flush and outlives the kill too, so that entries declared lost stay lost (safety
+//! V3).
 //!
 //! ```text
-//!   failure ─► put K ─► the loss is announced          taken back, durably ─► clear, durably ─► the end of the failure is announced
+//!   failure ─► put K ─► the loss is announced          deleted, durably ─► clear, durably ─► the end of the failure is announced
 //! ```
-//! Taking back is not done here: see `pages`.
+//! Deleting the entries is the business of `pages`.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -16,23 +17,22 @@ use super::folder::{Folder, Identity};
 use crate::storage::{files, names};
 use hallsweep_core::units::Seq;
 
-/// So long an announcement waits for the file: a disk that hangs even for these few bytes must not keep it from being said.
+/// Time for which an announcement waits for the file: a disk that hangs even on these few bytes must not delay it longer.
 const PATIENCE: Duration = Duration::from_millis(500);
 
-/// The words around the number of the entry.
+/// Words around the number of the entry.
 const WORDS: [&str; 2] = ["everything after entry ", " was said to be lost\n"];
 
-/// What is said otherwise.
+/// Contents when nothing is lost.
 const NOTHING: &str = "nothing was said to be lost";
 
-/// Puts the file down and clears it, never both at once.
+/// Writes and clears the mark, never both at once.
 #[derive(Debug)]
 pub(super) struct Marker {
     folder: Folder,
-    /// The lock of the folder this was made for: whoever has moved that away and put another in its place must not find there what
-    /// this program has lost.
+    /// Lock of the original folder: a folder that replaced it must not get this program's losses.
     lock: Option<Identity>,
-    /// How many threads are at putting it down.
+    /// Number of threads that are writing the mark.
     putting: Arc<AtomicUsize>,
 }
 
@@ -41,7 +41,8 @@ impl Marker {
         Marker { folder: folder.clone(), lock: folder.lock_identity(), putting: Arc::default() }
     }
 
-    /// Says that everything after `kept` is lost, if that can be said in half a second. Else it is said when the disk lets it.
+    /// Records that everything after `kept` is lost. Waits half a second at most; after that a thread finishes the write when the
+    /// disk allows it.
     pub(super) fn put(&self, kept: Seq) {
         let (folder, lock, putting) = (self.folder.clone(), self.lock, Arc::clone(&self.putting));
         let (done, waiting) = mpsc::channel::<()>();
@@ -55,39 +56,39 @@ impl Marker {
             drop(done);
         });
         match put {
-            // Nothing is ever sent: it is over when the other end is gone.
+            // Nothing is ever sent on this channel: it ends when the thread ends.
             Ok(_) => drop(waiting.recv_timeout(PATIENCE)),
             Err(_) => drop(self.putting.fetch_sub(1, Ordering::SeqCst)),
         }
     }
 
-    /// Says, so that it lasts, that nothing is lost any more: what was lost has been taken back.
+    /// Records durably that nothing is lost any more, once the lost entries are deleted.
     pub(super) fn clear(&self) -> Result<(), Fault> {
-        // Whoever is still at putting it down would otherwise do so afterwards.
+        // A thread that is still writing the mark would set it again afterwards.
         if self.putting.load(Ordering::SeqCst) > 0 { Err(Fault::Hung) } else { clear(&self.folder) }
     }
 }
 
-/// Says, so that it lasts, that nothing is lost. The file is there from then on, so that putting it down needs no room.
+/// Records durably that nothing is lost. The file exists from then on, so that writing the mark needs no free space.
 pub(super) fn clear(folder: &Folder) -> Result<(), Fault> {
     folder.marker().write_over(text(None).as_bytes())?.sync_all()?;
     Ok(files::sync_folder(folder.path())?)
 }
 
-/// After which entry everything was said to be lost.
+/// The entry after which everything was declared lost.
 pub(super) fn read(folder: &Folder) -> Result<Option<Seq>, Fault> {
     let Some(bytes) = folder.marker().read(text(None).len())? else { return Ok(None) };
     let damaged = || Fault::Unusable(names::LOST, "it is damaged, so that what was said to be lost is not known".to_owned());
     understood(&bytes).ok_or_else(damaged)
 }
 
-/// What a file with these bytes says; `None` when it is not one of ours. A kill may leave it empty when it has just been made.
+/// Parses the file; `None` when it is not ours. A kill may leave a new file empty.
 fn understood(bytes: &[u8]) -> Option<Option<Seq>> {
     let said = std::str::from_utf8(bytes).ok()?;
     if said.is_empty() || said == text(None) { Some(None) } else { lost_after(said).map(Some) }
 }
 
-/// Both texts are of one length, and each is written at once over the other: no kill leaves half of one.
+/// Both texts have the same length and are written in one call, so no kill leaves a mix of them.
 fn text(lost_after: Option<Seq>) -> String {
     let lost = |seq: Seq| format!("{}{:020}{}", WORDS[0], seq.0, WORDS[1]);
     let length = lost(Seq(0)).len() - 1;
@@ -115,7 +116,7 @@ mod tests {
         assert_eq!(understood(&[0xff; 9]), None);
     }
 
-    /// Safety V3: else it would be there afterwards, and the next start would take back what was kept since.
+    /// Safety V3: a mark set after the clearing would make the next start delete entries stored since.
     #[test]
     fn it_is_not_cleared_while_somebody_is_at_putting_it_down() {
         let marker = Marker::new(&Folder::new(std::path::Path::new("nowhere")));

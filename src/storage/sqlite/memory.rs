@@ -1,6 +1,5 @@
-//! The store in memory: the journal of `schema` in a database of SQLite's own without a file, written and read by the same code as
-//! the one on disk. What it is given is kept at once, and gone with the program; nothing touches a disk. It is bounded instead, so
-//! that a robot may search for weeks.
+//! The store in memory: the journal of `schema` in an SQLite database without a file, used by the same code as the one on disk.
+//! Pages are stored at once and gone with the program. Its size is bounded, so that a robot may search for weeks.
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -18,33 +17,33 @@ use hallsweep_core::effect::{Fact, Page};
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{MissionId, Seq};
 
-/// How many entries are kept: some missions of a hall. All since the last that says everything that stands are kept besides, so that what
-/// stands can always be folded from them; the core lets no more come between than in proportion to what stands.
+/// Number of stored entries: some missions of a hall. All entries since the last state snapshot are stored besides, so that the
+/// state can always be folded from them; the core bounds their number in proportion to the state.
 pub(super) const ENTRIES: u64 = 16_384;
 
-/// How many pieces have a photo that is kept: more than a hall holds, at some 100 KB each.
+/// Number of pieces whose photo is stored: more than a hall holds, at some 100 KB each.
 pub(super) const PHOTOS: u64 = 256;
 
-/// How many earlier photos of pieces are kept, of those that were taken again.
+/// Number of earlier photos stored for pieces that were photographed again.
 pub(super) const EARLIER: u64 = 64;
 
-/// How many luggage records are kept: more than a busy year's, at about 400 bytes each.
+/// Number of stored luggage records: more than a busy year's, at about 400 bytes each.
 const RECORDS: u64 = 16_384;
 
-/// How many missions are kept, the present one included: a year's on a quiet airport, at some 100 KB for the map of each.
+/// Number of stored missions, including the present one: a year's at a quiet airport, at some 100 KB for the map of each.
 const MISSIONS: u64 = 256;
 
-/// What a journal in memory has beside the tables of `schema` and its photos: what stood at the end of each mission, whose entries may be gone.
+/// Table and indices of a journal in memory alone: the state at the end of each mission, whose entries may be gone.
 const TABLES: &str = "
     CREATE TABLE ended (mission INTEGER PRIMARY KEY, standing TEXT NOT NULL) STRICT;
     CREATE INDEX photographed ON luggage (id, photo) WHERE photo IS NOT NULL;
     CREATE INDEX luggage_of_photo ON luggage (photo) WHERE photo IS NOT NULL;";
 
-/// Some of the entries behind the bound at a time, more than a page has: that all of them may go at once must not hold up a page.
+/// Deletes a few entries beyond the bound at a time, more than a page adds: deleting all at once would delay a page.
 const ENTRIES_GIVE_WAY: &str = "DELETE FROM events WHERE seq IN (SELECT seq FROM events WHERE seq <= ?1 ORDER BY seq LIMIT 32)";
 
-/// What gives way behind the bounds when something new was found or has begun. Found by the indices above, without a look at all luggage;
-/// the numbers of pieces have no gaps.
+/// Deletes what exceeds the bounds after something new was added. Uses the indices above instead of scanning all luggage; the
+/// numbers of pieces have no gaps.
 const GIVES_WAY: &str = "
     UPDATE luggage SET photo = NULL WHERE id IN (SELECT id FROM luggage INDEXED BY photographed
         WHERE photo IS NOT NULL ORDER BY id DESC LIMIT -1 OFFSET {PHOTOS});
@@ -58,27 +57,27 @@ const GIVES_WAY: &str = "
     DELETE FROM missions WHERE id <= (SELECT id FROM missions ORDER BY id DESC LIMIT 1 OFFSET {MISSIONS});
     DELETE FROM ended WHERE mission NOT IN (SELECT id FROM missions);";
 
-/// Journal and photos. The clones share them.
+/// Journal and photos, shared by all clones.
 #[derive(Clone, Debug)]
 pub struct MemoryStore {
     pub(super) journal: Arc<MemoryJournal>,
     word: watch::Sender<StoreStatus>,
 }
 
-/// The one connection there is to a database without a file.
+/// The only connection to a database without a file.
 #[derive(Debug)]
 pub(super) struct MemoryJournal {
     writing: Mutex<Writing>,
-    /// Held by whoever reads, so that whoever writes waits for one of them at most.
+    /// Held by readers, so that the writer waits for one of them at most.
     turn: Mutex<()>,
 }
 
 #[derive(Debug)]
 struct Writing {
     connection: Connection,
-    /// The mission to which the next entry belongs.
+    /// Mission of the next entry.
     under_way: Option<MissionId>,
-    /// The last entry that says everything that stands.
+    /// The last state snapshot.
     standing: Seq,
 }
 
@@ -128,7 +127,7 @@ impl MemoryJournal {
     }
 
     fn writing(&self) -> MutexGuard<'_, Writing> {
-        // Whoever panicked while writing left a transaction behind that was taken back.
+        // A panic while writing left a transaction that was rolled back.
         self.writing.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -159,7 +158,7 @@ impl Writing {
     }
 }
 
-/// What stood at the end of a mission, where its entries may be gone; `None` on disk, and for one that has not ended.
+/// The state at the end of a mission whose entries may be gone; `None` on disk, and for a mission that has not ended.
 pub(super) fn standing_at_the_end(connection: &Connection, mission: MissionId) -> Result<Option<Sound<PersistentState>>, Fault> {
     let sql = "SELECT standing FROM ended WHERE mission = ?1";
     let body: Option<String> = connection.prepare_cached(sql)?.query_row([whole(mission.0)?], |row| row.get(0)).optional()?;
@@ -186,7 +185,7 @@ pub(super) fn gives_way() -> String {
 fn empty() -> Result<Connection, Fault> {
     let mut connection = Connection::open_in_memory()?;
     connection.set_prepared_statement_cache_capacity(connect::STATEMENTS);
-    // Nor is anything put into a file beside it while it sorts.
+    // Sorting does not use temporary files either.
     connection.pragma_update(None, "temp_store", "MEMORY")?;
     schema::bring_up_to_date(&mut connection)?;
     connection.execute_batch(PICTURES)?;

@@ -1,5 +1,5 @@
-//! The store: an SQLite journal whose entries are the truth, tables that follow from it, and photos as files; for whoever wants
-//! nothing kept the same in memory (`memory`). START HERE.
+//! The store: an SQLite journal whose entries are the truth, tables that follow from it, and photos as files; or the same in memory
+//! (`memory`) when nothing is to be stored. START HERE.
 //!
 //! ```text
 //!   Task ─ record ─► SqliteStore ─ queue ─► Writer ─► Pages ─► journal.db, photos/      (one thread, one connection)
@@ -7,8 +7,8 @@
 //!     └── StoreStatus ◄────┘ ◄────── hangs ──── watchman
 //!   doors ─ Archive ─► Reading ─► journal.db, photos/                                   (their own connections)
 //! ```
-//! What is kept at which moment is the core's business; this keeps it (safety D1, D2, D3, R3). A file that cannot be opened is
-//! never written over, renamed or deleted.
+//! The core decides what is recorded and when; this module writes it (safety D1, D2, D3, R3). A file that cannot be opened is never
+//! overwritten, renamed or deleted.
 
 mod archive;
 mod archive_file;
@@ -64,11 +64,11 @@ use hallsweep_core::effect::Page;
 use hallsweep_core::engine::Recalled;
 use hallsweep_core::units::Seq;
 
-/// So many pages may wait for the disk. The robot waits for the record before each move, so that what comes beyond a move is only
-/// commands and sensors: minutes of them.
+/// Maximum number of pages waiting for the disk. The robot waits for the record before each move, so further pages come from
+/// commands and sensors alone: the queue holds minutes of them.
 const QUEUE: usize = 1024;
 
-/// Why nothing at all can be done with a folder: the program should not go on.
+/// Why a folder cannot be used at all; the program should not start.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     #[error("{0}")]
@@ -78,13 +78,13 @@ pub enum OpenError {
 }
 
 pub struct Opened {
-    /// Keeps what is to be kept; says by its word when it cannot.
+    /// Stores pages, and reports in its status when it cannot.
     pub store: Box<dyn Store>,
-    /// Reads what was kept, also while nothing can be written.
+    /// Reads what was stored, even while nothing can be written.
     pub archive: Arc<dyn Archive>,
-    /// What was kept before; `None` when nothing was, or when it cannot be read.
+    /// The stored state; `None` when there is none, or when it cannot be read.
     pub recalled: Option<Recalled>,
-    /// Why nothing can be written, in words for an operator; the store's word says the same.
+    /// Why nothing can be written, in words for an operator; the store's status says the same.
     pub failure: Option<String>,
 }
 
@@ -93,16 +93,16 @@ pub struct Opened {
 pub struct SqliteStore {
     folder: Folder,
     status: Arc<WriterStatus>,
-    /// These three end writer and watchman when they are dropped.
+    /// Dropping these three ends the writer and the watchman.
     pages: Option<SyncSender<Handed>>,
     ends: Vec<Sender<()>>,
     done: Receiver<()>,
     patience: Patience,
 }
 
-/// Opens the folder `path`, and creates it where there is none. No fault of the files is an error here: it is said by `failure`.
-/// `beside` is what ails other files that the program keeps there, in words that end with what to do: then nothing is written, so
-/// that nothing moves, until it is started again (safety R5).
+/// Opens the folder `path`, and creates it when there is none. A fault of the files is not an error here, but reported in
+/// `failure`. `beside` is a fault of other files in the folder, in words that end with what to do: nothing is then written, so
+/// nothing moves, until the program is restarted (safety R5).
 pub fn open(path: &Path, beside: Option<String>) -> Result<Opened, OpenError> {
     open_with(path, beside, Patience::USUAL)
 }
@@ -124,10 +124,10 @@ fn open_with(path: &Path, beside: Option<String>, patience: Patience) -> Result<
     Ok(Opened { store: Box::new(store), archive, recalled, failure })
 }
 
-/// Reads what was kept, and opens the journal for writing if that is known. Only a folder in use is an error.
+/// Reads the stored state, and opens the journal for writing if that state is known. Only a folder in use is an error.
 fn look(folder: &Folder) -> Result<(Hand, Option<Recalled>, Option<String>), Fault> {
     let words = |fault: &Fault, then| Some(fault.words(folder.path(), then));
-    // Where the folder cannot be created there is no lock either; both are tried again by whoever writes.
+    // Without the folder there is no lock either; the writer tries both again.
     let _ = folder.create_path();
     let lock = match folder.lock() {
         Err(Fault::InUse) => return Err(Fault::InUse),
@@ -138,11 +138,11 @@ fn look(folder: &Folder) -> Result<(Hand, Option<Recalled>, Option<String>), Fau
     }
     let lost_after = match folder.check_beside().and_then(|()| head::check(folder)).and_then(|()| marker::read(folder)) {
         Ok(lost_after) => lost_after,
-        // What stands is shown as far as the journal says it, and nothing is written after it.
+        // The state is shown as far as the journal can be read, and nothing is written after it.
         Err(fault) => return Ok((Hand::Closed, recall::recall(folder, None).unwrap_or(None), words(&fault, Then::StartAgain))),
     };
     let recalled = match recall_up_to_date(folder, lost_after) {
-        // Somebody took the journal away, or SQLite did: a new one beside the photos of the old would hide that.
+        // The journal was removed, by somebody or by SQLite: a new one beside the photos of the old one would hide that.
         Ok(None) if folder.has_photos() => return Ok((Hand::Closed, None, words(&Fault::OnlyPhotos, Then::StartAgain))),
         Ok(recalled) => recalled,
         Err(fault) => return Ok((Hand::Closed, None, words(&fault, Then::StartAgain))),
@@ -158,7 +158,7 @@ fn look(folder: &Folder) -> Result<(Hand, Option<Recalled>, Option<String>), Fau
     }
 }
 
-/// What was kept; a file of an older version is brought up to date first.
+/// Reads the stored state; migrates a file of an older version first.
 fn recall_up_to_date(folder: &Folder, lost_after: Option<Seq>) -> Result<Option<Recalled>, Fault> {
     match recall::recall(folder, lost_after) {
         Err(Fault::Older(_)) => {
@@ -217,12 +217,12 @@ impl Store for SqliteStore {
     }
 }
 
-/// The last pages are still kept, if the disk takes them.
+/// The last pages are still written, if the disk is fast enough.
 impl Drop for SqliteStore {
     fn drop(&mut self) {
         self.pages = None;
         self.ends.clear();
-        // Nothing is ever sent: either the writer comes to its end in time, or it is left behind.
+        // Nothing is ever sent on this channel: the writer ends in time, or is left behind.
         let _ = self.done.recv_timeout(self.patience.end);
     }
 }

@@ -1,4 +1,4 @@
-//! How a mission stood at moments of its past: what follows from the entries up to each of them, and what else a page shows of it.
+//! How a mission stood at moments of its past: the state folded from the entries up to each of them, and what else a page shows.
 
 use rusqlite::{Connection, OptionalExtension};
 
@@ -10,26 +10,25 @@ use hallsweep_core::engine::{Past, way_behind};
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{MissionId, Seq, WallTime};
 
-/// A reading among so many entries is looked for, which takes milliseconds.
+/// Number of last entries searched for a temperature reading; the search takes milliseconds.
 const NOT_LONG: u64 = 20_000;
 
-/// As many readings as tell what of each source was read last, and whether it had cooled down.
+/// Number of readings that suffices to know the latest of each source, and whether it had cooled down.
 const READINGS: usize = 128;
 
-/// Poses among which the way behind the robot is found: it stands in one cell while it turns.
+/// Number of poses searched for the path behind the robot: it stays in one cell while it turns.
 const POSES: usize = 192;
 
-/// What stood after an entry.
 type Stood = (Seq, Sound<PersistentState>);
 
-/// Such moments, in their order. What is the same in two of them, they share, as far as one follows from the other.
+/// States at the given moments, in order. Two states share what is equal in them where one follows from the other.
 pub(super) fn moments(
     connection: &Connection,
     mission: MissionId,
     at: &[At],
     words: impl Fn(&Fault) -> String,
 ) -> Result<Vec<Moment>, Fault> {
-    // All of it is read of the same journal, though somebody writes on.
+    // One transaction, so that all queries see the same journal while somebody writes to it.
     let _unchanging = connection.unchecked_transaction()?;
     let end = end_of(connection, mission)?;
     let mut places = Vec::new();
@@ -50,7 +49,7 @@ pub(super) fn moments(
     Ok(moments.into_iter().map(|(_, moment)| moment).collect())
 }
 
-/// The last entry that tells of a mission. RESET empties the hall: what stands after it is the beginning of the next mission.
+/// The last entry of a mission. RESET empties the hall: the state after it is the beginning of the next mission.
 fn end_of(connection: &Connection, mission: MissionId) -> Result<Seq, Fault> {
     let sql = "SELECT archived_seq - 1 FROM missions WHERE id = ?1 AND archived_seq IS NOT NULL";
     let end = connection.prepare_cached(sql)?.query_row([whole(mission.0)?], |row| row.get(0)).optional()?;
@@ -65,7 +64,8 @@ fn place(connection: &Connection, mission: MissionId, at: At, end: Seq) -> Resul
     }
 }
 
-/// The last of some entries of a mission that is not later than this; the first, if all are. They are in the order of their times.
+/// The last entry of a mission that is not later than the given time; the first one if all are later. Entries are ordered by
+/// time.
 fn by_time(
     connection: &Connection,
     mission: MissionId,
@@ -85,7 +85,7 @@ fn by_time(
     Ok(Some(found))
 }
 
-/// What stood after an entry, from what stood after one before it if that is shorter; nothing where what it follows from is not kept.
+/// The state after an entry, folded from that after an earlier one if that is shorter; `None` when the needed entries are gone.
 fn stood(
     connection: &Connection,
     mission: MissionId,

@@ -1,4 +1,4 @@
-//! What a journal or archive has on record of archives.
+//! The archives that a journal or archive has on record.
 
 use rusqlite::Connection;
 
@@ -9,7 +9,6 @@ use crate::runtime::archive::Head;
 use hallsweep_core::effect::{Entry, Fact, Unpacked, WrittenOut};
 use hallsweep_core::units::{MissionId, Seq};
 
-/// What a journal or archive has on record of archives.
 #[derive(Debug, Default)]
 pub(super) struct Records {
     pub(super) written_out: Vec<WrittenOut>,
@@ -36,17 +35,17 @@ impl Records {
         })
     }
 
-    /// What was written out last, if that was all up to this entry.
+    /// The last archive, if it was written out up to this entry.
     pub(super) fn written_out(&self, until: Seq) -> Option<&WrittenOut> {
         self.written_out.iter().rfind(|record| record.until == until)
     }
 
-    /// What was written out with this mission in it.
+    /// The archive that holds this mission.
     pub(super) fn with_mission(&self, mission: MissionId) -> Option<&WrittenOut> {
         self.written_out.iter().find(|record| (record.missions.0..=record.missions.1).contains(&mission))
     }
 
-    /// What was unpacked, if it begins here.
+    /// The unpacked archive, if it begins here.
     pub(super) fn unpacked(&self, begins: Head) -> Option<&Unpacked> {
         self.unpacked.iter().rfind(|record| record.behind == begins.seq && record.page == begins.hex())
     }

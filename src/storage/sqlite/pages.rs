@@ -1,5 +1,5 @@
-//! The journal as the writer holds it: pages go in, many in one transaction, each whole or not at all; with them the projections.
-//! When that is done, and what is said about it, is the business of `writer`.
+//! The journal as the writer uses it: pages are written, many in one transaction and each whole or not at all, together with the
+//! projections. When to write, and what is reported, is in `writer`.
 
 use rusqlite::{Connection, Transaction, TransactionBehavior};
 
@@ -12,19 +12,19 @@ use crate::runtime::archive::Head;
 use hallsweep_core::effect::{Entry, Fact, Page};
 use hallsweep_core::units::{MissionId, Seq};
 
-/// The one connection that writes, and the right to do so.
+/// The only connection that writes, and the lock that allows it.
 #[derive(Debug)]
 pub(super) struct Pages {
     folder: Folder,
     connection: Connection,
-    /// The mission to which the next entry belongs.
+    /// Mission of the next entry.
     under_way: Option<MissionId>,
     identity: Identity,
     lock: Lock,
 }
 
 impl Pages {
-    /// Opens the journal for writing, and creates it where there is none. Its last entry must be `kept`.
+    /// Opens the journal for writing, and creates it when there is none. Its last entry must be `kept`.
     pub(super) fn open(folder: &Folder, lock: Option<Lock>, kept: Seq, under_way: Option<MissionId>) -> Result<Pages, Fault> {
         folder.has_journal()?;
         folder.create()?;
@@ -36,10 +36,10 @@ impl Pages {
         if rows::last_up_to(&connection, lost_after)? != kept {
             return Err(Fault::Changed);
         }
-        // Whether anything can be written shows when it is begun.
+        // Beginning a transaction shows whether the file can be written.
         connection.transaction_with_behavior(TransactionBehavior::Immediate)?.rollback()?;
         let mut pages = Pages { folder: folder.clone(), connection, under_way, identity, lock };
-        // What a program that was killed had said to be lost is taken back for good before that is forgotten (safety V3).
+        // Entries that a killed program had declared lost are deleted durably before the mark is cleared (safety V3).
         if let Some(lost_after) = lost_after {
             pages.go_on_after(lost_after)?;
         }
@@ -48,7 +48,7 @@ impl Pages {
         if end == kept { Ok(pages) } else { Err(Fault::Unchained(end)) }
     }
 
-    /// Writes pages so that they last. `is_wanted` is asked before the last step; when it says no nothing is kept.
+    /// Writes pages durably. Calls `is_wanted` before the commit, and rolls back when it returns false.
     pub(super) fn keep(&mut self, pages: &[Page], is_wanted: impl FnOnce() -> bool) -> Result<(), Fault> {
         self.is_in_place()?;
         let mut under_way = self.under_way;
@@ -65,13 +65,12 @@ impl Pages {
         Ok(())
     }
 
-    /// The end of the chain.
     pub(super) fn head(&self) -> Result<Head, Fault> {
         chain::end(&self.connection)
     }
 
-    /// Whether the files are still the ones that were opened: what is written to a file that was taken away nobody finds again,
-    /// and without its lock a second hallsweep could write.
+    /// Whether the files are still those that were opened: data written to a removed file is lost, and without the lock file a
+    /// second hallsweep could write.
     fn is_in_place(&self) -> Result<(), Fault> {
         let gone = |error: &std::io::Error| error.kind() == std::io::ErrorKind::NotFound;
         match self.folder.journal_identity() {
@@ -84,11 +83,10 @@ impl Pages {
         if self.lock.is_in_place() { Ok(()) } else { Err(Fault::TakenAway("journal.lock")) }
     }
 
-    /// Proves that something can be written: takes back whatever came after `kept`, because it was said to be lost, and puts that
-    /// loss on record.
+    /// Proves that the journal can be written: deletes the entries after `kept`, which were declared lost, and records that loss.
     pub(super) fn go_on_after(&mut self, kept: Seq) -> Result<(), Fault> {
         self.is_in_place()?;
-        // On a small disk the log itself may be what takes the room. Where this fails the log only grows.
+        // On a small disk the log itself may take the space. When this fails, the log only grows.
         let _ = self.connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |_| Ok(()));
         let transaction = self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
         let sql = "INSERT INTO losses (kept, times) VALUES (?1, 1) ON CONFLICT (kept) DO UPDATE SET times = times + 1";
@@ -96,13 +94,13 @@ impl Pages {
         if rows::take_back(&transaction, kept)? > 0 {
             project::rebuild(&transaction)?;
             chain::take_back(&transaction, kept)?;
-            // A page of before the chain may have been longer.
+            // A page from before the chain may have been longer.
             chain::close_page(&transaction)?;
         }
         let under_way = open_mission(&transaction)?;
         transaction.commit()?;
         self.under_way = under_way;
-        // A disk that is all but full must not be filled by the attempts themselves.
+        // The attempts themselves must not fill a disk that is nearly full.
         let _ = self.connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |_| Ok(()));
         Ok(())
     }
@@ -114,7 +112,7 @@ fn open_mission(transaction: &Transaction<'_>) -> Result<Option<MissionId>, Faul
     Ok(id.map(|id| MissionId(super::fault::count(id))))
 }
 
-/// Writes a page, photos first; the mission that is under way behind it.
+/// Writes a page, photos first; returns the mission that is under way after it.
 pub(super) fn write(
     transaction: &Transaction<'_>,
     pictures: Pictures<'_>,
@@ -133,8 +131,8 @@ pub(super) fn write(
     Ok(under_way)
 }
 
-/// The mission an entry belongs to, and the one under way behind it. What leads to a mission's beginning belongs to it, as the
-/// command that began it; the phase that follows on a mission does not, although it is on record before the mission's end.
+/// The mission of an entry, and the one under way after it. Entries that lead to a mission's beginning belong to it, such as the
+/// command that began it; the phase that follows a mission does not, although it is recorded before the mission's end.
 fn belongs(page: &Page, place: usize, under_way: Option<MissionId>) -> (Option<MissionId>, Option<MissionId>) {
     let (entry, rest) = (&page.entries[place], &page.entries[place..]);
     if let Fact::MissionArchived(mission, _) = &entry.fact {
@@ -149,7 +147,7 @@ fn belongs(page: &Page, place: usize, under_way: Option<MissionId>) -> (Option<M
     (under_way.filter(|_| !follows).or(ahead), under_way)
 }
 
-/// The mission that is under way from this entry on, where it says so.
+/// The mission under way from this entry on, if the entry changes it.
 fn begun(entry: &Entry) -> Option<Option<MissionId>> {
     if let Fact::MissionBegan(mission, _) = &entry.fact {
         return Some(Some(*mission));

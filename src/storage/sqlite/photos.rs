@@ -1,5 +1,5 @@
-//! Photos, named by the digest of their bytes, and held against it when they are read. Beside a journal on disk they are files,
-//! written so that a name never stands for half a photo (safety D3); in a journal in memory they are rows of a table of it.
+//! Photos, named by the digest of their bytes and checked against it when they are read. On disk they are files, written so that
+//! a name never stands for an incomplete photo (safety D3); in memory they are rows of a table.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -15,16 +15,16 @@ use crate::runtime::archive::hex;
 use crate::storage::files;
 use hallsweep_core::event::Photo;
 
-/// The media types that a photo can have, for those read back.
+/// Media types accepted for stored photos.
 const MEDIA_TYPES: [&str; 2] = ["image/png", "image/jpeg"];
 
-/// No photo is larger: what has more bytes is none of ours.
+/// Maximum size of a photo in bytes; a larger file was not written by this program.
 const LARGEST: usize = 64 * 1024 * 1024;
 
-/// What a photo of a type that this version does not know is called.
+/// Media type of photos whose type this version does not know.
 const OTHER: &str = "application/octet-stream";
 
-/// The photos of a journal that has no folder.
+/// Table of photos for a journal without a folder.
 pub(super) const PICTURES: &str = "CREATE TABLE pictures (digest TEXT PRIMARY KEY, content BLOB NOT NULL) STRICT;";
 
 #[derive(Clone, Copy, Debug)]
@@ -35,14 +35,13 @@ pub(super) enum Pictures<'a> {
 }
 
 impl Folder {
-    /// Where its photos are.
     pub(super) fn pictures(&self) -> Pictures<'_> {
         if self.is_archive() { Pictures::Table } else { Pictures::Files(self) }
     }
 }
 
 impl Pictures<'_> {
-    /// Writes a photo, in a folder so that it lasts, before anything on record names it.
+    /// Stores a photo, durably when it is a file, before any entry names it.
     pub(super) fn keep(self, connection: &Connection, photo: &Photo) -> Result<Picture, Fault> {
         let picture = Picture { digest: digest(&photo.bytes), media_type: photo.media_type.to_owned() };
         match self {
@@ -55,7 +54,7 @@ impl Pictures<'_> {
         Ok(picture)
     }
 
-    /// Reads a photo, and holds it against its digest.
+    /// Reads a photo and checks its digest.
     pub(super) fn read(self, connection: &Connection, picture: &Picture) -> Result<Photo, Fault> {
         if !picture.is_sound() {
             return Err(Fault::Photo("a photo has no digest on record".to_owned()));
@@ -82,7 +81,7 @@ impl Pictures<'_> {
         Ok(Photo { bytes: Arc::from(bytes), media_type })
     }
 
-    /// Where a photo is, in words.
+    /// Where a photo is, for messages.
     fn place(self, picture: &Picture) -> String {
         match self {
             Pictures::Files(folder) => folder.photo(picture).display().to_string(),
@@ -91,7 +90,7 @@ impl Pictures<'_> {
     }
 }
 
-/// A file of another name, fsync, rename, fsync the folder.
+/// Temporary file, fsync, rename, fsync of the folder.
 fn keep_file(folder: &Folder, picture: &Picture, bytes: &[u8]) -> Result<(), Fault> {
     let path = folder.photo(picture);
     let shelf = path.parent().expect("a photo stands in a folder of its own two letters");
@@ -100,12 +99,12 @@ fn keep_file(folder: &Folder, picture: &Picture, bytes: &[u8]) -> Result<(), Fau
         let unfinished = path.with_extension("unfinished");
         write(&unfinished, bytes).and_then(|()| std::fs::rename(&unfinished, &path).map_err(files::naming(&path))).inspect_err(
             |_| {
-                // What is left of it would be in nobody's way, and the next photo of this name replaces it.
+                // A leftover is harmless, and the next photo of this name replaces it.
                 let _ = std::fs::remove_file(&unfinished);
             },
         )?;
     }
-    // Also for a photo that is there already: whoever put it there may have failed at just this.
+    // Also for a photo that exists already: its writer may have failed at exactly this step.
     Ok([shelf, &folder.photos(), folder.path()].into_iter().try_for_each(files::sync_folder)?)
 }
 
@@ -115,7 +114,7 @@ fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     file.sync_all()
 }
 
-/// Whether the photo is there already, whole: an operator may have taken the same twice, or a restart may repeat it.
+/// Whether the complete photo exists already: a restart or an operator may take the same photo twice.
 fn holds(path: &Path, bytes: &[u8]) -> bool {
     files::read(path, bytes.len()).is_ok_and(|there| there == bytes)
 }

@@ -1,5 +1,5 @@
-//! The projections: missions, luggage with its verdicts, and photos, as they follow from the entries (safety D2).
-//! They are written in the transaction of the entries themselves, and can be made anew from them at any time.
+//! The projections: missions, luggage with its verdicts, and photos, as they follow from the entries (safety D2). They are
+//! written in the transaction of the entries, and can be rebuilt from them at any time.
 
 use rusqlite::{Connection, Params, params};
 
@@ -51,7 +51,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
     }
 }
 
-/// Makes all projections anew; how many entries they follow from.
+/// Rebuilds all projections; returns the number of entries read.
 pub(super) fn rebuild(connection: &Connection) -> Result<u64, Fault> {
     connection.execute_batch("DELETE FROM takes; DELETE FROM luggage; DELETE FROM photos; DELETE FROM missions;")?;
     let mut entries = 0;
@@ -62,7 +62,7 @@ pub(super) fn rebuild(connection: &Connection) -> Result<u64, Fault> {
     Ok(entries)
 }
 
-/// The numbers of the bombs that were left in place, as the column holds them.
+/// Parses the column with the numbers of the bombs left in place.
 pub(super) fn left_in_place(text: &str) -> Vec<LuggageId> {
     let numbers = text.trim_matches(['[', ']']).split(',');
     numbers.filter_map(|number| number.trim().parse().ok()).map(LuggageId).collect()
@@ -82,7 +82,7 @@ fn archived(connection: &Connection, mission: MissionId, left: &[LuggageId], wal
     run(connection, sql, params![whole(mission.0)?, wall.unix_ms, wall.offset_s, whole(seq.0)?, left])
 }
 
-/// The phase in which a mission begins is on record just before its beginning, which then says by which strategy.
+/// The phase in which a mission begins is recorded just before its beginning, which then adds the strategy.
 fn came_to(connection: &Connection, mission: MissionId, phase: &Phase, wall: WallTime) -> Result<(), Fault> {
     let sql = "INSERT INTO missions (id, strategy, began_ms, began_offset_s, phase) VALUES (?1, ?2, ?3, ?4, ?5)
                ON CONFLICT (id) DO UPDATE SET phase = excluded.phase WHERE archived_seq IS NULL";
@@ -90,7 +90,7 @@ fn came_to(connection: &Connection, mission: MissionId, phase: &Phase, wall: Wal
     run(connection, sql, params![whole(mission.0)?, strategy, wall.unix_ms, wall.offset_s, phase])
 }
 
-/// A piece, or another photo of it. Where no new photo came the older one stays good.
+/// Records a piece, or another photo of it. Without a new photo the older one stays.
 fn found(connection: &Connection, mission: Option<MissionId>, record: &Luggage, picture: Option<&Picture>) -> Result<(), Fault> {
     if let (Some(picture), PhotoState::Taken { bytes, take }) = (picture, &record.photo) {
         let sql = "INSERT INTO photos (digest, media_type, bytes) VALUES (?1, ?2, ?3) ON CONFLICT (digest) DO NOTHING";
@@ -119,7 +119,7 @@ fn secured(connection: &Connection, luggage: LuggageId, wall: WallTime) -> Resul
     run(connection, sql, params![whole(luggage.0)?, journal::moment(wall)])
 }
 
-/// Everything that stands also says what a failed store may have lost: a mission's beginning, the end of the one before, luggage.
+/// A state snapshot also contains what a failed store may have lost: a mission's beginning, the end of the one before, luggage.
 fn stands(connection: &Connection, state: &PersistentState, wall: WallTime, seq: Seq) -> Result<(), Fault> {
     let current = state.under_way.then_some(state.mission);
     for open in open_missions(connection)?.into_iter().filter(|open| Some(*open) != current) {

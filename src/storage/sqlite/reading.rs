@@ -1,5 +1,5 @@
-//! The journal for whoever only looks at it, as the command `hallsweep journal` does, beside a running program or without one.
-//! What the doors ask for stands in `archive`.
+//! The journal for read-only use, as by the command `hallsweep journal`, with or without a running program. Queries of the doors
+//! are in `archive`.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -25,7 +25,6 @@ pub struct Reading {
 }
 
 impl Reading {
-    /// Opens the journal in the folder `path`.
     pub fn open(path: &Path) -> Result<Reading, Unreadable> {
         let folder = Folder::new(path);
         let opened = connect::reader_of_entries(&folder).map_err(|fault| unreadable(&folder, &fault))?;
@@ -33,8 +32,8 @@ impl Reading {
         Ok(Reading { connection: opened.ok_or_else(none)?.connection, folder })
     }
 
-    /// Walks over the entries, oldest first, of one mission or of all, all of them or the `last` ones, while `visit` says to go
-    /// on. Of what cannot be understood its place is given, and a sentence.
+    /// Visits the entries of one mission or of all, oldest first, or only the `last` ones, until `visit` says stop. An entry that
+    /// cannot be read is passed as its place and a sentence.
     pub fn lines(
         &self,
         mission: Option<MissionId>,
@@ -43,7 +42,7 @@ impl Reading {
     ) -> Result<(), Unreadable> {
         let words = |fault: Fault| fault.words_of_an_entry(self.folder.path());
         let mut walk = || {
-            // Both looks see the same entries, though a running program writes on.
+            // One transaction, so that both queries see the same entries while a program writes.
             let _unchanging = self.connection.unchecked_transaction()?;
             let after = last.map_or(Ok(None), |last| rows::before_the_last(&self.connection, mission, last))?;
             rows::each(&self.connection, EntryFilter { after, mission, ..EntryFilter::default() }, |seq, line| {
@@ -56,17 +55,17 @@ impl Reading {
         }
     }
 
-    /// The same journal for whoever asks about missions.
+    /// The same journal, for queries about missions.
     pub fn archive(&self) -> Arc<dyn Archive> {
         Arc::new(SqliteArchive::new(self.folder.clone()))
     }
 
-    /// Holds these archives against the journal, and one another.
+    /// Checks these archives against the journal and against each other.
     pub fn check_archives(&self, archives: &[PathBuf]) -> Result<Together, Unreadable> {
         together::held_together(&self.connection, &self.folder, archives)
     }
 
-    /// The archive that holds this mission, when it was written out of the journal: its file's name and SHA-256.
+    /// File name and SHA-256 of the archive that holds this mission.
     pub fn archive_with(&self, mission: MissionId) -> Result<Option<(String, String)>, Unreadable> {
         let records = Records::of(&self.connection).map_err(|fault| unreadable(&self.folder, &fault))?;
         Ok(records.with_mission(mission).map(|record| (record.file.clone(), record.digest.clone())))
@@ -77,10 +76,10 @@ impl Reading {
     }
 }
 
-/// Makes the tables that follow from the journal anew, in one transaction; how many entries they follow from.
+/// Rebuilds the tables that follow from the journal, in one transaction; returns the number of entries read.
 pub fn rebuild(path: &Path) -> Result<u64, Unreadable> {
     let folder = Folder::new(path);
-    // Who is not there is not created.
+    // Fails when there is no journal, so that none is created.
     drop(Reading::open(path)?);
     if folder.is_archive() {
         return Err(Unreadable(format!("{} is an archive, which is only read", path.display())));

@@ -1,4 +1,4 @@
-//! Reading back what was kept: everything that stands, folded from the last entry that says all of it (safety R1).
+//! Reading the stored state at a start: folded from the last state snapshot on (safety R1).
 
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
@@ -18,20 +18,21 @@ use hallsweep_core::snapshot::said::Said;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{MissionId, Seq};
 
-/// So many entries are recalled for people to read: as many as a console shows without being scrolled for long,
+/// Number of entries recalled for the log: as many as a console shows without much scrolling.
 const LATEST: usize = 60;
 
-/// found among so many of the last: between two of them a robot may have gone a long way.
+/// Number of last entries searched for them: a robot may have made many steps between two of them.
 const LATEST_AMONG: u64 = 10_000;
 
-/// So many sentences are said about one mission's damage; of the rest, how many there are.
+/// Maximum number of sentences about one mission's damage; the rest is only counted.
 const DAMAGES: usize = 8;
 
-/// So long a start waits for SQLite's own check; some 500 MB on a common disk. `hallsweep journal check` takes all the time.
+/// Time for which a start waits for SQLite's own check, enough for some 500 MB on a common disk. `hallsweep journal check` has no
+/// limit.
 const CHECK_PATIENCE: Duration = Duration::from_secs(5);
 
-/// Looks at what was kept, and changes nothing; `None` when nothing was. What was said to be lost before a kill is not looked at,
-/// although it may be there: all after `lost_after`.
+/// Reads the stored state without a change; `None` when there is none. Entries after `lost_after`, which were declared lost
+/// before a kill, are ignored although they may be there.
 pub(super) fn recall(folder: &Folder, lost_after: Option<Seq>) -> Result<Option<Recalled>, Fault> {
     let Some(connect::Reader { connection, .. }) = connect::reader(folder)? else { return Ok(None) };
     check_quickly(&connection)?;
@@ -45,13 +46,13 @@ pub(super) fn recall(folder: &Folder, lost_after: Option<Seq>) -> Result<Option<
     Ok(Some(Recalled { state, written, commands, latest }))
 }
 
-/// The latest of what people did and what was found up to this entry, oldest first.
+/// The latest commands and findings up to this entry, oldest first.
 pub(super) fn latest(connection: &Connection, written: Seq) -> Result<Vec<Remembered>, Fault> {
     let latest = rows::latest(connection, Kinds::Told, written, LATEST, LATEST_AMONG)?;
     Ok(latest.iter().map(remembered).collect())
 }
 
-/// What people did and what was found, as a line of the log.
+/// A command or finding as a line of the log.
 fn remembered(entry: &Entry) -> Remembered {
     let is_refused = matches!(entry.fact, Fact::Command { refused: Some(_), .. });
     let quiet = if is_refused { Tone::Warning } else { Tone::Info };
@@ -59,7 +60,7 @@ fn remembered(entry: &Entry) -> Remembered {
     Remembered { wall: entry.wall, tone, said: Said::fact(&entry.fact) }
 }
 
-/// What stands after all entries up to `written`.
+/// The state after all entries up to `written`.
 fn state(connection: &Connection, written: Seq) -> Result<PersistentState, Fault> {
     let mut state = PersistentState::first(Strategy::default());
     let before = Some(written.next());
@@ -71,8 +72,8 @@ fn state(connection: &Connection, written: Seq) -> Result<PersistentState, Fault
     Ok(state)
 }
 
-/// What stood of a mission when the entry `before` put it away, or stands of it now, as far as it can be understood; `words` makes
-/// sentences of the faults.
+/// The state of a mission when the entry `before` put it away, or its present state, as far as the entries can be read; `words`
+/// turns faults into sentences.
 pub(super) fn standing_of(
     connection: &Connection,
     mission: MissionId,
@@ -84,7 +85,7 @@ pub(super) fn standing_of(
     go_on(connection, mission, first, (from, before), words)
 }
 
-/// What stands of a mission after further entries, those behind the first and before the second bound, as far as they can be understood.
+/// The state of a mission after further entries, between the two bounds, as far as they can be read.
 pub(super) fn go_on(
     connection: &Connection,
     mission: MissionId,
@@ -97,7 +98,7 @@ pub(super) fn go_on(
     rows::each(connection, EntryFilter { after, before, ..EntryFilter::default() }, |_, line| {
         let line = match line {
             Ok(line) => line,
-            // SQLite itself does not get on: then nothing behind it is known either.
+            // SQLite itself fails, so nothing after this entry is known either.
             Err(fault @ Fault::Sql(_)) => return Err(fault),
             Err(fault) => {
                 damage.say(&fault);
@@ -105,7 +106,7 @@ pub(super) fn go_on(
             }
         };
         let begun = state.under_way && state.mission == mission;
-        // The phase that follows on the mission is on record just before its end.
+        // The phase that follows a mission is recorded just before its end.
         if !(begun && line.mission != Some(mission) && matches!(line.entry.fact, Fact::Phase(_))) {
             state.apply(&line.entry);
         }
@@ -114,8 +115,7 @@ pub(super) fn go_on(
     Ok(Sound { of: state, damage: damage.all() })
 }
 
-/// The last entry before `before` that says everything that stands and can be understood: the walk begins there, and comes by
-/// those that cannot.
+/// The last readable state snapshot before `before`. The fold begins there, and skips entries that cannot be read.
 fn sound_standing(connection: &Connection, before: Option<Seq>) -> Result<Option<Seq>, Fault> {
     let mut from = rows::last_standing(connection, before)?;
     while let Some(seq) = from {
@@ -156,7 +156,7 @@ impl<W: Fn(&Fault) -> String> Damage<W> {
     }
 }
 
-/// The latest commands that carried an id, oldest first: as many as are remembered, however long ago they came.
+/// The latest commands with an id, oldest first: as many as are remembered, however old they are.
 fn repeatable(connection: &Connection, written: Seq) -> Result<Vec<Entry>, Fault> {
     let mut commands = Vec::new();
     let after = rows::before_the_last_named(connection, written, IDS as u64)?;
@@ -168,7 +168,7 @@ fn repeatable(connection: &Connection, written: Seq) -> Result<Vec<Entry>, Fault
     Ok(commands)
 }
 
-/// SQLite's own check of the file's structure, given up without a finding when the file is too large for a start to wait for.
+/// SQLite's own check of the file structure; given up without a finding when the file is too large for a start to wait.
 fn check_quickly(connection: &Connection) -> Result<(), Fault> {
     let handle = connection.get_interrupt_handle();
     let (checked, waiting) = mpsc::channel::<()>();
@@ -179,7 +179,7 @@ fn check_quickly(connection: &Connection) -> Result<(), Fault> {
     });
     let found: Result<String, _> = connection.query_row("PRAGMA quick_check(1)", [], |row| row.get(0));
     drop(checked);
-    // The handle must be gone before the connection is used on; a thread that could not begin holds none.
+    // The interrupt handle must be gone before the connection is used again; a thread that could not start holds none.
     let _ = watch.map(std::thread::JoinHandle::join);
     match found {
         Ok(found) if found == "ok" => Ok(()),

@@ -1,4 +1,4 @@
-//! Entries as rows of the table of events.
+//! Entries as rows of the table `events`.
 
 use rusqlite::types::Value;
 use rusqlite::{Connection, OptionalExtension, Params, Row, params, params_from_iter};
@@ -10,16 +10,16 @@ use hallsweep_core::command::Verdict;
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
 
-/// The columns of an entry, in the order in which `line` takes them.
+/// Columns of an entry, in the order in which `line` reads them.
 const COLUMNS: &str = "seq, mission, at_ms, offset_s, kind, body";
 
-/// Which entries are commands with an id: in the words of the index, or SQLite would not take it,
+/// Condition for commands with an id. It repeats the words of the index; with other words SQLite would not use the index.
 const NAMED: &str = "kind = 'command' AND iif(json_valid(body), body ->> 'id', NULL) IS NOT NULL";
 
-/// and take it it must: without it every entry would be looked at.
+/// Forces the use of the index: without it the query would scan every entry.
 const BY_NAME: &str = "INDEXED BY named_commands";
 
-/// Which entries are meant; all of them, when nothing is said. Where they end somewhere they are read as they were known there.
+/// Which entries to read; by default all. With an upper bound, entries are read as they were known at that bound.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct EntryFilter {
     pub(super) after: Option<Seq>,
@@ -29,28 +29,27 @@ pub(super) struct EntryFilter {
     pub(super) most: Option<usize>,
 }
 
-/// Which kinds of entries are meant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Kinds {
     #[default]
     All,
-    /// Only commands that carry an id.
+    /// Commands that carry an id.
     Named,
-    /// Only those from which the projections follow.
+    /// Entries from which the projections follow.
     Milestones,
-    /// Only those that say what pieces were found to be.
+    /// Verdicts about pieces.
     Verdicts,
-    /// Only those that tell of a retrieval.
+    /// Entries of a retrieval.
     Retrieval,
-    /// Only those that stand on the line of time.
+    /// Entries shown on the timeline.
     Timeline,
-    /// Only those that say what people did and what was found.
+    /// Commands and findings.
     Told,
-    /// Only those about archives.
+    /// Entries about archives.
     OfArchives,
-    /// Only those that tell of the temperature, and of how old it is.
+    /// Entries that tell the temperature, and its age.
     Temperatures,
-    /// Only those from which the way behind the robot follows: where it stood, and where a way begins anew.
+    /// Entries that tell the path behind the robot: its positions, and where a new path begins.
     Way,
 }
 
@@ -80,7 +79,7 @@ impl Kinds {
     }
 }
 
-/// Writes an entry. One that is there already is a fault.
+/// Writes an entry; fails when its number exists already.
 pub(super) fn insert(connection: &Connection, line: &Line) -> Result<(), Fault> {
     let sql = "INSERT INTO events (seq, mission, at_ms, offset_s, kind, body) VALUES (?1, ?2, ?3, ?4, ?5, ?6)";
     let Line { seq, mission, entry: Entry { wall, fact }, picture } = line;
@@ -90,30 +89,29 @@ pub(super) fn insert(connection: &Connection, line: &Line) -> Result<(), Fault> 
     Ok(())
 }
 
-/// Takes back every entry behind `kept`; how many there were.
+/// Deletes every entry after `kept`; returns their number.
 pub(super) fn take_back(connection: &Connection, kept: Seq) -> Result<usize, Fault> {
     Ok(connection.execute("DELETE FROM events WHERE seq > ?1", [whole(kept.0)?])?)
 }
 
-/// The place of the last entry that is not behind `most`; 0 when there is none.
+/// The last entry that is not after `most`; 0 when there is none.
 pub(super) fn last_up_to(connection: &Connection, most: Option<Seq>) -> Result<Seq, Fault> {
     let most = most.map_or(Ok(i64::MAX), |most| whole(most.0))?;
     let last: Option<i64> = connection.query_row("SELECT max(seq) FROM events WHERE seq <= ?1", [most], |row| row.get(0))?;
     Ok(Seq(count(last.unwrap_or(0))))
 }
 
-/// The first entry that is kept.
 pub(super) fn first(connection: &Connection) -> Result<Option<Seq>, Fault> {
     let first: Option<i64> = connection.query_row("SELECT min(seq) FROM events", [], |row| row.get(0))?;
     Ok(first.map(|seq| Seq(count(seq))))
 }
 
-/// The entry of a mission that is the last up to this one, and when it was written.
+/// The last entry of a mission up to `most`, and its time.
 pub(super) fn last_of(connection: &Connection, mission: MissionId, most: Seq) -> Result<Option<(Seq, WallTime)>, Fault> {
     one_of(connection, "mission = ?1 AND seq <= ?2 ORDER BY seq DESC", mission, most)
 }
 
-/// The entry of a mission that is the first from this one on, and when it was written.
+/// The first entry of a mission from `least` on, and its time.
 pub(super) fn first_of(connection: &Connection, mission: MissionId, least: Seq) -> Result<Option<(Seq, WallTime)>, Fault> {
     one_of(connection, "mission = ?1 AND seq >= ?2 ORDER BY seq", mission, least)
 }
@@ -125,21 +123,21 @@ fn one_of(connection: &Connection, which: &str, mission: MissionId, bound: Seq) 
     Ok(statement.query_row([whole(mission.0)?, whole(bound.0)?], read).optional()?)
 }
 
-/// The place of the last entry that says everything that stands, before `before`.
+/// The last state snapshot before `before`.
 pub(super) fn last_standing(connection: &Connection, before: Option<Seq>) -> Result<Option<Seq>, Fault> {
     let sql = "SELECT seq FROM events WHERE kind = 'standing' AND seq < ?1 ORDER BY seq DESC LIMIT 1";
     let before = before.map_or(Ok(i64::MAX), |before| whole(before.0))?;
     place(connection, sql, [before])
 }
 
-/// The place behind which stand the last `count` entries, of a mission or of all.
+/// The entry before the last `count` ones, of a mission or of all.
 pub(super) fn before_the_last(connection: &Connection, mission: Option<MissionId>, count: u64) -> Result<Option<Seq>, Fault> {
     let sql = "SELECT seq FROM events WHERE mission = ?1 OR ?1 IS NULL ORDER BY seq DESC LIMIT 1 OFFSET ?2";
     let values = params![mission.map(|mission| whole(mission.0)).transpose()?, whole(count)?];
     place(connection, sql, values)
 }
 
-/// The latest entries of some kinds up to `written`, oldest first: at most `most`, of the last `searched`.
+/// The latest entries of some kinds up to `written`, oldest first: at most `most`, among the last `searched`.
 pub(super) fn latest(
     connection: &Connection,
     kinds: Kinds,
@@ -154,27 +152,25 @@ pub(super) fn latest(
     let mut rows = statement.query(bounds)?;
     let mut latest = Vec::new();
     while let Some(row) = rows.next()? {
-        // They are looked at and nothing follows from them: one that cannot be understood is passed over.
+        // These entries are only shown and nothing follows from them, so unreadable ones are skipped.
         latest.extend(line(connection, row, Some(written.next())).1.ok().map(|line| line.entry));
     }
     latest.reverse();
     Ok(latest)
 }
 
-/// The place behind which stand the last `count` commands up to `written` that carry an id; `None` when there are no more than
-/// these.
+/// The entry before the last `count` commands with an id, up to `written`; `None` when there are no more than `count`.
 pub(super) fn before_the_last_named(connection: &Connection, written: Seq, count: u64) -> Result<Option<Seq>, Fault> {
     let sql = format!("SELECT seq FROM events {BY_NAME} WHERE {NAMED} AND seq <= ?1 ORDER BY seq DESC LIMIT 1 OFFSET ?2");
     place(connection, &sql, [whole(written.0)?, whole(count)?])
 }
 
-/// The place of the entry that a query finds.
 fn place(connection: &Connection, sql: &str, values: impl Params) -> Result<Option<Seq>, Fault> {
     let found: Option<i64> = connection.prepare_cached(sql)?.query_row(values, |row| row.get(0)).optional()?;
     Ok(found.map(|seq| Seq(count(seq))))
 }
 
-/// Walks over entries, oldest first. One that cannot be understood is given as such; the walk ends when `visit` fails.
+/// Visits entries, oldest first. One that cannot be read is passed as an error; stops when `visit` fails.
 pub(super) fn each(
     connection: &Connection,
     which: EntryFilter,
@@ -191,7 +187,7 @@ pub(super) fn each(
 }
 
 impl EntryFilter {
-    /// Those of a mission; nothing where a number is beyond those of the store.
+    /// The entries of a mission; `None` when a number exceeds those of the store.
     pub(super) fn of(mission: MissionId, span: Span, most: usize) -> Option<EntryFilter> {
         i64::try_from(mission.0.max(span.after.0)).ok()?;
         let before = i64::try_from(span.until.0).is_ok().then(|| span.until.next());
@@ -213,9 +209,9 @@ impl EntryFilter {
     }
 }
 
-/// The entry of a row, as it was known before another, and its place.
+/// The entry of a row with its place, as it was known before the entry `before`.
 fn line(connection: &Connection, row: &Row<'_>, before: Option<Seq>) -> (Seq, Result<Line, Fault>) {
-    // The place is the key of the table, which is a number whatever else is damaged.
+    // The place is the key of the table, which is a number even when other columns are damaged.
     let seq = Seq(row.get(0).map_or(0, count));
     (seq, understood(connection, row, (seq, before)))
 }
@@ -228,19 +224,19 @@ fn understood(connection: &Connection, row: &Row<'_>, (seq, before): (Seq, Optio
     if row.get_ref(4)?.as_str().ok() != Some(journal::kind(&fact)) {
         return Err(Fault::Damaged(format!("entry {seq} is not of the kind that it says")));
     }
-    // Where this cannot be asked the entry is given as it was written.
+    // When this query fails, the entry is returned as it was written.
     let fact = fact.as_it_was(|luggage| was_dangerous(connection, luggage, (seq, before)).unwrap_or(false));
     Ok(Line { seq, mission: mission.map(|mission| MissionId(count(mission))), entry: Entry { wall, fact }, picture })
 }
 
-/// Whether a piece was found dangerous behind an entry: at any time, or before another.
+/// Whether a piece was found dangerous after an entry: at any time, or before the entry `before`.
 fn was_dangerous(connection: &Connection, luggage: LuggageId, (after, before): (Seq, Option<Seq>)) -> Result<bool, Fault> {
     let sql = "SELECT 1 FROM luggage WHERE id = ?1 AND verdict = 'danger'";
     let is_dangerous = connection.prepare_cached(sql)?.exists([whole(luggage.0)?])?;
     if !is_dangerous || before.is_none() {
         return Ok(is_dangerous);
     }
-    // When that was said only the entries know. It comes within milliseconds of what it overtakes.
+    // Only the entries tell when that was. It follows within milliseconds of the verdict that it overrides.
     let which = EntryFilter { after: Some(after), before, kinds: Kinds::Verdicts, ..EntryFilter::default() };
     let looked = each(connection, which, |_, line| {
         if line.is_ok_and(|line| says_danger(&line.entry.fact, luggage)) { Err(Fault::GivenUp) } else { Ok(()) }

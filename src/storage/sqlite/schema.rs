@@ -1,20 +1,20 @@
-//! The tables of the journal, and what brings an older file up to date.
+//! The tables of the journal, and the migrations of older files.
 
 use rusqlite::{Connection, Transaction};
 
 use super::chain;
 use super::fault::Fault;
 
-/// Says in the file's header that it is ours: the letters HSWP.
+/// Application id in the file's header: the letters HSWP.
 const APPLICATION: i64 = 0x4853_5750;
 
-/// What brings a file from each format to the next; an empty file is of format 0.
+/// Migrations from each format to the next; an empty file has format 0.
 const MIGRATIONS: [&str; 4] =
     [include_str!("schema.sql"), include_str!("schema_2.sql"), include_str!("schema_3.sql"), include_str!("schema_4.sql")];
 
 pub(super) const FORMAT: i64 = MIGRATIONS.len() as i64;
 
-/// Since this format entries are written as they are now.
+/// The format since which entries are unchanged.
 pub(super) const ENTRIES_SINCE: i64 = 2;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,7 +37,7 @@ pub(super) fn format(connection: &Connection) -> Result<Format, Fault> {
     }
 }
 
-/// Brings a file to the format of this version, in one transaction.
+/// Migrates a file to the present format, in one transaction.
 pub(super) fn bring_up_to_date(connection: &mut Connection) -> Result<(), Fault> {
     let from = match format(connection)? {
         Format::Current => return Ok(()),
@@ -58,7 +58,7 @@ fn migrate(transaction: &Transaction<'_>, from: usize) -> Result<(), Fault> {
     Ok(transaction.pragma_update(None, "user_version", FORMAT)?)
 }
 
-/// Makes an empty file one of an older format.
+/// Creates an empty file of an older format.
 #[cfg(test)]
 pub(super) fn of_format(connection: &mut Connection, format: u8) {
     let transaction = connection.transaction().unwrap();

@@ -1,4 +1,4 @@
-//! The store on disk, asked through its ports, and what is found on the disk itself.
+//! Tests of the store on disk, through its ports and by looking at the files themselves.
 
 mod archives;
 mod chain;

@@ -1,7 +1,7 @@
-//! Whether archives and the journal hold one another, and what is on record of archives.
+//! Whether archives and the journal fit together, and agree with the records of archiving.
 //!
 //! ```text
-//!   first    1 ───── n            each begins behind a page that stands in the one before, and that one is on record: it was written out,
+//!   first    1 ───── n            each begins after a page of the one before, and that one is on record: it was archived,
 //!   second         n ──────── m   or all of it was unpacked, and the journal begins where it does
 //!   journal                 m ─────────► head
 //! ```
@@ -21,16 +21,17 @@ use super::{chain, connect};
 use crate::runtime::archive::{Head, Unreadable};
 use hallsweep_core::units::Seq;
 
-/// What was found between a journal and archives.
+/// Result of comparing a journal with archives.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Together {
-    /// How many archives there were; one that was given twice is one.
+    /// Number of archives; one that was named twice counts once.
     pub archives: usize,
-    /// What is wrong, a sentence each; nothing, when each is as it was written out and they follow on one another from the first entry on.
+    /// One sentence for each fault; empty when each archive is as it was written and they follow each other from the first entry
+    /// on.
     pub faults: Vec<String>,
 }
 
-/// An archive that can be read, with the page behind which it begins and its last.
+/// A readable archive, with the page after which it begins and its last page.
 struct OpenArchive {
     shown: String,
     digest: String,
@@ -39,7 +40,7 @@ struct OpenArchive {
     connection: Connection,
 }
 
-/// Holds archives against the journal of this folder, and one another.
+/// Compares archives with the journal of this folder and with each other.
 pub(super) fn held_together(journal: &Connection, folder: &Folder, files: &[PathBuf]) -> Result<Together, Unreadable> {
     let words = |fault: Fault| Unreadable(fault.words(folder.path(), Then::StartAgain));
     if let Format::Older(version) = schema::format(journal).map_err(words)? {
@@ -47,7 +48,7 @@ pub(super) fn held_together(journal: &Connection, folder: &Folder, files: &[Path
     }
     let mut faults = Vec::new();
     let archives = opened(files, &mut faults);
-    // What was written out first is on record in what was written out later.
+    // An earlier archive is on record in every later one.
     let mut records = Records::of(journal).map_err(words)?;
     let mut later = (chain::anchor(journal).map_err(words)?, "the journal");
     for archive in archives.iter().rev() {
@@ -67,7 +68,7 @@ pub(super) fn held_together(journal: &Connection, folder: &Folder, files: &[Path
     Ok(Together { archives: archives.len(), faults })
 }
 
-/// What is wrong between an archive and what begins behind it, by its name; or, of one that was unpacked, with it.
+/// Faults between an archive and what begins after it, by its name; or those of an unpacked one.
 fn between<'a>(
     (begins, later): (Head, &str),
     archive: &OpenArchive,
@@ -92,7 +93,7 @@ fn between<'a>(
     Ok((!is_on_record).then(words))
 }
 
-/// Opens archives, each once, in the order in which they follow on one another; says what is not sound in them, and which cannot be read.
+/// Opens each archive once, in the order in which they follow each other; reports those that are unsound or unreadable.
 fn opened(files: &[PathBuf], faults: &mut Vec<String>) -> Vec<OpenArchive> {
     let (mut archives, mut known) = (Vec::new(), BTreeSet::new());
     for file in files {
@@ -105,7 +106,7 @@ fn opened(files: &[PathBuf], faults: &mut Vec<String>) -> Vec<OpenArchive> {
     archives
 }
 
-/// Opens an archive; `None` where its digest is one of those that are known.
+/// Opens an archive; `None` when its digest is known already.
 fn look_at(file: &Path, known: &mut BTreeSet<String>, faults: &mut Vec<String>) -> Result<Option<OpenArchive>, Unreadable> {
     let (archive, shown) = (Folder::new(file), file.display().to_string());
     if !archive.is_archive() {

@@ -1,6 +1,6 @@
-//! A data folder that is made of an archive, whole or not at all: it is built beside its place, or within it where there is a folder already,
-//! and then moved there, the journal last. It is a journal of its own from
-//! there on, whose first own entry says from which archive all before it is, and where that begins.
+//! Makes a data folder from an archive, whole or not at all: it is built beside its place, or within it where a folder exists
+//! already, and then moved there, the journal last. It is a journal of its own from then on; its first own entry names the
+//! archive that all entries before came from, and where that begins.
 
 use std::fs;
 use std::io;
@@ -18,7 +18,7 @@ use crate::storage::names::{self, Name};
 use hallsweep_core::effect::{Entry, Fact, Page, Unpacked};
 use hallsweep_core::units::WallTime;
 
-/// Makes the folder `data` of the archive `file`; how many entries it has then.
+/// Makes the folder `data` from the archive `file`; returns its number of entries.
 pub fn unpack(file: &Path, data: &Path, now: WallTime) -> Result<u64, Unreadable> {
     let archive = Folder::new(file);
     if !archive.is_archive() {
@@ -35,22 +35,22 @@ pub fn unpack(file: &Path, data: &Path, now: WallTime) -> Result<u64, Unreadable
     };
     place.check()?;
     let entries = built(&from, &Folder::new(&place.build), Entry { wall: now, fact: Fact::Unpacked(record) });
-    // What cannot be used is not left in anybody's way.
+    // A folder that cannot be used is removed.
     let entries = entries.inspect_err(|_| drop(fs::remove_dir_all(&place.build)));
     let placed = entries.and_then(|entries| Ok(place.take().map(|()| entries)?));
     placed.map_err(|fault| Unreadable(fault.words(data, Then::StartAgain)))
 }
 
-/// Where the folder is to be, and where it is built until it is whole.
+/// Destination of the folder, and where it is built until it is complete.
 struct Place {
     data: PathBuf,
     build: PathBuf,
-    /// Whether there is a folder in its place, which may be a volume or the end of a link: it stays, and what was built is moved into it.
+    /// Whether the destination exists, perhaps as a volume or the target of a link: it stays, and the result is moved into it.
     is_there: bool,
 }
 
 impl Place {
-    /// A place that is free: nothing is there, or an empty folder, or what a kill left of an unpacking.
+    /// Checks that the destination is free: missing, an empty folder, or the leftover of a killed unpacking.
     fn of(data: &Path) -> Result<Place, Unreadable> {
         let refused = |words: &dyn std::fmt::Display| Unreadable(format!("{} cannot be used: {words}", data.display()));
         let data = match data.canonicalize() {
@@ -65,7 +65,7 @@ impl Place {
         };
         let there = fs::read_dir(&data).and_then(|files| files.map(|file| Ok(file?.file_name())).collect::<io::Result<Vec<_>>>());
         let there = there.map_err(|error| refused(&error))?;
-        // A volume may have this of its own.
+        // A volume may have this entry of its own.
         let is_empty = there.iter().all(|name| name == "lost+found");
         let has = |wanted: Name| there.iter().any(|name| name == wanted.written());
         let was_begun = has(names::UNPACK) && !has(names::JOURNAL);
@@ -77,7 +77,7 @@ impl Place {
         }
     }
 
-    /// Fails where something stands in the way of building that no unpacking has left.
+    /// Fails where something that no unpacking left is in the way of building.
     fn check(&self) -> Result<(), Unreadable> {
         const LEFT: [Name; 4] = [names::JOURNAL, names::HEAD, names::LOCK, names::PHOTOS];
         let is_ours = match fs::symlink_metadata(&self.build) {
@@ -91,7 +91,7 @@ impl Place {
         if is_ours { Ok(()) } else { Err(words()) }
     }
 
-    /// Takes what was built: in one step, or the journal last, without which a folder is no data folder.
+    /// Moves the result: in one step, or the journal last, without which a folder is not a data folder.
     fn take(&self) -> io::Result<()> {
         if !self.is_there {
             fs::rename(&self.build, &self.data)?;
@@ -101,7 +101,7 @@ impl Place {
         parts.sort_by_key(|part| part == names::JOURNAL.written());
         for part in parts {
             let to = self.data.join(&part);
-            // A kill may have left it, when it was moved here before.
+            // A killed move may have left it here.
             remove(if to.is_dir() { fs::remove_dir_all(&to) } else { fs::remove_file(&to) })?;
             fs::rename(self.build.join(&part), to)?;
             files::sync_folder(&self.data)?;
@@ -111,11 +111,11 @@ impl Place {
     }
 }
 
-/// Builds it, photos first, up to an entry of its own; how many entries it has.
+/// Builds the folder, photos first, up to an entry of its own; returns its number of entries.
 fn built(from: &rusqlite::Connection, folder: &Folder, own: Entry) -> Result<u64, Fault> {
     folder.create_path()?;
     let _lock = folder.lock()?;
-    // What a kill left of an earlier one is begun anew.
+    // Leftovers of a killed unpacking are removed.
     for left in [folder.journal(), folder.head().path().to_owned()] {
         remove(fs::remove_file(left))?;
     }
@@ -124,7 +124,7 @@ fn built(from: &rusqlite::Connection, folder: &Folder, own: Entry) -> Result<u64
         let photo = Pictures::Table.read(from, &Picture { digest, media_type })?;
         Pictures::Files(folder).keep(from, &photo)?;
     }
-    // It is made here, so that it is private.
+    // Created here, so that it is private.
     drop(files::open(&folder.journal(), fs::File::options().write(true).create_new(true))?);
     let (entries, end) = copy(from, &folder.journal(), None, |journal| {
         let page = Page { first: rows::last_up_to(journal, None)?.next(), entries: vec![own] };
@@ -137,7 +137,7 @@ fn built(from: &rusqlite::Connection, folder: &Folder, own: Entry) -> Result<u64
     Ok(entries)
 }
 
-/// What is not there need not be removed.
+/// A file that is missing need not be removed.
 fn remove(removed: io::Result<()>) -> io::Result<()> {
     removed.or_else(|error| if error.kind() == io::ErrorKind::NotFound { Ok(()) } else { Err(error) })
 }

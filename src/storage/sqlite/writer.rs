@@ -1,5 +1,5 @@
-//! The thread that writes: takes what was handed over, keeps it in one transaction, says so. After a failure it tries again and
-//! again until something can be written (safety R3). Beside it the watchman, who does not wait for a disk that hangs.
+//! The thread that writes: takes pages, stores them in one transaction, reports that. After a failure it retries until something
+//! can be written (safety R3). Beside it runs the watchman, who does not wait for a disk that hangs.
 //!
 //! ```text
 //!   pages ─► writing ── kept ─► word.kept
@@ -21,46 +21,47 @@ use super::writer_status::WriterStatus;
 use hallsweep_core::effect::{Entry, Fact, Page};
 use hallsweep_core::units::{MissionId, Seq};
 
-/// So many pages at most share one transaction: what a slow disk lets pile up, and still only moments of work.
+/// Maximum number of pages in one transaction: what piles up on a slow disk, and still only moments of work.
 const BATCH: usize = 256;
 
-/// There must be room for so many bytes more than what could not be written, before it is tried again: else a disk that is all but
-/// full would take the next few entries, fail, take some more, and so on.
+/// Free space in bytes that must remain beyond the failed page before it is retried: otherwise a nearly full disk would take the
+/// next few entries, fail, take some more, and so on.
 const MARGIN: usize = 256 * 1024;
 
-/// How long things take before something is done about them.
+/// How long things may take before the writer acts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Patience {
-    /// Between two attempts to write after a failure.
+    /// Pause between two attempts after a failure.
     pub(super) retry: Duration,
-    /// A batch that takes longer than so many looks is given up,
+    /// Number of looks after which a batch is given up.
     pub(super) looks: u32,
-    /// with so much time between two looks.
+    /// Time between two looks.
     pub(super) look: Duration,
-    /// How long the end of the program waits for the last pages: a disk that takes longer would not have kept them either.
+    /// How long the end of the program waits for the last pages: a slower disk would not have stored them either.
     pub(super) end: Duration,
 }
 
 impl Patience {
-    /// Once a second; after 5 s; a second, because the whole program is to end within two.
+    /// Retries once a second; gives a batch up after 5 s; waits a second at the end, because the whole program is to end within
+    /// two.
     pub(super) const USUAL: Patience =
         Patience { retry: Duration::from_secs(1), looks: 10, look: Duration::from_millis(500), end: Duration::from_secs(1) };
 }
 
-/// A page, and how many losses whoever handed it over knew of.
+/// A page, and the number of losses that its sender knew of.
 #[derive(Debug)]
 pub(super) struct Handed {
     pub(super) page: Page,
     pub(super) losses: u64,
 }
 
-/// The journal, or what keeps it from being written.
+/// The journal, or why it cannot be written.
 #[derive(Debug)]
 pub(super) enum Hand {
     Writing(Pages),
-    /// It could not be opened for writing. What was kept is known, so that writing may begin later.
+    /// It could not be opened for writing. The stored state is known, so writing may begin later.
     Waiting(Option<MissionId>),
-    /// Nothing may be written before the program is started again.
+    /// Nothing may be written before a restart.
     Closed,
 }
 
@@ -72,15 +73,15 @@ pub(super) struct Writer {
     pub(super) ended: Receiver<()>,
     pub(super) hand: Hand,
     pub(super) head: HeadFile,
-    /// The last entry that was said to be kept.
+    /// The last entry reported as stored.
     pub(super) kept: Seq,
-    /// How many bytes of photos came with the last batch.
+    /// Bytes of photos in the last batch.
     pub(super) bulk: usize,
     pub(super) patience: Patience,
 }
 
 impl Writer {
-    /// Writes until nobody can hand anything over any more.
+    /// Writes until all senders are gone.
     pub(super) fn run(mut self) {
         self.remember_head();
         while self.turn() {}
@@ -97,7 +98,8 @@ impl Writer {
         }
         let first = match self.pages.recv_timeout(self.patience.retry) {
             Ok(first) => first,
-            // What could not be handed over may be said to be lost when all that could be is written already: nobody else wakes this.
+            // A page that was refused may be declared lost after everything else was written: nothing but this timeout wakes the
+            // thread.
             Err(RecvTimeoutError::Timeout) => return true,
             Err(RecvTimeoutError::Disconnected) => return false,
         };
@@ -106,7 +108,7 @@ impl Writer {
         true
     }
 
-    /// Keeps what was handed over, but for pages whose sender did not know of a loss.
+    /// Stores a batch, except pages whose sender did not know of a loss.
     fn keep(&mut self, batch: Vec<Handed>) {
         let losses = self.status.begin();
         let pages: Vec<Page> = batch.into_iter().filter(|handed| handed.losses == losses).map(|handed| handed.page).collect();
@@ -129,11 +131,11 @@ impl Writer {
                 self.kept = last;
                 self.remember_head();
             }
-            // It is on the disk and was said to be lost: it goes at once.
+            // The batch is on disk but was declared lost, so it is deleted at once.
             Ok(()) => self.try_again(),
             Err(fault) => {
-                // A commit that failed may have left its pages in the write-ahead log, where a kill at this moment would find
-                // them whole. They are written over before anybody hears that they are lost; whether that lasts does not matter.
+                // A failed commit may have left its pages in the write-ahead log, where a kill at this moment would find them
+                // complete. They are overwritten before the loss is reported; that need not be durable.
                 if let (Hand::Writing(journal), false) = (&mut self.hand, fault.is_final()) {
                     let _ = journal.go_on_after(self.kept);
                 }
@@ -143,7 +145,7 @@ impl Writer {
         }
     }
 
-    /// Puts down where the journal ends; behind what was said to be kept, and so never before it.
+    /// Writes the head file after the entries were reported as stored, so that it is never ahead.
     fn remember_head(&mut self) {
         if let Hand::Writing(journal) = &self.hand
             && let Ok(head) = journal.head()
@@ -153,7 +155,7 @@ impl Writer {
     }
 
     fn try_again(&mut self) {
-        // Who does not know yet that something is lost must not be told that all is well again.
+        // A sender who does not know of the loss yet must not be told that the failure is over.
         if !self.status.is_announced() {
             return;
         }
@@ -179,7 +181,7 @@ impl Writer {
         }
     }
 
-    /// A file that is broken is not written to again.
+    /// A broken file is not written again.
     fn give_in(&mut self, fault: &Fault) {
         if fault.is_final() {
             self.hand = Hand::Closed;
@@ -191,7 +193,7 @@ fn photo_bytes(entry: &Entry) -> usize {
     if let Fact::Luggage { photo: Some(photo), .. } = &entry.fact { photo.bytes.len() } else { 0 }
 }
 
-/// Looks at the writer now and then; one that is at the same batch for too long is not waited for.
+/// Looks at the writer now and then; a batch that takes too long is given up.
 pub(super) fn watch(status: &WriterStatus, folder: &Folder, ended: &Receiver<()>, patience: Patience) {
     let mut seen = (None, 0);
     while ended.recv_timeout(patience.look) == Err(RecvTimeoutError::Timeout) {

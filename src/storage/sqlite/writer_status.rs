@@ -1,5 +1,5 @@
-//! What store, writer and watchman know together: what the store says of the pages it was given (its `StoreStatus`), and whether the
-//! writer is at work. Every change of the former is made here, under one lock, so that nothing is ever said to be both kept and lost.
+//! What store, writer and watchman share: the store's report on its pages (`StoreStatus`), and whether the writer is at work.
+//! Every change of the report is made here, under one lock, so that no page is ever reported as both stored and lost.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -21,22 +21,22 @@ pub(super) struct WriterStatus {
 #[derive(Debug, Default)]
 struct Work {
     batches: u64,
-    /// Whether one is being written.
+    /// Whether a batch is being written.
     busy: bool,
-    /// Whether a loss is decided on and not announced yet: it is being put down where a kill leaves it.
+    /// Whether a loss is decided but not announced yet: it is being written to where it outlives a kill.
     losing: bool,
-    /// Whether pages were dropped while a failure stood already.
+    /// Whether pages were dropped during a failure.
     overflowed: bool,
 }
 
 impl WriterStatus {
-    /// Before anything was handed over. What cannot be written from the start counts as a loss, so that nobody waits for it.
+    /// Status at the start. A failure to open counts as a loss, so that nobody waits for it.
     pub(super) fn new(marker: Marker, kept: Seq, failure: Option<&str>) -> WriterStatus {
         let word = StoreStatus { kept, failure: failure.map(Arc::from), losses: u64::from(failure.is_some()) };
         WriterStatus { word: watch::Sender::new(word), work: Mutex::default(), marker }
     }
 
-    /// The word as it is and will be. Whoever listens hears the first one too.
+    /// Receives the present status and every later one.
     pub(super) fn word(&self) -> watch::Receiver<StoreStatus> {
         let mut word = self.word.subscribe();
         word.mark_changed();
@@ -47,32 +47,32 @@ impl WriterStatus {
         self.word.borrow().losses
     }
 
-    /// Whether nothing is to be written, or will not be in a moment.
+    /// Whether writing fails, or is about to be reported as failing.
     pub(super) fn is_failing(&self) -> bool {
         self.fails(&self.work())
     }
 
-    /// Whether everybody can know of the failure.
+    /// Whether the failure was announced.
     pub(super) fn is_announced(&self) -> bool {
         let work = self.work();
         self.fails(&work) && !work.losing
     }
 
-    /// Whether a batch that was begun after so many losses is still wanted.
+    /// Whether a batch begun after `losses` losses is still wanted.
     pub(super) fn wants(&self, losses: u64) -> bool {
         let work = self.work();
         !work.losing && self.losses() == losses
     }
 
-    /// A batch is begun; the losses so far.
+    /// Begins a batch; returns the number of losses so far.
     pub(super) fn begin(&self) -> u64 {
         let mut work = self.work();
         (work.batches, work.busy) = (work.batches + 1, true);
         self.losses()
     }
 
-    /// The batch that was begun after so many losses is on the disk up to `last`. False when it has been given up for lost in the
-    /// meantime: then it must be taken back.
+    /// Reports the batch begun after `losses` losses as stored up to `last`. False when it was given up as lost meanwhile: the
+    /// caller must delete it.
     pub(super) fn keep(&self, losses: u64, last: Seq) -> bool {
         let mut work = self.work();
         work.busy = false;
@@ -83,7 +83,7 @@ impl WriterStatus {
         stands
     }
 
-    /// What was begun has failed, unless it was given up before.
+    /// Reports that the batch failed, unless it was given up before.
     pub(super) fn fail(&self, losses: u64, words: &str) {
         let mut work = self.work();
         work.busy = false;
@@ -92,8 +92,8 @@ impl WriterStatus {
         }
     }
 
-    /// What was handed over cannot be taken. Only the first time is a loss: until the failure ends the rest is counted as one.
-    /// Never waits: it is announced in a moment.
+    /// Reports that a page cannot be taken. Only the first time is a loss: until the failure ends the rest counts as one. Never
+    /// waits, as the announcement follows on another thread.
     pub(super) fn overflow(self: &Arc<WriterStatus>, words: String) {
         let mut work = self.work();
         if self.fails(&work) {
@@ -129,13 +129,13 @@ impl WriterStatus {
         });
     }
 
-    /// The batch that is being written, if one is.
+    /// The batch being written, if there is one.
     pub(super) fn at_work(&self) -> Option<u64> {
         let work = self.work();
         work.busy.then_some(work.batches)
     }
 
-    /// Gives the batch up if it is still being written; what was handed over behind it is lost with it.
+    /// Gives the batch up if it is still being written; pages handed over after it are lost with it.
     pub(super) fn give_up(&self, batch: u64, words: &str) {
         let work = self.work();
         if work.busy && work.batches == batch && !self.fails(&work) {
@@ -143,7 +143,7 @@ impl WriterStatus {
         }
     }
 
-    /// It writes again, and what was lost has been taken back: a kill may find everything that is there.
+    /// Clears the mark: writing works again and the lost entries are deleted, so a kill may find everything that is there.
     pub(super) fn clear_marker(&self) -> Result<(), Fault> {
         self.marker.clear()
     }
@@ -152,7 +152,7 @@ impl WriterStatus {
         work.losing || self.word.borrow().failure.is_some()
     }
 
-    /// From here on nothing more is kept, so that what is put down as the last entry kept stays that.
+    /// Stops reporting pages as stored first, so that the last stored entry stays the one written to the mark.
     fn lose(&self, mut work: MutexGuard<'_, Work>, words: &str) {
         work.losing = true;
         drop(work);
@@ -173,7 +173,7 @@ impl WriterStatus {
     }
 
     fn work(&self) -> MutexGuard<'_, Work> {
-        // Nothing that is done under the lock can panic halfway.
+        // No code under the lock can panic.
         self.work.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -185,7 +185,7 @@ mod tests {
     use super::super::folder::Folder;
     use super::*;
 
-    /// Safety V3: between the decision that something is lost and the announcement.
+    /// Safety V3: the time between deciding on a loss and announcing it.
     #[test]
     fn while_a_loss_is_being_put_down_nothing_is_kept_and_nothing_is_well_again() {
         let status = WriterStatus::new(Marker::new(&Folder::new(Path::new("nowhere"))), Seq(5), None);

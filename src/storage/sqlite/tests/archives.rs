@@ -1,4 +1,5 @@
-//! Archives: what is written out is all there, what stays is as it was, nothing goes that was not written out, and each change is named.
+//! Archives: what is archived is complete, what stays is unchanged, nothing is deleted that was not archived, and each change is
+//! detected.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -16,7 +17,6 @@ use hallsweep_core::effect::Fact;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
 
-/// The missions of the tests end at noon.
 const NOON: WallTime = at_noon_exactly();
 pub(super) const LATER: WallTime = WallTime { unix_ms: NOON.unix_ms + 1, ..NOON };
 
@@ -24,7 +24,7 @@ const fn at_noon_exactly() -> WallTime {
     WallTime { unix_ms: 1_770_000_000_000, offset_s: 3600 }
 }
 
-/// As the core ends a mission: with all that stands, in the same page.
+/// The core ends a mission with a state snapshot in the same page.
 pub(super) fn end(mission: u64) -> Vec<Fact> {
     let mut state = PersistentState::first(Order::Snail);
     state.mission = MissionId(mission);
@@ -32,7 +32,7 @@ pub(super) fn end(mission: u64) -> Vec<Fact> {
     [archive(mission), vec![Fact::State(Box::new(state))]].concat()
 }
 
-/// A mission with a piece, photographed and found safe.
+/// A mission with one photographed piece that was found safe.
 pub(super) fn play(scribe: &mut Scribe, mission: u64, picture: &str) {
     scribe.keep(begin(mission));
     scribe.keep(vec![found(mission, Some(photo(picture))), inspecting(mission)]);
@@ -59,7 +59,7 @@ fn write(scratch: &Scratch, before: WallTime, name: &str) -> Result<Option<Archi
     write_out(&scratch.data(), before, LATER, &file(scratch, name))
 }
 
-/// What stands afterwards must follow from what stays.
+/// The state afterwards must follow from what stays.
 #[test]
 fn a_mission_behind_which_it_was_not_said_what_stands_goes_with_the_next_that_has_it() {
     let scratch = Scratch::new();
@@ -79,7 +79,7 @@ fn a_mission_behind_which_it_was_not_said_what_stands_goes_with_the_next_that_ha
     check_finds(&scratch, &[]);
 }
 
-/// Sound in itself is not enough: it must be what the journal holds.
+/// A sound archive must also match the journal.
 #[test]
 fn an_archive_of_something_else_is_not_taken_for_one_of_this_journal() {
     let (one, other) = (Scratch::new(), Scratch::new());
@@ -95,7 +95,6 @@ fn an_archive_of_something_else_is_not_taken_for_one_of_this_journal() {
     assert!(words.contains("does not hold what the journal does"), "{words}");
 }
 
-/// Every entry of a journal or archive, as JSON.
 pub(super) fn lines(path: &Path) -> Vec<String> {
     let mut lines = Vec::new();
     Reading::open(path)
@@ -116,7 +115,7 @@ pub(super) fn shown(
     let id = MissionId(mission);
     let entries = archive.entries(id, Span::after(Seq(0)), 1000).unwrap();
     let mut moments: Vec<Vec<Moment>> = entries.iter().map(|(seq, _)| archive.moments(id, &[At::Entry(*seq)]).unwrap()).collect();
-    // The log of a moment goes back beyond the mission, as far as there is something.
+    // The log of a moment goes back beyond the mission, as far as there are entries.
     moments.iter_mut().flatten().for_each(|moment| moment.past.of.latest.clear());
     let photos = vec![archive.photo(LuggageId(mission)).unwrap().is_some()];
     (archive.state(id).unwrap().map(|sound| sound.of), moments, photos)
@@ -262,7 +261,7 @@ fn archives_follow_on_one_another_and_what_is_changed_or_left_out_is_named() {
     assert!(found.iter().any(|fault| fault.contains("are not what was kept")), "with the place: {found:?}");
 }
 
-/// It was written by a version that knew no archives.
+/// A version without archives wrote the journal.
 #[test]
 fn archives_are_not_held_against_a_journal_of_an_older_format() {
     let scratch = Scratch::new();
@@ -279,7 +278,7 @@ fn archives_are_not_held_against_a_journal_of_an_older_format() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
-    /// Beside the journal, which has its digest.
+    /// The journal has the digest of the archive.
     #[test]
     fn any_byte_of_an_archive_that_is_changed_is_named(place in any::<prop::sample::Index>(), change in 1_u8..) {
         static KEPT: std::sync::LazyLock<(Scratch, Vec<u8>)> = std::sync::LazyLock::new(|| {

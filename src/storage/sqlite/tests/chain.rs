@@ -1,4 +1,5 @@
-//! The chain of digests: what is changed, removed, exchanged, added or cut off behind the store's back is named, with its place.
+//! The chain of digests: entries that are changed, removed, exchanged, added or cut off behind the store's back are reported with
+//! their place.
 
 use proptest::prelude::*;
 
@@ -21,7 +22,7 @@ fn some_journal() -> Scratch {
     scratch
 }
 
-/// One entry, as a row that another table could hold.
+/// SQL that swaps the contents of two entries.
 fn exchange(one: u64, other: u64) -> String {
     let take = |column: &str, seq: u64| format!("(SELECT {column} FROM events WHERE seq = {seq})");
     let set = |seq: u64| format!("kind = {}, body = {}", take("kind", seq), take("body", seq));
@@ -38,7 +39,7 @@ fn whatever_is_done_to_entries_is_named_with_its_place() {
     let last_is_gone = |first: u64, last: u64| format!("entries {first} to {last}: the last of them is not there");
     let missing = |first: u64, last: u64| format!("entries {first} to {last} are missing");
     for (sql, finds) in [
-        // A moment, a mission, a coordinate; what they say stays sound, and so do the tables.
+        // A time, a mission, a coordinate: the entries and the tables stay readable.
         ("UPDATE events SET at_ms = at_ms + 1 WHERE seq = 6".to_owned(), vec![changed(5, 6)]),
         ("UPDATE events SET offset_s = 0 WHERE seq = 10".to_owned(), vec![changed(10, 10)]),
         ("UPDATE events SET mission = NULL WHERE seq = 8".to_owned(), vec![changed(8, 9)]),
@@ -48,18 +49,18 @@ fn whatever_is_done_to_entries_is_named_with_its_place() {
         (exchange(8, 10), vec![changed(8, 9), changed(10, 10)]),
         ("DELETE FROM events WHERE seq = 8".to_owned(), vec![missing(8, 8), changed(8, 9)]),
         ("DELETE FROM events WHERE seq = 9".to_owned(), vec![missing(9, 9), last_is_gone(8, 9)]),
-        // With its page: then the next does not follow.
+        // An entry with its page: the next page does not follow then.
         (
             "DELETE FROM events WHERE seq IN (8, 9); DELETE FROM pages WHERE last = 9".to_owned(),
             vec![missing(8, 9), changed(8, 10)],
         ),
-        // And with a loss that would explain it.
+        // The same with a recorded loss that would explain it.
         (
             "DELETE FROM events WHERE seq IN (8, 9); DELETE FROM pages WHERE last = 9; INSERT INTO losses VALUES (7, 1)"
                 .to_owned(),
             vec![changed(8, 10)],
         ),
-        // The tail, with its page and without.
+        // The last entry, with its page and without.
         ("DELETE FROM events WHERE seq = 10".to_owned(), vec![last_is_gone(10, 10), "ends before entry 10".to_owned()]),
         (
             "DELETE FROM events WHERE seq >= 8; DELETE FROM pages WHERE last >= 8".to_owned(),
@@ -84,7 +85,7 @@ fn whatever_is_done_to_entries_is_named_with_its_place() {
     }
 }
 
-/// Somebody who makes the digests anew as well is found out by the file beside the journal.
+/// Whoever recomputes the digests as well is detected by the file beside the journal.
 #[test]
 fn a_journal_that_was_chained_anew_is_not_the_one_that_was_kept() {
     let scratch = some_journal();
@@ -93,7 +94,7 @@ fn a_journal_that_was_chained_anew_is_not_the_one_that_was_kept() {
     check_finds(&scratch, &["entry 10 of the journal"]);
 }
 
-/// Nothing in the folder shows what was done by somebody who writes everything anew; a head that was given away does.
+/// Rewriting every file leaves no trace in the folder, but a head that was handed out detects it.
 #[test]
 fn who_changes_everything_cannot_change_a_head_that_somebody_else_has() {
     let scratch = some_journal();
@@ -108,7 +109,7 @@ fn who_changes_everything_cannot_change_a_head_that_somebody_else_has() {
     assert!(now.seq == given_away.seq && now.digest != given_away.digest);
 }
 
-/// Nothing is written to it: what is missing could not be missed afterwards.
+/// Nothing is written to such a journal: new entries would hide the missing ones.
 #[test]
 fn a_journal_that_ends_too_early_or_goes_on_without_us_is_not_written_to() {
     for (sql, words) in [
@@ -127,7 +128,7 @@ fn a_journal_that_ends_too_early_or_goes_on_without_us_is_not_written_to() {
         assert!(failure.contains(words) && failure.contains("nothing is written to it"), "{failure}");
         assert_eq!(bytes(&scratch.data()), before, "not a byte has changed");
     }
-    // A backup is meant to stand there.
+    // An operator may restore a backup on purpose.
     let scratch = some_journal();
     rewrite(&scratch, "DELETE FROM events WHERE seq >= 8; DELETE FROM pages WHERE last >= 8");
     std::fs::remove_file(scratch.data().join("journal.head")).unwrap();
@@ -137,7 +138,7 @@ fn a_journal_that_ends_too_early_or_goes_on_without_us_is_not_written_to() {
     check_finds(&scratch, &[]);
 }
 
-/// Else hallsweep itself would take back what was kept, and nobody would miss it.
+/// Otherwise hallsweep itself would delete stored entries, and nobody would notice.
 #[test]
 fn who_says_that_what_was_kept_was_lost_is_not_believed() {
     let scratch = some_journal();
@@ -155,7 +156,7 @@ fn who_says_that_what_was_kept_was_lost_is_not_believed() {
     assert_eq!(scratch.open().failure, None);
 }
 
-/// One of before the chain begins it with all that it holds, but for what is taken back at that start; and goes on.
+/// The chain of a migrated journal begins with all its entries, except for those deleted at that start.
 #[test]
 fn a_journal_of_before_begins_its_chain_with_all_that_it_holds() {
     for lost_after in [None, Some(3)] {
@@ -185,7 +186,7 @@ fn a_journal_of_before_begins_its_chain_with_all_that_it_holds() {
     }
 }
 
-/// What stands in a journal: its entries and pages, and what explains gaps.
+/// Contents of a journal: its entries and pages, and the records that explain gaps.
 fn content(scratch: &Scratch) -> Vec<String> {
     let mut lines = Vec::new();
     let reading = Reading::open(&scratch.data()).unwrap();
@@ -197,7 +198,7 @@ fn content(scratch: &Scratch) -> Vec<String> {
     lines
 }
 
-/// The file of a journal, with nothing beside it that SQLite still has to write into it.
+/// A journal file after a checkpoint, so that SQLite has nothing left to write into it.
 fn file() -> (Vec<u8>, Vec<u8>, Vec<String>) {
     let scratch = some_journal();
     meddle(&scratch, "PRAGMA wal_checkpoint(TRUNCATE)");
@@ -205,7 +206,7 @@ fn file() -> (Vec<u8>, Vec<u8>, Vec<String>) {
     (read("journal.db"), read("journal.head"), content(&scratch))
 }
 
-/// Whether a journal in which this byte stands at this place is found out; else all that can be read from it is as it was.
+/// Whether a journal with this byte at this place is detected as changed, or still reads exactly as before.
 fn is_found_out_or_says_the_same((journal, head, said): &(Vec<u8>, Vec<u8>, Vec<String>), place: usize, byte: u8) -> bool {
     let scratch = Scratch::new();
     std::fs::create_dir(scratch.data()).unwrap();
@@ -213,7 +214,7 @@ fn is_found_out_or_says_the_same((journal, head, said): &(Vec<u8>, Vec<u8>, Vec<
     changed[place] = byte;
     std::fs::write(scratch.data().join("journal.db"), changed).unwrap();
     std::fs::write(scratch.data().join("journal.head"), head).unwrap();
-    // The photo alone is missing.
+    // Only the photo is missing.
     let is_sound = |faults: &[String]| faults.iter().all(|fault| fault.starts_with("photo "));
     let checked = Reading::open(&scratch.data()).and_then(|reading| reading.check());
     checked.map_or(true, |findings| !is_sound(&findings.faults) || content(&scratch) == *said)
@@ -222,7 +223,7 @@ fn is_found_out_or_says_the_same((journal, head, said): &(Vec<u8>, Vec<u8>, Vec<
 proptest! {
     #![proptest_config(ProptestConfig { cases: 192, ..ProptestConfig::default() })]
 
-    /// What stands for nothing in the file may change: then nothing that it says is another.
+    /// Bytes of the file without a meaning may change: then everything it says is unchanged.
     #[test]
     fn any_byte_of_the_journal_that_means_something_is_missed(places in prop::collection::vec((any::<prop::sample::Index>(), 1_u8..), 1..4)) {
         static FILE: std::sync::LazyLock<(Vec<u8>, Vec<u8>, Vec<String>)> = std::sync::LazyLock::new(file);
@@ -233,7 +234,7 @@ proptest! {
     }
 }
 
-/// It names the first page behind its commit: a kill in between leaves it at nothing, from which every journal goes on.
+/// The head file names the first page after its commit: a kill in between leaves the empty head, which fits every journal.
 #[test]
 fn a_kill_before_the_first_page_is_named_leaves_a_journal_that_is_sound_and_written_to() {
     let scratch = Scratch::new();

@@ -1,4 +1,5 @@
-//! Killed while it writes: whatever was said to be kept is there (safety V3, D1, D2). The child is this test program itself.
+//! Kills while the store writes: everything reported as stored is there (safety V3, D1, D2). The child is this test program
+//! itself.
 
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};
@@ -8,16 +9,16 @@ use super::testing::*;
 use hallsweep_core::command::Verdict;
 use hallsweep_core::units::Seq;
 
-/// Where the child is to write; whoever runs the test without it is not the child.
+/// The child's folder; without this variable the test is not the child.
 const FOLDER: &str = "HALLSWEEP_CRASH_FOLDER";
 
-/// How the child says that a page is kept.
+/// The child prints this before the number of each stored page.
 const KEPT: &str = "kept ";
 
-/// How often it is killed.
+/// Number of kills.
 const KILLS: usize = 12;
 
-/// Writes until it is killed, some pages with a photo, and says what is kept.
+/// Writes until it is killed, some pages with a photo, and reports what is stored.
 #[test]
 fn writes_until_it_is_killed() {
     let Some(folder) = std::env::var_os(FOLDER) else { return };
@@ -27,7 +28,7 @@ fn writes_until_it_is_killed() {
     for number in scribe.until(|_| true).kept.0 + 1.. {
         let picture = (number % 5 == 0).then(|| photo(&format!("bag {number}").repeat(4000)));
         let last = scribe.hand(vec![found(number, picture), verdict(number, Verdict::Danger), wall(1, 1)]);
-        // Some wait for their page, others are gathered into one transaction.
+        // Every third page waits to be stored, the others are gathered into one transaction.
         if number % 3 == 0 {
             scribe.until(|word| word.kept >= last);
         }

@@ -1,4 +1,4 @@
-//! What fails is lost as it was said to be lost, and writing goes on (safety R3, V3). Real faults of real disks are in `mounts`.
+//! Failures lose exactly what was declared lost, and writing goes on (safety R3, V3). Real faults of real disks are in `mounts`.
 
 use std::sync::Arc;
 use std::sync::mpsc;
@@ -21,7 +21,6 @@ use hallsweep_core::command::Verdict;
 use hallsweep_core::effect::{Fact, Page};
 use hallsweep_core::units::{LuggageId, Seq};
 
-/// What a start would read.
 fn recalled(path: &std::path::Path) -> Result<Option<hallsweep_core::engine::Recalled>, Fault> {
     let folder = Folder::new(path);
     recall::recall(&folder, marker::read(&folder)?)
@@ -33,7 +32,7 @@ fn notes(scratch: &Scratch) -> Vec<String> {
     findings.notes
 }
 
-/// Safety D2: a page is kept whole or not at all; what comes after the failure is kept again.
+/// Safety D2: a page is stored whole or not at all; pages after the failure are stored again.
 #[test]
 fn a_page_of_which_one_entry_cannot_be_written_leaves_nothing() {
     let scratch = Scratch::new();
@@ -64,7 +63,7 @@ fn a_page_whose_sender_does_not_know_of_a_loss_is_dropped() {
     assert_eq!(notes(&scratch).len(), 1);
 }
 
-/// Hands over what nobody takes: the store never blocks, and says that the disk does not keep up.
+/// Hands over pages while nobody takes them: the store never blocks, and reports that the disk is too slow.
 #[test]
 fn a_full_queue_is_a_failure_and_not_a_wait() {
     let scratch = Scratch::new();
@@ -78,7 +77,7 @@ fn a_full_queue_is_a_failure_and_not_a_wait() {
     let failed = scribe.until(|word| word.failure.is_some());
     assert_eq!((failed.kept, failed.losses), (Seq(4), 1));
     drop(hanging);
-    // The queue may still be full of what is lost: then this is lost, too, and said to be.
+    // The queue may still be full of lost pages: then this page is declared lost too.
     let is_kept = (0..QUEUE).any(|_| {
         let before = scribe.until(|word| word.failure.is_none()).losses;
         let last = scribe.hand(vec![wall(3, 3)]);
@@ -89,7 +88,7 @@ fn a_full_queue_is_a_failure_and_not_a_wait() {
     assert_eq!(notes(&scratch).len(), 1);
 }
 
-/// Safety R3: at once, whatever the writer is at.
+/// Safety R3: declared lost at once, whatever the writer is doing.
 #[test]
 fn what_finds_no_place_in_the_queue_is_lost() {
     let scratch = Scratch::new();
@@ -104,14 +103,14 @@ fn what_finds_no_place_in_the_queue_is_lost() {
     assert!(status.is_failing());
 }
 
-/// Safety R3: the last page for which there was no room is said to be lost when everything before it has been written.
+/// Safety R3: the last page that found no room is declared lost after everything before it was written.
 #[test]
 fn a_loss_that_is_said_when_nothing_is_left_to_write_is_gone_on_from() {
     let scratch = Scratch::new();
     let (opened, status) = store_at(&Folder::new(&scratch.data()));
     let mut scribe = Scribe::new(opened);
     scribe.keep(begin(1));
-    // Most times the writer is waiting by then.
+    // In most rounds the writer is waiting by then.
     for losses in 1..=20 {
         status.overflow("the disk does not keep up".to_owned());
         scribe.until(|word| word.losses == losses && word.failure.is_none());
@@ -119,7 +118,7 @@ fn a_loss_that_is_said_when_nothing_is_left_to_write_is_gone_on_from() {
     }
 }
 
-/// Safety R3: whoever handed something over while a failure stood hears that it is lost, once, when the failure ends.
+/// Safety R3: a sender of pages during a failure is told once, when the failure ends, that they are lost.
 #[test]
 fn pages_that_are_dropped_during_a_failure_are_one_more_loss() {
     let scratch = Scratch::new();
@@ -142,11 +141,11 @@ fn pages_that_are_dropped_during_a_failure_are_one_more_loss() {
     assert_eq!(heard(), (3, false), "nothing was dropped this time");
 }
 
-/// A watchman who gives up any batch at once. He must look only while the disk hangs: the loaded disk of an ordinary machine takes
-/// longer than this for an ordinary page, which would rightly be said to be lost.
+/// A watchman who gives up any batch at once. He must look only while the disk hangs: on the loaded disk of an ordinary machine
+/// an ordinary page takes longer than this, and would rightly be declared lost.
 const HURRY: Patience = Patience { looks: 3, ..HASTE };
 
-/// Safety R3: the failure is said although the disk has not answered yet, and ends by itself.
+/// Safety R3: the failure is reported before the disk has answered, and ends by itself.
 #[test]
 fn a_disk_that_hangs_is_not_waited_for() {
     let scratch = Scratch::new();
@@ -166,7 +165,7 @@ fn a_disk_that_hangs_is_not_waited_for() {
     assert_eq!(scratch.open().recalled.map(|recalled| recalled.written), Some(Seq(4)));
 }
 
-/// Safety R3: the store that gave up a batch keeps the next one.
+/// Safety R3: the store stores the batch after the one it gave up.
 #[test]
 fn what_is_handed_over_after_a_disk_hung_is_kept() {
     let scratch = Scratch::new();
@@ -194,7 +193,7 @@ fn what_is_handed_over_after_a_disk_hung_is_kept() {
     assert_eq!(notes(&scratch), ["entries 5 to 6 were lost while the store could not write, and said to be lost"]);
 }
 
-/// Safety R3: it is said before anything is to be written.
+/// Safety R3: reported before anything is to be written.
 #[test]
 fn a_journal_that_another_program_keeps_locked_is_said_at_the_start() {
     let scratch = Scratch::new();
@@ -205,7 +204,7 @@ fn a_journal_that_another_program_keeps_locked_is_said_at_the_start() {
     assert!(failure.as_ref().is_some_and(|words| words.contains("another program keeps the journal")), "{failure:?}");
 }
 
-/// A new store whose own watchman never gives up, and its status, at which another one can look.
+/// A new store whose own watchman never gives up, and its status, for a second watchman.
 fn store_at(folder: &Folder) -> (Opened, Arc<WriterStatus>) {
     let (hand, recalled, failure) = look(folder).unwrap();
     let status = Arc::new(WriterStatus::new(Marker::new(folder), Seq(0), None));
@@ -213,7 +212,7 @@ fn store_at(folder: &Folder) -> (Opened, Arc<WriterStatus>) {
     (Opened { store, archive: Arc::new(SqliteArchive::new(folder.clone())), recalled, failure }, status)
 }
 
-/// A writer that is moved by hand.
+/// A writer whose steps the test calls.
 fn writer(scratch: &Scratch) -> (Writer, Arc<WriterStatus>) {
     let folder = Folder::new(&scratch.data());
     let journal = Pages::open(&folder, None, Seq(0), None).unwrap();
@@ -227,7 +226,7 @@ fn page(first: u64, facts: Vec<Fact>) -> Page {
     Page { first: Seq(first), entries: facts.into_iter().map(at_noon).collect() }
 }
 
-/// The same, with five entries kept: a mission, and a piece that waits for its verdict.
+/// Like `writer`, with five stored entries: a mission, and a piece that waits for its verdict.
 fn asking_writer(scratch: &Scratch) -> (Writer, Arc<WriterStatus>) {
     let (mut writer, status) = writer(scratch);
     let losses = status.begin();
@@ -236,7 +235,7 @@ fn asking_writer(scratch: &Scratch) -> (Writer, Arc<WriterStatus>) {
     (writer, status)
 }
 
-/// Safety V3: a verdict that was answered "not kept" does not stand, although the disk had it before anybody knew.
+/// Safety V3: a verdict answered as "not kept" has no effect, although the disk had it first.
 #[test]
 fn what_was_given_up_while_the_disk_hung_is_taken_back() {
     let scratch = Scratch::new();
@@ -259,7 +258,7 @@ fn what_was_given_up_while_the_disk_hung_is_taken_back() {
     assert_eq!(notes(&scratch), Vec::<String>::new());
 }
 
-/// Safety D2: what comes behind the beginning of a mission that was lost belongs to no mission.
+/// Safety D2: entries after a lost beginning of a mission belong to no mission.
 #[test]
 fn a_mission_whose_beginning_was_lost_is_not_under_way() {
     let scratch = Scratch::new();
@@ -280,8 +279,8 @@ fn a_mission_whose_beginning_was_lost_is_not_under_way() {
     assert_eq!(missions, [(Seq(5), None)]);
 }
 
-/// Safety V3: the same of a commit that has failed, as when a flush fails: it is gone before anybody hears of it, with no help of a
-/// marker, which the same disk may not take.
+/// Safety V3: after a failed commit, such as a failed flush, the entry is gone before the loss is reported, without the marker
+/// file, which the same disk may refuse.
 #[test]
 fn what_a_failed_commit_left_in_the_log_is_gone_when_the_loss_is_said() {
     let scratch = Scratch::new();
@@ -294,7 +293,7 @@ fn what_a_failed_commit_left_in_the_log_is_gone_when_the_loss_is_said() {
     assert_eq!(rows::last_up_to(&reader.connection, None).unwrap(), Seq(5));
 }
 
-/// Safety R5: also when somebody puts it back.
+/// Safety R5: even after somebody puts the file back.
 #[test]
 fn a_journal_that_was_taken_away_or_is_damaged_is_not_written_to_again() {
     for fault in [Fault::TakenAway("journal.db"), Fault::Damaged("a page of it".to_owned())] {
@@ -306,7 +305,7 @@ fn a_journal_that_was_taken_away_or_is_damaged_is_not_written_to_again() {
     }
 }
 
-/// Safety V3: the same, when the program is killed before the disk has answered. What comes later is not taken for lost.
+/// Safety V3: also when the program is killed before the disk has answered. Later entries are not treated as lost.
 #[test]
 fn what_was_given_up_stays_lost_when_the_program_is_killed_then() {
     let scratch = Scratch::new();
@@ -314,7 +313,7 @@ fn what_was_given_up_stays_lost_when_the_program_is_killed_then() {
     let losses = status.begin();
     writer.write(&[page(6, vec![verdict(1, Verdict::Safe)])], losses).unwrap();
     status.give_up(status.at_work().unwrap(), "the disk does not answer");
-    // Nobody concludes any more, and the disk has the verdict.
+    // Nobody concludes the batch, and the disk has the verdict.
     drop(writer);
     for _ in 0..2 {
         let recalled = recalled(&scratch.data()).unwrap().unwrap();
@@ -334,7 +333,7 @@ fn what_was_given_up_stays_lost_when_the_program_is_killed_then() {
     assert_eq!(notes(&scratch), Vec::<String>::new());
 }
 
-/// A loss that is over is forgotten before it is said to be over.
+/// The mark of a loss is cleared before the end of the failure is reported.
 #[test]
 fn what_is_kept_after_a_failure_outlives_a_kill() {
     let scratch = Scratch::new();
@@ -344,7 +343,7 @@ fn what_is_kept_after_a_failure_outlives_a_kill() {
     scribe.until(|word| word.losses == 1 && word.failure.is_none());
     assert_eq!(marker::read(&Folder::new(&scratch.data())).unwrap(), None);
     let last = scribe.keep(vec![found(1, None), verdict(1, Verdict::Danger)]);
-    // As a kill would leave it: nothing of the store is ended.
+    // Nothing of the store is ended, as after a kill.
     assert_eq!(recalled(&scratch.data()).unwrap().unwrap().written, last);
 }
 
@@ -362,7 +361,7 @@ fn a_marker_is_put_down_and_cleared() {
     assert!(matches!(damaged, Err(Fault::Unusable(crate::storage::names::LOST, _))), "{damaged:?}");
 }
 
-/// The same, when the disk came back before the last step.
+/// The disk came back before the commit.
 #[test]
 fn what_was_given_up_before_the_last_step_is_not_written() {
     let scratch = Scratch::new();

@@ -1,4 +1,4 @@
-//! Files that cannot be opened, and what becomes of them: nothing (issue: a file that cannot be opened is never overwritten).
+//! Files that cannot be opened are never overwritten (issue: a file that cannot be opened is never overwritten).
 
 use super::super::fault::{Fault, Then};
 use super::super::folder::Folder;
@@ -7,7 +7,7 @@ use super::testing::*;
 use crate::runtime::archive::Unreadable;
 use hallsweep_core::units::{LuggageId, MissionId, Seq};
 
-/// Opens what has been put there, hands something over, and holds every byte against what was there before.
+/// Opens the prepared files, hands a page over, and compares every byte with what was there before.
 fn check_untouched(scratch: &Scratch, words: &[&str]) {
     let before = bytes(&scratch.data());
     let opened = scratch.open();
@@ -35,7 +35,7 @@ fn some_journal() -> Scratch {
         scribe.keep((0..100).map(|x| wall(x, 3)).collect());
     }
     drop(scribe);
-    // All of it stands in the one file then.
+    // After a checkpoint everything is in the one file.
     meddle(&scratch, "PRAGMA wal_checkpoint(TRUNCATE)");
     scratch
 }
@@ -46,13 +46,13 @@ fn a_damaged_journal_is_left_as_it_is() {
     let path = scratch.data().join("journal.db");
     let mut file = std::fs::read(&path).unwrap();
     assert!(file.len() > 8 * 4096, "{}", file.len());
-    // The inner pages of the tree, after the header that says that all is well.
+    // The inner pages of the tree, after the header, which stays valid.
     file[4096..6 * 4096].fill(0x5a);
     std::fs::write(&path, file).unwrap();
     check_untouched(&scratch, &["is damaged", "is left as it is", "backup", "start hallsweep again"]);
 }
 
-/// Also in a table that nobody reads at a start.
+/// Also in a table that no start reads.
 #[test]
 fn a_journal_that_is_damaged_elsewhere_is_left_as_it_is() {
     let scratch = some_journal();
@@ -67,7 +67,7 @@ fn a_journal_that_is_damaged_elsewhere_is_left_as_it_is() {
     check_untouched(&scratch, &["is damaged", "is left as it is"]);
 }
 
-/// SQLite tells its findings over several lines, beginning with words that mean nothing to an operator.
+/// SQLite reports over several lines, beginning with words that mean nothing to an operator.
 #[test]
 fn the_words_about_a_damaged_journal_are_one_line_and_name_all_files() {
     let found = "*** in database main ***\nTree 2 page 2: btreeInitPage() returns error code 11\nTree 3".to_owned();
@@ -78,13 +78,13 @@ fn the_words_about_a_damaged_journal_are_one_line_and_name_all_files() {
     assert_eq!(words, expected);
 }
 
-/// SQLite passes over a log with such a beginning, and would write over the entries in it.
+/// SQLite ignores a log with such a header, and would overwrite the entries in it.
 #[test]
 fn a_log_that_does_not_begin_like_one_is_left_as_it_is() {
     let scratch = Scratch::new();
     let mut scribe = Scribe::new(scratch.open());
     scribe.keep(begin(1));
-    // As a kill would leave them: copied while they are open.
+    // Copied while they are open, as a kill would leave them.
     let [journal, mut log] = ["journal.db", "journal.db-wal"].map(|name| std::fs::read(scratch.data().join(name)).unwrap());
     drop(scribe);
     log[..4].fill(0x5a);
@@ -96,13 +96,13 @@ fn a_log_that_does_not_begin_like_one_is_left_as_it_is() {
     assert_eq!(std::fs::read(scratch.data().join("journal.db-wal")).unwrap(), log, "not a byte has changed");
 }
 
-/// Somebody moved journal.db away after a kill, and left the log in which the latest entries are.
+/// Somebody moved journal.db away after a kill, and left the log with the latest entries.
 #[test]
 fn a_log_without_its_journal_is_left_as_it_is() {
     let scratch = Scratch::new();
     let mut scribe = Scribe::new(scratch.open());
     scribe.keep(begin(1));
-    // As a kill would leave it: copied while it is open.
+    // Copied while it is open, as a kill would leave it.
     let log = std::fs::read(scratch.data().join("journal.db-wal")).unwrap();
     drop(scribe);
     for empty in [false, true] {
@@ -117,7 +117,7 @@ fn a_log_without_its_journal_is_left_as_it_is() {
     }
 }
 
-/// A journal that is gone is not silently begun anew beside the photos that belong to it.
+/// A missing journal is not silently begun anew beside the photos that belong to it.
 #[test]
 fn photos_without_a_journal_are_left_as_they_are() {
     let scratch = some_journal();
@@ -126,7 +126,7 @@ fn photos_without_a_journal_are_left_as_they_are() {
     assert!(!scratch.data().join("journal.db").exists());
 }
 
-/// What is written to a file that is gone from the folder nobody finds again; without the lock file two could write.
+/// Data written to a removed file is lost; without the lock file two programs could write.
 #[cfg(unix)]
 #[test]
 fn a_file_that_is_taken_away_while_it_is_used_is_noticed() {
@@ -148,8 +148,8 @@ fn a_file_that_is_taken_away_while_it_is_used_is_noticed() {
     }
 }
 
-/// Whoever moves the folder away under a running program and begins a new one finds it as he made it: what the old program lost
-/// is not lost there.
+/// An operator who moves the folder of a running program away and begins a new one finds it as he made it: the losses of the old
+/// program do not appear there.
 #[cfg(unix)]
 #[test]
 fn a_folder_put_in_the_place_of_the_one_in_use_is_not_written_to() {
@@ -260,7 +260,7 @@ fn only_the_owner_reads_what_is_kept() {
     }
 }
 
-/// A journal that somebody else has written on, after it was read but before it was written to, is not written to.
+/// Another program wrote to the journal between reading and opening it for writing.
 #[test]
 fn a_journal_that_changed_after_it_was_read_is_not_written_to() {
     use super::super::pages::Pages;

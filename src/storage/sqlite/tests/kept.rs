@@ -1,4 +1,4 @@
-//! What is kept, is read back: by the next start, by the archive, and by whoever reads the journal.
+//! Stored entries are read back: by the next start, by the archive, and by readers of the journal.
 
 use proptest::prelude::*;
 
@@ -14,7 +14,7 @@ use hallsweep_core::snapshot::log::Tone;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Cell, LuggageId, MissionId, Seq};
 
-/// What a console's log is filled with: what people did and what was found, and no steps.
+/// The recalled log has commands and findings, and no steps.
 #[test]
 fn the_latest_of_what_people_did_and_what_was_found_is_recalled() {
     let scratch = Scratch::new();
@@ -47,7 +47,7 @@ fn every_commit_is_flushed_and_no_old_sqlite_writes_it() {
     );
 }
 
-/// Safety V3, R1: record and verdict are there for the next start.
+/// Safety V3, R1: record and verdict are there at the next start.
 #[test]
 fn what_was_kept_stands_at_the_next_start() {
     let scratch = Scratch::new();
@@ -69,7 +69,7 @@ fn what_was_kept_stands_at_the_next_start() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(16))]
 
-    /// Safety D2, R1: whatever happened, the journal says the same.
+    /// Safety D2, R1: the journal folds to the same state whatever happened.
     #[test]
     fn whatever_was_kept_folds_to_the_same(pages in prop::collection::vec(prop::collection::vec(harmless(), 1..8), 1..8)) {
         let scratch = Scratch::new();
@@ -85,7 +85,7 @@ proptest! {
     }
 }
 
-/// Facts whose numbers are not beyond what the tables hold.
+/// Facts whose numbers fit into the tables.
 fn harmless() -> impl Strategy<Value = Fact> {
     arbitrary::fact().prop_filter("numbers beyond 2^63", |fact| {
         !matches!(
@@ -107,7 +107,7 @@ fn reading_begins_at_the_last_entry_that_says_everything() {
     assert_eq!(state, fold(&[at_noon(wall(2, 2))]));
 }
 
-/// However much has happened since: else a repeat would act again.
+/// Otherwise a repeated command would act again after many entries.
 #[test]
 fn the_last_ids_are_known_at_the_next_start_however_long_ago_they_came() {
     let scratch = Scratch::new();
@@ -136,7 +136,7 @@ fn a_journal_of_the_first_format_is_brought_up_to_date() {
         let line = Line { seq: Seq(place), mission: None, entry: at_noon(fact), picture: None };
         rows::insert(&old, &line).unwrap();
     }
-    // An entry that says nothing, of long ago, is no reason not to go on.
+    // An old entry that cannot be read does not prevent a start.
     old.execute("INSERT INTO events VALUES (7, NULL, 0, 0, 'command', 'no JSON')", []).unwrap();
     let state = Line {
         seq: Seq(8),
@@ -195,12 +195,12 @@ fn a_check_finds_what_is_missing_and_what_says_nothing() {
     );
 }
 
-/// Writes over what an entry says, as a bad disk would.
+/// Overwrites an entry, as a bad disk would.
 fn damage(scratch: &Scratch, seq: Seq) {
     rewrite(scratch, &format!("UPDATE events SET body = 'mouse' WHERE seq = {seq}"));
 }
 
-/// The check names the entry, says what to do, and does not ask for tables that would know less.
+/// The check names the entry, says what to do, and does not ask for rebuilt tables, which would know less.
 fn check_advises(scratch: &Scratch, damaged: Seq, words: &str) {
     let findings = Reading::open(&scratch.data()).unwrap().check().unwrap();
     assert!(findings.faults[0].starts_with(&format!("entry {damaged} of the journal cannot be understood")), "{findings:?}");
@@ -235,7 +235,7 @@ fn of_a_mission_with_a_damaged_entry_the_rest_is_shown_and_the_damage_said() {
 
     check_advises(&scratch, lost, "hallsweep goes on without them, so nothing has to be done");
 
-    // The entry at which reading would begin: it begins at an earlier one then.
+    // Reading would begin at this entry, and begins at an earlier one instead.
     damage(&scratch, summed_up);
     check_advises(&scratch, lost, "copy the whole folder");
     let Sound { of, damage: said } = kept.state(MissionId(2)).unwrap().expect("there was a mission 2");
@@ -256,7 +256,7 @@ fn of_a_mission_with_a_damaged_entry_the_rest_is_shown_and_the_damage_said() {
     assert_eq!(lines.iter().filter(|(_, is_sound)| !is_sound).count() as u64, ended.0 - lost.0 + 1);
 }
 
-/// Safety V1, A6: a safe that a danger overtook before it was durable was refused, and stands there so.
+/// Safety V1, A6: a safe that a danger overtook before it was durable was refused, and is shown as refused.
 #[test]
 fn a_safe_that_a_danger_overtook_stands_there_as_refused() {
     let scratch = Scratch::new();

@@ -1,4 +1,4 @@
-//! The store in memory: what it gives back, and what gives way when there is too much.
+//! The store in memory: what it returns, and what it deletes when a bound is exceeded.
 
 use std::sync::Arc;
 
@@ -44,7 +44,6 @@ fn luggage(id: u64, photo: Result<&str, &str>) -> Entry {
     Entry { wall: taken, fact: Fact::Luggage { record, photo: photo.ok() } }
 }
 
-/// All entries there are, with their numbers.
 fn entries(memory: &MemoryStore) -> Vec<(Seq, Entry)> {
     let mut entries = Vec::new();
     let all = |connection: &Connection| {
@@ -151,7 +150,7 @@ fn of_earlier_photos_the_oldest_give_way_and_the_newest_of_a_piece_never_for_the
     assert_eq!(archive.take(LuggageId(1), last), Ok(None), "with the photo of a piece its earlier ones go");
 }
 
-/// How many steps SQLite takes to let go of what is behind the bounds, when one more piece has come.
+/// Number of steps SQLite takes to delete what exceeds the bounds, when one more piece was added.
 fn steps_of_giving_way(pieces: u64) -> i32 {
     let mut memory = MemoryStore::new();
     record(&mut memory, (1..=pieces).map(|id| luggage(id, Ok(&format!("photo {id}")))));

@@ -1,4 +1,4 @@
-//! Missions are read back, those that are over and the present one: as they ended, as they stood at any moment, and what happened in them.
+//! Missions are read back, past ones and the present one: as they ended, as they stood at any moment, and their entries.
 
 use std::sync::Arc;
 
@@ -59,7 +59,7 @@ fn a_mission_is_read_as_it_stood_after_each_of_its_entries() {
         let Sound { of: past, damage } = moment.past;
         assert_eq!((past.seq, moment.earlier, damage.len()), (seq, earlier, 0));
         let (mut state, mut folded) = (past.state, fold(so_far));
-        // Pictures are kept apart.
+        // Photos are stored separately.
         for state in [&mut state, &mut folded] {
             state.luggage = Default::default();
         }
@@ -111,7 +111,7 @@ fn a_moment_is_found_by_its_time_and_two_of_them_share_the_map_that_is_the_same(
     for (time, seq) in [(i64::MIN, begun), (first, begun), (i64::MAX, ended)] {
         assert_eq!(archive.moments(MissionId(1), &[At::Time(time)]).unwrap()[0].past.of.seq, seq);
     }
-    // In whatever order they are asked for.
+    // In any order of the two moments.
     for (from, to) in [(begun.next(), ended), (ended, begun.next())] {
         let moments = archive.moments(MissionId(1), &[At::Entry(from), At::Entry(to)]).unwrap();
         assert_eq!((moments[0].past.of.seq, moments[1].past.of.seq), (from, to));
@@ -142,7 +142,7 @@ fn the_entries_of_a_mission_are_read_page_by_page() {
     assert_eq!(archive.entries(MissionId(2), Span::after(Seq(11)), 9).unwrap(), [(Seq(12), Ok(at_noon(Fact::Led(true))))]);
 }
 
-/// A reader of a moment is told what was known then: what it says does not change when a danger is given a moment later.
+/// A reader of a moment is told what was known at that moment: a danger given a moment later does not change it.
 #[test]
 fn a_safe_stands_as_accepted_up_to_the_danger_that_overtakes_it_and_behind_that_as_refused() {
     let is_refused = |archive: &Arc<dyn Archive>, until| {

@@ -1,4 +1,4 @@
-//! Photos are files beside the journal, and every take of a piece is found.
+//! Photos are files beside the journal, and every photo of a piece is found.
 
 use super::super::fault::Then;
 use super::super::folder::Folder;
@@ -8,7 +8,7 @@ use crate::runtime::archive::{Archive, NoTake, Unreadable};
 use hallsweep_core::command::Verdict;
 use hallsweep_core::units::LuggageId;
 
-/// A journal of a version that kept of each piece the newest photo alone, and no notes, has the files of all of them.
+/// An older version recorded only the newest photo of each piece, without notes, but its folder has the files of all of them.
 #[test]
 fn every_photo_of_a_piece_is_found_also_in_a_journal_that_did_not_list_them() {
     let scratch = Scratch::new();
@@ -88,7 +88,7 @@ fn what_stands_in_the_place_of_a_photo_gives_way_or_is_named() {
     assert!(words.contains("room.unfinished: it is a folder"), "{words}");
 }
 
-/// What is lost for good is told from what may be read another time.
+/// A photo that is lost for good is told from one that may be readable later.
 #[test]
 fn a_photo_that_is_missing_or_another_is_spoilt_and_one_that_cannot_be_opened_is_not() {
     let scratch = Scratch::new();

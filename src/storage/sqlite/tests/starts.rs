@@ -1,4 +1,4 @@
-//! What a start writes out: as much as it waits for, once, whatever came between the file and the journal.
+//! Archiving at a start: as much as a start can wait for, once, even after an interruption between the file and the journal.
 
 use std::path::{Path, PathBuf};
 
@@ -30,7 +30,7 @@ fn missions(archived: Option<Archived>) -> (MissionId, MissionId) {
     archived.expect("one is over").what.missions
 }
 
-/// Mission 1 is over, and its archive is written; another program keeps the journal locked, as if this one was killed there.
+/// Mission 1 is over and its archive is written; another program locks the journal, as if this one was killed at that point.
 fn one_written_and_not_on_record() -> Scratch {
     let scratch = Scratch::new();
     let mut scribe = Scribe::new(scratch.open());
@@ -50,7 +50,7 @@ fn one_written_and_not_on_record() -> Scratch {
 fn a_whole_file_that_the_journal_does_not_name_is_found_again_and_not_written_a_second_time() {
     let scratch = one_written_and_not_on_record();
     let written = archives(&scratch);
-    // Meanwhile one more has become old.
+    // Meanwhile one more mission has become old.
     let mut scribe = Scribe::new(scratch.open());
     scribe.keep(end(2));
     drop(scribe);
@@ -64,7 +64,7 @@ fn a_whole_file_that_the_journal_does_not_name_is_found_again_and_not_written_a_
     assert_eq!(held(&scratch, &archives(&scratch)), Vec::<String>::new());
 }
 
-/// A start waits for what leaves the journal, and not for all the photos that stay in it.
+/// A start waits for what leaves the journal, not for all the photos that stay in it.
 #[test]
 fn photos_that_stay_are_not_looked_at_when_others_leave() {
     let scratch = some_missions();
@@ -96,7 +96,7 @@ fn what_has_the_name_of_an_archive_and_is_another_is_neither_taken_for_it_nor_wr
     let scratch = one_written_and_not_on_record();
     let [there] = archives(&scratch).try_into().unwrap();
     let (sound, journal) = (std::fs::read(&there).unwrap(), content(&scratch));
-    // A photo in it.
+    // Changes a byte of a photo.
     let place = sound.windows(3).rposition(|window| window == b"bag").unwrap();
     for spoilt in
         [[&sound[..place], b"bog", &sound[place + 3..]].concat(), sound[..sound.len() / 2].to_vec(), b"somebody's".to_vec()]
@@ -115,7 +115,7 @@ fn content(scratch: &Scratch) -> Vec<String> {
     super::archives::lines(&scratch.data())
 }
 
-/// A mission of these tests comes to 12 entries and a photo of 3 bytes, or, the last, of 5.
+/// A mission of these tests has 12 entries and a photo of 3 bytes; the last one has a photo of 5.
 #[test]
 fn no_more_is_written_out_at_once_than_is_waited_for() {
     let some = |scratch: &Scratch, entries, photo_bytes| {
@@ -133,7 +133,7 @@ fn no_more_is_written_out_at_once_than_is_waited_for() {
     for (entries, photo_bytes) in [(16, u64::MAX), (u64::MAX, 5)] {
         let scratch = some_missions();
         for (mission, left) in [(1, 2), (2, 1), (3, 0)] {
-            // The photo of a mission that is gone is not counted again.
+            // The photo of a mission that was archived is not counted again.
             let archived = some(&scratch, entries, photo_bytes).unwrap().expect("one is over");
             assert_eq!((archived.what.missions, archived.left), ((MissionId(mission), MissionId(mission)), left));
         }
@@ -144,7 +144,7 @@ fn no_more_is_written_out_at_once_than_is_waited_for() {
     }
 }
 
-/// One that has more than what is to go would not be what the record says of it.
+/// An archive with more missions than are due would not match its record.
 #[test]
 fn an_archive_that_begins_elsewhere_is_not_taken_for_one_that_ends_alike() {
     let (one, other) = (some_missions(), some_missions());
@@ -162,7 +162,7 @@ fn an_archive_that_begins_elsewhere_is_not_taken_for_one_that_ends_alike() {
     assert!(words.contains("does not hold what the journal does"), "{words}");
 }
 
-/// Else a power cut could leave a journal that names an archive whose folder is not there.
+/// Otherwise a power cut could leave a journal that names an archive whose folder is missing.
 #[test]
 fn where_archives_cannot_be_kept_nothing_is_written_out() {
     let scratch = some_missions();

@@ -1,4 +1,4 @@
-//! What the tests of the store have in common: a folder that goes with them, pages of a small mission, and waiting for a word.
+//! What the tests of the store share: a temporary folder, pages of a small mission, and waiting for a status.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -17,14 +17,13 @@ use hallsweep_core::units::{Cell, LuggageId, MissionId, Pose, Seq, WallTime};
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
-/// No waiting but for the disk, and for that as long as it takes.
+/// Waits only for the disk, and for that as long as it takes.
 pub(super) const HASTE: Patience =
     Patience { retry: Duration::from_millis(1), looks: u32::MAX, look: Duration::from_millis(1), end: Duration::from_secs(600) };
 
-/// A folder of one test.
 pub(super) struct Scratch(scratch::Scratch);
 
-/// How often a folder in use is tried again, and how long after each time: a minute in all.
+/// Number of attempts to open a folder in use: with the pause between them, a minute in all.
 const LOOKS: u32 = 12_000;
 const GLANCE: std::time::Duration = std::time::Duration::from_millis(5);
 
@@ -33,18 +32,17 @@ impl Scratch {
         Scratch(scratch::Scratch::new())
     }
 
-    /// Where the store is to be; not created yet.
+    /// Path of the store; not created yet.
     pub(super) fn data(&self) -> PathBuf {
         self.0.0.join("data")
     }
 
-    /// Opens the store. A child that another test is just starting holds every open file of this process, and so the lock of a
-    /// store that was closed a moment ago, until it is a program of its own: that moment is waited for.
+    /// Opens the store. A child that another test is just starting holds every open file of this process until it executes its
+    /// own program, and with them the lock of a store that was closed a moment ago; so opening is retried.
     pub(super) fn open(&self) -> Opened {
         self.open_with(HASTE)
     }
 
-    /// The same, with another patience.
     pub(super) fn open_with(&self, patience: Patience) -> Opened {
         for _ in 0..LOOKS {
             match open_with(&self.data(), None, patience) {
@@ -70,7 +68,7 @@ impl Scribe {
         Scribe { opened, written, word }
     }
 
-    /// Hands a page over, knowing of all losses.
+    /// Hands a page over, with all losses known.
     pub(super) fn hand(&mut self, facts: Vec<Fact>) -> Seq {
         let losses = self.word.borrow().losses;
         self.hand_knowing(facts, losses)
@@ -87,7 +85,7 @@ impl Scribe {
         self.written
     }
 
-    /// Waits until the word is as wanted.
+    /// Waits until the status is as wanted.
     pub(super) fn until(&mut self, wanted: impl FnMut(&StoreStatus) -> bool) -> StoreStatus {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().expect("a small runtime");
         let heard = self.word.clone();
@@ -96,14 +94,14 @@ impl Scribe {
         word.expect("the store lives").clone()
     }
 
-    /// The same of entries that were not all written at noon.
+    /// Like `keep`, for entries that were not all written at noon.
     pub(super) fn keep_entries(&mut self, entries: Vec<Entry>) {
         let losses = self.word.borrow().losses;
         let last = self.hand_entries(entries, losses);
         self.until(|word| word.kept >= last);
     }
 
-    /// Hands a page over and waits until it is kept.
+    /// Hands a page over and waits until it is stored.
     pub(super) fn keep(&mut self, facts: Vec<Fact>) -> Seq {
         let last = self.hand(facts);
         self.until(|word| word.kept >= last);
@@ -111,7 +109,7 @@ impl Scribe {
     }
 }
 
-/// Waits until it is so; what, goes on after "waited in vain for".
+/// Waits until `is_so`; `what` completes the message "waited in vain for".
 pub(super) fn eventually(what: &str, is_so: impl Fn() -> bool) {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().expect("a small runtime");
     runtime.block_on(within(what, async {
@@ -137,12 +135,12 @@ pub(super) fn command(id: Option<&str>) -> Fact {
     }
 }
 
-/// As the core begins a mission: the phase before the beginning.
+/// The core records the phase before a mission's beginning.
 pub(super) fn begin(mission: u64) -> Vec<Fact> {
     vec![command(None), Fact::Phase(Phase::Exploring), Fact::MissionBegan(MissionId(mission), Strategy::Snail), Fact::Led(true)]
 }
 
-/// As the core puts a mission away: the phase before the end.
+/// The core records the phase before a mission's end.
 pub(super) fn archive(mission: u64) -> Vec<Fact> {
     vec![command(None), Fact::Phase(Phase::Idle), Fact::MissionArchived(MissionId(mission), vec![LuggageId(9)])]
 }
@@ -173,7 +171,7 @@ pub(super) fn found(id: u64, photo: Option<Photo>) -> Fact {
     Fact::Luggage { record: Arc::new(record), photo }
 }
 
-/// The piece as it was photographed so often.
+/// The piece after its photo number `take`.
 pub(super) fn taken(id: u64, take: u32, photo: Photo) -> Fact {
     let Fact::Luggage { record, photo } = found(id, Some(photo)) else { panic!("it is a piece of luggage") };
     let state = PhotoState::Taken { bytes: 1, take };
@@ -188,7 +186,7 @@ pub(super) fn wall(x: i32, y: i32) -> Fact {
     Fact::Mark(Cell::new(x, y), Mark::Wall)
 }
 
-/// Every file below a folder, with its bytes; what SQLite keeps beside the journal while it is open is left out.
+/// Every file below a folder, with its bytes, without those that SQLite keeps beside an open journal.
 pub(super) fn bytes(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).expect("the folder is there").map(|entry| entry.expect("it can be read").path()) {
@@ -202,7 +200,7 @@ pub(super) fn bytes(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     files
 }
 
-/// What stands after these entries.
+/// State after these entries.
 pub(super) fn fold<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> PersistentState {
     let mut state = PersistentState::first(Strategy::default());
     entries.into_iter().for_each(|entry| state.apply(entry));
@@ -217,7 +215,7 @@ pub(super) fn check_finds(scratch: &Scratch, words: &[&str]) {
     }
 }
 
-/// Changes what is never changed, and leaves no other trace.
+/// Changes an entry, against the triggers that forbid it, and leaves no other trace.
 pub(super) fn rewrite(scratch: &Scratch, sql: &str) {
     let connection = connect::writer(&Folder::new(&scratch.data())).unwrap();
     let mut triggers = connection.prepare("SELECT name, sql FROM sqlite_schema WHERE type = 'trigger'").unwrap();

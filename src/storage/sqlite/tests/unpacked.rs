@@ -1,4 +1,4 @@
-//! Data folders that were made of archives: whole or not at all, sound, and where they begin is on record.
+//! Data folders made from archives: whole or not at all, sound, and with their beginning on record.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ use super::testing::*;
 use crate::runtime::archive::Unreadable;
 use hallsweep_core::units::Seq;
 
-/// Archives of missions 1 and 2, of which neither has on record that the other was written out.
+/// Archives of missions 1 and 2; neither records that the other was archived.
 fn two_in_a_row() -> (Scratch, [PathBuf; 2]) {
     let scratch = some_missions();
     let archives = ["first", "second"].map(|name| file(&scratch, name));
@@ -24,7 +24,7 @@ fn two_in_a_row() -> (Scratch, [PathBuf; 2]) {
     (scratch, archives)
 }
 
-/// A folder of the second of them.
+/// A folder unpacked from the second archive.
 fn of_the_second() -> (Scratch, PathBuf, Scratch) {
     let (scratch, [_, second]) = two_in_a_row();
     let elsewhere = Scratch::new();
@@ -106,7 +106,7 @@ fn what_an_unpacked_folder_writes_out_itself_follows_on_the_archive_that_it_was(
     assert!(found.iter().any(|fault| fault.contains("another archive stands between them")), "{found:?}");
 }
 
-/// What somebody may do to a folder of the second archive, and what the archive says of it.
+/// What somebody may do to a folder of the second archive, and what a check against the archive reports.
 fn tampered(folder: &Scratch) -> [(String, &'static str); 3] {
     let connection = connect::writer(&Folder::new(&folder.data())).unwrap();
     let page = |seq| chain::page_of(&connection, Seq(seq)).unwrap().unwrap().hex();
@@ -126,7 +126,7 @@ fn tampered(folder: &Scratch) -> [(String, &'static str); 3] {
     ]
 }
 
-/// By somebody who makes all digests anew, so that the folder itself does not show it.
+/// Somebody who recomputes all digests, so that the folder itself does not show it.
 #[test]
 fn who_moves_the_beginning_of_an_unpacked_folder_is_found_out_by_the_archive() {
     for which in 0..3 {
@@ -144,7 +144,6 @@ fn who_moves_the_beginning_of_an_unpacked_folder_is_found_out_by_the_archive() {
     }
 }
 
-/// And so is a beginning that nothing on record explains.
 #[test]
 fn a_beginning_that_is_not_on_record_is_a_fault() {
     let (_scratch, _, folder) = of_the_second();
@@ -173,7 +172,7 @@ fn what_a_kill_left_of_an_unpacking_is_begun_anew_and_an_empty_folder_is_taken()
     assert!(!left.exists() && !elsewhere.data().join("photos/ab").exists());
 }
 
-/// As a volume is mounted, or as a link leads to one; and a folder of somebody else's is left alone.
+/// The folder may be a mounted volume or the target of a link; files of others in it are left alone.
 #[test]
 fn a_folder_that_is_there_stays_and_what_is_in_it_is_nobodys_to_remove() {
     let (_scratch, [_, second]) = two_in_a_row();
@@ -182,7 +181,7 @@ fn a_folder_that_is_there_stays_and_what_is_in_it_is_nobodys_to_remove() {
     std::fs::create_dir_all(place.join("lost+found")).unwrap();
     std::os::unix::fs::symlink(&place, &link).unwrap();
     let before = std::fs::metadata(&place).unwrap().ino();
-    // A kill came between the parts: the journal, which comes last, is not there.
+    // A kill came between the parts: the journal, which is moved last, is not there.
     std::fs::create_dir_all(place.join("hallsweep-unpack")).unwrap();
     std::fs::create_dir_all(place.join("photos/ab")).unwrap();
     unpack(&second, &link, LATER).unwrap();
@@ -199,7 +198,7 @@ fn a_folder_that_is_there_stays_and_what_is_in_it_is_nobodys_to_remove() {
     assert_eq!(std::fs::read_dir(&foreign).unwrap().count(), 1);
 }
 
-/// Keys, or a STOP that holds, are not to be had from whoever may write beside the folder.
+/// Otherwise whoever may write beside the folder could plant keys or a STOP.
 #[test]
 fn what_lies_where_a_folder_is_built_is_not_taken_into_it() {
     let (_scratch, [_, second]) = two_in_a_row();
