@@ -1,5 +1,5 @@
-//! Reading the archive from the doors: where blocking is allowed, so many at once, and never for long. All doors share one
-//! bound. What is read stands in `archive`.
+//! Reading the archive from the doors: on threads that may block, a bounded number at once, with a time limit. All doors share
+//! the bound. What can be read is in `archive`.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -8,14 +8,14 @@ use tokio::sync::Semaphore;
 
 use super::archive::{Archive, Unreadable};
 
-/// So many questions are put to the archive at once, each on a thread of its own: more than a disk answers faster, and far fewer
-/// than there are threads, which photos and the robot's state file need as well. The others wait,
+/// Maximum number of queries at once, each on a thread of its own: more would not be faster on one disk, and photos and the
+/// robot's state file need threads as well. Further queries wait.
 const LOOKS: usize = 8;
 
-/// and nobody for longer than this, the reading itself included: a disk that takes longer hangs.
+/// Maximum time of a query, including the wait for its turn: a disk that takes longer hangs.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// The doors' way into the archive. Cheap to clone; the clones share the bound.
+/// The doors' access to the archive. Cheap to clone; all clones share the bound.
 #[derive(Clone)]
 pub struct Reader {
     archive: Arc<dyn Archive>,
@@ -27,12 +27,12 @@ impl Reader {
         Reader { archive, looks: Arc::new(Semaphore::new(LOOKS)) }
     }
 
-    /// The archive itself, for whoever walks over a whole mission on a thread of his own, and says himself how many do so at once.
+    /// The archive itself, for a caller that reads a whole mission on a thread of its own and bounds the number of such threads.
     pub fn archive(&self) -> Arc<dyn Archive> {
         Arc::clone(&self.archive)
     }
 
-    /// Looks something up. Must be called inside a runtime.
+    /// Runs a query. Must be called inside a runtime.
     pub async fn look_up<T: Send + 'static>(
         &self,
         read: impl FnOnce(&dyn Archive) -> Result<T, Unreadable> + Send + 'static,
@@ -40,7 +40,7 @@ impl Reader {
         let (archive, looks) = (Arc::clone(&self.archive), Arc::clone(&self.looks));
         let answer = async {
             let turn = looks.acquire_owned().await.map_err(|_| ended())?;
-            // The place is given back when the reading has ended, also when nobody waits for it any more.
+            // The permit is returned when the query ends, even when nobody waits for it any more.
             let reading = tokio::task::spawn_blocking(move || (read(&*archive), turn));
             reading.await.map_err(|_| ended())?.0
         };
@@ -49,7 +49,7 @@ impl Reader {
     }
 }
 
-/// The reading panicked.
+/// The query panicked.
 fn ended() -> Unreadable {
     Unreadable("a mistake in hallsweep ended the reading; its log says more".to_owned())
 }
@@ -61,7 +61,6 @@ mod tests {
     use super::*;
     use crate::api::partial_archive::PartialArchive;
 
-    /// There is nothing in it.
     struct Empty;
 
     impl PartialArchive for Empty {}
@@ -96,7 +95,7 @@ mod tests {
         assert!((1..=LOOKS).contains(&most), "{most} read at once");
     }
 
-    /// Safety A5: a disk that hangs takes the places there are, and whoever waits for one is told so.
+    /// Safety A5: a disk that hangs takes all permits, and whoever waits for one gets an error.
     #[tokio::test(start_paused = true)]
     async fn nobody_waits_for_ever() {
         let reader = reader();
@@ -107,7 +106,7 @@ mod tests {
         assert!(reader.look_up(|_| Ok(())).await.is_ok(), "it goes on when the disk answers again");
     }
 
-    /// Safety A7: a mistake ends this reading, and gives its place back.
+    /// Safety A7: a panic ends only this query, and returns its permit.
     #[tokio::test]
     async fn a_reading_that_panics_ends_itself_alone() {
         let reader = reader();

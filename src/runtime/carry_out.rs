@@ -1,5 +1,5 @@
-//! Giving a command and seeing what it has done, for every door: the answer with a state that contains the effect, or the
-//! refusal with the record it is about. How that looks to a client is the door's business.
+//! Sending a command and waiting for its effect, for every door: the answer with a state that contains the effect, or the refusal
+//! with the record it is about. Each door decides how that looks to a client.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -9,28 +9,27 @@ use hallsweep_core::command::{Accepted, LuggageRef, Refused, Request};
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::luggage::Luggage;
 
-/// How long an accepted command's state is waited for; the loop publishes it before it answers, so this is a bound, not a wait.
+/// Maximum wait for the state of an accepted command. The loop publishes it before it answers, so normally there is no wait.
 const SEEN_TIME: Duration = Duration::from_millis(500);
 
 /// A command that was carried out: its answer, and a state that contains its effect.
 #[derive(Clone, Debug)]
 pub struct Done {
     pub accepted: Accepted,
-    /// A state at least as new as the answer says.
+    /// A state at least as new as the answer's revision.
     pub snapshot: Arc<Snapshot>,
 }
 
 #[derive(Clone, Debug)]
 pub enum NotDone {
-    /// The core refused it; the piece of luggage it was about, where it was about one that is known.
+    /// The core refused the command; with the record of the piece of luggage it was about, if that is known.
     Refused(Refused, Option<Arc<Luggage>>),
-    /// The program is shutting down.
     Gone,
 }
 
 impl Handle {
-    /// Gives a command at the call, as `give` does; the future waits for what becomes of it. A stop is seen through although
-    /// the future is dropped. Must be called inside a runtime.
+    /// Sends a command immediately, as `give` does; the future waits for the result. A stop is carried out even when the future
+    /// is dropped. Must be called inside a runtime.
     #[must_use = "the command is given; what became of it is said by the future"]
     pub fn carry_out(&self, request: Request) -> impl Future<Output = Result<Done, NotDone>> + Send + use<> {
         let about = request.command.luggage();
@@ -48,7 +47,7 @@ impl Handle {
     async fn seen(&self, accepted: Accepted) -> Arc<Snapshot> {
         let mut watch = self.watch();
         let contains = |snapshot: &Arc<Snapshot>| snapshot.revision >= accepted.revision;
-        // A loop that ended or dawdles is no reason to call an accepted command refused: the newest state is shown then.
+        // A loop that ended or is slow does not turn an accepted command into a refused one: the newest state is shown then.
         let _ = tokio::time::timeout(SEEN_TIME, async { watch.wait_for(contains).await.map(|_| ()) }).await;
         self.snapshot()
     }
@@ -74,7 +73,7 @@ mod tests {
     use hallsweep_core::settings::Settings;
     use hallsweep_core::units::{Epoch, LuggageId, Revision};
 
-    /// A handle before a loop that answers one command so, and publishes the state of that revision after a while.
+    /// A handle to a loop that answers one command with `answer`, and publishes the state of that revision after a while.
     fn answering(answer: Result<Accepted, Refused>, published: Revision) -> Handle {
         let (commands, mut envelopes) = mpsc::channel(COMMANDS);
         let mut engine = Engine::new(Settings::default(), Default::default(), "test".into());

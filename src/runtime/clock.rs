@@ -7,13 +7,13 @@ use tokio::time::Instant;
 
 use hallsweep_core::units::{Now, WallTime};
 
-/// The real clock, counted from when it was made. Where a test lets time stand, it stands with it.
+/// The real clock, counted from its creation. Follows tokio's paused time in tests.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
     start: Instant,
-    /// By the wall clock, in milliseconds since 1970.
+    /// Wall clock at the start, in milliseconds since 1970.
     start_ms: i64,
-    /// By how much the machine's clock is taken to be wrong; only tests say so.
+    /// Simulated error of the machine's clock, in milliseconds; only tests set it.
     off_ms: i64,
 }
 
@@ -29,7 +29,7 @@ impl Clock {
         Clock::default().set_by(off_ms)
     }
 
-    /// The same clock after somebody has set it.
+    /// The same clock after somebody has set it by `off_ms`.
     #[cfg(test)]
     pub(crate) fn set_by(self, off_ms: i64) -> Clock {
         Clock { off_ms, ..self }
@@ -41,13 +41,13 @@ impl Clock {
         Now { since_start: self.start.elapsed(), wall }
     }
 
-    /// By how many milliseconds the wall clock stands otherwise than if nobody had set it since the start.
+    /// By how many milliseconds the wall clock was set since the start.
     pub fn set_ms(&self, now: Now) -> i64 {
         let elapsed = i64::try_from(now.since_start.as_millis()).unwrap_or(i64::MAX);
         now.wall.unix_ms.saturating_sub(self.start_ms).saturating_sub(elapsed)
     }
 
-    /// The same without the date, which takes longer to find out.
+    /// The time alone, because the date takes longer to compute.
     pub fn since_start(&self) -> Duration {
         self.start.elapsed()
     }
@@ -57,7 +57,7 @@ impl Clock {
         self.start + since_start
     }
 
-    /// Waits until `since_start` is reached; for ever, when there is nothing to wait for.
+    /// Waits until `since_start` is reached; for ever when it is `None`.
     pub async fn reach(&self, since_start: Option<Duration>) {
         match since_start {
             Some(since_start) => tokio::time::sleep_until(self.instant(since_start)).await,

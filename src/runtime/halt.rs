@@ -1,5 +1,5 @@
-//! The halt that bypasses every queue (safety S1): a count that anyone may raise and that every writer towards a robot looks at
-//! before it begins an order. A stop also raises the epoch. What a halt means for the mission is the core's business.
+//! The halt that bypasses every queue (safety S1): a count that anyone may raise and that every robot writer checks before it
+//! begins an order. A stop also raises the epoch. The core decides what a halt means for the mission.
 
 use std::time::Duration;
 
@@ -8,24 +8,23 @@ use tokio::sync::watch;
 use super::figures::Figures;
 use hallsweep_core::units::Epoch;
 
-/// So long the answer to a stop waits until the stop is written down: a disk that is well takes a thousandth of it, and one that
-/// hangs must not keep an operator from hearing that the robot was halted.
+/// Maximum wait of a stop's answer for its record on disk: a healthy disk takes a thousandth of it, and one that hangs must not
+/// delay the news that the robot was halted.
 const NOTING: Duration = Duration::from_millis(100);
 
-/// How often the robots were halted, for whatever reason, and in which epoch of stops.
+/// How often the robots were halted, for any reason, and in which epoch of stops.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Halts {
     /// Raised by every halt: an order sent before it must not begin.
     pub count: u64,
-    /// Raised by every stop.
     pub epoch: Epoch,
 }
 
-/// Halts the robots. Cheap to clone; works whatever the other channels hold.
+/// Halts the robots. Cheap to clone; works even when all other channels are full.
 #[derive(Clone, Debug)]
 pub struct Halter {
     halts: watch::Sender<Halts>,
-    /// The last stop that is written down; `None` while nobody can.
+    /// The last stop on disk; `None` while nothing can be written.
     noted: watch::Sender<Option<Epoch>>,
     figures: Figures,
 }
@@ -36,7 +35,7 @@ impl Halter {
         Halter { halts, noted: watch::Sender::new(None), figures: Figures::default() }
     }
 
-    /// Somebody's stop: halts every robot now; returns the epoch this stop has made.
+    /// Stops: halts every robot now, and returns the epoch of this stop.
     pub fn stop(&self) -> Epoch {
         let mut raised = Epoch(0);
         self.figures.raise_stop();
@@ -47,36 +46,35 @@ impl Halter {
         raised
     }
 
-    /// Halts every robot now, whatever holds them.
+    /// Halts every robot now, whatever the reason.
     pub fn halt(&self) {
         self.halts.send_modify(|halts| halts.count += 1);
     }
 
-    /// What the program counts, stops among it.
     pub fn figures(&self) -> &Figures {
         &self.figures
     }
 
-    /// Where a writer, or the core's loop, learns of halts.
+    /// A receiver of halts, for a robot writer or the core's loop.
     pub fn watch(&self) -> HaltWatch {
         HaltWatch { all: self.halts.subscribe(), own: None }
     }
 
-    /// Says up to which epoch stops are written down where they outlive the program; `None` when they cannot be just now.
+    /// Reports the epoch up to which stops are on disk, where they outlive the program; `None` while they cannot be written.
     pub fn note(&self, noted: Option<Epoch>) {
         self.noted.send_replace(noted);
     }
 
-    /// Waits until the stop of this epoch is written down: a moment at most, and not at all when nobody can.
+    /// Waits until the stop of this epoch is on disk: for `NOTING` at most, and not at all while nothing can be written.
     pub async fn until_noted(&self, epoch: Epoch) {
         let mut noted = self.noted.subscribe();
         let done = noted.wait_for(|noted| noted.is_none_or(|noted| noted >= epoch));
-        // The stop has acted; one that is not written down in time is written down later.
+        // The stop has acted already; a late record is written later.
         let _ = tokio::time::timeout(NOTING, done).await;
     }
 }
 
-/// Sees halts as they are raised: those of all robots, and of one robot alone those that the core raises for it.
+/// Receives halts as they are raised: those of all robots, and those that the core raises for one robot.
 #[derive(Clone, Debug)]
 pub struct HaltWatch {
     all: watch::Receiver<Halts>,
@@ -84,7 +82,7 @@ pub struct HaltWatch {
 }
 
 impl HaltWatch {
-    /// The same for one robot, which is halted by this count too.
+    /// Also receives the halts of one robot, by its own count.
     pub fn of_one(self, own: watch::Receiver<u64>) -> HaltWatch {
         HaltWatch { own: Some(own), ..self }
     }
@@ -94,7 +92,7 @@ impl HaltWatch {
         Halts { count: count + self.own.as_ref().map_or(0, |own| *own.borrow()), epoch }
     }
 
-    /// Waits until a halt is raised that was not yet seen here; never ends when nobody can raise one any more.
+    /// Waits for the next halt; never ends when none can be raised any more.
     pub async fn raised(&mut self) -> Halts {
         let HaltWatch { all, own } = self;
         tokio::select! {
@@ -102,7 +100,7 @@ impl HaltWatch {
             () = changed(all) => {}
             () = async { match own { Some(own) => changed(own).await, None => std::future::pending().await } } => {}
         }
-        // Both are seen: what comes from here on is news.
+        // Both are marked as seen, so that only later halts count as new.
         let Halts { count, epoch } = *all.borrow_and_update();
         Halts { count: count + own.as_mut().map_or(0, |own| *own.borrow_and_update()), epoch }
     }
@@ -119,7 +117,7 @@ async fn changed<T>(watch: &mut watch::Receiver<T>) {
 mod tests {
     use super::*;
 
-    /// Safety S1, S4: the answer waits for the writing, never for long, and not when nobody can write.
+    /// Safety S1, S4: the answer waits for the record, never for long, and not while nothing can be written.
     #[tokio::test(start_paused = true)]
     async fn a_stop_waits_a_moment_for_being_written_down() {
         let halter = Halter::new(Epoch(4));

@@ -1,4 +1,4 @@
-//! The driving port: how every door gives commands and sees the state. Cheap to clone; hides all channels.
+//! The driving port: how every door sends commands and sees the state. Cheap to clone; hides all channels.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -15,22 +15,21 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::Venue;
 use hallsweep_core::units::Epoch;
 
-/// Commands that wait for the loop: enough for every operator of a site to press at once.
+/// Capacity of the loop's queue: enough for every operator of a site to press at once.
 pub const COMMANDS: usize = 256;
 
-/// So many places of these are left to other commands by stops, which are counted beside the queue then: else a flood of stops would keep
-/// everybody's commands waiting for a place.
+/// Queue length from which stops are counted beside the queue, which leaves 32 places to other commands: otherwise a flood of
+/// stops would block them.
 const LEFT_BY_STOPS: usize = COMMANDS - 32;
 
 #[derive(Debug)]
 pub enum Envelope {
     Command(Request, oneshot::Sender<Answer>),
-    /// What a door refused to take from somebody, for the record: who, what was asked for, and why not; and who waits until it is
-    /// there, if anybody does.
+    /// A command that a door refused, for the record: who, which command, why, and who waits until it is recorded.
     Refused(Issuer, String, Refused, Option<oneshot::Sender<Answer>>),
-    /// What somebody did to what is simulated, in words, for the record.
+    /// What somebody did to the simulator, in words, for the record.
     Simulated(Issuer, String),
-    /// These simulated robots are to be put down in the hall of this name, and who asks for it.
+    /// A request to put these simulated robots into the hall of this name.
     PutDown(Issuer, Venue, Vec<RobotId>, oneshot::Sender<Answer>),
 }
 
@@ -41,31 +40,31 @@ pub struct Handle {
     snapshots: watch::Receiver<Arc<Snapshot>>,
     halter: Halter,
     overflow: OverflowIn,
-    /// How many commands were given that can let a halted robot go.
+    /// Number of commands sent so far that can release a halted robot.
     releases: Arc<AtomicU64>,
 }
 
-/// The loop has ended; the program is shutting down. `Display` is the sentence a person reads.
+/// The loop has ended because the program is shutting down. `Display` is the message for a person.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("hallsweep is shutting down: the robot has been halted; try again when it is back")]
 pub struct Gone;
 
-/// What became of a command: the core's answer, unless the program is shutting down.
+/// Result of a command: the core's answer, unless the program is shutting down.
 pub type Given = Result<Answer, Gone>;
 
-/// A command for which there was no room in the queue.
+/// A command that found the queue full.
 struct QueuedCommand {
     commands: mpsc::Sender<Envelope>,
     envelope: Envelope,
 }
 
 impl Handle {
-    /// A handle over the channels of a loop that looks into its queue alone.
+    /// A handle over the channels of a loop that reads only its queue.
     pub fn new(commands: mpsc::Sender<Envelope>, snapshots: watch::Receiver<Arc<Snapshot>>, halter: Halter) -> Handle {
         Handle::with_overflow(commands, snapshots, halter).0
     }
 
-    /// A handle over the loop's channels, and where the loop finds what had no room in its queue.
+    /// A handle over the loop's channels, and over the place for what finds the queue full.
     pub(super) fn with_overflow(
         commands: mpsc::Sender<Envelope>,
         snapshots: watch::Receiver<Arc<Snapshot>>,
@@ -75,16 +74,16 @@ impl Handle {
         (Handle { commands, snapshots, halter, overflow, releases: Arc::default() }, out)
     }
 
-    /// What halts the robots, for tests that raise halts by hand.
+    /// For tests that raise halts themselves.
     #[cfg(test)]
     pub(super) const fn halter(&self) -> &Halter {
         &self.halter
     }
 
-    /// Gives a command: it is stamped and queued at the call, so that commands keep the order in which they were given, and a
-    /// stop halts the robots whatever becomes of the future. The future is its answer; for a stop it ends when the robot stands and
-    /// the stop is written down where it outlives the program, or a tenth of a second later (safety S4, S8). Only when the queue is
-    /// full a command other than a stop is queued by its future. Must be called inside a runtime.
+    /// Sends a command. It is stamped and queued immediately, so that commands keep their order, and a stop halts the robots even
+    /// when the future is dropped. The future is the answer; for a stop it ends when the robot stands and the stop is on disk, or
+    /// a tenth of a second later (safety S4, S8). Only when the queue is full is a command other than a stop queued by its
+    /// future. Must be called inside a runtime.
     #[must_use = "the command is given; whether it was accepted is said by the future"]
     pub fn give(&self, request: Request) -> impl Future<Output = Given> + Send + use<> {
         let request = self.stamp(request);
@@ -101,14 +100,14 @@ impl Handle {
                     halter.until_noted(epoch).await;
                 }
             };
-            // Both waits of a stop are bounded, and neither is for the other's sake.
+            // Both waits of a stop are bounded, and independent of each other.
             let (answer, ()) = tokio::join!(answered, noted);
             answer.map_err(|_| Gone)
         }
     }
 
-    /// Puts on record that a door refused to take a command from somebody (safety A6), and waits until it is there. There is no
-    /// wait while nothing can be recorded, nor for what shares an entry with others.
+    /// Records that a door refused somebody's command (safety A6), and waits until that is on record. Does not wait while nothing
+    /// can be recorded, nor when the refusal shares an entry with others.
     pub async fn note_refused(&self, issuer: Issuer, asked: String, refused: Refused) -> Result<(), Gone> {
         let (answer, answered) = oneshot::channel();
         let note = Envelope::Refused(issuer, asked, refused, Some(answer));
@@ -116,8 +115,8 @@ impl Handle {
         answered.await.map(drop).map_err(|_| Gone)
     }
 
-    /// The same where nothing can be waited for. What finds the queue full is counted beside it: the last one of each sender goes on
-    /// record, with how many they were.
+    /// Like `note_refused` for callers that cannot wait. When the queue is full, refusals are counted by sender: the last one of
+    /// each is recorded, with their number.
     pub fn note_refused_at_once(&self, issuer: Issuer, asked: String, refused: Refused) {
         let note = Envelope::Refused(issuer, asked, refused, None);
         if let Err(TrySendError::Full(Envelope::Refused(issuer, asked, refused, _))) = self.commands.try_send(note) {
@@ -125,31 +124,30 @@ impl Handle {
         }
     }
 
-    /// Puts on record what somebody did to what is simulated.
+    /// Records what somebody did to the simulator.
     pub async fn note_simulated(&self, issuer: Issuer, words: String) -> Result<(), Gone> {
         self.commands.send(Envelope::Simulated(issuer, words)).await.map_err(|_| Gone)
     }
 
-    /// Asks that these simulated robots be put down there; the answer comes when that is on record. Then they count as
-    /// unreached until they say that they stand there.
+    /// Asks to put these simulated robots into a hall; answers when that is on record. The robots count as unreached until they
+    /// report from there.
     pub async fn put_down(&self, issuer: Issuer, venue: Venue, robots: Vec<RobotId>) -> Given {
         let (answer, answered) = oneshot::channel();
         self.commands.send(Envelope::PutDown(issuer, venue, robots, answer)).await.map_err(|_| Gone)?;
         answered.await.map_err(|_| Gone)
     }
 
-    /// The epoch that the last stop has made: what arrives now arrives in it.
+    /// The epoch of the last stop, which commands arriving now belong to.
     pub fn epoch(&self) -> Epoch {
         self.halter.watch().now().epoch
     }
 
-    /// How many commands were given so far, at any door, that can let a halted robot go. A door that reads it before it gives a STOP, and
-    /// the same number again later, knows that no robot was let go in between.
+    /// Number of commands sent so far, at all doors, that can release a halted robot. A door that reads the same number before it
+    /// sends a STOP and later knows that no robot was released in between.
     pub fn releases(&self) -> u64 {
         self.releases.load(Ordering::SeqCst)
     }
 
-    /// What the program counts and measures of itself.
     pub fn figures(&self) -> &Figures {
         self.halter.figures()
     }
@@ -158,20 +156,20 @@ impl Handle {
         Arc::clone(&self.snapshots.borrow())
     }
 
-    /// A watch on the state: always the newest, whatever was missed.
+    /// A watch on the state, which always has the newest one.
     pub fn watch(&self) -> watch::Receiver<Arc<Snapshot>> {
         self.snapshots.clone()
     }
 
-    /// Queues a command if there is room for it; else gives it back, but for a stop, which is counted beside the queue: it is
-    /// recorded although nobody may ask for its answer. When the loop has ended, the answer's channel says so.
+    /// Queues a command if there is room; returns it otherwise, except for a stop, which is counted beside the queue: it is
+    /// recorded even when nobody waits for its answer. When the loop has ended, the answer's channel closes.
     fn queue(&self, request: Request, answer: oneshot::Sender<Answer>) -> Option<QueuedCommand> {
         let is_stop = request.command == Command::Stop;
         let beside = |request, answer| if is_stop { self.overflow.put_stop(request, answer) } else { Some((request, answer)) };
         let has_room = self.commands.capacity() > LEFT_BY_STOPS;
         let (request, answer) = if has_room { (request, answer) } else { beside(request, answer)? };
         match self.commands.try_send(Envelope::Command(request, answer)) {
-            // Others may have filled it in this moment.
+            // Other senders may have filled the queue in between.
             Err(TrySendError::Full(Envelope::Command(request, answer))) => {
                 let (request, answer) = beside(request, answer)?;
                 Some(QueuedCommand { commands: self.commands.clone(), envelope: Envelope::Command(request, answer) })
@@ -184,19 +182,19 @@ impl Handle {
         }
     }
 
-    /// A stop carries the epoch it has raised; another command is stamped with the one in which it arrived, which holds now where its
-    /// door has not said, so that a stop overtaking it outdates it.
+    /// Stamps a command with its epoch. A stop gets the epoch it raises; another command gets the one in which it arrived, or the
+    /// present one when its door gave none, so that a stop that overtakes it makes it outdated.
     fn stamp(&self, mut request: Request) -> Request {
         if request.command == Command::Stop {
-            // It counts from what it has raised, whenever its door began to hear it.
+            // A stop counts from the epoch it raises, whenever its door received it.
             (request.epoch, request.arrived) = (Some(self.halter.stop()), None);
         } else {
-            // Its door may have heard it before the last stop, and come to it only now.
+            // The door may have received the command before the last stop.
             let now = self.epoch();
             request.arrived = Some(request.arrived.map_or(now, |arrived| arrived.min(now)));
         }
         if request.command.releases() {
-            // After the epoch was read: a STOP whose door has read a count with this one in it outdates it.
+            // After reading the epoch: a STOP whose door has read a count that includes this command then makes it outdated.
             self.releases.fetch_add(1, Ordering::SeqCst);
         }
         request
@@ -212,7 +210,7 @@ mod tests {
     use hallsweep_core::settings::Settings;
     use hallsweep_core::units::Epoch;
 
-    /// A handle before a loop that does not run, and what would come to the loop.
+    /// A handle to a loop that does not run, and the queue of that loop.
     fn handle() -> (Handle, mpsc::Receiver<Envelope>, Halter) {
         let (handle, envelopes, halter, _) = handle_with_overflow();
         (handle, envelopes, halter)
@@ -276,7 +274,7 @@ mod tests {
         drop((started, stopped));
     }
 
-    /// Safety S4: a door says when it heard a command, and is believed when that is long ago; a stop counts from now.
+    /// Safety S4: a command belongs to the epoch that its door reports, however long ago that was; a stop counts from now.
     #[tokio::test]
     async fn what_was_heard_before_a_stop_arrived_before_it_and_a_stop_counts_from_what_it_raises() {
         let (handle, mut envelopes, _) = handle();

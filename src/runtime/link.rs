@@ -1,5 +1,5 @@
-//! The port to one robot. Every adapter, the simulated one too, holds one end. How an adapter speaks to its robot is its own
-//! business.
+//! The port to one robot, of which every adapter holds one end, that of the simulated robot included. How an adapter talks to its
+//! robot is not known here.
 //!
 //! ```text
 //!   the loop ── orders, stamped with the halts so far ──► adapter     (bounded queue)
@@ -14,13 +14,13 @@ use super::halt::HaltWatch;
 use hallsweep_core::effect::Order;
 use hallsweep_core::event::RobotEvent;
 
-/// Orders under way to a robot: one is open at a time, and a few may have been voided before the adapter took them.
+/// Capacity of the queue of orders: one is open at a time, and a few may have been voided before the adapter took them.
 pub const ORDERS: usize = 8;
 
-/// Reports under way from a robot: a burst of sonar readings and an answer.
+/// Capacity of the queue of reports: a burst of sonar readings and an answer.
 pub const REPORTS: usize = 64;
 
-/// An order, and how many halts there had been when it was sent: after a further one it must not begin.
+/// An order, and the number of halts when it was sent: it must not begin after a further halt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stamped {
     pub order: Order,
@@ -28,26 +28,24 @@ pub struct Stamped {
 }
 
 impl Stamped {
-    /// Whether it is a motion that must not begin any more, now that there have been so many halts (safety S6).
+    /// Whether this is a motion that must not begin any more, now that there were `halts` halts (safety S6).
     pub const fn is_void(&self, halts: u64) -> bool {
         self.halts < halts && self.order.action.is_motion()
     }
 }
 
-/// The loop's end of the link.
 #[derive(Debug)]
 pub struct RobotLink {
     pub orders: mpsc::Sender<Stamped>,
-    /// Whether its LED is to blink.
     pub led: watch::Sender<bool>,
     pub reports: mpsc::Receiver<RobotEvent>,
-    /// How often the core has halted this robot; `halts` counts them with those of all robots.
+    /// How often the core has halted this robot alone; `halts` adds those of all robots.
     pub halt: watch::Sender<u64>,
     pub halts: HaltWatch,
 }
 
 /// The adapter's end of the link. The adapter halts whenever `halts` is raised and answers the order under way with `Halted`; an
-/// order stamped with fewer halts than there have been it answers with `Halted` without beginning it.
+/// order stamped with fewer halts than there were is answered with `Halted` and not begun.
 #[derive(Debug)]
 pub struct RobotSide {
     pub orders: mpsc::Receiver<Stamped>,

@@ -10,7 +10,7 @@ use hallsweep_core::event::{RobotEvent, RobotId};
 
 pub(super) struct Links {
     links: Vec<Link>,
-    /// Whose report was taken last: the one behind it is asked first, so that none reports over the others.
+    /// The robot whose report was taken last. The next one is polled first, so that no robot crowds out the others.
     last: usize,
 }
 
@@ -27,7 +27,7 @@ impl Links {
         Links { links: links.into_iter().map(link).collect(), last: 0 }
     }
 
-    /// The next report of any robot. That an adapter has ended is reported once, as a lost link.
+    /// The next report of any robot. The end of an adapter is reported once, as a lost link.
     pub(super) async fn report(&mut self) -> (RobotId, RobotEvent) {
         poll_fn(|context| self.poll_report(context)).await
     }
@@ -52,7 +52,7 @@ impl Links {
         self.to(robot).map_or_else(Halts::default, |link| link.halts.now())
     }
 
-    /// Gives an order to a robot, to be begun only if there are no further halts than these; false when its adapter does not take it.
+    /// Sends an order that becomes void after any further halt; false when the adapter does not take it.
     pub(super) fn send(&self, robot: &RobotId, order: Order, halts: Halts) -> bool {
         let Some(link) = self.to(robot) else { return false };
         let sent = link.orders.try_send(Stamped { order, halts: halts.count });
@@ -92,7 +92,7 @@ mod tests {
         RobotId::new("porter").unwrap()
     }
 
-    /// The links of two robots, their other ends in the same order, and what halts both.
+    /// The links of two robots, their other ends in the same order, and the halter of both.
     fn pair() -> (Links, [RobotSide; 2], Halter) {
         let halter = Halter::new(Epoch(0));
         let ((first, first_side), (second, second_side)) = (link(halter.watch()), link(halter.watch()));

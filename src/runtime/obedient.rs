@@ -1,5 +1,5 @@
-//! For the tests of the doors: a loop that takes every command, or refuses it, as it is told, and keeps what it was given. It knows
-//! no mission.
+//! For tests of the doors: a loop without a mission that accepts every command, or refuses it as told, and stores what it
+//! received.
 
 use std::sync::{Arc, Mutex};
 
@@ -11,22 +11,21 @@ use hallsweep_core::command::{Accepted, Command, Issuer, LuggageRef, Refused, Re
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Epoch, LuggageId};
 
-/// What a door asked to be put on record: who, what, and why it was not taken.
+/// A refusal that a door asked to record: who, which command, and why.
 pub(crate) type Noted = (Issuer, String, Refused);
 
-/// What the loop is told, and what it was given.
 #[derive(Clone)]
 pub(crate) struct Script {
-    /// The state that doors see.
+    /// State shown to the doors.
     pub(crate) publish: watch::Sender<Arc<Snapshot>>,
-    /// With what everything is refused from now on.
+    /// Refusal for every command from now on.
     pub(crate) refuse: Arc<Mutex<Option<Refused>>>,
     pub(crate) given: Arc<Mutex<Vec<Request>>>,
-    /// What a door did not take.
+    /// Refusals recorded by doors.
     pub(crate) noted: Arc<Mutex<Vec<Noted>>>,
 }
 
-/// Starts such a loop in this state. Must be called inside a runtime.
+/// Starts the loop in this state. Must be called inside a runtime.
 pub(crate) fn obedient(snapshot: Snapshot) -> (Handle, Script) {
     let (commands, envelopes) = mpsc::channel(COMMANDS);
     let publish = watch::Sender::new(Arc::new(snapshot));

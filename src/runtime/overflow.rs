@@ -1,5 +1,5 @@
-//! What found no room in the queue of commands, counted by sender: STOPs, and refusals for which nobody waits. So each is on record
-//! however many come (safety A5, A6), and a STOP is answered as well. A STOP has halted the robot before it comes here.
+//! What found the queue of commands full, counted by sender: STOPs, and refusals that nobody waits for. Each is recorded however
+//! many there are (safety A5, A6), and each STOP is answered. A STOP has halted the robot before it gets here.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -11,23 +11,24 @@ use hallsweep_core::command::{Accepted, Door, Issuer, Refused, Request};
 
 pub(super) type Answer = Result<Accepted, Refused>;
 
-/// So many senders are told apart: more than there are keys, at each of the doors. Those beyond are counted together, door by door.
+/// Number of senders counted separately: more than there are keys, at each door. Further senders share one count for each door.
 const SENDERS: usize = 512;
 
-/// After so many answers it is looked which of them nobody waits for. As many as are waited for there are places at the doors.
+/// Number of answers after which those that nobody waits for are dropped. The connections of the doors bound the number of those
+/// that somebody waits for.
 const ANSWERS: usize = 1024;
 
-/// Where it goes in. Cheap to clone.
+/// The sending end. Cheap to clone.
 #[derive(Clone, Debug)]
 pub(super) struct OverflowIn(Arc<Inner>);
 
-/// Where it comes out; when this is dropped nobody is answered any more.
+/// The receiving end; when it is dropped nobody is answered any more.
 #[derive(Debug)]
 pub(super) struct OverflowOut(Arc<Inner>);
 
 #[derive(Debug)]
 struct Inner {
-    /// `None` when nobody takes any out.
+    /// `None` when the receiving end is gone.
     overflow: Mutex<Option<Overflow>>,
     news: Notify,
 }
@@ -35,7 +36,7 @@ struct Inner {
 #[derive(Debug, Default)]
 pub(super) struct Overflow {
     pub(super) stops: Senders<Request>,
-    /// Who was refused, what was asked for, and why not.
+    /// Who was refused, which command, and why.
     pub(super) refusals: Senders<(Issuer, String, Refused)>,
 }
 
@@ -48,9 +49,9 @@ type SenderKey = (Arc<str>, Arc<str>, Door);
 pub(super) struct Counted<T> {
     pub(super) last: T,
     pub(super) count: u64,
-    /// Where it is answered, as far as somebody waits for it.
+    /// Channels of senders that may still wait for an answer.
     pub(super) answers: Vec<oneshot::Sender<Answer>>,
-    /// At so many answers it is looked again which are waited for.
+    /// Number of answers at which the abandoned ones are dropped next.
     look_at: usize,
 }
 
@@ -60,7 +61,7 @@ pub(super) fn overflow() -> (OverflowIn, OverflowOut) {
 }
 
 impl OverflowIn {
-    /// Puts a STOP in, and gives it back when nobody takes any out.
+    /// Stores a STOP, or returns it when the receiving end is gone.
     pub(super) fn put_stop(&self, stop: Request, answer: oneshot::Sender<Answer>) -> Option<(Request, oneshot::Sender<Answer>)> {
         let mut overflow = self.0.lock();
         let Some(Overflow { stops, .. }) = &mut *overflow else { return Some((stop, answer)) };
@@ -70,7 +71,7 @@ impl OverflowIn {
         None
     }
 
-    /// Puts in what a door refused to take. Where nobody takes any out, nobody keeps a record any more.
+    /// Stores a refusal by a door; drops it when the receiving end is gone, because nothing is recorded any more.
     pub(super) fn put_refusal(&self, issuer: Issuer, asked: String, refused: Refused) {
         if let Some(Overflow { refusals, .. }) = &mut *self.0.lock() {
             put(refusals, sender(&issuer), (issuer, asked, refused), None);
@@ -143,7 +144,7 @@ mod tests {
         Request::new(Command::Stop, issuer(from))
     }
 
-    /// Refuses somebody START.
+    /// Refuses somebody's START.
     fn refuse(into: &OverflowIn, from: &str, n: usize) {
         into.put_refusal(issuer(from), format!("START {n}"), Refused::NotAllowed("no".to_owned()));
     }
@@ -170,7 +171,7 @@ mod tests {
         assert!(out.take().stops.is_empty(), "nothing twice");
     }
 
-    /// Safety A6: a STOP is never counted as a refusal, nor the other way round.
+    /// Safety A6: a STOP is never counted as a refusal, nor a refusal as a STOP.
     #[test]
     fn refusals_of_one_sender_are_counted_together_beside_the_stops() {
         let (into, out) = overflow();

@@ -1,5 +1,5 @@
-//! The port to the simulator, where the robots are simulated: how a door sees it, changes it while it runs, and has the robots put down in
-//! another hall. What is simulated and how is not known here; whether a hall may be changed just now, the core decides.
+//! The port to the simulator: how a door sees it, changes it while it runs, and moves the robots to another hall. The simulation
+//! itself is not known here; the core decides whether the hall may be changed now.
 
 use std::collections::BTreeSet;
 use std::pin::Pin;
@@ -11,24 +11,24 @@ use super::handle::Gone;
 use hallsweep_core::command::{Issuer, Refused};
 use hallsweep_core::units::Cell;
 
-/// As many cells as can be blocked at once: more than anybody places by hand.
+/// Maximum number of cells blocked at once: more than anybody places by hand.
 pub const MOST_BLOCKED: usize = 64;
 
-/// The largest side of a hall that is taken while the program runs, in cells: a page must be able to draw it.
+/// Maximum side of a hall loaded while the program runs, in cells: a page must be able to draw it.
 pub const MOST_SIDE: u32 = 250;
 
-/// Whether a hall may be kept under this name: it stands in addresses and in files.
+/// Whether a hall may be stored under this name, which appears in addresses and in file names.
 pub fn is_hall_name(name: &str) -> bool {
     let is_plain = |letter: char| letter.is_ascii_lowercase() || letter.is_ascii_digit();
     name.starts_with(is_plain) && name.len() <= 40 && name.chars().all(|letter| is_plain(letter) || letter == '-')
 }
 
-/// How fast simulated time runs beside the real one.
+/// Speed of simulated time relative to real time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
-    /// So many times as fast.
+    /// A factor.
     Times(f64),
-    /// It jumps to the end of what is under way.
+    /// Jumps to the end of whatever is under way.
     Max,
 }
 
@@ -46,20 +46,19 @@ impl std::fmt::Display for Pace {
     }
 }
 
-/// What somebody lets go wrong, until it is taken back.
+/// Faults that somebody switched on, until they are switched off.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Faults {
-    /// The link to the robot that searches is lost.
+    /// The searching robot's link is lost.
     pub link_lost: bool,
-    /// It has no thermometer.
+    /// The searching robot has no thermometer.
     pub no_thermometer: bool,
-    /// No photo of it succeeds.
+    /// Every photo of the searching robot fails.
     pub camera_fails: bool,
-    /// Something stands in these cells that the hall does not have.
+    /// Cells with an obstacle that the hall does not have.
     pub blocked: BTreeSet<Cell>,
 }
 
-/// The simulator as it is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimulatorState {
     pub hall: HallFacts,
@@ -69,7 +68,7 @@ pub struct SimulatorState {
     pub faults: Faults,
 }
 
-/// What is said of the hall that is simulated.
+/// Facts about the simulated hall.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HallFacts {
     pub name: Arc<str>,
@@ -81,7 +80,7 @@ pub struct HallFacts {
     pub toml: Arc<str>,
 }
 
-/// What is to be other than it is; what is not named stays.
+/// Settings to change; `None` leaves one as it is.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Change {
     pub speed: Option<Pace>,
@@ -92,40 +91,40 @@ pub struct Change {
     pub blocked: Option<BTreeSet<Cell>>,
 }
 
-/// The hall in which the robots are to be put down.
+/// The hall into which the robots are to be put.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OtherHall {
     pub source: HallSource,
-    /// Of the noise and failures of the sensors; as it was when nobody says.
+    /// Seed of the sensors' noise and failures; unchanged when `None`.
     pub seed: Option<u64>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum HallSource {
-    /// One that is offered by this name.
+    /// An offered hall, by name.
     Named(String),
-    /// A hall file, whole.
+    /// A complete hall file.
     Toml(String),
 }
 
-/// Why it was not done. `Display` is the sentence a person reads.
+/// Why a request failed. `Display` is the message for a person.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NotSimulated {
-    /// The core has refused it.
+    /// The core refused it.
     #[error(transparent)]
     Refused(#[from] Refused),
     #[error("the simulator runs: pause it first, then go on step by step")]
     NotPaused,
     #[error("no robot has anything under way: a step takes one to the end of its order; press START first")]
     NothingUnderWay,
-    /// There is no such hall, or what is wrong with it.
+    /// There is no such hall, or it is faulty, with the reason.
     #[error("{0}")]
     Hall(String),
     #[error("nothing can be put into {0}: it is no free cell of this hall")]
     NoFreeCell(Cell),
     #[error("{0} cells are to be blocked, and at most {MOST_BLOCKED} can be: leave some free")]
     TooManyBlocked(usize),
-    /// It is done, and would be gone after a restart.
+    /// The change was made, but could not be stored: a restart loses it.
     #[error("the robots are put down there, but the hall cannot be kept ({0}): after a restart it is the one before again")]
     NotKept(String),
     #[error("a hall is kept under a name of small letters, digits and `-`, 40 at most, and not under {0:?}")]
@@ -140,7 +139,7 @@ pub enum NotSimulated {
     NoDataFolder,
     #[error("no hall is kept as {0:?}")]
     NotThere(String),
-    /// What the disk says.
+    /// Message of the disk.
     #[error("{0}")]
     CannotChangeKept(String),
     #[error(transparent)]
@@ -148,7 +147,7 @@ pub enum NotSimulated {
 }
 
 impl NotSimulated {
-    /// Too large a hall; `None` when it is not.
+    /// The error for a hall that is too large; `None` when it is not.
     pub fn too_large(width: u32, height: u32) -> Option<NotSimulated> {
         let words = || {
             format!("a hall of {width} × {height} cells is too large for the simulator's page: {MOST_SIDE} a side are the most")
@@ -157,44 +156,44 @@ impl NotSimulated {
     }
 }
 
-/// What becomes of a change.
+/// Result of a change.
 pub type Changing = Pin<Box<dyn Future<Output = Result<Arc<SimulatorState>, NotSimulated>> + Send>>;
 
-/// The simulator, as doors have it.
+/// The simulator as the doors see it.
 pub trait Simulator: Send + Sync {
     /// Always the newest state.
     fn watch(&self) -> watch::Receiver<Arc<SimulatorState>>;
 
-    /// The names of the halls that are offered, those that are kept last.
+    /// Names of the offered halls, the stored ones last.
     fn halls(&self) -> Vec<String>;
 
-    /// The names of those that somebody has kept, and may discard.
+    /// Names of the halls that somebody stored and may delete.
     fn kept_halls(&self) -> Vec<String>;
 
-    /// The hall that is offered by this name, as a hall file.
+    /// The offered hall of this name, as a hall file.
     ///
     /// # Errors
     /// There is none, or what is wrong with it.
     fn hall(&self, name: &str) -> Result<String, NotSimulated>;
 
-    /// Changes what is named, at once, and puts it on record.
+    /// Applies the changes that are set, and records them.
     fn change(self: Arc<Self>, change: Change, issuer: Issuer) -> Changing;
 
-    /// Takes every robot to the end of what it has under way, while time stands still.
+    /// Takes every robot to the end of what is under way, while time stands still.
     fn step(self: Arc<Self>, issuer: Issuer) -> Changing;
 
-    /// Puts the robots down at home in another hall.
+    /// Moves the robots to their homes in another hall.
     fn put_down(self: Arc<Self>, hall: OtherHall, issuer: Issuer) -> Changing;
 
-    /// Keeps the hall of a hall file under a name; in the place of one that is kept under it only if it may replace that.
+    /// Stores the hall of a hall file under a name; replaces a stored one only if `may_replace`.
     fn keep(self: Arc<Self>, name: String, toml: String, may_replace: bool, issuer: Issuer) -> Changing;
 
-    /// Discards a hall that is kept.
+    /// Deletes a stored hall.
     fn discard(self: Arc<Self>, name: String, issuer: Issuer) -> Changing;
 }
 
 impl Change {
-    /// What it comes to, in words for log and journal; `None` when nothing is named.
+    /// The changes in words for log and journal; `None` when nothing is set.
     pub fn in_words(&self) -> Option<String> {
         let fault = |name: &str, is_so: bool| format!("{name}: {}", if is_so { "yes" } else { "no" });
         let cells = |cells: &BTreeSet<Cell>| match cells.len() {

@@ -1,5 +1,5 @@
-//! The only loop: takes halts, reports, commands and time to the core, and its effects to robots, store, doors.
-//! It decides nothing.
+//! The only loop: passes halts, reports, commands and time to the core, and the core's effects to robots, store and doors. It
+//! decides nothing.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -22,7 +22,7 @@ use hallsweep_core::event::{Event, RobotEvent, RobotId};
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Epoch, Now, Seq, Ticket};
 
-/// How long nothing may happen before the clock is looked at.
+/// Time without events after which the clock is checked.
 const GLANCE: Duration = Duration::from_secs(1);
 
 pub struct Task {
@@ -32,23 +32,23 @@ pub struct Task {
     word: watch::Receiver<StoreStatus>,
     clock: Clock,
     halts: HaltWatch,
-    /// The last stop of which the core was told.
+    /// The last stop that the core was told of.
     heard: Epoch,
     commands: mpsc::Receiver<Envelope>,
-    /// What found no room in that queue.
+    /// What found the command queue full.
     overflow: OverflowOut,
     snapshots: watch::Sender<Arc<Snapshot>>,
     answers: BTreeMap<Ticket, Vec<WaitingSender>>,
-    /// The refusals that wait until they are on record (safety A6), in the order of their entries.
+    /// Refusals that are answered once they are on record (safety A6), in the order of their entries.
     refusals: VecDeque<(Seq, WaitingSender, Refused)>,
-    /// Whether the store's last word was that it cannot write.
+    /// Whether the store's last report was a failure to write.
     store_failed: bool,
-    /// How often the store has lost something, as far as the core was told.
+    /// Number of the store's losses that the core was told of.
     losses: u64,
     /// Whether the core was told that the program ends.
     is_ending: bool,
     figures: Figures,
-    /// What of the record is counted when it is kept.
+    /// Counts recorded entries once they are stored.
     handed: HandedPages,
 }
 
@@ -60,14 +60,14 @@ struct WaitingSender {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Course {
-    /// What asked it to end, if something has: the robot halts then, and who has asked for something is still answered.
+    /// Why the loop was asked to end, if it was: the robot is halted then, and pending requests are still answered.
     pub ended_by: Option<&'static str>,
-    /// Whether nobody asks for anything any more.
+    /// Whether no further requests can come.
     pub is_over: bool,
 }
 
 impl Task {
-    /// A loop round an engine, and the handle by which doors reach it.
+    /// A loop round an engine, and the handle through which doors reach it.
     pub fn new(
         mut engine: Engine,
         links: impl IntoIterator<Item = (RobotId, RobotLink)>,
@@ -122,7 +122,7 @@ impl Task {
                     }
                 }
                 Ok(()) = self.word.changed() => self.hear_store(),
-                // Before commands and reports: a steady flow of these must not keep a silent sensor from being noticed.
+                // Before commands and reports: a steady flow of them must not keep a silent sensor from being noticed.
                 () = self.clock.reach(due) => {
                     let now = self.now();
                     self.engine.handle_timeout(now);
@@ -135,10 +135,10 @@ impl Task {
                     Some(envelope) => self.take(envelope),
                     None => break,
                 },
-                // Last, since they are heard of before any command is taken: stops without end must not keep the rest waiting.
+                // Last, since stops are handled before any command is taken: endless stops must not block the rest.
                 _ = self.halts.raised() => {}
                 () = self.overflow.news() => {}
-                // Nothing happens: pages that show an age still want to know that the clock was set.
+                // Nothing happened: pages that show an age still need to know whether the clock was set.
                 () = self.clock.reach(Some(self.clock.since_start() + GLANCE)) => {
                     self.now();
                 }
@@ -152,7 +152,7 @@ impl Task {
         self.settle();
     }
 
-    /// Stops and refusals that were given before the end go on record; whoever gave another command hears that it was too late.
+    /// Records the stops and refusals that came before the end; tells senders of other commands that they were too late.
     fn take_rest(&mut self) {
         self.hear_halts();
         while let Ok(envelope) = self.commands.try_recv() {
@@ -167,7 +167,7 @@ impl Task {
         }
     }
 
-    /// Tells the core of stops, before anything that was given after them, and of what else found no room in the queue.
+    /// Tells the core of stops, before anything sent after them, and of whatever else found the queue full.
     fn hear_halts(&mut self) {
         let epoch = self.halts.now().epoch;
         if epoch > self.heard {
@@ -234,11 +234,11 @@ impl Task {
 
     fn answer(&self, WaitingSender { answer, since }: WaitingSender, given: Answer) {
         self.figures.answered(self.clock.since_start().saturating_sub(since));
-        // Whoever asked may have gone away; what was asked was carried out, or refused, all the same.
+        // The sender may have gone away; the command was carried out or refused all the same.
         let _ = answer.send(given);
     }
 
-    /// Performs every effect; publishes the state before it answers, so that whoever was answered sees what was done.
+    /// Performs every effect. The state is published before the answer, so that whoever got the answer sees the effect.
     fn settle(&mut self) {
         let mut answers = Vec::new();
         loop {
@@ -250,7 +250,7 @@ impl Task {
                     Effect::Record(page) => {
                         self.handed.hand(&page, self.clock.since_start());
                         self.store.record(page, self.losses);
-                        // A store that has said its word already need not wait for the next round.
+                        // A store that has reported already need not wait for the next round.
                         if self.word.has_changed().unwrap_or(false) {
                             self.hear_store();
                         }
@@ -267,8 +267,8 @@ impl Task {
         self.refuse();
     }
 
-    /// Answers the refusals that are on record. While nothing can be recorded none waits: what was refused then is on record when
-    /// the store writes again.
+    /// Answers the refusals that are on record. While nothing can be recorded they are answered at once, and recorded when the
+    /// store writes again.
     fn refuse(&mut self) {
         let kept = self.word.borrow().kept;
         let due = self.refusals.iter().take_while(|(seq, ..)| *seq <= kept || self.store_failed).count();
@@ -305,7 +305,7 @@ impl Task {
         }
     }
 
-    /// What the store says that it has kept is counted; what it has lost will not be kept.
+    /// Counts what the store reports as stored; drops what it lost.
     fn count_kept(&mut self, word: &StoreStatus, now: Duration) {
         self.handed.keep(word.kept, now);
         let lost = word.losses.saturating_sub(self.losses);
@@ -315,10 +315,10 @@ impl Task {
         self.figures.hear_store(word, lost);
     }
 
-    /// Sends an order with the halts so far, unless a stop has been raised since it was given: then the core
-    /// hears of the stop first, so that it does not give the order again.
+    /// Sends an order with the number of halts so far, unless a stop was raised since the order was made: then the core is told
+    /// of the stop first, so that it does not repeat the order.
     fn send(&mut self, robot: RobotId, order: Order) {
-        // Count and epoch are of one moment: a stop between the two would let an order begin that is from before it.
+        // Count and epoch are read together: a stop between two reads would let an older order begin.
         let halts = self.links.halts(&robot);
         let answer = if order.epoch < halts.epoch && order.action.is_motion() {
             let now = self.now();
@@ -333,7 +333,7 @@ impl Task {
         self.engine.handle_event(Event::Robot(robot, answer), now);
     }
 
-    /// The time for what the core is told next. It is told first if somebody has set the clock.
+    /// The time for the next input of the core. If somebody has set the clock, the core is told of that first.
     fn now(&mut self) -> Now {
         let now = self.clock.now();
         self.engine.note_clock(self.clock.set_ms(now), now);

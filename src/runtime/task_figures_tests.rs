@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Time stands here but for what is waited for.
+/// In paused time only the awaited durations pass.
 #[tokio::test(start_paused = true)]
 async fn what_is_on_record_is_counted_and_how_long_it_took_is_measured() {
     let (handle, task, robot, word) = task_with(false);

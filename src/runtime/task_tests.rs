@@ -1,4 +1,4 @@
-//! The loop with a robot and a store that the test answers for, mostly in simulated time.
+//! The loop with a robot and a store whose answers the test gives, mostly in paused time.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -19,7 +19,7 @@ use hallsweep_core::units::{Epoch, Seq};
 #[path = "task_figures_tests.rs"]
 mod figures;
 
-/// Keeps nothing, but says that it did: at once, or when the test lets it.
+/// A store that stores nothing, but reports that it did: at once, or when the test says so.
 struct Forgetful {
     word: watch::Sender<StoreStatus>,
     at_once: Arc<AtomicBool>,
@@ -41,29 +41,28 @@ fn request(command: Command) -> Request {
     Request::new(command, Issuer::operator(Door::LOCAL))
 }
 
-/// Gives a command at the call; the future is its answer.
+/// Sends a command immediately; the future is its answer.
 fn give(handle: &Handle, command: Command) -> impl Future<Output = Given> + use<> {
     let answer = handle.give(request(command.clone()));
     async move { within(&format!("the answer to {command:?}"), answer).await }
 }
 
-/// The same in a task.
+/// Like `give`, in a task.
 fn giving(handle: &Handle, command: Command) -> tokio::task::JoinHandle<Given> {
     let handle = handle.clone();
     tokio::spawn(async move { give(&handle, command).await })
 }
 
-/// The next order that goes to the robot.
+/// The next order sent to the robot.
 async fn ordered(robot: &mut RobotSide) -> Stamped {
     within("an order", robot.orders.recv()).await.expect("the loop runs")
 }
 
-/// Waits for a state.
 async fn seen(handle: &Handle, what: &str, is_so: impl FnMut(&Arc<Snapshot>) -> bool) -> Arc<Snapshot> {
     Arc::clone(&*within(what, handle.watch().wait_for(is_so)).await.expect("the loop runs"))
 }
 
-/// Whether the console's log says this.
+/// Whether the console's log has this line.
 fn says(words: &str) -> impl Fn(&Arc<Snapshot>) -> bool {
     move |state| state.log.iter().any(|line| line.said.to_string().contains(words))
 }
@@ -110,7 +109,7 @@ async fn whoever_was_answered_sees_what_was_done() {
     assert_eq!(state.mission.phase, PhaseName::Exploring);
 }
 
-/// Safety S1: it works while the loop does not come round to its commands.
+/// Safety S1: a stop works while the loop does not get to its commands.
 #[tokio::test]
 async fn a_stop_reaches_the_robot_although_the_loop_hangs_and_its_queue_is_full() {
     let (handle, _hanging, mut robot) = task();
@@ -138,7 +137,7 @@ async fn no_order_is_given_after_a_stop_was_answered() {
     }
 }
 
-/// Safety S6, with somebody else pressing START all the while.
+/// Safety S6, while somebody else keeps pressing START.
 #[tokio::test(start_paused = true)]
 async fn a_start_that_crosses_a_stop_begins_nothing_after_the_stop_was_answered() {
     let (handle, mut robot, _close) = running().await;
@@ -155,7 +154,7 @@ async fn a_start_that_crosses_a_stop_begins_nothing_after_the_stop_was_answered(
     }
 }
 
-/// A stop that is raised while the loop is about to send an order: the loop comes to rest, and the robot gets nothing.
+/// A stop is raised while the loop is about to send an order: the loop comes to rest, and the robot gets nothing.
 #[tokio::test]
 async fn a_stop_between_an_order_and_its_sending_holds_the_robot() {
     let (handle, mut task, mut robot) = task();
@@ -182,7 +181,7 @@ async fn heat_halts_past_the_queue_of_orders() {
     assert!(robot.halts.now().count > halts);
 }
 
-/// Safety S2 and V3: the answer waits for the record, however late it comes, and so does the robot.
+/// Safety S2 and V3: the answer and the robot wait for the record, however late it comes.
 #[tokio::test]
 async fn a_store_that_answers_late_delays_start_but_not_stop() {
     let (handle, task, robot, word) = task_with(false);
@@ -197,7 +196,7 @@ async fn a_store_that_answers_late_delays_start_but_not_stop() {
     assert!(robot.orders.try_recv().is_err(), "the stop came before the record of the start");
 }
 
-/// A robot on the move, with a store that keeps at once or, from now on, hangs; and its order.
+/// A moving robot and its order, with a store that stores at once, or hangs from now on.
 async fn moving(hangs: bool) -> (Handle, RobotSide, watch::Sender<Course>, Order) {
     let at_once = Arc::new(AtomicBool::new(true));
     let (handle, task, robot, _word) = task_keeping(&at_once);
@@ -228,7 +227,7 @@ async fn the_answer_to_a_stop_waits_until_the_robot_stands_and_its_state_says_so
     }
 }
 
-/// Safety S8: a robot that does not obey costs the answer a tenth of a second, and its state says that it does not stand.
+/// Safety S8: a robot that does not obey delays the answer by a tenth of a second, and its state says that it does not stand.
 #[tokio::test(start_paused = true)]
 async fn the_answer_to_a_stop_comes_although_the_robot_does_not_obey() {
     for hangs in [false, true] {
@@ -244,7 +243,7 @@ async fn the_answer_to_a_stop_comes_although_the_robot_does_not_obey() {
     }
 }
 
-/// Safety S4: an answered stop is written down where it outlives the program, if that can be done at once.
+/// Safety S4: an answered stop is on disk, where it outlives the program, if it can be written in time.
 #[tokio::test(start_paused = true)]
 async fn the_answer_to_a_stop_waits_until_it_is_noted() {
     let (handle, task, robot) = task();
@@ -257,7 +256,7 @@ async fn the_answer_to_a_stop_waits_until_it_is_noted() {
     tokio::time::timeout(TENTH / 100, stopping).await.expect("it is noted").unwrap().unwrap();
 }
 
-/// Safety S8: the two waits of a stop's answer go on at the same time.
+/// Safety S8: the two waits of a stop's answer run at the same time.
 #[tokio::test(start_paused = true)]
 async fn a_robot_and_a_disk_that_do_not_obey_cost_the_answer_a_tenth_of_a_second_together() {
     let (handle, mut task, mut robot) = task();
@@ -320,7 +319,7 @@ async fn stops_that_were_given_before_the_end_are_on_record() {
     assert!(alone.iter().all(|command| command == "STOP"), "who gave another command hears that it was too late: {listed:?}");
 }
 
-/// Safety R1: no order begins after that, whatever was under way and whoever still asks for something, and nothing holds the robot that
+/// Safety R1: no order begins afterwards, whatever was under way and whoever still sends commands, and no hold appears that
 /// nobody has pressed.
 #[tokio::test(start_paused = true)]
 async fn a_program_that_is_asked_to_end_halts_the_robot_and_gives_no_order_any_more() {
@@ -337,7 +336,7 @@ async fn a_program_that_is_asked_to_end_halts_the_robot_and_gives_no_order_any_m
     assert!(within("the end of orders", robot.orders.recv()).await.is_none());
 }
 
-/// Safety S8: nothing new begins before the robot stands, and whoever stopped is told of a state in which it does.
+/// Safety S8: nothing new begins before the robot stands, and the answer to the stop shows a state in which it does.
 #[tokio::test(start_paused = true)]
 async fn a_start_while_the_robot_halts_begins_when_it_stands() {
     let (handle, mut robot, _close, order) = moving(false).await;
@@ -352,7 +351,7 @@ async fn a_start_while_the_robot_halts_begins_when_it_stands() {
     assert!(before < stopped && stopped < handle.snapshot().revision, "the state in between is the one in which it stands");
 }
 
-/// A photo is no motion: one that was ordered before a stop goes out.
+/// A photo is no motion: one that was ordered before a stop is still taken.
 #[tokio::test]
 async fn a_photo_that_was_ordered_before_a_stop_goes_out_and_a_step_does_not() {
     let (handle, mut task, mut robot) = task();
@@ -366,8 +365,7 @@ async fn a_photo_that_was_ordered_before_a_stop_goes_out_and_a_step_does_not() {
     assert!(robot.orders.try_recv().is_err());
 }
 
-/// Safety A6: whoever hears of a refusal finds it in the journal, whenever the program dies; a store that fails makes nobody
-/// wait.
+/// Safety A6: an answered refusal is in the journal, whenever the program dies; a store that fails makes nobody wait.
 #[tokio::test]
 async fn a_refusal_is_answered_when_it_is_on_record_or_nothing_can_be() {
     let (handle, task, robot, word) = task_with(false);
@@ -388,8 +386,8 @@ async fn a_refusal_is_answered_when_it_is_on_record_or_nothing_can_be() {
     assert!(refused().await.unwrap().unwrap().is_err());
 }
 
-/// Safety A6: the same of what a door refuses. What shares an entry with others is answered at once, and what nobody waits for is
-/// recorded like the rest.
+/// Safety A6: the same for refusals by a door. One that shares an entry with others is answered at once, and one that nobody
+/// waits for is recorded like the rest.
 #[tokio::test]
 async fn what_a_door_refuses_is_answered_when_it_is_on_record_unless_it_shares_an_entry() {
     let (handle, task, robot, word) = task_with(false);
@@ -431,13 +429,13 @@ async fn what_finds_no_room_in_the_queue_is_on_record_and_its_stops_are_answered
     drop(starts);
 }
 
-/// Safety V3: whoever waits for a record that was lost is told so, although the store writes again before the loop hears of it.
+/// Safety V3: whoever waits for a lost record is told so, even when the store writes again before the loop reads its status.
 #[tokio::test]
 async fn a_loss_that_is_over_already_is_told_all_the_same() {
     let (handle, task, robot, word) = task_with(false);
     let (handle, _robot, _close) = start((handle, task, robot)).await;
     let waiting = giving(&handle, Command::Temperature(TemperatureReport::Ok));
-    // What is accepted is not shown before it is on record; a refusal that came after it is.
+    // The accepted command is not shown before it is on record, but the later refusal is: it tells that the loop has taken both.
     giving(&handle, Command::Retrieve);
     seen(&handle, "the refusal", says("refused")).await;
     assert!(!waiting.is_finished());

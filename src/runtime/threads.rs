@@ -1,5 +1,5 @@
-//! Threads that have a loop of their own (safety S7), so that what is urgent there never waits behind what is busy elsewhere. What
-//! runs on which of them is the app's business.
+//! Threads with a loop of their own (safety S7), so that urgent work never waits behind busy work elsewhere. What runs on which
+//! thread is decided in `app`.
 
 use std::io;
 use std::sync::mpsc;
@@ -8,10 +8,10 @@ use std::time::Duration;
 use tokio::runtime::{Builder, Handle};
 use tokio::sync::oneshot;
 
-/// What is still busy so long after a thread is to end (a photo being drawn, a file being written) is left behind.
+/// Time after which work on an ending thread (drawing a photo, writing a file) is abandoned.
 const LEFT_BEHIND: Duration = Duration::from_millis(200);
 
-/// A thread on which tasks run, and nothing else; it ends when this is dropped, and so do its tasks.
+/// A thread that runs nothing but its tasks; dropping it ends the thread and its tasks.
 #[derive(Debug)]
 pub struct Thread {
     handle: Handle,
@@ -27,7 +27,7 @@ impl Thread {
         let (end, asked) = oneshot::channel();
         let (last, ended) = mpsc::channel();
         std::thread::Builder::new().name(name.to_owned()).spawn(move || {
-            // It is also over when whoever could ask for its end is gone.
+            // The thread also ends when nobody can ask for its end any more.
             let _ = runtime.block_on(asked);
             runtime.shutdown_timeout(LEFT_BEHIND);
             drop(last);
@@ -45,7 +45,7 @@ impl Drop for Thread {
         if let Some(end) = self.end.take() {
             let _ = end.send(());
         }
-        // Nothing is ever sent; one that hangs is not waited for.
+        // Nothing is ever sent on this channel: it closes at the end. A thread that hangs is not waited for.
         let _ = self.ended.recv_timeout(2 * LEFT_BEHIND);
     }
 }

@@ -1,5 +1,5 @@
-//! What the store was given and has not kept yet: how long each page takes, and what of its entries is counted once they are on record.
-//! What is lost is not counted; when it is recorded anew it is.
+//! Pages that were handed to the store but are not stored yet: how long each takes, and which figures count once its entries are
+//! on record. Lost entries are not counted until they are recorded anew.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -12,25 +12,27 @@ use hallsweep_core::phase::PhaseName;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{LuggageId, Pose, Seq};
 
-/// So much waits at most: far more than is handed over before a disk that hangs is given up. What comes beyond is not counted.
+/// Maximum number of waiting pages, far more than are handed over before a disk that hangs is given up. Further ones are not
+/// counted.
 const WAITING: usize = 64 * 1024;
 
-/// Pages on their way to the store, and how the mission stood after those that are there.
+/// Pages on their way to the store, and the state of the mission after those that are stored.
 #[derive(Debug)]
 pub struct HandedPages {
     figures: Figures,
-    /// The last entry of each page, and when it was handed over.
+    /// Last entry of each page, and when the page was handed over.
     pages: VecDeque<(Seq, Duration)>,
     counted: VecDeque<(Seq, CountedFact)>,
     phase: PhaseName,
-    /// The phase before it: that to which a mission had come, as the next is on record before the mission is put away.
+    /// The phase before the present one. A mission's last phase is this one when the mission is put away, because the next phase
+    /// is recorded first.
     left: PhaseName,
     pose: Pose,
     /// The last piece that was counted.
     luggage: LuggageId,
 }
 
-/// What is counted of an entry, or followed so that another can be.
+/// The part of an entry that is counted, or needed to count another entry.
 #[derive(Clone, Copy, Debug)]
 enum CountedFact {
     MissionBegan,
@@ -38,23 +40,23 @@ enum CountedFact {
     Phase(PhaseName),
     Stands(PhaseName, Pose),
     Pose(Pose),
-    /// Its name, how many of it share the entry, and the code of the reason for which they were refused.
+    /// Name of the command, number of commands that share the entry, and the code of the refusal.
     Command(&'static str, u64, Option<&'static str>),
-    /// Which, and whether there is a new photo.
+    /// The piece, and whether there is a new photo.
     Luggage(LuggageId, bool),
     Verdict(Verdict),
     Alarm,
 }
 
 impl HandedPages {
-    /// None yet, while the mission stands so.
+    /// Starts with the mission as in `snapshot`, and no pages.
     pub fn new(figures: Figures, snapshot: &Snapshot) -> HandedPages {
         let luggage = snapshot.luggage.last().map_or(LuggageId(0), |luggage| luggage.id);
         let (phase, pose) = (snapshot.mission.phase, snapshot.robot.pose);
         HandedPages { figures, pages: VecDeque::new(), counted: VecDeque::new(), phase, left: phase, pose, luggage }
     }
 
-    /// A page is being given to the store.
+    /// A page is being handed to the store.
     pub fn hand(&mut self, page: &Page, now: Duration) {
         if self.pages.len().max(self.counted.len()) >= WAITING {
             return;
@@ -64,7 +66,7 @@ impl HandedPages {
         self.counted.extend(entries.filter_map(|(seq, entry)| Some((seq, CountedFact::of(&entry.fact)?))));
     }
 
-    /// Everything up to this entry is kept.
+    /// Everything up to this entry is stored.
     pub fn keep(&mut self, kept: Seq, now: Duration) {
         while let Some((_, handed)) = self.pages.front().copied().filter(|(last, _)| *last <= kept) {
             self.pages.pop_front();
@@ -76,7 +78,7 @@ impl HandedPages {
         }
     }
 
-    /// The store has lost what it had not kept.
+    /// The store lost every page that was not stored yet.
     pub fn lose(&mut self) {
         self.pages.clear();
         self.counted.clear();
@@ -88,7 +90,7 @@ impl HandedPages {
             CountedFact::MissionBegan => drop(all.missions_begun.inc()),
             CountedFact::MissionEnded => drop(all.missions_ended.at([self.left.name()]).map(|ended| ended.inc())),
             CountedFact::Phase(phase) => {
-                // How far an inspection has come is on record as a phase too.
+                // The progress of an inspection is recorded as a phase as well.
                 if phase != self.phase {
                     self.left = std::mem::replace(&mut self.phase, phase);
                     all.phases.at([phase.name()]).map(|times| times.inc());
@@ -158,8 +160,8 @@ impl CountedFact {
         }
     }
 
-    /// Accepted STOPs that share an entry count one by one. Refusals that share one count once, as the last of them: how many they were
-    /// stands beside words from outside, which could say anything.
+    /// Accepted STOPs that share an entry are counted one by one. Refusals that share an entry count once, as the last of them:
+    /// their number is recorded beside words from outside, which could say anything.
     fn command(words: &str, refused: Option<&Refusal>) -> CountedFact {
         let asked = match Asked::from_words(words) {
             Asked::Many { last, .. } => *last,
@@ -172,7 +174,7 @@ impl CountedFact {
     }
 }
 
-/// The name of a command, as `COMMANDS` has it.
+/// Name of a command, as in `COMMANDS`.
 const fn name(asked: &Asked) -> &'static str {
     match asked {
         Asked::Stops { .. } => "stop",
@@ -222,7 +224,7 @@ mod tests {
         Page { first: Seq(first), entries: facts.into_iter().map(entry).collect() }
     }
 
-    /// What is counted of these, kept one after the other.
+    /// Figures after storing these facts one by one.
     fn counted(facts: Vec<Fact>) -> Figures {
         let (mut handed, figures) = handed();
         let kept = Seq(facts.len() as u64);
@@ -389,7 +391,7 @@ mod tests {
         assert_eq!(names.map(|name| figures.value(name)), [1.0, 1.0, 0.0]);
     }
 
-    /// A disk that hangs may keep pages waiting without end.
+    /// A disk that hangs may leave any number of pages waiting.
     #[test]
     fn no_more_waits_than_there_is_room_for() {
         for (of_a_page, pages, counted) in [(vec![Fact::Led(true)], WAITING, 0), (vec![alarm(1), alarm(2)], WAITING / 2, WAITING)]

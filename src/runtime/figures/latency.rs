@@ -1,5 +1,5 @@
-//! How long something takes, as a histogram of atomic numbers. The library's own has a lock, which whoever reads holds while it writes
-//! all buckets down: on a busy machine the loop would wait for a thread that stands back behind everybody else (safety S7).
+//! Durations as a histogram of atomic numbers. The library's histogram has a lock that is held while all buckets are written out:
+//! on a busy machine the loop would wait for a thread of the lowest priority (safety S7).
 
 use std::fmt;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use prometheus_client::metrics::{MetricType, TypedMetric};
 
 use super::nanos;
 
-/// The upper bounds of the buckets, in nanoseconds: from what a quick thread takes to what a disk takes that is about to be given up.
+/// Upper bounds of the buckets in nanoseconds: from what a fast thread takes to what a disk takes just before it is given up.
 const BOUNDS: [u64; 14] = [
     10_000,
     25_000,
@@ -29,16 +29,15 @@ const BOUNDS: [u64; 14] = [
     10_000_000_000,
 ];
 
-/// How the last bucket, which has no bound, is told to the library.
+/// Upper bound of the last bucket, as the library wants it.
 const UNBOUNDED: f64 = f64::MAX;
 
-/// Cheap to clone.
 #[derive(Clone, Debug, Default)]
 pub struct Latency(Arc<Buckets>);
 
 #[derive(Debug, Default)]
 struct Buckets {
-    /// One a bound, and one for all that takes longer.
+    /// One for each bound, and one for everything longer.
     counts: [AtomicU64; BOUNDS.len() + 1],
     nanos: AtomicU64,
 }
@@ -58,7 +57,7 @@ impl EncodeMetric for Latency {
         let bounds = BOUNDS.into_iter().map(seconds).chain([UNBOUNDED]);
         let counts = self.0.counts.iter().map(|count| count.load(Ordering::Relaxed));
         let buckets: Vec<(f64, u64)> = bounds.zip(counts).collect();
-        // By the buckets, so that it agrees with them whatever is observed meanwhile.
+        // Summed over the buckets, so that both agree while others observe.
         let count = buckets.iter().map(|(_, count)| count).sum();
         encoder.encode_histogram::<NoLabelSet>(seconds(self.0.nanos.load(Ordering::Relaxed)), count, &buckets, None)
     }

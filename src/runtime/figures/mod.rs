@@ -1,6 +1,6 @@
-//! What the program counts and measures of itself since it was started, for whoever watches many programs. Every number is an atomic one
-//! and every series is there from the start: who counts waits for nobody and makes nothing new, whatever comes from outside. What of the
-//! record is counted stands in `handed`; how all of it is written down is the business of `prometheus_client`, and who may read it that of a door.
+//! What the program counts and measures of itself since its start, for monitoring. Every number is atomic and every series exists
+//! from the start: counting never waits and never allocates, whatever arrives from outside. What is counted of the record is in
+//! `handed`; the format is that of `prometheus_client`, and a door decides who may read it.
 
 mod handed;
 mod latency;
@@ -25,10 +25,10 @@ pub use handed::HandedPages;
 pub use latency::Latency;
 pub use series::{OTHER, Series, flag};
 
-/// The doors whose connections are counted, by the words that records have for them.
+/// Doors whose connections are counted, by their names in records.
 pub const DOORS: [&str; 3] = ["http", "mqtt", "coap"];
 
-/// The commands by the names that every door has for them; what a door could not make one of is `OTHER`.
+/// Names of the commands; a command that no door could parse counts as `OTHER`.
 pub const COMMANDS: [&str; 12] = [
     "start",
     "stop",
@@ -44,10 +44,9 @@ pub const COMMANDS: [&str; 12] = [
     "temperature",
 ];
 
-/// Lines of the program's log that were lost. The log is one, and begins before the figures.
+/// Lines of the program's log that were lost. A static, because the log exists before the figures.
 pub static LOG_LINES_LOST: LazyLock<Counter> = LazyLock::new(Counter::default);
 
-/// What became of a command.
 const OUTCOMES: [&str; 2] = ["accepted", "refused"];
 
 /// All figures of a program. Cheap to clone.
@@ -74,17 +73,17 @@ struct Families {
     journal_last_entry: Gauge,
     store_failing: Gauge,
     store_losses: Counter,
-    /// From the moment in which the store is given a page until it says that the page is kept.
+    /// From handing a page to the store until the store reports it as stored.
     records: Latency,
-    /// From the moment in which the loop takes a command until it answers.
+    /// From when the loop takes a command until it answers.
     answers: Latency,
-    /// From the moment in which a STOP halts the robots until the loop hears of it.
+    /// From when a STOP halts the robots until the loop handles it.
     stopping: Latency,
-    /// When the first STOP was raised that the loop has not heard of, in nanoseconds since the start; 0 while there is none.
+    /// When the first STOP was raised that the loop has not handled, in nanoseconds since the start; 0 when there is none.
     unheard: AtomicU64,
 }
 
-/// A connection, counted for as long as this lives.
+/// Counts a connection for as long as it lives.
 #[derive(Debug)]
 pub struct Connected(Gauge);
 
@@ -125,7 +124,7 @@ impl Default for Families {
 }
 
 impl Figures {
-    /// A connection to this door has come; it has gone when what is returned is dropped.
+    /// Counts a connection to this door until the returned value is dropped.
     #[must_use = "it counts as long as this lives"]
     pub fn connected(&self, door: Door) -> Connected {
         let open = self.0.connections.at([door.0]).cloned().unwrap_or_default();
@@ -133,15 +132,15 @@ impl Figures {
         Connected(open)
     }
 
-    /// A STOP is being raised, by whatever thread: to be said before the loop can hear of it.
+    /// Notes that a thread raises a STOP; must be called before the loop can see it.
     pub(super) fn raise_stop(&self) {
         self.0.stops.inc();
-        // Of several that are unheard, the first has waited longest.
+        // Of several unhandled STOPs, the first has waited longest.
         let now = nanos(self.0.clock.since_start()).max(1);
         let _ = self.0.unheard.compare_exchange(0, now, Ordering::Relaxed, Ordering::Relaxed);
     }
 
-    /// The loop has heard of every STOP that was raised.
+    /// The loop has handled every raised STOP.
     pub(super) fn hear_stops(&self) {
         let raised = self.0.unheard.swap(0, Ordering::Relaxed);
         if raised != 0 {
@@ -154,14 +153,14 @@ impl Figures {
         self.0.answers.observe(after);
     }
 
-    /// The store has said its word; so often more than before it has lost something.
+    /// Updates the figures from the store's status; `losses` is the number of new losses.
     pub(super) fn hear_store(&self, word: &StoreStatus, losses: u64) {
         self.0.journal_last_entry.set(i64::try_from(word.kept.0).unwrap_or(i64::MAX));
         self.0.store_failing.set(i64::from(word.failure.is_some()));
         self.0.store_losses.inc_by(losses);
     }
 
-    /// Puts every figure where it is written down from, with what it means.
+    /// Registers every figure with its help text.
     pub fn register(&self, registry: &mut Registry) {
         self.register_program(registry);
         self.register_mission(registry);
@@ -220,7 +219,7 @@ impl Figures {
 
 #[cfg(test)]
 impl Figures {
-    /// All of them, as they are written down.
+    /// All figures in the text format.
     pub(crate) fn text(&self) -> String {
         let mut registry = Registry::default();
         self.register(&mut registry);
@@ -229,7 +228,7 @@ impl Figures {
         text
     }
 
-    /// One of them, as `steps_total`.
+    /// The value of one series, such as `steps_total`.
     pub(crate) fn value(&self, series: &str) -> f64 {
         let text = self.text();
         let line = text.lines().find_map(|line| line.strip_prefix(series)?.strip_prefix(' '));
@@ -276,7 +275,7 @@ mod tests {
         }
     }
 
-    /// Time stands here but for what is waited for.
+    /// In paused time only the awaited durations pass.
     #[tokio::test(start_paused = true)]
     async fn of_several_stops_that_are_unheard_the_first_is_measured() {
         let figures = Figures::default();

@@ -1,5 +1,5 @@
-//! A family of figures that are told apart by labels, all of which are known from the start. The library's own families make a new
-//! series for whatever they are asked for, behind a lock.
+//! A family of figures with labels whose values are all known from the start. The library's families create a new series for any
+//! label they are asked for, behind a lock.
 
 use std::fmt;
 use std::sync::Arc;
@@ -8,10 +8,10 @@ use prometheus_client::encoding::{EncodeMetric, MetricEncoder};
 use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::metrics::{MetricType, TypedMetric};
 
-/// The value of a label for all that has no value of its own.
+/// Label value for everything without a value of its own.
 pub const OTHER: &str = "other";
 
-/// A metric for each of some values of `N` labels. Cheap to clone.
+/// A metric for each combination of values of `N` labels. Cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Series<const N: usize, M> {
     labels: [&'static str; N],
@@ -19,19 +19,19 @@ pub struct Series<const N: usize, M> {
 }
 
 impl<const N: usize, M: Default> Series<N, M> {
-    /// All of them at their beginning.
+    /// All series, at zero.
     pub fn new<'a>(labels: [&'static str; N], values: impl IntoIterator<Item = [&'a str; N]>) -> Series<N, M> {
         Series::of(labels, values.into_iter().map(|values| (values, M::default())))
     }
 }
 
 impl<const N: usize, M> Series<N, M> {
-    /// Those that are there already.
+    /// Existing metrics as series.
     pub fn of<'a>(labels: [&'static str; N], all: impl IntoIterator<Item = ([&'a str; N], M)>) -> Series<N, M> {
         Series { labels, all: all.into_iter().map(|(values, metric)| (values.map(str::to_owned), metric)).collect() }
     }
 
-    /// The one with these values, if they are among those of the start.
+    /// The series with these values, if it was among those of the start.
     pub(super) fn at(&self, values: [&str; N]) -> Option<&M> {
         self.all.iter().find(|(known, _)| *known == values).map(|(_, metric)| metric)
     }
@@ -50,7 +50,7 @@ impl<const N: usize, M: EncodeMetric + TypedMetric> EncodeMetric for Series<N, M
     }
 }
 
-/// 1 where something is so, else 0.
+/// A gauge of 1 when `is_so`, else 0.
 pub fn flag(is_so: bool) -> Gauge {
     let gauge = Gauge::default();
     gauge.set(i64::from(is_so));
