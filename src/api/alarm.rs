@@ -1,4 +1,4 @@
-//! Alarms in JSON. Raising and acknowledging them is the core's business.
+//! Alarms in JSON. The core raises and acknowledges them.
 
 use schemars::JsonSchema;
 use serde::Serialize;

@@ -1,4 +1,4 @@
-//! What an accepted command is answered with.
+//! The answer to an accepted command.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -22,7 +22,7 @@ pub struct AnswerJson {
 }
 
 impl AnswerJson {
-    /// The answer to an accepted command, seen in a snapshot that contains its effect.
+    /// The answer to an accepted command, from a snapshot that contains its effect.
     pub fn new(accepted: Accepted, snapshot: &Snapshot) -> AnswerJson {
         let luggage = accepted.luggage.and_then(|id| snapshot.luggage(id));
         AnswerJson {

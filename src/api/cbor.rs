@@ -1,5 +1,5 @@
-//! CBOR (RFC 8949): every shape of the wire can be written in it, and the body of a command read from it. Reading is flat: a body
-//! is one map of texts and numbers, and whatever lies deeper is refused where it begins, so that no nesting can exhaust anything.
+//! CBOR (RFC 8949): writes every shape of the wire, and reads the bodies of commands. Reading is flat: a body is one map of texts
+//! and numbers, and anything nested is refused where it begins, so that no nesting can exhaust the stack or the memory.
 
 use minicbor::Decoder;
 use minicbor::data::Type;
@@ -9,7 +9,7 @@ use serde_json::{Number, Value};
 
 use super::fields::{Body, Fields, Unread, Unusable, in_short};
 
-/// A value in CBOR, with the names and shapes that it has in JSON.
+/// A value in CBOR, with the same names and shapes as in JSON.
 pub fn written(value: &impl Serialize) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut serializer = minicbor_serde::Serializer::new(&mut bytes);
@@ -18,7 +18,6 @@ pub fn written(value: &impl Serialize) -> Vec<u8> {
     bytes
 }
 
-/// Reads a body from CBOR.
 pub fn body<T: Body>(bytes: &[u8]) -> Result<T, Unread> {
     let mut decoder = Decoder::new(bytes);
     let fields = fields(&mut decoder)?;
@@ -29,7 +28,7 @@ pub fn body<T: Body>(bytes: &[u8]) -> Result<T, Unread> {
     fields.read().map_err(Unread::Unusable)
 }
 
-/// Reads the fields of a body; what follows it is left in the decoder.
+/// Reads the fields of a body; the decoder stays at what follows it.
 pub(super) fn fields(decoder: &mut Decoder<'_>) -> Result<Fields, Unread> {
     let kind = decoder.datatype().map_err(no_cbor)?;
     if !matches!(kind, Type::Map | Type::MapIndef) {
@@ -48,7 +47,7 @@ pub(super) fn fields(decoder: &mut Decoder<'_>) -> Result<Fields, Unread> {
     Ok(fields)
 }
 
-/// Whether another field follows, in a map that says beforehand how many it has or in one that says when it ends.
+/// Whether another field follows, in a map of a known or of an indefinite length.
 fn more(decoder: &mut Decoder<'_>, left: &mut Option<u64>) -> Result<bool, Unread> {
     if let Some(left) = left {
         let more = *left > 0;
@@ -96,8 +95,7 @@ fn number(value: f64, name: &str) -> Result<Value, Unread> {
     number.ok_or_else(|| unusable(format!("`{}` is {value}: a number, as 21.5, belongs there", in_short(name))))
 }
 
-/// A number of 16 bits, in which the shortest writing puts most readings (RFC 8949, appendix D): 1 bit of sign, 5 of exponent,
-/// 10 of fraction.
+/// A number of 16 bits, the shortest form of most readings (RFC 8949, appendix D): 1 bit of sign, 5 of exponent, 10 of fraction.
 fn half(decoder: &mut Decoder<'_>) -> Result<f64, Unread> {
     let start = decoder.position() + 1;
     let bytes = decoder.input().get(start..start + 2).ok_or_else(|| no_cbor(Error::end_of_input()))?;

@@ -1,5 +1,5 @@
-//! What a stream sends after its first event: the resources that changed, and nothing else.
-//! Event names, ids and heartbeats are the stream's business.
+//! The events of a stream after the first: the resources that changed, and nothing else. Event names, ids and heartbeats belong
+//! to the stream.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -17,8 +17,8 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::resource::Resource;
 
-/// So many pieces are sent whole whenever one of them changes. Of more only those that changed, since all of them would be most of what
-/// is sent.
+/// Maximum number of pieces sent all together whenever one of them changes. With more, only the changed ones are sent, since all
+/// of them would make up most of the traffic.
 const WHOLE: usize = 256;
 
 /// The resources that changed; what did not is absent.
@@ -52,12 +52,12 @@ pub struct ChangesJson {
 }
 
 impl ChangesJson {
-    /// What a reader of `older` lacks.
+    /// The changes since `older`.
     pub fn between(older: &Snapshot, snapshot: &Snapshot) -> ChangesJson {
         let read = older.log.last().map_or(0, |line| line.number);
         let map = MapChange::between(older, snapshot);
         let changes = ChangesJson::gathered(snapshot, older.revision, map, read);
-        // What holds a robot may hold the mission too, which says so more often than that.
+        // A hold of a robot may hold the mission too, and the mission changes more often than the robots do.
         let is_same = changes.robot.is_none() && older.robots == snapshot.robots;
         let robots = changes.robots.filter(|_| !is_same);
         if snapshot.revision_of(Resource::Luggage) <= older.revision {
@@ -67,8 +67,8 @@ impl ChangesJson {
         ChangesJson { robots, luggage, pieces, ..changes }
     }
 
-    /// What a reader lacks of whom only the revision is known. Log lines carry their numbers, so all at hand are sent when
-    /// the log has grown, and the reader drops those it has.
+    /// The changes since a revision whose snapshot is not known. Log lines are numbered, so all stored lines are sent when the
+    /// log has grown, and the reader drops those it has.
     pub fn since(snapshot: &Snapshot, revision: Revision) -> ChangesJson {
         let changes = ChangesJson::gathered(snapshot, revision, MapChange::since(snapshot, revision), 0);
         let is_other = snapshot.revision_of(Resource::Luggage) > revision;
@@ -93,7 +93,8 @@ impl ChangesJson {
     }
 }
 
-/// The luggage as a reader of `older` is told of it: all, or else what changed. Where there is less than before all is new.
+/// The luggage for a reader of `older`: all of it up to 256 pieces, in another mission, or with fewer pieces than before;
+/// otherwise only the changed pieces.
 fn luggage(older: &Snapshot, snapshot: &Snapshot) -> (Option<Vec<LuggageJson>>, Option<Vec<LuggageJson>>) {
     if snapshot.luggage.len() <= WHOLE || snapshot.luggage.len() < older.luggage.len() || older.mission.id != snapshot.mission.id
     {

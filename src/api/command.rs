@@ -1,4 +1,4 @@
-//! The bodies of commands in JSON, and how they become the core's commands. Every field is checked here; none is guessed.
+//! The bodies of commands in JSON, and their conversion to the core's commands. Every field is checked here, and none is guessed.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -77,10 +77,10 @@ pub struct StrategyBody {
     name: String,
 }
 
-/// `is_visible` of every character but blanks at both ends, as a pattern.
+/// A pattern for texts whose characters are all visible, apart from blanks at both ends; the same as `is_visible`.
 const VISIBLE: &str = r"^[ \t\n\r]*[^\u0000-\u001f\u007f-\u009f\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff]*[ \t\n\r]*$";
 
-/// Either a reading, of the operator's or of a sensor, or a word.
+/// A reading, by the operator or a sensor, or a word.
 impl JsonSchema for TemperatureBody {
     fn schema_name() -> Cow<'static, str> {
         "TemperatureBody".into()
@@ -170,28 +170,24 @@ impl Body for StrategyBody {
 }
 
 impl EpochBody {
-    /// The epoch its sender saw.
     pub fn epoch(self) -> Option<Epoch> {
         self.epoch.map(Epoch)
     }
 }
 
 impl MoveBody {
-    /// The command and the epoch its sender saw.
     pub fn command(&self) -> Result<(Command, Option<Epoch>), Unusable> {
         Ok((move_word(&self.word)?, self.epoch.map(Epoch)))
     }
 }
 
 impl GotoBody {
-    /// The command and the epoch its sender saw.
     pub fn command(self) -> Result<(Command, Option<Epoch>), Unusable> {
         Ok((goto(self.x, self.y)?, self.epoch.map(Epoch)))
     }
 }
 
 impl VerdictBody {
-    /// The command for this piece.
     pub fn command(&self, luggage: LuggageRef) -> Result<Command, Unusable> {
         let note = self.note.as_deref().map(note).transpose()?.flatten();
         Ok(Command::Verdict { luggage, verdict: self.verdict()?, note })
@@ -207,7 +203,6 @@ impl VerdictBody {
 }
 
 impl TemperatureBody {
-    /// What is reported.
     pub fn report(&self) -> Result<TemperatureReport, Unusable> {
         match (self.celsius, self.status.as_deref()) {
             (Some(degrees), None) => {
@@ -238,12 +233,11 @@ impl TemperatureBody {
 }
 
 impl StrategyBody {
-    /// What a form's field says.
+    /// The body with the value of a form's field.
     pub fn named(name: &str) -> StrategyBody {
         StrategyBody { name: name.to_owned() }
     }
 
-    /// The strategy.
     pub fn strategy(&self) -> Result<Strategy, Unusable> {
         let known: Vec<&str> = Strategy::ALL.iter().map(|strategy| strategy.name()).collect();
         Strategy::named(&self.name)
@@ -251,7 +245,7 @@ impl StrategyBody {
     }
 }
 
-/// The note of a verdict; a blank one is none.
+/// The note of a verdict; `None` when it is blank.
 pub fn note(text: &str) -> Result<Option<Note>, Unusable> {
     let (text, most) = (text.trim(), Note::MOST);
     let length = text.chars().count();
@@ -266,24 +260,24 @@ pub fn note(text: &str) -> Result<Option<Note>, Unusable> {
     Ok(Note::new(text))
 }
 
-/// What is wrong with a command's own name that is none, or that was sent more than once; `place` says where the door takes it from.
+/// Why a command id cannot be used, or was sent more than once; `place` says where the door reads it.
 pub fn no_command_id(place: &str, name: &str) -> String {
     format!("{place} is {:?}: send it once, 1 to {} visible ASCII characters", in_short(name), CommandId::MOST)
 }
 
-/// The command's own name, laid aside from the fields of its body, for doors at which it comes as `id` beside them.
+/// Removes the command id from the fields of a body, for doors where it is sent as `id` beside them.
 pub fn id_aside(fields: &mut Fields) -> Result<Option<CommandId>, Unread> {
     let Some(name) = fields.aside("id", Fields::text).map_err(Unread::Unusable)? else { return Ok(None) };
     let id = CommandId::new(&name);
     id.map(Some).ok_or_else(|| Unread::Malformed(no_command_id("id", &name)))
 }
 
-/// The number of what a command is about, laid aside from the fields of its body, for doors that have no paths.
+/// Removes the number of a command's subject from the fields of its body, for doors without paths.
 pub fn number_aside(fields: &mut Fields, name: &'static str, example: &str) -> Result<u64, Unusable> {
     needed(fields.aside(name, Fields::count)?, name, example)
 }
 
-/// The command behind the one-letter words of old clients and of `move`; `h` and `stop` are STOP.
+/// The command for a one-letter word of old clients or of `move`; `h` and `stop` are STOP.
 pub fn move_word(word: &str) -> Result<Command, Unusable> {
     match word {
         halt if is_halt(halt) => Ok(Command::Stop),
@@ -300,7 +294,6 @@ pub fn move_word(word: &str) -> Result<Command, Unusable> {
     }
 }
 
-/// Driving to a cell.
 pub fn goto(x: i64, y: i64) -> Result<Command, Unusable> {
     let within = |value: i64| i32::try_from(value).ok().filter(|value| (-REACH..=REACH).contains(value));
     match (within(x), within(y)) {
@@ -309,7 +302,6 @@ pub fn goto(x: i64, y: i64) -> Result<Command, Unusable> {
     }
 }
 
-/// A reading in °C.
 pub fn reading(degrees: f64) -> Result<TemperatureReport, Unusable> {
     celsius(degrees).map(TemperatureReport::Reading)
 }

@@ -1,5 +1,6 @@
-//! THE TABLE of commands, from which every door makes its own: HTTP its routes, CoAP its paths, MQTT its topics, and their pages. A new
-//! command is one row here, and what it does in the core. What its fields mean stands in `command`; how a payload is read is each door's own.
+//! THE TABLE of commands, from which every door derives its own: HTTP its routes, CoAP its paths, MQTT its topics, and their
+//! pages. A new command is one row here, and its effect in the core. The fields are in `command`; each door reads payloads in its
+//! own way.
 
 use super::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, VerdictBody};
 use super::fields::{Body, Unusable};
@@ -23,55 +24,49 @@ pub enum CommandKind {
     Temperature,
 }
 
-/// Where the number of what a command is about comes from.
+/// Where the number of a command's subject comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
-    /// It is about nothing that has a number.
+    /// The command has no numbered subject.
     None,
-    /// About a piece: its number stands in the path, and in `luggage` where there is none.
+    /// A piece: its number is in the path, or in the field `luggage` at doors without paths.
     Luggage,
-    /// About an alarm: its number stands in the path, and in `alarm` where there is none.
+    /// An alarm: its number is in the path, or in the field `alarm` at doors without paths.
     Alarm,
 }
 
-/// The methods by which a path asks for a command.
+/// The methods that send a command to its path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Methods {
-    /// It is done anew each time: POST.
+    /// The command acts each time: POST.
     Post,
-    /// It says how something is: POST over HTTP, PUT as well over CoAP.
+    /// The command reports a state: POST over HTTP, also PUT over CoAP.
     PostOrPut,
-    /// It sets what is shown at its path: PUT over HTTP, POST as well over CoAP.
+    /// The command sets the resource at its path: PUT over HTTP, also POST over CoAP.
     Put,
 }
 
-/// One command.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
-    /// The last word of its topic.
     pub name: &'static str,
-    /// What it does, in a few words.
     pub title: &'static str,
-    /// Which it is.
     pub kind: CommandKind,
-    /// What its sender must be allowed at least. A move may turn out to be a STOP, and asks for more when it is none.
+    /// The least right that its sender needs. A move may turn out to be a STOP; otherwise it needs more than this.
     pub need: Need,
-    /// Its path under `/api/v1` and at the CoAP door; `{id}` stands for the number of its subject.
+    /// Path under `/api/v1` and at the CoAP door; `{id}` stands for the number of the subject.
     pub path: &'static str,
-    /// How it is asked for there.
     pub methods: Methods,
-    /// What it is about.
     pub subject: Subject,
-    /// What it carries where there are no paths, beside its own name.
+    /// Examples of its payload at doors without paths, without the command id.
     pub body: &'static [&'static str],
-    /// Whether it can do without a payload, and so come as a bare word.
+    /// Whether the payload may be missing, so that MQTT accepts the bare name.
     pub is_word: bool,
 }
 
-/// What a movement command may carry.
+/// Payload of a movement command.
 const EPOCH: &[&str] = &[r#"{"epoch":4}"#];
 
-/// All of them, in the order in which they are listed.
+/// All commands, in the order in which they are listed.
 #[rustfmt::skip]
 pub const COMMANDS: [Row; 12] = [
     word("start", "/commands/start", "begin, or go on", CommandKind::Start, EPOCH),
@@ -96,7 +91,6 @@ pub const COMMANDS: [Row; 12] = [
             &[r#"{"celsius":21.5}"#, r#"{"celsius":21.5,"sensor":"roof"}"#, r#"{"status":"ok"}"#, r#"{"status":"tooHigh"}"#]) },
 ];
 
-/// The command of this name.
 pub fn named(name: &str) -> Option<&'static Row> {
     COMMANDS.iter().find(|row| row.name == name)
 }
@@ -107,19 +101,19 @@ impl CommandKind {
     }
 }
 
-/// What came with a command, as a door reads it.
+/// The payload of a command, as a door reads it.
 pub trait Payload {
-    /// What the door says when it cannot be read.
+    /// The door's error for a payload that cannot be read.
     type Problem: From<Unusable>;
 
-    /// The body that a command needs.
+    /// Reads a required body.
     fn needed<T: Body>(&self) -> Result<T, Self::Problem>;
 
-    /// The body that a command can do without.
+    /// Reads a body that may be missing.
     fn optional<T: Body + Default>(&self) -> Result<T, Self::Problem>;
 }
 
-/// The command that is asked for, and the epoch its sender saw; `number` is that of its subject.
+/// The command and the epoch that its sender saw; `number` is that of its subject.
 pub fn asked<P: Payload>(kind: CommandKind, number: u64, payload: &P) -> Result<(Command, Option<Epoch>), P::Problem> {
     let with_epoch = |command| Ok((command, payload.optional::<EpochBody>()?.epoch()));
     let bare = |command| payload.optional::<EpochBody>().map(|_| (command, None));
@@ -140,7 +134,7 @@ pub fn asked<P: Payload>(kind: CommandKind, number: u64, payload: &P) -> Result<
     }
 }
 
-/// A command for operators that can do without a payload.
+/// A command for operators that needs no payload.
 const fn word(
     name: &'static str,
     path: &'static str,
@@ -151,7 +145,6 @@ const fn word(
     Row { name, title, kind, need: Need::Act, path, methods: Methods::Post, subject: Subject::None, body, is_word: true }
 }
 
-/// A command for operators that needs a payload.
 const fn with(
     name: &'static str,
     path: &'static str,
@@ -176,7 +169,7 @@ mod tests {
         assert!(COMMANDS.iter().all(|row| named(row.name).is_some_and(|found| found.kind == row.kind)));
     }
 
-    /// As many rows as kinds, each with its own: whoever adds a kind adds its row.
+    /// As many rows as kinds, all different: a new kind needs a row.
     #[test]
     fn every_kind_has_its_row() {
         let last = CommandKind::Temperature as usize;

@@ -1,5 +1,5 @@
-//! A refusal or an error as concise problem details in CBOR (RFC 9290). What a refusal says stands in `problem`; when it is sent
-//! in this form is the door's business.
+//! A refusal or an error as concise problem details in CBOR (RFC 9290). Its contents are in `problem`; the door decides when to
+//! use this form.
 
 use std::collections::BTreeMap;
 
@@ -9,17 +9,17 @@ use super::cbor;
 use super::luggage::LuggageJson;
 use super::problem::ProblemJson;
 
-/// The URI under which what hallsweep itself adds is found; its value is a map, as the RFC wants it.
+/// URI of hallsweep's own entry; its value is a map, as the RFC requires.
 pub const OURS: &str = "urn:hallsweep:problem";
 
-/// The standard entries, by their numbers (RFC 9290, section 2).
+/// Numbers of the standard entries (RFC 9290, section 2).
 mod key {
     pub(super) const TITLE: i8 = -1;
     pub(super) const DETAIL: i8 = -2;
     pub(super) const RESPONSE_CODE: i8 = -4;
 }
 
-/// What hallsweep adds: the code for programs, that nothing was accepted, and the record a refused verdict was about.
+/// Hallsweep's own entry: the code for programs, `accepted` as false, and the record that a refused verdict was about.
 #[derive(Serialize)]
 struct Ours<'a> {
     code: &'a str,
@@ -28,7 +28,7 @@ struct Ours<'a> {
     luggage: Option<&'a LuggageJson>,
 }
 
-/// One entry's name: a number that the RFC gave out, or a URI.
+/// Key of an entry: a number assigned by the RFC, or a URI.
 #[derive(PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(untagged)]
 enum Name {
@@ -36,7 +36,6 @@ enum Name {
     Custom(&'static str),
 }
 
-/// One entry's value.
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Entry<'a> {
@@ -45,7 +44,7 @@ enum Entry<'a> {
     Ours(Ours<'a>),
 }
 
-/// A problem with the code of the response that carries it, as it stands in the message's header.
+/// A problem, with the response code of the message that carries it.
 pub fn written(problem: &ProblemJson<'_>, response_code: u8) -> Vec<u8> {
     let ours = Ours { code: problem.code, accepted: problem.accepted, luggage: problem.luggage.as_ref() };
     let entries = BTreeMap::from([

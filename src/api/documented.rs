@@ -1,4 +1,4 @@
-//! For tests: a table in a page of `docs/`, held against the one in the program.
+//! For tests: compares a table in a page of `docs/` with the one in the program.
 
 use std::fs;
 use std::path::Path;
@@ -6,10 +6,10 @@ use std::sync::{Mutex, PoisonError};
 
 use super::commands::{CommandKind, Row};
 
-/// Two tables of one page are not written at once.
+/// Keeps two tests from writing to one page at once.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
-/// What a command carries at a door where the number of its subject stands in the path.
+/// The payloads of a command at a door where the number of its subject is in the path.
 pub(crate) fn bodies(command: &Row) -> String {
     if command.kind == CommandKind::Stop {
         return "not read".to_owned();
@@ -21,8 +21,8 @@ pub(crate) fn bodies(command: &Row) -> String {
     none.then(|| "none".to_owned()).into_iter().chain(written).collect::<Vec<_>>().join(", ")
 }
 
-/// Fails unless the page shows this between `<!-- PLACE begins -->` and `<!-- PLACE ends -->`; with `HALLSWEEP_UPDATE_DOCS` set it is
-/// written there.
+/// Fails unless the page has this text between `<!-- PLACE begins -->` and `<!-- PLACE ends -->`; writes it there when
+/// `HALLSWEEP_UPDATE_DOCS` is set.
 pub(crate) fn shows(page: &str, place: &str, shown: &str) {
     let _turn = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs").join(page);

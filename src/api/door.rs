@@ -1,11 +1,11 @@
-//! The ways into hallsweep, as records name them.
+//! The doors of hallsweep, by their names in records.
 
 use hallsweep_core::command::Door;
 
 /// The page at `/`.
 pub const CONSOLE: Door = Door("console");
 
-/// JSON over HTTP, and the old console's HTTP routes.
+/// JSON over HTTP, and the HTTP routes of the old console.
 pub const HTTP: Door = Door("http");
 
 pub const COAP: Door = Door("coap");

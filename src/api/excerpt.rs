@@ -1,5 +1,5 @@
-//! What is published of what is too large to be published whole: of the luggage what matters still and the newest, of the map its size. Both
-//! say how much there is and where all of it stands, so that nobody takes a part for the whole.
+//! Excerpts of resources that are too large to publish whole: of the luggage what still matters and the newest pieces, of the map
+//! its size. Both say how much there is and where all of it can be read, so that nobody takes a part for the whole.
 
 use std::collections::BTreeMap;
 
@@ -15,45 +15,44 @@ use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::records::LuggageRecords;
 use hallsweep_core::world::resource::Resource;
 
-/// So much of the luggage is published: the MiB that every broker lets pass.
+/// Maximum size of published luggage in bytes: the MiB that every broker accepts.
 const LUGGAGE_BYTES: usize = 1024 * 1024;
 
-/// So much of that is a piece's, more than its record takes without a note.
+/// Bytes counted for each piece, more than its record takes without a note.
 const PIECE_BYTES: usize = 512;
 
-/// Of more pieces so many of the newest, as the stream over HTTP sends whole; the others are shown because they matter.
+/// Number of newest pieces in an excerpt, as many as the HTTP stream sends whole; other pieces are added because they matter.
 const NEWEST: usize = 256;
 
-/// A map with so many characters and quotes in its rows is published whole: with its frame it fits a message of 2 MiB.
+/// Maximum number of characters and quotes in the rows of a map published whole: with its frame it fits into a message of 2 MiB.
 const MAP_BYTES: i64 = 2 * 1024 * 1024 - 1024;
 
 /// The part of the luggage that nobody may miss.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 struct LuggageExcerpt {
-    /// How many there are in all,
+    /// Number of all pieces.
     pieces: usize,
-    /// of which so many wait for their verdict
+    /// Number of pieces that wait for their verdict.
     pending: usize,
-    /// and so many were found dangerous, those in the container among them.
+    /// Number of dangerous pieces, including those in the container.
     dangerous: usize,
-    /// Where all of them stand, at the HTTP door.
+    /// Address of all pieces at the HTTP door.
     all: &'static str,
-    /// By number: the dangerous ones, those that wait, and the newest.
+    /// The dangerous pieces, the pending ones and the newest, by number.
     luggage: Vec<LuggageJson>,
 }
 
-/// A map without its rows.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 struct MapExcerpt {
     revision: u64,
     origin: PositionJson,
     width: i32,
     height: i32,
-    /// Where it stands with its rows, at the HTTP door.
+    /// Address of the map with its rows at the HTTP door.
     all: &'static str,
 }
 
-/// The excerpt of a resource in JSON; `None` where it can be published whole.
+/// The excerpt of a resource in JSON; `None` when it can be published whole.
 pub fn excerpt(resource: Resource, snapshot: &Snapshot) -> Option<Vec<u8>> {
     match resource {
         Resource::Luggage => luggage(&snapshot.luggage).map(|excerpt| shape(Form::Json, &excerpt)),
@@ -86,7 +85,7 @@ fn luggage(records: &LuggageRecords) -> Option<LuggageExcerpt> {
     })
 }
 
-/// What a piece takes at most.
+/// Maximum size of a piece in bytes.
 fn bytes(piece: &Luggage) -> usize {
     let note = piece.verdict.as_ref().and_then(|decision| decision.note.as_ref()).map_or("", Note::text);
     PIECE_BYTES + note.len() + note.matches(['"', '\\']).count()
@@ -95,7 +94,7 @@ fn bytes(piece: &Luggage) -> usize {
 fn map(snapshot: &Snapshot) -> Option<MapExcerpt> {
     let bounds = snapshot.map.known_bounds();
     let (width, height) = (bounds.width(), bounds.height());
-    // A row stands in quotes, with a comma behind it.
+    // A row has two quotes and a comma.
     if (i64::from(width) + 3) * i64::from(height) <= MAP_BYTES {
         return None;
     }
@@ -113,10 +112,10 @@ mod tests {
     use hallsweep_core::units::{Cell, LuggageId, Revision};
     use hallsweep_core::world::hall_map::Mark;
 
-    /// So many are published whole when nobody wrote notes.
+    /// Number of pieces published whole when there are no notes.
     const PIECES: usize = LUGGAGE_BYTES / PIECE_BYTES;
 
-    /// So many pieces, of which these are not safe.
+    /// A snapshot of `count` pieces, all safe except for `others`.
     fn with(count: u64, others: &[(u64, Option<Verdict>)]) -> Snapshot {
         let mut snapshot = idle();
         for id in 1..=count {
@@ -140,7 +139,7 @@ mod tests {
         assert!(Resource::ALL.iter().all(|resource| excerpt(*resource, &idle()).is_none()));
     }
 
-    /// The longest notes there are, of letters that take the most room.
+    /// The longest notes possible, of the characters that take the most bytes.
     #[test]
     fn what_is_published_fits_a_message_whatever_was_noted() {
         for letter in ["\"", "ü", "𝔘"] {
@@ -157,7 +156,7 @@ mod tests {
         }
     }
 
-    /// What waits for a verdict and what is dangerous is shown, however long ago it was found.
+    /// Pending and dangerous pieces are shown, however long ago they were found.
     #[test]
     fn of_more_pieces_what_matters_and_the_newest_are_shown_and_how_many_there_are() {
         let mut snapshot = with(5000, &[(3, None), (17, Some(Verdict::Danger)), (40, Some(Verdict::Danger))]);

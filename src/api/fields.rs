@@ -1,5 +1,5 @@
-//! The fields of a command's body, taken one by one; every failure is a sentence that names the field, the value and what belongs
-//! there. Bodies in JSON are read here, those in CBOR in `cbor`. Which fields a command has stands in `command`.
+//! The fields of a command's body, read one by one; every failure is a sentence that names the field, the value and what is
+//! expected. JSON is read here, CBOR in `cbor`. The fields of each command are in `command`.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -8,10 +8,10 @@ use std::str::FromStr;
 use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, Visitor};
 use serde_json::Value;
 
-/// As much of what a client sent is repeated to it, in characters: enough to know it again.
+/// Number of characters of a client's input repeated in an error: enough to recognise it.
 const ECHO: usize = 40;
 
-/// A well-formed request that asks for something that does not exist; the sentence says what does.
+/// A well-formed request for something that does not exist; the sentence says what does.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct Unusable(pub(super) String);
@@ -22,38 +22,34 @@ impl Unusable {
     }
 }
 
-/// Why no command can be made of a body.
+/// Why a body cannot become a command.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Unread {
-    /// It is not written as its format wants it.
+    /// The body is not valid in its format.
     Malformed(String),
-    /// It can be read, and is not what this command takes.
+    /// The body is valid, but not what this command accepts.
     Unusable(Unusable),
 }
 
-/// The body of a command.
 pub trait Body: Sized {
-    /// The names of its fields.
     const FIELDS: &'static [&'static str];
 
-    /// The body with these fields.
     fn taken(fields: &Fields) -> Result<Self, Unusable>;
 }
 
-/// The fields of one body; none of them is there twice.
+/// The fields of one body, without duplicates.
 #[derive(Debug, Default)]
 pub struct Fields {
     left: BTreeMap<String, Value>,
-    /// The names of those that were laid aside, for sentences that list what there is.
+    /// Names of the fields that were removed, for sentences that list all of them.
     aside: Vec<&'static str>,
 }
 
-/// Reads a body from JSON.
 pub fn body<T: Body>(bytes: &[u8]) -> Result<T, Unread> {
     fields(bytes)?.read().map_err(Unread::Unusable)
 }
 
-/// Reads the fields of a body from JSON, for doors at which a body carries more than a command has fields.
+/// Reads the fields of a JSON body, for doors where it carries more than the command's own fields.
 pub fn fields(bytes: &[u8]) -> Result<Fields, Unread> {
     let no_json = |error: serde_json::Error| Unread::Malformed(format!("the body is not JSON: {error}"));
     serde_json::from_slice::<IgnoredAny>(bytes).map_err(no_json)?;
@@ -62,27 +58,27 @@ pub fn fields(bytes: &[u8]) -> Result<Fields, Unread> {
 }
 
 impl Fields {
-    /// A text that may be absent.
+    /// An optional text.
     pub fn text(&self, name: &str) -> Result<Option<String>, Unusable> {
         self.field(name, "a text in quotes", |value| value.as_str().map(str::to_owned))
     }
 
-    /// A whole number that may be absent.
+    /// An optional whole number.
     pub fn whole(&self, name: &str) -> Result<Option<i64>, Unusable> {
         self.field(name, "a whole number, as 3,", integer)
     }
 
-    /// A whole number from 0 that may be absent.
+    /// An optional whole number of at least 0.
     pub fn count(&self, name: &str) -> Result<Option<u64>, Unusable> {
         self.field(name, "a whole number from 0", integer)
     }
 
-    /// A number that may be absent.
+    /// An optional number.
     pub fn number(&self, name: &str) -> Result<Option<f64>, Unusable> {
         self.field(name, "a number, as 21.5,", Value::as_f64)
     }
 
-    /// One field that is none of the command's own, as `read` takes it; the body is made of the others then.
+    /// Removes a field that does not belong to the command, and reads it with `read`; the body is read from the others.
     pub fn aside<T>(&mut self, name: &'static str, read: impl Fn(&Fields, &str) -> Result<T, Unusable>) -> Result<T, Unusable> {
         let taken = read(self, name);
         self.left.remove(name);
@@ -90,7 +86,6 @@ impl Fields {
         taken
     }
 
-    /// One more field.
     pub(super) fn put(&mut self, name: String, value: Value) -> Result<(), Unusable> {
         if self.left.contains_key(&name) {
             return Err(Unusable(format!("`{}` is there twice: send it once", in_short(&name))));
@@ -99,7 +94,7 @@ impl Fields {
         Ok(())
     }
 
-    /// The body that these fields make.
+    /// Reads the body from these fields.
     pub fn read<T: Body>(&self) -> Result<T, Unusable> {
         self.only(T::FIELDS).and_then(|()| T::taken(self))
     }
@@ -118,7 +113,7 @@ impl Fields {
     }
 }
 
-/// A whole number, which JSON may write as `3.0` too, as long as that is exactly one number.
+/// A whole number, also in the form `3.0`, as long as it is exact.
 fn integer<N: FromStr>(value: &Value) -> Option<N> {
     const EXACT: f64 = 9_007_199_254_740_992.0;
     let number = value.as_number()?;
@@ -126,12 +121,12 @@ fn integer<N: FromStr>(value: &Value) -> Option<N> {
     number.to_string().parse().ok().or_else(whole)
 }
 
-/// A field that must be there.
+/// The value of a required field.
 pub fn needed<T>(value: Option<T>, name: &str, example: &str) -> Result<T, Unusable> {
     value.ok_or_else(|| Unusable(format!("`{name}` is missing: send {example}")))
 }
 
-/// What a client sent, cut to a length at which it can be sent back.
+/// A client's input, shortened so that it can be sent back.
 pub fn in_short(text: &str) -> String {
     let mut short: String = text.chars().take(ECHO).collect();
     if short.len() < text.len() {

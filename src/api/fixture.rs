@@ -1,5 +1,5 @@
-//! Hand-made snapshots for the tests of the wire and of the doors: a small hall, a mission under way, one piece of each kind.
-//! Not a simulation: nothing here follows from anything.
+//! Hand-made snapshots for tests of the wire and of the doors: a small hall, a mission under way, one piece of each kind. It is
+//! no simulation: the parts need not follow from each other.
 
 use std::sync::Arc;
 
@@ -18,10 +18,10 @@ use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
 use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::temperature::{TemperatureStatus, TemperatureView};
 
-/// Ten in the morning of the 3rd of February 2026, one hour east of Greenwich.
+/// 10:00 on 3 February 2026, one hour east of Greenwich.
 pub(crate) const TEN: WallTime = WallTime { unix_ms: 1_770_109_200_000, offset_s: 3600 };
 
-/// An idle robot at home, nothing known but its cell, at revision 1.
+/// An idle robot at home that knows only its cell, at revision 1.
 pub(crate) fn idle() -> Snapshot {
     let robot = RobotView {
         state: RobotState::Stopped,
@@ -57,7 +57,7 @@ pub(crate) fn idle() -> Snapshot {
     }
 }
 
-/// A search under way in a hall six columns by four rows: one safe piece, one dangerous, one waiting, at revision 20.
+/// A search under way in a hall of six columns by four rows: one safe piece, one dangerous, one pending, at revision 20.
 pub(crate) fn searching() -> Snapshot {
     let mut snapshot = idle();
     touch(&mut snapshot, 20, &Resource::ALL);
@@ -108,7 +108,7 @@ pub(crate) fn drawn(rows: &[&str], revision: u64) -> HallMap {
     map
 }
 
-/// A record of a piece, photographed from the cell west of it.
+/// A record of a piece that was photographed from the cell to its west.
 pub(crate) fn piece(id: u64, cell: Cell, verdict: Option<Verdict>) -> Arc<Luggage> {
     Arc::new(Luggage {
         id: LuggageId(id),
@@ -124,7 +124,7 @@ pub(crate) fn piece(id: u64, cell: Cell, verdict: Option<Verdict>) -> Arc<Luggag
     })
 }
 
-/// Says that these resources changed at this revision.
+/// Marks these resources as changed at this revision.
 pub(crate) fn touch(snapshot: &mut Snapshot, revision: u64, resources: &[Resource]) {
     snapshot.revision = Revision(revision);
     for resource in resources {
@@ -132,19 +132,18 @@ pub(crate) fn touch(snapshot: &mut Snapshot, revision: u64, resources: &[Resourc
     }
 }
 
-/// Writes the next line of the log.
+/// Appends a line to the log.
 pub(crate) fn write(snapshot: &mut Snapshot, tone: Tone, text: &str) {
     let number = snapshot.log.last().map_or(1, |line| line.number + 1);
     let line = Arc::new(LogLine { number, wall: TEN, tone, said: Said::Words(text.to_owned()) });
     snapshot.log = snapshot.log.iter().cloned().chain([line]).collect();
 }
 
-/// A temperature.
 pub(crate) fn degrees(celsius: f64) -> Celsius {
     Celsius::new(celsius).unwrap()
 }
 
-/// All robots, where there is only the one that searches.
+/// The list of all robots when there is only the searching one.
 fn alone(view: RobotView) -> Arc<[RobotShown]> {
     Arc::from([RobotShown {
         id: RobotId::discovery(),

@@ -1,5 +1,5 @@
-//! Hall files of every format as somebody sends them, read in memory: the hall they make, as our own hall file, and what a search of it would
-//! not come to. An image comes behind the YAML that says what it means, parted by YAML's own end of a document, a line `...`.
+//! Uploaded hall files of every format, read in memory: the resulting hall as our own hall file, and what a search could not
+//! reach in it. An image follows the YAML that describes it, after YAML's own end of a document, a line `...`.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -7,7 +7,7 @@ use serde::Serialize;
 use hallsweep_core::units::Cell;
 use hallsweep_sim::{Export, Format, Hall, HallError, Scene};
 
-/// So many findings of one kind are said by their cells; of the others how many there are.
+/// Maximum number of findings of one kind listed with their cells; the rest is only counted.
 const SAID: usize = 20;
 
 /// A file that was read.
@@ -61,7 +61,7 @@ pub enum Found {
 }
 
 impl Found {
-    /// The short word for programs.
+    /// The code for programs.
     pub const fn code(&self) -> &'static str {
         match self {
             Found::PieceUnreached { .. } => "pieceUnreached",
@@ -78,7 +78,7 @@ impl Finding {
     }
 }
 
-/// Reads a file that is called so.
+/// Reads a file; its name tells the format.
 pub fn read(file: &str, bytes: &[u8]) -> Result<Hall, HallError> {
     let ends = |extension: &str| file.to_ascii_lowercase().ends_with(extension);
     if ends(".js") {
@@ -116,14 +116,14 @@ fn stem(file: &str) -> String {
     std::path::Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// What stands before and behind the first line `...`.
+/// The parts before and after the first line `...`.
 fn parted(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     const END: &[u8] = b"\n...\n";
     let at = bytes.windows(END.len()).position(|window| window == END)?;
     Some((&bytes[..=at], &bytes[at + END.len()..]))
 }
 
-/// Pieces first: what nobody finds may be a bomb.
+/// Pieces come first: one that nobody finds may be a bomb.
 fn findings(hall: &Hall) -> Vec<Finding> {
     let least = hall.bounds().least;
     let at = |cell: Cell, found| {

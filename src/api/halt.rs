@@ -1,37 +1,38 @@
-//! Which words say STOP, at every door alike, and whether the body of a move does, whatever else is wrong with it (safety S8): read
-//! before it is judged, and more liberally than any command. Whose body it is, and what becomes of it, is the doors' business.
+//! Which words mean STOP, at every door alike, and whether the body of a move contains one, whatever else is wrong with it
+//! (safety S8). This is read before the body is judged, and more liberally than any command. The doors decide about the sender
+//! and the rest of the body.
 
 use minicbor::Decoder;
 
 use super::{cbor, fields};
 
-/// The words that are STOP wherever a move or a bare word is asked for, in whatever letters: of the old clients, and of people.
+/// The words for STOP wherever a move or a bare word is expected, in upper or lower case: that of old clients, and that of
+/// people.
 const HALTS: [&str; 2] = ["h", "stop"];
 
-/// The field in which a move's word comes.
+/// The field that holds the word of a move.
 const MOVE: &str = "move";
 
-/// The field in CBOR, a short text; another follows it with its word.
+/// The field name as a short text in CBOR; the text with the word follows it.
 const MOVE_IN_CBOR: &[u8] = b"\x64move";
 
-/// Whether this word is one for STOP.
 pub fn is_halt(word: &str) -> bool {
     HALTS.iter().any(|halt| word.eq_ignore_ascii_case(halt))
 }
 
-/// A part of a path without the blanks and control letters round it.
+/// A part of a path without surrounding blanks and control characters.
 pub fn bare(part: &str) -> &str {
     part.trim_matches(|letter: char| letter.is_whitespace() || letter.is_control())
 }
 
-/// Whether a body is a bare word for STOP, with whatever quotes, blanks and zero bytes round it.
+/// Whether a body is a bare word for STOP, with any quotes, blanks and zero bytes round it.
 pub fn is_halt_word(body: &[u8]) -> bool {
     let is_round = |letter: char| letter.is_whitespace() || letter.is_control() || matches!(letter, '"' | '\'' | '\u{feff}');
     is_halt(String::from_utf8_lossy(body).trim_matches(is_round))
 }
 
-/// Whether the body of a move says STOP: as the bare word, as a field in JSON, CBOR or a form, or as what would be that field if the
-/// rest of the body made sense.
+/// Whether the body of a move means STOP: as the bare word, as a field in JSON, CBOR or a form, or as what would be that field if
+/// the rest of the body were valid.
 pub fn says_halt(body: &[u8]) -> bool {
     let says_so = |fields: fields::Fields| fields.text(MOVE).is_ok_and(|word| word.is_some_and(|word| is_halt(word.trim())));
     is_halt_word(body)
@@ -41,13 +42,13 @@ pub fn says_halt(body: &[u8]) -> bool {
         || body.contains(&b'\\') && looks_like_halt(&unescaped(body), true)
 }
 
-/// Whether the field and its word stand in a body from this byte on, whatever the body is. It takes as many steps as there are bytes.
+/// Whether the field and its word are in a body from this byte on, whatever the body is. Takes linear time.
 pub fn says_halt_from(body: &[u8], start: usize) -> bool {
     let rest = body.get(start..).unwrap_or_default();
     looks_like_halt_in_cbor(rest) || looks_like_halt(rest, start == 0)
 }
 
-/// Whether the field and its word stand somewhere in what is no CBOR.
+/// Whether the field and its word are somewhere in a body that is not valid CBOR.
 fn looks_like_halt_in_cbor(body: &[u8]) -> bool {
     let is_text = |rest: &[u8]| {
         HALTS.iter().any(|halt| rest.strip_prefix(&[0x60 | halt.len() as u8]).is_some_and(|rest| begins(rest, halt)))
@@ -55,21 +56,21 @@ fn looks_like_halt_in_cbor(body: &[u8]) -> bool {
     behind(body, MOVE_IN_CBOR).any(|(_, rest)| is_text(rest))
 }
 
-/// Whether the field stands somewhere in what is no JSON and no form, or has other fields beside it. What is not the beginning of a body
-/// may begin within a word.
+/// Whether the field is somewhere in a body that is neither valid JSON nor a form, or has other fields beside it. A part that is
+/// not the beginning of a body may begin in the middle of a word.
 fn looks_like_halt(body: &[u8], is_beginning: bool) -> bool {
-    // Wider letters have zero bytes between them.
+    // UTF-16 and UTF-32 have zero bytes between the letters.
     let letters: Vec<u8> = body.iter().copied().filter(|letter| *letter != 0).collect();
     let is_between = |letter: &u8| letter.is_ascii_whitespace() || matches!(letter, b'"' | b'\'' | b':' | b'=');
     behind(&letters, MOVE.as_bytes()).any(|(before, rest)| {
         let word = rest.iter().position(|letter| !is_between(letter)).map_or(&[][..], |start| &rest[start..]);
         let is_parted = word.len() < rest.len() && before.map_or(is_beginning, |before| !before.is_ascii_alphanumeric());
-        // No further than a word for STOP reaches: in a long word the field may stand thousands of times.
+        // Compares no further than a word for STOP reaches: in a long word the field may occur thousands of times.
         is_parted && HALTS.iter().any(|halt| begins(word, halt) && !word.get(halt.len()).is_some_and(u8::is_ascii_alphanumeric))
     })
 }
 
-/// A body with the letters that JSON's escapes stand for, `h` for `\u0068`. Only those that a word for STOP can have.
+/// Replaces JSON's escapes, such as `\u0068` by `h`. Only the letters that a word for STOP can have.
 fn unescaped(body: &[u8]) -> Vec<u8> {
     let mut plain = Vec::with_capacity(body.len());
     let mut rest = body;
@@ -82,7 +83,7 @@ fn unescaped(body: &[u8]) -> Vec<u8> {
     plain
 }
 
-/// What stands before and behind each place where `part` stands, in whatever letters.
+/// The byte before and the bytes after each occurrence of `part`, in upper or lower case.
 fn behind<'a>(body: &'a [u8], part: &'a [u8]) -> impl Iterator<Item = (Option<u8>, &'a [u8])> {
     let places = body.windows(part.len()).enumerate().filter(|(_, window)| window.eq_ignore_ascii_case(part));
     places.map(|(start, window)| (start.checked_sub(1).map(|before| body[before]), &body[start + window.len()..]))
@@ -151,7 +152,7 @@ mod tests {
         assert!(says_halt(&[br#"{"move":"h","zz":""#.to_vec(), vec![b'z'; 70_000]].concat()), "too long");
     }
 
-    /// Safety S8: whoever hears has others to hear. With a look at the rest of the body for each field this would take hours.
+    /// Safety S8: other clients wait while a body is read. Searching the rest of the body for each field would take hours.
     #[test]
     fn a_long_body_that_names_the_field_over_and_over_is_looked_at_once() {
         for field in ["move", "move=", "move:w ", "=move", "move ", "move=stopmove", "dmove", "move=hmove\""] {

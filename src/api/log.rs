@@ -1,4 +1,4 @@
-//! Log lines in JSON. Which lines a reader still lacks is said by `changes`.
+//! Log lines in JSON. `changes` decides which lines a reader still lacks.
 
 use schemars::JsonSchema;
 use serde::Serialize;

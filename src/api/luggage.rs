@@ -1,4 +1,4 @@
-//! Luggage records in JSON. The picture itself is not in them: `photo.url` says where it is.
+//! Luggage records in JSON. They do not contain the picture: `photo.url` says where it is.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -61,7 +61,7 @@ pub struct DecisionJson {
     pub note: Option<String>,
 }
 
-/// Where a piece's photo can be fetched; it changes with every take, so that nobody is shown the one before.
+/// Address of a piece's photo; it changes with every photo, so that nobody is shown the previous one.
 pub fn photo_url(luggage: &Luggage) -> Option<String> {
     match luggage.photo {
         PhotoState::Taken { take, .. } => Some(take_url(luggage.id, take)),
@@ -69,7 +69,7 @@ pub fn photo_url(luggage: &Luggage) -> Option<String> {
     }
 }
 
-/// Where one photo of a piece can be fetched, by how often it had been taken then.
+/// Address of one photo of a piece, by its number counted from 1.
 pub fn take_url(luggage: LuggageId, take: u32) -> String {
     format!("/api/v1/luggage/{luggage}/photo?take={take}")
 }

@@ -1,5 +1,5 @@
-//! The hall map in JSON: all known cells row by row, or only the cells that changed.
-//! The text forms of old clients stand in `map_text`.
+//! The hall map in JSON: all known cells row by row, or only the cells that changed. The text forms of old clients are in
+//! `map_text`.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -11,7 +11,7 @@ use hallsweep_core::units::{Cell, Revision};
 use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark, cells_of};
 use hallsweep_core::world::resource::Resource;
 
-/// What a map shows: the hall, and the cell the robot stands in.
+/// The contents of a map: the hall, and the cell of the robot.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan<'a> {
     pub hall: &'a HallMap,
@@ -102,8 +102,8 @@ impl From<Plan<'_>> for MapJson {
 }
 
 impl MapChange {
-    /// From what a reader has, an earlier snapshot, to this one; `None` when it has this one's map. A robot that turned in its
-    /// place has changed no cell, but the map is of a newer revision all the same.
+    /// The changes between two snapshots; `None` when the map is the same. A robot that turned has changed no cell, but the map's
+    /// revision rises all the same.
     pub fn between(older: &Snapshot, snapshot: &Snapshot) -> Option<MapChange> {
         let mut changed: Vec<Cell> = snapshot.map.changes_since(&older.map).into_iter().map(|(cell, _)| cell).collect();
         changed.extend([older.robot.pose.cell, snapshot.robot.pose.cell]);
@@ -113,8 +113,8 @@ impl MapChange {
         (!changed.is_empty() || map_revision(snapshot) > map_revision(older)).then(|| MapChange::cells(snapshot, changed))
     }
 
-    /// For a reader of whom only the revision is known: the tiles that changed since. When all of them did, the map may have
-    /// been emptied in between, so it is sent whole.
+    /// The tiles that changed since a revision whose snapshot is not known. When all of them changed, the map may have been
+    /// emptied in between, so it is sent whole.
     pub fn since(snapshot: &Snapshot, revision: Revision) -> Option<MapChange> {
         if map_revision(snapshot) <= revision {
             return None;
@@ -144,12 +144,12 @@ impl MapChange {
     }
 }
 
-/// When anything a map shows last changed: it shows the robot too.
+/// When anything shown in a map last changed, the robot included.
 pub fn map_revision(snapshot: &Snapshot) -> Revision {
     snapshot.revision_of(Resource::Map).max(snapshot.revision_of(Resource::Robot))
 }
 
-/// How a cell is written: `r` robot, `1` visited, `0` not yet, `X` obstacle. What was only seen to be free is not yet visited.
+/// Character of a cell: `r` robot, `1` visited, `0` unknown, `X` obstacle. A cell only seen to be free does not count as visited.
 pub fn mark_char(plan: Plan<'_>, cell: Cell) -> char {
     if cell == plan.robot {
         return 'r';

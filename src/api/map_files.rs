@@ -1,15 +1,14 @@
-//! THE TABLE of files in which the map can be fetched, under `/map`: as far as the hall is explored, in every format that halls are
-//! read from. What stands in each is written by `hallsweep_sim`; the map for screens is `map`.
+//! THE TABLE of files in which the map can be downloaded, under `/map`: the explored part of the hall, in every format that halls
+//! are read from. `hallsweep_sim` writes the formats; the map for screens is in `map`.
 
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::resource::Resource;
 use hallsweep_sim::{Export, Format};
 
-/// One file.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
-    /// Its name, which stands in its path and in the YAML.
+    /// Name of the file, used in its path and in the YAML.
     pub name: &'static str,
     pub media_type: &'static str,
     pub title: &'static str,
@@ -23,13 +22,13 @@ enum Part {
     Image,
 }
 
-/// What all of them are called, without their endings.
+/// Common name of all files, without extension.
 const STEM: &str = "hall";
 
-/// The side of a cell where nobody knows it: that of a hall file that says nothing.
+/// Side of a cell in metres when it is not known: the default of hall files.
 const USUAL_CELL_M: f64 = 0.5;
 
-/// All of them, in the order in which they are listed.
+/// All files, in the order in which they are listed.
 #[rustfmt::skip]
 pub const FILES: [Row; 5] = [
     row("hall.toml", "application/toml", "A hall file", Part::File(Format::Toml)),
@@ -44,12 +43,11 @@ const fn row(name: &'static str, media_type: &'static str, title: &'static str, 
 }
 
 impl Row {
-    /// When what stands in it last changed.
     pub fn revision(&self, snapshot: &Snapshot) -> Revision {
         snapshot.revision_of(Resource::Map).max(snapshot.revision_of(Resource::Luggage))
     }
 
-    /// The file, of a hall of this name with cells of this side, where that is known.
+    /// The contents of the file. `cell_m` is the side of a cell in metres, if known.
     pub fn written(&self, hall: &str, cell_m: Option<f64>, snapshot: &Snapshot) -> Vec<u8> {
         let export = Export::explored(hall, cell_m.unwrap_or(USUAL_CELL_M), snapshot);
         match self.part {

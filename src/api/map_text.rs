@@ -1,16 +1,16 @@
-//! The hall map as the text of old clients (mission §6): a line per row, `|r, 1, X, `, or all in one line, `r 1 X @1 1 X @`.
-//! It begins at the least row and column that hold a visited cell; the borders north and west of them are implied.
+//! The hall map as the text of old clients (mission §6): a line per row, `|r, 1, X, `, or all in one line, `r 1 X @1 1 X @`. It
+//! begins at the northernmost row and westernmost column with a visited cell; the borders north and west of them are implied.
 
 use super::map::{Plan, mark_char};
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::{Bounds, Mark};
 
-/// A line per row, each cell followed by `, `.
+/// One line per row, with `, ` after each cell.
 pub fn lines<'a>(plan: impl Into<Plan<'a>>) -> String {
     written(plan.into(), "|", ", ", "\n")
 }
 
-/// All rows in one line, each cell followed by a blank, each row by `@`.
+/// All rows in one line, with a blank after each cell and `@` after each row.
 pub fn one_line<'a>(plan: impl Into<Plan<'a>>) -> String {
     written(plan.into(), "", " ", "@")
 }
@@ -29,7 +29,7 @@ fn written(plan: Plan<'_>, open: &str, after_cell: &str, after_row: &str) -> Str
     text
 }
 
-/// The visited rectangle, and the east and south borders where anything of them is known.
+/// The visited rectangle, with the east and the south border where any of their cells is known.
 fn shown(plan: Plan<'_>) -> Bounds {
     let visited = plan.hall.visited_bounds();
     let most = Cell::new(visited.most.x + 1, visited.most.y + 1);
@@ -40,8 +40,8 @@ fn shown(plan: Plan<'_>) -> Bounds {
     Bounds { least: visited.least, most }
 }
 
-/// As `mark_char`, but for the corner where the east and the south border meet: no sensor can see it, and two walls that end
-/// at it say that it is one.
+/// Like `mark_char`, except for the corner between the east and the south border: no sensor can see it, so it counts as a wall
+/// when both neighbours are walls.
 fn text_char(plan: Plan<'_>, cell: Cell) -> char {
     let visited = plan.hall.visited_bounds();
     let is_corner = cell == Cell::new(visited.most.x + 1, visited.most.y + 1);

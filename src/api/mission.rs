@@ -1,4 +1,4 @@
-//! The mission in JSON: phase, holds, goal, progress, and what each button would be refused with.
+//! The mission in JSON: phase, holds, goal, progress, and the refusal that each button would get.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -102,7 +102,6 @@ impl From<Strategy> for StrategyJson {
 }
 
 impl MissionJson {
-    /// The mission as it is at `revision`.
     pub fn new(mission: &MissionView, revision: Revision) -> MissionJson {
         MissionJson {
             revision: revision.0,
@@ -126,7 +125,7 @@ impl From<Progress> for ProgressJson {
     fn from(progress: Progress) -> ProgressJson {
         let seconds_left = |left: TimeLeft| SecondsLeftJson {
             least: left.least.as_secs(),
-            // Rounded up: what is promised not to be passed.
+            // Rounded up, because it is an upper bound.
             most: left.most.map(|most| most.as_secs().saturating_add(1)),
         };
         ProgressJson {

@@ -1,5 +1,5 @@
-//! Missions as they are kept, in JSON: their list, one of them with luggage and map, and what happened in it.
-//! How far a list goes and where it goes on is the door's business.
+//! Stored missions in JSON: their list, one of them with luggage and map, and its entries. The door bounds a list and says where
+//! it goes on.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -81,7 +81,7 @@ impl Links {
 }
 
 impl MissionWholeJson {
-    /// A mission and what stood, and what of that cannot be understood.
+    /// A mission with its state, and sentences about the parts that cannot be read.
     pub fn new(record: MissionRecordJson, state: Option<&PersistentState>, damage: Vec<String>) -> MissionWholeJson {
         let luggage = state.into_iter().flat_map(|state| state.luggage.iter());
         let luggage = luggage.map(|luggage| LuggageJson::from(&**luggage)).collect();
@@ -147,7 +147,7 @@ pub struct MomentLinks {
 }
 
 impl MomentJson {
-    /// How this mission stood after an entry, when that was written, and what cannot be understood.
+    /// The state of a mission after an entry, with the time of that entry and sentences about unreadable parts.
     pub fn new(mission: MissionId, past: &Past, wall: WallTime, damage: Vec<String>) -> MomentJson {
         let Links { events, page, .. } = Links::of(mission);
         let (seq, state, reading) = (past.seq, &past.state, past.reading());
@@ -181,8 +181,8 @@ pub struct EventListJson {
     next: Option<String>,
 }
 
-/// Entries of a mission as one JSON object, `{"events":[…],"next":…}`, each as a line of the exported journal. Of one that cannot be
-/// understood the reason is given.
+/// Entries of a mission as one JSON object, `{"events":[…],"next":…}`, each in the form of an exported line. An entry that cannot
+/// be read is replaced by the reason.
 pub fn events(mission: MissionId, entries: Vec<(Seq, Result<Entry, String>)>, next: Option<String>) -> String {
     let line = |(seq, entry): (Seq, Result<Entry, String>)| match entry {
         Ok(entry) => journal::line(&journal::Line { seq, mission: Some(mission), entry, picture: None }),

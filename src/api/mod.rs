@@ -1,6 +1,6 @@
-//! The shapes of resources, commands and refusals on the wire, shared by the doors: serde lives here and nowhere further in.
-//! Here stand the tables from which the doors make their paths, and the statuses of problem details; what a door answers with beside these, and
-//! how it reads, is its own business.
+//! The shapes of resources, commands and refusals on the wire, shared by the doors: serde is used here and nowhere further in.
+//! The tables from which the doors derive their paths, and the statuses of problem details, are here too. What one door alone
+//! sends or accepts is in that door.
 
 pub mod alarm;
 pub mod answer;

@@ -1,35 +1,34 @@
-//! THE TABLE of what clients of the original system say (mission §8): HTTP makes of it the routes of the old console, CoAP the words that
-//! `/resourcemodel` takes, MQTT the messages it knows. And what such clients may not do, whatever door they come by.
+//! THE TABLE of words of the original system's clients (mission §8), from which HTTP derives the routes of the old console, CoAP
+//! the words of `/resourcemodel`, and MQTT the messages it knows. Also what such clients may not do, at any door.
 
 use super::command::move_word;
 use super::fields::Unusable;
 use hallsweep_core::command::{Command, LuggageRef, Refused, TemperatureReport, Verdict};
 
-/// What an old word asks for.
+/// The meaning of an old word.
 #[derive(Debug)]
 pub enum Asks {
     For(Command),
-    /// The same, whatever goes with the word: nothing in it keeps it from halting.
+    /// A command that halts, whatever is sent along with the word.
     Halt(Command),
-    /// A move: the word itself, or in the CONTENT of a message, `MSGID(w)`; `h` is STOP.
+    /// A move: the word itself, or the CONTENT of a message `MSGID(w)`; `h` is STOP.
     Move,
     /// Driving to a cell, `MSGID(X,Y)`.
     Goto,
-    /// To go on: to take the photo again where that has failed, else START.
+    /// Going on: repeats a failed photo, otherwise means START.
     GoOn,
     /// A move, `MSGID(robot,w)`, or a verdict, `MSGID(luggage,safe)`.
     Change,
 }
 
-/// One thing that old clients ask for, and how they say it.
+/// One request of old clients, and the words for it.
 #[derive(Debug)]
 pub struct Row {
     pub asks: Asks,
-    /// The paths at which the old console posts.
+    /// Paths to which the old console posts.
     pub posts: &'static [&'static str],
-    /// Whether these are words for `/resourcemodel`, too.
+    /// Whether `/resourcemodel` knows these words, too.
     pub is_word: bool,
-    /// The MSGIDs of messages.
     pub messages: &'static [&'static str],
 }
 
@@ -38,7 +37,7 @@ pub const DANGER: Command = Command::Verdict { luggage: LuggageRef::Pending, ver
 
 const MOVES: &[&str] = &["w", "s", "a", "l", "d", "r", "h", "z", "x"];
 
-/// All of them, in the order in which they are listed.
+/// All requests, in the order in which they are listed.
 #[rustfmt::skip]
 pub static ROWS: [Row; 12] = [
     word(Asks::Move, MOVES, &["userCmd", "robotCmd"]),
@@ -63,12 +62,12 @@ const fn word(asks: Asks, posts: &'static [&'static str], messages: &'static [&'
     Row { asks, posts, is_word: true, messages }
 }
 
-/// What the old console asks for by a POST at this path.
+/// The command for a POST of the old console to this path.
 pub fn posted(word: &str) -> Result<Command, Unusable> {
     command(word, |_| true)
 }
 
-/// What a bare word asks for at `/resourcemodel`.
+/// The command for a bare word at `/resourcemodel`.
 pub fn bare_word(word: &str) -> Result<Command, Unusable> {
     command(word, |row| row.is_word)
 }
@@ -81,8 +80,8 @@ fn command(word: &str, is_among: fn(&Row) -> bool) -> Result<Command, Unusable> 
     }
 }
 
-/// An old console sends a stray `w` when it starts, which must not set an idle robot moving: moves by hand and driving to a cell
-/// are for those who were let in by the setting `old_clients.manual_driving`.
+/// An old console sends a stray `w` when it starts, which must not move an idle robot: moving by hand and driving to a cell need
+/// the setting `old_clients.manual_driving`.
 ///
 /// # Errors
 /// `NotAllowed` when the robot would be driven and `manual_driving` does not allow it.

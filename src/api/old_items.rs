@@ -1,5 +1,5 @@
-//! The three items of the resource model as old clients know them (mission §8): what stands in each, and how the CoAP resource
-//! writes it. The MQTT door writes the same as terms. Which of them is sent when is the door's business.
+//! The three items of the resource model for old clients (mission §8), as the CoAP resource writes them. The MQTT door writes the
+//! same as terms. The doors decide when each is sent.
 
 use super::map_text;
 use super::time::rfc3339;
@@ -8,32 +8,31 @@ use hallsweep_core::snapshot::robot::RobotView;
 use hallsweep_core::units::Heading;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
-/// As `robot( state(stopped), direction(downDir), position(0, 0))`.
+/// Example: `robot( state(stopped), direction(downDir), position(0, 0))`.
 pub fn robot(robot: &RobotView) -> String {
     let cell = robot.pose.cell;
     let (state, direction) = (robot.state.name(), direction(robot.pose.heading));
     format!("robot( state({state}), direction({direction}), position({}, {}))", cell.x, cell.y)
 }
 
-/// As `roomMap( 'r 1 X @' )`.
+/// Example: `roomMap( 'r 1 X @' )`.
 pub fn room_map(snapshot: &Snapshot) -> String {
     format!("roomMap( '{}' )", map_text::one_line(snapshot))
 }
 
-/// As `luggage( state( 'photo 1, position: (0, 2), date: 2026-02-03T10:05:12.000+01:00' ) )`; `None` before there is any.
+/// Example: `luggage( state( 'photo 1, position: (0, 2), date: 2026-02-03T10:05:12.000+01:00' ) )`; `None` before there is any.
 pub fn luggage(snapshot: &Snapshot) -> Option<String> {
     let shown = snapshot.pending().or(snapshot.luggage.last())?;
     Some(format!("luggage( state( '{}' ) )", luggage_state(shown)))
 }
 
-/// What is said of a piece: the number of its photo, and whether that has failed, the bag's cell, and when the photo was taken.
+/// The number of the photo and whether it failed, the cell of the bag, and the time of the photo.
 pub fn luggage_state(luggage: &Luggage) -> String {
     let cell = luggage.cell;
     let failed = if matches!(luggage.photo, PhotoState::Failed(_)) { " failed" } else { "" };
     format!("photo {}{failed}, position: ({}, {}), date: {}", luggage.id, cell.x, cell.y, rfc3339(luggage.taken))
 }
 
-/// The old word for a heading.
 pub const fn direction(heading: Heading) -> &'static str {
     match heading {
         Heading::North => "upDir",

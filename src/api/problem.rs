@@ -1,5 +1,5 @@
-//! What a refusal or an error looks like: RFC 9457 problem details with a fixed code beside the sentence; and which kinds of problem
-//! there are, as far as the codes of protocols tell them apart. Who has which problem is the doors' business.
+//! Refusals and errors as RFC 9457 problem details, with a fixed code beside the sentence; and the kinds of problems that the
+//! protocols' codes can tell apart. The doors decide which problem applies.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -7,7 +7,6 @@ use serde::Serialize;
 use super::luggage::LuggageJson;
 use hallsweep_core::command::{CODES, Refusal, RefusalKind};
 
-/// What is wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProblemKind {
     Malformed,
@@ -55,7 +54,6 @@ impl<'a> ProblemJson<'a> {
 }
 
 impl ProblemKind {
-    /// All of them.
     pub const ALL: [ProblemKind; 15] = [
         ProblemKind::Malformed,
         ProblemKind::NotSignedIn,
@@ -74,7 +72,7 @@ impl ProblemKind {
         ProblemKind::Unavailable,
     ];
 
-    /// The status that problem details have, which is HTTP's at every door, and its title (RFC 9110, section 15).
+    /// Status and title of problem details, which are those of HTTP at every door (RFC 9110, section 15).
     pub const fn status(self) -> (u16, &'static str) {
         match self {
             ProblemKind::Malformed => (400, "Bad Request"),
@@ -95,7 +93,7 @@ impl ProblemKind {
         }
     }
 
-    /// What kind of refusal it is in records.
+    /// Kind of the refusal in records.
     pub const fn refusal_kind(self) -> RefusalKind {
         match self {
             ProblemKind::Conflict => RefusalKind::Conflict,
@@ -128,7 +126,6 @@ impl From<RefusalKind> for ProblemKind {
     }
 }
 
-/// A code with what is wrong.
 pub type ProblemCode = (&'static str, ProblemKind);
 
 pub const MALFORMED: ProblemCode = ("malformed", ProblemKind::Malformed);
@@ -142,7 +139,7 @@ pub const CONDITION_FAILED: ProblemCode = ("preconditionFailed", ProblemKind::Co
 pub const NOT_FOUND: ProblemCode = ("notFound", ProblemKind::NotFound);
 pub const TOO_MANY: ProblemCode = ("tooMany", ProblemKind::Unavailable);
 
-/// Those with which a door itself refuses what somebody known asked for, and which records may have.
+/// Codes with which a door itself refuses a command of a known sender, and which may be in records.
 const AT_THE_DOOR: [ProblemCode; 10] = [
     MALFORMED,
     UNUSABLE,
@@ -156,7 +153,7 @@ const AT_THE_DOOR: [ProblemCode; 10] = [
     TOO_MANY,
 ];
 
-/// The refusal with this code and these words, as a record has it; a code that no version of this program knows is a plain conflict.
+/// The recorded refusal with this code and these words; a code that this version does not know counts as a plain conflict.
 pub fn refusal(code: &str, words: String) -> Refusal {
     let at_the_door = AT_THE_DOOR.into_iter().map(|(known, kind)| (known, kind.refusal_kind()));
     let found = CODES.into_iter().chain(at_the_door).find(|(known, _)| *known == code);

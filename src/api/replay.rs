@@ -1,5 +1,5 @@
-//! What trees did, tick by tick, to be shown again at any moment: as JSON of what each tick changed, and as they stood at a moment.
-//! How it is shown is the pages' business (`static/trees.js`); what a run was about stands beside it.
+//! The ticks of behaviour trees, to be replayed at any moment: as JSON with the changes of each tick, and as the state at a
+//! moment. `static/trees.js` shows them; the subject of a run is stored beside them.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -52,12 +52,11 @@ pub struct TickJson {
 }
 
 impl ReplayJson {
-    /// Trees with their logs, in the same order.
     pub fn new<'a>(logged: impl IntoIterator<Item = (&'a Tree, &'a TickLog)>) -> ReplayJson {
         ReplayJson { trees: logged.into_iter().map(|(tree, log)| TreeLogJson::new(tree, log)).collect() }
     }
 
-    /// The moments at which something changed, in seconds, in their order.
+    /// The times of all changes in seconds, ascending.
     pub fn moments(&self) -> Vec<f64> {
         let mut moments: Vec<f64> = self.trees.iter().flat_map(|tree| &tree.ticks).map(|tick| tick.t).collect();
         moments.sort_by(f64::total_cmp);
@@ -65,7 +64,7 @@ impl ReplayJson {
         moments
     }
 
-    /// How all stood at this moment, or after the last one before it.
+    /// The state of all trees after the last change up to this time.
     pub fn shown(&self, t: f64) -> TreesView {
         let mut entries = BTreeMap::new();
         let mut ticks: Vec<&TickJson> = self.trees.iter().flat_map(|tree| tree.up_to(t)).collect();
@@ -93,7 +92,7 @@ impl TreeLogJson {
             depth: node.depth,
         };
         let mut ticks: Vec<TickJson> = log.records().map(TickJson::from).collect();
-        // What a full log has forgotten stands in how things stood at the first tick that is left.
+        // The first tick left in a full log gets the state before it, since earlier changes were dropped.
         if let Some((first, stood)) = ticks.first_mut().and_then(|first| Some((log.moment(first.tick)?, first))) {
             stood.nodes =
                 first.nodes.iter().enumerate().filter(|(_, node)| **node != NodeState::default()).map(changed).collect();
@@ -133,12 +132,12 @@ impl From<&behaviour_trees::log::TickRecord> for TickJson {
     }
 }
 
-/// A node with what it said if it was ticked, else how it stands.
+/// A node with its result if it was ticked, otherwise with its status.
 fn changed((index, standing): (usize, &NodeState)) -> (usize, &'static str, bool) {
     (index, standing.returned.unwrap_or(standing.after).word(), standing.returned.is_some())
 }
 
-/// A hundredth is finer than anybody sees.
+/// Rounded to a hundredth, which is finer than anybody sees.
 pub fn seconds(since: Duration) -> f64 {
     (since.as_secs_f64() * 100.0).round() / 100.0
 }

@@ -1,6 +1,6 @@
-//! THE TABLE of resources, from which every door makes its own: HTTP its routes, CoAP its paths and what discovery says of them, MQTT its
-//! state topics, and all of them their pages. A new resource is one row here, and how it is written. What one door alone has (the past,
-//! the list of links, the items of old clients) stands there.
+//! THE TABLE of resources, from which every door derives its own: HTTP its routes, CoAP its paths and discovery, MQTT its state
+//! topics, and their pages. A new resource is one row here, and how it is written. What one door alone has (the past, the list of
+//! links, the items of old clients) is in that door.
 
 use serde::Serialize;
 
@@ -14,7 +14,6 @@ use hallsweep_core::units::{LuggageId, Revision};
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
 
-/// Something to be seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ResourceKind {
     /// Everything at one revision.
@@ -22,13 +21,12 @@ pub enum ResourceKind {
     /// The order of the search.
     Strategy,
     Of(Resource),
-    /// One piece of luggage.
     Piece,
-    /// Its photo, which is made of no snapshot.
+    /// Photo of a piece; it is not part of a snapshot.
     Photo,
 }
 
-/// A way to write it.
+/// A format of a resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     Json,
@@ -39,16 +37,15 @@ pub enum Form {
     Picture,
 }
 
-/// One resource.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
     pub kind: ResourceKind,
-    /// What kind of thing it is, for discovery; and the last word of its topic, where it is a part of the state.
+    /// Resource type in discovery; also the last part of the topic, for parts of the state.
     pub name: &'static str,
-    /// Its path under `/api/v1` and at the CoAP door; `{id}` stands for a number.
+    /// Path under `/api/v1` and at the CoAP door; `{id}` stands for a number.
     pub path: &'static str,
     pub title: &'static str,
-    /// The first is for whoever names none.
+    /// The first form is the default.
     pub forms: &'static [Form],
     pub is_observable: bool,
 }
@@ -57,7 +54,7 @@ const SHAPES: &[Form] = &[Form::Json, Form::Cbor];
 const WITH_TEXT: &[Form] = &[Form::Json, Form::Cbor, Form::Text];
 const MEASURED: &[Form] = &[Form::Json, Form::Cbor, Form::Text, Form::Senml];
 
-/// All of them, in the order in which they are listed.
+/// All resources, in the order in which they are listed.
 #[rustfmt::skip]
 pub const RESOURCES: [Row; 12] = [
     row(ResourceKind::State, "state", "/state", "Everything at one revision", SHAPES),
@@ -87,7 +84,7 @@ impl ResourceKind {
         const { &RESOURCES }.iter().find(|row| row.kind == self).expect("everything that is shown has its row: a test holds that")
     }
 
-    /// When it last changed. A map shows the robot, too.
+    /// When it last changed. A map changes with the robot, too.
     pub fn revision(self, snapshot: &Snapshot) -> Revision {
         match self {
             ResourceKind::State => snapshot.revision,
@@ -98,8 +95,8 @@ impl ResourceKind {
         }
     }
 
-    /// It in this form; `number` says which where there are several, `located` where a photo is by the door that asks. Nothing where
-    /// nothing is to be shown, or not in this form.
+    /// The resource in this form. `number` selects one of several; `located` adapts the photo's address to the door. Empty when
+    /// there is nothing to show, or not in this form.
     pub fn written(self, number: u64, form: Form, snapshot: &Snapshot, located: fn(LuggageJson) -> LuggageJson) -> Vec<u8> {
         match form {
             Form::Json | Form::Cbor => self.shaped(number, form, snapshot, located),
@@ -160,7 +157,7 @@ impl ResourceKind {
     }
 }
 
-/// A shape of the wire in CBOR when that is the form, else in JSON.
+/// A shape in CBOR or in JSON.
 pub fn shape<T: Serialize>(form: Form, shape: &T) -> Vec<u8> {
     match form {
         Form::Cbor => cbor::written(shape),
@@ -177,7 +174,7 @@ mod tests {
     use super::*;
     use crate::api::fixture::{searching, touch};
 
-    /// All kinds, one after the other; a new one does not compile until it is added here.
+    /// Lists all kinds; a new one does not compile until it is added here.
     fn next(kind: ResourceKind) -> Option<ResourceKind> {
         match kind {
             ResourceKind::State => Some(ResourceKind::Strategy),

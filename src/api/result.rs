@@ -1,12 +1,12 @@
-//! What became of a command at a door whose answers do not come back by the way of the question: an answer or a problem, with the
-//! command's own name beside it. Both are described in `answer` and `problem`.
+//! The result of a command at a door whose answers are not tied to a request: an answer or a problem, together with the command
+//! id. Both are described in `answer` and `problem`.
 
 use serde::Serialize;
 
 /// `{"id":"k7","accepted":true,"revision":812,"epoch":4}`, or a problem in the same way.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ResultJson<'a, T> {
-    /// The command's own name, where it had one.
+    /// The command id, if the command had one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub id: Option<&'a str>,
     /// The answer, or the problem.

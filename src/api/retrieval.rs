@@ -1,4 +1,4 @@
-//! A retrieval in JSON: what is fetched, how far it has come, the trees at work. What its robots do stands in `robot`.
+//! A retrieval in JSON: the piece, the stage, the trees at work. What its robots do is in `robot`.
 
 use std::collections::BTreeMap;
 
@@ -124,7 +124,7 @@ impl From<ArmState> for ArmJson {
     }
 }
 
-/// One line: `fetching luggage #6`, or `none`.
+/// One line, such as `fetching luggage #6`, or `none`.
 pub fn text(snapshot: &Snapshot) -> String {
     match snapshot.retrieval.as_deref() {
         None => "none".to_owned(),

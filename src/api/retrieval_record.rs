@@ -1,5 +1,5 @@
-//! A retrieval as it is on record, in JSON: what happened in it, and what its trees did, to be shown again. What is shown of one that
-//! goes on is `retrieval`'s business.
+//! A recorded retrieval in JSON: its events, and the ticks of its trees for a replay. A retrieval that goes on is shown by
+//! `retrieval`.
 
 use std::time::Duration;
 
@@ -48,8 +48,7 @@ pub struct EventJson {
 }
 
 impl RetrievalRecordJson {
-    /// What these entries of one mission, oldest first, say of the retrieval that is last begun in them; `None` when nothing was to be
-    /// fetched.
+    /// The last retrieval begun in these entries of one mission, oldest first; `None` when there is none.
     pub fn new(entries: &[Entry], complete: bool) -> Option<RetrievalRecordJson> {
         let began = |index: usize| {
             let before = entries[..index].iter().rev().find(|entry| matches!(entry.fact, Fact::Retrieval(_)));
@@ -72,10 +71,10 @@ impl RetrievalRecordJson {
             if let Fact::ClockSet(by_ms) = entry.fact {
                 began = began.set_by(by_ms);
             }
-            // A journal of before clocks that were set went on record may go back: the run does not.
+            // In a journal from before clock changes were recorded, times may go back; the run does not.
             at = at.max(since(began, entry.wall));
             let (told, words) = (retrieval_in(entry), words(&entry.fact));
-            // An entry says how the trees stand; how far it has come is told when it is new.
+            // An entry repeats the stage beside the trees; only a new stage is an event.
             if told.is_none() || words != stage {
                 record.events.push(EventJson { t: seconds(at), words: words.clone(), fact: entry.fact.clone() });
             }

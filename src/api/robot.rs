@@ -57,7 +57,6 @@ pub struct RobotJson {
 }
 
 impl RobotJson {
-    /// The robot as it is at `revision`.
     pub fn new(robot: &RobotView, revision: Revision) -> RobotJson {
         let cell = robot.pose.cell;
         RobotJson {
@@ -121,7 +120,7 @@ pub struct NamedRobotJson {
 }
 
 impl NamedRobotJson {
-    /// This robot as it is at `revision`, which is that of all robots.
+    /// This robot at `revision`, which is that of all robots together.
     pub fn new(shown: &RobotShown, searches: bool, revision: Revision) -> NamedRobotJson {
         let RobotJson { revision, state, halting, heading, position, off_centre, outside, sonar, led, unreached_since } =
             RobotJson::new(&shown.view, revision);

@@ -1,4 +1,4 @@
-//! What robots are made of, in words: THE TABLE of what is done instead of a part that the robot that searches has not.
+//! The parts of robots in words: THE TABLE of replacements for parts that the searching robot lacks.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::vocabulary;
 use hallsweep_core::robot::{Part, Parts};
 
-/// What takes the place of a missing part. Nothing takes that of a base; and without arm or gripper nothing is fetched by it.
+/// Replacements for missing parts. Nothing replaces the base; and without arm or gripper the robot fetches nothing.
 const REPLACED: [(Part, &str); 5] = [
     (Part::Camera, "a drawing, which says that it is one"),
     (Part::Sonar, "driving into what is there"),
@@ -24,12 +24,12 @@ pub struct ReplacedJson {
     pub by: &'static str,
 }
 
-/// What a robot that searches with these parts has not, and what is done instead.
+/// The parts that a searching robot with these parts lacks, and their replacements.
 pub fn replaced(parts: Parts) -> Vec<ReplacedJson> {
     missing(parts).map(|(part, by)| ReplacedJson { part: part.name(), by }).collect()
 }
 
-/// The same, part by part.
+/// The same as parts instead of JSON.
 pub fn missing(parts: Parts) -> impl Iterator<Item = (Part, &'static str)> {
     REPLACED.into_iter().filter(move |(part, _)| !parts.has(*part))
 }

@@ -1,5 +1,5 @@
-//! What the shapes of the wire look like, as JSON Schema (2020-12), made of the shapes themselves: for a door that describes itself to
-//! programs. Which row of a table has which shape stands here; what a door does with them is its own business.
+//! JSON Schemas (2020-12) of the wire's shapes, derived from the shapes themselves, for a door that describes itself to programs.
+//! The schema of each row of a table is chosen here; the door decides what to do with it.
 
 use schemars::generate::{SchemaGenerator, SchemaSettings};
 use schemars::{JsonSchema, Schema};
@@ -19,14 +19,14 @@ use super::state::StateJson;
 use super::temperature::TemperatureJson;
 use hallsweep_core::world::resource::Resource;
 
-/// Where a shape that another refers to is found in a description.
+/// Prefix of references between schemas.
 const PLACE: &str = "/components/schemas";
 
-/// The shapes that were asked for, and those they refer to.
+/// The requested schemas, and those they refer to.
 pub struct Schemas {
-    /// As a door sends them: what may be null is there all the same.
+    /// Schemas for sending: nullable fields are always present.
     sent: SchemaGenerator,
-    /// As it takes them: what may be null may be absent.
+    /// Schemas for receiving: nullable fields may be absent.
     taken: SchemaGenerator,
 }
 
@@ -38,17 +38,17 @@ impl Default for Schemas {
 }
 
 impl Schemas {
-    /// Of what a door sends.
+    /// The schema of something that a door sends.
     pub fn sent<T: JsonSchema>(&mut self) -> Value {
         plain(self.sent.subschema_for::<T>())
     }
 
-    /// Of what a door takes.
+    /// The schema of something that a door receives.
     pub fn taken<T: JsonSchema>(&mut self) -> Value {
         plain(self.taken.subschema_for::<T>())
     }
 
-    /// Of a resource in JSON; a picture has none.
+    /// The schema of a resource in JSON; `None` for a picture.
     pub fn resource(&mut self, kind: ResourceKind) -> Option<Value> {
         Some(match kind {
             ResourceKind::State => self.sent::<StateJson>(),
@@ -66,7 +66,7 @@ impl Schemas {
         })
     }
 
-    /// Of the body of a command; STOP's is not read.
+    /// The schema of a command's body; `None` for STOP, whose body is not read.
     pub fn body(&mut self, kind: CommandKind) -> Option<Value> {
         Some(match kind {
             CommandKind::Stop => return None,
@@ -84,7 +84,7 @@ impl Schemas {
         })
     }
 
-    /// All that are referred to, by their names.
+    /// All schemas that are referred to, by their names.
     pub fn shapes(mut self) -> Map<String, Value> {
         let all = self.taken.take_definitions(true).into_iter().chain(self.sent.take_definitions(true));
         all.map(|(name, schema)| (public(&name).to_owned(), renamed(schema))).collect()
@@ -95,7 +95,7 @@ fn plain(schema: Schema) -> Value {
     renamed(schema.into())
 }
 
-/// The same with references by the names that are shown.
+/// Renames references to the public names.
 fn renamed(mut schema: Value) -> Value {
     match &mut schema {
         Value::Object(fields) => {
@@ -113,7 +113,7 @@ fn renamed(mut schema: Value) -> Value {
     schema
 }
 
-/// What a shape is called outside: how it is written goes without saying.
+/// Public name of a schema, without the suffix `Json`.
 fn public(name: &str) -> &str {
     name.strip_suffix("Json").unwrap_or(name)
 }
@@ -128,7 +128,7 @@ mod tests {
     use crate::api::resources::RESOURCES;
     use crate::api::simulator::{ChangeBody, HallBody};
 
-    /// The names of all fields in a schema, those of each of its forms.
+    /// Names of all fields in a schema, including all its alternatives.
     fn fields(schema: &Value, shapes: &Map<String, Value>) -> BTreeSet<String> {
         let mut names = BTreeSet::new();
         if let Some(name) = schema["$ref"].as_str().and_then(|to| to.rsplit('/').next()) {

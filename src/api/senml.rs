@@ -1,4 +1,4 @@
-//! Temperature and position as sensor measurements, in SenML JSON (RFC 8428). They carry no time: a pack shows what holds now.
+//! Temperature and position as sensor measurements in SenML JSON (RFC 8428). They carry no time: a pack shows the present values.
 
 use serde::Serialize;
 
@@ -8,13 +8,11 @@ use hallsweep_core::world::temperature::TemperatureView;
 /// The unit of a temperature (RFC 8428, section 12.1).
 const CELSIUS: Option<&str> = Some("Cel");
 
-/// The unit of a distance.
 const METRES: Option<&str> = Some("m");
 
-/// One record of a pack.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 struct Record {
-    /// What stands before the names of this record and of all that follow.
+    /// Prefix of the names of this record and of all that follow.
     #[serde(rename = "bn", skip_serializing_if = "Option::is_none")]
     base: Option<&'static str>,
     #[serde(rename = "n")]
@@ -27,7 +25,8 @@ struct Record {
     word: Option<&'static str>,
 }
 
-/// The reading, absent before the first and while nobody knows the temperature; above which nothing moves; and what follows.
+/// The reading, absent before the first one and while the temperature is not known; the threshold above which nothing moves; and
+/// the status.
 pub fn temperature(view: &TemperatureView) -> String {
     let degrees = |name, degrees| Record { name, unit: CELSIUS, value: Some(degrees), ..Record::default() };
     let reading = view.celsius.filter(|_| view.silent_since.is_none()).map(|celsius| degrees("celsius", celsius.degrees()));
@@ -36,8 +35,8 @@ pub fn temperature(view: &TemperatureView) -> String {
     packed("hallsweep:temperature:", reading.into_iter().chain([threshold, status]))
 }
 
-/// Column and row of the robot's cell, counted from home to the east and to the south, which way it faces, what it does, and how
-/// far it is to what is ahead, absent beyond the sonar's range.
+/// Column and row of the robot's cell, counted from home to the east and to the south, its heading, its state, and the distance
+/// to the next obstacle, absent beyond the sonar's range.
 pub fn robot(robot: &RobotView) -> String {
     let cell = robot.pose.cell;
     let count = |name, count: i32| Record { name, value: Some(count.into()), ..Record::default() };
@@ -68,7 +67,7 @@ mod tests {
         assert_eq!(temperature(&searching().temperature), json);
     }
 
-    /// A record without a value would be none (RFC 8428, section 4.2).
+    /// A record without a value is not allowed (RFC 8428, section 4.2).
     #[test]
     fn before_the_first_reading_there_is_no_record_of_one() {
         let json = r#"[{"bn":"hallsweep:temperature:","n":"threshold","u":"Cel","v":25.0},{"n":"status","vs":"ok"}]"#;

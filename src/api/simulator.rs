@@ -1,5 +1,5 @@
-//! The simulator on the wire: its state, what is to be other than it is, and the hall in which the robots are to be put down. What is shown
-//! and what is sent have the same names, so that what was read can be sent back changed.
+//! The simulator on the wire: its state, the changes to it, and the hall into which the robots are to be put. State and changes
+//! use the same names, so that the state can be edited and sent back.
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -139,7 +139,7 @@ fn cells(value: &Value) -> Option<BTreeSet<Cell>> {
     value.as_array()?.iter().map(|cell| Some(Cell::new(side(cell, "x")?, side(cell, "y")?))).collect()
 }
 
-/// A speed, as a person writes it too.
+/// A speed, also in the form that people write.
 pub fn pace(text: &str) -> Result<Pace, Unusable> {
     if text.trim() == "max" {
         return Ok(Pace::Max);

@@ -39,7 +39,7 @@ pub struct StateJson {
 }
 
 impl StateJson {
-    /// The state with its luggage in these shapes.
+    /// The state, with the luggage in the given shapes.
     pub fn new(snapshot: &Snapshot, luggage: Vec<LuggageJson>) -> StateJson {
         StateJson {
             run: snapshot.run.to_string(),
@@ -67,12 +67,11 @@ pub fn mission(snapshot: &Snapshot) -> MissionJson {
     MissionJson::new(&snapshot.mission, snapshot.revision_of(Resource::Mission))
 }
 
-/// The robot that searches in this snapshot.
 pub fn robot(snapshot: &Snapshot) -> RobotJson {
     RobotJson::new(&snapshot.robot, snapshot.revision_of(Resource::Robot))
 }
 
-/// All robots of this snapshot, the one that searches first.
+/// All robots, the searching one first.
 pub fn robots(snapshot: &Snapshot) -> Vec<NamedRobotJson> {
     let revision = snapshot.revision_of(Resource::Robot);
     let named = |(place, shown)| NamedRobotJson::new(shown, place == 0, revision);
@@ -83,12 +82,10 @@ pub fn temperature(snapshot: &Snapshot) -> TemperatureJson {
     TemperatureJson::new(&snapshot.temperature, snapshot.revision_of(Resource::Temperature))
 }
 
-/// The luggage of this snapshot, by number.
 pub fn luggage(snapshot: &Snapshot) -> Vec<LuggageJson> {
     snapshot.luggage.iter().map(|luggage| LuggageJson::from(&**luggage)).collect()
 }
 
-/// The alarms of this snapshot, oldest first.
 pub fn alarms(snapshot: &Snapshot) -> Vec<AlarmJson> {
     snapshot.alarms.iter().map(AlarmJson::from).collect()
 }
@@ -97,7 +94,7 @@ pub fn retrieval(snapshot: &Snapshot) -> RetrievalJson {
     RetrievalJson::new(snapshot.retrieval.as_deref(), snapshot.revision_of(Resource::Retrieval))
 }
 
-/// The log lines at hand with a number above `number`, oldest first.
+/// Stored log lines with a number above `number`, oldest first.
 pub fn log_after(snapshot: &Snapshot, number: u64) -> Vec<LogLineJson> {
     snapshot.log.iter().filter(|line| line.number > number).map(|line| LogLineJson::from(&**line)).collect()
 }

@@ -41,7 +41,6 @@ pub struct HotJson {
 }
 
 impl TemperatureJson {
-    /// The temperature as it is at `revision`.
     pub fn new(view: &TemperatureView, revision: Revision) -> TemperatureJson {
         TemperatureJson {
             revision: revision.0,

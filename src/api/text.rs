@@ -1,11 +1,11 @@
-//! Single lines for whoever wants one line and no JSON: what the mission and the temperature come down to. The map's text forms
-//! stand in `map_text`, the words of old clients in `old_items`.
+//! Single lines for clients that want no JSON: the mission and the temperature in short. The text forms of the map are in
+//! `map_text`, the words of old clients in `old_items`.
 
 use super::time::rfc3339;
 use hallsweep_core::snapshot::MissionView;
 use hallsweep_core::world::temperature::TemperatureView;
 
-/// The phase, and what holds the robot where anything does: `exploring`, or `exploring, held by operator, awaitingStart`.
+/// The phase, and the holds if there are any: `exploring`, or `exploring, held by operator, awaitingStart`.
 pub fn mission(mission: &MissionView) -> String {
     let phase = mission.phase.name();
     if mission.holds.is_empty() {
@@ -15,7 +15,8 @@ pub fn mission(mission: &MissionView) -> String {
     format!("{phase}, held by {}", holds.join(", "))
 }
 
-/// As `21.4 °C, ok`, or `no reading, ok` before the first, or `not known since 2026-02-03T10:00:00.000+01:00, last 21.4 °C, ok`.
+/// Examples: `21.4 °C, ok`; `no reading, ok` before the first one; `not known since 2026-02-03T10:00:00.000+01:00, last 21.4 °C,
+/// ok`.
 pub fn temperature(view: &TemperatureView) -> String {
     let reading = view.celsius.as_ref().map_or_else(|| "no reading".to_owned(), ToString::to_string);
     let silent = view.silent_since.map_or_else(String::new, |since| format!("not known since {}, last ", rfc3339(since)));

@@ -1,61 +1,59 @@
-//! How a moment is written: RFC 3339 with its zone, and the short form a log line begins with.
-//! Nothing here asks what time it is.
+//! Formats of times: RFC 3339 with its zone, and the short form at the beginning of a log line. Nothing here reads the clock.
 
 use jiff::Timestamp;
 use jiff::tz::{Offset, TimeZone};
 
 use hallsweep_core::units::WallTime;
 
-/// As `2026-02-03T10:05:12.000+01:00`: RFC 3339 with milliseconds and the zone's offset.
+/// RFC 3339 with milliseconds and offset, such as `2026-02-03T10:05:12.000+01:00`.
 pub fn rfc3339(wall: WallTime) -> String {
     let at = zoned(wall);
     format!("{}{}", at.strftime("%Y-%m-%dT%H:%M:%S%.3f"), at.strftime("%:z"))
 }
 
-/// As `10:05:12`, in the moment's own zone.
+/// Such as `10:05:12`, in the zone of `wall`.
 pub fn clock_time(wall: WallTime) -> String {
     zoned(wall).strftime("%H:%M:%S").to_string()
 }
 
-/// As `3 Feb 2026, 10:05:12`, in the moment's own zone.
+/// Such as `3 Feb 2026, 10:05:12`, in the zone of `wall`.
 pub fn date_and_time(wall: WallTime) -> String {
     zoned(wall).strftime("%-d %b %Y, %H:%M:%S").to_string()
 }
 
-/// When a day begins in the zone of this machine; the day as `2026-01-31`.
+/// The beginning of a day, such as `2026-01-31`, in the zone of this machine.
 pub fn midnight(day: &str) -> Option<WallTime> {
     let begins = day.parse::<jiff::civil::Date>().ok()?.to_zoned(TimeZone::system()).ok()?;
     Some(WallTime { unix_ms: begins.timestamp().as_millisecond(), offset_s: begins.offset().seconds() })
 }
 
-/// The one zone of a page: a moment of any other is shown in it, and the page names it.
+/// The single zone of a page: all times are shown in it, and the page names it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Zone {
     offset_s: i32,
 }
 
 impl Zone {
-    /// The zone of this moment.
     pub const fn of(wall: WallTime) -> Zone {
         Zone { offset_s: wall.offset_s }
     }
 
-    /// As `UTC+01:00`.
+    /// Such as `UTC+01:00`.
     pub fn name(self) -> String {
         format!("UTC{}", zoned(WallTime { unix_ms: 0, offset_s: self.offset_s }).strftime("%:z"))
     }
 
-    /// East of Greenwich, in seconds.
+    /// Seconds east of Greenwich.
     pub const fn offset_s(self) -> i32 {
         self.offset_s
     }
 
-    /// As `10:05:12`.
+    /// Such as `10:05:12`.
     pub fn clock_time(self, wall: WallTime) -> String {
         clock_time(self.shown(wall))
     }
 
-    /// As `3 Feb 2026, 10:05:12`.
+    /// Such as `3 Feb 2026, 10:05:12`.
     pub fn date_and_time(self, wall: WallTime) -> String {
         date_and_time(self.shown(wall))
     }
@@ -65,7 +63,7 @@ impl Zone {
     }
 }
 
-/// A moment or an offset beyond what a calendar can show is shown as the calendar's nearest.
+/// A time or an offset outside the calendar's range becomes the nearest one in it.
 fn zoned(wall: WallTime) -> jiff::Zoned {
     let nearest = if wall.unix_ms < 0 { Timestamp::MIN } else { Timestamp::MAX };
     let at = Timestamp::from_millisecond(wall.unix_ms).unwrap_or(nearest);

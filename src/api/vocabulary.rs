@@ -1,5 +1,5 @@
-//! The words that a field may hold where they are a fixed list: of each list its schema, made of the core's own where the core has one. The
-//! values themselves stay plain texts; a field says by `with` which list is its own. Schemathesis finds a word that is missing here.
+//! The words that a field with a fixed list may hold: a schema for each list, made from the core's own list where there is one.
+//! The values themselves stay plain texts; a field names its list by `with`. Schemathesis finds a word that is missing here.
 
 use std::borrow::Cow;
 
@@ -10,7 +10,7 @@ use hallsweep_core::snapshot::log;
 use hallsweep_core::world::temperature;
 use hallsweep_core::{command, hold, not_fetched, phase, robot, units};
 
-/// A list: its name in the description, what the words are for, and the words.
+/// A list: its name in the description, the purpose of the words, and the words.
 macro_rules! lists {
     ($($(#[doc = $doc:literal])* $name:ident = $words:expr;)*) => {$(
         $(#[doc = $doc])*
