@@ -1,5 +1,5 @@
-//! All robots of the settings, made by their kinds: first what is remembered of each is looked for, then each gets the adapter that is
-//! run for it. Who is told what about them, and on which threads they run, is the business of `app`.
+//! Creates all robots of the settings by their kinds: first reads what is stored about each, then makes the adapter that runs it.
+//! `app` decides who is told about them, and on which threads they run.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -16,29 +16,29 @@ use hallsweep_core::not_fetched::Fetcher;
 use hallsweep_core::state::{Participant, Venue};
 use hallsweep_sim::Hall;
 
-/// The robots, not yet started, in their hall.
+/// All robots in their hall, before they are started.
 pub struct Robots {
     hall: Arc<Hall>,
-    /// The one that searches first.
+    /// The searching robot first.
     all: Vec<(RobotId, Robot)>,
-    /// The pair that fetches. Where the settings want none it is not started, and what it has taken away stays away.
+    /// The pair that fetches. When the settings do not want it, it is not started, but pieces that it has removed stay removed.
     pair: SimPair,
     wants_pair: bool,
     seed: u64,
     speed: config::Speed,
-    /// Where a hall is kept that is chosen while the program runs.
+    /// Where a hall chosen at run time is stored.
     chosen: Option<ChosenHall>,
-    /// Why the hall that was chosen cannot be had: then nobody knows in which hall the simulated robots are.
+    /// Why the chosen hall cannot be used: then nobody knows in which hall the simulated robots are.
     no_hall: Option<String>,
-    /// As the settings name the hall, and the start in it.
+    /// The hall as named in the settings, and the start in it.
     usual: (String, Option<(u32, u32)>),
-    /// The names of all, those of the pair last.
+    /// All names, those of the pair last.
     ids: Vec<RobotId>,
-    /// What the settings say of them, in the same order.
+    /// What the settings say about each, in the same order.
     team: Arc<[Participant]>,
 }
 
-/// What the settings name cannot be read. `Display` is the line for whoever started the program.
+/// Something named in the settings cannot be read. `Display` is the message for whoever started the program.
 #[derive(Debug, thiserror::Error)]
 pub enum Unusable {
     #[error(transparent)]
@@ -55,7 +55,7 @@ enum Robot {
 impl Robots {
     pub fn of(settings: &Settings) -> Result<Robots, Unusable> {
         let is_simulated = settings.robots().any(|(_, robot)| robot.kind == RobotKind::Sim);
-        // With another start it is another hall of the settings, which holds.
+        // Another start counts as another hall of the settings, which then overrides a chosen one.
         let start = settings.hall_start.map_or_else(String::new, |(column, row)| format!(" from {column},{row}"));
         let instead = format!("{}{start}", settings.hall);
         let chosen = settings.store.as_deref().filter(|_| is_simulated).map(|folder| ChosenHall::within(folder, &instead));
@@ -70,7 +70,7 @@ impl Robots {
         let fetches = |id: &RobotId| settings.core.fetcher == Fetcher::Discovery && *id == RobotId::discovery();
         let robot = |(id, robot): (RobotId, &RobotSettings)| {
             let fetches = fetches(&id);
-            // The seed that was chosen with the hall is that of the robot that searches.
+            // The seed chosen with the hall is that of the searching robot.
             let robot = if id == RobotId::discovery() { &RobotSettings { seed, ..robot.clone() } } else { robot };
             Ok((id.clone(), Robot::of(id, robot, &hall, fetches)?))
         };
@@ -79,7 +79,7 @@ impl Robots {
         let pair = SimPair::new(Arc::clone(&hall), &RobotSettings { seed, ..settings.robot.clone() }, settings.pair);
         let ids: Vec<RobotId> =
             all.iter().map(|(id, _)| id.clone()).chain(SimPair::ids().into_iter().filter(|_| wants_pair)).collect();
-        // The pair has no section in the settings: it is simulated.
+        // The pair has no section in the settings, because it is always simulated.
         let participant = |id: &RobotId| {
             let set = settings.robots().find(|(robot, _)| robot == id).map(|(_, robot)| robot);
             let kind = set.map_or(RobotKind::Sim, |robot| robot.kind).name().into();
@@ -92,7 +92,7 @@ impl Robots {
         Ok(Robots { hall, all, pair, wants_pair, seed, speed, chosen, no_hall, usual, ids, team })
     }
 
-    /// The name of the hall, or where the robot is that searches one that is not ours.
+    /// The name of the hall, or the address of an external searching robot.
     pub fn hall_name(&self) -> String {
         match self.all.first() {
             Some((_, Robot::External(robot))) => robot.place(),
@@ -100,7 +100,7 @@ impl Robots {
         }
     }
 
-    /// The hall they are in; only the place is known of a hall that is not ours.
+    /// The hall; of an external robot only its address is known.
     pub fn venue(&self) -> Venue {
         match self.all.first() {
             Some((_, Robot::Sim(_))) => sim::venue(&self.hall, self.seed, &self.team),
@@ -113,12 +113,12 @@ impl Robots {
         }
     }
 
-    /// Their names, that of the one that searches first.
+    /// All names, the searching robot's first.
     pub fn ids(&self) -> impl Iterator<Item = &RobotId> {
         self.ids.iter()
     }
 
-    /// Looks for what is remembered of them in the data folder. Nothing is written.
+    /// Reads what is stored about them in the data folder. Writes nothing.
     pub fn recall(&mut self, folder: &Path) {
         self.pair.recall(folder);
         let floor = self.pair.floor();
@@ -133,14 +133,14 @@ impl Robots {
         }
     }
 
-    /// From now on nobody knows where the simulated robots are, for this reason.
+    /// Marks the positions of the simulated robots as not known, for this reason.
     pub fn lose(&mut self, why: &str) {
         self.simulated().for_each(|robot| robot.lose(why));
         self.pair.lose(why);
     }
 
-    /// Of each that may be anywhere, why nobody knows where it is. It will not be started. What the pair has taken away counts for the
-    /// others also where the settings want no pair.
+    /// For each robot that may be anywhere, the reason; it will not be started. Pieces that the pair has removed count for the
+    /// others even when the settings do not want the pair.
     pub fn lost(&self) -> Vec<String> {
         let robots = self.all.iter().filter_map(|(_, robot)| robot.lost());
         let mut lost: Vec<String> = robots.chain(self.pair.lost()).map(str::to_owned).collect();
@@ -148,12 +148,12 @@ impl Robots {
         lost
     }
 
-    /// What is wrong in the folder and holds nobody up, in words that end with what to do.
+    /// A fault in the folder that stops nothing, in words that end with what to do.
     pub fn note(&self, folder: &Path) -> Option<String> {
         self.chosen.as_ref().and_then(|_| sim::unreadable_halls(folder))
     }
 
-    /// The hall in which the one that searches was left, when that is not the hall of the settings.
+    /// The hall in which the searching robot was left, when that is not the hall of the settings.
     pub fn other_hall(&self) -> Option<&str> {
         self.all.first().and_then(|(_, robot)| match robot {
             Robot::Sim(robot) => robot.other_hall(),
@@ -161,8 +161,8 @@ impl Robots {
         })
     }
 
-    /// Puts those that were left in another hall down at home in this one. What is remembered of the other is overwritten when they
-    /// are started.
+    /// Puts the robots that were left in another hall at home in this one. Starting them overwrites what was stored about the
+    /// other hall.
     pub fn put_down(&mut self) {
         for robot in self.simulated() {
             robot.put_down();
@@ -170,7 +170,7 @@ impl Robots {
         self.pair.put_down();
     }
 
-    /// Leaves what is remembered of another hall as it is: those that were put down here are there again at the next start.
+    /// Leaves what is stored about another hall as it is: the robots are in that hall again at the next start.
     pub fn keep_other_hall(&mut self) {
         for robot in self.simulated() {
             robot.keep_other_hall();
@@ -185,7 +185,7 @@ impl Robots {
         })
     }
 
-    /// What is run for each of them, and the simulator, where the robot that searches is simulated.
+    /// The adapters, and the simulator when the searching robot is simulated.
     pub fn adapters(self, clock: Clock) -> Adapters {
         let simulates = matches!(self.all.first(), Some((_, Robot::Sim(_))));
         let (controls, obeyed) = watch::channel(Controls::default());
@@ -197,7 +197,7 @@ impl Robots {
             remote
         };
         let moved = if self.wants_pair { self.pair.moved() } else { watch::channel(self.pair.taken_away()).1 };
-        // The pair first: what it had lifted is back before the others are in another hall.
+        // The pair first: the pieces it had lifted are back before the others enter another hall.
         let pair = self.wants_pair.then(|| self.pair.adapters(clock, remote(&SimPair::ids())));
         let of_one = |(id, robot): (RobotId, Robot)| match robot {
             Robot::Sim(robot) => robot.adapter(clock, moved.clone(), remote(&[id])),
@@ -212,9 +212,8 @@ impl Robots {
     }
 }
 
-/// What runs the robots.
 pub struct Adapters {
-    /// Of each, in the order of their names in `ids`.
+    /// In the order of `ids`.
     pub all: Vec<Adapter>,
     pub simulator: Option<SimulatorParts>,
 }
@@ -235,7 +234,7 @@ impl Robot {
     }
 }
 
-/// Where nothing is simulated the hall of the settings does nothing, so that it need not be there.
+/// An empty hall: without simulated robots the hall of the settings is unused, so it need not exist.
 fn nowhere() -> Arc<Hall> {
     Arc::new(Hall::from_rows("no hall of ours", &["S"]).expect("a hall of one cell is one"))
 }

@@ -1,5 +1,5 @@
-//! Robots, one folder a vendor, and the only place that names them: the factory makes of the settings what the loop needs of each.
-//! The simulated robot is a vendor like any other: it has a body, sensors and a camera, and it knows nothing of missions.
+//! Robots, one folder for each vendor, and the only place that names vendors: the factory creates from the settings what the loop
+//! needs. The simulated robot is a vendor like any other: it has a body, sensors and a camera, and knows nothing of missions.
 
 use std::future::Future;
 use std::pin::Pin;
@@ -16,5 +16,5 @@ pub use external::UnusableScene;
 pub use factory::{Adapters, Robots, Unusable};
 pub use sim::SimulatorParts;
 
-/// What stands between the program and a robot: it takes the adapter's end of the link, and runs until the loop's end is gone.
+/// Runs a robot: takes the adapter's end of the link, and ends when the loop's end is gone.
 pub type Adapter = Box<dyn FnOnce(RobotSide) -> Pin<Box<dyn Future<Output = ()> + Send>> + Send>;

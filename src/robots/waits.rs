@@ -1,12 +1,12 @@
-//! What links to robots of every kind wait for, each wait such that it can be given up and begun again: a report that is taken, work on
-//! another thread that is done.
+//! Awaits shared by the links to robots of every kind, each safe to cancel and repeat: a report that is taken, work on another
+//! thread that is done.
 
 use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 
 use hallsweep_core::event::RobotEvent;
 
-/// Sends the report as soon as there is room for it; false when nobody receives any more.
+/// Sends the report as soon as there is room; false when nobody receives any more.
 pub(super) async fn hand_over(reports: &mpsc::Sender<RobotEvent>, report: &mut Option<RobotEvent>) -> bool {
     let Ok(room) = reports.reserve().await else { return false };
     if let Some(report) = report.take() {
@@ -15,7 +15,7 @@ pub(super) async fn hand_over(reports: &mpsc::Sender<RobotEvent>, report: &mut O
     true
 }
 
-/// What comes of the work under way, `None` when it has failed; for ever when there is none.
+/// Result of the work under way, `None` when it has failed; waits for ever when there is none.
 pub(super) async fn done<T>(work: &mut Option<JoinHandle<T>>) -> Option<T> {
     let Some(under_way) = work else { return std::future::pending().await };
     let done = under_way.await.ok();
@@ -23,7 +23,7 @@ pub(super) async fn done<T>(work: &mut Option<JoinHandle<T>>) -> Option<T> {
     done
 }
 
-/// The same of work that is done for somebody.
+/// Like `done`, for work that belongs to a key.
 pub(super) async fn done_for<K: Copy, T>(work: &mut Option<(K, JoinHandle<T>)>) -> (K, Option<T>) {
     let Some((whom, under_way)) = work else { return std::future::pending().await };
     let done = (*whom, under_way.await.ok());

@@ -1,5 +1,5 @@
-//! One program at the other end of the wire: what it says is heard while what it is told is still being written, so that a halt is
-//! obeyed in the middle of a photo. The faults of the wire happen here.
+//! One program at the other end of the wire. Input is read while output is still being written, so that a halt is obeyed in the
+//! middle of a photo. The faults of the wire are applied here.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -11,10 +11,10 @@ use super::wire::Stream;
 use crate::runtime::clock::Clock;
 use hallsweep_core::rng::RandomStream;
 
-/// Photos are written in pieces of so many bytes.
+/// Photos are written in pieces of this many bytes.
 const PIECE: usize = 16 << 10;
 
-/// Where so many pieces wait already nothing more is heard, and nothing more said; one photo adds what it has.
+/// Number of waiting pieces at which nothing more is read and nothing more is said; one photo may exceed it.
 const WAITING: usize = 64;
 
 pub(super) struct Connection {
@@ -25,12 +25,12 @@ pub(super) struct Connection {
     clock: Clock,
     heard: Late,
     said: Late,
-    /// What is being written, and how much of it is.
+    /// The piece being written, and the number of its bytes already sent.
     writing: Option<(Vec<u8>, usize)>,
     cut_at: Option<Duration>,
 }
 
-/// Pieces under way, each with the time at which it arrives.
+/// Delayed pieces, each with its time of arrival.
 type Late = VecDeque<(Duration, Vec<u8>)>;
 
 impl Connection {
@@ -40,7 +40,7 @@ impl Connection {
         Connection { reader, writer, faults, chance, clock, heard: Late::new(), said: Late::new(), writing: None, cut_at }
     }
 
-    /// Whether there is room to say something: a line, or a photo.
+    /// Whether there is room for a line or a photo.
     pub(super) fn has_room(&self) -> bool {
         self.said.len() < WAITING
     }
@@ -52,7 +52,7 @@ impl Connection {
         }
     }
 
-    /// The next that is heard; `None`: the connection has ended. May be dropped while it waits: nothing is lost.
+    /// The next piece received; `None` when the connection has ended. Cancelling it loses nothing.
     pub(super) async fn hear(&mut self) -> Option<Vec<u8>> {
         let mut bytes = [0; 1024];
         loop {
@@ -84,7 +84,7 @@ fn arrived(late: &mut Late, now: Duration) -> Option<Vec<u8>> {
     late.front().is_some_and(|(at, _)| *at <= now).then(|| late.pop_front()).flatten().map(|(_, piece)| piece)
 }
 
-/// Writes as much as there is room for.
+/// Writes as much as the socket accepts.
 async fn write(writer: &mut WriteHalf<Stream>, writing: &mut Option<(Vec<u8>, usize)>) -> std::io::Result<()> {
     let Some((piece, done)) = writing else { return Ok(()) };
     *done += writer.write(&piece[*done..]).await?;

@@ -1,24 +1,24 @@
-//! The faults of a wire that can be asked for: bytes that are lost, changed or late. When they happen, chance says, from a seed.
+//! Faults of the wire that can be requested: bytes that are lost, changed or late. Chance decides when they happen, from a seed.
 
 use std::time::Duration;
 
 use hallsweep_core::rng::RandomStream;
 
-/// What goes wrong on the wire, both ways.
+/// Faults in both directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Faults {
-    /// How likely a byte is lost in a piece of what is sent, 0–1: in a line, or in 16 kB of a photo.
+    /// Probability that a byte is lost, 0–1, in each line or in each 16 kB of a photo.
     pub lose: f64,
-    /// How likely a byte is changed in it, 0–1.
+    /// Probability that a byte is changed, 0–1, in the same pieces.
     pub garble: f64,
-    /// So late it comes.
+    /// Delay of every piece.
     pub delay: Duration,
-    /// After so long each connection is cut.
+    /// Lifetime of each connection.
     pub cut_after: Option<Duration>,
 }
 
 impl Faults {
-    /// What becomes of a piece on its way.
+    /// Applies the faults to a piece.
     pub(super) fn befall(&self, piece: &[u8], chance: &mut RandomStream) -> Vec<u8> {
         let mut piece = piece.to_vec();
         if chance.happens(self.garble) && !piece.is_empty() {
@@ -32,7 +32,7 @@ impl Faults {
     }
 }
 
-/// A place in a piece that has some.
+/// A random place in a piece that is not empty.
 fn place(piece: &[u8], chance: &mut RandomStream) -> usize {
     usize::try_from(chance.below(piece.len() as u64)).expect("it is less than a length")
 }

@@ -1,5 +1,5 @@
-//! A robot that one builds oneself, played by the simulated one: the robot's end of the line protocol, joined to the simulator by the
-//! same link as the loop of the program is. So the simulated robot draws, waits and halts here as it does there.
+//! A self-built robot, played by the simulated one: the robot's end of the line protocol, joined to the simulator through the
+//! same link as the program's loop. So the simulated robot draws, waits and halts here as it does there.
 //!
 //! ```text
 //!   program ◄── wire, with its faults ──► LineRobot ── orders, halts, the LED ──► simulated robot
@@ -30,17 +30,17 @@ use hallsweep_drivers::line::{Asked, LineRobot};
 pub use hallsweep_drivers::line::{MOST_BYTES, RobotName};
 use hallsweep_sim::Hall;
 
-/// What is played, beside what the settings say of the simulated robot.
+/// The robot to play, beside the settings of the simulated robot.
 #[derive(Clone, Debug)]
 pub struct Emulation {
     pub name: RobotName,
     pub end: End,
-    /// Photos are made at least so long, in bytes, by what follows the picture.
+    /// Minimum size of photos in bytes, reached by padding after the picture.
     pub photo_bytes: usize,
     pub faults: Faults,
 }
 
-/// Plays the robot for one program at a time, until it is dropped. `announce` is told where, with the real port.
+/// Plays the robot for one program at a time, until it is dropped. Calls `announce` with the address, including the real port.
 pub async fn play(
     hall: Arc<Hall>,
     settings: &RobotSettings,
@@ -52,7 +52,7 @@ pub async fn play(
     let halter = Halter::new(Epoch(0));
     let (link, side) = link(halter.watch());
     let robot = SimRobot::new(RobotId::discovery(), hall, settings, false);
-    // Nobody else lifts anything in its hall.
+    // Nobody else lifts anything in this robot's hall.
     tokio::spawn(robot.adapter(clock, watch::channel(Default::default()).1, Remote::untouched())(side));
     announce(&place);
     let chance = RandomStream::new(settings.seed, "wire");
@@ -79,7 +79,7 @@ impl Emulator {
             tokio::select! {
                 biased;
                 stream = self.wire.next(&self.clock, is_connected) => {
-                    // Whoever comes takes the place of whoever was there.
+                    // A new program replaces the one before.
                     self.robot.handle_lost();
                     let chance = RandomStream::new(self.chance.number(), "connection");
                     self.connection = Some(Connection::new(stream, self.emulation.faults, chance, self.clock));
@@ -94,14 +94,14 @@ impl Emulator {
         }
     }
 
-    /// Hands over what the robot asks of its body, and what it says as far as the wire has room for it.
+    /// Passes orders on to the simulated robot, and its reports to the wire as far as there is room.
     fn pass_on(&mut self) {
         while let Some(asked) = self.robot.poll_asked() {
             match asked {
                 Asked::Halt => self.halter.halt(),
                 Asked::Led(blinks) => drop(self.link.led.send_replace(blinks)),
                 Asked::Order(order) => {
-                    // One is open at a time, so that there is room for it.
+                    // One order is open at a time, so there is room for it.
                     let stamped = Stamped { order, halts: self.link.halts.now().count };
                     let _ = self.link.orders.try_send(stamped);
                 }
@@ -125,7 +125,7 @@ impl Emulator {
         }
     }
 
-    /// A report with its photo as long as was asked for. What follows the picture in its file, nobody looks at.
+    /// A report with its photo padded to the requested size. Readers ignore what follows the picture in the file.
     fn padded(&self, report: RobotEvent) -> RobotEvent {
         let RobotEvent::Photo(id, photo) = report else { return report };
         let mut bytes = photo.bytes.to_vec();
@@ -134,7 +134,7 @@ impl Emulator {
     }
 }
 
-/// What the program says; for ever nothing, when none is there.
+/// The next piece from the program; waits for ever when none is connected.
 async fn hear(connection: &mut Option<Connection>) -> Option<Vec<u8>> {
     match connection {
         Some(connection) => connection.hear().await,

@@ -44,7 +44,7 @@ impl Drop for Test {
     }
 }
 
-/// A program that says what the test wants, and nothing by itself.
+/// A program that sends what the test wants, and nothing by itself.
 struct Client {
     stream: TcpStream,
     lines: LineReader,
@@ -55,7 +55,7 @@ impl Client {
         self.stream.write_all(&framed(text)).await.unwrap();
     }
 
-    /// The next line that begins so; `None` when the connection has ended.
+    /// The next line with this beginning; `None` when the connection has ended.
     async fn hears(&mut self, begins: &str) -> Option<String> {
         let coming = async {
             loop {
@@ -68,7 +68,7 @@ impl Client {
         within(begins, coming).await
     }
 
-    /// Introduces itself; what the robot says then of where it stands.
+    /// Introduces itself; returns what the robot says about its position.
     async fn begin(&mut self, from: u32) -> String {
         loop {
             self.say(&format!("from {from}")).await;
@@ -116,7 +116,7 @@ async fn one_whose_connection_is_gone_halts_and_says_so_to_the_next() {
     client.say("hello").await;
     assert!(client.hears("hello").await.unwrap().contains("off last=2"), "it moves");
     drop(client);
-    // Time in which it would have come to the end of its step; and who connects halts it as well.
+    // Time in which the step would have ended; connecting halts the robot as well.
     tokio::time::sleep(Duration::from_secs(2)).await;
     let hello = test.connect().await.begin(3).await;
     assert!(hello.contains("at=0,0,south off last=3"), "{hello}");
@@ -140,7 +140,7 @@ async fn a_connection_is_cut_when_that_was_asked_for() {
     test.connect().await.begin(1).await;
 }
 
-/// The order is in the middle of a photo that nobody reads: it is obeyed all the same.
+/// The order arrives in the middle of a photo that nobody reads, and is obeyed all the same.
 #[tokio::test]
 async fn it_listens_while_a_photo_is_on_its_way() {
     let test = Test::begin(&CORRIDOR, Speed::Max, Faults::default(), MOST_BYTES as usize).await;
@@ -150,14 +150,14 @@ async fn it_listens_while_a_photo_is_on_its_way() {
     client.hears("photo 2 4194304").await.expect("the photo begins");
     client.say("w 3 60000").await;
     client.say("hello").await;
-    // Only behind the bytes is there room for its answers.
+    // There is room for its answers only after these bytes.
     let mut bytes = vec![0; MOST_BYTES as usize];
     within("the photo", client.stream.read_exact(&mut bytes)).await.unwrap();
     assert!(bytes.starts_with(b"\x89PNG"));
     client.hears("done 3").await.expect("it has moved meanwhile");
 }
 
-/// The driver of the program over a wire with every fault: each order is answered, and the photo comes.
+/// The program's driver over a wire with every fault: each order is answered, and the photo arrives.
 #[tokio::test]
 async fn over_a_bad_wire_the_driver_gets_its_answers() {
     let faults = Faults { lose: 0.1, garble: 0.1, delay: Duration::from_millis(20), cut_after: Some(Duration::from_secs(4)) };
@@ -180,7 +180,7 @@ fn program_action(id: u64) -> Action {
     }
 }
 
-/// The driver, on a connection that is made again when it is cut.
+/// The driver, on a connection that is made again when it was cut.
 struct Program<'t> {
     test: &'t Test,
     stream: TcpStream,
@@ -198,7 +198,7 @@ impl<'t> Program<'t> {
         program
     }
 
-    /// Gives the order again until it is done: not centred it is recentred first, as the core would.
+    /// Repeats the order until it is done; recentres the robot first when it is off centre, as the core would.
     async fn until_done(&mut self, id: OrderId, action: Action) {
         let mut wanted = action;
         loop {

@@ -1,5 +1,5 @@
-//! Where programs come from: a port, to which each newcomer takes the place of the last, or a serial device, which is opened again
-//! when it was unplugged.
+//! Where programs come from: a port, where each new program replaces the last, or a serial device, which is opened again after it
+//! was unplugged.
 
 use std::future;
 use std::io;
@@ -11,19 +11,18 @@ use tokio::net::TcpListener;
 
 use crate::runtime::clock::Clock;
 
-/// After so long a port that cannot accept, and a device that cannot be opened, is tried again.
+/// Pause before a port that cannot accept, or a device that cannot be opened, is tried again.
 const AGAIN: Duration = Duration::from_millis(500);
 
-/// The robot's end of the wire.
 #[derive(Clone, Debug)]
 pub enum End {
-    /// Programs connect here, as `127.0.0.1:8300`; port 0 takes a free one.
+    /// The address where programs connect, such as `127.0.0.1:8300`; port 0 takes a free one.
     Port(String),
-    /// They are at the other end of this device, at so many bits a second.
+    /// A serial device, and its bits a second.
     Device(String, u32),
 }
 
-/// Why the emulator cannot begin. `Display` is the line for whoever started it.
+/// Why the emulator cannot start. `Display` is the message for whoever started it.
 #[derive(Debug, thiserror::Error)]
 pub enum EmulatorError {
     #[error(
@@ -40,7 +39,6 @@ pub enum EmulatorError {
     SimulationEnded,
 }
 
-/// Bytes, both ways.
 pub(super) type Stream = Box<dyn Bytes>;
 
 pub(super) trait Bytes: AsyncRead + AsyncWrite + Send + Unpin {}
@@ -53,7 +51,7 @@ pub(super) enum Wire {
 }
 
 impl Wire {
-    /// The end, and how a program is told to reach it.
+    /// Opens the end; also returns how a program can reach it.
     pub(super) async fn open(end: End) -> Result<(Wire, String), EmulatorError> {
         match end {
             End::Port(at) => {
@@ -72,7 +70,7 @@ impl Wire {
         }
     }
 
-    /// The next program. At a device there is another only when the last is gone.
+    /// The next program. At a device there is another one only when the last is gone.
     pub(super) async fn next(&mut self, clock: &Clock, is_connected: bool) -> Stream {
         loop {
             match self {
@@ -80,7 +78,7 @@ impl Wire {
                     clock.reach(Some(*again_at)).await;
                     match listener.accept().await {
                         Ok((stream, _)) => {
-                            // A robot whose answers come late is only slower.
+                            // Without this option answers are late, but the robot still works.
                             let _ = stream.set_nodelay(true);
                             return Box::new(stream);
                         }
@@ -102,7 +100,7 @@ impl Wire {
         }
     }
 
-    /// The connection has ended; a device is given a moment.
+    /// Ends the connection; a device is opened again after a pause.
     pub(super) fn close(&mut self, clock: &Clock) {
         if let Wire::Device { again_at, .. } = self {
             *again_at = clock.since_start() + AGAIN;

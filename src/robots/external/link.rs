@@ -1,5 +1,5 @@
-//! Joins a driver to the loop and to the wire: channels, timers, connections that are made anew, the threads on which drawings are made
-//! and the small file is written. What is said to the robot is decided by the driver.
+//! Joins a driver to the loop and to the wire: channels, timers, reconnecting, and the threads on which drawings are made and the
+//! small file is written. The driver decides what is said to the robot.
 
 use std::io;
 use std::pin::Pin;
@@ -18,26 +18,26 @@ use hallsweep_core::event::{Photo, RobotEvent, RobotId};
 use hallsweep_core::units::OrderId;
 use hallsweep_drivers::{Driver, Output};
 
-/// So long after a connection was lost, or could not be made, it is tried again; one that ends as soon as it is made, later and later.
+/// Pause after a connection was lost or could not be made; it grows when connections end as soon as they are made.
 const AGAIN: Duration = Duration::from_millis(500);
 
-/// A connection that does not last so long has ended as soon as it was made.
+/// A connection shorter than this counts as one that ended as soon as it was made.
 const BRIEF: Duration = Duration::from_secs(2);
 
-/// So long after the file could not be written it is tried again, when nothing new has happened before.
+/// Time after which a failed write of the file is retried, when nothing new happens before.
 const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
 
-/// How often the wait is doubled: to eight seconds.
+/// Number of times that the pause doubles: up to eight seconds.
 const DOUBLED: u32 = 4;
 
-/// After so many brief ones it is asked whether somebody else has the robot.
+/// Number of brief connections after which the error asks whether another program has the robot.
 const OFTEN: u32 = 3;
 
-/// Timers are not set further ahead than this; then it is looked again.
+/// Longest timer; after it the state is checked again.
 const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 
-/// Runs a robot outside this program until the loop's end of its channels is gone. What must be known of it to the next program goes
-/// into the file, when there is one, before the robot or anybody else is told of what follows.
+/// Runs an external robot until the loop's end of the channels is gone. What the next program must know is written to the file,
+/// when there is one, before the robot or anybody else is told of its consequences.
 pub(super) async fn run(
     (robot, driver): (RobotId, Box<dyn Driver>),
     address: Address,
@@ -70,27 +70,27 @@ pub(super) async fn run(
 struct Link {
     robot: RobotId,
     driver: Box<dyn Driver>,
-    /// As the log has it.
+    /// As last logged.
     is_up: bool,
     address: Address,
     side: RobotSide,
     clock: Clock,
     connection: Connection,
-    /// When the last one was made, and how many in a row were brief.
+    /// When the last connection was made, and the number of brief ones in a row.
     connected: Duration,
     brief: u32,
-    /// A report on its way. Until it is taken nothing but a halt is listened to, so that reports cannot pile up.
+    /// A report that the loop has not taken yet. Until then only halts are received, so that reports cannot pile up.
     report: Option<RobotEvent>,
     drawing: Option<(OrderId, JoinHandle<Photo>)>,
-    /// The halts of which the last order that was begun knew.
+    /// The number of halts known to the last order that was begun.
     obeyed: u64,
-    /// Whether the driver was told whether the LED blinks.
+    /// Whether the driver knows the state of the LED.
     is_led_told: bool,
     /// The file, while it is not being written.
     file: Option<MemoryFile>,
-    /// The file being written: on a thread of its own, so that a disk that hangs delays no halt.
+    /// The write in progress: on a thread of its own, so that a disk that hangs delays no halt.
     writing: Option<JoinHandle<MemoryFile>>,
-    /// When what could not be written is tried again.
+    /// When a failed write is retried.
     write_again: Option<Duration>,
 }
 
@@ -101,12 +101,11 @@ enum Connection {
     Closing(Pin<Box<dyn Future<Output = bool> + Send>>),
 }
 
-/// What happens to a connection.
 enum Happening {
     Due,
     Called(io::Result<Wire>),
     Received(io::Result<Vec<u8>>),
-    /// By the other side too, or by ours alone.
+    /// Whether the other side closed too, or only ours.
     Closed(bool),
 }
 
@@ -116,7 +115,7 @@ impl Link {
             self.keep();
             if self.writing.is_none() {
                 self.perform().await;
-                // That it was sent is to be known to the next program as well.
+                // The next program must also know what has just been sent.
                 self.keep();
             }
             if self.report.is_none() && self.writing.is_none() {
@@ -126,7 +125,7 @@ impl Link {
             let free = self.report.is_none() && self.writing.is_none();
             let wake = self.wake();
             if free && wake <= self.clock.instant(self.clock.now().since_start) {
-                // A robot that never stops talking would keep it waiting.
+                // A robot that never stops talking would otherwise starve the timers.
                 self.driver.handle_timeout(self.clock.now());
             }
             tokio::select! {
@@ -140,14 +139,15 @@ impl Link {
                     None => return,
                 },
                 drawn = done_for(&mut self.drawing), if free => self.deliver(drawn),
-                // While something is written down too: when a word comes is what counts.
+                // Also during a write: the time at which a word arrives matters.
                 happening = self.connection.happening(), if self.report.is_none() => self.happened(happening),
                 () = tokio::time::sleep_until(wake), if free => self.driver.handle_timeout(self.clock.now()),
             }
         }
     }
 
-    /// For whoever has no console open. A link that is up is said to be once more when the robot is known better.
+    /// Logs the link for operators without a console. The driver may report a link that is up again, when it knows the robot
+    /// better.
     fn log(&mut self) {
         let at = &self.address;
         match &self.report {
@@ -162,17 +162,17 @@ impl Link {
         }
     }
 
-    /// When the driver has to be looked at again.
+    /// When the driver's next timer or the next retry is due.
     fn wake(&self) -> Instant {
         let now = self.clock.now().since_start;
         let at = [self.driver.poll_timeout(), self.write_again].into_iter().flatten().min();
         self.clock.instant(at.unwrap_or(Duration::MAX).min(now + LONGEST_WAIT))
     }
 
-    /// Begins to write down what has changed, or what is still owed when its time has come.
+    /// Starts to write the driver's new memory, or retries a failed write when its time has come.
     fn keep(&mut self) {
         let Some(mut file) = self.file.take() else {
-            // There is none, or it is being written.
+            // There is no file, or it is being written.
             return;
         };
         let again = self.write_again.is_some_and(|at| at <= self.clock.now().since_start);
@@ -201,7 +201,7 @@ impl Link {
         self.driver.handle_led(blinks, self.clock.now());
     }
 
-    /// Does what the driver wants done.
+    /// Carries out what the driver wants.
     async fn perform(&mut self) {
         while let Some(output) = self.driver.poll_output() {
             match output {
@@ -223,14 +223,14 @@ impl Link {
         }
     }
 
-    /// Any other connection is on its way to a new one.
+    /// Closes the connection to make a new one; in any other state that is under way already.
     fn reconnect(&mut self) {
         if matches!(self.connection, Connection::Stands(_)) {
             let call = Connection::Calling(self.address.call());
             if let Connection::Stands(wire) = std::mem::replace(&mut self.connection, call) {
                 self.connection = Connection::Closing(wire.close());
             }
-            // Whoever ends it himself has found it good.
+            // The driver ended it on purpose, so the connection was good.
             self.brief = 0;
         }
     }
@@ -269,8 +269,8 @@ impl Link {
         }
     }
 
-    /// A halt concerns what was begun before it was raised: an order may have overtaken the news of a halt that it knows of. What it makes
-    /// the driver say goes out whatever is being written.
+    /// A halt concerns only what was begun before it: an order sent after the halt may arrive first. What the driver then says is
+    /// sent even during a write.
     async fn halt(&mut self, count: u64) {
         if self.obeyed < count {
             self.driver.handle_halt(self.clock.now());
@@ -291,7 +291,7 @@ impl Link {
         self.driver.handle_order(order, self.clock.now());
     }
 
-    /// Brings a drawing to the driver. One that could not be made is missed by its order's deadline.
+    /// Passes a drawing to the driver. Without one, the order fails at its deadline.
     fn deliver(&mut self, (order, drawing): (OrderId, Option<Photo>)) {
         if let Some(drawing) = drawing {
             self.driver.handle_drawing(order, drawing, self.clock.now());
@@ -300,7 +300,7 @@ impl Link {
 }
 
 impl Connection {
-    /// The next thing that happens to it. Nothing is lost when this is given up.
+    /// The next event of the connection. Cancelling it loses nothing.
     async fn happening(&mut self) -> Happening {
         match self {
             Connection::Waiting(until) => {
@@ -326,7 +326,7 @@ mod tests {
     use hallsweep_core::units::{Epoch, Now, Pose, WallTime};
     use hallsweep_drivers::line::LineDriver;
 
-    /// What is reported of an order that was sent before a halt, to a robot that has not said who it is.
+    /// The report about an order that was sent before a halt, to a robot that has not introduced itself.
     async fn sent_before_a_halt(action: Action) -> RobotEvent {
         let silent = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = Address::Tcp(silent.local_addr().unwrap().to_string(), None);
@@ -339,7 +339,7 @@ mod tests {
         within("its answer", link.reports.recv()).await.unwrap()
     }
 
-    /// A driver that writes down what it is told, into its memory, and answers every order at once.
+    /// A driver that records what it is told in its memory, and answers every order at once.
     #[derive(Debug, Default)]
     struct Recorder {
         told: Vec<String>,
@@ -388,7 +388,7 @@ mod tests {
         }
     }
 
-    /// Safety R2, and what a search is: the LED blinks before its first order.
+    /// Safety R2, and the rule of a search: the LED blinks before its first order.
     #[tokio::test]
     async fn whoever_hears_of_an_answer_finds_in_the_file_what_it_follows_from_the_led_before_the_first_order() {
         let folder = Scratch::new();

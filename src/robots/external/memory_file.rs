@@ -1,7 +1,7 @@
-//! Keeps what the next program must know of a robot that does not know itself where it stands, in one small file of the data folder. It is
-//! replaced as a whole and nothing is flushed: that outlives `kill -9`. What stands in it is the driver's business.
+//! Stores what the next program must know about a robot that does not know its own position, in one small file of the data
+//! folder. The file is replaced as a whole and not flushed: that outlives `kill -9`. The driver decides its contents.
 //!
-//! A file that could not be replaced tells of a place where the robot does not stand any more: it is given another name, which says so.
+//! A file that could not be replaced names a position that the robot has left: it is renamed, so that its new name says so.
 
 use std::fs;
 use std::io;
@@ -12,10 +12,10 @@ use crate::storage::names;
 use crate::storage::small_file::{SmallFile, checksum};
 use hallsweep_core::event::RobotId;
 
-/// More than a driver ever writes.
+/// Maximum size in bytes, more than a driver ever writes.
 const MOST: usize = 4 << 20;
 
-/// Why nobody knows where a robot stands, said with the file and what to do.
+/// Why the position of a robot is not known, with the file and what to do.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum MemoryFileError {
     #[error(
@@ -37,29 +37,29 @@ pub(super) enum MemoryFileError {
 #[derive(Debug)]
 pub(super) struct MemoryFile {
     file: SmallFile,
-    /// Whether what stands in it is of this robot, and not of one in whose place it is.
+    /// Whether the contents are of this robot, not of one that it replaces.
     is_own: bool,
-    /// What it is called when it could not be replaced, and whose is there.
+    /// Name of the file after a failed write, and whose mark is there.
     out_of_date: PathBuf,
     mark: Mark,
     /// What could not be written.
     owed: Option<String>,
-    /// Which robot it is of: its kind and where it is.
+    /// Kind and address of the robot.
     whose: String,
 }
 
-/// What says that nobody knows where the robot stands.
+/// The mark that the position of the robot is not known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Mark {
     No,
-    /// Of a robot in whose place this one is.
+    /// The mark of a robot that this one replaces.
     OfAnother,
     Own,
 }
 
 impl MemoryFile {
-    /// The file of this robot in the folder `dir`, and what stands in it; nothing when there is none yet, or when it is of another robot
-    /// than `whose`. Nothing is written, and a file that cannot be read stays as it is.
+    /// Opens the file of this robot in the folder `dir`, and reads it; `None` when there is none yet, or when it belongs to
+    /// another robot than `whose`. Writes nothing, and leaves a file that cannot be read as it is.
     pub(super) fn open(dir: &Path, robot: &RobotId, whose: &str) -> Result<(MemoryFile, Option<String>), MemoryFileError> {
         let file = SmallFile::of(dir, names::ROBOT, robot.name());
         let out_of_date = names::ROBOT_OUT_OF_DATE.of(dir, robot.name());
@@ -83,12 +83,12 @@ impl MemoryFile {
         Ok((MemoryFile { whose: whose.to_owned(), file, is_own: memory.is_some(), out_of_date, mark, owed: None }, memory))
     }
 
-    /// What stands in it is no memory of a robot, for this reason.
+    /// The error for contents that are no memory of a robot.
     pub(super) fn damaged(&self, fault: String) -> MemoryFileError {
         MemoryFileError::Damaged { path: self.file.path().to_owned(), fault }
     }
 
-    /// Writes this down, which is one line. When that fails, the robot goes on all the same, and the log says so once.
+    /// Writes the memory, which is one line. After a failure the robot goes on, and the log says so once.
     pub(super) fn keep(&mut self, memory: String) {
         let written = self.write(&memory);
         let failing = "cannot keep where the robot stands: make room, or the folder writable";
@@ -112,12 +112,13 @@ impl MemoryFile {
         self.file.swap(format!("{said}\n{}\n", checksum(&said)).as_bytes())
     }
 
-    /// What could not be written, and is to be tried again.
+    /// The memory that could not be written, to be tried again.
     pub(super) fn owed(&self) -> Option<String> {
         self.owed.clone()
     }
 
-    /// That needs no room. In a folder that cannot be written the file may still be: without its contents it is believed by nobody.
+    /// Marks the file as out of date, which needs no free space. In a read-only folder the file itself may still be writable:
+    /// once emptied it is not used.
     fn mark_out_of_date(&self) -> io::Result<()> {
         let anybodys = || files::create(&self.out_of_date).map(drop);
         let marked = if self.is_own { fs::rename(self.file.path(), &self.out_of_date) } else { anybodys() };
@@ -127,7 +128,7 @@ impl MemoryFile {
     }
 }
 
-/// Who is marked. An empty mark is anybody's, and so is what cannot be read or understood.
+/// Whose mark it is. An empty or unreadable mark counts for any robot.
 fn mark(out_of_date: &Path, whose: &str) -> Mark {
     match files::read_if_there(out_of_date, MOST) {
         Ok(None) => Mark::No,
@@ -136,7 +137,7 @@ fn mark(out_of_date: &Path, whose: &str) -> Mark {
     }
 }
 
-/// Reads which robot this is, and what is remembered of it.
+/// Splits the contents into the robot and its memory.
 fn understood(bytes: &[u8]) -> Result<(String, String), &'static str> {
     let text = std::str::from_utf8(bytes).map_err(|_| "it is no text")?;
     let (whose, memory) = match text.split('\n').collect::<Vec<_>>()[..] {
@@ -196,7 +197,7 @@ mod tests {
         assert!(!mark.exists(), "what is kept since is in date");
     }
 
-    /// In the place of another robot, whose file or mark is still there.
+    /// The robot replaces another one, whose file or mark is still there.
     #[test]
     fn one_whose_first_writing_fails_is_out_of_date_itself() {
         for other in ["robot-discovery.txt", "robot-discovery.out-of-date"] {

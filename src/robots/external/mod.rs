@@ -1,5 +1,5 @@
-//! Robots outside this program: a driver that knows how one is spoken to (`hallsweep_drivers`), the wire to it, and the small file by
-//! which the next program knows where it stands, where it does not say so itself.
+//! Robots outside this program: a driver that knows the robot's protocol (`hallsweep_drivers`), the wire to it, and the small
+//! file that tells the next program the position of a robot that does not report it.
 
 mod drawing;
 mod link;

@@ -1,4 +1,4 @@
-//! One robot outside this program before it is started: how it is spoken to, where, and what the last program knew of it.
+//! One external robot before it is started: its protocol, its address, and what the last program knew about it.
 
 use std::path::Path;
 use std::time::Duration;
@@ -18,10 +18,10 @@ pub(in crate::robots) struct ExternalRobot {
     id: RobotId,
     kind: Kind,
     address: Address,
-    /// The same under one name.
+    /// The address as one name.
     place: String,
     step: Duration,
-    /// By the scene file of its page.
+    /// From the scene file of its page.
     room: Option<Room>,
     remembered: Remembered,
 }
@@ -29,12 +29,12 @@ pub(in crate::robots) struct ExternalRobot {
 #[derive(Clone, Copy)]
 enum Kind {
     Virtual(Dialect),
-    /// It knows itself where it stands.
+    /// A robot that knows its own position.
     Line,
 }
 
 enum Remembered {
-    /// Nothing, and nothing will be written down.
+    /// Nothing is known, and nothing will be written.
     Nothing,
     Here(MemoryFile, Option<Box<VirtualRobot>>),
     /// It may be anywhere, for this reason.
@@ -42,7 +42,7 @@ enum Remembered {
 }
 
 impl ExternalRobot {
-    /// `None` for one of a kind that is part of this program.
+    /// `None` for a kind that is part of this program.
     pub(in crate::robots) fn new(id: &RobotId, settings: &RobotSettings) -> Result<Option<ExternalRobot>, UnusableScene> {
         let at = settings.address.to_string();
         let (kind, address) = match (settings.kind, &settings.address) {
@@ -60,12 +60,12 @@ impl ExternalRobot {
         Ok(Some(ExternalRobot { id: id.clone(), kind, address, place, step, room, remembered: Remembered::Nothing }))
     }
 
-    /// Where it is, in place of the hall that is not ours.
+    /// Its address, in place of the name of a hall.
     pub(in crate::robots) fn place(&self) -> String {
         format!("robot at {}", self.address)
     }
 
-    /// Whether it counts its way by time, and nobody has said where things stand.
+    /// Whether it measures its path by time, without a scene file that says where things stand.
     pub(in crate::robots) fn reckons(&self) -> bool {
         matches!(self.kind, Kind::Virtual(_)) && self.room.is_none()
     }
@@ -84,12 +84,12 @@ impl ExternalRobot {
         };
     }
 
-    /// Why nobody knows where it is, when that is so.
+    /// Why its position is not known.
     pub(in crate::robots) fn lost(&self) -> Option<&str> {
         if let Remembered::Lost(lost) = &self.remembered { Some(lost) } else { None }
     }
 
-    /// What is run for it. The link to one that may be anywhere stays down, and nobody is told that its adapter has ended.
+    /// The adapter that runs it. The link to a robot that may be anywhere stays down, and its adapter counts as running.
     pub(in crate::robots) fn adapter(self, clock: Clock) -> Adapter {
         let ExternalRobot { id, kind, address, step, room, remembered, .. } = self;
         let (file, known) = match remembered {

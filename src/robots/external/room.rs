@@ -1,4 +1,4 @@
-//! What the scene file of a virtual robot's page tells its driver: where everything stands, as the robot meets it.
+//! The positions of everything in the scene file of a virtual robot's page, as its driver needs them.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -7,18 +7,17 @@ use hallsweep_core::event::RobotId;
 use hallsweep_drivers::{Extent, Room, Thing};
 use hallsweep_sim::{HallError, PLAYER, Scene};
 
-/// The scene file of the settings cannot be read. `Display` is the line for whoever started the program.
+/// The scene file of the settings cannot be read. `Display` is the message for whoever started the program.
 #[derive(Debug, thiserror::Error)]
 #[error("the scene file {path:?} of {robot} cannot be used: {error}")]
 pub struct UnusableScene {
-    /// Which robot's.
     pub robot: RobotId,
     /// The path, as it was set.
     pub path: PathBuf,
     pub error: HallError,
 }
 
-/// What is known of the room, and how long a cell takes where the page is as quick as it is meant to be.
+/// The room, and the time a cell takes at the page's nominal speed.
 pub(super) fn room(robot: &RobotId, path: &Path) -> Result<(Room, Duration), UnusableScene> {
     let file = path.to_string_lossy();
     let read = Scene::open(&file).and_then(|scene| {
@@ -28,7 +27,7 @@ pub(super) fn room(robot: &RobotId, path: &Path) -> Result<(Room, Duration), Unu
     read.map_err(|error| UnusableScene { robot: robot.clone(), path: path.to_owned(), error })
 }
 
-/// In cells from where the player starts, as its centre meets it.
+/// The room in cells from the player's start, as the robot's centre meets it.
 fn told(scene: &Scene) -> Room {
     let (player, half) = (&scene.player, PLAYER / 2.0);
     let extent = |(min_x, max_x): (f64, f64), (min_z, max_z): (f64, f64), grown: f64| Extent {

@@ -1,5 +1,5 @@
-//! The wires to robots outside this program: TCP, WebSocket, a serial device. What is said over them is the driver's business, when they
-//! are made anew that of `link`.
+//! The wires to robots outside this program: TCP, WebSocket, a serial device. The driver decides what is sent, `link` when to
+//! reconnect.
 
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
@@ -15,36 +15,34 @@ use tokio_tungstenite::{MaybeTlsStream, WebSocketStream};
 
 use hallsweep_core::event::RobotId;
 
-/// So long a robot may take to answer a call.
+/// Maximum time to connect.
 const CALL: Duration = Duration::from_secs(3);
 
-/// What is sent is some bytes: a robot that does not take them for so long is not there.
+/// Maximum time to send a few bytes: a robot that does not accept them in this time is gone.
 const SENDING: Duration = Duration::from_millis(500);
 
-/// So long the other side may take to close after we have.
+/// Maximum time for the other side to close.
 const CLOSING: Duration = Duration::from_millis(500);
 
-/// As much as is read at once.
+/// Bytes read at once.
 const PIECE: usize = 16 * 1024;
 
-/// No robot says more than this in one message over WebSocket.
+/// Maximum size in bytes of a message over WebSocket.
 const MESSAGE: usize = 64 * 1024;
 
-/// Where a robot is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Address {
-    /// `HOST:PORT`; called from this address where it is within this machine.
+    /// `HOST:PORT`; with the local address to call from, for a robot on this machine.
     Tcp(String, Option<Ipv4Addr>),
-    /// `HOST:PORT`, by WebSocket.
+    /// `HOST:PORT`, over WebSocket.
     WebSocket(String),
-    /// A serial device, and so many bits a second.
+    /// A serial device, and its bits a second.
     Serial(String, u32),
 }
 
 type Calling = Pin<Box<dyn Future<Output = io::Result<Wire>> + Send>>;
 type Closing = Pin<Box<dyn Future<Output = bool> + Send>>;
 
-/// One connection to a robot.
 pub(super) enum Wire {
     Tcp(TcpStream),
     WebSocket(Box<WebSocketStream<MaybeTlsStream<TcpStream>>>),
@@ -52,11 +50,11 @@ pub(super) enum Wire {
 }
 
 impl Address {
-    /// Makes a connection.
+    /// Connects.
     pub(super) fn call(&self) -> Calling {
         let address = self.clone();
         if let Address::Serial(..) = address {
-            // Of a device that hangs no second thread is to wait.
+            // Opened here, because no second thread may wait for a device that hangs.
             return Box::pin(address.called());
         }
         Box::pin(async move {
@@ -72,13 +70,13 @@ impl Address {
                     Some(stream) => stream,
                     None => TcpStream::connect(at).await?,
                 };
-                // Each message is to go in one segment, and at once.
+                // Each message must go out at once, in one segment.
                 stream.set_nodelay(true)?;
                 Ok(Wire::Tcp(stream))
             }
             Address::WebSocket(at) => {
                 let bounds = WebSocketConfig::default().max_message_size(Some(MESSAGE)).max_frame_size(Some(MESSAGE));
-                // Pongs that a robot does not take are not kept for it.
+                // Pongs that the robot does not accept are not buffered.
                 let bounds = bounds.write_buffer_size(0).max_write_buffer_size(MESSAGE);
                 let connected = tokio_tungstenite::connect_async_with_config(format!("ws://{at}/"), Some(bounds), true);
                 let (stream, _) = connected.await.map_err(io::Error::other)?;
@@ -103,7 +101,7 @@ impl std::fmt::Display for Address {
 }
 
 impl Wire {
-    /// The next bytes, or the next message; that the other side has ended is an error. Nothing is lost when this is given up.
+    /// The next bytes, or the next message; the end of the connection is an error. Cancelling it loses nothing.
     pub(super) async fn receive(&mut self) -> io::Result<Vec<u8>> {
         match self {
             Wire::Tcp(stream) => loop {
@@ -133,7 +131,7 @@ impl Wire {
         }
     }
 
-    /// Sends this as a whole.
+    /// Sends the bytes as a whole.
     pub(super) async fn send(&mut self, bytes: Vec<u8>) -> io::Result<()> {
         let sent = async {
             match self {
@@ -149,15 +147,15 @@ impl Wire {
         tokio::time::timeout(SENDING, sent).await.unwrap_or_else(|_| Err(late()))
     }
 
-    /// Lets go of it. The system may wait for what a serial device has not sent yet: not on this thread.
+    /// Drops the connection. The system may wait for unsent bytes of a serial device, so not on this thread.
     pub(super) fn abandon(self) {
         if let Wire::Serial(port) = self {
             tokio::task::spawn_blocking(move || drop(port));
         }
     }
 
-    /// Closes it, and waits a moment until the other side has, too: what it does then must not fall upon the next connection. Whether it
-    /// has.
+    /// Closes the connection, and waits until the other side has closed too, so that its last actions do not affect the next
+    /// connection. The result is whether it has.
     pub(super) fn close(self) -> Closing {
         Box::pin(async move {
             let Wire::Tcp(mut stream) = self else { return false };
@@ -179,15 +177,15 @@ impl Wire {
     }
 }
 
-/// An address of this machine for itself alone, and for one robot of this program: the virtual robot's server tells its clients apart by
-/// their addresses, and gives what it says to the last who came from each.
+/// A loopback address for one robot of this program: the virtual robot's server tells its clients apart by their addresses, and
+/// sends its messages to the newest client of each.
 pub(super) fn own_address(robot: &RobotId) -> Ipv4Addr {
     let [high, low] = u16::try_from(std::process::id() % 65_536).unwrap_or_default().to_be_bytes();
     let sum = robot.name().bytes().fold(0_u8, |sum, byte| sum.wrapping_mul(31).wrapping_add(byte));
     Ipv4Addr::new(127, 64 + sum % 128, high, low)
 }
 
-/// `None` where the robot is on another machine, or the system has no such address.
+/// `None` when the robot is on another machine, or the system has no such address.
 async fn from_ourselves(at: &str, own: Option<Ipv4Addr>) -> Option<TcpStream> {
     let own = own?;
     let is_here = |address: &SocketAddr| matches!(address.ip(), IpAddr::V4(ip) if ip.is_loopback());
@@ -197,7 +195,7 @@ async fn from_ourselves(at: &str, own: Option<Ipv4Addr>) -> Option<TcpStream> {
     socket.connect(robot).await.ok()
 }
 
-/// In one write where the system takes it at once, as it does what is so short: there are robots that cannot bear a message in two pieces.
+/// In one write where the system accepts it, as it does for so few bytes: some robots cannot handle a message in two pieces.
 async fn write_whole(stream: &TcpStream, mut bytes: &[u8]) -> io::Result<()> {
     while !bytes.is_empty() {
         stream.writable().await?;

@@ -1,5 +1,5 @@
-//! The hall that somebody has chosen in the simulator, kept in the data folder so that a restart goes on in it: a hall file with two lines of
-//! its own before. It holds as long as the settings name the hall that they named then.
+//! The hall that somebody has chosen in the simulator, stored in the data folder so that a restart continues in it: a hall file
+//! after two lines of its own. It applies as long as the settings name the same hall as at that time.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use crate::storage::names;
 use crate::storage::small_file::SmallFile;
 use hallsweep_sim::{Export, Format, Hall};
 
-/// Room for the largest hall that is taken, and the words about it.
+/// Maximum size in bytes: room for the largest hall and the lines before it.
 const MOST: usize = 4 << 20;
 
 const INSTEAD: &str = "# chosen in the simulator instead of ";
@@ -22,7 +22,6 @@ pub(in crate::robots) struct ChosenHall {
     usual: String,
 }
 
-/// The file cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[error(
     "{} is the hall that was chosen in the simulator, and cannot be used: {fault}; mend it, or move it away, then start hallsweep again: \
@@ -48,7 +47,7 @@ impl ChosenHall {
         SmallFile::within(&self.folder, names::CHOSEN_HALL)
     }
 
-    /// What was chosen, if that was instead of the hall that the settings name now.
+    /// The chosen hall, if it was chosen instead of the one that the settings name now.
     pub(in crate::robots) fn read(&self) -> Result<Option<Ground>, UnusableChosenHall> {
         let path = names::CHOSEN_HALL.within(&self.folder);
         let unusable = |fault: String| UnusableChosenHall { path: path.clone(), fault };
@@ -66,7 +65,7 @@ impl ChosenHall {
         Ok(Some(Ground { hall: hall.into(), seed }))
     }
 
-    /// Keeps what was chosen, whole or not at all.
+    /// Stores the chosen hall, whole or not at all.
     pub(super) fn keep(&self, ground: &Ground) -> io::Result<()> {
         let hall = file_of(&ground.hall);
         let text = format!("{INSTEAD}{}\n{SEED}{}\n{hall}", written(&self.usual), ground.seed);
@@ -74,13 +73,12 @@ impl ChosenHall {
     }
 }
 
-/// A hall as a hall file.
 pub(super) fn file_of(hall: &Hall) -> String {
     let file = Export::from(hall.clone()).file(Format::Toml, "hall");
     String::from_utf8_lossy(&file).into_owned()
 }
 
-/// The name of a hall in one line.
+/// The name of a hall on one line, quoted and escaped.
 fn written(name: &str) -> String {
     format!("{name:?}")
 }

@@ -1,4 +1,4 @@
-//! A simulated robot whose time is stopped, whose faults come and go, and which is put down in another hall, as the loop sees it.
+//! A simulated robot whose time is stopped, whose faults change, and which is moved to another hall, as the loop sees it.
 
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -28,7 +28,7 @@ struct Controlled {
 const FORWARD: Action = Action::Move(Move::Forward);
 
 impl Controlled {
-    /// A robot in a hall of one column, with its first reports taken.
+    /// A robot in a hall of one column, after its first reports.
     async fn begin(rows: &[&str]) -> Controlled {
         let hall = Arc::new(Hall::from_rows("test", rows).expect("a good hall"));
         let settings = SimSettings { sonar_noise_cm: 0.0, ..SimSettings::new(1, Camera::Stub) };
@@ -73,7 +73,7 @@ impl Controlled {
         self.controls.send_modify(change);
     }
 
-    /// Whether nothing comes for longer than any order takes; what does is lost.
+    /// Whether no report comes for longer than any order takes; one that comes is dropped.
     async fn is_silent(&mut self) -> bool {
         tokio::time::timeout(Duration::from_secs(60), self.next()).await.is_err()
     }

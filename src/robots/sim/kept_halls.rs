@@ -1,5 +1,5 @@
-//! The halls that somebody keeps under names, to choose and to edit them again: hall files in a folder of the data folder, each called as its
-//! hall is, so that one can be put there by hand as well, before the start.
+//! Halls that somebody stored under names, to choose and to edit them again: hall files in a folder of the data folder, each
+//! named after its hall, so that one can also be put there by hand before the start.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -13,10 +13,10 @@ use crate::storage::small_file::SmallFile;
 use crate::storage::{files, names};
 use hallsweep_sim::Hall;
 
-/// So many are kept at most.
+/// Maximum number of stored halls.
 const MOST: usize = 100;
 
-/// The largest file that is read: what is kept here is far smaller.
+/// Maximum size of a file in bytes: halls stored here are far smaller.
 const MOST_BYTES: usize = 1 << 20;
 
 #[derive(Debug)]
@@ -27,8 +27,8 @@ pub(super) struct KeptHalls {
 }
 
 impl KeptHalls {
-    /// What is there already is found; what is too much is said in the log. A file that cannot be used is offered too, so that whoever
-    /// asks for it is told why.
+    /// Finds the files that are there; the log names those beyond the maximum. A file that cannot be used is listed too, so that
+    /// whoever asks for it is told why.
     pub(super) fn within(data: Option<&Path>) -> KeptHalls {
         let names = data.map(|data| found(&names::HALLS.within(data))).unwrap_or_default();
         KeptHalls { data: data.map(Path::to_owned), names: Mutex::new(names) }
@@ -38,7 +38,7 @@ impl KeptHalls {
         self.lock().iter().cloned().collect()
     }
 
-    /// `None` where none is kept under this name.
+    /// `None` when no hall is stored under this name.
     pub(super) fn read(&self, name: &str) -> Option<Result<Hall, NotSimulated>> {
         let file = file(self.data.as_deref().filter(|_| self.lock().contains(name))?, name);
         let unusable = |words: String| {
@@ -57,8 +57,8 @@ impl KeptHalls {
         )
     }
 
-    /// Keeps a hall, whole or not at all; in the place of what is there under its name only if it may replace that. Who keeps and discards
-    /// takes turns.
+    /// Stores a hall, whole or not at all; replaces one of the same name only if `may_replace`. A lock makes storing and deleting
+    /// exclude each other.
     pub(super) fn keep(&self, name: &str, hall: &Hall, may_replace: bool) -> Result<(), NotSimulated> {
         let data = self.data.as_deref().ok_or(NotSimulated::NoDataFolder)?;
         // Somebody may have put a file there since the start.
@@ -97,7 +97,7 @@ impl KeptHalls {
 }
 
 fn found(folder: &Path) -> BTreeSet<String> {
-    // That it cannot be read is said by `unreadable`.
+    // `unreadable` reports a folder that cannot be read.
     let files: Vec<PathBuf> = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
     let names: BTreeSet<String> = files.iter().filter_map(|file| name_of(file)).collect();
     let offered: BTreeSet<String> = names.into_iter().take(MOST).collect();
@@ -108,7 +108,7 @@ fn found(folder: &Path) -> BTreeSet<String> {
     offered
 }
 
-/// Why the folder of the halls that are kept cannot be read, in words that end with what to do; `None` where it can, or is not there.
+/// Why the folder of stored halls cannot be read, in words that end with what to do; `None` when it can be, or does not exist.
 pub(in crate::robots) fn unreadable(data: &Path) -> Option<String> {
     let folder = names::HALLS.within(data);
     let error = files::check_folder(&folder).err()?;
@@ -116,7 +116,7 @@ pub(in crate::robots) fn unreadable(data: &Path) -> Option<String> {
     Some(format!("{} cannot be used ({error}), so that {what}", folder.display()))
 }
 
-/// Makes the file, and its name last.
+/// Writes the file, and makes its name durable.
 fn write(data: &Path, name: &str, hall: &Hall) -> io::Result<()> {
     let folder = names::HALLS.within(data);
     files::make_folder_within(&folder)?;
@@ -126,7 +126,7 @@ fn write(data: &Path, name: &str, hall: &Hall) -> io::Result<()> {
     files::sync_folder(data)
 }
 
-/// The name under which a file keeps a hall, if it does.
+/// The name of the hall in a file, if the file name is one of a stored hall.
 fn name_of(file: &Path) -> Option<String> {
     let name = file.file_name()?.to_str()?.strip_suffix(".toml")?;
     is_hall_name(name).then(|| name.to_owned())
@@ -136,7 +136,7 @@ fn file(data: &Path, name: &str) -> SmallFile {
     SmallFile::of(data, names::HALL, name)
 }
 
-/// A hall that a page can draw.
+/// Rejects a hall that is too large for a page to draw.
 pub(super) fn fitting(hall: Hall) -> Result<Hall, NotSimulated> {
     let (width, height) = size(&hall);
     NotSimulated::too_large(width, height).map_or(Ok(hall), Err)

@@ -1,6 +1,6 @@
-//! Joins the simulated robot to the loop: channels, timers, the speed of time, the simulator's controls, and the threads on which photos are
-//! drawn and the state file is written.
-//! What the robot does is decided by `hallsweep_sim`; this is the only file of the simulated robot that waits.
+//! Joins the simulated robot to the loop: channels, timers, the speed of time, the simulator's controls, and the threads on which
+//! photos are drawn and the state file is written. `hallsweep_sim` decides what the robot does; this is the only file of the
+//! simulated robot that waits.
 
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
@@ -22,31 +22,31 @@ use hallsweep_core::event::{Capabilities, Photo, RobotEvent};
 use hallsweep_core::units::{Cell, Celsius, Now, OrderId};
 use hallsweep_sim::{Faults, Hall, Sim, SimSettings, Speed};
 
-/// What drawing a photo may take of real time, whatever the speed; the core is told so. It takes some hundredths of a second, but the
-/// machine may have much else to do, and a photo that is late counts as none.
+/// Real time allowed for drawing a photo at any speed; the core is told so. It takes some hundredths of a second, but the machine
+/// may be busy, and a late photo counts as none.
 const DEVELOPING: Duration = Duration::from_secs(3);
 
-/// So long after the state file could not be written it is tried again, when nothing new has happened before.
+/// Time after which a failed write of the state file is retried, when nothing new happens before.
 const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
 
-/// A thermometer says at least so often what it reads: one that is gone is told thereby from a hall in which it stays as warm.
+/// Longest time between two readings of the thermometer: without a limit a missing thermometer would look like a hall of constant
+/// temperature.
 const READ_AGAIN: Duration = Duration::from_secs(10);
 
-/// A simulated robot before it runs, and what is to become of it.
 pub(super) struct Begin {
     pub(super) sim: Sim,
-    /// Of which another is made in another hall.
+    /// Used to make a new simulation in another hall.
     pub(super) settings: SimSettings,
     pub(super) speed: Speed,
-    /// What it must not forget goes there, when there is one, before anybody is told of it.
+    /// Receives everything that must not be forgotten, before anybody is told of it.
     pub(super) state_file: Option<SimStateFile>,
     pub(super) floor: Floor,
     pub(super) remote: Remote,
-    /// Whether faults of robots are its own: they are of the one that searches.
+    /// Whether the simulator's faults apply: they are those of the searching robot.
     pub(super) has_faults: bool,
 }
 
-/// Runs a simulated robot until the loop's end of its channels is gone.
+/// Runs a simulated robot until the loop's end of the channels is gone.
 pub(super) async fn run(begin: Begin, side: RobotSide, clock: Clock) {
     let Begin { sim, settings, speed, state_file, floor, remote, has_faults } = begin;
     let link = Link {
@@ -71,12 +71,12 @@ pub(super) async fn run(begin: Begin, side: RobotSide, clock: Clock) {
     link.run().await;
 }
 
-/// The hall as it was opened, what others have lifted since, and where something was put into the way.
+/// The hall as it was loaded, the pieces that others have lifted since, and the added obstacles.
 #[derive(Clone, Debug)]
 pub(super) struct Floor {
     pub(super) hall: Arc<Hall>,
     pub(super) moved: watch::Receiver<Moved>,
-    /// The cells in which something stands that the hall does not have.
+    /// Cells with an obstacle that the hall does not have.
     pub(super) blocked: BTreeSet<Cell>,
 }
 
@@ -92,26 +92,26 @@ struct Link {
     side: RobotSide,
     clock: Clock,
     time: SimTime,
-    /// A report on its way. Until it is taken nothing but a halt is listened to, so that reports cannot pile up.
+    /// A report that the loop has not taken yet. Until then only halts are received, so that reports cannot pile up.
     report: Option<RobotEvent>,
-    /// What the link itself has to report, before the robot's next report.
+    /// Reports of the link itself, sent before the robot's next report.
     said: VecDeque<RobotEvent>,
     developing: Option<(OrderId, JoinHandle<Photo>)>,
-    /// The halts of which the last order that was begun knew.
+    /// The number of halts known to the last order that was begun.
     obeyed: u64,
     /// The state file, while it is not being written.
     state_file: Option<SimStateFile>,
-    /// The state file being written: on a thread of its own, so that a disk that hangs delays no halt. Until it is done nothing else
-    /// goes on.
+    /// The write in progress: on a thread of its own, so that a disk that hangs delays no halt. Nothing else goes on until it is
+    /// done.
     writing: Option<JoinHandle<SimStateFile>>,
-    /// When what could not be written is tried again, by the real clock.
+    /// When a failed write is retried, by the real clock.
     write_again: Option<Duration>,
-    /// What the thermometer read last, and when it says so again, by the real clock.
+    /// The last reading of the thermometer, and when it is repeated, by the real clock.
     reading: Option<(Celsius, Duration)>,
     floor: Floor,
     remote: Remote,
     has_faults: bool,
-    /// The controls as far as they are obeyed.
+    /// The controls that have been applied.
     controls: Controls,
 }
 
@@ -154,19 +154,19 @@ impl Link {
         Now { since_start: self.time.at(since_start), wall }
     }
 
-    /// When the simulation has to be looked at again, by the real clock.
+    /// When the simulation or a retry is due, by the real clock.
     fn wake(&self) -> Instant {
         let at = self.time.comes(self.sim.poll_timeout(), self.clock.now().since_start);
         let again = [self.write_again, self.reading.map(|(_, again)| again)];
         self.clock.instant(again.into_iter().flatten().fold(at, Duration::min))
     }
 
-    /// Whether time is not waited for.
+    /// Whether simulated time jumps instead of being waited for.
     fn jumps(&self) -> bool {
         self.time.jumps() && self.sim.is_busy() && !self.sim.is_developing()
     }
 
-    /// Begins to write down what has changed, or what is still owed when its time has come.
+    /// Starts to write the new memory, or retries a failed write when its time has come.
     fn write(&mut self) {
         let Some(mut state_file) = self.state_file.take() else { return };
         let again = self.write_again.is_some_and(|at| at <= self.clock.now().since_start);
@@ -186,8 +186,8 @@ impl Link {
         self.state_file = state_file;
     }
 
-    /// Takes the next report, unless one is on its way already, or what it follows from is not written down yet. Nobody hears what a robot
-    /// says whose link is lost.
+    /// Takes the robot's next report, unless one is waiting already or the memory it follows from is not written yet. Reports of
+    /// a robot whose link is lost are dropped.
     fn next_report(&mut self) {
         if self.report.is_some() || self.writing.is_some() {
             return;
@@ -228,7 +228,7 @@ impl Link {
         }
     }
 
-    /// Comes to be as the controls say.
+    /// Applies the controls.
     fn obey_controls(&mut self) {
         let wanted = self.remote.controls.borrow_and_update().clone();
         let wanted = if self.has_faults { wanted } else { Controls { is_link_lost: false, faults: Faults::default(), ..wanted } };
@@ -249,7 +249,7 @@ impl Link {
         }
     }
 
-    /// What was lifted is not met any more.
+    /// Removes lifted pieces from the simulated hall.
     fn look_at_floor(&mut self) {
         let moved = self.floor.moved.borrow_and_update().clone();
         let hall = self.floor.hall.rearranged(&moved);
@@ -257,7 +257,7 @@ impl Link {
         self.sim.handle_hall(Arc::new(hall));
     }
 
-    /// Puts into the way what the controls want there, but for where the robot is: there it is put when the robot has left.
+    /// Places the requested obstacles, except in the robot's cell, where one appears when the robot has left.
     fn put_obstacles(&mut self) {
         let wanted = &self.controls.blocked;
         if wanted.is_empty() && self.floor.blocked.is_empty() {
@@ -270,7 +270,7 @@ impl Link {
         }
     }
 
-    /// The robot is put down in another hall, or goes on in this one.
+    /// Moves the robot to another hall, or lets it go on in this one.
     fn move_to(&mut self, decided: Option<(Ground, oneshot::Sender<()>)>) {
         let Some((Ground { hall, seed }, put_down)) = decided else { return };
         self.settings.seed = seed;
@@ -283,12 +283,12 @@ impl Link {
             state_file.move_to(&hall);
         }
         if self.floor.moved.has_changed().is_err() {
-            // Nobody lifts anything; what had been lifted was of the hall before.
+            // Pieces lifted before belong to the previous hall, and nothing is lifted any more.
             self.floor.moved = watch::channel(Moved::new()).1;
         }
         self.floor = Floor::new(hall, self.floor.moved.clone());
         self.look_at_floor();
-        // Whoever waits for it may have gone.
+        // The requester may be gone.
         let _ = put_down.send(());
     }
 
@@ -297,7 +297,7 @@ impl Link {
         self.sim.handle_led(blinks);
     }
 
-    /// A halt concerns what was begun before it was raised: an order may have overtaken the news of a halt that it knows of.
+    /// A halt concerns only what was begun before it: an order sent after the halt may arrive first.
     fn halt(&mut self, count: u64) {
         if self.obeyed < count {
             self.sim.handle_halt(self.now());
@@ -312,7 +312,7 @@ impl Link {
             return;
         }
         if self.controls.is_link_lost {
-            // It does not arrive, and the core knows that the link is lost before it waits for an answer.
+            // The order is lost with the link, and the core learns of the lost link before it waits for an answer.
             return;
         }
         self.obeyed = halts;
@@ -323,7 +323,7 @@ impl Link {
         }
     }
 
-    /// Brings a drawn photo to the simulation. One that could not be drawn is missed by its order's deadline.
+    /// Passes a drawn photo to the simulation. Without one, the order fails at its deadline.
     fn deliver(&mut self, (order, photo): (OrderId, Option<Photo>)) {
         if let Some(photo) = photo {
             self.sim.handle_photo(order, photo, self.now());

@@ -1,4 +1,5 @@
-//! The simulated robot's link: orders, halts, photos, and what the next program knows. What the controls do to it stands in `controlled_tests`.
+//! The simulated robot's link: orders, halts, photos, and what the next program knows. The simulator's controls are tested in
+//! `controlled_tests`.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -55,7 +56,7 @@ impl Test {
         self.link.orders.send(Stamped { order, halts }).await.unwrap();
     }
 
-    /// The answer to the order under way, past what the sonar says.
+    /// The answer to the order under way, without the sonar's reports.
     async fn answer(&mut self) -> RobotEvent {
         loop {
             let event = within("the robot's answer", self.link.reports.recv()).await.expect("the robot is running");
@@ -122,7 +123,7 @@ async fn an_order_from_before_a_halt_is_not_begun_and_one_from_after_it_is() {
 #[tokio::test]
 async fn a_halt_gets_through_while_nobody_takes_the_reports() {
     let mut test = Test::begin(&["S", "."], Speed::Max).await;
-    // Each turn makes an answer and a sonar reading at most: so many fill the channel, and the robot waits with the next.
+    // Each turn produces an answer and a sonar reading at most: this many fill the channel, and the robot waits with the next.
     let orders = REPORTS as u64 + 8;
     let mut given = 0;
     while given < orders && tokio::time::timeout(Duration::from_millis(200), test.give(given, LEFT, 0)).await.is_ok() {
@@ -154,7 +155,7 @@ fn hall() -> Arc<Hall> {
     Arc::new(Hall::from_rows("test", &["S", "."]).unwrap())
 }
 
-/// Begins with what the state file in this folder remembers.
+/// Starts with what the state file in this folder remembers.
 async fn begin_in(folder: &Path, speed: Speed) -> (Test, Whereabouts) {
     let (state_file, memory) = SimStateFile::open(folder, &RobotId::discovery(), &hall(), &hall()).unwrap();
     let settings = SimSettings::new(1, Camera::Stub);
@@ -165,7 +166,7 @@ async fn begin_in(folder: &Path, speed: Speed) -> (Test, Whereabouts) {
     Test::with(sim, speed, Some(state_file)).await
 }
 
-/// Looks into the folder until what is remembered there is as expected.
+/// Reads the folder until the stored memory is as expected.
 async fn until_remembered(folder: &Path, expect: impl Fn(SimMemory) -> bool) {
     let seen = async {
         while !SimStateFile::open(folder, &RobotId::discovery(), &hall(), &hall()).unwrap().1.is_some_and(&expect) {
@@ -219,7 +220,7 @@ async fn without_a_folder_to_write_in_it_goes_on_and_writes_as_soon_as_there_is_
 /// Safety S1.
 #[test]
 fn a_disk_that_hangs_delays_no_halt() {
-    // What is to be written waits for the one thread that may wait for a disk, and something else holds that.
+    // The only thread that may wait for a disk is kept busy, so the state file has to wait.
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().max_blocking_threads(1).build().unwrap();
     runtime.block_on(async {
         let folder = Scratch::new();
@@ -229,7 +230,7 @@ fn a_disk_that_hangs_delays_no_halt() {
         test.give(1, FORWARD, 0).await;
         tokio::time::sleep(Duration::from_millis(200)).await;
         test.halter.halt();
-        // By now the step would have ended.
+        // The step would have ended by now.
         tokio::time::sleep(Duration::from_millis(800)).await;
         assert!(test.link.reports.try_recv().is_err(), "nothing is told that is not written");
         drop(disk);
@@ -245,7 +246,7 @@ async fn it_ends_when_the_loop_is_gone() {
     within("its end", task).await.unwrap();
 }
 
-/// A thermometer that is gone looks otherwise like a hall that stays as warm as it is.
+/// Otherwise a missing thermometer would look like a hall of constant temperature.
 #[tokio::test(start_paused = true)]
 async fn a_thermometer_says_again_what_it_reads_while_that_stays_the_same() {
     let hall = Hall::parse("test.toml", "drawing = \"\"\"\nS.\n..\n\"\"\"\n[[temperature]]\nat_s = 0\ncelsius = 20\n").unwrap();

@@ -1,4 +1,4 @@
-//! The halls that are offered by names, for the robots to be put down in and for the editor to begin with.
+//! The halls offered by name, for the robots to be put into and as a start for the editor.
 
 use std::path::Path;
 
@@ -6,14 +6,15 @@ use super::kept_halls::{KeptHalls, fitting};
 use crate::runtime::simulator::{NotSimulated, is_hall_name};
 use hallsweep_sim::Hall;
 
-/// The halls by whose names somebody may choose: the built-in ones, the file that the settings name, by its own name, and those that are kept.
+/// The halls that can be chosen by name: the built-in ones, the file that the settings name, by its own name, and the stored
+/// ones.
 #[derive(Debug)]
 pub(super) struct Offered {
     always: Vec<Always>,
     kept: KeptHalls,
 }
 
-/// A hall that is offered whatever is kept.
+/// A hall that is offered whatever is stored.
 #[derive(Debug)]
 struct Always {
     name: String,
@@ -24,7 +25,7 @@ struct Always {
 }
 
 impl Offered {
-    /// With the hall of the settings and the start in it, and what is kept in this data folder.
+    /// The halls offered with this hall of the settings, this start, and the stored halls of this data folder.
     pub(super) fn with(usual: &str, start: Option<(u32, u32)>, data: Option<&Path>) -> Offered {
         let built_in = |name: &str| {
             let start = start.filter(|_| name == usual);
@@ -32,7 +33,7 @@ impl Offered {
         };
         let mut halls: Vec<_> = Hall::builtin_names().map(built_in).collect();
         let stem = Path::new(usual).file_stem().map(|stem| stem.to_string_lossy().into_owned());
-        // It stands in addresses.
+        // The name appears in addresses.
         let is_plain = |name: &String| name.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_.".contains(letter));
         let is_known = |name: &str| halls.iter().any(|known| known.name == name);
         if !is_known(usual) {
@@ -46,7 +47,7 @@ impl Offered {
         self.always.iter().map(|always| always.name.clone()).chain(self.kept()).collect()
     }
 
-    /// Those that are kept; one whose name another has by now is not seen.
+    /// The stored halls, without those whose name is taken by another hall.
     pub(super) fn kept(&self) -> Vec<String> {
         self.kept.names().into_iter().filter(|name| !self.is_always(name)).collect()
     }
@@ -67,7 +68,7 @@ impl Offered {
         })
     }
 
-    /// Keeps a hall under a name that no other than a kept one has.
+    /// Stores a hall under a name that no built-in or configured hall has.
     pub(super) fn keep(&self, name: &str, hall: &Hall, may_replace: bool) -> Result<(), NotSimulated> {
         if !is_hall_name(name) {
             Err(NotSimulated::NotAName(name.chars().take(80).collect()))
@@ -79,7 +80,7 @@ impl Offered {
     }
 
     pub(super) fn discard(&self, name: &str) -> Result<(), NotSimulated> {
-        // Of one whose name another has by now nobody is told: it stays.
+        // A stored hall whose name is taken by another hall is hidden, and stays.
         if self.is_always(name) {
             return Err(NotSimulated::NotThere(name.to_owned()));
         }

@@ -1,4 +1,4 @@
-//! The simulated pair before it is started: where it was left, and what becomes of it when that was before another hall or is not known.
+//! The simulated pair before it is started: where it was left, and what to do when that was at another hall or is not known.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -29,19 +29,19 @@ pub(in crate::robots) struct SimPair {
 }
 
 enum Remembered {
-    /// Nothing, and nothing will be written down.
+    /// Nothing is known, and nothing will be written.
     Nothing,
     Here(PairStateFile, Option<Box<PairMemory>>),
-    /// It was left before another hall, as the state file in this folder says.
+    /// It was left at another hall, as the state file in this folder says.
     Elsewhere(PathBuf),
     /// It may be anywhere, for this reason.
     Lost(String),
 }
 
 impl SimPair {
-    /// As quick as the robot that searches, and of the same seed.
+    /// A pair with the speed and the seed of the searching robot.
     pub(in crate::robots) fn new(hall: Arc<Hall>, robot: &RobotSettings, mishaps: PairMishaps) -> SimPair {
-        // What goes wrong goes wrong with the first piece, a step later each time.
+        // Every mishap concerns the first piece, one step later each time.
         let slips = (1..=mishaps.slips).map(|after_steps| Slip { parcel: 1, after_steps }).collect();
         let unrecognised = (0..mishaps.unrecognised).map(|_| 1).collect();
         let mishaps = Mishaps { slips, unrecognised, ..Mishaps::default() };
@@ -54,7 +54,7 @@ impl SimPair {
         Which::ALL.map(Which::robot)
     }
 
-    /// What it has lifted, for the robots that would meet it.
+    /// The pieces it has lifted, for robots that would otherwise meet them.
     pub(in crate::robots) fn moved(&self) -> watch::Receiver<Moved> {
         self.moved.subscribe()
     }
@@ -67,18 +67,18 @@ impl SimPair {
         };
     }
 
-    /// The hall as the pair left it: what it has taken away others do not meet.
+    /// The hall as the pair left it, without the pieces it has removed.
     pub(in crate::robots) fn floor(&self) -> Arc<Hall> {
         Arc::new(self.hall.rearranged(&self.taken_away()))
     }
 
-    /// What it had lifted when it was left.
+    /// The pieces it had lifted when it was left.
     pub(in crate::robots) fn taken_away(&self) -> Moved {
         let Remembered::Here(_, Some(memory)) = &self.remembered else { return Moved::new() };
         Pair::remembering(Arc::clone(&self.hall), self.settings.clone(), (**memory).clone(), Now::default()).moved()
     }
 
-    /// Why nobody knows where it is, when that is so.
+    /// Why its position is not known.
     pub(in crate::robots) fn lost(&self) -> Option<&str> {
         if let Remembered::Lost(lost) = &self.remembered { Some(lost) } else { None }
     }
@@ -87,7 +87,7 @@ impl SimPair {
         self.remembered = Remembered::Lost(why.to_owned());
     }
 
-    /// Puts it down before this hall when it was left before another.
+    /// Puts it at this hall when it was left at another.
     pub(in crate::robots) fn put_down(&mut self) {
         if let Remembered::Elsewhere(folder) = &self.remembered {
             self.remembered = Remembered::Here(PairStateFile::begin_anew(folder, &self.hall), None);
@@ -100,7 +100,7 @@ impl SimPair {
         }
     }
 
-    /// What is run for SRM1 and SRM2. The links to a pair that may be anywhere stay down.
+    /// The adapters of SRM1 and SRM2. The links to a pair that may be anywhere stay down.
     pub(in crate::robots) fn adapters(self, clock: Clock, remote: Remote) -> [Adapter; 2] {
         let SimPair { hall, settings, speed, remembered, moved } = self;
         let (memory, state_file) = match remembered {

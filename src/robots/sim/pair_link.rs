@@ -1,5 +1,5 @@
-//! Joins the simulated pair to the loop: the links of both robots, which one parcel couples, timers, the speed of time, and the thread on
-//! which the state file is written. What the pair does is decided by `hallsweep_sim::pair`; this is the only file of it that waits.
+//! Joins the simulated pair to the loop: the links of both robots, which one parcel couples, timers, the speed of time, and the
+//! thread on which the state file is written. `hallsweep_sim::pair` decides what the pair does; this is its only file that waits.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -24,17 +24,16 @@ use hallsweep_core::units::{Cell, Now, Piece, Pose};
 use hallsweep_sim::Speed;
 use hallsweep_sim::pair::{Pair, PairSettings};
 
-/// So long after the state file could not be written it is tried again, when nothing new has happened before.
+/// Time after which a failed write of the state file is retried, when nothing new happens before.
 const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
 
-/// Every piece that was lifted, and where it lies now.
+/// Every piece that was lifted, and where it is now.
 pub(in crate::robots) type Moved = BTreeMap<Piece, Option<Cell>>;
 
-/// The pair before it runs, and what is to become of it.
 pub(super) struct Begin<P> {
-    /// Makes it at a moment.
+    /// Creates the pair at a given time.
     pub(super) pair: P,
-    /// Of which another is made before another hall.
+    /// Used to make a new pair at another hall.
     pub(super) settings: PairSettings,
     pub(super) speed: Speed,
     pub(super) state_file: Option<PairStateFile>,
@@ -42,7 +41,7 @@ pub(super) struct Begin<P> {
     pub(super) remote: Remote,
 }
 
-/// What runs the pair for SRM1 and for SRM2: the second hands its link to the first, which drives both.
+/// The adapters of SRM1 and SRM2: the second passes its link to the first, which drives both.
 pub(super) fn adapters(begin: Begin<impl FnOnce(Now) -> Pair + Send + 'static>, clock: Clock) -> [Adapter; 2] {
     let Begin { pair, settings, speed, state_file, moved, remote } = begin;
     let (hand_over, other) = oneshot::channel::<RobotSide>();
@@ -85,28 +84,28 @@ pub(super) fn adapters(begin: Begin<impl FnOnce(Now) -> Pair + Send + 'static>, 
 struct PairLink {
     pair: Pair,
     settings: PairSettings,
-    /// Of SRM1 and SRM2.
+    /// SRM1's and SRM2's.
     sides: [RobotSide; 2],
     clock: Clock,
     time: SimTime,
-    /// A report on its way, and whose it is. Until it is taken nothing but a halt is listened to.
+    /// A report that the loop has not taken yet, and whose it is. Until then only halts are received.
     report: Option<(Which, RobotEvent)>,
-    /// What the link itself has to report, before the pair's next report.
+    /// Reports of the link itself, sent before the pair's next report.
     said: VecDeque<(Which, RobotEvent)>,
-    /// Of each the halts of which the last order that was begun knew.
+    /// For each robot, the number of halts known to the last order that was begun.
     obeyed: [u64; 2],
     /// The state file, while it is not being written.
     state_file: Option<PairStateFile>,
-    /// The state file being written; until it is done nothing else goes on.
+    /// The write in progress; nothing else goes on until it is done.
     writing: Option<JoinHandle<PairStateFile>>,
-    /// When what could not be written is tried again, by the real clock.
+    /// When a failed write is retried, by the real clock.
     write_again: Option<Duration>,
-    /// What the robot that searches will not meet any more.
+    /// Pieces that the searching robot no longer meets.
     moved: watch::Sender<Moved>,
     remote: Remote,
-    /// The controls as far as they are obeyed.
+    /// The controls that have been applied.
     controls: Controls,
-    /// Whether every cell is blocked that is to be.
+    /// Whether every requested obstacle is in place.
     is_all_blocked: bool,
 }
 
@@ -157,7 +156,7 @@ impl PairLink {
         Now { since_start: self.time.at(since_start), wall }
     }
 
-    /// When the simulation has to be looked at again, by the real clock.
+    /// When the simulation or a retry is due, by the real clock.
     fn wake(&self) -> Instant {
         let at = self.time.comes(self.pair.poll_timeout(), self.clock.now().since_start);
         self.clock.instant(self.write_again.map_or(at, |again| again.min(at)))
@@ -167,7 +166,7 @@ impl PairLink {
         Which::ALL.into_iter().any(|which| self.pair.is_busy(which))
     }
 
-    /// Whether time is not waited for.
+    /// Whether simulated time jumps instead of being waited for.
     fn jumps(&self) -> bool {
         self.time.jumps() && self.is_busy() && !self.pair.awaits_the_other()
     }
@@ -180,7 +179,7 @@ impl PairLink {
         }
     }
 
-    /// Comes to be as the controls say. What fails of robots is of the one that searches.
+    /// Applies the controls, except for faults, which are those of the searching robot.
     fn obey_controls(&mut self) {
         let wanted = self.remote.controls.borrow_and_update().clone();
         let before = std::mem::replace(&mut self.controls, wanted);
@@ -199,7 +198,7 @@ impl PairLink {
         self.is_all_blocked = self.pair.handle_blocked(&self.controls.blocked);
     }
 
-    /// The pair is put down before another hall, or goes on in this one.
+    /// Moves the pair to another hall, or lets it go on at this one.
     fn move_to(&mut self, decided: Option<(Ground, oneshot::Sender<()>)>) {
         let Some((Ground { hall, seed }, put_down)) = decided else { return };
         self.settings.seed = seed;
@@ -211,7 +210,7 @@ impl PairLink {
         self.write_again = None;
         self.put_obstacles();
         self.tell_moved();
-        // Whoever waits for it may have gone.
+        // The requester may be gone.
         let _ = put_down.send(());
     }
 
@@ -224,7 +223,7 @@ impl PairLink {
         });
     }
 
-    /// Begins to write down what has changed, or what is still owed when its time has come.
+    /// Starts to write the new memory, or retries a failed write when its time has come.
     fn write(&mut self) {
         let Some(mut state_file) = self.state_file.take() else { return };
         let again = self.write_again.is_some_and(|at| at <= self.clock.now().since_start);
@@ -244,7 +243,7 @@ impl PairLink {
         self.state_file = state_file;
     }
 
-    /// Takes the next report, unless one is on its way already, or what it follows from is not written down yet.
+    /// Takes the pair's next report, unless one is waiting already or the memory it follows from is not written yet.
     fn next_report(&mut self) {
         if self.report.is_some() || self.writing.is_some() {
             return;
@@ -262,7 +261,7 @@ impl PairLink {
         Capabilities { step: real(step), turn: real(turn), photo: real(photo), arm: real(arm), ..simulated }
     }
 
-    /// A halt concerns what was begun before it was raised: an order may have overtaken the news of a halt that it knows of.
+    /// A halt concerns only what was begun before it: an order sent after the halt may arrive first.
     fn halt(&mut self, which: Which, count: u64) {
         if self.obeyed[which.index()] < count {
             let now = self.now();
@@ -296,12 +295,12 @@ impl PairLink {
     }
 }
 
-/// Where both wait when nothing is known of them.
+/// Where both wait when nothing is known about them.
 pub(super) fn outside() -> [BasePose; 2] {
     [BasePose { place: Place::ENTRANCE, heading: Pose::START.heading }; 2]
 }
 
-/// Sends the report to its robot's end as soon as there is room for it; false when nobody receives any more.
+/// Sends the report to its robot's end as soon as there is room; false when nobody receives any more.
 async fn hand_over(ends: [&mpsc::Sender<RobotEvent>; 2], report: &mut Option<(Which, RobotEvent)>) -> bool {
     let Some(which) = report.as_ref().map(|(which, _)| *which) else { return true };
     let Ok(room) = ends[which.index()].reserve().await else { return false };

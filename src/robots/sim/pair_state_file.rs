@@ -1,5 +1,5 @@
-//! Keeps what the simulated pair and its floor must not forget in one small file of the data folder, as `state_file` does for the robot
-//! that searches. It is replaced as a whole and nothing is flushed: that outlives `kill -9`. How it is written stands in
+//! Stores what the simulated pair and its floor must not forget in one small file of the data folder, as `state_file` does for
+//! the searching robot. The file is replaced as a whole and not flushed: that outlives `kill -9`. Its format is in
 //! `hallsweep_sim::pair::page`.
 
 use std::path::Path;
@@ -15,13 +15,13 @@ use hallsweep_sim::pair::{PairMemory, page};
 pub(super) struct PairStateFile {
     file: SmallFile,
     whose: Whose,
-    /// What could not be written and has still to be.
+    /// A memory that still has to be written after a failure.
     owed: Option<Box<PairMemory>>,
 }
 
 impl PairStateFile {
-    /// The pair's state file in the folder `dir` and what it remembers of this hall; nothing when there is no file yet. Nothing is
-    /// written, and a file that cannot be read or understood, or is of another hall, stays as it is.
+    /// Opens the pair's state file in the folder `dir`, and reads what it remembers of this hall; `None` when there is no file
+    /// yet. Writes nothing, and leaves a file that cannot be read, or is of another hall, as it is.
     pub(super) fn open(dir: &Path, hall: &Hall) -> Result<(PairStateFile, Option<PairMemory>), StateFileError> {
         let state_file = PairStateFile::begin_anew(dir, hall);
         let path = || state_file.file.path().to_owned();
@@ -42,18 +42,18 @@ impl PairStateFile {
         Ok((state_file, Some(memory)))
     }
 
-    /// A state file for a pair that is put down anew before this hall.
+    /// A state file for a pair that is put at this hall anew.
     pub(super) fn begin_anew(dir: &Path, hall: &Hall) -> PairStateFile {
         PairStateFile { file: SmallFile::within(dir, names::PAIR), whose: Whose::of(hall), owed: None }
     }
 
-    /// From now on the pair is before this hall, newly put down.
+    /// The pair is at this hall from now on, newly put there.
     pub(super) fn move_to(&mut self, hall: &Hall) {
         (self.whose, self.owed) = (Whose::of(hall), None);
     }
 
-    /// Writes down a memory. When that fails, the simulation goes on all the same: the log says so once, and the memory stays owed until
-    /// this, or a later one, is written.
+    /// Writes a memory. After a failure the simulation goes on: the log says so once, and the memory is retried until it, or a
+    /// later one, is written.
     pub(super) fn keep(&mut self, memory: PairMemory) {
         let written = self.file.swap(&page::written(&self.whose, &memory));
         let failing = "cannot keep where the simulated pair stands: make room, or the folder writable; it is tried again";

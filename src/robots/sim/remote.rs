@@ -1,5 +1,5 @@
-//! How the links of simulated robots are told what the simulator's controls say: the controls are a latest state, which each link obeys as it
-//! comes to it; another hall is handed to each in turn, when it is ready for it and the core has agreed.
+//! How the links of simulated robots learn of the simulator's controls: the controls are a latest state that each link applies
+//! when it gets to it; another hall is passed to each link in turn, once it is ready and the core has agreed.
 //!
 //! ```text
 //!   controls ── speed, pause, faults ─────────► every link      (latest state)
@@ -17,28 +17,27 @@ use tokio::sync::{mpsc, oneshot, watch};
 use hallsweep_core::units::Cell;
 use hallsweep_sim::{Faults, Hall, Speed};
 
-/// Everything that the controls say just now.
 #[derive(Clone, Debug, Default)]
 pub(in crate::robots) struct Controls {
-    /// As fast as the settings say of each robot while nobody says otherwise.
+    /// As set for each robot, unless somebody chose a speed.
     pub(super) speed: Option<Speed>,
     pub(super) is_paused: bool,
-    /// How often somebody took a step.
+    /// Number of single steps requested.
     pub(super) steps: u64,
-    /// Of the robot that searches.
+    /// Whether the searching robot's link is lost.
     pub(super) is_link_lost: bool,
     pub(super) faults: Faults,
     pub(super) blocked: Arc<BTreeSet<Cell>>,
 }
 
-/// A hall and the seed of the noise in it.
+/// A hall, and the seed of the noise in it.
 #[derive(Clone, Debug)]
 pub(in crate::robots) struct Ground {
     pub(in crate::robots) hall: Arc<Hall>,
     pub(in crate::robots) seed: u64,
 }
 
-/// Another hall comes, perhaps.
+/// A possible move to another hall.
 #[derive(Debug)]
 pub(in crate::robots) struct Move {
     pub(super) ready: Option<oneshot::Sender<()>>,
@@ -46,7 +45,7 @@ pub(in crate::robots) struct Move {
     pub(super) put_down: oneshot::Sender<()>,
 }
 
-/// A link's end.
+/// The end of the controls that a link holds.
 #[derive(Debug)]
 pub(in crate::robots) struct Remote {
     pub(super) controls: watch::Receiver<Controls>,
@@ -61,26 +60,26 @@ impl Remote {
         (Remote { controls, moves, under_way: None }, ask)
     }
 
-    /// One that nobody has in hand.
+    /// Controls that nobody changes.
     pub(in crate::robots) fn untouched() -> Remote {
         Remote::new(watch::channel(Controls::default()).1).0
     }
 
-    /// Whether the robot is to begin nothing, because another hall may come.
+    /// Whether the robot may begin nothing, because it may be moved to another hall.
     pub(super) const fn is_moving(&self) -> bool {
         self.under_way.is_some()
     }
 
-    /// Says that nothing is on its way any more.
+    /// Reports that the link has nothing under way any more.
     pub(super) fn say_ready(&mut self) {
         if let Some(ready) = self.under_way.as_mut().and_then(|under_way| under_way.ready.take()) {
-            // Whoever asked may have given up; then nothing is decided, either.
+            // The requester may have given up; then there is no decision, either.
             let _ = ready.send(());
         }
     }
 
-    /// Waits for what there is to do, only while the link has settled: nothing of it is on its way. Of controls that change meanwhile the
-    /// last are obeyed, so that what is to be reported of each cannot pile up.
+    /// Waits for the next change, only while the link has nothing under way. Of several changes of the controls only the last is
+    /// applied, so that the resulting reports cannot pile up.
     pub(super) async fn news(&mut self, has_settled: bool) -> News {
         let Remote { controls, moves, under_way } = self;
         let is_moving = under_way.is_some();
@@ -102,14 +101,14 @@ impl Remote {
     }
 }
 
-/// What a link hears of the simulator's controls.
+/// What a link learns from the simulator.
 #[derive(Debug)]
 pub(super) enum News {
-    /// They say something else.
+    /// The controls have changed.
     Controls,
-    /// Another hall comes, perhaps: nothing more is to be begun.
+    /// A move to another hall may follow: nothing more may be begun.
     Asked,
-    /// This one, and whom to tell; or none.
+    /// The new hall, and whom to tell; or `None` when there is no move.
     Decided(Option<(Ground, oneshot::Sender<()>)>),
 }
 

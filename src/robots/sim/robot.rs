@@ -1,4 +1,4 @@
-//! One simulated robot before it is started: where it was left, and what becomes of it when that was in another hall or is not known.
+//! One simulated robot before it is started: where it was left, and what to do when that was in another hall or is not known.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -25,20 +25,20 @@ pub(in crate::robots) struct SimRobot {
 }
 
 enum Remembered {
-    /// Nothing, and nothing will be written down.
+    /// Nothing is known, and nothing will be written.
     Nothing,
-    /// What the state file says, if there was one.
+    /// The contents of the state file, if there was one.
     Here(Box<SimStateFile>, Option<Box<SimMemory>>),
     /// It was left in another hall, as the state file in this folder says.
     Elsewhere(PathBuf, String),
-    /// It was, and is put down in this one; the state file is to be begun anew.
+    /// It was left in another hall and is put into this one; the state file is begun anew.
     PutDown(Box<SimStateFile>),
     /// It may be anywhere, for this reason.
     Lost(String),
 }
 
 impl SimRobot {
-    /// With a hook, if it is to fetch by itself.
+    /// With a hook if it fetches pieces by itself.
     pub(in crate::robots) fn new(id: RobotId, hall: Arc<Hall>, robot: &RobotSettings, has_hook: bool) -> SimRobot {
         let settings = SimSettings { has_hook, ..sim_settings(robot, Camera::Rendered) };
         SimRobot { id, hall, settings, speed: speed(robot.speed), remembered: Remembered::Nothing }
@@ -53,7 +53,7 @@ impl SimRobot {
         };
     }
 
-    /// Why nobody knows where it is, when that is so.
+    /// Why its position is not known.
     pub(in crate::robots) fn lost(&self) -> Option<&str> {
         if let Remembered::Lost(lost) = &self.remembered { Some(lost) } else { None }
     }
@@ -66,7 +66,7 @@ impl SimRobot {
         if let Remembered::Elsewhere(_, hall) = &self.remembered { Some(hall) } else { None }
     }
 
-    /// Puts it down at home when it was left in another hall.
+    /// Puts it at home when it was left in another hall.
     pub(in crate::robots) fn put_down(&mut self) {
         if let Remembered::Elsewhere(folder, _) = &self.remembered {
             self.remembered = Remembered::PutDown(Box::new(SimStateFile::begin_anew(folder, &self.id, &self.hall)));
@@ -79,8 +79,8 @@ impl SimRobot {
         }
     }
 
-    /// What is run for it. The link to one that may be anywhere stays down, and nobody is told that its adapter has ended.
-    /// `moved` says what others have lifted.
+    /// The adapter that runs it. The link to a robot that may be anywhere stays down, and its adapter counts as running. `moved`
+    /// has the pieces that others have lifted.
     pub(in crate::robots) fn adapter(self, clock: Clock, moved: watch::Receiver<Moved>, remote: Remote) -> Adapter {
         let SimRobot { id, hall, settings, speed, remembered } = self;
         let (memory, state_file) = match remembered {
@@ -127,7 +127,7 @@ mod tests {
         SimStateFile::begin_anew(&folder.0, &RobotId::new(id).expect("a name"), hall).keep(memory);
     }
 
-    /// The column in which it says that it stands; `None` when it says nothing.
+    /// The column that it reports; `None` when it reports nothing.
     async fn stands(robot: SimRobot) -> Option<i32> {
         let (mut link, side): (RobotLink, _) = link(Halter::new(Epoch(0)).watch());
         tokio::spawn(robot.adapter(Clock::default(), watch::channel(Moved::new()).1, Remote::untouched())(side));

@@ -1,14 +1,14 @@
-//! What the settings of the program say of a simulated robot and of its hall, in the words of `hallsweep_sim`.
+//! The program's settings of a simulated robot and of its hall, converted for `hallsweep_sim`.
 
 use std::sync::Arc;
 
 use crate::config::{self, RobotSettings, Settings};
 use hallsweep_sim::{Camera, Hall, HallError, HallFault, SimSettings, Speed};
 
-/// The hall of the settings cannot be used. `Display` is the line for whoever started the program.
+/// The hall of the settings cannot be used. `Display` is the message for whoever started the program.
 #[derive(Debug, thiserror::Error)]
 pub enum UnusableHall {
-    /// It cannot be read. `origin` is where its name or path was set, as `flag --hall`.
+    /// The hall cannot be read. `origin` is where its name or path was set, such as `flag --hall`.
     #[error("setting hall.file = {name:?} (from {origin}): {error}")]
     File { name: String, origin: String, error: HallError },
     #[error("setting hall.start: {0}")]

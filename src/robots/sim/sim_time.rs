@@ -1,34 +1,34 @@
-//! Simulated time beside the real one, as the simulator's controls let it run: how fast may change while it does, it may stand still but for
-//! a step, and it may jump.
+//! Simulated time as a function of real time and the simulator's controls: its speed may change, it may be paused except for a
+//! step, and it may jump.
 
 use std::time::Duration;
 
 use super::remote::Controls;
 use hallsweep_sim::{Speed, times};
 
-/// Timers are not set further ahead than this; then it is looked again.
+/// Longest timer; after it the state is checked again.
 const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SimTime {
-    /// While the controls name no other.
+    /// Speed while the controls set none.
     usual_speed: Speed,
     speed: Speed,
     is_paused: bool,
-    /// It stands, but for what is under way.
+    /// Paused, except for what is under way.
     is_stepping: bool,
-    /// A moment by the real clock, and the simulated time then.
+    /// A real time, and the simulated time at that moment.
     real: Duration,
     simulated: Duration,
 }
 
 impl SimTime {
-    /// It begins at this moment of the real clock.
+    /// Starts at this real time.
     pub(super) const fn begin(speed: Speed, real: Duration) -> SimTime {
         SimTime { usual_speed: speed, speed, is_paused: false, is_stepping: false, real, simulated: Duration::ZERO }
     }
 
-    /// It begins anew, and runs or stands as before.
+    /// Starts again from zero, running or paused as before.
     pub(super) fn begin_again(&mut self, real: Duration) {
         *self = SimTime { is_stepping: false, real, simulated: Duration::ZERO, ..*self };
     }
@@ -46,7 +46,7 @@ impl SimTime {
         self.simulated.saturating_add(times(real.saturating_sub(self.real), pace))
     }
 
-    /// From now on it runs as these controls say, which said that before; whether it runs otherwise.
+    /// Applies the controls from now on, where `before` were the previous ones; returns whether speed or pause changed.
     pub(super) fn obey(&mut self, controls: &Controls, before: &Controls, real: Duration) -> bool {
         let (speed, is_paused) = (controls.speed.unwrap_or(self.usual_speed), controls.is_paused);
         let is_news = (self.speed, self.is_paused) != (speed, is_paused);
@@ -55,28 +55,28 @@ impl SimTime {
         is_news
     }
 
-    /// Whether it is not waited for while something is under way.
+    /// Whether time jumps to the end of what is under way.
     pub(super) fn jumps(&self) -> bool {
         self.is_stepping || self.speed == Speed::Max && !self.is_paused
     }
 
-    /// A step ends with what was under way.
+    /// Ends a single step with what was under way.
     pub(super) const fn end_step(&mut self) {
         self.is_stepping = false;
     }
 
-    /// Nothing happens in between.
+    /// Jumps to a simulated time before which nothing happens.
     pub(super) fn jump_to(&mut self, simulated: Duration, real: Duration) {
         *self = SimTime { real, simulated: simulated.max(self.at(real)), ..*self };
     }
 
-    /// When a simulated moment comes, or it has to be looked again whether it has one, by the real clock.
+    /// The real time of a simulated moment, or of the next check whether there is one.
     pub(super) fn comes(&self, simulated: Option<Duration>, real: Duration) -> Duration {
         let wait = simulated.and_then(|at| self.until(at, real));
         real + wait.unwrap_or(LONGEST_WAIT).min(LONGEST_WAIT)
     }
 
-    /// How long a simulated moment is away, by the real clock; for ever while time stands still.
+    /// Real time until a simulated moment; `None` while time is paused.
     fn until(&self, simulated: Duration, real: Duration) -> Option<Duration> {
         let wait = simulated.saturating_sub(self.at(real));
         (!self.is_paused).then(|| times(wait, 1.0 / self.speed.pace()))

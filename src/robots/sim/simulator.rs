@@ -1,8 +1,8 @@
-//! The simulator in somebody's hand: what doors see of it and change while it runs, and the way of all simulated robots into another hall.
+//! The simulator as the doors see and change it while it runs, and the move of all simulated robots into another hall.
 //!
-//! Into another hall: every link hands over what it has to report and begins nothing more; the core agrees and puts it on record, and takes
-//! the robots for unreached; the hall is kept for a restart; the pair is put down, then the others, and each says where it stands. A kill in
-//! between leaves robots and record each in a hall of which the next start makes one (`app::data_folder`).
+//! The move: every link delivers its reports and begins nothing more; the core agrees, records the move, and marks the robots as unreached;
+//! the hall is stored for a restart; the pair is moved, then the other robots, and each reports its position. A kill in between leaves some
+//! robots and the record in different halls, which the next start reconciles (`app::data_folder`).
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -26,7 +26,8 @@ use hallsweep_core::state::{Participant, Venue};
 use hallsweep_core::units::Cell;
 use hallsweep_sim::{Hall, Speed, Truth};
 
-/// So long a robot may take to be ready for another hall, and to say that it stands there: it writes its state file first.
+/// Maximum time for a robot to get ready for another hall, and again to report its position there: it writes its state file
+/// first.
 const READY_WITHIN: Duration = Duration::from_secs(5);
 
 /// What the factory knows of the simulator before the loop runs.
@@ -34,17 +35,17 @@ pub(in crate::robots) struct Parts {
     pub(in crate::robots) ground: Ground,
     pub(in crate::robots) speed: Speed,
     pub(in crate::robots) controls: watch::Sender<Controls>,
-    /// The simulated robots, and the ways to their links, that of the pair first.
+    /// The simulated robots, and the channels to their links, those of the pair first.
     pub(in crate::robots) robots: Vec<RobotId>,
     pub(in crate::robots) links: Vec<mpsc::Sender<Move>>,
     pub(in crate::robots) chosen: Option<ChosenHall>,
-    /// The hall of the settings, and where the robot starts if they say so.
+    /// The hall of the settings, and the robot's start, if they name one.
     pub(in crate::robots) usual: (String, Option<(u32, u32)>),
-    /// All robots, as the settings have them.
+    /// All robots, as in the settings.
     pub(in crate::robots) team: Arc<[Participant]>,
 }
 
-/// What is left of the simulator until the loop runs: it needs the core's consent.
+/// The parts of the simulator until the loop runs, because it needs the core's consent.
 pub struct SimulatorParts(pub(in crate::robots) Parts);
 
 impl SimulatorParts {
@@ -67,7 +68,7 @@ struct InHand {
     handle: Handle,
     state: watch::Sender<Arc<SimulatorState>>,
     controls: watch::Sender<Controls>,
-    /// One change after the other; the hall in which the robots are.
+    /// Serialises the changes; holds the hall in which the robots are.
     turn: Mutex<Ground>,
     robots: Vec<RobotId>,
     links: Vec<mpsc::Sender<Move>>,
@@ -129,7 +130,7 @@ impl Simulator for InHand {
             let next = Ground { hall: Arc::new(hall), seed };
             self.move_all(&next, issuer).await?;
             let unkept = self.keep_for_restart(&next).await;
-            // What stood in the way of the hall before is not in this one.
+            // Obstacles of the previous hall do not apply to this one.
             self.controls.send_modify(|controls| controls.blocked = Arc::default());
             *ground = next;
             self.state.send_modify(|state| {
@@ -170,7 +171,7 @@ impl Simulator for InHand {
 }
 
 impl InHand {
-    /// Does what waits for the disk where nothing else waits for it.
+    /// Runs disk work on a thread that may block.
     async fn on_disk<T: Send + 'static>(
         &self,
         act: impl FnOnce(&Offered) -> Result<T, NotSimulated> + Send + 'static,
@@ -179,7 +180,7 @@ impl InHand {
         tokio::task::spawn_blocking(move || act(&offered)).await.map_err(|_| Gone)?
     }
 
-    /// While nothing can be recorded, no hall is lost without a word on record.
+    /// While nothing can be recorded, no hall may be lost without an entry on record.
     fn must_be_recorded(&self) -> Result<(), NotSimulated> {
         let is_down = self.handle.snapshot().mission.holds.contains(&Hold::Store);
         if is_down { Err(Refused::StoreDown.into()) } else { Ok(()) }
@@ -218,7 +219,7 @@ impl InHand {
         });
     }
 
-    /// Takes all links into another hall, when the core agrees. What is dropped on the way lets them go on where they are.
+    /// Moves all links into another hall, when the core agrees. Links whose request is dropped go on where they are.
     async fn move_all(&self, next: &Ground, issuer: Issuer) -> Result<(), NotSimulated> {
         let mut moves = Vec::new();
         for link in &self.links {
@@ -243,8 +244,8 @@ impl InHand {
         Ok(())
     }
 
-    /// Waits until the robots have said where they stand, so that whoever is answered may press START at once; not for one that is kept
-    /// from saying so.
+    /// Waits until the robots have reported their positions, so that START works right after the answer; does not wait for a
+    /// robot whose link is lost by a simulated fault.
     async fn until_reached(&self) {
         if self.now().faults.link_lost {
             return;
@@ -257,7 +258,7 @@ impl InHand {
         }
     }
 
-    /// Why not, when it cannot be.
+    /// Stores the hall for a restart; returns the reason when that fails.
     async fn keep_for_restart(&self, next: &Ground) -> Option<String> {
         let (chosen, next) = (self.chosen.clone()?, next.clone());
         let kept = tokio::task::spawn_blocking(move || chosen.keep(&next).map_err(|error| error.to_string()));
@@ -281,7 +282,7 @@ fn check_blocked(hall: &Hall, blocked: Option<&BTreeSet<Cell>>) -> Result<(), No
     blocked.iter().find(|cell| hall.truth(**cell) != Truth::Free).map_or(Ok(()), |cell| Err(NotSimulated::NoFreeCell(*cell)))
 }
 
-/// A hall that is known beforehand.
+/// A hall that is known in advance.
 pub(in crate::robots) fn venue(hall: &Hall, seed: u64, team: &Arc<[Participant]>) -> Venue {
     let (name, cell_m, reach) = (hall.name().into(), Some(hall.cell_m()), Some(hall.reach()));
     Venue { name, cell_m, is_reckoned: false, reach, robots: Arc::clone(team), seed: Some(seed) }

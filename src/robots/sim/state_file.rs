@@ -1,9 +1,9 @@
-//! Keeps what the simulated robot must not forget in one small file of the data folder, so that the hall is as it was left when
-//! the program comes back. What is kept stands in `memory`, how it is written in `hallsweep_sim::page`; when, `link` decides.
+//! Stores what the simulated robot must not forget in one small file of the data folder, so that the hall is as it was left when
+//! the program comes back. The contents are in `memory`, the format in `hallsweep_sim::page`; `link` decides when to write.
 //!
-//! It plays physics, so it costs as little as it can: 1 KiB written in place for each order begun or ended. That is in the
-//! system's hands at once and outlives `kill -9`; only a power cut may take the last seconds of it, as nothing is forced to the
-//! disk. What must outlive that is in the journal.
+//! It simulates physics, so writing is as cheap as possible: 1 KiB in place for each order begun or ended. The bytes are in the
+//! system's hands at once and outlive `kill -9`; nothing is forced to the disk, so a power cut may lose the last seconds. What
+//! must outlive that is in the journal.
 
 use std::io;
 use std::path::Path;
@@ -20,7 +20,7 @@ mod error;
 pub(super) use error::StateFileError;
 use hallsweep_sim::page::{self, Page, Unread, Whose};
 
-/// A robot's file: one was there before there were several, and its file keeps its name.
+/// The robot's file: the first robot's file keeps the name from before there were several robots.
 fn file_of(data: &Path, robot: &RobotId) -> SmallFile {
     let name = if *robot == RobotId::discovery() { names::SIMULATED } else { names::SIMULATED_FURTHER };
     SmallFile::of(data, name, robot.name())
@@ -31,15 +31,15 @@ pub(super) struct SimStateFile {
     file: SmallFile,
     whose: Whose,
     turn: u64,
-    /// Whether the file must be made anew.
+    /// Whether the file must be created anew.
     anew: bool,
-    /// What could not be written and has still to be.
+    /// A memory that still has to be written after a failure.
     owed: Option<SimMemory>,
 }
 
 impl SimStateFile {
-    /// This robot's state file in the folder `dir` and what it remembers of this hall; nothing when there is no file yet. Nothing is
-    /// written, and a file that cannot be read or understood, or is of another hall, stays as it is. `floor` is the hall as others
+    /// Opens this robot's state file in the folder `dir`, and reads what it remembers of this hall; `None` when there is no file
+    /// yet. Writes nothing, and leaves a file that cannot be read, or is of another hall, as it is. `floor` is the hall as others
     /// have left it.
     pub(super) fn open(
         dir: &Path,
@@ -73,25 +73,25 @@ impl SimStateFile {
         Ok((state_file, Some(memory)))
     }
 
-    /// A state file for a robot that is put down anew in this hall. The first writing takes the place of whatever file there is, so
-    /// it is for a folder without one, or when the robot is meant to leave the hall it was in.
+    /// A state file for a robot that is put into this hall anew. The first write replaces any existing file, so this is for a
+    /// folder without one, or for a robot that is meant to leave its previous hall.
     pub(super) fn begin_anew(dir: &Path, robot: &RobotId, hall: &Hall) -> SimStateFile {
         SimStateFile { file: file_of(dir, robot), whose: Whose::of(hall), turn: 0, anew: true, owed: None }
     }
 
-    /// From now on the robot is in this hall, newly put down: the next writing takes the place of what is there.
+    /// The robot is in this hall from now on, newly put there: the next write replaces the file.
     pub(super) fn move_to(&mut self, hall: &Hall) {
         (self.whose, self.turn, self.anew, self.owed) = (Whose::of(hall), 0, true, None);
     }
 
-    /// Writes down a memory. When that fails, the simulation goes on all the same: the log says so once, and the memory stays
-    /// owed until this, or a later one, is written.
+    /// Writes a memory. After a failure the simulation goes on: the log says so once, and the memory is retried until it, or a
+    /// later one, is written.
     pub(super) fn keep(&mut self, memory: SimMemory) {
         let written = self.write(&memory);
         let failing = "cannot keep where the simulated robot stands: make room, or the folder writable; it is tried again";
         self.file.say(&written, failing, "where the simulated robot stands is kept again");
         self.owed = written.as_ref().is_err().then_some(memory);
-        // A file that somebody has taken away is made again.
+        // A file that somebody removed is created again.
         self.anew |= written.is_err_and(|error| error.kind() == io::ErrorKind::NotFound);
     }
 

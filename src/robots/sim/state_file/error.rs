@@ -1,5 +1,5 @@
-//! Why the memory of a simulated robot cannot be gone on from, said with the file and what to do. Nothing is repaired here: a
-//! file that is not understood stays as it is.
+//! Why the memory of a simulated robot cannot be used, with the file and what to do. Nothing is repaired: a file that cannot be
+//! read stays as it is.
 
 use std::path::PathBuf;
 
@@ -24,7 +24,7 @@ pub(crate) enum StateFileError {
         .path.display()
     )]
     OtherVersion { path: PathBuf, found: String },
-    /// It is the memory of a robot in another hall, or in the same one before its file was changed.
+    /// The memory is of a robot in another hall, or in the same one before its file was changed.
     #[error("{} {}", .path.display(), other_hall(.remembered, .given))]
     OtherHall { path: PathBuf, remembered: String, given: String },
 }

@@ -1,5 +1,5 @@
-//! Tests of the state file with real files: what comes back, what is never overwritten, and what happens when nothing can be written.
-//! The text itself is tested in `page`.
+//! Tests of the state file with real files: what is read back, what is never overwritten, and what happens when nothing can be
+//! written. The format is tested in `page`.
 
 use std::fs;
 
