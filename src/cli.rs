@@ -1,5 +1,5 @@
-//! The command line: what can be typed after `hallsweep`, and the settings that follow from it.
-//! What the commands do stands in `crate::app` and in the files beside this one; only the command line writes to standard output.
+//! The command line: what can be typed after `hallsweep`, and the settings that follow from it. The commands are in `crate::app`
+//! and in the files beside this one; only the command line writes to standard output.
 
 use std::io::Write;
 use std::net::SocketAddr;
@@ -172,10 +172,10 @@ pub struct Healthcheck {
 }
 
 impl Healthcheck {
-    /// Where the program listens, seen from this machine.
+    /// Address of the running program, as seen from this machine.
     pub fn address(&self) -> Result<SocketAddr, Failure> {
         let http = self.http.clone().map(|value| Flag::given("--http", value));
-        // Nothing is kept by asking, so a user without a home can ask too.
+        // A health check stores nothing, so that a user without a home directory can run it too.
         let nothing = Flag { flag: "of healthcheck", key: "store.folder", value: "none".to_owned() };
         let settings = config::load(&sources(self.config.clone(), http.into_iter().chain([nothing]).collect()))?;
         Ok(from_here(settings.http.bind.at.first()))
@@ -183,14 +183,14 @@ impl Healthcheck {
 }
 
 impl Cli {
-    /// What was asked for: to serve, when nothing was said.
+    /// The requested command; `serve` by default.
     pub fn task(self) -> Task {
         self.command.unwrap_or(Task::Serve(self.serve))
     }
 }
 
 impl Serve {
-    /// Where the settings of this start are to be read.
+    /// Sources of the settings for this start.
     pub fn sources(&self) -> Sources {
         sources(self.config.clone(), self.flags())
     }
@@ -224,13 +224,12 @@ struct Folder {
 }
 
 impl Folder {
-    /// Where the settings are to be read, with one more flag if there is one.
+    /// Sources of the settings, with one more flag if given.
     fn sources(&self, more: Option<Flag>) -> Sources {
         let data = self.data.clone().map(|value| Flag::given("--data", value));
         sources(self.config.clone(), data.into_iter().chain(more).collect())
     }
 
-    /// Where it is.
     fn path(&self) -> Result<PathBuf, Failure> {
         let folder = settings(&self.sources(None))?.store;
         folder.ok_or_else(|| {
@@ -238,13 +237,12 @@ impl Folder {
         })
     }
 
-    /// The journal in it.
     fn open(&self) -> Result<Reading, Failure> {
         Ok(Reading::open(&self.path()?)?)
     }
 }
 
-/// The settings of this start. From here on there is a log, and its first lines are what was set for nothing.
+/// The settings of this start. Starts the log, whose first lines name settings without effect.
 fn settings(sources: &Sources) -> Result<Settings, Failure> {
     let settings = config::load(sources)?;
     telemetry::start(&settings.log);
@@ -252,12 +250,12 @@ fn settings(sources: &Sources) -> Result<Settings, Failure> {
     Ok(settings)
 }
 
-/// `hallsweep table`: prints the mission table as it is in the program, as markdown for the documentation.
+/// `hallsweep table`: prints the mission table of this program as markdown for the documentation.
 pub fn print_table() -> Result<(), Failure> {
     print(table_markdown().trim_end())
 }
 
-/// The end of every command: says why it failed, if it did.
+/// The end of every command: reports a failure.
 pub fn end(ended: Result<(), Failure>) -> ExitCode {
     let code = ended.map_or_else(
         |failure| {
@@ -270,7 +268,8 @@ pub fn end(ended: Result<(), Failure>) -> ExitCode {
     code
 }
 
-/// Prints where a program is that goes on running. A thread of its own does so: standard output may be full, and never taken from.
+/// Prints the addresses of a program that goes on running. On a thread of its own, because standard output may be a full pipe
+/// that nobody reads.
 fn announce(text: String) {
     let printing = std::thread::Builder::new().name("announcement".to_owned()).spawn(move || {
         if let Err(failure) = print(&text) {
@@ -282,7 +281,7 @@ fn announce(text: String) {
     }
 }
 
-/// Prints a text and a line break: the one place that writes to standard output.
+/// Prints a text and a line break: the only place that writes to standard output.
 fn print(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     let printed = writeln!(out, "{text}").and_then(|()| out.flush());

@@ -1,5 +1,5 @@
-//! `hallsweep explore`: one mission without doors, at full speed, and what it came to.
-//! The mission itself runs in `hallsweep_sim::headless`; here its progress is shown and its result printed.
+//! `hallsweep explore`: one mission without doors at full speed, and its result. The mission runs in `hallsweep_sim::headless`;
+//! this file shows the progress and prints the result.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -67,7 +67,6 @@ enum Answers {
     AllSafe,
 }
 
-/// Runs the mission and prints what it came to.
 pub fn run(flags: &Explore) -> Result<(), Failure> {
     let settings = super::settings(&flags.sources())?;
     let hall = sim::hall(&settings).map_err(|unusable| AppError::from(Unusable::from(unusable)))?;
@@ -89,7 +88,7 @@ pub fn run(flags: &Explore) -> Result<(), Failure> {
     super::print(&text)?;
     if let Some(map) = map {
         let line = map.write(&Export::explored(hall.name(), hall.cell_m(), &figures.state))?;
-        // Of JSON there is one object and nothing else.
+        // With `--json` standard output has only the one object.
         if flags.json { telemetry::say(line) } else { super::print(&line)? }
     }
     figures.stuck.map_or(Ok(()), |why| Err(Failure::Run(format!("the mission could not end: {why}"))))
@@ -100,7 +99,7 @@ impl Explore {
         let given = [("--hall", &self.hall), ("--start", &self.start), ("--seed", &self.seed)];
         let flags =
             given.into_iter().chain(self.search.flags()).filter_map(|(flag, value)| Some(Flag::given(flag, value.clone()?)));
-        // Nothing of it is kept, so a user without a home can run it too.
+        // Nothing is stored, so that a user without a home directory can run it too.
         let nothing = Flag { flag: "of explore", key: "store.folder", value: "none".to_owned() };
         config::sources(self.config.clone(), flags.chain([nothing]).collect())
     }
@@ -115,7 +114,7 @@ impl From<Answers> for Verdicts {
     }
 }
 
-/// A bar on standard error, shown only where that is a terminal.
+/// A progress bar on standard error, shown only on a terminal.
 fn progress_bar(cells: usize) -> ProgressBar {
     let style = ProgressStyle::with_template("exploring {wide_bar} {pos} of {len} cells");
     let bar = ProgressBar::new(cells as u64);
@@ -126,10 +125,10 @@ fn for_people(figures: &Figures) -> String {
     format!("{}\n{}", map_text::lines(&*figures.state), figures::table(figures))
 }
 
-/// The file to which everything goes that is put on record.
+/// The file for everything that is recorded.
 struct Log<'a> {
     path: &'a Path,
-    /// Broken once something could not be written.
+    /// An error after the first failed write.
     file: std::io::Result<BufWriter<File>>,
 }
 

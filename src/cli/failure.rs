@@ -1,4 +1,4 @@
-//! How the program ends when it does not end well, and with which exit code.
+//! Why the program ends with an error, and its exit code.
 
 use std::process::ExitCode;
 
@@ -6,25 +6,25 @@ use crate::access::AccessError;
 use crate::app::AppError;
 use crate::config::SettingsError;
 
-/// Why the program ends. `Display` is the line for whoever started it.
+/// Why the program ends. `Display` is the message for whoever started it.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
-    /// It was started with settings that cannot be used: exit code 2, as for a mistyped flag.
+    /// The settings cannot be used: exit code 2, as for a mistyped flag.
     #[error(transparent)]
     Settings(#[from] SettingsError),
-    /// It could not begin, or not go on: exit code 2 when hall, certificate or key is to blame, else 1.
+    /// The program could not start, or not go on: exit code 2 when hall, certificate or key is to blame, otherwise 1.
     #[error(transparent)]
     App(#[from] AppError),
-    /// The keys cannot be had, kept or changed: exit code 1.
+    /// The keys cannot be read, stored or changed: exit code 1.
     #[error(transparent)]
     Access(#[from] AccessError),
-    /// It was started with flags that do not fit together: exit code 2.
+    /// The flags do not fit together: exit code 2.
     #[error("{0}")]
     Usage(String),
-    /// It could not do what it was asked: exit code 1.
+    /// The command failed: exit code 1.
     #[error("{0}")]
     Run(String),
-    /// A behaviour tree did not come to SUCCESS: the exit code says what became of it.
+    /// A behaviour tree did not reach SUCCESS: the exit code tells its result.
     #[error("{0}")]
     Tree(String, u8),
 }

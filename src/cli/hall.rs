@@ -1,6 +1,5 @@
-//! `hallsweep hall convert`: a hall from any file or built-in one into a file of another format; and `hall import`: a scene of the
-//! virtual robot's page into a hall.
-//! The formats are `hallsweep_sim`'s; how a file is written stands in `map_file`.
+//! `hallsweep hall convert`: writes a hall from any file or a built-in one in another format; and `hall import`: makes a hall
+//! from a scene of the virtual robot's page. The formats are in `hallsweep_sim`, writing the file is in `map_file`.
 
 use std::path::Path;
 
@@ -60,13 +59,12 @@ struct Import {
     force: bool,
 }
 
-/// Whether both are one file that is there.
+/// Whether both paths name the same existing file.
 fn is_same(one: &str, other: &str) -> bool {
     let [one, other] = [one, other].map(|path| std::fs::canonicalize(path).ok());
     one.is_some() && one == other
 }
 
-/// Does it, and prints what was written.
 pub fn run(asked: &Halls) -> Result<(), Failure> {
     let line = match &asked.what {
         What::Convert(Convert { from, to, cell, force }) => {

@@ -1,6 +1,6 @@
-//! `hallsweep healthcheck`: asks a running hallsweep for `/healthz`, so that a container needs no other program for it.
-//! A plain socket with time-outs; no HTTP client is wanted for one line. A door that speaks TLS is known by its answer to a plain
-//! question; how it is asked then stands in `unverified`.
+//! `hallsweep healthcheck`: asks a running hallsweep for `/healthz`, so that a container needs no other program for it. A plain
+//! socket with time-outs suffices, without an HTTP client. A TLS door is recognised by its answer to a plain request; asking it
+//! again is in `unverified`.
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -10,16 +10,15 @@ use super::failure::Failure;
 
 mod unverified;
 
-/// A healthy program answers at once; this leaves room for a busy machine and stays below a container's own time-out.
+/// Time-out: a healthy program answers at once. Leaves room for a busy machine, and is shorter than a container's own time-out.
 const TIMEOUT: Duration = Duration::from_secs(2);
 
-/// As much of the answer as is looked at: its first line.
+/// Number of bytes read of the answer: its first line.
 const STATUS_LINE: u64 = 64;
 
-/// With this byte a TLS door tells a client that it did not speak TLS (an alert, RFC 8446, section 5.1).
+/// The first byte of a TLS door's answer to a client that does not speak TLS (an alert, RFC 8446, section 5.1).
 const ALERT: u8 = 21;
 
-/// Asks the program at `address`.
 pub fn run(address: SocketAddr) -> Result<(), Failure> {
     let plain = ask(address, Ok);
     let (at, answer) = match plain {
@@ -43,18 +42,18 @@ pub fn run(address: SocketAddr) -> Result<(), Failure> {
     Err(Failure::Run(format!("{at} answers `{status}`, not 200: see the log of the program there")))
 }
 
-/// The beginning of the answer, through a socket made into something one can talk through.
+/// The beginning of the answer, over the connection that `through` makes of the socket.
 fn ask<S: Read + Write>(address: SocketAddr, through: impl Fn(TcpStream) -> std::io::Result<S>) -> std::io::Result<Vec<u8>> {
     let stream = TcpStream::connect_timeout(&address, TIMEOUT)?;
     stream.set_read_timeout(Some(TIMEOUT))?;
     stream.set_write_timeout(Some(TIMEOUT))?;
     let mut stream = through(stream)?;
-    // Whole and at once: an answer to the first piece of a question could cut off the rest of it.
+    // In one write: an answer to the first part of a request could cut off the rest.
     stream.write_all(format!("GET /healthz HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n").as_bytes())?;
     stream.flush()?;
     let mut answer = Vec::new();
     let read = stream.take(STATUS_LINE).read_to_end(&mut answer);
-    // A door that hangs up after its answer has answered all the same.
+    // A connection that breaks after the answer does not matter.
     if answer.is_empty() { read.map(|_| answer) } else { Ok(answer) }
 }
 

@@ -1,5 +1,5 @@
-//! `hallsweep journal`: what is on record, for people and for programs, beside a running hallsweep or without one.
-//! How it is kept stands in `crate::storage::sqlite`.
+//! `hallsweep journal`: the record for people and for programs, with or without a running hallsweep. Storage is in
+//! `crate::storage::sqlite`.
 
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -104,7 +104,7 @@ impl From<Unreadable> for Failure {
     }
 }
 
-/// Writes the entries, in their place those that could not be understood, and says at the end how many these are.
+/// Writes the entries, with a line in place of each that cannot be read, and reports at the end how many these are.
 fn list(
     reading: &Reading,
     which: Which,
@@ -120,7 +120,7 @@ fn list(
         written.is_ok()
     })?;
     match written.and_then(|()| out.flush()) {
-        // Whoever reads the first lines only, as `head` does, has what was wanted.
+        // A reader such as `head`, which takes only the first lines, has what it wanted.
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => return Ok(()),
         written => written.map_err(|error| Failure::Run(format!("standard output cannot be written: {error}")))?,
     }
@@ -135,7 +135,7 @@ fn day(text: &str) -> Result<WallTime, String> {
 }
 
 fn write_out(folder: &Path, before: WallTime, file: &Path) -> Result<(), Failure> {
-    // Where there is no journal none is begun.
+    // Fails where there is no journal, so that none is created.
     drop(Reading::open(folder)?);
     let now = Clock::default().now().wall;
     let Some(archived) = sqlite::write_out(folder, before, now, file)? else {
@@ -154,7 +154,7 @@ fn write_out(folder: &Path, before: WallTime, file: &Path) -> Result<(), Failure
     ))
 }
 
-/// Whether the archives and the journal follow on one another, and are as they were written out.
+/// Whether the archives and the journal follow each other, and are unchanged since they were written.
 fn hold_together(reading: &Reading, archives: &[PathBuf]) -> Result<(), Failure> {
     let Together { archives, faults } = reading.check_archives(archives)?;
     faults.iter().try_for_each(|fault| super::print(fault))?;

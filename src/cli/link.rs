@@ -1,4 +1,4 @@
-//! Links by which somebody signs in. Whether the address in them can be reached from elsewhere is the network's business.
+//! Links for signing in. Whether their address can be reached from elsewhere depends on the network.
 
 use std::net::SocketAddr;
 
@@ -14,7 +14,7 @@ pub(super) fn sign_in(http: &HttpSettings, address: SocketAddr, token: &Token) -
     format!("{}://{}/sign-in?token={}", scheme(http), host(http, address), token.reveal())
 }
 
-/// By what name a browser finds the door: the first that was set, else its address.
+/// The host in a browser's address: the first that was set, otherwise the door's own address.
 fn host(http: &HttpSettings, address: SocketAddr) -> String {
     match http.hosts.first() {
         Some(name) => format!("{name}:{}", address.port()),

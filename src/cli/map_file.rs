@@ -1,5 +1,5 @@
-//! A file into which a hall or an explored map is written, in the format that its name says: never over another one unasked, and
-//! whole or not at all. What stands in each format is `hallsweep_sim`'s business.
+//! Writes a hall or an explored map to a file, in the format that its name tells: never over an existing file unasked, and whole
+//! or not at all. The formats are in `hallsweep_sim`.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use super::Failure;
 use hallsweep_sim::{Export, Format};
 
-/// Where to write, and how.
+/// Where to write, and whether an existing file is replaced.
 pub(super) struct MapFile<'a> {
     path: &'a Path,
     format: Format,
@@ -16,7 +16,7 @@ pub(super) struct MapFile<'a> {
 }
 
 impl<'a> MapFile<'a> {
-    /// The file of this name. That it cannot be written shows here as far as it can.
+    /// Checks the path as far as possible before there is anything to write.
     pub(super) fn at(path: &'a str, replace: bool) -> Result<MapFile<'a>, Failure> {
         let path = Path::new(path);
         let format = Format::of_file(path).ok_or_else(|| {
@@ -31,7 +31,7 @@ impl<'a> MapFile<'a> {
         Ok(file)
     }
 
-    /// Writes it, and says in a line what was written and what is lost in it.
+    /// Writes the file; returns a line that says what was written and what is lost in this format.
     pub(super) fn write(&self, export: &Export) -> Result<String, Failure> {
         let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
         let written = export.written(self.format, &stem).map_err(|error| Failure::Run(error.to_string()))?;
@@ -46,7 +46,7 @@ impl<'a> MapFile<'a> {
         Ok(format!("{}: {}; {lost}", names.join(" and "), export.in_words()))
     }
 
-    /// The files that there will be; the one that is named comes last, when what it names is there.
+    /// All files to be written; the named one comes last, when the files it refers to exist.
     fn paths(&self) -> Vec<PathBuf> {
         let image = (self.format == Format::Occupancy).then(|| self.path.with_extension("pgm"));
         image.into_iter().chain([self.path.to_owned()]).collect()
@@ -56,12 +56,12 @@ impl<'a> MapFile<'a> {
         if path.is_dir() {
             return Err(unwritable(path, &io::Error::other("it is a folder")));
         }
-        // A link that leads nowhere is there, too.
+        // A dangling link counts as an existing file.
         if !self.replace && path.symlink_metadata().is_ok() { Err(taken(path)) } else { Ok(()) }
     }
 }
 
-/// Writes all of these files or none: each first beside its place under another name.
+/// Writes all of these files or none: each first under another name beside its place.
 fn put(files: &[(PathBuf, Vec<u8>)], replace: bool) -> Result<(), (PathBuf, io::Error)> {
     let mut ours = Vec::new();
     let done =
@@ -84,13 +84,14 @@ fn fill(path: &Path, bytes: &[u8], ours: &mut Vec<PathBuf>) -> io::Result<()> {
     file.sync_all()
 }
 
-/// Makes a file of a name that only a process of our number uses: what is there was left behind by one that was killed.
+/// Creates a file under a temporary name, which has the process id: an existing one was left by a killed process.
 pub(super) fn begin(fresh: &Path) -> io::Result<File> {
     let _ = fs::remove_file(fresh);
     File::create_new(fresh)
 }
 
-/// Gives a file its name. Where nothing may be replaced the name is taken first, so that nobody else can have it in between.
+/// Renames a file to its final name. Unless `replace` is set, the name is reserved first, so that nobody else can take it in
+/// between.
 fn place(path: &Path, replace: bool, ours: &mut Vec<PathBuf>) -> io::Result<()> {
     if !replace {
         File::create_new(path)?;
@@ -99,7 +100,7 @@ fn place(path: &Path, replace: bool, ours: &mut Vec<PathBuf>) -> io::Result<()> 
     fs::rename(unfinished(path), path)
 }
 
-/// What a file is called until it is whole.
+/// Temporary name of a file until it is complete.
 pub(super) fn unfinished(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}.new", std::process::id()));
@@ -124,12 +125,12 @@ mod tests {
         fs::create_dir_all(&folder).unwrap();
         let [image, yaml] = ["m.pgm", "m.yaml"].map(|name| folder.join(name));
         let files = [(image.clone(), b"image".to_vec()), (yaml.clone(), b"yaml".to_vec())];
-        // Somebody else makes the second just before it gets its name.
+        // Somebody else creates the second file just before it gets its name.
         fs::write(&yaml, "theirs").unwrap();
         let (path, error) = put(&files, false).unwrap_err();
         assert_eq!((path, error.kind()), (yaml.clone(), io::ErrorKind::AlreadyExists));
         assert_eq!((fs::read(&yaml).unwrap(), fs::read_dir(&folder).unwrap().count()), (b"theirs".to_vec(), 1));
-        // What a killed process of our number left behind is in nobody's way.
+        // Leftovers of a killed process with the same id are in nobody's way.
         fs::write(unfinished(&image), "half").unwrap();
         put(&files, true).unwrap();
         assert_eq!((fs::read(&image).unwrap(), fs::read(&yaml).unwrap()), (b"image".to_vec(), b"yaml".to_vec()));

@@ -1,5 +1,5 @@
-//! A file for what takes long to come about: begun under another name beside its place, so that one that cannot be written shows at once, and put
-//! there, flushed, when the result is whole. Whatever goes wrong before that, what stood there stays.
+//! A file for a result that takes long: begun under another name, so that an unwritable place fails at once, then flushed and
+//! renamed when the result is complete. Until then the old file stays, whatever goes wrong.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
@@ -9,10 +9,9 @@ use super::Failure;
 use super::map_file::{begin, unfinished};
 use crate::storage::files;
 
-/// In the place of a file: standard output.
+/// Means standard output in place of a file.
 pub(super) const STANDARD_OUTPUT: &str = "-";
 
-/// Where a result will be written.
 pub(super) struct OutputFile {
     path: PathBuf,
     to: To,
@@ -20,22 +19,22 @@ pub(super) struct OutputFile {
 
 enum To {
     StandardOutput,
-    /// What has nothing to be replaced: a pipe, a terminal.
+    /// Something that is not replaced, such as a pipe or a terminal.
     Through(File),
-    /// The file under its other name, until it has its own.
+    /// The file under its temporary name, until it is renamed.
     Beside(File, Option<PathBuf>),
 }
 
 impl OutputFile {
-    /// The file of this name, which may be there already, or standard output.
+    /// Opens the path, which may exist already, or standard output.
     pub(super) fn open(path: &Path) -> Result<OutputFile, Failure> {
-        // A link stays one, and leads to the new file.
+        // A link stays, and leads to the new file.
         let place = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         let to = if is_standard_output(path) { Ok(To::StandardOutput) } else { open(&place) };
         to.map(|to| OutputFile { path: place, to }).map_err(|error| unwritable(path, &error))
     }
 
-    /// Puts what is written, a part at a time, in the place of what is there.
+    /// Writes the result, in parts, and puts it in place of the old file.
     pub(super) fn fill(mut self, write: impl FnOnce(&mut dyn Write) -> Result<(), Failure>) -> Result<(), Failure> {
         match &mut self.to {
             To::StandardOutput => write(&mut io::stdout().lock()),
@@ -52,7 +51,7 @@ impl OutputFile {
 impl Drop for OutputFile {
     fn drop(&mut self) {
         if let To::Beside(_, Some(beside)) = &self.to {
-            // Nobody is left to be told.
+            // A failure cannot be reported any more.
             let _removed = fs::remove_file(beside);
         }
     }
@@ -65,7 +64,7 @@ pub(super) fn is_standard_output(path: &Path) -> bool {
 fn open(place: &Path) -> io::Result<To> {
     let there = fs::metadata(place).ok();
     if there.is_some() {
-        // One that may not be written to is not replaced either.
+        // A file that may not be written is not replaced either.
         let through = OpenOptions::new().append(true).open(place)?;
         if !place.is_file() {
             return Ok(To::Through(through));
@@ -79,7 +78,6 @@ fn open(place: &Path) -> io::Result<To> {
     Ok(To::Beside(file, Some(beside)))
 }
 
-/// Gives what is whole its name.
 fn place(beside: &mut Option<PathBuf>, place: &Path) -> io::Result<()> {
     if let Some(whole) = beside {
         fs::rename(whole, place)?;
@@ -88,7 +86,7 @@ fn place(beside: &mut Option<PathBuf>, place: &Path) -> io::Result<()> {
     files::sync_folder(place.parent().unwrap_or(Path::new(".")))
 }
 
-/// Refuses to write into a file that is read, or written twice.
+/// Refuses a path that is also read, or that is written twice.
 pub(super) fn distinct<'a>(
     read: impl IntoIterator<Item = &'a Path>,
     written: impl IntoIterator<Item = &'a Path>,
@@ -106,7 +104,6 @@ pub(super) fn distinct<'a>(
     Ok(())
 }
 
-/// What is said of a place that cannot be written.
 pub(super) fn unwritable(path: &Path, error: &io::Error) -> Failure {
     Failure::Run(format!("{} cannot be written: {error}", path.display()))
 }

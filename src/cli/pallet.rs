@@ -1,5 +1,5 @@
 //! `hallsweep pallet`: two mobile manipulators carry parcels from a pallet to a target area, led by the three behaviour trees, in
-//! simulated time. The scenario itself runs in `hallsweep_laboratory::pallet`; here its phases are printed, its figures, and a picture.
+//! simulated time. The scenario runs in `hallsweep_laboratory::pallet`; this file prints its phases and figures, and a picture.
 
 use std::path::PathBuf;
 
@@ -30,7 +30,6 @@ pub struct Pallet {
     svg: Option<PathBuf>,
 }
 
-/// Runs the scenario and prints what it came to.
 pub fn run(flags: &Pallet) -> Result<(), Failure> {
     let asked = flags.asked()?;
     let mut run = PalletRun::new(flags.parcels, flags.seed, asked).map_err(|error| Failure::Run(error.to_string()))?;
@@ -48,7 +47,7 @@ pub fn run(flags: &Pallet) -> Result<(), Failure> {
     outcome(&flags.faults, &run, &figures)
 }
 
-/// A line for each thing that passed, and one for each figure.
+/// A line for each event, and one for each figure.
 fn for_people(run: &PalletRun, figures: &Figures) -> String {
     let passed = run.entries().iter().map(|entry| {
         let at = entry.at.as_secs_f64();
@@ -58,8 +57,8 @@ fn for_people(run: &PalletRun, figures: &Figures) -> String {
     passed.chain([String::new()]).chain(rows).collect::<Vec<_>>().join("\n")
 }
 
-/// A run that did not bring all parcels to the target area has failed, by the name of what was wrong; so has one in which something that
-/// was asked to go wrong did not.
+/// A run fails, with the name of the fault, when it did not bring all parcels to the target area; also when a requested fault did
+/// not happen.
 fn outcome(faults: &[AskedFault], run: &PalletRun, figures: &Figures) -> Result<(), Failure> {
     let mut words: Vec<String> =
         missed(faults, run).iter().map(|(fault, why)| format!("--fault {fault} did not happen: {}", why.in_words())).collect();
@@ -121,11 +120,11 @@ mod tests {
         }
     }
 
-    /// Twelve yards, some with a way of two steps from the pallet to the target area.
+    /// Twelve yards, some with a path of two steps from the pallet to the target area.
     #[test]
     fn what_is_asked_to_go_wrong_happens_or_the_run_fails_and_says_why_it_did_not() {
         const EARLY: &str = "the run ended before it could happen";
-        /// What is asked to go wrong, and of that what does not, each with the reason.
+        /// The requested faults, and those of them that do not happen, with the reason.
         type Row<'a> = (&'a [&'a str], &'a [(&'a str, &'a str)]);
         let table: [Row<'_>; 9] = [
             (&["lost@1", "lost@2", "lostLifting@2", "unrecognised@1"], &[]),

@@ -1,5 +1,5 @@
-//! `hallsweep report`: what is on record of a mission, for paper, for whoever was not there and for programs; and whether a report that was handed
-//! over and the journal agree. What stands in it is `crate::report`'s business.
+//! `hallsweep report`: the record of a mission on paper, for people who were not there and for programs; and whether a report
+//! that was handed over agrees with the journal. The contents are in `crate::report`.
 
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Cursor, Read, Write};
@@ -47,7 +47,6 @@ fn language(tag: &str) -> Result<Language, String> {
     Language::ALL.into_iter().find(|language| language.tag() == tag).ok_or_else(|| format!("{} belongs there", known()))
 }
 
-/// Writes it.
 pub fn run(asked: &Reported) -> Result<(), Failure> {
     let archive = asked.folder.open()?.archive();
     let mission = MissionId(asked.mission);
@@ -86,11 +85,11 @@ fn written(asked: &Reported, archive: &dyn Archive, out: &mut dyn Write, path: &
     }
 }
 
-/// Says whether a report and the journal agree, which has been found sound.
+/// Says whether a report agrees with the journal, which was found sound.
 pub(super) fn confirm(journal: &Reading, path: &Path) -> Result<(), Failure> {
     let shown = path.display();
     let unreadable = |error: io::Error| Failure::Run(format!("{shown} cannot be read: {error}"));
-    // At a pipe it would be waited for ever.
+    // Reading a pipe would block for ever.
     files::check_plain(path).map_err(unreadable)?;
     let mut file = BufReader::new(File::open(path).map_err(unreadable)?);
     let mut beginning = Vec::new();

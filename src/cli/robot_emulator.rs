@@ -1,5 +1,5 @@
-//! `hallsweep robot-emulator`: the simulated robot at the other end of a wire, for whoever tries the line protocol or builds a robot.
-//! It is played by `robots::emulator`; here it is asked for.
+//! `hallsweep robot-emulator`: the simulated robot at the other end of a wire, for people who try the line protocol or build a
+//! robot. `robots::emulator` plays it; this file reads the flags.
 
 use std::time::Duration;
 
@@ -84,12 +84,12 @@ impl RobotEmulator {
         given.filter_map(|(flag, value)| Some(Flag::given(flag, value.clone()?))).collect()
     }
 
-    /// How a program is told to find it.
+    /// How a program can reach it.
     fn hint(&self, place: &str) -> String {
         if self.at.serial.is_some() {
             return "hallsweep serve --robot line=DEVICE, with the device at the other end of the cable".to_owned();
         }
-        // One that listens everywhere is somewhere.
+        // An address that means every interface is replaced by one that can be called.
         let here = place.replace("0.0.0.0:", "localhost:").replace("[::]:", "localhost:");
         format!("hallsweep serve --robot line={here}")
     }

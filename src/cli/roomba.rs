@@ -1,5 +1,5 @@
 //! `hallsweep roomba`: the Roomba of seed 001 as state machine, as behaviour tree or as both, in simulated time.
-//! The runs and their drawing are made by `hallsweep_laboratory::roomba`; here they are asked for and said in words.
+//! `hallsweep_laboratory::roomba` runs and draws them; this file prints the figures.
 
 use std::path::{Path, PathBuf};
 
@@ -33,7 +33,6 @@ pub struct Roomba {
     svg: Option<PathBuf>,
 }
 
-/// Runs it, and prints what it came to.
 pub fn run(flags: &Roomba) -> Result<(), Failure> {
     let prints_drawing = flags.svg.as_deref() == Some(Path::new("-"));
     if prints_drawing && flags.json {
@@ -68,7 +67,7 @@ fn seed(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| format!("write a whole number from 0 to {}", u64::MAX))
 }
 
-/// A line for each figure, with a column for each run, and whether they are the same.
+/// A line for each figure, with a column for each run, and whether the runs are the same.
 fn for_people(seed: u64, length: RunLength, runs: &Runs) -> String {
     let line = |name: &str, values: &[String]| {
         let columns: String = values.iter().map(|value| format!("{value:<16}")).collect();

@@ -1,4 +1,4 @@
-//! `hallsweep serve`: starts the program and says where it is, and how one gets in.
+//! `hallsweep serve`: starts the program, and prints its addresses and how to sign in.
 
 use super::{Failure, Serve, link};
 use crate::app::{self, Doors, Entry, Place};
@@ -28,12 +28,12 @@ fn announcement(settings: &Settings, doors: Doors, entry: &Entry) -> String {
     [Some(console(&settings.http, doors.http, console_entry)), coap, mqtt, idle].into_iter().flatten().collect()
 }
 
-/// What was set for nothing, in one line, if anything was.
+/// One line about settings without effect, if there are any.
 fn without_effect(settings: &Settings) -> Option<String> {
     Some(settings.without_effect.join(", ")).filter(|idle| !idle.is_empty())
 }
 
-/// The broker at which its topics are, where there are any, and how one gets in if that is by a key.
+/// The broker with its topics, if there is one, and how to sign in when that takes a key.
 fn mqtt(settings: &Settings, doors: Doors, entry: &Entry) -> Option<String> {
     let asks = match settings.mqtt.broker.as_ref()? {
         Broker::Own { asks_for_keys, .. } => *asks_for_keys,
@@ -57,7 +57,7 @@ fn mqtt(settings: &Settings, doors: Doors, entry: &Entry) -> Option<String> {
     })
 }
 
-/// Where this machine finds a door, whether others find it too, and how to choose where when it is elsewhere than usual.
+/// The address of a door on this machine, whether others can reach it, and how to choose another when it is not the usual one.
 fn found(place: Place, flag: &str) -> String {
     let here = from_here(place.at);
     match place.instead_of {
@@ -67,7 +67,7 @@ fn found(place: Place, flag: &str) -> String {
     }
 }
 
-/// Where the console is, and how one gets in. A token is shown when it was just made, and then only here: never in the log.
+/// The address of the console, and how to sign in. A token is shown when it was just made, and only here: never in the log.
 fn console(http: &HttpSettings, place: Place, entry: &Entry) -> String {
     let at = format!("hallsweep is at {}://{}", link::scheme(http), found(place, "--http"));
     match entry {

@@ -1,4 +1,4 @@
-//! `hallsweep token`: shows, adds, replaces and removes keys in the data folder. A running hallsweep takes over what has changed.
+//! `hallsweep token`: shows, adds, replaces and removes keys in the data folder. A running hallsweep applies the changes.
 
 use clap::{Args, Subcommand, ValueEnum};
 
@@ -50,18 +50,17 @@ enum Part {
     Operator,
 }
 
-/// Does it, and prints the keys that are new or were asked for.
 pub fn run(asked: &Keyrings) -> Result<(), Failure> {
     let settings = super::settings(&asked.sources())?;
     let file = file(&settings)?;
-    // Of two that change the keys at once, the second sees what the first has done.
+    // The lock makes the second of two simultaneous changes see the first.
     let _alone = file.alone();
     let kept = file.read()?;
     let is_new = kept.is_none();
     let what = asked.what.as_ref().unwrap_or(&What::Show);
     let mut keys = match (kept, what) {
         (Some(keys), _) => keys,
-        // Somebody must be able to act: an operator's key comes with the first of all.
+        // Somebody must be able to act: the first key file always has an operator's key.
         (None, What::Add { .. }) => Keys::first()?,
         (None, What::Show | What::Rotate { .. } | What::Remove { .. }) => return Err(none_yet(&file)),
     };
@@ -96,7 +95,7 @@ fn file(settings: &Settings) -> Result<KeyFile, Failure> {
     Ok(KeyFile::within(folder))
 }
 
-/// Looking makes nothing.
+/// Showing the keys creates none.
 fn none_yet(file: &KeyFile) -> Failure {
     let there = file.path().display();
     Failure::Run(format!(

@@ -1,5 +1,5 @@
-//! `hallsweep tree`: looks at files of behaviour trees, writes them back, and runs them with mocks for their leaves.
-//! What a tree does stands in `behaviour_trees`, how a tick is printed in `shown`.
+//! `hallsweep tree`: checks files of behaviour trees, writes them back, and runs them with mocks for their leaves. Trees are
+//! executed in `behaviour_trees`, ticks are printed in `shown`.
 
 use std::fs::File;
 use std::io::{Read, stdin};
@@ -98,17 +98,17 @@ pub fn run(asked: &Trees) -> Result<(), Failure> {
     }
 }
 
-/// The file that is no file.
+/// Stands for standard input in place of a file.
 const STANDARD_INPUT: &str = "-";
 
-/// What may be named in a file: what it declares itself, and what the files of `--model` do. This program performs no leaves of its own.
+/// Nodes that a file may use: those it declares itself, and those of the files of `--model`. This program has no leaves of its
+/// own.
 fn known(document: &Document, models: &[Document]) -> Catalogue {
     let mut known = Catalogue::default();
     std::iter::once(document).chain(models).for_each(|document| known.add_models(document));
     known
 }
 
-/// The files of `--model`.
 fn declared(files: &[PathBuf]) -> Result<Vec<Document>, String> {
     let declared = |file: &PathBuf| match read(file)? {
         document if document.models.is_empty() => {
@@ -138,7 +138,7 @@ fn check(files: &[PathBuf], models: &[PathBuf]) -> Result<(), Failure> {
     }
 }
 
-/// What a file holds, with its notes, or everything that is wrong in it: a line each.
+/// The contents of a file with its notes, or all its faults, one line each.
 fn checked(file: &Path, models: &[Document]) -> Result<String, String> {
     let mut findings = Findings::default();
     let document = xml::read_with(&text(file)?, &mut findings);
@@ -166,7 +166,7 @@ fn placed(file: &Path, error: &TreeError) -> String {
     format!("{}:{error}", file.display())
 }
 
-/// What is in a file, in a line.
+/// The contents of a file in one line.
 fn held(document: &Document) -> String {
     fn count(element: &Element) -> usize {
         1 + element.children.iter().map(count).sum::<usize>()
@@ -193,7 +193,7 @@ fn read(file: &Path) -> Result<Document, String> {
 
 fn text(file: &Path) -> Result<String, String> {
     let unreadable = |error: std::io::Error| format!("{} cannot be read: {error}", file.display());
-    // One byte more than may be: the reader says what is too long.
+    // One byte more than allowed, so that the reader reports a file that is too long.
     let most = u64::try_from(xml::LONGEST_FILE).unwrap_or(u64::MAX).saturating_add(1);
     let mut bytes = Vec::new();
     let read = if file == Path::new(STANDARD_INPUT) {
@@ -202,7 +202,7 @@ fn text(file: &Path) -> Result<String, String> {
         File::open(file).and_then(|open| open.take(most).read_to_end(&mut bytes))
     };
     read.map_err(unreadable)?;
-    // A file that is cut may end within a letter; it is refused for its length then.
+    // A file that is cut off may end within a character; it is refused for its length then.
     let is_cut = bytes.len() > xml::LONGEST_FILE;
     String::from_utf8(bytes).map_err(|error| {
         if is_cut {
@@ -262,12 +262,12 @@ fn tick(flags: &Run) -> Result<(), Failure> {
     Err(Failure::Tree(format!("the tree is still running after {} ticks", flags.ticks), 2))
 }
 
-/// What to do about a leaf that nobody performs.
+/// Advice about a leaf that has no mock.
 fn mock_it(name: &str) -> String {
     format!(": say --mock '{name}=SUCCESS', or --mock '*=SUCCESS' for all")
 }
 
-/// The mocks, and the entries that hold something at first.
+/// The mocks, and the initial entries of the blackboard.
 fn scripted(flags: &Run) -> Result<(Mocks, Vec<(String, String)>), String> {
     let mut mocks = Mocks::default();
     for mock in &flags.mock {
@@ -289,7 +289,7 @@ fn scripted(flags: &Run) -> Result<(Mocks, Vec<(String, String)>), String> {
     Ok((mocks, entries))
 }
 
-/// The leaves and ports that the flags name; they are well written.
+/// The leaves and ports that the flags name; the flags were parsed before.
 fn meant(flags: &Run) -> Vec<Meant<'_>> {
     let mocks = flags.mock.iter().filter_map(|text| text.rsplit_once('=')).map(|(leaf, _)| (leaf, None));
     let sets = flags.set.iter().filter_map(|text| text.split_once('=')?.0.rsplit_once('.'));
@@ -297,7 +297,7 @@ fn meant(flags: &Run) -> Vec<Meant<'_>> {
     mocks.chain(sets.map(|(leaf, port)| Meant { flag: "--set", leaf, port: Some(port) })).collect()
 }
 
-/// A text of the command line as a value: of the type of its entry, or of that which it looks like.
+/// Parses a value of the command line: with the type of its entry, or with the one it looks like.
 fn value(text: &str, blackboard: &Blackboard, name: &str) -> Value {
     let declared =
         blackboard.slot(name).and_then(|slot| blackboard.entry(slot)).map_or(ValueType::Any, |entry| entry.value_type());

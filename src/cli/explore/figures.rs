@@ -1,4 +1,4 @@
-//! What a mission came to, as JSON for programs and as a table for people.
+//! The result of a mission, as JSON for programs and as a table for people.
 
 use serde::Serialize;
 
@@ -7,13 +7,13 @@ use crate::api::time::rfc3339;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_sim::headless::Figures;
 
-/// The figures by the names under which programs read them.
+/// The figures by their names for programs.
 #[derive(Serialize)]
 struct FiguresJson<'a> {
     hall: &'a str,
     strategy: &'static str,
     seed: u64,
-    /// Reachable cells, home included.
+    /// Reachable cells, including home.
     cells: usize,
     free_cells: usize,
     /// Pieces of luggage that can be reached, and all of them.
@@ -27,7 +27,7 @@ struct FiguresJson<'a> {
     complete: bool,
     home: bool,
     luggage: Vec<PieceJson>,
-    /// After how many moves a dangerous piece was met; null when none was.
+    /// Number of moves until a dangerous piece was met; null when none was.
     bomb_found_at_moves: Option<u64>,
 }
 
@@ -48,7 +48,6 @@ pub(super) fn json(figures: &Figures) -> String {
     serde_json::to_string(&shape).expect("figures are numbers and strings, which JSON can hold")
 }
 
-/// A line for each figure.
 pub(super) fn table(figures: &Figures) -> String {
     let Figures { hall, strategy, seed, cells, free_cells, moves, home, luggage, bomb_found_at, .. } = figures;
     let Figures { reachable_pieces, pieces, .. } = figures;

@@ -1,5 +1,5 @@
-//! TLS to a program on this very machine whose certificate is not verified: it is made for the names under which others reach
-//! the program, and nothing secret is sent or believed. Nothing else may use this.
+//! TLS to a program on this machine without verifying its certificate: the certificate is made for the names under which others
+//! reach the program, and nothing secret is sent or trusted. Nothing else may use this.
 
 use std::io;
 use std::net::TcpStream;
@@ -10,7 +10,6 @@ use rustls::crypto::{CryptoProvider, ring, verify_tls12_signature, verify_tls13_
 use rustls::pki_types::{CertificateDer, ServerName, UnixTime};
 use rustls::{ClientConfig, ClientConnection, DigitallySignedStruct, Error, SignatureScheme, StreamOwned};
 
-/// An encrypted conversation over this connection.
 pub(super) fn encrypted(stream: TcpStream) -> io::Result<StreamOwned<ClientConnection, TcpStream>> {
     let name = ServerName::IpAddress(stream.peer_addr()?.ip().into());
     let provider = Arc::new(ring::default_provider());
@@ -21,7 +20,7 @@ pub(super) fn encrypted(stream: TcpStream) -> io::Result<StreamOwned<ClientConne
     Ok(StreamOwned::new(connection, stream))
 }
 
-/// Takes any certificate, but only from whoever has its key.
+/// Accepts any certificate, but only from whoever has its key.
 #[derive(Debug)]
 struct Anybody(Arc<CryptoProvider>);
 

@@ -1,14 +1,14 @@
-//! Whether the leaves and ports that `--mock` and `--set` name are in the file. What is not there is refused: it would be overlooked in
-//! silence, and the run would show something else than was asked for.
+//! Checks that the leaves and ports of `--mock` and `--set` are in the file. An unknown one is refused: otherwise it would be
+//! ignored silently, and the run would differ from what was asked for.
 
 use std::collections::BTreeSet;
 
 use behaviour_trees::{Catalogue, Document, Element, Tree, mock};
 
-/// What stands for all leaves that have no mock of their own.
+/// Stands for all leaves without a mock of their own.
 const ALL_OTHERS: &str = "*";
 
-/// A leaf that a flag names, and perhaps a port of it.
+/// A leaf that a flag names, and perhaps one of its ports.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Meant<'a> {
     pub(super) flag: &'static str,
@@ -16,7 +16,8 @@ pub(super) struct Meant<'a> {
     pub(super) port: Option<&'a str>,
 }
 
-/// Refuses what is not there. A leaf is named by its path in the tree that runs, or by its name or kind in any tree of the file.
+/// Refuses an unknown leaf or port. A leaf is named by its path in the tree that runs, or by its name or kind in any tree of the
+/// file.
 pub(super) fn check(all: &[Meant<'_>], document: &Document, tree: &Tree, catalogue: &Catalogue) -> Result<(), String> {
     let leaves = leaves(document, tree);
     all.iter().try_for_each(|meant| one(*meant, &leaves, catalogue))
@@ -25,7 +26,7 @@ pub(super) fn check(all: &[Meant<'_>], document: &Document, tree: &Tree, catalog
 /// Path, name and kind.
 type Leaf<'a> = [&'a str; 3];
 
-/// The leaves of the tree, and those of the file, whose paths nobody knows: their names stand for these.
+/// The leaves of the tree, and those of the whole file; the latter have no path, so their name stands for it.
 fn leaves<'a>(document: &'a Document, tree: &'a Tree) -> Vec<Leaf<'a>> {
     let name = |leaf: &'a Element| leaf.name.as_deref().unwrap_or(&leaf.id);
     let of_file = mock::leaves(document).into_iter().map(|leaf| [name(leaf), name(leaf), &*leaf.id]);
@@ -51,7 +52,7 @@ fn one(meant: Meant<'_>, leaves: &[Leaf<'_>], catalogue: &Catalogue) -> Result<(
     Err(format!("{flag}: {leaf} has no port {port}: {}", listed(ports.into_iter())))
 }
 
-/// What there is instead.
+/// The existing names, for the message.
 fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let names: BTreeSet<&str> = names.collect();
     match names.len() {
@@ -71,7 +72,7 @@ mod tests {
         <Find name=\"first\" at=\"{x}\"/><Find name=\"then\" of=\"{y}\"/><SubTree ID=\"B\" name=\"deep\"/></Sequence></BehaviorTree>\
         <BehaviorTree ID=\"B\"><Go name=\"home\"/></BehaviorTree><BehaviorTree ID=\"C\"><Wait/></BehaviorTree></root>";
 
-    /// What is said of a leaf and a port of it.
+    /// The result for a leaf and a port of it.
     fn said(leaf: &str, port: Option<&str>) -> Result<(), String> {
         let document = xml::read(FILE).expect("it is well written");
         let mut mocks = Mocks::default();

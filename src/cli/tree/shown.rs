@@ -1,4 +1,4 @@
-//! How a tick is printed: as a tree for people, as a line of JSON for programs.
+//! Prints a tick: as a tree for people, as a line of JSON for programs.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -38,7 +38,6 @@ struct Faulted<'a> {
     error: &'a str,
 }
 
-/// A tick as a line of JSON.
 pub(super) fn json(tree: &Tree, status: Status, halted: &[NodeId], blackboard: &Blackboard) -> String {
     let nodes = tree.nodes().map(|view| Node {
         uid: view.node.0 + 1,
@@ -57,7 +56,7 @@ pub(super) fn json(tree: &Tree, status: Status, halted: &[NodeId], blackboard: &
     serde_json::to_string(&tick).expect("texts and numbers can be written")
 }
 
-/// A tick that could not be brought to its end.
+/// A tick that failed.
 pub(super) fn json_fault(tick: u64, fault: &Fault) -> String {
     let faulted = Faulted { tick, path: &fault.path, line: fault.place.line, error: &fault.reason };
     serde_json::to_string(&faulted).expect("texts and numbers can be written")
@@ -73,7 +72,7 @@ fn json_value(value: &Value) -> serde_json::Value {
     }
 }
 
-/// A tick for people: what each node said, with `·` where it was not ticked and stands as before.
+/// A tick for people: the result of each node, with `·` for one that was not ticked and keeps its status.
 pub(super) fn picture(tree: &Tree, status: Status, halted: &[NodeId], blackboard: &Blackboard) -> String {
     let mut text = format!("tick {} at {:.1} s: {}", tree.ticks(), tree.clock().as_secs_f64(), status.word());
     for view in tree.nodes() {

@@ -1,5 +1,5 @@
-//! `hallsweep-evaluation evaluate`: strategies on the same halls, and what came of it.
-//! The walks are made by `hallsweep_evaluation::compare`; here they are asked for, their progress shown and their results written.
+//! `hallsweep-evaluation evaluate`: compares strategies on the same halls. `hallsweep_evaluation::compare` makes the walks; this file reads
+//! the flags, shows the progress and writes the results.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -75,27 +75,26 @@ pub(crate) struct Evaluate {
     tours: Option<PathBuf>,
 }
 
-/// A comparison, and what it is judged by.
+/// A comparison, and its criterion.
 struct Question {
     contest: Contest,
     measure: Measure,
 }
 
-/// A comparison that was made: for each entrant its trials.
+/// Result of a comparison: the trials of each entrant.
 struct Answer {
     question: Question,
     trials: Vec<Vec<Trial>>,
 }
 
 impl Answer {
-    /// Cells that can be reached from the start, and free cells, of all halls together.
+    /// Reachable cells and free cells, summed over all halls.
     fn reach(&self) -> [usize; 2] {
         let mine = self.trials.first().into_iter().flatten();
         mine.fold([0, 0], |[cells, free], trial| [cells + trial.cells, free + trial.free_cells])
     }
 }
 
-/// Compares, and prints what it came to.
 pub(crate) fn run(flags: &Evaluate) -> Result<(), Failure> {
     if flags.time_left {
         return super::print(&time_left(flags));
@@ -192,7 +191,7 @@ impl Evaluate {
         self.halls.iter().map(asked).collect()
     }
 
-    /// The pictures of tours that are wanted: of each comparison one of each entrant.
+    /// The requested pictures of tours: one for each comparison and entrant.
     fn tours<'a>(
         &self,
         questions: &'a [Question],
@@ -213,7 +212,7 @@ impl Evaluate {
         all.map(opened).collect()
     }
 
-    /// A family with its size, or else a hall by its name or its file.
+    /// Parses a family with its size, or the name or file of a hall.
     fn halls(&self, written: &str) -> Result<Halls, Failure> {
         match written.parse::<Kind>() {
             Ok(kind) => Ok(Halls::Random { kind, count: self.count as usize, seed: self.seed }),
@@ -228,20 +227,19 @@ impl Evaluate {
     }
 }
 
-/// How long the simulated robot takes, as it is without settings; a bump is a step.
+/// The timings of the simulated robot with default settings; a bump takes as long as a step.
 fn timings() -> Timings {
     let SimSettings { step, turn, .. } = SimSettings::default();
     Timings { step_s: step.as_secs_f64(), turn_s: turn.as_secs_f64(), bump_s: step.as_secs_f64() }
 }
 
-/// Which of the entrants this strategy is.
+/// The index of the strategy among the entrants.
 fn place_of(strategy: Strategy, entrants: &[Entrant]) -> Result<usize, Failure> {
     entrants.iter().position(|entrant| *entrant == Entrant::Strategy(strategy)).ok_or_else(|| {
         Failure::Usage(format!("--against {0}: {0} does not search: name it in --strategies too", strategy.name()))
     })
 }
 
-/// The tour of an entrant through the first hall of a comparison.
 fn picture(question: &Question, entrant: &Entrant) -> String {
     let Contest { halls, terms, .. } = &question.contest;
     let hall = halls.hall(0);
@@ -249,7 +247,7 @@ fn picture(question: &Question, entrant: &Entrant) -> String {
     drawing::tour(&hall, &way, &format!("{} · {halls} · {}", entrant.name(), report::asked(*terms)))
 }
 
-/// Whether a letter may stand in the name of a file anywhere.
+/// Whether a character is allowed in file names on every system.
 const fn is_plain(letter: char) -> bool {
     letter.is_ascii_alphanumeric() || letter == '.'
 }
@@ -262,7 +260,7 @@ fn strategy(written: &str) -> Result<Strategy, String> {
     Strategy::named(written).ok_or_else(|| format!("write one of: {}", Strategy::ALL.map(Strategy::name).join(", ")))
 }
 
-/// A bar on standard error, shown only where that is a terminal.
+/// A progress bar on standard error, shown only on a terminal.
 fn progress_bar(searches: u64) -> ProgressBar {
     let style = ProgressStyle::with_template("evaluating {wide_bar} {pos} of {len} searches · {elapsed} · {msg}");
     ProgressBar::new(searches).with_style(style.expect("the template is a constant and names only fields that there are"))

@@ -1,5 +1,5 @@
-//! `hallsweep-evaluation tune`: finds weights for the score of unknown cells, and writes them to a file.
-//! How they are found stands in `hallsweep_evaluation::tune`; here it is asked for, and its progress shown.
+//! `hallsweep-evaluation tune`: finds weights for the score of unknown cells, and writes them to a file. `hallsweep_evaluation::tune` finds
+//! them; this file reads the flags and shows the progress.
 
 use std::fmt::Write as _;
 use std::fs::File;
@@ -61,17 +61,16 @@ pub(crate) struct Tune {
     out: PathBuf,
 }
 
-/// How stiff the regression is, and the share of decisions that are tried otherwise: what did best of what was tried.
+/// Strength of the regression's ridge, and the share of decisions that are tried otherwise: the best values among those tried.
 const RIDGE: f64 = 1500.0;
 const TRIED: f64 = 0.4;
 
-/// No file of weights is longer.
+/// Maximum size of a file of weights in bytes.
 const MOST_BYTES: u64 = 4 * 1024 * 1024;
 
 /// Rows that count for less than this, in thousandths of a step, are not written.
 const SMALLEST: i16 = 20;
 
-/// Tunes, and writes what it came to.
 pub(crate) fn run(flags: &Tune) -> Result<(), Failure> {
     let terms = Terms { objective: flags.goal, sonar_cells: flags.sonar, costs: flags.costs };
     let task = Task { terms, sides: flags.sides, families: flags.halls_of.clone(), seed: flags.seed };
@@ -89,7 +88,7 @@ pub(crate) fn run(flags: &Tune) -> Result<(), Failure> {
     };
     let mut lessons = Lessons::new(&task, &weights, halls);
     for number in 0..flags.rounds {
-        // The first fit is far from what it starts with; later ones only mend it.
+        // The first fit is far from the initial weights; later ones only correct it.
         let taken = if number == 0 { 0.9 } else { 0.7 };
         let round = Round { number, halls, horizon: f64::from(flags.horizon), tried: TRIED, ridge: RIDGE, taken };
         let learnt = lessons.learn(&weights, &round);
@@ -108,7 +107,7 @@ pub(crate) fn run(flags: &Tune) -> Result<(), Failure> {
 }
 
 impl Tune {
-    /// What a file says of where its weights come from.
+    /// The origin of the weights, as written to their file.
     fn origin(&self) -> String {
         let from = self.from.as_ref().map_or_else(String::new, |path| format!(" --from {}", path.display()));
         let families: Vec<String> = self.halls_of.iter().map(Family::to_string).collect();
@@ -131,7 +130,6 @@ impl Tune {
     }
 }
 
-/// The weights in a file.
 pub(super) fn read_weights(path: &Path) -> Result<Weights, Failure> {
     let unusable = |error: String| Failure::Usage(format!("{}: {error}", path.display()));
     let file = File::open(path).map_err(|error| unusable(error.to_string()))?;
@@ -146,7 +144,7 @@ fn family(written: &str) -> Result<Family, String> {
         .map_err(|()| "write one of: empty, luggage-1 to luggage-30, walls, islands, pockets, corridors, maze".to_owned())
 }
 
-/// Two numbers of which the first is not the larger.
+/// Two numbers, the first not larger than the second.
 fn sides(written: &str) -> Result<(usize, usize), String> {
     let read = || {
         let (least, most) = written.split_once(',')?;
@@ -165,7 +163,7 @@ pub(super) fn costs(written: &str) -> Result<Costs, String> {
     Costs::read(written).ok_or_else(|| "write what a step, a turn and a bump cost, as 1,1,1".to_owned())
 }
 
-/// A bar on standard error, shown only where that is a terminal.
+/// A progress bar on standard error, shown only on a terminal.
 fn progress_bar(parts: u64) -> ProgressBar {
     let style = ProgressStyle::with_template("tuning {wide_bar} {pos} of {len} · {elapsed} · {msg}");
     ProgressBar::new(parts).with_style(style.expect("the template is a constant and names only fields that there are"))

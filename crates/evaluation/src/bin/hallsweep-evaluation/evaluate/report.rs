@@ -1,4 +1,4 @@
-//! What a comparison came to, as tables for people and as a picture.
+//! The result of a comparison, as tables for people and as a picture.
 
 use super::{Answer, Measure, Question};
 use hallsweep_core::command::Strategy;
@@ -8,14 +8,12 @@ use hallsweep_evaluation::drawing::{self, Band, Dot};
 use hallsweep_evaluation::family::Family;
 use hallsweep_evaluation::time_left::Held;
 
-/// What a search was asked, in words.
 pub(super) fn asked(terms: Terms) -> String {
     let goal = terms.objective.name();
     let sensing = if terms.sonar_cells == 0 { "bump".to_owned() } else { format!("sonar of {}", terms.sonar_cells) };
     format!("goal {goal} · {sensing} · costs {}", terms.costs)
 }
 
-/// What a measure is called in the head of a column.
 pub(super) const fn head(measure: Measure) -> &'static str {
     match measure {
         Measure::MovesPerCell => "moves a cell",
@@ -25,7 +23,8 @@ pub(super) const fn head(measure: Measure) -> &'static str {
     }
 }
 
-/// A line for each row of the table of the documentation, a column for each entrant, and `auto` less `frontier`, hall by hall.
+/// The table of the documentation: a line for each comparison, a column for each entrant, and one for `auto` minus `frontier`,
+/// hall by hall.
 pub(super) fn rows(answers: &[Answer], entrants: &[Entrant]) -> String {
     let place = |strategy| entrants.iter().position(|entrant| *entrant == Entrant::Strategy(strategy));
     let pair = place(Strategy::Auto).zip(place(Strategy::Frontier));
@@ -42,7 +41,7 @@ pub(super) fn rows(answers: &[Answer], entrants: &[Entrant]) -> String {
     format!("{}\n\nMeans of {halls} halls each, with their 95 % intervals.", aligned(&table))
 }
 
-/// A line for each family: how often what is said of the time left holds.
+/// A line for each family: how often the stated time left held.
 pub(super) fn time_left(held: &[(Family, Held)]) -> String {
     let mut table = vec![["halls", "a range is said", "it holds", "\"at least\" holds"].map(str::to_owned).to_vec()];
     let percent = |share: Option<f64>| share.map_or_else(|| "-".to_owned(), |share| format!("{:.0} %", share * 100.0));
@@ -84,7 +83,6 @@ fn block(answer: &Answer, entrants: &[Entrant], against: Option<usize>) -> Strin
     format!("{} · {halls} · {}\n{reach}\n{}", contest.halls, asked(contest.terms), aligned(&table))
 }
 
-/// The picture of all comparisons.
 pub(super) fn plot(answers: &[Answer], entrants: &[Entrant]) -> String {
     let bands: Vec<Band> = answers
         .iter()
@@ -108,7 +106,7 @@ fn shown(estimate: Option<Estimate>) -> String {
     estimate.map_or_else(|| "-".to_owned(), |estimate| estimate.to_string())
 }
 
-/// The table with every column as wide as its widest entry.
+/// Pads every column to its widest entry.
 fn aligned(table: &[Vec<String>]) -> String {
     let columns = table.first().map_or(0, Vec::len);
     let width = |column: usize| table.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);

@@ -1,4 +1,4 @@
-//! What a comparison came to, for programs: JSON with means and intervals, CSV with a line for each search.
+//! The result of a comparison for programs: JSON with means and intervals, CSV with a line for each search.
 
 use std::fmt::Write;
 
@@ -16,10 +16,10 @@ struct EvaluationJson<'a> {
 struct ComparisonJson<'a> {
     halls: String,
     count: usize,
-    /// Sums over all halls: cells that can be reached from the start, and free cells.
+    /// Sums over all halls: reachable cells, and free cells.
     cells: usize,
     free_cells: usize,
-    /// Null for a hall that was drawn.
+    /// Null for a hall that is not random.
     seed: Option<u64>,
     goal: &'static str,
     sonar_cells: u8,
@@ -34,7 +34,7 @@ struct StrategyJson<'a> {
     #[serde(flatten)]
     measured: MeasuresJson,
     decision_us: DecisionJson,
-    /// How much more than the strategy that it was compared to, hall by hall.
+    /// Differences from the strategy that it was compared to, hall by hall.
     #[serde(skip_serializing_if = "Option::is_none")]
     more_than: Option<DifferenceJson<'a>>,
 }
@@ -46,7 +46,7 @@ struct DifferenceJson<'a> {
     measured: MeasuresJson,
 }
 
-/// Each is null where the halls have nothing to measure it by.
+/// A measure is null when no hall allows to take it.
 #[derive(Serialize)]
 struct MeasuresJson {
     moves_per_cell: Option<EstimateJson>,
@@ -58,7 +58,7 @@ struct MeasuresJson {
 #[derive(Serialize)]
 struct EstimateJson {
     mean: f64,
-    /// The 95 % interval reaches so far to either side.
+    /// Half-width of the 95 % interval.
     interval: f64,
     count: usize,
 }
@@ -122,7 +122,7 @@ const CSV_HEAD: &str = "halls,hall,seed,goal,sonar_cells,step_cost,turn_cost,bum
                         moves_to_a_piece_per_cell,steps_over_bound,seconds,complete,decisions,decision_p50_us,decision_p99_us,\
                         decision_worst_us\n";
 
-/// A head and a line for each search; a field without a value is empty.
+/// A header, and a line for each search; a field without a value is empty.
 pub(super) fn csv(answers: &[Answer], entrants: &[Entrant]) -> String {
     let mut out = CSV_HEAD.to_owned();
     for Answer { question, trials } in answers {
@@ -160,7 +160,7 @@ fn csv_line(contest: &Contest, number: usize, entrant: &Entrant, trial: &Trial) 
     )
 }
 
-/// A field as RFC 4180 has it.
+/// A field, quoted by RFC 4180.
 fn quoted(field: &str) -> String {
     if field.contains([',', '"', '\n', '\r']) { format!("\"{}\"", field.replace('"', "\"\"")) } else { field.to_owned() }
 }
