@@ -1,5 +1,5 @@
-//! The settings of the program, complete and checked before anything starts: defaults ← file ← environment ← flags.
-//! What a setting does is decided where it is used; here it is only read, and refused when it is wrong.
+//! The settings of the program, complete and checked before anything starts: defaults ← file ← environment ← flags. A setting
+//! takes effect where it is used; here it is only parsed, and refused when it is wrong.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -32,57 +32,55 @@ pub use mqtt::{Broker, Login, MqttRouter, MqttSettings, OtherBroker};
 pub use robot_address::{RobotAddress, RobotKind};
 pub use robots::MOST_ROBOTS;
 
-/// Everything that can be set, with every value known to be usable.
+/// All settings, with every value known to be usable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// The name of a built-in hall, or the path of a hall file.
+    /// Name of a built-in hall, or path of a hall file.
     pub hall: String,
-    /// The column and row in which the robot starts, counted from 0 in the north-west corner; `None`: where the hall says.
+    /// Column and row of the robot's start, counted from 0 in the north-west corner; `None` for the start in the hall file.
     pub hall_start: Option<(u32, u32)>,
-    /// Where the hall's name comes from, as `flag --hall`, for whoever finds that it cannot be read.
+    /// Where the hall's name was set, such as `flag --hall`, for the error when it cannot be read.
     pub hall_origin: String,
     pub http: HttpSettings,
-    /// Where the CoAP resources are, over UDP; `None`: there is no such door.
+    /// Address of the CoAP resources, over UDP; `None` for no CoAP door.
     pub coap: Option<Bind>,
     pub mqtt: MqttSettings,
     pub old_clients: OldClients,
-    /// How far away from a bomb people must be, in metres.
+    /// Distance from a bomb that people must keep, in metres.
     pub evacuation_m: f64,
-    /// Where everything is kept that outlives the program; `None`: nothing is kept.
+    /// Folder of everything that outlives the program; `None` to store nothing.
     pub store: Option<PathBuf>,
-    /// How many days a mission stays in the journal after it was put away; 0 is for ever.
+    /// Days for which a mission stays in the journal after it was put away; 0 for ever.
     pub keep_days: u32,
-    /// The robot that searches.
     pub robot: RobotSettings,
-    /// The robots beside it, by their names; none by default.
+    /// The other robots by their names; none by default.
     pub further_robots: Vec<(RobotId, RobotSettings)>,
     pub pair: PairMishaps,
     pub strategy: Strategy,
     pub core: CoreSettings,
-    /// The temperature sensors that must be heard, each once; none by default.
+    /// The required temperature sensors, without duplicates; none by default.
     pub sensors: Vec<Arc<str>>,
-    /// How long the silence of a sensor is borne.
+    /// Time for which a sensor may be silent.
     pub sensor_silence: Duration,
     /// Which log lines are written, in the notation of `tracing_subscriber::EnvFilter`.
     pub log: String,
-    /// What somebody has set that does nothing, because the robot is not simulated: by the names by which it was given.
+    /// Settings without effect for the robots that there are, as they were given.
     pub without_effect: Vec<String>,
 }
 
-/// Where the console and the API are, and for whom.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HttpSettings {
     pub bind: Bind,
-    /// Whether a key is asked for: always beyond loopback, and on loopback when it is wanted.
+    /// Whether a key is required: always beyond loopback, and on loopback if set.
     pub asks_for_keys: bool,
-    /// Names under which they are reached, beside the machine's own for itself.
+    /// Host names of the console and the API, beside the machine's own.
     pub hosts: Vec<String>,
     pub tls: Option<TlsFiles>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OldClients {
-    /// Whether they may drive the robot by hand; halt it they may always.
+    /// Whether old clients may drive the robot by hand; they may always halt it.
     pub manual_driving: bool,
 }
 
@@ -93,30 +91,30 @@ pub struct TlsFiles {
     pub key: PathBuf,
 }
 
-/// What a robot is, where it is reached, and how it behaves when it is a simulated one.
+/// The kind of a robot, its address, and its behaviour if it is simulated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotSettings {
     pub kind: RobotKind,
     pub address: RobotAddress,
-    /// How fast a serial line is, in bits a second.
+    /// Bits a second of a serial line.
     pub baud: u32,
-    /// How long it takes for a cell, where it does not say so itself.
+    /// Time for a cell, unless the robot reports it.
     pub step: Duration,
-    /// The scene file of the virtual robot's page, by which its driver knows how far things are.
+    /// The scene file of the virtual robot's page, which tells its driver the distances.
     pub scene: Option<PathBuf>,
     pub speed: Speed,
     pub seed: u64,
-    /// How often the camera cannot tell what an obstacle is, `0.0..=1.0`.
+    /// Share of obstacles that the camera cannot recognise, `0.0..=1.0`.
     pub unknown_rate: f64,
-    /// How often a photo fails, `0.0..=1.0`.
+    /// Share of photos that fail, `0.0..=1.0`.
     pub photo_failure_rate: f64,
-    /// The standard deviation of the front sonar, in centimetres.
+    /// Standard deviation of the front sonar, in centimetres.
     pub sonar_noise_cm: f64,
-    /// How many cells ahead its sonar tells whether they are free; 0 where the search does not go by sonar.
+    /// Number of cells ahead that its sonar tells to be free or not; 0 when the search does not use it.
     pub sonar_cells: u8,
 }
 
-/// What goes wrong with the simulated pair, for practice: how many times.
+/// Number of mishaps of the simulated pair, for practice.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PairMishaps {
     pub slips: u32,
@@ -125,15 +123,15 @@ pub struct PairMishaps {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Speed {
-    /// So many times as fast as the wall clock, within `SLOWEST..=FASTEST`.
+    /// A factor relative to the wall clock, within `SLOWEST..=FASTEST`.
     Times(f64),
     Max,
 }
 
 impl Speed {
-    /// Slower than this a person would think that the robot hangs.
+    /// A slower robot would seem to hang.
     pub const SLOWEST: f64 = 0.1;
-    /// Faster than this a factor means nothing: timers are good to about a millisecond. `max` is for those in a hurry.
+    /// A larger factor would have no effect, since timers are good to about a millisecond; use `max` instead.
     pub const FASTEST: f64 = 1000.0;
 }
 
@@ -142,7 +140,7 @@ pub fn load(sources: &Sources) -> Result<Settings, SettingsError> {
     check::checked(&layers)
 }
 
-/// Where settings come from in a real start: an optional file, the environment of this process, and flags.
+/// Sources of the settings in a real start: an optional file, the environment of this process, and flags.
 pub fn sources(file: Option<PathBuf>, flags: Vec<Flag>) -> Sources {
     let environment = std::env::vars_os().filter_map(|(name, value)| {
         let name = name.into_string().ok()?;

@@ -1,5 +1,4 @@
-//! Where a door listens: one address, or both of those by which a machine calls itself `localhost`. Which of its ports are to be had
-//! shows when they are bound.
+//! The address of a door: one address, or both addresses of `localhost`. Whether the ports are free shows when they are bound.
 
 use std::fmt;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
@@ -9,21 +8,20 @@ const LOCALHOST: &str = "localhost";
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bind {
     pub at: At,
-    /// Whether somebody has said so. A port that nobody has chosen gives way when another program has it.
+    /// Whether the address was set explicitly. A default port gives way when another program has it.
     pub is_chosen: bool,
 }
 
-/// At which addresses, and at which port of them; 0 is a free one.
+/// Addresses and port; port 0 takes a free one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum At {
-    /// At `127.0.0.1` and at `::1`: clients that say `localhost` may mean either.
+    /// `127.0.0.1` and `::1`: clients that say `localhost` may mean either.
     Localhost(u16),
-    /// At one alone.
     Address(SocketAddr),
 }
 
 impl At {
-    /// `localhost:8080`, `127.0.0.1:8080` or `[::1]:8080`.
+    /// Parses `localhost:8080`, `127.0.0.1:8080` or `[::1]:8080`.
     pub(super) fn read(written: &str) -> Option<At> {
         match written.split_once(':') {
             Some((LOCALHOST, port)) => port.parse().ok().map(At::Localhost),
@@ -31,7 +29,7 @@ impl At {
         }
     }
 
-    /// All of its addresses; the first is the one that is shown.
+    /// All addresses; the first one is shown to users.
     pub fn addresses(self) -> Vec<SocketAddr> {
         match self {
             At::Localhost(port) => {
@@ -42,7 +40,7 @@ impl At {
         }
     }
 
-    /// The address that is shown.
+    /// The address shown to users.
     pub const fn first(self) -> SocketAddr {
         match self {
             At::Localhost(port) => SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port),
@@ -50,7 +48,7 @@ impl At {
         }
     }
 
-    /// Whether it is reached from this machine alone.
+    /// Whether only this machine can reach it.
     pub fn is_local(self) -> bool {
         self.first().ip().to_canonical().is_loopback()
     }
@@ -63,9 +61,9 @@ impl At {
     }
 }
 
-/// Where this machine finds a door. One that listens on all addresses is at this one too, also in a container whose port is
-/// published; from elsewhere one writes another. It is written alike everywhere, since a browser signed in at `127.0.0.1` is not
-/// signed in at `localhost`.
+/// Address of a door as seen from this machine. A door that listens on all addresses is also at this one, even in a container
+/// whose port is published; other machines use another address. It is always written in the same way, since a browser signed in
+/// at `127.0.0.1` is not signed in at `localhost`.
 pub fn from_here(address: SocketAddr) -> SocketAddr {
     let ip = match address.ip() {
         ip if !ip.is_unspecified() => ip,

@@ -1,4 +1,5 @@
-//! Turns written settings into usable ones, or says which is wrong. Whether a hall file can be opened shows when it is opened.
+//! Turns written settings into usable ones, or says which one is wrong. Whether a hall file can be opened shows when it is
+//! opened.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -23,7 +24,7 @@ use hallsweep_core::search::costs::Costs;
 use hallsweep_core::settings::Settings as CoreSettings;
 use hallsweep_core::units::Celsius;
 
-/// As many sensors as the thermometer listens to, beside the operator and the robot.
+/// Maximum number of sensors that the thermometer listens to, beside the operator and the robot.
 const SENSORS: usize = 60;
 
 #[derive(Deserialize)]
@@ -60,7 +61,7 @@ pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
     Ok(settings)
 }
 
-/// Whether every value is of the kind of its setting; else the first that is not, in the order of their names.
+/// Checks that every value has the type of its setting; reports the first wrong one in the order of the names.
 fn check_types(layers: &Layers) -> Result<(), SettingsError> {
     let mut keys = KEYS;
     keys.sort_by_key(|key| key.name);
@@ -99,7 +100,7 @@ fn http(layers: &Layers) -> Result<HttpSettings, SettingsError> {
     Ok(HttpSettings { bind, asks_for_keys, hosts, tls: tls(layers)? })
 }
 
-/// There are no keys for CoAP: beyond loopback it shows everything to whoever reaches it, and that must be meant.
+/// CoAP has no keys: beyond loopback it shows everything to whoever reaches it, so that must be set on purpose.
 fn coap(layers: &Layers) -> Result<Option<Bind>, SettingsError> {
     if read::<String>(layers, "coap.bind")? == "none" {
         return Ok(None);
@@ -114,7 +115,7 @@ fn coap(layers: &Layers) -> Result<Option<Bind>, SettingsError> {
     Err(layers.wrong_with_advice("coap.bind", problem, advice))
 }
 
-/// A name as it stands in a link, before the port.
+/// Whether this is a host name as in a link, without a port.
 fn is_host(name: &str) -> bool {
     !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'-' | b'_'))
 }
@@ -160,7 +161,7 @@ fn core(layers: &Layers) -> Result<CoreSettings, SettingsError> {
     })
 }
 
-/// The simulated pair stands in the simulator's hall, and can fetch nothing where another robot searches.
+/// The simulated pair stands in the simulator's hall, so it cannot fetch where another robot searches.
 fn fetcher(layers: &Layers) -> Result<Fetcher, SettingsError> {
     let key = "mission.retrieval";
     let fetcher = one_of(layers, key, &Fetcher::ALL, Fetcher::name, "nobody of this name fetches")?;
@@ -182,7 +183,7 @@ fn fetcher(layers: &Layers) -> Result<Fetcher, SettingsError> {
     ))
 }
 
-/// What moves cost; `None`: as long as they take the robot.
+/// The costs of moves; `None` for the times that the robot takes.
 fn costs(layers: &Layers) -> Result<Option<Costs>, SettingsError> {
     let written: String = read(layers, "mission.costs")?;
     if written == "robot" {

@@ -1,4 +1,4 @@
-//! What the layers make of good and bad settings. Kept apart from `check` because there are many.
+//! The result of the layers for good and bad settings. A file of its own because there are many.
 
 use std::path::PathBuf;
 
@@ -17,7 +17,7 @@ fn message(sources: &Sources) -> String {
     load(sources).expect_err("this setting is wrong").to_string()
 }
 
-/// A settings file that is gone when the test ends.
+/// A settings file that is removed when the test ends.
 struct File(PathBuf);
 
 impl File {
@@ -34,7 +34,7 @@ impl File {
 
 impl Drop for File {
     fn drop(&mut self) {
-        // Left behind it harms nobody.
+        // A file that stays behind is harmless.
         let _ = std::fs::remove_file(&self.0);
     }
 }
@@ -246,7 +246,7 @@ fn every_kind_of_wrong_value_is_refused() {
     }
 }
 
-/// Somebody has set this address.
+/// An address that was set explicitly.
 fn chosen(address: &str) -> Option<Bind> {
     Some(Bind { at: At::read(address)?, is_chosen: true })
 }

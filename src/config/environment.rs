@@ -1,32 +1,32 @@
-//! Which environment variables are settings, and what is made of those that only look like one.
-//! What their values mean is read in `layers`.
+//! Which environment variables are settings, and how those that only look like one are treated. Their values are read in
+//! `layers`.
 //!
 //! ```text
 //!   HALLSWEEP__ROBOT__SPEED          a setting, or refused when there is none of this name
 //!   HALLSWEEP_ROBOT_SPEED            surely meant as a setting: refused, with the right name
-//!   HALLSWEEP_SERVICE_HOST           not understood: ignored, and said in the log
-//!   HALLSWEEP_REQUIRE_CLIENTS        the tests' own
+//!   HALLSWEEP_SERVICE_HOST           unknown: ignored, with a line in the log
+//!   HALLSWEEP_REQUIRE_CLIENTS        used by the tests
 //! ```
 
 use std::path::PathBuf;
 
 use super::key::{KEYS, Key};
 
-/// How environment variables that are settings begin; sections and keys follow, set apart by two underscores.
+/// Prefix of environment variables that are settings; section and key follow, separated by two underscores.
 pub(super) const PREFIX: &str = "HALLSWEEP__";
 
-/// How everything begins that might be meant for this program.
+/// Prefix of everything that might be meant for this program.
 pub(super) const OURS: &str = "HALLSWEEP_";
 
-/// Variables for the tests of the program, which may also be set where it runs.
+/// Variables of the program's tests, which may also be set where the program runs.
 const OF_THE_TESTS: [&str; 3] = ["HALLSWEEP_KILLS", "HALLSWEEP_REQUIRE_CLIENTS", "HALLSWEEP_UPDATE_DOCS"];
 
-/// The name of a setting in the environment, as `HALLSWEEP__HTTP__BIND`.
+/// The environment variable of a setting, such as `HALLSWEEP__HTTP__BIND`.
 pub(super) fn variable(key: &Key) -> String {
     format!("{PREFIX}{}", key.name.replace('.', "__").to_uppercase())
 }
 
-/// The setting that a variable without the prefix names but for its underscores.
+/// The setting that a variable without the prefix names apart from its underscores.
 pub(super) fn nearly(name: &str) -> Option<&'static Key> {
     let plain = |text: &str| text.replace(['_', '.'], "").to_lowercase();
     let meant = plain(name.strip_prefix(OURS).filter(|_| !name.starts_with(PREFIX))?);
@@ -36,22 +36,21 @@ pub(super) fn nearly(name: &str) -> Option<&'static Key> {
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
     pub file: Option<PathBuf>,
-    /// Names and values of environment variables.
     pub environment: Vec<(String, String)>,
     pub flags: Vec<Flag>,
 }
 
 #[derive(Clone, Debug)]
 pub struct Flag {
-    /// The flag, as `--http`.
+    /// The flag, such as `--http`.
     pub flag: &'static str,
     pub key: &'static str,
     pub value: String,
 }
 
 impl Sources {
-    /// The environment variables that look like ours and are not understood. They do not stop the start, because others give
-    /// such names too: a cluster with a service `hallsweep` sets HALLSWEEP_SERVICE_HOST for every program in it.
+    /// Environment variables that look like ours but are unknown. They do not prevent a start, because others give such names
+    /// too: a cluster with a service `hallsweep` sets HALLSWEEP_SERVICE_HOST for every program in it.
     pub fn ignored(&self) -> Vec<&str> {
         let names = self.environment.iter().map(|(name, _)| name.as_str());
         let ours = names.filter(|name| name.starts_with(OURS) && !name.starts_with(PREFIX));

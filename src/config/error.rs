@@ -1,4 +1,4 @@
-//! What is said about a wrong setting: which, what it was, where it came from, and what to do. Always one line a problem.
+//! Messages about a wrong setting: which one, its value, where it came from, and what to do. One line for each problem.
 
 use std::path::PathBuf;
 
@@ -7,16 +7,16 @@ use std::path::PathBuf;
 pub enum SettingsError {
     #[error("there is no setting `{key}` (from {origin}): {advice}")]
     Unknown {
-        /// The name that was given, as `http.bnid`.
+        /// The name that was given, such as `http.bnid`.
         key: String,
         origin: String,
         advice: String,
     },
     #[error("setting {key} = {value} (from {origin}): {problem}; {advice}")]
     Wrong {
-        /// The setting, as `http.bind`.
+        /// The setting, such as `http.bind`.
         key: String,
-        /// Its value, as it would be written in a settings file.
+        /// Its value, as written in a settings file.
         value: String,
         /// The file, environment variable or flag it came from.
         origin: String,

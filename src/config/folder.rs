@@ -1,11 +1,11 @@
-//! Where a program of this system usually keeps its data for the user who runs it. Nothing is made or looked at here.
+//! The usual data folder on this system for the user who runs the program. Does not touch the disk.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 const NAME: &str = "hallsweep";
 
-/// The usual folder, by what the environment says; `None` when it names no home.
+/// The usual folder according to the environment; `None` when it names no home directory.
 pub(super) fn usual(environment: impl Fn(&str) -> Option<OsString>) -> Option<PathBuf> {
     let absolute = |name: &str| environment(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let within_home = |folder: &str| absolute("HOME").map(|home| home.join(Path::new(folder)));

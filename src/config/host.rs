@@ -1,6 +1,6 @@
-//! A host of the network as settings name it: a name or an address, with a port or without.
+//! A network host in the settings: a name or an address, with or without a port.
 
-/// `host`, `host:1883`, `192.0.2.1`, `[::1]` or `[::1]:1883`.
+/// Parses `host`, `host:1883`, `192.0.2.1`, `[::1]` or `[::1]:1883`.
 pub(super) fn host_and_port(text: &str) -> Option<(String, Option<u16>)> {
     let (host, port) = match text.strip_prefix('[') {
         Some(rest) => {

@@ -1,6 +1,6 @@
-//! The one table of settings: what each is called, what can be written there, the flag that sets it, and what an operator is told to
-//! write. All else follows from it, or is held against it by a test: what is read (`check`), the variables of the environment, the
-//! flags of the command line, the defaults with what each setting is (`config/default.toml`), and `docs/settings.md`.
+//! The only table of settings: the name of each, its type, the flag that sets it, and the advice to an operator. Everything else
+//! follows from it, or is compared with it by a test: parsing (`check`), environment variables, command-line flags, the defaults
+//! with their comments (`config/default.toml`), and `docs/settings.md`.
 
 use super::Speed;
 use hallsweep_core::event::RobotId;
@@ -8,28 +8,28 @@ use hallsweep_core::units::Celsius;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key {
-    /// Its section and name, as `http.bind`.
+    /// Section and name, such as `http.bind`.
     pub name: &'static str,
     pub kind: Kind,
-    /// The flag of the command line that sets it, as `--http`.
+    /// The command-line flag that sets it, such as `--http`.
     pub flag: Option<&'static str>,
     pub advice: &'static str,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
-    /// A text; what it must look like is said where it is checked. From the environment or a flag it is taken letter by letter; of
-    /// all others `true` and `1` mean there what they mean in a file.
+    /// A text; its format is checked where it is read. From the environment or a flag it is taken literally; for all other types
+    /// `true` and `1` mean there what they mean in a file.
     Text,
     YesNo,
-    /// Several texts in a list, or a single one.
+    /// A list of texts, or a single one.
     Texts,
-    /// A number within these bounds, both of which are good.
+    /// A number within these bounds, inclusive.
     Number {
         least: f64,
         most: f64,
     },
-    /// The same, or a word.
+    /// A number within these bounds, or this word.
     NumberOrWord {
         least: f64,
         most: f64,
@@ -38,40 +38,39 @@ pub enum Kind {
     Whole,
 }
 
-/// Rates are probabilities.
 const RATE: Kind = Kind::Number { least: 0.0, most: 1.0 };
 
-/// How often something goes wrong, for practice.
+/// Number of simulated mishaps, for practice.
 const MISHAPS: Kind = Kind::Number { least: 0.0, most: 10.0 };
 
 /// A factor; the word is `max`.
 const SPEED: Kind = Kind::NumberOrWord { least: Speed::SLOWEST, most: Speed::FASTEST };
 
-/// From a letter bomb to a lorry's, and then some.
+/// Metres: from a letter bomb to a lorry bomb, with a margin.
 const EVACUATION_M: Kind = Kind::Number { least: 1.0, most: 5000.0 };
 
-/// What a hall can have.
+/// Degrees that a hall can have.
 const CELSIUS: Kind = Kind::Number { least: Celsius::LEAST, most: Celsius::MOST };
 
-/// A wider gap than this would keep a hall hot that is as cold as winter.
+/// Degrees: a wider gap would keep a hall hot even at winter temperatures.
 const HYSTERESIS: Kind = Kind::Number { least: 0.0, most: 50.0 };
 
-/// A sonar that errs by more than a metre is no sonar.
+/// A sonar with an error of more than a metre is useless.
 const SONAR_NOISE_CM: Kind = Kind::Number { least: 0.0, most: 100.0 };
 
-/// What a sonar of four metres sees of cells of half a metre.
+/// A sonar with a range of four metres sees seven cells of half a metre.
 const SONAR_CELLS: Kind = Kind::Number { least: 1.0, most: 7.0 };
 
 /// A hundred years.
 const KEEP_DAYS: Kind = Kind::Number { least: 0.0, most: 36_500.0 };
 
-/// What serial ports can do.
+/// Bits a second of serial ports.
 const BAUD: Kind = Kind::Number { least: 300.0, most: 4_000_000.0 };
 
-/// A cell that takes longer than five seconds is not driven but crept.
+/// Milliseconds for a cell: more than five seconds would not be driving.
 const STEP_MS: Kind = Kind::Number { least: 50.0, most: 5000.0 };
 
-/// A sensor that reports more seldom than once an hour does not say how hot it is now.
+/// Seconds: a sensor that reports less than once an hour does not tell the present temperature.
 const SENSOR_SILENCE_S: Kind = Kind::Number { least: 1.0, most: 3600.0 };
 
 const COAP_BIND: &str = "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:5683 or [::1]:5683, or none for no such door";
@@ -81,10 +80,10 @@ const MQTT_BIND: &str = "write localhost:PORT, or ADDRESS:PORT with a number for
 const ROBOT_ADDRESS: &str =
     "write HOST:PORT, or for a robot of the kind line the path of a serial device, as /dev/ttyUSB0 or COM3";
 
-/// The section that has one of its own for each robot, as `[robots.porter]`.
+/// The section with a subsection for each further robot, such as `[robots.porter]`.
 pub(super) const ROBOTS: &str = "robots";
 
-/// The section of the robot that searches. `[robots.NAME]` has the same keys.
+/// The section of the searching robot. `[robots.NAME]` has the same keys.
 pub(super) const ROBOT: &str = "robot";
 
 /// Every setting, in the order of `config/default.toml`.
@@ -161,7 +160,7 @@ impl Key {
         Key { flag: Some(flag), ..self }
     }
 
-    /// The setting of this name. That of a robot with a section of its own, as `robots.porter.seed`, is the one of `[robot]`.
+    /// The setting of this name. A setting of a robot with its own section, such as `robots.porter.seed`, is that of `[robot]`.
     pub fn named(name: &str) -> Option<&'static Key> {
         let of_a_robot = || {
             let (robot, own) = name.strip_prefix(ROBOTS)?.strip_prefix('.')?.split_once('.')?;
@@ -182,7 +181,7 @@ impl Key {
         }
     }
 
-    /// The sections, each once; last the one of many robots.
+    /// Every section once; the one for further robots last.
     pub fn sections() -> Vec<&'static str> {
         let mut sections: Vec<&str> = KEYS.iter().filter_map(|key| key.name.split('.').next()).collect();
         sections.dedup();
@@ -190,7 +189,7 @@ impl Key {
         sections
     }
 
-    /// What to do about a name that is no setting: the names that there are in its section, or the sections.
+    /// Advice about an unknown name: the names in its section, or the sections.
     pub fn advice_for_unknown(name: &str) -> String {
         let section = name.split('.').next().unwrap_or_default();
         if section == ROBOTS {

@@ -1,5 +1,4 @@
-//! The layers of settings, laid over one another, each value remembering where it came from.
-//! Whether a value is usable is decided in `check`.
+//! The layers of settings, merged, where each value remembers its origin. Whether a value is usable is decided in `check`.
 //!
 //! ```text
 //!   flags                    --speed max
@@ -7,8 +6,8 @@
 //!   the file of --config     [robot] speed = "max"
 //!   config/default.toml      [robot] speed = 1            always complete
 //! ```
-//! `[robots.discovery]` is another name of `[robot]`, and is brought to that one first; every other `[robots.NAME]` is one more robot,
-//! laid over the defaults of `[robot]`.
+//! `[robots.discovery]` is another name of `[robot]`, and is renamed to it first; every other `[robots.NAME]` is a further robot,
+//! merged with the defaults of `[robot]`.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -23,20 +22,20 @@ use super::error::SettingsError;
 use super::key::{Key, Kind, ROBOT, ROBOTS};
 use hallsweep_core::event::RobotId;
 
-/// The bottom layer, which names every setting.
+/// The lowest layer, which has every setting.
 pub const DEFAULTS: &str = include_str!("../../config/default.toml");
 
 const BY_DEFAULT: &str = "config/default.toml";
 
 impl Flag {
-    /// This flag with this value; the table says which setting it means.
+    /// The flag with this value; the table says which setting it sets.
     pub(crate) fn given(flag: &'static str, value: String) -> Flag {
         let key = Key::of_flag(flag)
             .expect("every flag that is given to a setting stands in the table, as a test of each command says");
         Flag { flag, key: key.name, value }
     }
 
-    /// `--robot KIND[=ADDRESS]`, which says both: without an address it is the usual one of the kind, whatever a file says.
+    /// `--robot KIND[=ADDRESS]`, which sets both: without an address it is the usual one of the kind, whatever a file says.
     pub(crate) fn robot(value: &str) -> [Flag; 2] {
         let (kind, address) = value.split_once('=').unwrap_or((value, ""));
         [("robot.kind", kind), ("robot.address", address)].map(|(key, value)| Flag {
@@ -47,12 +46,12 @@ impl Flag {
     }
 }
 
-/// All layers, the upper ones laid over the lower.
+/// All layers, merged.
 pub(super) struct Layers {
     merged: Figment,
-    /// The robots beside the one that searches, and where each was named first.
+    /// The further robots, and where each was first named.
     further: BTreeMap<String, String>,
-    /// What was written of the robot that searches by its own name: where, and as which setting of `[robot]`.
+    /// Settings of the searching robot given under its own name: where, and which setting of `[robot]` each one is.
     by_name: Vec<(String, String)>,
 }
 
@@ -62,7 +61,7 @@ struct Layer {
     values: Dict,
 }
 
-/// Where a layer lies: what is said twice in one place contradicts itself, what is said in two is overruled.
+/// The position of a layer: two values in one place are a contradiction, one in a higher place overrules.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Place {
     Defaults,
@@ -108,7 +107,7 @@ impl Layers {
         self.wrong_with_advice(key, problem, advice)
     }
 
-    /// The same, with advice of its own.
+    /// Like `wrong`, with advice of its own.
     pub(super) fn wrong_with_advice(&self, key: &str, problem: impl Into<String>, advice: &str) -> SettingsError {
         SettingsError::Wrong {
             key: self.as_written(key),
@@ -119,7 +118,7 @@ impl Layers {
         }
     }
 
-    /// The same for a value that may hold a password: it is not repeated.
+    /// Like `wrong`, for a value that may contain a password and is therefore not repeated.
     pub(super) fn wrong_unseen(&self, key: &str, problem: impl Into<String>) -> SettingsError {
         let mut error = self.wrong(key, problem);
         if let SettingsError::Wrong { value, .. } = &mut error {
@@ -128,7 +127,7 @@ impl Layers {
         error
     }
 
-    /// Whether somebody has set it; otherwise it is as it is by default.
+    /// Whether the value was set explicitly, and is not the default.
     pub(super) fn is_chosen(&self, key: &str) -> bool {
         self.origin(key) != BY_DEFAULT
     }
@@ -139,13 +138,13 @@ impl Layers {
         found.or_else(of_its_robot).unwrap_or_else(|| "an unknown place".to_owned())
     }
 
-    /// How a setting was given: a flag and a variable mean one alone, of a file it is said which.
+    /// The origin of a setting: a flag or a variable names a single setting, for a file the setting is added.
     pub(super) fn as_given(&self, key: &str) -> String {
         let origin = self.origin(key);
         if origin.starts_with("file ") { format!("{} in {origin}", self.as_written(key)) } else { origin }
     }
 
-    /// The name by which the setting was given where its value comes from.
+    /// The name under which the setting was given.
     fn as_written(&self, key: &str) -> String {
         let by_name = self.by_name.iter().any(|(origin, meant)| meant == key && *origin == self.origin(key));
         match key.split_once('.').filter(|_| by_name) {
@@ -155,7 +154,7 @@ impl Layers {
     }
 }
 
-/// Refuses what is said of the robot that searches by both of its names in one place.
+/// Refuses a setting of the searching robot that is given under both names in one place.
 fn check_said_once(layers: &[Layer]) -> Result<(), SettingsError> {
     for layer in layers {
         for (own, value) in layer.discovery().into_iter().flatten() {
@@ -174,10 +173,10 @@ fn check_said_once(layers: &[Layer]) -> Result<(), SettingsError> {
     Ok(())
 }
 
-/// A value as it would be written in a settings file, in one line.
+/// A value on one line, as written in a settings file.
 fn written(value: &Value) -> String {
     match value.to_num().and_then(|number| number.to_f64()).filter(|number| !number.is_finite()) {
-        // JSON has no words for these, TOML has.
+        // TOML has words for infinity and not-a-number, JSON has none.
         Some(number) => number.to_string().to_lowercase(),
         None => serde_json::to_string(value).unwrap_or_else(|_| "something that cannot be shown".to_owned()),
     }
@@ -189,7 +188,7 @@ impl Layer {
         Layer { place: Place::Defaults, origin: BY_DEFAULT.to_owned(), values }
     }
 
-    /// What a further robot is like where nothing is said. Of which kind it is must be said: a mistyped name makes no robot.
+    /// Defaults of a further robot. Its kind must be given, so that a mistyped name does not create a robot.
     fn beneath(robot: &str) -> Layer {
         let Layer { place, origin, mut values } = Layer::defaults();
         let mut like = values.remove(ROBOT).and_then(Value::into_dict).unwrap_or_default();
@@ -230,7 +229,7 @@ impl Layer {
         self.values.get(ROBOTS).and_then(Value::as_dict).into_iter().flatten()
     }
 
-    /// What it says of the robot that searches by its own name.
+    /// The settings of the searching robot under its own name.
     fn discovery(&self) -> Option<&Dict> {
         self.robots().find(|(name, _)| *name == RobotId::discovery().name()).and_then(|(_, said)| said.as_dict())
     }
@@ -239,7 +238,7 @@ impl Layer {
         self.values.get(section).and_then(Value::as_dict).is_some_and(|names| names.contains_key(own))
     }
 
-    /// Brings what it says of `[robots.discovery]` to `[robot]`: where that was said, and of which settings there.
+    /// Renames the settings in `[robots.discovery]` to `[robot]`; returns where they were given, and which ones.
     fn bring_to_robot(&mut self) -> Vec<(String, String)> {
         let Some(Value::Dict(_, robots)) = self.values.get_mut(ROBOTS) else { return Vec::new() };
         let Some(said) = robots.remove(RobotId::discovery().name()).and_then(Value::into_dict) else { return Vec::new() };
@@ -274,7 +273,7 @@ impl Layer {
     }
 }
 
-/// What `text` means in a settings file, as `true` and `1.5`; anything else is a word.
+/// The value that `text` has in a settings file, such as `true` or `1.5`; anything else is a string.
 fn meant(text: &str) -> Value {
     let parsed = toml::de::ValueDeserializer::parse(text).and_then(<Value as Deserialize>::deserialize);
     parsed.unwrap_or_else(|_| Value::from(text))

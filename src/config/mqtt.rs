@@ -1,4 +1,4 @@
-//! The settings of the MQTT door: a broker of our own or somebody else's, and how the topics are called.
+//! The settings of the MQTT door: our own broker or another one, and the names of the topics.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -9,24 +9,23 @@ use super::host::host_and_port;
 use super::layers::Layers;
 use super::reading::{bind, read};
 
-/// The usual port of a broker.
 const PLAIN: u16 = 1883;
 
-/// The usual port of one that is reached by TLS.
+/// Usual port of a broker with TLS.
 const ENCRYPTED: u16 = 8883;
 
-/// A prefix longer than this would leave too little of a topic.
+/// Maximum length of a prefix: a longer one would leave too little of a topic.
 const LONGEST: usize = 64;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MqttSettings {
-    /// Through which broker it speaks; `None`: there is no such door.
+    /// The broker; `None` for no MQTT door.
     pub broker: Option<Broker>,
-    /// What all JSON topics begin with, as `hallsweep`.
+    /// Prefix of all JSON topics, such as `hallsweep`.
     pub prefix: String,
-    /// The name of this robot in topics, as `discovery`.
+    /// Name of this robot in topics, such as `discovery`.
     pub id: String,
-    /// What the topics of the original system begin with, as `unibo/qak`.
+    /// Prefix of the original system's topics, such as `unibo/qak`.
     pub old_prefix: String,
     pub home_assistant: bool,
 }
@@ -35,17 +34,16 @@ pub struct MqttSettings {
 pub enum Broker {
     Own {
         bind: Bind,
-        /// Whether name and password are asked for: always beyond loopback, and on loopback when it is wanted.
+        /// Whether name and password are required: always beyond loopback, and on loopback if set.
         asks_for_keys: bool,
         router: MqttRouter,
     },
     Other(OtherBroker),
 }
 
-/// Who brings messages to those who read them, at our own broker.
+/// What routes messages to subscribers at our own broker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MqttRouter {
-    /// hallsweep itself.
     Own,
     Rumqttd,
 }
@@ -54,12 +52,12 @@ pub enum MqttRouter {
 pub struct OtherBroker {
     pub host: String,
     pub port: u16,
-    /// Whether MQTT 5 is spoken with it, and not 3.1.1.
+    /// Whether to use MQTT 5 instead of 3.1.1.
     pub is_five: bool,
     pub is_encrypted: bool,
-    /// By what it knows us, where it asks for that.
+    /// Name and password for a broker that requires them.
     pub login: Option<Login>,
-    /// A PEM file of the certificates that are believed; `None`: those of the system.
+    /// A PEM file of trusted certificates; `None` for those of the system.
     pub certificates: Option<PathBuf>,
 }
 
@@ -70,7 +68,7 @@ pub struct Login {
 }
 
 impl fmt::Display for OtherBroker {
-    /// As `mqtt://broker.example:1883`.
+    /// Such as `mqtt://broker.example:1883`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let scheme = if self.is_encrypted { "mqtts" } else { "mqtt" };
         let host = if self.host.contains(':') { format!("[{}]", self.host) } else { self.host.clone() };
@@ -79,7 +77,7 @@ impl fmt::Display for OtherBroker {
 }
 
 impl fmt::Debug for Login {
-    /// Without the password, which is in no log.
+    /// Without the password, which must not be logged.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Login({:?})", self.name)
     }
@@ -159,7 +157,7 @@ fn login(layers: &Layers) -> Result<Option<Login>, SettingsError> {
     }
 }
 
-/// A word, or several with slashes between, that can begin topics and stand in the names that Home Assistant gives.
+/// A word, or several separated by slashes, that can begin topics and be part of Home Assistant's names.
 fn name(layers: &Layers, key: &str, slashes: bool) -> Result<String, SettingsError> {
     let written: String = read(layers, key)?;
     let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_';
@@ -171,7 +169,7 @@ fn name(layers: &Layers, key: &str, slashes: bool) -> Result<String, SettingsErr
     Ok(written)
 }
 
-/// The old topics must not lie among the new ones, nor the other way round.
+/// The old topics must not lie within the new ones, nor the new ones within the old.
 fn old_prefix(layers: &Layers, prefix: &str) -> Result<String, SettingsError> {
     let old = name(layers, "mqtt.old_prefix", true)?;
     let (ours, theirs) = (format!("{prefix}/"), format!("{old}/"));

@@ -1,4 +1,4 @@
-//! Single settings, read as what they are to be, or what is wrong with them.
+//! Parses single settings, or says what is wrong with them.
 
 use figment::value::{Num, Value};
 use serde::Deserialize;
@@ -21,7 +21,7 @@ pub(super) fn read<T: DeserializeOwned>(layers: &Layers, key: &str) -> Result<T,
     layers.figment().extract_inner(key).map_err(|_| wrong_type(layers, key))
 }
 
-/// What to say of a value that is not of the kind of its setting: what it is instead. The advice says what is wanted.
+/// The error for a value of the wrong type: names its type. The advice says what is expected.
 fn wrong_type(layers: &Layers, key: &str) -> SettingsError {
     let is_whole = Key::named(key).is_some_and(|key| key.kind == Kind::Whole);
     let problem = match layers.figment().find_value(key) {
@@ -44,7 +44,7 @@ pub(super) fn bind(layers: &Layers, key: &str) -> Result<Bind, SettingsError> {
     Ok(Bind { at, is_chosen: layers.is_chosen(key) })
 }
 
-/// The value of this name.
+/// The value with this name.
 pub(super) fn one_of<T: Copy>(
     layers: &Layers,
     key: &str,
@@ -60,7 +60,7 @@ pub(super) fn sensing(layers: &Layers) -> Result<Sensing, SettingsError> {
     one_of(layers, "mission.sensing", &Sensing::ALL, Sensing::name, "there is no such sensing")
 }
 
-/// A number within the bounds that the table gives it.
+/// A number within the bounds of its setting.
 pub(super) fn number(layers: &Layers, key: &str) -> Result<f64, SettingsError> {
     within(layers, key, read(layers, key)?)
 }

@@ -1,5 +1,5 @@
-//! Where a robot that is not simulated is reached: over the network, or at a serial device of this machine. Whether something answers
-//! there shows when its adapter connects.
+//! The address of an external robot: on the network, or a serial device of this machine. Whether something answers there shows
+//! when its adapter connects.
 
 use std::fmt;
 use std::net::IpAddr;
@@ -9,16 +9,16 @@ use super::host;
 use super::layers::Layers;
 use super::reading::read;
 
-/// What a robot is, and so which adapter speaks to it.
+/// The kind of a robot, which decides its adapter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RobotKind {
     /// The simulated robot of this program.
     Sim,
     /// The virtual robot of a browser's page, over TCP.
     VirtualTcp,
-    /// The same over WebSocket, as its version of 2021 has it.
+    /// The same over WebSocket, as in its version of 2021.
     VirtualWs,
-    /// A robot that speaks our line protocol, over TCP or a serial device.
+    /// A robot that uses our line protocol, over TCP or a serial device.
     Line,
 }
 
@@ -34,7 +34,7 @@ impl RobotKind {
         }
     }
 
-    /// Whether one of them may measure how far it is to what is ahead; it says itself whether it does.
+    /// Whether robots of this kind may have a sonar; the robot itself says whether it has one.
     pub const fn may_have_sonar(self) -> bool {
         match self {
             RobotKind::Sim | RobotKind::Line => true,
@@ -51,17 +51,17 @@ pub enum RobotAddress {
         host: String,
         port: u16,
     },
-    /// The path or name of a serial device, as `/dev/ttyUSB0` or `COM3`.
+    /// Path or name of a serial device, such as `/dev/ttyUSB0` or `COM3`.
     Device(String),
 }
 
 impl RobotAddress {
-    /// As it is written in the settings; `None` for one that is part of this program.
+    /// As written in the settings; `None` for a robot that is part of this program.
     pub fn written(&self) -> Option<String> {
         (*self != RobotAddress::Here).then(|| self.to_string())
     }
 
-    /// The same under one name, although this machine has more than one for itself.
+    /// Like `written`, with a single name for this machine, which has several.
     pub fn place(&self) -> Option<String> {
         match self {
             RobotAddress::Network { host, port } => {
@@ -75,7 +75,6 @@ impl RobotAddress {
 }
 
 impl fmt::Display for RobotAddress {
-    /// As it is written in the settings.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             RobotAddress::Here => Ok(()),
@@ -86,7 +85,7 @@ impl fmt::Display for RobotAddress {
     }
 }
 
-/// The address of a robot of this kind, completed by what is usual for the kind.
+/// The address of a robot of this kind, completed by the defaults of the kind.
 pub(super) fn robot_address(layers: &Layers, key: &str, kind: RobotKind) -> Result<RobotAddress, SettingsError> {
     let written: String = read(layers, key)?;
     match kind {
@@ -106,14 +105,14 @@ pub(super) fn robot_address(layers: &Layers, key: &str, kind: RobotKind) -> Resu
     }
 }
 
-/// With this port where the text names none.
+/// With the usual port when the text names none.
 fn network(written: &str, usual: Option<u16>) -> Option<RobotAddress> {
     let written = if written.is_empty() { "localhost" } else { written };
     let (host, port) = host::host_and_port(written)?;
     Some(RobotAddress::Network { host, port: port.or(usual)? })
 }
 
-/// Names of devices may have colons in them too, but only hosts have no slash.
+/// A device name may have colons too, but a host never has a slash.
 fn is_device(written: &str) -> bool {
     let number = written.get(..3).filter(|begins| begins.eq_ignore_ascii_case("COM")).and_then(|_| written.get(3..));
     written.contains(['/', '\\']) || number.is_some_and(|number| number.parse::<u8>().is_ok())

@@ -1,5 +1,5 @@
-//! The robots in the settings: the one that searches in `[robot]`, every further one in a section `[robots.NAME]` with the same keys.
-//! That `[robots.discovery]` means the one that searches, `layers` knows; what a robot of some kind does with its settings is not here.
+//! The robots in the settings: the searching one in `[robot]`, every further one in a section `[robots.NAME]` with the same keys.
+//! `layers` handles `[robots.discovery]`, which means the searching robot; the effect of the settings is not here.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -15,19 +15,19 @@ use hallsweep_core::event::RobotId;
 use hallsweep_core::retrieval::Which;
 use hallsweep_core::search::Sensing;
 
-/// As many robots as there may be, the one that searches among them: their links share one thread, over which a STOP goes to each
-/// before anything else (safety S7), and each simulated one may have a photo drawn at any moment.
+/// Maximum number of robots, including the searching one: their links share one thread, over which a STOP goes to each before
+/// anything else (safety S7), and each simulated one may have a photo drawn at any moment.
 pub const MOST_ROBOTS: usize = 8;
 
 impl Settings {
-    /// All robots, the one that searches first.
+    /// All robots, the searching one first.
     pub fn robots(&self) -> impl Iterator<Item = (RobotId, &RobotSettings)> {
         let further = self.further_robots.iter().map(|(robot, settings)| (robot.clone(), settings));
         std::iter::once((RobotId::discovery(), &self.robot)).chain(further)
     }
 }
 
-/// The robots beside the one that searches, by their names.
+/// The further robots, by their names.
 pub(super) fn further(layers: &Layers) -> Result<Vec<(RobotId, RobotSettings)>, SettingsError> {
     let names = layers.further_robots();
     let count = names.len() + 1;
@@ -47,7 +47,7 @@ pub(super) fn further(layers: &Layers) -> Result<Vec<(RobotId, RobotSettings)>, 
     names.map(one).collect()
 }
 
-/// Two that speak to one robot, or to one page, would take it out of each other's hands.
+/// Two robots with one address, or one page, would disturb each other.
 pub(super) fn check_apart(layers: &Layers, settings: &Settings) -> Result<(), SettingsError> {
     let mut taken: BTreeMap<String, RobotId> = BTreeMap::new();
     for (robot, settings) in settings.robots() {
@@ -82,7 +82,7 @@ pub(super) fn robot(layers: &Layers, section: &str) -> Result<RobotSettings, Set
     })
 }
 
-/// The cells that the sonar of the robot with these settings is to see ahead, where it may have one and the search goes by it.
+/// Number of cells that the sonar of this robot should see ahead, where it may have one and the search uses it.
 pub(super) fn sonar_cells(layers: &Layers, section: &str) -> Result<u8, SettingsError> {
     let key = format!("{section}.sonar_cells");
     let cells = u8::try_from(count(layers, &key)?).map_err(|_| layers.wrong(&key, "it is out of range"))?;
@@ -109,7 +109,7 @@ mod tests {
     use super::*;
     use crate::config::{Sources, load};
 
-    /// Settings from the environment alone; the names are without their beginning.
+    /// Settings from environment variables alone; the names are without their prefix.
     fn given(variables: &[(&str, &str)]) -> Result<Settings, SettingsError> {
         let variable = |(name, value): &(&str, &str)| (format!("HALLSWEEP__{name}"), (*value).to_owned());
         load(&Sources { environment: variables.iter().map(variable).collect(), ..Sources::default() })

@@ -1,5 +1,5 @@
-//! What somebody has set that does nothing: settings of the simulator beside a robot that is not simulated, and the other way round.
-//! The program starts all the same, and says which they are; what is wrong with a value is said elsewhere.
+//! Settings without effect: those of the simulator beside a robot that is not simulated, and the other way round. The program
+//! starts anyway and names them; wrong values are reported elsewhere.
 
 use super::error::SettingsError;
 use super::key::{ROBOT, ROBOTS};
@@ -9,7 +9,7 @@ use super::robot_address::RobotKind;
 use super::robots;
 use hallsweep_core::search::Sensing;
 
-/// What is set of a robot and means something for some kinds alone.
+/// Settings of a robot that have an effect for these kinds only.
 const OF_SOME_KINDS: [(&str, &[RobotKind]); 9] = [
     ("speed", &[RobotKind::Sim]),
     ("seed", &[RobotKind::Sim]),
@@ -22,7 +22,7 @@ const OF_SOME_KINDS: [(&str, &[RobotKind]); 9] = [
     ("scene", &[RobotKind::VirtualTcp, RobotKind::VirtualWs]),
 ];
 
-/// By the names by which they were given, as `flag --speed`.
+/// Settings without effect, as they were given, such as `flag --speed`.
 pub(super) fn without_effect(layers: &Layers) -> Result<Vec<String>, SettingsError> {
     let mut keys = Vec::new();
     let mut is_any_simulated = false;
@@ -35,7 +35,7 @@ pub(super) fn without_effect(layers: &Layers) -> Result<Vec<String>, SettingsErr
         keys.extend(idle.map(|(own, _)| format!("{section}.{own}")));
         let is_virtual = matches!(kind, RobotKind::VirtualTcp | RobotKind::VirtualWs);
         if is_virtual && !read::<String>(layers, &format!("{section}.scene"))?.is_empty() {
-            // The file says how long a cell takes.
+            // The scene file tells how long a cell takes.
             keys.push(format!("{section}.step_ms"));
         }
     }
