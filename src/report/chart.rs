@@ -1,4 +1,5 @@
-//! The temperature over the mission, as a picture: in each column the highest reading of its time, joined by a line; the threshold across it.
+//! The temperature over the mission as a picture: the highest reading of each column's time, joined by a line; the threshold
+//! across it.
 
 use std::fmt::Write;
 
@@ -7,18 +8,18 @@ use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::state::Speaking;
 use hallsweep_core::units::Celsius;
 
-/// The picture in units of its own.
+/// Width in units of the picture.
 pub(super) const WIDTH: usize = 720;
 pub(super) const HEIGHT: usize = 150;
 
-/// So much room has the line above and below, in degrees.
+/// Margin above and below the line, in degrees.
 const MARGIN: f64 = 2.0;
 
 #[derive(Debug)]
 pub(super) struct Chart {
-    /// The line, as the points of a polyline.
+    /// The points of the polyline.
     pub(super) points: String,
-    /// How far down the threshold is, if it is in the picture.
+    /// Vertical position of the threshold, if it is in the picture.
     pub(super) threshold: Option<f64>,
     /// The degrees at the upper and at the lower edge.
     pub(super) most: f64,
@@ -26,7 +27,7 @@ pub(super) struct Chart {
 }
 
 impl Chart {
-    /// `None` where nothing was read.
+    /// `None` when there are no readings.
     pub(super) fn of(report: &Report<'_>, threshold: Option<Celsius>) -> Result<Option<Chart>, Failure> {
         let tally = &report.tally;
         let (Some((coldest, _)), Some((hottest, _)), Some((_, began))) = (tally.coldest, tally.hottest, tally.first) else {
@@ -34,7 +35,7 @@ impl Chart {
         };
         let mut columns = vec![None::<f64>; WIDTH];
         let (span, mut set) = (tally.span_ms().max(1), 0_i64);
-        // What was read last holds on until no source speaks any more.
+        // The last reading is drawn until no source is active any more.
         let (mut last, mut ends, mut speaking) = (None, span, Speaking::default());
         each(report.archive, report.claim.mission, report.claim.until, |_, entry| {
             if let Ok(Entry { fact: Fact::ClockSet(by_ms), .. }) = entry {
@@ -66,7 +67,7 @@ impl Chart {
     }
 }
 
-/// The column of a moment, so long after the beginning.
+/// The column of a moment, by the time since the beginning.
 fn column(gone_ms: i64, span_ms: i64) -> usize {
     let column = i128::from(gone_ms) * (WIDTH as i128 - 1) / i128::from(span_ms);
     usize::try_from(column).unwrap_or(0).min(WIDTH - 1)

@@ -1,5 +1,5 @@
-//! What a report says of itself in its head: of which mission it is, up to which entry, in which language, and of which edition. From that
-//! and the journal everything else in it follows, so that it need not be believed: another claim is another report.
+//! The claim in a report's head: its mission, its last entry, its language and its edition. Everything else follows from the
+//! claim and the journal, so a wrong claim yields a different report and need not be trusted.
 
 use std::fmt;
 
@@ -10,24 +10,24 @@ use hallsweep_core::units::{MissionId, Seq};
 pub struct Claim {
     pub edition: u32,
     pub mission: MissionId,
-    /// The last entry that it looks at: the end of a page.
+    /// The last entry that the report covers: the end of a page.
     pub until: Seq,
     pub language: Language,
 }
 
-/// Why a file is taken for no report.
+/// Why a file is not recognised as a report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("it does not say in its head of which mission it is: it is no report of hallsweep, or its beginning was changed")]
 pub struct Unclear;
 
-/// What stands around it in the page.
+/// The text around the claim in the page.
 const AROUND: [&str; 2] = ["<meta name=\"hallsweep-report\" content=\"", "\">"];
 
 impl Claim {
-    /// It stands within so many bytes of the beginning.
+    /// Number of bytes from the beginning within which the claim stands.
     pub const WITHIN: usize = 1024;
 
-    /// The claim in the beginning of a page.
+    /// Parses the claim in the beginning of a page.
     pub fn read(page: &[u8]) -> Result<Claim, Unclear> {
         let beginning = String::from_utf8_lossy(&page[..page.len().min(Claim::WITHIN)]);
         let claim = beginning.split_once(AROUND[0]).and_then(|(_, rest)| rest.split_once(AROUND[1]));

@@ -1,23 +1,23 @@
-//! Holding a file against what is written a second time: the first byte that differs is remembered, and where it is.
+//! Compares a file with what is written a second time; remembers the first byte that differs.
 
 use std::io::{self, Read, Write};
 
-/// So much of either side is shown around the place where they part.
+/// Number of bytes shown on either side of the difference.
 const SHOWN: usize = 48;
 
-/// Where a file and what it should be part.
+/// The first difference between a file and the expected bytes.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("byte {byte}, in line {line}: the file has {has}, and the journal {wants}")]
 pub struct Difference {
-    /// From 1.
+    /// Counted from 1.
     pub byte: u64,
     pub line: u64,
-    /// What stands there, in quotes, or that it ends.
+    /// The file's bytes at this place in quotes, or that it ends.
     pub has: String,
     pub wants: String,
 }
 
-/// Takes what the file should be, and reads the file beside it.
+/// Receives the expected bytes, and reads the file alongside.
 pub struct Comparison<R> {
     file: R,
     byte: u64,
@@ -30,7 +30,7 @@ impl<R: Read> Comparison<R> {
         Comparison { file, byte: 1, line: 1, difference: None }
     }
 
-    /// Whether the file was all of it, and nothing more.
+    /// Whether the file had exactly the expected bytes.
     pub fn finish(mut self) -> io::Result<Result<(), Difference>> {
         if self.difference.is_none() {
             let more = self.read(SHOWN)?;
@@ -41,7 +41,7 @@ impl<R: Read> Comparison<R> {
         Ok(self.difference.map_or(Ok(()), Err))
     }
 
-    /// So many bytes of the file, or fewer where it ends.
+    /// Reads this many bytes of the file, or fewer at its end.
     fn read(&mut self, most: usize) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::new();
         self.file.by_ref().take(most as u64).read_to_end(&mut bytes)?;
@@ -61,7 +61,7 @@ impl<R: Read> Comparison<R> {
 impl<R: Read> Write for Comparison<R> {
     fn write(&mut self, wanted: &[u8]) -> io::Result<usize> {
         if self.difference.is_some() {
-            // Nothing behind it counts.
+            // Bytes after the first difference do not matter.
             return Ok(wanted.len());
         }
         let there = self.read(wanted.len())?;

@@ -1,5 +1,5 @@
-//! What reports of an edition say is never said otherwise: their words and templates (`words.txt`), and how pages of each edition are drawn
-//! (`pages.txt`): of entries of every kind (`every_kind.jsonl`), and of a large hall.
+//! The contents of an edition's reports never change: their words and templates (`words.txt`), and the pages of each edition
+//! (`pages.txt`), made of entries of every kind (`every_kind.jsonl`) and of a large hall.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -38,10 +38,10 @@ fn phrases(language: &str, file: &str) -> BTreeMap<String, String> {
     phrases
 }
 
-/// What is said of facts, and by the report itself: whole files.
+/// Files of phrases about facts, and of the report itself, all of whose phrases a report may use.
 const WHOLE: [&str; 3] = ["said", "log", "report"];
 
-/// What else a report says: ids, and with a dash at the end beginnings of ids.
+/// Other phrases of a report: ids, and prefixes of ids, which end with a dash.
 const PARTS: [&str; 16] = [
     "hall",
     "temperature",
@@ -61,7 +61,7 @@ const PARTS: [&str; 16] = [
     "problem-",
 ];
 
-/// What reports of this edition say: each phrase in both languages, and the pages as they stand in the files.
+/// Words of this edition's reports: each phrase in both languages, and the templates as they are in the files.
 pub(super) fn words() -> Vec<String> {
     let mut words = Vec::new();
     for language in ["en", "it"] {
@@ -88,7 +88,7 @@ fn kept(name: &str) -> String {
     std::fs::read_to_string(root().join("src/report").join(name)).unwrap_or_default()
 }
 
-/// Fails when something is kept that is not so now. What is new is written to the file where that is wanted, and fails otherwise.
+/// Fails when a remembered text has changed. New texts are written to the file if that is requested, and fail otherwise.
 fn check_kept(name: &str, now: &[String]) {
     let kept = kept(name);
     let missing: Vec<&str> = kept.lines().filter(|line| !now.iter().any(|now| now == line)).collect();
@@ -107,7 +107,7 @@ fn check_kept(name: &str, now: &[String]) {
     }
 }
 
-/// `HALLSWEEP_RENEW=1` adds what is new. What is there already stays, or there is a further edition.
+/// `HALLSWEEP_RENEW=1` adds new texts. Existing ones stay; changing one needs a further edition.
 fn is_renewed() -> bool {
     std::env::var("HALLSWEEP_RENEW").is_ok_and(|value| value == "1")
 }
@@ -117,13 +117,13 @@ fn what_reports_of_this_edition_say_is_never_said_otherwise() {
     check_kept("words.txt", &words());
 }
 
-/// So many entries of each kind are remembered,
+/// Number of remembered entries of each kind.
 const OF_EACH_KIND: usize = 4;
 
-/// none of them longer than this.
+/// Maximum length of a remembered entry.
 const LONGEST: usize = 1500;
 
-/// Entries of every kind, as lines of a journal: those that are remembered, and of kinds that are new some that are not.
+/// Entries of every kind as lines of a journal: the remembered ones, and random ones of new kinds.
 fn lines_of_every_kind() -> Vec<String> {
     let mut lines: Vec<String> = kept("every_kind.jsonl").lines().map(str::to_owned).collect();
     let known: BTreeSet<&str> = lines.iter().map(|line| journal::kind(&read(line).fact)).collect();
@@ -188,7 +188,7 @@ fn large_hall() -> Vec<Entry> {
     entries
 }
 
-/// A page of each mission in each language, as its digest; of lines that grow one for each length that is remembered.
+/// Digests of a page for each mission and language; for a file of lines that grows, one digest for each remembered length.
 fn pages() -> Vec<String> {
     let lines = lines_of_every_kind();
     if is_renewed() {

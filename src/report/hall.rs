@@ -1,5 +1,5 @@
-//! The hall as it was known, as a picture for paper: cells in runs, what was found as numbered signs whose shape alone says the verdict, home,
-//! and numbers along the edges, counted from home.
+//! The known hall as a picture for paper: cells in runs, pieces as numbered signs whose shape tells the verdict, home, and
+//! numbers along the edges, counted from home.
 
 use std::fmt::Write;
 
@@ -8,7 +8,7 @@ use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark};
 use hallsweep_core::world::luggage::Luggage;
 
-/// The marks that are drawn, and what their paths are called.
+/// The marks that are drawn, and the classes of their paths.
 const DRAWN: [(Mark, &str); 5] = [
     (Mark::Visited, "visited"),
     (Mark::Seen, "seen"),
@@ -17,13 +17,13 @@ const DRAWN: [(Mark, &str); 5] = [
     (Mark::NotInspected, "todo"),
 ];
 
-/// A sign is at least as large as a cell, and a large hall has no smaller ones than this part of its width.
+/// Minimum size of a sign as a share of the hall's width; it is never smaller than a cell.
 const SIGN: f64 = 1.0 / 50.0;
 
-/// Numbers along an edge, at most.
+/// Maximum number of labels along an edge.
 const NUMBERS: i32 = 20;
 
-/// What the picture shows, in cells: x, y, width, height.
+/// The visible part in cells: x, y, width, height.
 pub(super) fn view_box(state: &PersistentState) -> String {
     let Bounds { least, most } = state.map.known_bounds();
     let room = sign(state) * 1.6;
@@ -31,7 +31,6 @@ pub(super) fn view_box(state: &PersistentState) -> String {
     format!("{x:.2} {y:.2} {:.2} {:.2}", f64::from(most.x + 1) - x, f64::from(most.y + 1) - y)
 }
 
-/// What stands in the picture.
 pub(super) fn picture(state: &PersistentState) -> String {
     let mut svg = String::new();
     for (mark, class) in DRAWN {
@@ -54,7 +53,7 @@ pub(super) fn picture(state: &PersistentState) -> String {
 
 const WRITES: &str = "a String takes all that is written";
 
-/// How large a sign is, from its middle, in cells.
+/// Distance from the middle of a sign to its edge, in cells.
 fn sign(state: &PersistentState) -> f64 {
     let bounds = state.map.known_bounds();
     (f64::from(bounds.width().max(bounds.height())) * SIGN).max(0.5)
@@ -64,7 +63,7 @@ fn middle(cell: Cell) -> (f64, f64) {
     (f64::from(cell.x) + 0.5, f64::from(cell.y) + 0.5)
 }
 
-/// The cells of a mark, row by row, neighbours together.
+/// The cells of a mark, row by row, with neighbours joined.
 fn runs(map: &HallMap, mark: Mark) -> String {
     let Bounds { least, most } = map.known_bounds();
     let mut path = String::new();

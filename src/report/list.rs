@@ -1,5 +1,5 @@
-//! The record of a mission as a list: every entry as JSON, a line each, as the journal is exported, or as a table of words (CSV) for
-//! spreadsheets.
+//! The record of a mission as a list: every entry as a line of JSON, in the form of the journal's export, or as a table of words
+//! (CSV) for spreadsheets.
 
 use std::io::Write;
 
@@ -11,13 +11,12 @@ use crate::runtime::archive::{Archive, Span, Unreadable};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::units::{MissionId, Seq};
 
-/// The columns of the table.
 const COLUMNS: [&str; 8] = ["entry", "time", "kind", "what", "who", "from", "door", "outcome"];
 
-/// A spreadsheet takes a cell that begins with one of these for a formula.
+/// Characters at the start of a cell that make a spreadsheet treat it as a formula.
 const FORMULA: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
 
-/// Every entry as JSON, a line each.
+/// Writes every entry as a line of JSON.
 pub fn write_lines(archive: &dyn Archive, mission: MissionId, out: &mut dyn Write) -> Result<(), Failure> {
     let (until, began) = (end(archive)?, first(archive, mission)?);
     let batch = |after| archive.lines(mission, Span { after, until }, BATCH);
@@ -25,7 +24,7 @@ pub fn write_lines(archive: &dyn Archive, mission: MissionId, out: &mut dyn Writ
     still_there(archive, mission, began)
 }
 
-/// Every entry as a row, in the words of a language; the names of the columns and kinds are the same in all.
+/// Writes every entry as a row, in the words of a language; column and kind names are the same in all languages.
 pub fn write_table(archive: &dyn Archive, mission: MissionId, language: Language, out: &mut dyn Write) -> Result<(), Failure> {
     let (until, began) = (end(archive)?, first(archive, mission)?);
     let mut table = csv::WriterBuilder::new().terminator(csv::Terminator::CRLF).from_writer(out);
@@ -55,12 +54,12 @@ fn row(language: Language, seq: Seq, entry: Result<&Entry, &Unreadable>) -> [Str
     [seq.to_string(), time, kind, what, who, from, door, outcome]
 }
 
-/// Who is on record with a fact that is no command.
+/// The person in a fact that is not a command.
 fn who(fact: &Fact) -> String {
     if let Fact::Verdict { who, .. } | Fact::AlarmAcknowledged(_, who) = fact { who.to_string() } else { String::new() }
 }
 
-/// What is no formula, whoever wrote it.
+/// Keeps a spreadsheet from treating the cell as a formula, whoever wrote it.
 fn plain(cell: String) -> String {
     if cell.starts_with(FORMULA) { format!("'{cell}") } else { cell }
 }

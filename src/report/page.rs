@@ -1,4 +1,5 @@
-//! The page, part by part: what is in which, and in which words. Each part is small, but for the hall, which is as large as the hall is.
+//! The parts of the page: what each contains, and its words. Each part is small, except for the hall, which grows with the hall
+//! itself.
 
 use std::cell::RefCell;
 use std::io::Write;
@@ -20,10 +21,11 @@ use hallsweep_core::state::{PersistentState, Reach};
 use hallsweep_core::units::{Seq, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
-/// Bytes that the photos of a report may have together; where they have more, large ones are scaled down.
+/// Maximum size of all photos of a report, in bytes; beyond it large ones are scaled down.
 const PHOTOS: usize = 5 << 20;
 
-/// Photos of one piece in a report, the latest: a spoilt record may count billions, and each is looked for.
+/// Maximum number of photos of one piece in a report, the latest ones: a damaged record may count billions, and each is looked
+/// up.
 const TAKES: u32 = 1000;
 
 pub(super) fn write(report: &Report<'_>, out: &mut dyn Write) -> Result<(), Failure> {
@@ -46,7 +48,7 @@ fn part(out: &mut dyn Write, part: &impl Template) -> Result<(), Failure> {
 }
 
 impl Report<'_> {
-    /// The one zone of the page: that of its first entry.
+    /// The single zone of the page: that of its first entry.
     fn zone(&self) -> Zone {
         Zone::of(self.tally.first.map_or_else(WallTime::default, |(_, wall)| wall))
     }
@@ -56,7 +58,7 @@ impl Report<'_> {
     }
 }
 
-/// How much of the hall could be searched, where that is on record.
+/// The searchable part of the hall, if it is on record.
 fn reach(state: &PersistentState) -> Option<Reach> {
     state.conditions.as_ref()?.venue.reach
 }
@@ -75,7 +77,7 @@ impl Top<'_> {
     fn outcome(&self) -> String {
         let Some(state) = self.state else { return self.language.say("report-not-kept").to_string() };
         let came_to = match reach(state) {
-            // Where the reach is not on record, edition 1 says that the whole hall was searched.
+            // When the reach is not on record, edition 1 says that the whole hall was searched.
             Some(Reach { reachable, free }) if state.phase.name() == PhaseName::Explored => {
                 self.language.say("missions-searched-of").with("reachable", reachable).with("free", free).to_string()
             }
@@ -84,7 +86,7 @@ impl Top<'_> {
         if self.report.claim.edition > 1 { self.language.headline(&came_to, state) } else { came_to }
     }
 
-    /// What is said in numbers, each with its name.
+    /// The figures with their labels.
     fn figures(&self) -> Vec<(Phrase<'static>, String)> {
         let say = |id| self.language.say(id);
         let (tally, report) = (&self.report.tally, self.report);
@@ -167,14 +169,14 @@ impl Top<'_> {
     }
 }
 
-/// One piece of luggage, with every photo of it.
+/// One piece of luggage with all its photos.
 #[derive(Template)]
 #[template(path = "report/piece.html")]
 struct Piece<'r> {
     report: &'r Report<'r>,
     language: Language,
     luggage: &'r Luggage,
-    /// In the place of one that cannot be shown, why.
+    /// A photo that cannot be shown is replaced by the reason.
     photos: Vec<Result<Picture, String>>,
     side: Option<f64>,
 }
@@ -211,7 +213,7 @@ fn pieces(report: &Report<'_>, state: Option<&PersistentState>, out: &mut dyn Wr
     Ok(())
 }
 
-/// Bytes that each photo may have, where all of them have too many together; by what is on record of them, before one is read.
+/// Maximum size of each photo when all together are too large; computed from the record before any photo is read.
 fn share(state: &PersistentState) -> Option<usize> {
     let (mut total, mut count) = (0_usize, 0_usize);
     for luggage in state.luggage.iter() {
@@ -224,7 +226,7 @@ fn share(state: &PersistentState) -> Option<usize> {
     (total > PHOTOS).then(|| PHOTOS / count)
 }
 
-/// A photo of a piece, scaled down if it has more bytes than its share; nothing where this one failed, as another taking may.
+/// A photo of a piece, scaled down if it exceeds its share; `None` for a failed attempt, which left no photo.
 fn picture(
     report: &Report<'_>,
     luggage: &Luggage,
@@ -244,7 +246,7 @@ fn picture(
             }
         })),
         Err(NoTake::Spoilt(_)) => Ok(Some(Err(language.say("report-photo-spoilt").with("take", take).to_string()))),
-        // What passes is no part of the record: there is no report then.
+        // A fault that passes is no part of the record, so there is no report.
         Err(NoTake::Unreadable(unreadable)) => Err(unreadable),
     }
 }
@@ -254,7 +256,7 @@ impl Piece<'_> {
         self.report.time(*wall)
     }
 
-    /// Its cell, and how far from home it is to the east and to the south.
+    /// The cell of the piece, and its distance from home to the east and to the south in metres.
     fn place(&self) -> String {
         let cell = self.luggage.cell;
         let place = self.language.place(cell);
@@ -298,7 +300,8 @@ impl Temperature<'_> {
 /// The cells of a row, and its class.
 type Cells = (Vec<String>, &'static str);
 
-/// What a table is called, its columns beside entry and time, and what stands in them of a fact; nothing, where it is not in this table.
+/// The title of a table, its columns beside entry and time, and the cells for a fact; `None` for a fact that is not in this
+/// table.
 struct Table<'t> {
     title: &'static str,
     columns: &'static [&'static str],
@@ -324,7 +327,7 @@ fn tables(report: &Report<'_>, out: &mut dyn Write) -> Result<(), Failure> {
         if let Fact::Temperature(..) = fact {
             return None;
         }
-        // What its trees did goes on record at every tick: it is told when it has come further.
+        // The trees are recorded at every tick, but only a new stage becomes a row.
         if let Fact::Retrieval(_) = fact {
             let words = language.fact(fact);
             if told.replace(words.clone()) == words {
@@ -392,7 +395,7 @@ struct Evidence<'r> {
     file_name: String,
 }
 
-/// As `1:02:05`: hours, minutes and seconds.
+/// Hours, minutes and seconds, such as `1:02:05`.
 fn lasted(ms: i64) -> String {
     let seconds = ms.max(0) / 1000;
     format!("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60)

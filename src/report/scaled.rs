@@ -1,5 +1,5 @@
-//! Photos of a report that would be too large with all of them whole, as small ones that fit: JPEG, smaller and smaller. The originals stay in
-//! the journal. Each is made by whole numbers alone, so that another machine makes the same bytes and confirms the report.
+//! Scales photos of a report down when all of them together would be too large: JPEG, smaller step by step. The originals stay in
+//! the journal. Only integer arithmetic is used, so that another machine produces the same bytes and confirms the report.
 
 use std::io::Cursor;
 use std::sync::{Mutex, PoisonError};
@@ -11,28 +11,29 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-/// The longest side of a small photo: 150 dots per inch where the page is printed.
+/// Longest side of a small photo in pixels: 150 dots per inch on the printed page.
 const LONGEST: usize = 320;
 
-/// Below this side nothing can be recognised.
+/// Minimum side in pixels: on a smaller photo nothing can be recognised.
 const SHORTEST: usize = 24;
 
 const QUALITY: u8 = 60;
 
-/// The largest photo that is scaled, in pixels: more would take too much memory and time.
+/// Maximum number of pixels of a photo that is scaled: more would take too much memory and time.
 const MOST_PIXELS: usize = 8 << 20;
 
-/// Held while a photo is scaled: reports that are made at once leave the other processors to the hall.
+/// Held while a photo is scaled: several reports at once use only one processor, and leave the others to the hall.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
-/// Pixels of red, green and blue, row by row.
+/// Red, green and blue of each pixel, row by row.
 struct Pixels {
     width: usize,
     height: usize,
     rgb: Vec<u8>,
 }
 
-/// The photo as a JPEG of at most so many bytes; `None` where its file cannot be decoded, or nothing can be recognised at that size.
+/// The photo as a JPEG of at most `most` bytes; `None` when the file cannot be decoded, or nothing could be recognised at that
+/// size.
 pub(super) fn scaled(photo: &[u8], media_type: &str, most: usize) -> Option<Vec<u8>> {
     let _turn = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     let pixels = if media_type == "image/png" { of_png(photo)? } else { of_jpeg(photo)? };
@@ -60,7 +61,7 @@ fn of_png(photo: &[u8]) -> Option<Pixels> {
     width.checked_mul(height).filter(|pixels| *pixels <= MOST_PIXELS)?;
     let mut bytes = vec![0; reader.output_buffer_size()?];
     reader.next_frame(&mut bytes).ok()?;
-    // Without colours each pixel is one level; a last value is how opaque it is.
+    // Without colours each pixel is one level; a further sample is its opacity.
     let samples = reader.output_color_type().0.samples();
     let colours = if samples < 3 { [0, 0, 0] } else { [0, 1, 2] };
     let rgb = bytes.chunks_exact(samples).flat_map(|pixel| colours.map(|colour| pixel[colour])).collect();
@@ -78,7 +79,7 @@ fn of_jpeg(photo: &[u8]) -> Option<Pixels> {
 }
 
 impl Pixels {
-    /// The same with its longest side so long, each pixel the mean of those it stands for.
+    /// Scales the longest side to `side`; each pixel is the mean of those it covers.
     fn within(&self, side: usize) -> Pixels {
         let longest = self.width.max(self.height);
         let [width, height] = [self.width, self.height].map(|length| (length * side / longest).max(1));
@@ -106,7 +107,7 @@ pub(super) mod tests {
     use super::*;
     use crate::runtime::archive::hex;
 
-    /// A picture of 160 by 120 pixels that nothing makes small.
+    /// A picture of 160 by 120 pixels that does not compress.
     pub(in crate::report) fn noise(seed: u32) -> Vec<u8> {
         let mut state = seed;
         let mut value = || {
@@ -140,7 +141,7 @@ pub(super) mod tests {
         bytes
     }
 
-    /// Reports that were handed over hold these bytes.
+    /// Reports that were handed over contain these bytes.
     #[test]
     fn a_photo_is_scaled_to_the_same_bytes_by_every_version() {
         let of = |photo: &[u8], media_type| hex(&Sha256::digest(scaled(photo, media_type, 8170).expect("it can be scaled")));

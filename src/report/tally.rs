@@ -1,4 +1,4 @@
-//! What is counted over a whole mission, in one walk over what is on record of it.
+//! Counts over a whole mission, in one pass over its record.
 
 use super::{Failure, each};
 use crate::runtime::archive::{Archive, Unreadable};
@@ -7,29 +7,29 @@ use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::mission::Asked;
 use hallsweep_core::units::{Celsius, MissionId, Seq, WallTime};
 
-/// So many sentences are said about what cannot be understood; of the rest, how many there are.
+/// Maximum number of sentences about unreadable entries; the rest is only counted.
 const DAMAGES: usize = 100;
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tally {
     seen: Option<Seq>,
-    /// The first and the last entry that can be understood, and when they were written.
+    /// First and last readable entry, with their times.
     pub(super) first: Option<(Seq, WallTime)>,
     pub(super) last: Option<(Seq, WallTime)>,
-    /// The entry that put it away.
+    /// The entry that put the mission away.
     pub(super) archived: Option<(Seq, WallTime)>,
     pub(super) strategy: Option<Strategy>,
     pub(super) accepted: u64,
     pub(super) refused: u64,
-    /// How often STOP was pressed; many of them may share an entry.
+    /// Number of STOPs; many may share an entry.
     pub(super) stops: u64,
     pub(super) alarms: u64,
     pub(super) acknowledged: u64,
-    /// How often the program was started while it went on.
+    /// Number of program starts during the mission.
     pub(super) restarts: u64,
-    /// What each run of the program measured, added up, in milliseconds.
+    /// Durations measured by all runs of the program, added up, in milliseconds.
     measured_ms: i64,
-    /// The latest time that the clock has shown in this run, as it is set now.
+    /// The latest clock time in this run, by the present setting of the clock.
     clock_ms: Option<i64>,
     /// How often the clock was set, or the machine slept, and by how much in all.
     pub(super) clock_sets: u64,
@@ -37,7 +37,7 @@ pub(super) struct Tally {
     pub(super) readings: u64,
     pub(super) coldest: Option<(Celsius, WallTime)>,
     pub(super) hottest: Option<(Celsius, WallTime)>,
-    /// What cannot be understood: the entry, and why.
+    /// Unreadable entries, with the reason.
     pub(super) damage: Vec<String>,
     pub(super) more_damage: u64,
 }
@@ -61,22 +61,22 @@ impl Tally {
         }
     }
 
-    /// The last entry, also where it cannot be understood.
+    /// The last entry, even if it cannot be read.
     pub(super) fn last(&self) -> Option<Seq> {
         self.seen
     }
 
-    /// The entry after which it stood as it ended, or stands.
+    /// The entry after which the mission's final or present state stood.
     pub(super) fn stood_last(&self, until: Seq) -> Seq {
         self.archived.map_or(until, |(seq, _)| Seq(seq.0.saturating_sub(1)))
     }
 
-    /// How long it took, in milliseconds: what each run of the program measured, if the clock was set, else by the clock.
+    /// Duration of the mission in milliseconds: by what each run measured if the clock was set, otherwise by the clock.
     pub(super) fn took_ms(&self) -> i64 {
         if self.clock_sets > 0 { self.measured_ms } else { self.span_ms() }
     }
 
-    /// From the first entry to the last, in milliseconds, as if nobody had set the clock.
+    /// Time from the first entry to the last, in milliseconds, as if nobody had set the clock.
     pub(super) fn span_ms(&self) -> i64 {
         let at = |end: Option<(Seq, WallTime)>| end.map_or(0, |(_, wall)| wall.unix_ms);
         at(self.last).saturating_sub(at(self.first)).saturating_sub(self.clock_set_ms)
@@ -129,7 +129,7 @@ impl Tally {
     }
 }
 
-/// How many STOPs a command on record is.
+/// Number of STOPs in a recorded command.
 fn stops(command: &str) -> u64 {
     match Asked::from_words(command) {
         Asked::Command(Command::Stop) => 1,

@@ -1,5 +1,4 @@
-//! Whatever is on record can be written, in words that are remembered, and nothing of it is markup; what is lost or unreadable is told from
-//! what is not.
+//! Any record can be written, in remembered words and with all markup escaped; lost and unreadable parts are told apart.
 
 use std::sync::Arc;
 
@@ -25,11 +24,11 @@ use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
 pub(super) const MISSION: MissionId = MissionId(1);
 
-/// A mission of these entries; every piece has this photo, and entry 3 cannot be understood.
+/// A mission of these entries; every piece has this photo, and entry 3 cannot be read.
 pub(super) struct Mission {
     pub(super) entries: Vec<Entry>,
     photo: Result<&'static [u8], NoTake>,
-    /// What cannot be understood of what its hall follows from.
+    /// Unreadable parts of what its hall follows from.
     damage: Vec<String>,
     lost_after: Option<Seq>,
 }
@@ -46,7 +45,7 @@ impl Mission {
         String::from_utf8(page).unwrap()
     }
 
-    /// The report that an earlier edition made of it.
+    /// The report in an earlier edition.
     pub(super) fn report_of(&self, edition: u32, language: Language) -> String {
         let claim = Claim { edition, ..Claim::read(self.report(language).as_bytes()).unwrap() };
         let mut page = Vec::new();
@@ -54,7 +53,7 @@ impl Mission {
         String::from_utf8(page).unwrap()
     }
 
-    /// What `journal check --report` finds of this page.
+    /// Result of `journal check --report` for this page.
     fn confirms(&self, page: &str) -> Result<(), Difference> {
         let mut comparison = Comparison::new(page.as_bytes());
         let claim = Claim::read(page.as_bytes()).unwrap();
@@ -254,7 +253,7 @@ fn found() -> Entry {
     piece(1, 3)
 }
 
-/// A piece that was photographed once, in so many bytes.
+/// A piece that was photographed once, with a photo of this many bytes.
 fn piece(id: u64, bytes: usize) -> Entry {
     let record = Luggage {
         id: LuggageId(id),
@@ -314,7 +313,7 @@ fn a_photo_that_is_lost_is_said_to_be_so_and_one_that_cannot_be_read_just_now_ma
     }
 }
 
-/// A mission of so many pieces, each with the same photo.
+/// A mission of `pieces` pieces, all with the same photo.
 fn photographed(pieces: u64, seed: u32) -> Mission {
     let photo: &[u8] = png(&noise(seed), (160, 120), png::ColorType::Rgb, png::BitDepth::Eight).leak();
     Mission { photo: Ok(photo), ..Mission::of((1..=pieces).map(|id| piece(id, photo.len())).collect()) }
@@ -341,7 +340,7 @@ fn a_small_report_has_its_photos_whole_and_one_that_cannot_be_scaled_is_named() 
     let page = photographed(9, 1).report(Language::English);
     assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 9);
     assert!(!page.contains("scaled down"), "{page}");
-    // By what is on record the photo is large, and it is none.
+    // The record says that the photo is large, but the bytes are no photo.
     let none: &[u8] = vec![0; 7 << 20].leak();
     let mission = Mission { photo: Ok(none), ..Mission::of(vec![piece(1, none.len())]) };
     let digest = hex(&Sha256::digest(none));
@@ -367,7 +366,7 @@ fn what_cannot_be_understood_is_said_once_wherever_it_stands() {
     assert!(!Mission::of(vec![found()]).report(Language::English).contains("What is missing here"));
 }
 
-/// Safety V3: else a report would name what the next start takes back.
+/// Safety V3: otherwise a report would name entries that the next start deletes.
 #[test]
 fn what_was_said_to_be_lost_is_in_no_report_and_in_no_list() {
     let entries = vec![command("anna", "START"), command("anna", "STOP"), found(), command("bruno", "START")];
@@ -399,11 +398,11 @@ fn what_a_mission_took_is_what_each_run_measured_where_the_clock_was_set() {
     let set = vec![
         at(0, None),
         at(10_000, None),
-        // The third is the one that cannot be understood.
+        // The third entry is the unreadable one.
         at(10_000, None),
         at(-3_589_000, Some(Fact::ClockSet(-3_600_000))),
         at(-3_580_000, None),
-        // What is written late, by the clock as it was before, counts once.
+        // An entry written late, by the clock before it was set, counts once.
         at(-3_585_000, None),
         at(50_000_000, started()),
         at(50_005_000, None),
