@@ -1,5 +1,5 @@
-//! How long the refusal of a wrong key is held back: the longer, the more wrong keys came from a network.
-//! Right keys are not looked at here, so nobody can slow down somebody else who has one.
+//! Delays the refusal of wrong keys, the longer the more wrong keys came from a network. Right keys are not delayed, so nobody
+//! can slow down somebody else who has one.
 
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
@@ -7,19 +7,18 @@ use std::time::Duration;
 
 use super::network::Network;
 
-/// The first refusal is held back this long, each further one twice as long as the last,
+/// Delay of the first refusal; each further one is delayed twice as long.
 const FIRST: Duration = Duration::from_millis(250);
 
-/// but none longer than this: the client's connection stays open meanwhile.
+/// Maximum delay: the client's connection stays open meanwhile.
 const LONGEST: Duration = Duration::from_secs(4);
 
-/// A network from which nothing wrong came for so long is forgotten: as long as a person needs to find the right key.
+/// Time without wrong keys after which a network is forgotten: as long as a person needs to find the right key.
 const FORGOTTEN: Duration = Duration::from_secs(600);
 
-/// Networks remembered at once; the one that was wrong longest ago makes room for another.
+/// Maximum number of remembered networks; the one with the oldest wrong key is forgotten first.
 const NETWORKS: usize = 1024;
 
-/// The wrong keys of late, by network.
 #[derive(Debug, Default)]
 pub struct Attempts(Mutex<HashMap<Network, Wrong>>);
 
@@ -30,7 +29,7 @@ struct Wrong {
 }
 
 impl Attempts {
-    /// Notes a wrong key from there at `now` (since the start of the program), and says how long its refusal is to be held back.
+    /// Counts a wrong key from this network at `now` (since the start of the program); returns the delay of its refusal.
     pub fn wrong(&self, network: Network, now: Duration) -> Duration {
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if all.len() >= NETWORKS && !all.contains_key(&network) {

@@ -1,5 +1,5 @@
-//! Who is let in, and who somebody at a door is: everybody on this machine, or whoever has a key. What a client brings to say
-//! who it is, is each door's own matter.
+//! Who is admitted, and who a sender is: everybody on this machine, or whoever has a key. Each door decides how a client shows
+//! its key.
 
 use std::net::IpAddr;
 use std::sync::Arc;
@@ -25,12 +25,12 @@ pub enum Caller {
 }
 
 impl Access {
-    /// Whoever comes from this address without showing anything.
+    /// The caller from this address without any key.
     pub fn unasked(&self, address: IpAddr) -> Option<Caller> {
         (matches!(self, Access::Open) && is_this_machine(address)).then_some(Caller::Here)
     }
 
-    /// The key by which shares are counted; `None` where nobody shows one.
+    /// The key by which quotas are counted; `None` without a key.
     pub fn key_of(&self, caller: &Caller) -> Option<Arc<str>> {
         match self {
             Access::Open => None,
@@ -38,7 +38,7 @@ impl Access {
         }
     }
 
-    /// Whether somebody who was let in would be let in still.
+    /// Whether an admitted caller would still be admitted.
     pub fn still_knows(&self, caller: &Caller, now: Moment) -> bool {
         match (self, caller) {
             (Access::Open, Caller::Here) => true,
@@ -56,7 +56,7 @@ impl Caller {
         }
     }
 
-    /// As records and pages name him: by the key, and behind it the person who gave a name, as `operator (Anna)`.
+    /// Name of the caller in records and on pages: the key, followed by the person who gave a name, such as `operator (Anna)`.
     pub fn signature(&self) -> Arc<str> {
         match self {
             Caller::Known(SignedIn { name, person: Some(person), .. }) => format!("{name} ({person})").into(),
@@ -71,7 +71,7 @@ impl Caller {
         }
     }
 
-    /// The sentence to tell it when it may not do what asks for `need`.
+    /// The message for a caller who may not do what asks for `need`.
     pub fn may(&self, need: Need) -> Result<(), String> {
         if self.role().may(need) {
             return Ok(());

@@ -1,4 +1,4 @@
-//! What can be wrong with keys, their names and their file. `Display` is the sentence for whoever runs the program.
+//! Faults of keys, their names and their file. `Display` is the message for whoever runs the program.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ pub enum AccessError {
     Chance(String),
     #[error("the keys cannot be read from {}: {error}; make it a file that the user who runs hallsweep can read", .path.display())]
     Unreadable { path: PathBuf, error: std::io::Error },
-    /// Others than its owner can read or write the file, and may know the keys.
+    /// Others than the owner can read or write the file, and may know the keys.
     #[error(
         "the keys in {} can be read or written by others (mode {mode:03o}): make it private with `chmod 600`, \
          then replace each key with `hallsweep token rotate NAME`", .path.display()
@@ -21,7 +21,7 @@ pub enum AccessError {
     #[error("{} does not hold keys: {problem}; mend it, or move it away and let hallsweep make a new one", .path.display())]
     Malformed {
         path: PathBuf,
-        /// What is wrong, with the line where there is one.
+        /// The fault, with the line where there is one.
         problem: String,
     },
     #[error(
@@ -35,7 +35,7 @@ pub enum AccessError {
     Taken(String),
     #[error("there is no key `{name}`: there are {}", .there.join(", "))]
     Unknown { name: String, there: Vec<String> },
-    /// Without it nobody could command the robot.
+    /// Without this key nobody could command the robot.
     #[error("`{0}` is the last operator's key: add another with `hallsweep token add NAME --role operator` first")]
     LastOperator(String),
     #[error("there are {0} keys, and more are not kept: remove one first")]

@@ -1,5 +1,5 @@
-//! What stands in the file of the keys: TOML that a person can read. Who may read it, and how it is replaced, is said in
-//! `storage::private_file`, what keys are in `keys`.
+//! The contents of the key file: TOML that a person can read. Who may read it, and how it is replaced, is in
+//! `storage::private_file`; keys are in `keys`.
 
 use std::fs;
 use std::io;
@@ -14,13 +14,13 @@ use super::token::Token;
 use crate::storage::names;
 use crate::storage::private_file::{PrivateFile, Readers};
 
-/// A larger file is none of ours: all keys there may be are a tenth of this.
+/// Maximum size in bytes: ten times the size of all keys that there may be.
 const LARGEST: u64 = 128 * 1024;
 
 const HEADER: &str = "# hallsweep's keys. Whoever has an operator's token can command the robot: keep this file private.\n\
                       # `hallsweep token` shows, adds, replaces and removes keys, also while hallsweep runs.\n\n";
 
-/// What a file that cannot be read should look like.
+/// Advice on the format, for a file that cannot be parsed.
 const SHAPE: &str = "a key is the line [[key]], then name, role (\"operator\" or \"viewer\") and token, each once and in quotes";
 
 const NAME: &str = "take 1 to 32 letters, digits, - and _";
@@ -28,7 +28,7 @@ const NAME: &str = "take 1 to 32 letters, digits, - and _";
 #[derive(Clone, Debug)]
 pub struct KeyFile(PrivateFile);
 
-/// Tells one state of the file from another without reading it.
+/// Tells versions of the file apart without reading it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Stamp(Vec<i64>);
 
@@ -60,7 +60,7 @@ impl KeyFile {
         Ok(self.read_with_readers()?.map(|(keys, _)| keys))
     }
 
-    /// The same, and who else may read them.
+    /// Like `read`, also returns who else may read them.
     pub(super) fn read_with_readers(&self) -> Result<Option<(Keys, Readers)>, AccessError> {
         let unreadable = |error| AccessError::Unreadable { path: self.path().to_owned(), error };
         let Some((bytes, readers)) = self.0.read(LARGEST).map_err(unreadable)? else { return Ok(None) };
@@ -72,13 +72,13 @@ impl KeyFile {
         Ok(Some((keys, readers)))
     }
 
-    /// Keeps other programs that change the keys waiting until what is given back is dropped, for two seconds at most.
+    /// Excludes other programs that change the keys until the returned lock is dropped. Waits two seconds at most.
     pub fn alone(&self) -> Option<fs::File> {
         self.0.alone()
     }
 
-    /// Replaces the file, and is done when that has reached the disk; when it fails the old one is as it was. The folder is made
-    /// when it is not there.
+    /// Replaces the file, and returns once it is on disk; after a failure the old one is unchanged. Creates the folder when there
+    /// is none.
     pub fn write(&self, keys: &Keys) -> Result<(), AccessError> {
         self.0.replace(written(keys).as_bytes()).map_err(|error| AccessError::Unwritable { path: self.path().to_owned(), error })
     }
@@ -89,8 +89,8 @@ impl KeyFile {
 
     fn understood(&self, text: &str) -> Result<Keys, AccessError> {
         let malformed = |problem: String| AccessError::Malformed { path: self.path().to_owned(), problem };
-        // What TOML says of a mistake may quote any word of the file, and any word of it may be a token: what is passed on is
-        // where it is, in words of our own.
+        // TOML's message about a mistake may quote any word of the file, and any word may be a token: only the place is passed
+        // on, with our own words.
         let read: Written = toml::from_str(text).map_err(|error| {
             let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
             malformed(format!("line {} cannot be read: {SHAPE}", before.matches('\n').count() + 1))
@@ -99,7 +99,7 @@ impl KeyFile {
         for (number, WrittenKey { name, role, token }) in (1..).zip(read.key) {
             let token = Token::read(&token).ok_or_else(|| malformed(format!("the token of key {number} is none")))?;
             let key = Key::new(&name, role, token);
-            // Somebody may have mixed up name and token.
+            // Name and token may be mixed up, so the name is not repeated.
             keys.push(key.map_err(|_| malformed(format!("the name of key {number} is none: {NAME}")))?);
         }
         Keys::new(keys).map_err(|error| malformed(error.to_string()))
@@ -112,7 +112,7 @@ pub(super) fn written(keys: &Keys) -> String {
     format!("{HEADER}{}", toml::to_string(&all).expect("names, roles and tokens are strings, which TOML can hold"))
 }
 
-/// The change time moves with contents, mode and owner, and no program can set it; the inode with each replacement.
+/// The change time moves with contents, mode and owner, and no program can set it; the inode changes with each replacement.
 #[cfg(unix)]
 fn stamp(metadata: &fs::Metadata) -> Stamp {
     use std::os::unix::fs::MetadataExt;

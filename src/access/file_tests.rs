@@ -1,4 +1,4 @@
-//! What the file of keys survives, and what it refuses. Kept apart from `file` because there is much of it.
+//! What the key file survives, and what it refuses. A file of its own because of its length.
 
 use super::*;
 use crate::storage::scratch::Scratch;

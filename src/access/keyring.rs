@@ -1,5 +1,5 @@
-//! The keys of the running program. They are looked up in memory, so that a STOP never waits for a disk; a thread of its own
-//! looks whether the file has changed, so that a rotated key is worth nothing a moment later. Changing keys is not done here.
+//! The keys of the running program. They are looked up in memory, so that a STOP never waits for a disk; a thread checks whether
+//! the file has changed, so that a rotated key becomes invalid a moment later. Keys are not changed here.
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
@@ -13,14 +13,14 @@ use super::session::{self, Person};
 use super::token::{chance, hexadecimal};
 use crate::storage::private_file::Readers;
 
-/// How often the file is looked at: a key that was taken away is good for no longer than this.
+/// Interval at which the file is checked: a removed key is valid no longer than this.
 const GLANCE: Duration = Duration::from_millis(250);
 
-/// The keys by which this program knows people and programs. Cheap to clone.
+/// The keys known to the running program. Cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Keyring {
     keys: Arc<Mutex<Arc<Keys>>>,
-    /// Tells this run of the program from all others. It is drawn, since the wall clock may say the same at two starts.
+    /// Tells this run of the program from all others. Random, since the wall clock may show the same time at two starts.
     run: Arc<str>,
 }
 
@@ -29,15 +29,16 @@ pub struct Opened {
     pub keyring: Keyring,
     /// Whether there were none before.
     pub is_new: bool,
-    /// Why those there are cannot be had: then nobody is known, until the file is mended.
+    /// Why existing keys cannot be read: nobody is admitted then, until the file is mended.
     pub unusable: Option<AccessError>,
 }
 
 impl Keyring {
-    /// The keys in this data folder; without any, an operator's key is made. Changes of the file are followed from now on.
+    /// Opens the keys of this data folder, and creates an operator's key when there are none. Follows changes of the file from
+    /// now on.
     pub fn open(folder: &Path) -> Result<Opened, AccessError> {
         let file = KeyFile::within(folder);
-        // Looked at before it is read: whatever changes in between is read once more.
+        // Taken before the file is read: any change in between is read again.
         let seen = file.stamp().ok();
         let kept = file.read_with_readers();
         let is_new = matches!(kept, Ok(None));
@@ -65,18 +66,18 @@ impl Keyring {
         Ok(Opened { keyring, is_new, unusable })
     }
 
-    /// One operator's key that is kept nowhere.
+    /// One operator's key that is not stored.
     pub fn in_memory() -> Result<Keyring, AccessError> {
         Keyring::of(Keys::first()?)
     }
 
-    /// These keys, followed nowhere.
+    /// These keys, without a file.
     pub fn of(keys: Keys) -> Result<Keyring, AccessError> {
         let run = hexadecimal(&chance()?[..8]).into();
         Ok(Keyring { keys: Arc::new(Mutex::new(Arc::new(keys))), run })
     }
 
-    /// Whether nobody has a key, because the file of them cannot be used.
+    /// Whether nobody has a key, because the key file cannot be used.
     pub fn is_unusable(&self) -> bool {
         self.keys().iter().next().is_none()
     }
@@ -85,7 +86,7 @@ impl Keyring {
         Arc::clone(&lock(&self.keys))
     }
 
-    /// Whose token this is; it takes as long whatever the text is.
+    /// The owner of a token; takes the same time whatever the text is.
     pub fn check(&self, token: &str) -> Option<SignedIn> {
         self.keys().check(token)
     }
@@ -97,12 +98,12 @@ impl Keyring {
         keys.named(&signed_in.name).ok().map(|key| session::sealed(key, &self.run, person, now))
     }
 
-    /// Whose session this is, by the value of its cookie.
+    /// The owner of a session, by the value of its cookie.
     pub fn session(&self, cookie: &str, now: Moment) -> Option<SignedIn> {
         session::opened(&self.keys(), &self.run, cookie, now)
     }
 
-    /// Whether somebody who was known is known still: the key is there, with the same token and role, and the session lasts.
+    /// Whether a caller is still valid: the key exists with the same token and role, and the session lasts.
     pub fn still_knows(&self, signed_in: &SignedIn, now: Moment) -> bool {
         let lasts = signed_in.end.is_none_or(|end| end.is_ahead(now));
         lasts && self.keys().named(&signed_in.name).is_ok_and(|key| key.still_is(signed_in))
@@ -113,7 +114,7 @@ fn lock(keys: &Mutex<Arc<Keys>>) -> MutexGuard<'_, Arc<Keys>> {
     keys.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Says who else can read the keys, where that is as it must be.
+/// Logs who else can read the keys, where the folder or the volume requires that.
 fn say_who_else(file: &KeyFile, readers: Readers) {
     let file = file.path().display();
     match readers {
@@ -131,8 +132,8 @@ struct Followed {
 }
 
 impl Followed {
-    /// Takes over what has changed. A file that cannot be read changes nothing: it lets nobody in who was not, and takes STOP
-    /// from nobody who had it.
+    /// Applies a change of the file. An unreadable file changes nothing: it admits nobody new, and takes STOP from nobody who had
+    /// it.
     fn look(&mut self, current: &Mutex<Arc<Keys>>) {
         let stamp = self.file.stamp().ok();
         if stamp == self.seen {
@@ -140,7 +141,7 @@ impl Followed {
         }
         let file = self.file.path().display();
         match self.file.read() {
-            // A file that was only touched, or made by this very start, has changed nothing.
+            // The file was only touched, or written by this very start.
             Ok(Some(keys)) if written(&keys) == written(&lock(current)) => {}
             Ok(Some(keys)) => {
                 *lock(current) = Arc::new(keys);
@@ -153,7 +154,7 @@ impl Followed {
     }
 }
 
-/// Looks again and again, until nobody has the keyring any more.
+/// Checks the file repeatedly, until the keyring is gone.
 fn follow(keys: &Weak<Mutex<Arc<Keys>>>, mut followed: Followed) {
     loop {
         std::thread::sleep(GLANCE);
@@ -170,7 +171,7 @@ mod tests {
 
     const NOW: Moment = Moment { elapsed: Duration::from_secs(1000), unix_s: 1_795_262_400 };
 
-    /// Waits for what the thread does, however busy the machine is.
+    /// Waits for the thread, however busy the machine is.
     fn until(what: &str, is_so: impl Fn() -> bool) {
         for _ in 0..600 {
             if is_so() {
@@ -216,7 +217,7 @@ mod tests {
         assert!(keyring.check(keys.named("operator").unwrap().token.reveal()).is_some());
     }
 
-    /// Safety S1.
+    /// Safety S1: an unreadable file admits nobody new, and excludes nobody.
     #[test]
     fn a_file_that_cannot_be_read_lets_nobody_in_and_shuts_nobody_out() {
         let folder = Scratch::new();
@@ -241,7 +242,7 @@ mod tests {
         assert!(keyring.check(&token(&Keyring::of(keys).unwrap())).is_some());
     }
 
-    /// Safety R5: nobody is let in by a guess, and no start fails; the mended file counts at once.
+    /// Safety R5: nobody is admitted by a guess, and no start fails; the mended file is used at once.
     #[test]
     fn a_ruined_file_lets_nobody_in_until_it_is_mended() {
         let folder = Scratch::new();

@@ -1,4 +1,4 @@
-//! The named keys: whose a token is, and how keys are added, replaced and removed. How they are kept stands in `file`.
+//! The named keys: the owner of a token, and how keys are added, replaced and removed. They are stored by `file`.
 
 use std::sync::Arc;
 
@@ -10,13 +10,13 @@ use super::moment::End;
 use super::role::Role;
 use super::token::Token;
 
-/// The name of the key that is made at first start.
+/// Name of the key that is created at the first start.
 pub const OPERATOR: &str = "operator";
 
-/// Keys kept at once: every person and program of a site; each is looked at with every request.
+/// Maximum number of keys: enough for every person and program of a site; each request is compared with all of them.
 const MOST: usize = 64;
 
-/// The longest name: it stands in records, cookies and on pages.
+/// Maximum length of a name, which appears in records, cookies and on pages.
 const NAME: usize = 32;
 
 #[derive(Clone, Debug)]
@@ -33,13 +33,13 @@ pub struct SignedIn {
     pub role: Role,
     /// The name that a person gave when signing in with this key. It changes no right.
     pub person: Option<Arc<str>>,
-    /// Which token of this name it was: another one after each rotation.
+    /// Digest of the key's token, which differs after each rotation.
     pub(super) print: [u8; 32],
-    /// When the session ends by itself; a token shown with each request does not end.
+    /// When the session ends; a token sent with each request does not end.
     pub(super) end: Option<End>,
 }
 
-/// All keys. There is an operator's among them always.
+/// All keys; at least one is an operator's.
 #[derive(Clone, Debug)]
 pub struct Keys(Vec<Key>);
 
@@ -53,7 +53,7 @@ impl Key {
         Ok(Key { name: Arc::from(name), role, token, print })
     }
 
-    /// Whether somebody who was known by this name still has its token and its role.
+    /// Whether the key of this name still has the caller's token and role.
     pub(super) fn still_is(&self, signed_in: &SignedIn) -> bool {
         SignedIn { person: signed_in.person.clone(), ..self.holder(signed_in.end) } == *signed_in
     }
@@ -64,7 +64,6 @@ impl Key {
 }
 
 impl Keys {
-    /// One new operator's key.
     pub fn first() -> Result<Keys, AccessError> {
         Ok(Keys(vec![Key::new(OPERATOR, Role::Operator, Token::draw()?)?]))
     }
@@ -73,7 +72,7 @@ impl Keys {
         Keys(Vec::new())
     }
 
-    /// Refuses two of one name, too many, and a list without an operator's.
+    /// Refuses duplicate names, too many keys, and a list without an operator's key.
     pub fn new(keys: Vec<Key>) -> Result<Keys, AccessError> {
         let mut all = Keys(Vec::new());
         keys.into_iter().try_for_each(|key| all.insert(key))?;
@@ -89,7 +88,7 @@ impl Keys {
         self.place(name).map(|place| &self.0[place])
     }
 
-    /// Whose token this is. It takes as long whatever the text is: all keys are looked at, and compared as a whole by their
+    /// The owner of a token. Takes the same time whatever the text is: it is compared with all keys, each as a whole by its
     /// SHA-256.
     pub fn check(&self, token: &str) -> Option<SignedIn> {
         let given = print(token);
@@ -98,20 +97,19 @@ impl Keys {
         found.map(|place| self.0[place].holder(None))
     }
 
-    /// Adds a key with a new token.
     pub fn add(&mut self, name: &str, role: Role) -> Result<&Key, AccessError> {
         self.insert(Key::new(name, role, Token::draw()?)?)?;
         self.named(name)
     }
 
-    /// Gives a key a new token; the old one, and the sessions signed with it, are worth nothing from then on.
+    /// Gives a key a new token; the old one, and the sessions signed with it, become invalid.
     pub fn rotate(&mut self, name: &str) -> Result<&Key, AccessError> {
         let place = self.place(name)?;
         self.0[place] = Key::new(name, self.0[place].role, Token::draw()?)?;
         Ok(&self.0[place])
     }
 
-    /// The last operator's key stays.
+    /// Refuses to remove the last operator's key.
     pub fn remove(&mut self, name: &str) -> Result<(), AccessError> {
         let removed = self.0.remove(self.place(name)?);
         let kept = self.keep_an_operator(name);
@@ -144,7 +142,7 @@ impl Keys {
     }
 }
 
-/// What is compared in place of a token: of one length whatever the text, and no way back.
+/// Compared in place of the token: always of the same length, and not reversible.
 fn print(token: &str) -> [u8; 32] {
     Sha256::digest(token.as_bytes()).into()
 }

@@ -1,9 +1,8 @@
-//! From which network somebody comes: the unit in which attempts and connections are counted.
-//! Who it is, is decided by keys alone, never by this.
+//! The network of a client: the unit in which attempts and connections are counted. Keys alone decide who a client is.
 
 use std::net::{IpAddr, Ipv6Addr};
 
-/// One IPv4 address, or one /64 of IPv6: whoever has one address of that has them all.
+/// One IPv4 address, or one /64 of IPv6: whoever has one address of a /64 has them all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Network(IpAddr);
 
@@ -24,7 +23,7 @@ impl Network {
     }
 }
 
-/// Whether an address is one of this machine's own for itself, in whatever writing.
+/// Whether this is a loopback address, in any notation.
 pub fn is_this_machine(address: IpAddr) -> bool {
     Network::of(address).is_loopback()
 }

@@ -1,4 +1,4 @@
-//! The two roles, and what each route or command asks of whoever comes. Which route asks what stands in the doors' tables.
+//! The two roles, and the right that each route or command needs. The doors' tables assign them.
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -9,14 +9,14 @@ pub enum Role {
     Operator,
 }
 
-/// What must be so before a request is listened to.
+/// The right that a request needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Need {
     /// Nothing: anybody who reaches the door.
     Nothing,
     /// To look: anyone signed in.
     See,
-    /// To halt the robot: anyone signed in. A need of its own, because it is never to become harder than to look.
+    /// To halt the robot: anyone signed in. Separate from `See`, because it must never become harder than looking.
     Stop,
     /// To do anything else: an operator.
     Act,
@@ -34,7 +34,6 @@ impl Role {
         }
     }
 
-    /// Whether somebody of this role may do what asks for `need`.
     pub const fn may(self, need: Need) -> bool {
         match need {
             Need::Nothing | Need::See | Need::Stop => true,
@@ -44,7 +43,7 @@ impl Role {
 }
 
 impl Need {
-    /// Who meets it, in words for tables.
+    /// Who has this right, in words for tables.
     pub const fn in_words(self) -> &'static str {
         match self {
             Need::Nothing => "anybody",

@@ -1,15 +1,15 @@
-//! Sessions that need no table: the cookie says who, from when and until when, and a MAC made with the key's own token says that it
-//! is true. So a restart signs nobody out, and a rotated key ends its sessions. How a cookie travels is a door's business.
+//! Sessions without a table: the cookie names the user, the beginning and the end, and a MAC made with the key's own token proves
+//! it. So a restart signs nobody out, and a rotated key ends its sessions. The door decides how a cookie is transported.
 //!
 //! ```text
 //!   night-shift.1795262400.9b1e….1234.5f0c…  =  name . expiry in seconds since 1970 . run . seconds of that run at signing in
-//!                                               . HMAC-SHA256(token, all before it)
-//!   night-shift.1795262400.9b1e….1234.416e6e61.5f0c…  =  the same of somebody who gave a name, in hexadecimal digits
+//!                                               . HMAC-SHA256(token, everything before it)
+//!   night-shift.1795262400.9b1e….1234.416e6e61.5f0c…  =  the same with the name of a person, in hexadecimal digits
 //!   night-shift.1795262400.5f0c…             =  the form of earlier versions, which names no run
 //! ```
 //!
-//! In the run of the program that opened it, a session lasts by elapsed time, so that nobody who sets the machine's clock takes STOP
-//! from an operator (safety S8). A later run has nothing but the expiry and the wall clock.
+//! In the run of the program that opened it, a session ends by elapsed time, so that nobody who sets the machine's clock takes
+//! STOP from an operator (safety S8). A later run has only the expiry and the wall clock.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -22,31 +22,32 @@ use super::keys::{Key, Keys, SignedIn};
 use super::moment::{End, Moment, SESSION_S};
 use super::token::hexadecimal;
 
-/// What the MAC is about, so that no other MAC made with a token could ever be taken for it.
+/// Purpose of the MAC, so that no other MAC made with a token can be mistaken for it.
 const PURPOSE: &str = "hallsweep session 2";
 
 /// Purpose of the MAC in cookies that name no run.
 const PURPOSE_BEFORE: &str = "hallsweep session 1";
 
-/// The name that a person gives when signing in, for records and pages; empty where none is given. It tells several people with one key
-/// apart and changes no right.
+/// The name that a person gives when signing in, for records and pages; empty if none is given. It tells several people with one
+/// key apart and changes no right.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Person(String);
 
 impl Person {
-    /// Longest name, in characters.
+    /// Maximum length in characters.
     pub const MOST: usize = 32;
 
-    /// `None` for too many characters, or others than names have: a bracket would be taken for what records say around a name.
+    /// `None` for a name that is too long or has other characters than names have: a bracket would be confused with those that
+    /// records put around a name.
     pub fn new(typed: &str) -> Option<Person> {
         let name = typed.split_whitespace().collect::<Vec<_>>().join(" ");
-        // Fillers of Hangul count as letters, and nobody sees them.
+        // Hangul fillers count as letters, but are invisible.
         let is_blank = |letter: char| matches!(letter, '\u{115f}' | '\u{1160}' | '\u{3164}' | '\u{ffa0}');
         let is_sound = |letter: char| letter.is_alphanumeric() && !is_blank(letter) || " .'’-".contains(letter);
         (name.chars().count() <= Person::MOST && name.chars().all(is_sound)).then_some(Person(name))
     }
 
-    /// From a cookie.
+    /// Decodes the name in a cookie.
     fn read(digits: &str) -> Option<Arc<str>> {
         let byte = |at| u8::from_str_radix(digits.get(at..at + 2)?, 16).ok();
         let bytes: Option<Vec<u8>> = (0..digits.len()).step_by(2).map(byte).collect();
@@ -54,7 +55,7 @@ impl Person {
     }
 }
 
-/// A new session of whoever has this key, opened `now` in this run of the program.
+/// The cookie of a new session with this key, opened `now` in this run of the program.
 pub(super) fn sealed(key: &Key, run: &str, Person(person): &Person, now: Moment) -> String {
     let end_s = now.unix_s.saturating_add(SESSION_S);
     let person = if person.is_empty() { String::new() } else { format!(".{}", hexadecimal(person.as_bytes())) };
@@ -63,7 +64,7 @@ pub(super) fn sealed(key: &Key, run: &str, Person(person): &Person, now: Moment)
     format!("{claim}.{mac}")
 }
 
-/// Whose session this is; `None` when it has ended, or was never given out.
+/// The owner of a session; `None` when it has ended, or was never issued.
 pub(super) fn opened(keys: &Keys, run: &str, cookie: &str, now: Moment) -> Option<SignedIn> {
     let (claim, mac) = cookie.rsplit_once('.')?;
     let parts: Vec<&str> = claim.splitn(6, '.').collect();
@@ -103,10 +104,10 @@ mod tests {
 
     const NOW: i64 = 1_795_262_400;
 
-    /// How long the run has lasted when somebody signs in.
+    /// Age of the run when somebody signs in.
     const BEGAN_S: u64 = 1000;
 
-    /// The moment `elapsed_s` seconds after signing in, with the clock set by `set_s` seconds in between.
+    /// The time `elapsed_s` seconds after signing in, when the clock was set by `set_s` seconds in between.
     fn at(elapsed_s: i64, set_s: i64) -> Moment {
         let elapsed = Duration::from_secs(BEGAN_S.saturating_add_signed(elapsed_s));
         Moment { elapsed, unix_s: NOW + elapsed_s + set_s }
@@ -122,7 +123,7 @@ mod tests {
         sealed(keys.named("lobby").unwrap(), "run", &Person::default(), at(0, 0))
     }
 
-    /// As earlier versions made them.
+    /// A cookie in the form of earlier versions.
     fn cookie_before(keys: &Keys, end_s: i64) -> String {
         let key = keys.named("lobby").unwrap();
         format!("lobby.{end_s}.{}", seal(key, "hallsweep session 1", &format!("lobby\n{end_s}")))
@@ -147,7 +148,7 @@ mod tests {
     fn in_a_later_run_the_wall_clock_says_when_a_session_ends_and_so_it_does_for_one_of_an_earlier_version() {
         let keys = keys();
         for cookie in [cookie(&keys), cookie_before(&keys, NOW + SESSION_S)] {
-            // The elapsed time of the later run says nothing.
+            // Elapsed time of a later run tells nothing.
             let by_clock = |later: i64| {
                 let after = |elapsed| Moment { elapsed: Duration::from_secs(elapsed), unix_s: NOW + later };
                 let opened = [0, 10_000_000].map(|elapsed| opened(&keys, "later run", &cookie, after(elapsed)).is_some());
@@ -230,7 +231,7 @@ mod tests {
                 assert_eq!(opened(&keys, "run", wrong, at(0, 0)), None, "{wrong}");
             }
         }
-        // What names another run, or none, is not what was sealed.
+        // A cookie that names another run, or none, differs from the sealed one.
         let mac = now.rsplit('.').next().unwrap();
         for claim in [format!("lobby.{}", NOW + SESSION_S), format!("lobby.{}.later.1000", NOW + SESSION_S)] {
             assert_eq!(opened(&keys, "later", &format!("{claim}.{mac}"), at(0, 0)), None, "{claim}");

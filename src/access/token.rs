@@ -1,4 +1,4 @@
-//! A secret of 256 bits, as text that can stand in a link. Where it is kept and whom it stands for is not here.
+//! A secret of 256 bits, as text that can be part of a link. Where it is stored, and whom it identifies, is not here.
 
 use std::fmt;
 
@@ -6,12 +6,12 @@ use super::error::AccessError;
 
 const BYTES: usize = 32;
 
-/// A secret: 64 hexadecimal digits. It is shown by `reveal` and by nothing else.
+/// A secret: 64 hexadecimal digits. Only `reveal` shows it.
 #[derive(Clone)]
 pub struct Token(Box<str>);
 
 impl Token {
-    /// A new one, from the system's own source of chance.
+    /// A new one, from the system's random source.
     pub fn draw() -> Result<Token, AccessError> {
         Ok(Token(hexadecimal(&chance()?).into()))
     }
@@ -21,7 +21,7 @@ impl Token {
         is_one.then(|| Token(text.into()))
     }
 
-    /// The secret itself, for its owner's eyes, its file and its comparison.
+    /// The secret itself, for its owner, its file and its comparison.
     pub fn reveal(&self) -> &str {
         &self.0
     }
@@ -33,7 +33,7 @@ impl fmt::Debug for Token {
     }
 }
 
-/// Bytes that nobody can guess, from the system's own source of chance.
+/// Bytes that nobody can guess, from the system's random source.
 pub fn chance() -> Result<[u8; BYTES], AccessError> {
     let mut bytes = [0; BYTES];
     getrandom::fill(&mut bytes).map_err(|error| AccessError::Chance(error.to_string()))?;
