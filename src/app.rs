@@ -1,5 +1,5 @@
-//! The only file that names every door: binds the ports, joins core, robots, store and doors, and ends them in order. What each of
-//! them does is not here; which robots there are is the business of `robots`, and which threads that of `threads`.
+//! The only file that names every door: binds the ports, joins core, robots, store and doors, and ends them in order. The parts
+//! are in their own rooms; `robots` knows which robots there are, `threads` which threads.
 //!
 //! ```text
 //!   signal ─► halt ─► the doors drain their requests ─► the loop ends ─► each robot's task ends with its channel
@@ -56,19 +56,20 @@ use ports::Ports;
 pub use ports::{Doors, Place};
 use threads::Threads;
 
-/// What is still busy this long after everything has ended (a photo being drawn) is left behind.
+/// Time after which work that is still busy at the end (drawing a photo) is abandoned.
 const LEFT_BEHIND: Duration = Duration::from_millis(200);
 
-/// So long the robot is waited for before requests are answered.
+/// Maximum wait for the robot before requests are answered.
 const FIRST_LINK: Duration = Duration::from_secs(2);
 
-/// Serves until SIGINT, SIGTERM or SIGHUP. `announce` is told where, with the real ports, and how one gets in, as soon as requests are
+/// Serves until SIGINT, SIGTERM or SIGHUP. Calls `announce` with the real ports and the way to sign in, as soon as requests are
 /// answered.
 pub fn serve(settings: &Settings, announce: impl FnOnce(Doors, &Entry)) -> Result<(), AppError> {
     serve_with(settings, None, announce)
 }
 
-/// The same with another robot that searches than that of the settings: what is measured at a robot's port is measured behind the real doors.
+/// Like `serve`, with another searching robot than that of the settings: measurements at a robot's port then include the real
+/// doors.
 pub fn serve_robot(settings: &Settings, robot: Adapter, announce: impl FnOnce(Doors, &Entry)) -> Result<(), AppError> {
     serve_with(settings, Some(robot), announce)
 }
@@ -98,7 +99,7 @@ async fn serve_hall(
     let secret = access::chance()?;
 
     let kept = DataFolder::open(settings, &mut robots, entry::unusable(settings), notes)?;
-    // Only now, when nothing else can refuse the start: a key that is made is also shown.
+    // Only now, when nothing else can refuse the start, because a key that is created is also shown.
     let Opened { http: access, mqtt: mqtt_access, entry } = entry::access(settings)?;
     let halter = Halter::new(kept.epoch());
     let reader = Reader::new(Arc::clone(&kept.archive));
@@ -136,7 +137,7 @@ async fn serve_hall(
     };
     http::serve(http, door, front, shutdown).await;
     for coap in coap {
-        // Its end is bounded; how it ended was said already.
+        // Its end takes bounded time, and its outcome is in the log.
         let _ = coap.await;
     }
     if let Some(mqtt) = mqtt {
@@ -156,8 +157,8 @@ fn listeners(bound: Vec<TcpListener>, thread: &Thread) -> Result<Listeners, AppE
     Listeners::new(bound).map_err(AppError::System)
 }
 
-/// Waits until the robot is linked, so that whoever reads where to find the program can press START at once. One that cannot be
-/// reached is no reason not to serve.
+/// Waits until the robot is linked, so that START works as soon as the address is printed. The program also serves when the robot
+/// cannot be reached.
 async fn find_robot(handle: &Handle) {
     let mut states = handle.watch();
     let linked = states.wait_for(|state| !state.mission.holds.contains(&Hold::RobotLink));
@@ -166,7 +167,7 @@ async fn find_robot(handle: &Handle) {
     }
 }
 
-/// Starts the robots and the loop. `other` is in the place of the robot that searches.
+/// Starts the robots and the loop. `other` replaces the searching robot.
 async fn start(
     settings: &Settings,
     (mut robots, other): (Robots, Option<Adapter>),
@@ -193,7 +194,7 @@ async fn start(
     };
     let (links, sides): (Vec<_>, Vec<_>) = robots.ids().map(ends).unzip();
     if kept.elsewhere && !elsewhere::put_down(&mut engine, &mut *kept.store, &links[0].1, halter, &clock).await {
-        // So that robots and map are in the same hall at the next start as well.
+        // Robots and map must be in the same hall at the next start as well.
         robots.keep_other_hall();
     }
     engine.note_venue(robots.venue(), clock.now());
@@ -210,10 +211,10 @@ async fn start(
     (handle, threads.core.handle().spawn(task.run(course)), simulator)
 }
 
-/// The core as it was, or as it is at the very first start.
+/// The core with the recalled state, or as at the very first start.
 fn engine(settings: &Settings, recalled: Option<Recalled>, epoch: Epoch, clock: &Clock) -> Engine {
     let now = clock.now();
-    // Tells this run's revisions from those of any other: when it began, and chance, as the clock may be set back.
+    // Tells this run's revisions from those of any other: the start time, and random bytes, as the clock may be set back.
     let [a, b, c, d, ..] = access::chance().unwrap_or_default();
     let run = format!("{:x}{:08x}", now.wall.unix_ms, u32::from_be_bytes([a, b, c, d])).into();
     let mut engine = match recalled {
@@ -224,7 +225,7 @@ fn engine(settings: &Settings, recalled: Option<Recalled>, epoch: Epoch, clock: 
             engine
         }
     };
-    // A stop that the record does not know of is heard now; one that it knows of changes nothing.
+    // A stop that is missing in the record takes effect now; a recorded one changes nothing.
     engine.handle_halt(epoch, now);
     for sensor in &settings.sensors {
         engine.watch_sensor(Arc::clone(sensor), settings.sensor_silence, now);

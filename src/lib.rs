@@ -6,9 +6,9 @@
 //!     │                                        └─── handle_event ◄───┼──── RobotEvent ◄───────┘
 //!     └────── watch<Arc<Snapshot>> ◄── World ──┘                     └─► Record ─► store ─► Recorded ─► handle_event
 //! ```
-//! Writes travel right, facts travel left. `hallsweep_core` knows nobody, and Cargo holds that; within the program `tests/tidy.rs`
-//! holds the rule: doors know `runtime` and `api`; robots and storage know `runtime`, and robots what the settings say of them; doors
-//! and robots never know one another, nor one door another; only `app` and the command line know them all. Read
+//! Writes travel right, facts travel left. `hallsweep_core` depends on nobody, which Cargo enforces; within the program
+//! `tests/tidy.rs` enforces the rule: doors know `runtime` and `api`; robots and storage know `runtime`, and robots their
+//! settings; doors and robots never know each other, nor one door another; only `app` and the command line know them all. Read
 //! `docs/architecture.md` next, then `hallsweep_core::mission`.
 
 pub mod access;

@@ -1,4 +1,4 @@
-//! The program: arguments → task → exit code. What a task needs of settings, log and app it fetches itself.
+//! The program: arguments → task → exit code. Each task loads the settings, the log and the app that it needs.
 
 use std::process::ExitCode;
 

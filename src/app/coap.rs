@@ -1,5 +1,4 @@
-//! The CoAP door, opened at each of its ports: all of them are heard and answered on one thread. What is there to be asked for is the
-//! door's business.
+//! The CoAP door, opened at each of its ports, all of which are served on one thread. The resources are in the door.
 
 use std::net::UdpSocket;
 use std::sync::Arc;
@@ -12,10 +11,10 @@ use crate::doors::coap::{self, Resources, Socket};
 use crate::runtime::threads::Thread;
 use hallsweep_core::snapshot::Snapshot;
 
-/// A secret of the endpoint's, the states that are shown, and what says when it is over.
+/// Secret of the endpoint, the states to show, and the signal for the end.
 pub(super) type Rest = ([u8; 32], watch::Receiver<Arc<Snapshot>>, watch::Receiver<bool>);
 
-/// Opens the door until `ending` says so; what ends with it. A mistake that ends it is no reason to close the others.
+/// Opens the door until `ending` says so; returns a future that ends with it. A panic in it does not close the other doors.
 pub(super) fn open(
     ports: Vec<UdpSocket>,
     thread: &Thread,

@@ -1,5 +1,5 @@
-//! What earlier runs left behind, and where this one is kept: the journal, and what robots remember beside it.
-//! What is done with what was recalled is the core's business.
+//! What earlier runs stored, and where this run stores: the journal, and what robots remember beside it. The core decides what to
+//! do with the recalled state.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -23,19 +23,19 @@ pub(super) struct DataFolder {
     pub(super) store: Box<dyn Store>,
     pub(super) archive: Arc<dyn Archive>,
     pub(super) recalled: Option<Recalled>,
-    /// Whether the robot was put down at home in another hall than before.
+    /// Whether the robot was put at home in another hall than before.
     pub(super) elsewhere: bool,
-    /// What remembers a STOP also when the journal cannot be written.
+    /// Remembers a STOP even when the journal cannot be written.
     pub(super) stops: Option<Stops>,
-    /// What an operator is told of files that hold nobody up, in words that end with what to do.
+    /// Messages to an operator about faults that stop nothing, in words that end with what to do.
     pub(super) notes: Vec<String>,
 }
 
 impl DataFolder {
-    /// Opens the folder of the settings, in which the robots also find where they were left. A file of it that cannot be read or
-    /// written is no error: the store says so, and the robots are held (safety R5): so also when the keys cannot be had, which is said
-    /// by `keys`, and when a mission is under way in another hall. Errors are a folder in
-    /// use, and a folder that this user may not enter.
+    /// Opens the folder of the settings, in which the robots also find where they were left. A file that cannot be read or
+    /// written is no error: the store reports it, and the robots are held (safety R5). The same holds when the keys cannot be
+    /// read, for the reason in `keys`, and when a mission is under way in another hall. Errors are a folder in use, and a folder
+    /// that this user may not enter.
     pub(super) fn open(
         settings: &Settings,
         robots: &mut Robots,
@@ -57,7 +57,7 @@ impl DataFolder {
         if let (Some(remembered), true) = (robots.other_hall(), is_on_a_mission) {
             let words = in_another_hall(folder, remembered, &robots.hall_name());
             robots.lose(&words);
-            // Only one has the folder at a time.
+            // Closed first, since only one store may have the folder.
             drop(kept);
             kept = opened(robots)?;
         }
@@ -66,11 +66,11 @@ impl DataFolder {
         let recalled = recalled.map(|recalled| without_lost_photos(recalled, &*archive));
         let mut elsewhere = false;
         match robots.other_hall() {
-            // What nobody could read may be a mission in that hall: its robots are not forgotten.
+            // An unreadable record may be of a mission in that hall, so its robots are not forgotten.
             _ if is_unread => {}
-            // The robot that searches may be in a mission in the hall of the others.
+            // The searching robot may be in a mission in the other robots' hall.
             None if !robots.lost().is_empty() => {}
-            // Where the robot that searches is, there is the record; of the others only where they stand is.
+            // The record belongs to the hall of the searching robot; of the other robots only the positions are stored.
             other_hall => {
                 elsewhere = other_hall.is_some();
                 robots.put_down();
@@ -79,7 +79,7 @@ impl DataFolder {
         Ok(DataFolder { store, archive, recalled, elsewhere, stops: Some(Stops::open(folder)), notes })
     }
 
-    /// The epoch that holds: that of the last stop, whether or not the journal came to know of it (safety S4).
+    /// The present epoch: that of the last stop, whether or not it reached the journal (safety S4).
     pub(super) fn epoch(&self) -> Epoch {
         let recorded = self.recalled.as_ref().map_or(Epoch::default(), |recalled| recalled.state.epoch);
         let stopped = self.stops.as_ref().map_or(Epoch::default(), Stops::epoch);
@@ -92,7 +92,7 @@ impl DataFolder {
         stopped.max(recorded)
     }
 
-    /// What is said when nobody knows whether the last STOP is on record: then the robot is held as by one.
+    /// The message when the last STOP may be missing from the records: the robot is then held as if by a STOP.
     pub(super) fn stop_in_doubt(&self) -> Option<String> {
         let (file, was_set_aside) = self.stops.as_ref().and_then(Stops::damaged)?;
         let aside = format!("; what was there stands in {} beside it", names::STOPS_DAMAGED.written());
@@ -110,8 +110,8 @@ impl DataFolder {
     }
 }
 
-/// Writes old missions out into an archive, if they are to stay for so many days only: before any door is open, since nothing that a door promises may
-/// wait for it, and not too many at once. Where that fails they stay; why, is given back.
+/// Archives old missions if they are to stay only for a number of days: before any door is open, since nothing that a door
+/// promises may wait for it, and a bounded number at once. When that fails they stay, and the reason is returned.
 pub(super) fn write_out_old(settings: &Settings) -> Option<String> {
     const DAY_MS: i64 = 24 * 60 * 60 * 1000;
     let folder = settings.store.as_deref().filter(|folder| folder.is_dir() && settings.keep_days > 0)?;
@@ -129,7 +129,7 @@ pub(super) fn write_out_old(settings: &Settings) -> Option<String> {
     }
 }
 
-/// What is to be done about a mission whose robots are in another hall than the one that is given.
+/// The message about a mission whose robots are in another hall than the given one.
 fn in_another_hall(folder: &Path, remembered: &str, given: &str) -> String {
     let robot = names::SIMULATED.within(folder);
     format!(
@@ -141,7 +141,7 @@ fn in_another_hall(folder: &Path, remembered: &str, given: &str) -> String {
     )
 }
 
-/// A pending piece whose picture is gone cannot be judged by it: it counts as one whose photo failed (safety V2).
+/// A pending piece whose picture is gone cannot be judged by it, so it counts as one whose photo failed (safety V2).
 fn without_lost_photos(mut recalled: Recalled, archive: &dyn Archive) -> Recalled {
     let pending: Vec<Arc<Luggage>> = recalled.state.luggage.pending().filter(|luggage| luggage.has_photo()).cloned().collect();
     for luggage in pending {

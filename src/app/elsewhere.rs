@@ -1,5 +1,6 @@
-//! The robot is put down in another hall than the one on record: the journal's page about it is kept before the robot's state file is
-//! begun anew, so that a kill in between leaves the robot and the map in the same hall. When that is so, `data_folder` knows.
+//! Moves the robot to another hall than the recorded one: the journal's page about it is stored before the robot's state file is
+//! begun anew, so that a kill in between leaves the robot and the map in the same hall. `data_folder` decides when that is
+//! needed.
 
 use std::time::Duration;
 
@@ -12,10 +13,10 @@ use hallsweep_core::engine::Engine;
 use hallsweep_core::event::Event;
 use hallsweep_core::units::Seq;
 
-/// So long the disk is waited for. After that the program serves all the same, without a state file: the next start tries again.
+/// Maximum wait for the disk. After it the program serves without a state file, and the next start tries again.
 const KEPT_WITHIN: Duration = Duration::from_secs(5);
 
-/// Puts the robot down and keeps what follows from it; whether it is kept.
+/// Moves the robot and stores what follows from it; returns whether that is stored.
 pub(super) async fn put_down(
     engine: &mut Engine,
     store: &mut dyn Store,
@@ -38,8 +39,8 @@ pub(super) async fn put_down(
     is_kept
 }
 
-/// Hands everything to the store that is to be kept; the last entry of it. No robot is linked yet and nobody has asked anything,
-/// so that beside records there are only halts and the LED.
+/// Hands everything to be stored to the store; returns the last entry. No robot is linked yet and no command was sent, so that
+/// beside records there are only halts and the LED.
 fn hand_over(engine: &mut Engine, store: &mut dyn Store, (link, halter): (&RobotLink, &Halter), losses: u64) -> Seq {
     let mut last = Seq(0);
     while let Some(effect) = engine.poll_effect() {
@@ -67,7 +68,7 @@ mod tests {
     use hallsweep_core::settings::Settings;
     use hallsweep_core::units::Epoch;
 
-    /// Keeps pages when it is told to.
+    /// Stores pages when the test says so.
     struct Slow {
         word: watch::Sender<StoreStatus>,
         pages: Vec<Page>,
@@ -83,7 +84,7 @@ mod tests {
         }
     }
 
-    /// An engine that was put down, and what came of it when the store says this of it after a while.
+    /// An engine whose robot was moved, and the result when the store later reports this.
     async fn put_down_with(say: impl FnOnce(&mut StoreStatus) + Send + 'static) -> (bool, Engine, Slow) {
         let mut engine = Engine::new(Settings::default(), Default::default(), "test".into());
         let mut store = Slow { word: watch::Sender::default(), pages: Vec::new() };

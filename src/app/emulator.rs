@@ -5,7 +5,7 @@ use crate::config::Settings;
 use crate::robots::emulator::{self, Emulation};
 use crate::robots::{Unusable, sim};
 
-/// `announce` is told where programs find the robot, with the real port.
+/// Calls `announce` with the address of the robot, including the real port.
 pub fn emulate(settings: &Settings, emulation: Emulation, announce: impl FnOnce(&str)) -> Result<(), AppError> {
     let hall = sim::hall(settings).map_err(Unusable::from)?;
     let runtime = threads::ordinary().map_err(AppError::System)?;

@@ -1,4 +1,4 @@
-//! How the door is opened: to everybody on this machine, or to whoever has a key. What is said of it is the command line's part.
+//! Who may enter a door: everybody on this machine, or whoever has a key. The command line tells users about it.
 
 use crate::access::{Access, AccessError, KeyFile, Keyring, Token};
 use crate::config::{Broker, HttpSettings, Settings};
@@ -6,26 +6,26 @@ use crate::doors::http::{Front, Tls, TlsError};
 
 #[derive(Debug)]
 pub enum Entry {
-    /// Everybody on this machine is let in.
+    /// Everybody on this machine is admitted.
     Open,
-    /// By a key that was made before.
+    /// A key from an earlier start.
     Key,
-    /// By none: the keys there are cannot be had, for this reason.
+    /// Nobody: the existing keys cannot be read, for this reason.
     Unusable(String),
-    /// By an operator's key that was just made and is kept.
+    /// An operator's key that was just created and stored.
     NewKey(Token),
-    /// By an operator's key that was just made and is good until the program ends.
+    /// An operator's key that was just created and is valid until the program ends.
     BriefKey(Token),
 }
 
 pub(super) struct Opened {
     pub(super) http: Access,
-    /// At our own MQTT broker, by TCP.
+    /// At our own MQTT broker, over TCP.
     pub(super) mqtt: Access,
     pub(super) entry: Entry,
 }
 
-/// Who is let in, by these settings; a first key is made where there is none and one is asked for.
+/// Who is admitted by these settings; creates a first key when one is needed and there is none.
 pub(super) fn access(settings: &Settings) -> Result<Opened, AccessError> {
     let mqtt_asks = mqtt_asks(settings);
     if !settings.http.asks_for_keys && !mqtt_asks {
@@ -40,8 +40,7 @@ fn mqtt_asks(settings: &Settings) -> bool {
     matches!(settings.mqtt.broker, Some(Broker::Own { asks_for_keys: true, .. }))
 }
 
-/// Why the keys cannot be had, where any are asked for and there are some: then nobody can press STOP there, and nothing is to
-/// move (safety R5).
+/// Why the keys cannot be read, where keys are required and exist: nobody could press STOP then, so nothing may move (safety R5).
 pub(super) fn unusable(settings: &Settings) -> Option<String> {
     let folder = settings.store.as_ref().filter(|_| settings.http.asks_for_keys || mqtt_asks(settings))?;
     let error = KeyFile::within(folder).read().err()?;
@@ -73,7 +72,7 @@ pub(super) fn front(http: &HttpSettings) -> Result<Front, TlsError> {
     Ok(Front { hosts: http.hosts.clone(), tls, ..Front::default() })
 }
 
-/// The token of the key that is made at first start.
+/// The token of the key that was created at the first start.
 fn first(keyring: &Keyring) -> Result<Token, AccessError> {
     keyring.keys().named(crate::access::OPERATOR).map(|key| key.token.clone())
 }

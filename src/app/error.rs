@@ -1,4 +1,4 @@
-//! Why the program cannot begin, or not go on: one line for whoever started it, with what to do.
+//! Why the program cannot start, or not go on: one line for whoever started it, with what to do.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -43,7 +43,7 @@ impl Port {
     }
 }
 
-/// Why the program cannot begin, or not go on. `Display` is the line for whoever started it.
+/// Why the program cannot start, or not go on. `Display` is the message for whoever started it.
 #[derive(Debug, thiserror::Error)]
 pub enum AppError {
     #[error(transparent)]

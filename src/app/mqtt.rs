@@ -1,5 +1,4 @@
-//! The MQTT door, joined: our own session, and the broker it speaks to, which is our own or somebody else's. What is said and heard
-//! there is the door's business.
+//! The MQTT door, assembled: our own session, and its broker, which is ours or another one. The messages are in the door.
 
 use std::sync::Arc;
 
@@ -24,7 +23,7 @@ use crate::runtime::handle::Handle;
 use mqtt_gate::Broker;
 use mqtt_gate::packet::Version;
 
-/// Web clients that wait to be received: the broker is never busy for long.
+/// Capacity of the queue of web clients: the broker is never busy for long.
 const WEB_CLIENTS: usize = 16;
 
 pub(super) struct Mqtt {
@@ -33,7 +32,7 @@ pub(super) struct Mqtt {
     hall: Option<http::Hall>,
 }
 
-/// What both kinds of broker have in common.
+/// What both kinds of broker share.
 struct Common {
     topics: Topics,
     home_assistant: bool,
@@ -44,8 +43,7 @@ struct Common {
 }
 
 impl Mqtt {
-    /// Opens the door, if there is to be one: at these ports, where it is our own broker's; what clients say there is heard on a thread of
-    /// its own.
+    /// Opens the door, if there is one: our own broker at these ports. Packets of its clients are read on a thread of their own.
     pub(super) fn open(
         settings: &Settings,
         (listeners, access, inner): (Listeners, Access, (&Threads, Room)),
@@ -64,12 +62,12 @@ impl Mqtt {
         }
     }
 
-    /// Where web clients are brought, when the broker is our own.
+    /// Where web clients are sent, when the broker is our own.
     pub(super) fn hall(&self) -> Option<http::Hall> {
         self.hall.clone()
     }
 
-    /// Waits for its end: the session takes its leave, and then the broker ends.
+    /// Waits for the end: the session disconnects first, then the broker ends.
     pub(super) async fn ended(self) {
         for task in [Some(self.session), self.broker].into_iter().flatten() {
             if task.await.is_err() {
@@ -84,14 +82,13 @@ impl Common {
         Commands::new(self.handle.clone(), self.topics.clone(), self.manual_driving, answers)
     }
 
-    /// Waits until the program ends.
     fn shutdown(&self) -> impl Future<Output = ()> + use<> {
         let mut ending = self.ending.clone();
         async move { drop(ending.wait_for(|ending| *ending).await) }
     }
 }
 
-/// What an operator is told where rumqttd is to route and this program was built without it.
+/// The message to an operator when rumqttd should route but this program was built without it.
 pub(super) fn note(settings: &Settings) -> Option<String> {
     let asks = matches!(settings.mqtt.broker, Some(config::Broker::Own { router: MqttRouter::Rumqttd, .. }));
     (asks && !cfg!(feature = "rumqttd-router")).then(|| {
@@ -126,7 +123,7 @@ fn own(common: Common, (listeners, router): (Listeners, MqttRouter), (threads, r
     Mqtt { session, broker: Some(broker), hall: Some(hall(visit)) }
 }
 
-/// Waits until the session has taken its leave, so that its last words are passed on.
+/// Waits until the session has disconnected, so that its last messages are delivered.
 async fn gone(mut left: watch::Receiver<()>) {
     while left.changed().await.is_ok() {}
 }
@@ -159,7 +156,7 @@ fn other_broker(common: Common, other: &OtherBroker) -> Result<Mqtt, AppError> {
     Ok(Mqtt { session, broker: None, hall: None })
 }
 
-/// Where web clients are brought. One that finds the broker busy is sent away, and comes again.
+/// Where web clients are sent. One that finds the broker busy is closed, and may try again.
 fn hall(visit: mpsc::Sender<IncomingConnection>) -> http::Hall {
     http::Hall::new(move |connection: http::IncomingConnection| {
         let origin = Origin { from: connection.from, caller: connection.caller, access: connection.access };

@@ -1,5 +1,5 @@
-//! The ports of the doors: all of them are had before anything that is kept is opened, so that a port in use leaves no trace. How a
-//! port is asked for stands in the settings.
+//! The ports of the doors: all of them are bound before anything stored is opened, so that a port in use leaves no trace. Which
+//! ports to bind is in the settings.
 
 use std::io::{self, ErrorKind};
 use std::net::{SocketAddr, TcpListener, UdpSocket};
@@ -10,11 +10,11 @@ use super::error::{AppError, Port};
 use crate::config::{At, Bind, Broker, Settings};
 use crate::doors::coap::beside;
 
-/// So many files and connections are wanted open at once: enough for every place of every door, and for files beside them.
+/// Number of file descriptors wanted: enough for every connection of every door, and for files beside them.
 const DESCRIPTORS: u64 = 4096;
 
-/// Asks the system to let this program have more files and connections open at once, as far as it allows; how many there are then.
-/// Most systems begin with few and allow more to whoever asks; HTTP and MQTT together may need more than the few.
+/// Asks the system for more file descriptors, as far as it allows; returns how many there are then. Most systems start with few
+/// and allow more on request; HTTP and MQTT together may need more than the few.
 pub(super) fn raise_descriptors() -> u64 {
     match rlimit::increase_nofile_limit(DESCRIPTORS) {
         Ok(most) => most,
@@ -25,7 +25,7 @@ pub(super) fn raise_descriptors() -> u64 {
     }
 }
 
-/// Where the doors are, with their real ports.
+/// The addresses of the doors, with their real ports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Doors {
     pub http: Place,
@@ -50,11 +50,11 @@ pub(super) struct Ports {
 
 type NotHad = (SocketAddr, io::Error);
 
-/// So many connections may wait to be received, as far as the system allows: the system tells one that finds no room nothing, and it
-/// tries again after a second, which is too late for a STOP.
+/// Length of the listen queue, as far as the system allows: a connection that finds it full is dropped silently and tries again
+/// after a second, which is too late for a STOP.
 const WAITING: i32 = 4096;
 
-/// A free port of one loopback address may be taken at the other; so often another one is tried.
+/// Number of ports tried: one that is free at one loopback address may be taken at the other.
 const TRIES: usize = 16;
 
 impl Ports {
@@ -72,7 +72,7 @@ impl Ports {
     }
 }
 
-/// Binds a door's port at all its addresses. One that nobody has chosen gives way to a free one when it is taken.
+/// Binds a door's port at all its addresses. A default port that is taken is replaced by a free one.
 fn open<P>(port: Port, bind: Bind, one: impl Fn(SocketAddr) -> io::Result<(P, SocketAddr)>) -> Result<(Vec<P>, Place), AppError> {
     let (bound, instead_of) = match at_all(bind.at, &one) {
         Err((_, error)) if error.kind() == ErrorKind::AddrInUse && !bind.is_chosen => {
@@ -97,7 +97,7 @@ fn at_a_free_one<P>(at: At, one: &impl Fn(SocketAddr) -> io::Result<(P, SocketAd
     (1..TRIES).fold(once(), |last, _| last.or_else(|_| once()))
 }
 
-/// Binds one port at each of these addresses. A machine may have no second one.
+/// Binds one port at each of these addresses. A machine may lack the second one.
 fn at_all<P>(at: At, one: &impl Fn(SocketAddr) -> io::Result<(P, SocketAddr)>) -> Result<Vec<(P, SocketAddr)>, NotHad> {
     let mut bound: Vec<(P, SocketAddr)> = Vec::new();
     for mut address in at.addresses() {
@@ -117,7 +117,7 @@ fn at_all<P>(at: At, one: &impl Fn(SocketAddr) -> io::Result<(P, SocketAddr)>) -
 
 fn tcp(address: SocketAddr) -> io::Result<(TcpListener, SocketAddr)> {
     let port = Socket::new(Domain::for_address(address), Type::STREAM, None)?;
-    // Where it means what it does on Unix: a port is free as soon as whoever had it has ended.
+    // Only where the option means what it does on Unix: a port is free as soon as its owner has ended.
     #[cfg(unix)]
     port.set_reuse_address(true)?;
     port.bind(&address.into())?;
@@ -134,8 +134,8 @@ fn udp(address: SocketAddr) -> io::Result<(UdpSocket, SocketAddr)> {
     Ok((port, address))
 }
 
-/// A port that others reach hears this machine at sockets of its own, which no flood from elsewhere can fill (safety S7). What is
-/// sent to an address goes to the socket that is bound to just this one.
+/// At a port that others reach, packets of this machine get sockets of their own, which no flood from elsewhere can fill (safety
+/// S7). The system delivers to the socket bound to exactly the destination address.
 fn with_loopback(mut ports: Vec<UdpSocket>, at: SocketAddr) -> Vec<UdpSocket> {
     if at.ip().to_canonical().is_loopback() {
         return ports;
@@ -143,7 +143,7 @@ fn with_loopback(mut ports: Vec<UdpSocket>, at: SocketAddr) -> Vec<UdpSocket> {
     for address in At::Localhost(at.port()).addresses() {
         match ports.first().map(|first| beside(first, address)) {
             Some(Ok(port)) => ports.push(port),
-            // Such a datagram comes to the port that is there, or to nobody.
+            // Such a packet then goes to the common socket, or is lost.
             Some(Err(error)) => tracing::warn!(%address, %error, "no socket of its own for CoAP from this machine"),
             None => {}
         }
@@ -162,7 +162,7 @@ mod tests {
         open(Port::Mqtt, Bind { at, is_chosen }, tcp)
     }
 
-    /// Safety S9: whoever comes while a door is busy with others waits in the system, and is not told to come again in a second.
+    /// Safety S9: connections that come while a door is busy wait in the system's queue, and need not try again after a second.
     #[test]
     fn hundreds_of_connections_may_wait_to_be_received() {
         let (_port, address) = tcp(SocketAddr::from(([127, 0, 0, 1], 0))).unwrap();
@@ -196,7 +196,7 @@ mod tests {
         }
     }
 
-    /// Safety S7: a flood that nobody reads fills the socket it comes to, and not that of this machine.
+    /// Safety S7: a flood that nobody reads fills its own socket, not that of this machine.
     #[test]
     fn this_machine_has_a_socket_of_its_own_at_a_port_that_others_reach() {
         let (first, at) = udp("0.0.0.0:0".parse().unwrap()).expect("a free port");
@@ -205,7 +205,7 @@ mod tests {
         ports.iter().for_each(|port| port.set_nonblocking(true).unwrap());
         let client = UdpSocket::bind("127.0.0.1:0").unwrap();
         for _ in 0..10_000 {
-            // Every other address of this machine stands for one that others reach. What has no room any more is lost.
+            // Any other address of this machine stands for one that others reach. Packets without room are lost.
             let _ = client.send_to(&[0; 1024], ("127.0.0.2", at.port()));
         }
         client.send_to(b"stop", ("127.0.0.1", at.port())).unwrap();

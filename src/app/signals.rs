@@ -1,4 +1,4 @@
-//! The signals that end the program. What ending means is `app`'s business.
+//! The signals that end the program. `app` decides how it ends.
 
 use std::future::Future;
 use std::io;
@@ -25,16 +25,16 @@ pub(super) fn listen() -> io::Result<impl Future<Output = &'static str>> {
     })
 }
 
-/// Whether the program was started with SIGHUP ignored, as by `nohup`. Linux alone says so.
+/// Whether the program was started with SIGHUP ignored, as by `nohup`. Only Linux reports it.
 #[cfg(unix)]
 fn ignores_hang_up() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
-    // The signal of number 1 is the lowest bit.
+    // Signal number 1 is the lowest bit.
     ignored.is_some_and(|ignored| ignored & 1 == 1)
 }
 
-/// The same where there is only Ctrl-C.
+/// On systems that have only Ctrl-C.
 #[cfg(not(unix))]
 pub(super) fn listen() -> io::Result<impl Future<Output = &'static str>> {
     Ok(async {

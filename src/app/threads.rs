@@ -1,6 +1,6 @@
-//! Who runs on a thread of his own (safety S7): the core's loop, the robot's link, and what each door hears; and the gate of our own
-//! MQTT broker, where one thread passes messages on sooner than several that wake each other. Everything else that a door does runs on
-//! the ordinary threads, where it may be busy, and which stand back behind the others where there are fewer processors than work.
+//! What has a thread of its own (safety S7): the core's loop, the robot's link, the reading of each door, and the gate of our own
+//! MQTT broker, where one thread passes messages on sooner than several that wake each other. All other work of the doors runs on
+//! the ordinary threads, which may be busy, and which have a lower priority where there are fewer processors than work.
 
 use std::io;
 
@@ -9,8 +9,7 @@ use tokio::runtime::{Builder, Runtime};
 use super::AppError;
 use crate::runtime::threads::Thread;
 
-/// By so much ordinary threads are nicer than the others, as the system counts it: they get a third of what one of these gets, as long
-/// as both have something to do.
+/// Difference in nice value between ordinary threads and the others: they get a third of the time of one of the others, as long as both have work.
 #[cfg(target_os = "linux")]
 const NICER: i32 = 5;
 
@@ -42,7 +41,8 @@ pub(super) fn ordinary() -> io::Result<Runtime> {
     Builder::new_multi_thread().enable_all().on_thread_start(stand_back).build()
 }
 
-/// Lets the threads go before this one that a STOP needs. Elsewhere than on Linux priorities are of whole programs.
+/// Lowers the priority of this thread behind those that a STOP needs. Only on Linux, since on other systems priorities apply to
+/// whole programs.
 fn stand_back() {
     #[cfg(target_os = "linux")]
     {
@@ -62,7 +62,7 @@ mod tests {
     /// Safety S7.
     #[test]
     fn ordinary_threads_stand_back_behind_those_that_hear() {
-        /// The last that the system knows.
+        /// The highest nice value of the system.
         const NICEST: i32 = 19;
         let threads = Threads::start().expect("the system gives threads");
         let ordinary = ordinary().expect("the system gives more");
