@@ -1,5 +1,5 @@
-//! Log lines on standard error, as many as the setting `log.filter` asks for.
-//! What an operator must see is not here: that is the log of the state, which the console shows.
+//! Log lines on standard error, filtered by the setting `log.filter`. What an operator must see is in the log of the state
+//! instead, which the console shows.
 
 use std::backtrace::{Backtrace, BacktraceStatus};
 use std::fmt;
@@ -21,34 +21,35 @@ mod queue;
 
 const RUMQTTD: &str = "rumqttd";
 
-/// How the thread of the MQTT router is called, before its number.
+/// Prefix of the names of the MQTT router's threads; a number follows.
 const ROUTER: &str = "router-";
 
 /// How long the end of the program waits for lines that are not written yet.
 const LAST_LINES: Duration = Duration::from_secs(1);
 
-/// Where lines for standard error go in a program that must not wait for it; without a queue they are written at once.
+/// The queue for standard error in a program that must not wait for it; without one, lines are written at once.
 static QUEUE: OnceLock<Arc<Queue>> = OnceLock::new();
 
-/// Queues lines from now on, so that no thread waits for standard error or panics because of it, and sees to it that no write
-/// stops or ends the program (safety S11). For programs that run until they are ended.
+/// Queues lines from now on, so that no thread waits for standard error or panics because of it, and no write stops or ends the
+/// program (safety S11). For programs that run until they are ended.
 pub fn queue_lines() {
-    // The system stops a program that writes to a terminal in the background under `tostop`, and ends one that writes beyond a limit for
-    // files. Where these signals are blocked, as in all threads that begin from here on, the write succeeds or fails instead.
+    // The system stops a program that writes to a terminal in the background under `tostop`, and ends one that writes beyond a
+    // limit for files. Where these signals are blocked, as in all threads that start from here on, the write succeeds or fails
+    // instead.
     let _ = SigSet::from_iter([Signal::SIGTTOU, Signal::SIGXFSZ]).thread_block();
-    // A system that has no thread for this has none for the doors either, and the start ends there.
+    // A system without a thread for this has none for the doors either, and the start fails there.
     let Ok(queue) = Queue::start(io::stderr()) else { return };
     if QUEUE.set(queue).is_ok() {
         panic::set_hook(Box::new(note_panic));
     }
 }
 
-/// Writes a line to standard error, in its turn behind the lines of the log.
+/// Writes a line to standard error, after the waiting lines of the log.
 pub fn say(line: impl fmt::Display) {
     put(format!("{line}\n").as_bytes());
 }
 
-/// Waits until everything that was said is written, but not long.
+/// Waits a bounded time until every line is written.
 pub fn end() {
     if let Some(queue) = QUEUE.get() {
         queue.end(LAST_LINES);
@@ -58,12 +59,13 @@ pub fn end() {
 fn put(text: &[u8]) {
     match QUEUE.get() {
         Some(queue) => queue.put(text),
-        // Nobody is left to be told.
+        // A failure cannot be reported any more.
         None => drop(io::stderr().write_all(text)),
     }
 }
 
-/// The writer for the lines of the log. It never fails: the formatter would say so on standard error itself, and panic.
+/// The writer for the lines of the log. It never fails, because the formatter would report that on standard error itself, and
+/// panic.
 struct Lines;
 
 impl Write for Lines {
@@ -88,7 +90,7 @@ pub fn start(filter: &str) {
     }
 }
 
-/// The time of day as everything else of this program writes it: in the zone of this machine, or that of `TZ`.
+/// The time of day in the format of the rest of the program: in the zone of this machine, or that of `TZ`.
 struct WallClock(Clock);
 
 impl FormatTime for WallClock {
@@ -97,8 +99,8 @@ impl FormatTime for WallClock {
     }
 }
 
-/// Says that a thread has panicked. The hook of the standard library writes to standard error itself, and may block there. The thread
-/// of the MQTT router ends in a panic, and in no other way, whenever it ends: that is a line of the log, as its restart is.
+/// Logs a panic of a thread. The standard library's hook writes to standard error directly, and may block there. The thread of
+/// the MQTT router always ends in a panic, which becomes a line of the log, like its restart.
 fn note_panic(panicked: &panic::PanicHookInfo<'_>) {
     let thread = std::thread::current();
     let name = thread.name().unwrap_or("<unnamed>");
@@ -114,25 +116,25 @@ fn note_panic(panicked: &panic::PanicHookInfo<'_>) {
     }
 }
 
-/// The filter without the lines of the MQTT router, unless it asks for them by name: they speak of connections by numbers of its
-/// own, and cost time with every message. What of it matters is said by the gate.
+/// The filter without the lines of the MQTT router, unless it names them: they refer to connections by numbers of their own, and
+/// cost time with every message. The gate logs what matters of them.
 fn without_router(filter: &str) -> String {
     if filter.contains(RUMQTTD) { filter.to_owned() } else { format!("{filter},{RUMQTTD}=off") }
 }
 
-/// Warns of environment variables that look like settings and are none.
+/// Warns about environment variables that look like settings but are none.
 pub fn warn_of_ignored(variables: &[&str]) {
     for variable in variables {
         tracing::warn!(variable, "this environment variable is no setting: settings are written HALLSWEEP__SECTION__KEY");
     }
 }
 
-/// Warns that standard output did not take what was announced there. The text itself is not repeated: it may have a key in it.
+/// Warns that standard output did not accept the announcement. The text is not repeated, because it may contain a key.
 pub fn warn_of_unannounced(error: &dyn fmt::Display) {
     tracing::warn!(%error, "the addresses and the link to sign in were not announced; `hallsweep token` shows keys that are kept");
 }
 
-/// Warns of settings that mean nothing for the robots that there are.
+/// Warns about settings without effect for the robots that there are.
 pub fn warn_of_idle(settings: &str) {
     tracing::warn!(settings, "these do nothing with the robots of these settings");
 }
@@ -148,7 +150,7 @@ mod tests {
         assert!(EnvFilter::builder().parse(without_router("warn,hallsweep=debug")).is_ok());
     }
 
-    /// Whoever runs the tests without it is not the child.
+    /// Set only for the child process of the test.
     const CHILD: &str = "HALLSWEEP_PANICKING_CHILD";
 
     #[test]
@@ -162,7 +164,7 @@ mod tests {
         end();
     }
 
-    /// Safety S11. The hook is of a whole process, so this test starts itself again.
+    /// Safety S11. The hook belongs to a whole process, so this test starts itself again.
     #[cfg(unix)]
     #[test]
     fn a_panic_is_said_without_waiting_for_whoever_reads() {

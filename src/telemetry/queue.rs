@@ -1,6 +1,6 @@
-//! The queue between the threads that log and the stream that takes the lines (safety S11). A thread of its own writes, so nobody else
-//! waits when the stream blocks, and nobody panics when it fails. Lines that find no room or cannot be written are counted, and the
-//! log says how many were lost as soon as the stream takes lines again.
+//! The queue between the threads that log and the stream that receives the lines (safety S11). A thread of its own writes, so
+//! that nobody else waits when the stream blocks, and nobody panics when it fails. Lines that find no room or cannot be written
+//! are counted, and the log reports their number as soon as the stream accepts lines again.
 
 use std::io::{self, ErrorKind, Write};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -11,10 +11,10 @@ use crate::api::time::rfc3339;
 use crate::runtime::clock::Clock;
 use crate::runtime::figures::LOG_LINES_LOST;
 
-/// Size of the text that waits, in bytes. As much again may be with the thread that writes, so both come to 1 MiB.
+/// Maximum size of the waiting text, in bytes. The writing thread may have as much again, so both come to 1 MiB.
 const ROOM: usize = 512 * 1024;
 
-/// Pause before the next attempt, where somebody has set the stream to refuse what it would have to wait for.
+/// Pause before the next attempt on a non-blocking stream that is full.
 const PAUSE: Duration = Duration::from_millis(50);
 
 #[derive(Debug, Default)]
@@ -26,13 +26,13 @@ pub(super) struct Queue {
 #[derive(Debug, Default)]
 struct State {
     text: Vec<u8>,
-    /// Lines that found no room behind `text`.
+    /// Lines dropped after `text`.
     dropped: u64,
     is_writing: bool,
 }
 
 impl Queue {
-    /// A queue whose lines this stream takes, for as long as the program runs.
+    /// A queue that writes to this stream for as long as the program runs.
     pub(super) fn start(stream: impl Write + Send + 'static) -> io::Result<Arc<Queue>> {
         let queue = Arc::new(Queue::default());
         queue.state().text.reserve_exact(ROOM);
@@ -41,7 +41,7 @@ impl Queue {
         Ok(queue)
     }
 
-    /// Adds whole lines, or drops and counts them where there is no room.
+    /// Adds whole lines, or drops and counts them when there is no room.
     pub(super) fn put(&self, text: &[u8]) {
         let mut state = self.state();
         let was_idle = state.is_idle();
@@ -56,7 +56,7 @@ impl Queue {
         }
     }
 
-    /// Waits until every line is written, but no longer than this.
+    /// Waits until every line is written, at most for `patience`.
     pub(super) fn end(&self, patience: Duration) {
         let _ended = self.changed.wait_timeout_while(self.state(), patience, |state| !state.is_idle());
     }
@@ -92,7 +92,7 @@ impl State {
     }
 }
 
-/// Says in the log how many lines are missing there, if any are and the stream takes it.
+/// Logs the number of lost lines, if there are any and the stream accepts it.
 fn say_lost(stream: &mut impl Write, lost: &mut u64) {
     if *lost == 0 {
         return;
@@ -104,7 +104,7 @@ fn say_lost(stream: &mut impl Write, lost: &mut u64) {
     }
 }
 
-/// What of this text the stream does not take.
+/// The part of the text that the stream does not accept.
 fn unwritten<'a>(stream: &mut impl Write, mut text: &'a [u8]) -> &'a [u8] {
     while !text.is_empty() {
         match stream.write(text) {
@@ -118,7 +118,7 @@ fn unwritten<'a>(stream: &mut impl Write, mut text: &'a [u8]) -> &'a [u8] {
     text
 }
 
-/// Counts the lines of a text as lost, and says how many they are.
+/// Counts the lines of a text as lost; returns their number.
 fn lose(text: &[u8]) -> u64 {
     let lines = text.iter().filter(|byte| **byte == b'\n').count() as u64;
     LOG_LINES_LOST.inc_by(lines);
@@ -131,7 +131,7 @@ mod tests {
 
     use super::*;
 
-    /// A stream that does with each write what the test says, and hangs until the test says it.
+    /// A stream whose writes do what the test says, and hang until the test says it.
     struct Stream {
         turns: Receiver<Result<usize, ErrorKind>>,
         taken: Sender<Vec<u8>>,
@@ -139,7 +139,7 @@ mod tests {
 
     impl Write for Stream {
         fn write(&mut self, text: &[u8]) -> io::Result<usize> {
-            // When the test is over everything is taken.
+            // When the test is over everything is accepted.
             let most = self.turns.recv().unwrap_or(Ok(usize::MAX))?.min(text.len());
             let _ = self.taken.send(text[..most].to_vec());
             Ok(most)
@@ -166,7 +166,7 @@ mod tests {
             turns.iter().for_each(|turn| self.turn.send(*turn).unwrap());
         }
 
-        /// Everything that the stream has taken when nothing hangs any more.
+        /// Everything that the stream received once nothing hangs any more.
         fn taken(self) -> String {
             drop(self.turn);
             self.queue.end(Duration::from_secs(60));
@@ -197,7 +197,7 @@ mod tests {
         );
 
         let bench = Bench::new();
-        // The disk takes half a line, then nothing, not even that lines were lost.
+        // The disk accepts half a line, then nothing, not even the number of lost lines.
         bench.turns(&[Ok(6), Err(ErrorKind::StorageFull), Err(ErrorKind::StorageFull)]);
         bench.queue.put(b"kept\nhalf\nlost\n");
         bench.queue.end(Duration::from_secs(60));
