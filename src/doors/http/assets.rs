@@ -1,4 +1,4 @@
-//! Files of the page, built into the program: style, script, icon, vendored library. Nothing is read from the disk.
+//! Files of the page, built into the program: style, script, icon, vendored library. Nothing is read from disk.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -133,7 +133,7 @@ pub(super) async fn file(uri: Uri, headers: HeaderMap) -> Result<Response, Probl
     Ok(conditional(&headers, &tag, || ([(header::CONTENT_TYPE, asset.media_type)], asset.text).into_response()))
 }
 
-/// Tells one text from another; nobody is kept out by it.
+/// Tells two texts apart; not for security.
 pub(super) fn fingerprint(text: &str) -> u64 {
     let mut hasher = DefaultHasher::new();
     text.hash(&mut hasher);

@@ -1,4 +1,4 @@
-//! The commands of `/api/v1`, as the table of commands has them: one reads its body, is given and answered with its revision.
+//! The commands of `/api/v1`, as in the table of commands: reads the body, sends the command, answers with its revision.
 
 use axum::response::{IntoResponse, Response};
 
@@ -18,7 +18,7 @@ pub(super) async fn stop(sender: CommandSender) -> Answer {
     give(&sender, Command::Stop, None).await
 }
 
-/// Any other; `number` is that of what it is about. When a move was heard to be a STOP nothing else of it counts.
+/// Any other command; `number` is that of its subject. A move that was recognised as a STOP is one, whatever else it contains.
 pub(super) async fn command(kind: CommandKind, sender: CommandSender, number: u64, body: Result<JsonPayload, Problem>) -> Answer {
     if kind == CommandKind::Move && sender.has_pressed_stop() {
         return give(&sender, Command::Stop, None).await;
@@ -27,7 +27,7 @@ pub(super) async fn command(kind: CommandKind, sender: CommandSender, number: u6
     give(&sender, command, epoch).await
 }
 
-/// Gives a command by the interface and answers in JSON; the old console's routes end here too.
+/// Sends a command and answers in JSON; used by the old console's routes, too.
 pub(super) async fn give(sender: &CommandSender, command: Command, epoch: Option<Epoch>) -> Answer {
     let done = sender.give(door::HTTP, command, epoch).await?;
     Ok(axum::Json(AnswerJson::new(done.accepted, &done.snapshot)).into_response())
@@ -41,7 +41,7 @@ mod tests {
     use hallsweep_core::command::{LuggageRef, Move, Note, Refused, TemperatureReport, Verdict};
     use hallsweep_core::units::{AlarmId, Cell, LuggageId};
 
-    /// Sends JSON and expects this status; for problems also that they are complete.
+    /// Sends JSON and expects this status; checks that problems are complete.
     async fn check(app: &TestApp, method: &str, path: &str, body: &str, expect: u16) -> serde_json::Value {
         let (status, json) = app.json(method, &format!("/api/v1{path}"), body).await;
         assert_eq!(status, expect, "{method} {path} {body}: {json}");

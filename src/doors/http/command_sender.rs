@@ -1,5 +1,5 @@
-//! Whoever gives a command, as the core wants to know it: by name, from where, and under which name of its own the command
-//! comes. What a command's answer looks like is the route's business.
+//! The sender of a command as the core needs it: name, address, and the command id. The route decides about the form of the
+//! answer.
 
 use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
@@ -17,10 +17,10 @@ use hallsweep_core::command::{self, Command, CommandId, Request};
 use hallsweep_core::mission::in_words;
 use hallsweep_core::units::Epoch;
 
-/// The header in which a command's own name comes.
+/// The header with the command id.
 pub(super) const IDEMPOTENCY_KEY: HeaderName = HeaderName::from_static("idempotency-key");
 
-/// Who sent a request, at which door, and what came with it that counts for any command.
+/// The sender of a request, its door, and the headers that count for any command.
 pub(super) struct CommandSender {
     pub(super) door: HttpDoor,
     pub(super) caller: Caller,
@@ -43,13 +43,13 @@ impl FromRequestParts<HttpDoor> for CommandSender {
 }
 
 impl CommandSender {
-    /// Whether a STOP was heard in this request, whatever else it says.
+    /// Whether a STOP was recognised in this request, whatever else it contains.
     pub(super) fn has_pressed_stop(&self) -> bool {
         self.pressed.as_ref().is_some_and(Pressed::is_there)
     }
 
-    /// Gives a command and waits for its answer. Whatever route it came by, all but STOP asks for an operator; and nothing that
-    /// is wrong with a STOP keeps it from halting the robot.
+    /// Sends a command and waits for its answer. On every route all commands but STOP need an operator; no fault of a STOP
+    /// request prevents it from halting the robot.
     pub(super) async fn give(&self, door: command::Door, command: Command, epoch: Option<Epoch>) -> Result<Done, Problem> {
         let is_stop = command == Command::Stop;
         if let Some(given) = self.pressed.as_ref().filter(|_| is_stop).and_then(Pressed::take) {
@@ -66,13 +66,13 @@ impl CommandSender {
             Err(problem) => return Err(problem.clone()),
         };
         let request = Request { id, epoch, arrived: self.arrived, ..Request::new(command, issuer) };
-        // In a task of its own: what was taken is carried out although its sender goes.
+        // In a task of its own, so that an accepted command is carried out even when its sender disconnects.
         let carried_out = tokio::spawn(self.door.handle.carry_out(request));
         Ok(carried_out.await.map_err(|_| Problem::internal())??)
     }
 }
 
-/// The command's own name: bare, or quoted as the header's draft wants it (a structured string, RFC 9651).
+/// The command id: bare, or quoted as in the header's draft (a structured string, RFC 9651).
 pub(super) fn command_id(headers: &HeaderMap) -> Result<Option<CommandId>, Problem> {
     let mut values = headers.get_all(IDEMPOTENCY_KEY).iter();
     let Some(value) = values.next() else { return Ok(None) };
@@ -85,7 +85,7 @@ pub(super) fn command_id(headers: &HeaderMap) -> Result<Option<CommandId>, Probl
     name.as_deref().and_then(CommandId::new).map(Some).ok_or_else(wrong)
 }
 
-/// What a quoted string says; `None` when its quotes or its escapes are wrong.
+/// The contents of a quoted string; `None` when its quotes or its escapes are wrong.
 fn unquoted(text: &str) -> Option<String> {
     let mut letters = text.strip_prefix('"')?.strip_suffix('"')?.chars();
     let mut said = String::new();
@@ -139,7 +139,7 @@ mod tests {
         }
     }
 
-    /// Safety A6.
+    /// Safety A6: a command carries its sender, its address and its id.
     #[tokio::test]
     async fn who_from_where_and_under_which_name_goes_with_a_command() {
         let app = app(searching());

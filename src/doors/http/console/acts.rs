@@ -1,4 +1,4 @@
-//! What the page's forms ask for: from a form's fields to a command. Nothing is decided here.
+//! Turns the fields of the page's forms into commands. Decides nothing.
 
 use serde::Deserialize;
 
@@ -9,7 +9,7 @@ use crate::api::fields::in_short;
 use hallsweep_core::command::{Command, LuggageRef, Note, TemperatureReport, Verdict};
 use hallsweep_core::units::{AlarmId, Epoch, LuggageId};
 
-/// The fields of any of the forms; a field that is not there is not sent.
+/// The fields of any of the forms; missing ones were not sent.
 #[derive(Debug, Default, Deserialize)]
 pub(in crate::doors::http) struct Fields {
     epoch: Option<String>,
@@ -24,7 +24,7 @@ pub(in crate::doors::http) struct Fields {
     note: Option<String>,
 }
 
-/// What was typed as a note, in the address of the page that asks once more.
+/// The typed note, in the address of the confirmation page.
 #[derive(Debug, Default, Deserialize)]
 pub(in crate::doors::http) struct TypedNote {
     #[serde(default)]
@@ -37,13 +37,13 @@ impl TypedNote {
     }
 }
 
-/// The words of the buttons that ask for a command: its name, but for the two verdicts.
+/// Values of the buttons for a command: its name, except for the two verdicts.
 pub(in crate::doors::http) fn buttons(command: &Row) -> Vec<&'static str> {
     if command.kind == CommandKind::Verdict { vec!["safe", "danger"] } else { vec![command.name] }
 }
 
 impl Fields {
-    /// The command of this form, and the epoch its page saw.
+    /// The command of this form, and the epoch that its page showed.
     pub(super) fn command(&self, act: &str) -> Result<(Command, Option<Epoch>), Problem> {
         let epoch = self.epoch.as_deref().map(|text| number("epoch", text)).transpose()?.map(Epoch);
         let command = match act {
@@ -67,13 +67,13 @@ impl Fields {
         Ok((command, epoch))
     }
 
-    /// The name of the button that was pressed, where the page shows a refusal of it.
+    /// Name of the pressed button, beside which the page shows a refusal.
     pub(super) fn button(&self, act: &str) -> String {
         match (act, &self.id) {
             ("safe" | "danger" | "retake", Some(_)) => "verdict".to_owned(),
             ("acknowledge", Some(id)) => format!("alarm-{id}"),
             ("move" | "goto", _) => "drive".to_owned(),
-            // What is said beside STOP is its script's.
+            // The message beside STOP belongs to the script.
             ("stop", _) => "page".to_owned(),
             _ => act.to_owned(),
         }
@@ -103,7 +103,7 @@ impl Fields {
     }
 }
 
-/// The note that was typed: line ends and tabs, which a page's field takes, are blanks in it.
+/// The typed note, with the line ends and tabs of a text field as blanks.
 fn note(typed: &str) -> Result<Option<Note>, Problem> {
     let line: Vec<&str> = typed.split_whitespace().collect();
     Ok(command::note(&line.join(" "))?)

@@ -1,5 +1,5 @@
-//! When the present mission began, for the time gone: it stands in the record of missions. Looked up once for each mission, and
-//! never waited for: without it a page shows everything else.
+//! When the present mission began, for the elapsed time; it is read from the record of missions. Looked up once for each mission,
+//! with a time limit: without it a page shows everything else.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
@@ -7,13 +7,13 @@ use std::time::Duration;
 use super::super::HttpDoor;
 use hallsweep_core::units::{MissionId, WallTime};
 
-/// A record that is not there sooner is left out: the page does not wait for a disk that hangs,
+/// Maximum wait for the record: the page is shown without it when the disk hangs.
 const PATIENCE: Duration = Duration::from_millis(100);
 
-/// and does not ask it again before this.
+/// Pause before the record is read again after a failure.
 const AGAIN: Duration = Duration::from_secs(5);
 
-/// What is known of it; all pages of a door share it.
+/// The result, shared by all pages of a door.
 #[derive(Debug, Default)]
 pub(in crate::doors::http) struct Began(Mutex<Lookup>);
 
@@ -24,7 +24,7 @@ struct Lookup {
     asked: Option<Duration>,
 }
 
-/// When this mission began; `None` before the first, and while the record cannot be read.
+/// When this mission began; `None` before the first one, and while the record cannot be read.
 pub(super) async fn began(door: &HttpDoor, mission: MissionId) -> Option<WallTime> {
     let now = door.clock.now().since_start;
     let known = {

@@ -1,5 +1,5 @@
-//! The robots that fetch, in the picture of the hall: where each stands, its name, its arm reaching to the piece, and the piece where
-//! it is now. The robot that searches is drawn by `hall`, before the entrance by `porch`.
+//! The fetching robots in the picture of the hall: position, name, the arm that reaches to the piece, and the piece where it is
+//! now. The searching robot is drawn by `hall`, the area before the entrance by `porch`.
 
 use super::drawing::{CELL, draw_luggage, larger, middle, turn, write};
 use super::porch::{Column, Porch};
@@ -10,12 +10,12 @@ use hallsweep_core::snapshot::robot::RobotShown;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::Luggage;
 
-/// Whether there is anybody, or anything, before the entrance: a robot that fetches, or a piece in the container.
+/// Whether anything is before the entrance: a fetching robot, or a piece in the container.
 pub(super) fn has_porch(snapshot: &Snapshot) -> bool {
     snapshot.robots.len() > 1 || snapshot.luggage.secured().next().is_some()
 }
 
-/// The ground before the entrance, the robots that fetch, and the piece in their grip.
+/// The area before the entrance, the fetching robots, and the piece in their grip.
 pub(super) fn carriers(language: Language, snapshot: &Snapshot) -> String {
     let mut group = String::from("<g id=\"hall-carriers\">");
     if has_porch(snapshot) {
@@ -30,7 +30,7 @@ pub(super) fn carriers(language: Language, snapshot: &Snapshot) -> String {
     group
 }
 
-/// Where the robot that searches is drawn.
+/// Where the searching robot is drawn.
 pub(super) fn searcher_at(snapshot: &Snapshot) -> (i32, i32) {
     match snapshot.robot.outside {
         0 => middle(snapshot.robot.pose.cell),
@@ -38,13 +38,12 @@ pub(super) fn searcher_at(snapshot: &Snapshot) -> (i32, i32) {
     }
 }
 
-/// The piece that is being fetched.
 pub(super) fn fetched(snapshot: &Snapshot) -> Option<&Luggage> {
     let retrieval = snapshot.retrieval.as_deref()?;
     snapshot.luggage(retrieval.luggage).map(|piece| &**piece)
 }
 
-/// Where the piece that is being fetched lies in the hall; nowhere once it is secured, and while it is held.
+/// Where the piece being fetched lies in the hall; `None` while it is held, and once it is secured.
 pub(super) fn fetched_lies_at(snapshot: &Snapshot, piece: &Luggage) -> Option<(i32, i32)> {
     if piece.secured.is_some() || held_at(snapshot, piece).is_some() {
         return None;
@@ -54,7 +53,7 @@ pub(super) fn fetched_lies_at(snapshot: &Snapshot, piece: &Luggage) -> Option<(i
     Some(middle(if found { piece.cell } else { cells[0] }))
 }
 
-/// Where a piece is in the picture: where it was found, or where it is held while it is fetched.
+/// Where a piece is drawn: where it was found, or where it is held while it is fetched.
 pub(super) fn is_at(snapshot: &Snapshot, piece: &Luggage) -> (i32, i32) {
     let is_fetched = fetched(snapshot).is_some_and(|fetched| fetched.id == piece.id);
     match held_at(snapshot, piece) {
@@ -64,7 +63,7 @@ pub(super) fn is_at(snapshot: &Snapshot, piece: &Luggage) -> (i32, i32) {
     }
 }
 
-/// Over which place this piece is held, while it is fetched.
+/// The place over which this piece is held, while it is fetched.
 pub(super) fn held_at(snapshot: &Snapshot, piece: &Luggage) -> Option<Place> {
     fetched(snapshot).filter(|fetched| fetched.id == piece.id)?;
     snapshot.robots.iter().find_map(|robot| robot.arm?.holds).map(|parcel| parcel.place)
@@ -72,7 +71,7 @@ pub(super) fn held_at(snapshot: &Snapshot, piece: &Luggage) -> Option<Place> {
 
 struct Scene {
     porch: Porch,
-    /// How many times its size everything here is drawn in.
+    /// Magnification of everything drawn here.
     size: i32,
 }
 
@@ -88,7 +87,8 @@ impl Scene {
         }
     }
 
-    /// Where a robot is drawn. What works at a piece is drawn larger about that piece, else the robots would cover it in a large hall.
+    /// Where a robot is drawn. The distance between a working robot and its piece is magnified like both, otherwise the robot
+    /// would cover the piece in a large hall.
     fn at(&self, waits: i32, robot: &RobotShown) -> (i32, i32) {
         let at_work = reaches(robot);
         if robot.view.outside > 0 {
@@ -102,7 +102,7 @@ impl Scene {
         }
     }
 
-    /// From the robot, with which it moves, to the piece.
+    /// From the robot to the piece; it moves with the robot.
     fn arm(&self, waits: i32, robot: &RobotShown) -> String {
         let Some(place) = reaches(robot) else { return String::new() };
         let ((x, y), (to_x, to_y)) = (self.at(waits, robot), self.place(place));
@@ -114,7 +114,7 @@ impl Scene {
         let ((x, y), size) = (self.at(waits, robot), self.size);
         let off_centre = if robot.view.off_centre { " off-centre" } else { "" };
         let (name, arm) = (robot.id.name(), self.arm(waits, robot));
-        // The name stands where the piece does not.
+        // The name is put on the side away from the piece.
         let is_above = reaches(robot).is_some_and(|place| self.place(place).1 > y);
         let name_y = if is_above { "-5" } else { "8.2" };
         write(
@@ -146,7 +146,7 @@ impl Scene {
     }
 }
 
-/// The place of the piece at which a robot's arm is.
+/// The place of the piece that the robot's arm reaches.
 fn reaches(robot: &RobotShown) -> Option<Place> {
     let arm = robot.arm?;
     arm.holds.map(|parcel| parcel.place).or(arm.aligned)

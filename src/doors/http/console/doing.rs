@@ -1,4 +1,4 @@
-//! What the console says of the robots' doings, and of the one that searches: whether it is there, and what it is made of.
+//! The console's sentences about the robots' activities, and about the searching one: its link and its parts.
 
 use std::borrow::Cow;
 use std::fmt::Display;
@@ -10,11 +10,11 @@ use hallsweep_core::robot::{Part, Parts, RobotState};
 use hallsweep_core::snapshot::robot::{RobotShown, RobotView};
 use hallsweep_core::units::WallTime;
 
-/// So many pieces are named to somebody who listens: as many as one remembers.
+/// Maximum number of pieces named to screen reader users: as many as one remembers.
 const NAMED: usize = 8;
 
 impl View<'_> {
-    /// What the robots do, in the bar: there a STOP is seen on a screen that has no room for what else holds them.
+    /// The activity shown in the bar, where a STOP is visible even on a screen without room for the other holds.
     pub(super) fn doing(&self) -> Phrase<'static> {
         let is_halting = self.snapshot.robot.halting || self.snapshot.robots.iter().any(|robot| robot.view.halting);
         let searching_stands = self.snapshot.robot.state == RobotState::Stopped;
@@ -26,28 +26,29 @@ impl View<'_> {
         }
     }
 
-    /// Why the robot that searches cannot be reached, while that is so.
+    /// Why the searching robot cannot be reached, if it cannot.
     pub(super) fn unreached(&self) -> Option<Cow<'_, str>> {
         let why = self.snapshot.robots.first()?.unreached.as_deref()?;
         Some(self.language.robot_said(why))
     }
 
-    /// What it is made of; `None` while there is no link.
+    /// Its parts; `None` while there is no link.
     pub(super) fn parts(&self) -> Option<Parts> {
         self.snapshot.robots.first().and_then(|robot| robot.parts)
     }
 
-    /// The same in words.
+    /// The state of the LED in words.
     pub(super) fn led_words(&self) -> Phrase<'static> {
         self.say_of("led", self.led())
     }
 
-    /// Whether what is shown of the robot that searches is so, and not only what it said last. In the past it is what is on record.
+    /// Whether the shown state of the searching robot is current, and not only its last report. In the past it is what was
+    /// recorded.
     pub(super) fn is_reached(&self) -> bool {
         self.then.is_some() || self.snapshot.robots.first().is_none_or(|robot| robot.parts.is_some())
     }
 
-    /// What a robot says of itself; without its link, since when that is not known, and what it said last.
+    /// A robot's report; without a link also since when it is outdated.
     pub(super) fn as_known(&self, robot: &RobotShown, last: &impl Display) -> String {
         match robot.view.unreached_since {
             _ if self.then.is_some() || robot.parts.is_some() => last.to_string(),
@@ -56,7 +57,7 @@ impl View<'_> {
         }
     }
 
-    /// The same of the robot that searches.
+    /// Like `as_known`, for the searching robot.
     pub(super) fn known(&self, last: &impl Display) -> String {
         self.snapshot.robots.first().map_or_else(|| last.to_string(), |robot| self.as_known(robot, last))
     }
@@ -65,12 +66,11 @@ impl View<'_> {
         self.say("unknown-since").with("time", self.zone().clock_time(since)).with("last", last)
     }
 
-    /// What its LED does.
     pub(super) fn led(&self) -> &'static str {
         if self.is_reached() { self.last_led() } else { "unknown" }
     }
 
-    /// What its LED did when it was last heard.
+    /// The state of its LED at its last report.
     pub(super) fn last_led(&self) -> &'static str {
         match self.parts() {
             Some(parts) if !parts.has(Part::Led) => "none",
@@ -79,7 +79,6 @@ impl View<'_> {
         }
     }
 
-    /// The robot's state in words.
     pub(super) fn robot_state(&self) -> Phrase<'static> {
         if self.unreached().is_some() {
             return self.say("doing-no-link");
@@ -87,17 +86,16 @@ impl View<'_> {
         self.last_state()
     }
 
-    /// What it did when it was last heard.
+    /// Its activity at its last report.
     pub(super) const fn last_state(&self) -> Phrase<'static> {
         self.does_itself(&self.snapshot.robot)
     }
 
-    /// The robots beside the one that searches.
+    /// The robots beside the searching one.
     pub(super) fn others(&self) -> &[RobotShown] {
         self.snapshot.robots.get(1..).unwrap_or_default()
     }
 
-    /// What one of them does.
     pub(super) fn does(&self, robot: &RobotShown) -> Phrase<'static> {
         if robot.unreached.is_some() || robot.holds.contains(&Hold::RobotLink) {
             return self.say("doing-no-link");
@@ -105,12 +103,12 @@ impl View<'_> {
         self.does_itself(&robot.view)
     }
 
-    /// Whoever was told to halt and has not said yet that it stands is halting.
+    /// A robot that was told to halt and has not reported standing yet is halting.
     const fn does_itself(&self, robot: &RobotView) -> Phrase<'static> {
         if robot.halting { self.say("doing-halting") } else { self.say_of("doing", robot.state.name()) }
     }
 
-    /// The hall as somebody hears it who does not see it: how far the search is, where the robot stands, and what was found where.
+    /// The hall for screen reader users: the progress of the search, the robot's position, and what was found where.
     pub(super) fn hall_in_words(&self) -> String {
         let robot = &self.snapshot.robot;
         let stands = match robot.outside {

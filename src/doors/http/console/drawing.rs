@@ -1,4 +1,4 @@
-//! What all that is drawn of the hall has in common: its measures, and how a piece of luggage looks.
+//! Shared by all drawings of the hall: measures, and the shape of a piece of luggage.
 
 use std::fmt::Write;
 
@@ -13,13 +13,13 @@ pub(super) const CELL: i32 = 10;
 /// The picture grows by this many cells at a time, so that it does not jump with every step.
 const GROWTH: i32 = 4;
 
-/// The picture is never smaller than this, in cells.
+/// Minimum size of the picture, in cells.
 const LEAST: (i32, i32) = (16, 12);
 
-/// A picture of up to this many cells is drawn as it is; in a wider one what must be seen is drawn larger than its cell.
+/// Up to this many cells the picture is drawn to scale; in a wider one important things are drawn larger than their cell.
 const READABLE: i32 = 32;
 
-/// The part of the hall that is shown, in cells: what is known, rounded outwards.
+/// The visible part of the hall in cells: the known part, rounded outwards.
 pub(super) fn shown(map: &HallMap) -> Bounds {
     let known = map.known_bounds();
     let least = Cell::new(round_down(known.least.x.min(-1)), round_down(known.least.y.min(-1)));
@@ -27,7 +27,7 @@ pub(super) fn shown(map: &HallMap) -> Bounds {
     Bounds { least, most: Cell::new(far(least.x, known.most.x, LEAST.0), far(least.y, known.most.y, LEAST.1)) }
 }
 
-/// How many times its size the robot and its like are drawn in, so that they can be seen in a large hall too.
+/// Magnification of the robot and similar things, so that they are visible in a large hall too.
 pub(super) fn larger(map: &HallMap) -> i32 {
     let shown = shown(map);
     let widest = shown.width().max(shown.height() * LEAST.0 / LEAST.1);
@@ -61,12 +61,12 @@ pub(super) fn draw_luggage(language: Language, group: &mut String, piece: &Lugga
     );
 }
 
-/// What is said of a piece in the picture.
+/// The label of a piece in the picture.
 pub(super) fn said(language: Language, piece: &Luggage) -> String {
     language.say("piece-is").with("id", piece.id).with("verdict", language.verdict(piece.verdict_name())).to_string()
 }
 
-/// The shape of a verdict, which has a letter, too: nobody need know colours apart.
+/// The shape of a verdict, which also has a letter, for people who cannot tell the colours apart.
 pub(super) fn shape(verdict: &str) -> &'static str {
     match verdict {
         "safe" => "<circle r=\"4.2\"/>",

@@ -1,5 +1,5 @@
-//! How far it is: from home to a piece in metres, and the circle of evacuation round a bomb, which is drawn where the side of a cell is
-//! known. How large it is, the settings say; whom it sends away, people decide.
+//! Distances: from home to a piece in metres, and the evacuation circle round a bomb, which is drawn when the side of a cell is
+//! known. The settings give its radius; people decide whom to send away.
 
 use std::fmt::Write;
 
@@ -9,7 +9,7 @@ use super::view::View;
 use crate::phrases::Language;
 use hallsweep_core::units::Cell;
 
-/// The circles round all bombs in the hall; that of one which is fetched moves with it.
+/// The circles round all bombs in the hall; that of a bomb being fetched moves with it.
 pub(super) fn circles(v: &View<'_>) -> String {
     let mut group = String::from("<g id=\"hall-evacuation\">");
     if let Some(cell_m) = v.hall.cell_m {
@@ -24,7 +24,7 @@ pub(super) fn circles(v: &View<'_>) -> String {
     group
 }
 
-/// Whether all of the hall that is known lies within the circle round this cell.
+/// Whether the whole known hall lies within the circle round this cell.
 pub(super) fn takes_in_all(v: &View<'_>, bomb: Cell) -> bool {
     let Some(cell_m) = v.hall.cell_m else { return false };
     let known = v.snapshot.map.known_bounds();
@@ -37,7 +37,7 @@ pub(super) fn takes_in_all(v: &View<'_>, bomb: Cell) -> bool {
     corners.into_iter().all(|(x, y)| distance(Cell::new(x, y), bomb) * cell_m <= v.hall.evacuation_m)
 }
 
-/// Where a cell lies as seen from home.
+/// The position of a cell as seen from home.
 pub(super) fn from_home(language: Language, cell: Cell, cell_m: Option<f64>) -> String {
     let (east, south) = (cell.x - Cell::HOME.x, cell.y - Cell::HOME.y);
     let sides = [(east, "east", "west"), (south, "south", "north")];
@@ -64,7 +64,7 @@ pub(super) fn from_home(language: Language, cell: Cell, cell_m: Option<f64>) -> 
     .to_string()
 }
 
-/// From middle to middle, in cells.
+/// Between the middles of two cells, in cells.
 fn distance(one: Cell, other: Cell) -> f64 {
     f64::from(one.x - other.x).hypot(f64::from(one.y - other.y))
 }

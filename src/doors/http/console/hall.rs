@@ -1,6 +1,6 @@
-//! The hall as a picture, in parts that can be sent one by one: a group per map tile, the labels, and the small layer of
-//! everything that moves; the luggage is drawn by `pieces`. One cell is `CELL` units; runs of equal cells are one stroke of one path, so that a large hall stays
-//! light. Frames, legend and colours stand in template and style sheet.
+//! The hall as a picture, in parts that can be sent separately: a group for each map tile, the labels, and the small layer of
+//! everything that moves; `pieces` draws the luggage. One cell is `CELL` units; a run of equal cells is one stroke of a path,
+//! which keeps a large hall small. Frames, legend and colours are in template and style sheet.
 
 use super::carriers::{fetched, fetched_lies_at, has_porch, searcher_at};
 use super::drawing::{CELL, draw_luggage, larger, middle, shown, turn, write};
@@ -12,27 +12,27 @@ use hallsweep_core::units::{Cell, Heading};
 use hallsweep_core::world::hall_map::{HallMap, Mark, TILE};
 use hallsweep_core::world::luggage::Luggage;
 
-/// As much of the way behind is shown, in cells.
+/// Length of the trail behind the robot, in cells.
 const TRAIL: usize = 48;
 
-/// The trail fades in this many parts.
+/// Number of parts in which the trail fades.
 const FADES: usize = 4;
 
-/// Labels stand at every cell while they fit, then at every fifth, tenth and so on.
+/// Maximum number of labels at an edge: each cell has one while they fit, then every fifth, tenth and so on.
 const LABELS: i32 = 24;
 
-/// As far ahead as the sonar's ray is drawn, in cells.
+/// Maximum length of the sonar's ray, in cells.
 const RAY: i32 = 8;
 
-/// More frontier than this is not drawn: it would be most of what is sent with every step.
+/// Maximum number of frontier cells drawn: more would be most of what is sent with every step.
 const FRONTIER: usize = 2000;
 
-/// The `viewBox` of the hall as it is now, with who waits before its entrance.
+/// The `viewBox` of the hall now, including whatever waits before its entrance.
 pub(super) fn view_box_now(snapshot: &Snapshot) -> String {
     view_box(&snapshot.map, has_porch(snapshot).then(|| Porch::of(&snapshot.map)))
 }
 
-/// The `viewBox`, with a margin for the labels and with the place before the entrance, if that is drawn.
+/// The `viewBox`, with a margin for the labels and the area before the entrance, if that is drawn.
 pub(super) fn view_box(map: &HallMap, porch: Option<Porch>) -> String {
     let (shown, margin) = (shown(map), CELL * larger(map));
     let higher = porch.map_or(0, Porch::height);
@@ -46,7 +46,7 @@ pub(super) fn tile_id(corner: Cell) -> String {
     format!("tile_{}_{}", corner.x / TILE, corner.y / TILE)
 }
 
-/// A tile's group: one path for each kind of mark there is in it.
+/// A tile's group: one path for each kind of mark in it.
 pub(super) fn tile(map: &HallMap, corner: Cell) -> String {
     let mut group = format!("<g id=\"{}\">", tile_id(corner));
     for (class, wanted) in [
@@ -102,7 +102,7 @@ pub(super) fn frontier(map: &HallMap) -> String {
     group
 }
 
-/// Everything that moves: trail, route, goal, the piece that is fetched; and home.
+/// Everything that moves: trail, route, goal, the piece being fetched; and home.
 pub(super) fn layer(language: Language, snapshot: &Snapshot) -> String {
     let size = larger(&snapshot.map);
     let far = if size > 1 { " class=\"far\"" } else { "" };
@@ -122,7 +122,7 @@ pub(super) fn layer(language: Language, snapshot: &Snapshot) -> String {
     group
 }
 
-/// Home and what was found, without a robot: the layer of a mission's record. What was secured is in the container.
+/// Home and the pieces, without a robot: the layer of a mission's record. Secured pieces are in the container.
 pub(super) fn found<'a>(
     language: Language,
     map: &HallMap,
@@ -146,7 +146,7 @@ pub(super) fn found<'a>(
 pub(super) fn robot(snapshot: &Snapshot) -> String {
     let (x, y) = searcher_at(snapshot);
     let turn = turn(snapshot.robot.pose.heading);
-    // A robot alone in the hall needs no name. What it looks at is ahead of it, and the name never there.
+    // A robot alone in the hall needs no name. The name is never put ahead of the robot, where its target is.
     let name_y = if snapshot.robot.pose.heading == Heading::South { "-5.4" } else { "8.2" };
     let name = match snapshot.robots.first().filter(|_| snapshot.robots.len() > 1) {
         Some(robot) => {
@@ -192,7 +192,7 @@ fn trail(group: &mut String, snapshot: &Snapshot) {
     let latest = &trail[trail.len().saturating_sub(TRAIL)..];
     let part = latest.len().div_ceil(FADES).max(1);
     for (fade, cells) in latest.rchunks(part).enumerate() {
-        // Each part begins where the one before it ended, so that the line has no gaps.
+        // Each part begins where the previous one ended, so that the line has no gaps.
         let from = latest.len() - (fade * part + cells.len());
         let to = (from + cells.len() + 1).min(latest.len());
         if to - from > 1 {
@@ -219,7 +219,7 @@ fn route(language: Language, group: &mut String, snapshot: &Snapshot, size: i32)
         let points = points(std::iter::once(snapshot.robot.pose.cell).chain(route.iter().copied()));
         write(group, format_args!("<polyline class=\"route\" points=\"{points}\"/>"));
     }
-    // A piece in the goal's cell says more than the goal's cross over it would.
+    // A piece in the goal's cell is more important than the cross of the goal, which would cover it.
     let goal = snapshot.mission.goal.filter(|goal| snapshot.map.at(*goal) != Mark::Luggage);
     if let Some(goal) = goal {
         let ((x, y), said) = (middle(goal), language.say("goal-at").with("cell", goal));
@@ -233,7 +233,7 @@ fn route(language: Language, group: &mut String, snapshot: &Snapshot, size: i32)
     }
 }
 
-/// From the robot's front over the cells known to be free ahead; how far it really is stands beside the picture.
+/// From the robot's front over the free cells ahead; the exact distance is beside the picture.
 fn ray(group: &mut String, snapshot: &Snapshot) {
     let pose = snapshot.robot.pose;
     let (dx, dy) = pose.heading.vector();

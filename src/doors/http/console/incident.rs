@@ -1,5 +1,5 @@
-//! The incident, once a piece in the hall was found dangerous: what happens next with the one button that goes on, then its alarm, how
-//! far away people must be, and the bombs with photo and place.
+//! The incident, shown once a piece in the hall was found dangerous: the next step with its one button, the alarm, the evacuation
+//! distance, and the bombs with photo and place.
 
 use std::borrow::Cow;
 
@@ -16,10 +16,10 @@ use hallsweep_core::units::{LuggageId, WallTime};
 use hallsweep_core::world::alarm::AlarmView;
 use hallsweep_core::world::luggage::Luggage;
 
-/// So many bombs are shown with their photos; of more their number is said, and the gallery has them.
+/// Maximum number of bombs shown with photos; the rest is counted, and is in the gallery.
 const BOMBS: usize = 8;
 
-/// The part `incident`; without a bomb in the hall it is empty.
+/// The part `incident`; empty without a bomb in the hall.
 #[derive(Template)]
 #[template(path = "console/incident.html")]
 pub(super) struct Incident<'a> {
@@ -45,7 +45,7 @@ impl Incident<'_> {
         self.number().saturating_sub(BOMBS)
     }
 
-    /// The newest first, as the other alarms.
+    /// Newest first, like the other alarms.
     fn alarms(&self) -> Vec<&AlarmView> {
         self.v.snapshot.alarms.iter().rev().filter(|alarm| is_of_incident(self.v, alarm)).collect()
     }
@@ -62,7 +62,7 @@ impl Incident<'_> {
         self.v.place(bomb.cell)
     }
 
-    /// Where it is while it is carried.
+    /// Where the bomb is while it is carried.
     fn held(&self, bomb: &Luggage) -> Option<String> {
         let place = held_at(self.v.snapshot, bomb)?;
         Some(place.cell().map_or_else(|| self.v.say("before-entrance").to_string(), |cell| self.v.place(cell)))
@@ -72,7 +72,7 @@ impl Incident<'_> {
         from_home(self.v.language, bomb.cell, self.v.hall.cell_m)
     }
 
-    /// How far away people must be, and what of it is drawn.
+    /// The evacuation distance, and which part of it is drawn.
     fn evacuation(&self) -> Phrase<'static> {
         let metres = self.v.language.number(&self.v.hall.evacuation_m.to_string());
         if self.v.hall.cell_m.is_none() {
@@ -84,7 +84,7 @@ impl Incident<'_> {
         self.v.say("evacuate-circle").with("metres", metres)
     }
 
-    /// What happens now or is halted, and what an operator does next.
+    /// What is happening or halted, and what an operator does next.
     fn next(&self) -> String {
         let mission = &self.v.snapshot.mission;
         let moving = match mission.phase {
@@ -120,7 +120,7 @@ impl Incident<'_> {
         }
     }
 
-    /// The command that goes on from here, for the button right under the heading; an alarm has a button of its own.
+    /// The command that goes on from here, for the button below the heading; an alarm has a button of its own.
     fn act(&self) -> Option<&'static str> {
         let mission = &self.v.snapshot.mission;
         let goes_on = matches!(mission.phase, PhaseName::ReturningWithAlarm | PhaseName::Retrieving | PhaseName::Fault);

@@ -1,5 +1,5 @@
-//! `GET /console/live`: the parts of the page that changed, rendered, over server-sent events. The first message has all of
-//! them, so a page that was away catches up by opening the stream again. What a part shows stands in `parts`.
+//! `GET /console/live`: the rendered parts of the page that changed, as server-sent events. The first message has all parts, so a
+//! page that was away catches up by opening the stream again. The contents of the parts are in `parts`.
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;
@@ -26,41 +26,41 @@ use crate::phrases::Language;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Cell;
 
-/// The least time between two messages: ten a second are as many as an eye can use.
+/// Minimum time between two messages: ten a second are as many as an eye can use.
 const PAUSE: Duration = Duration::from_millis(100);
 
-/// What a page lacks.
+/// The changes for a page.
 #[derive(Debug, Serialize)]
 pub(in crate::doors::http) struct Message {
     run: String,
     revision: u64,
-    /// The time here, in milliseconds since 1970: the page's own clock may be wrong.
+    /// The server's time in milliseconds since 1970, because the browser's clock may be wrong.
     now: i64,
     title: String,
-    /// All parts are here: what is not can go.
+    /// Whether all parts are included: any other part of the page can be removed.
     whole: bool,
     /// The `viewBox` of the hall.
     view: String,
-    /// The moment that is shown, if it is not now.
+    /// The shown moment, if it is in the past.
     then: Option<Then>,
-    /// How the line of time is to be read.
+    /// The scale of the timeline.
     line: Option<Scale>,
-    /// The markup of a part by its element's id; empty for a tile, pieces of luggage or of the line of time that are gone.
+    /// Markup by element id; empty for a removed tile, group of luggage or section of the timeline.
     parts: BTreeMap<String, String>,
 }
 
-/// What a page shows.
+/// The present contents of a page.
 #[derive(Default)]
 pub(super) struct Shown {
     older: Option<Arc<Snapshot>>,
-    /// A fingerprint of each part's markup, so that a part whose resource changed but whose looks did not is not sent.
+    /// A fingerprint of each part's markup, so that a part whose resource changed but whose markup did not is not sent.
     prints: BTreeMap<&'static str, u64>,
-    /// Whether the simulator was paused, which no snapshot says.
+    /// Whether the simulator was paused, which is not part of a snapshot.
     is_paused: bool,
     line: ShownLine,
 }
 
-/// So much of a line of time.
+/// The sent part of a timeline.
 #[derive(Clone, Copy, Default, PartialEq, Eq)]
 struct ShownLine {
     mission: u64,
@@ -99,7 +99,7 @@ async fn changed(door: &HttpDoor, shown: &mut Shown, snapshot: Arc<Snapshot>, wh
     shown.update(&snapshot, &View { snapshot: &snapshot, hall, began, who, language, why: None, now, line, then: None })
 }
 
-/// Nothing has changed but, it may be, what is on record by now: the line of time follows the record.
+/// The state has not changed, but entries may have reached the record, which the timeline follows.
 async fn quiet(door: &HttpDoor, shown: &mut Shown, who: Option<Who>, language: Language) -> Event {
     let older = shown.older.clone();
     let message_of = async {
@@ -116,14 +116,14 @@ fn message(message: &Message) -> Event {
 }
 
 impl Shown {
-    /// What a page that shows this looks like.
+    /// The contents of a page that was rendered from this snapshot.
     pub(super) fn already(snapshot: &Arc<Snapshot>, view: &View<'_>) -> Shown {
         let prints = PARTS.iter().map(|part| (part.id, fingerprint(&(part.render)(view)))).collect();
         let line = view.line.map(ShownLine::of).unwrap_or_default();
         Shown { older: Some(Arc::clone(snapshot)), prints, is_paused: view.hall.is_paused, line }
     }
 
-    /// What this page lacks of a snapshot, looked at so; from now on it shows it.
+    /// The changes from the page's contents to this snapshot and view, which become its new contents.
     pub(super) fn update(&mut self, snapshot: &Arc<Snapshot>, view: &View<'_>) -> Message {
         let older = self.older.replace(Arc::clone(snapshot));
         let mut parts = tiles(older.as_deref(), snapshot);
@@ -161,9 +161,9 @@ impl ShownLine {
         ShownLine { mission: line.mission().0, full: line.full(), growing }
     }
 
-    /// The pieces that are new or differ, and those of another mission's line that are gone.
+    /// New and changed sections, and the removed ones of another mission's timeline.
     fn update(&mut self, line: &Timeline) -> Vec<(String, String)> {
-        // One that is read anew, and not to its end yet, takes away nothing that is shown.
+        // A timeline that is being read again and is still incomplete removes nothing from the page.
         if self.mission == line.mission().0 && line.full() < self.full {
             return Vec::new();
         }
@@ -178,7 +178,7 @@ impl ShownLine {
     }
 }
 
-/// The tiles that differ from the older snapshot's; shared ones are not looked into.
+/// Tiles that differ from the older snapshot; tiles shared by both are not compared.
 fn tiles(older: Option<&Snapshot>, snapshot: &Snapshot) -> BTreeMap<String, String> {
     let map = &snapshot.map;
     let drawn = |corner: Cell| (hall::tile_id(corner), hall::tile(map, corner));
@@ -257,7 +257,7 @@ mod tests {
         assert_eq!(update(&mut shown, emptied).parts["tile_3_0"], "");
     }
 
-    /// The simulator is paused a moment after that is in the log.
+    /// The simulator is paused a moment after the pause is in the log.
     #[test]
     fn that_the_simulator_is_paused_is_sent_although_the_state_is_the_same() {
         let (mut shown, snapshot) = (Shown::default(), searching());

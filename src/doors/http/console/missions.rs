@@ -1,5 +1,5 @@
-//! The pages of missions, those that are over and the present one: their list, and one of them with its hall, its luggage and
-//! everything that happened, commands with who gave them, where from, and what became of them. They work without a script.
+//! The pages of missions, past ones and the present one: their list, and one of them with its hall, its luggage and all its
+//! events, including commands with sender, address and outcome. They work without a script.
 
 use askama::Template;
 use axum::extract::State;
@@ -59,10 +59,10 @@ pub(in crate::doors::http) async fn one(
     Ok(html(&One { language, record, state, damage, show, after, events, next, zone }))
 }
 
-/// How much is shown of what happened.
+/// Which events are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Show {
-    /// What people did and what was found.
+    /// Commands and findings.
     Main,
     Commands,
     /// Every step.
@@ -78,7 +78,7 @@ impl Show {
         }
     }
 
-    /// What stands for it in an address, after what stands there already.
+    /// Its parameter in an address, joined to what is there.
     fn address(self, joined_by: &str) -> String {
         match self {
             Show::Main => String::new(),
@@ -88,7 +88,7 @@ impl Show {
     }
 }
 
-/// What people did and what was found; the robot's steps, of which there are thousands, are not it.
+/// Commands and findings, without the thousands of steps of the robot.
 fn is_main(fact: &Fact) -> bool {
     let found = matches!(fact, Fact::Luggage { .. } | Fact::AlarmRaised(..) | Fact::Phase(_) | Fact::Holds(_) | Fact::Secured(_));
     let done = matches!(fact, Fact::Command { .. } | Fact::Verdict { .. } | Fact::AlarmAcknowledged(..) | Fact::Strategy(_));
@@ -115,7 +115,7 @@ struct One {
     language: Language,
     record: MissionRecord,
     state: Option<PersistentState>,
-    /// What of it cannot be understood, a sentence each.
+    /// Sentences about unreadable parts.
     damage: Vec<String>,
     show: Show,
     after: Seq,
@@ -129,7 +129,7 @@ struct Event {
     moment: String,
     time: String,
     what: String,
-    /// Who gave the command, from where and by which door, when it is one.
+    /// Sender of a command, with address and door.
     by: Option<String>,
     outcome: String,
     refused: bool,
@@ -144,7 +144,8 @@ impl List {
         self.language.date(&self.zone.date_and_time(*wall))
     }
 
-    /// How many places were not searched says the mission's own page: to count them the whole mission is read.
+    /// The list does not tell how many places were not searched, because counting them takes reading the whole mission; the
+    /// mission's own page does.
     fn came_to(&self, record: &MissionRecord) -> String {
         let came_to = came_to(self.language, record);
         let ends_the_search = [PhaseName::BombLocated, PhaseName::BagSecured].iter().any(|phase| phase.name() == &*record.phase);
@@ -162,24 +163,23 @@ impl One {
         self.state.as_ref().map_or_else(|| came_to.clone(), |state| self.language.headline(&came_to, state))
     }
 
-    /// The robots that took part.
     fn team(&self) -> String {
         self.language.team(self.state.as_ref().and_then(|state| state.conditions.as_ref()))
     }
 
-    /// By its name where this version knows it.
+    /// By its phrase if this version knows the strategy.
     fn strategy(&self) -> String {
         let known = Strategy::named(&self.record.strategy);
         known.map_or_else(|| self.record.strategy.to_string(), |known| self.language.say_of("strategy", known.name()).to_string())
     }
 
-    /// Where it was at its end, and under which threshold, if that is on record.
+    /// The hall at its end, and the threshold, if they are on record.
     fn conditions(&self) -> Option<String> {
         let conditions = self.state.as_ref()?.conditions.clone()?;
         Some(self.language.fact(&Fact::Conditions(conditions)))
     }
 
-    /// The report in every language, and the record as lists: what each is called, and where it is.
+    /// The report in every language, and the record as lists: labels and addresses.
     fn files(&self) -> Vec<(String, String)> {
         let at = |file: &str| format!("/missions/{}/{file}", self.record.id);
         let report = |language: Language| (language.name().to_owned(), at(&format!("report?language={}", language.tag())));
@@ -192,7 +192,7 @@ impl One {
         fetched || self.state.as_ref().is_some_and(|state| state.retrieval.is_some())
     }
 
-    /// Where the console shows the moment after this entry.
+    /// Address of the console at the moment after this entry.
     fn at(&self, seq: &Seq) -> String {
         format!("/missions/{}/moment?at={seq}", self.record.id)
     }
@@ -224,7 +224,7 @@ impl One {
         self.after > Seq(0)
     }
 
-    /// The views of what happened: their names, where they are, and whether this is the one.
+    /// The views of the events: labels, addresses, and whether each is the present one.
     fn views(&self) -> [(Phrase<'static>, String, bool); 3] {
         let at = |show: Show| format!("/missions/{}{}#events", self.record.id, show.address("?"));
         [("main", Show::Main), ("commands", Show::Commands), ("all", Show::All)]
@@ -267,12 +267,12 @@ impl Event {
     }
 }
 
-/// The place before the entrance, where there is something in the container.
+/// The area before the entrance, if something is in the container.
 fn porch(state: &PersistentState) -> Option<Porch> {
     state.luggage.iter().any(|luggage| luggage.secured.is_some()).then(|| Porch::of(&state.map))
 }
 
-/// What a mission came to, in words for an operator.
+/// The result of a mission, in words for an operator.
 fn came_to(language: Language, record: &MissionRecord) -> String {
     let phase = PhaseName::ALL.into_iter().find(|phase| phase.name() == &*record.phase);
     let is_put_away = record.archived.is_some();
@@ -296,7 +296,7 @@ mod tests {
     use crate::runtime::clock::Clock;
     use hallsweep_core::units::WallTime;
 
-    /// A moment as a page of this machine shows it.
+    /// A time as a page of this machine shows it.
     fn here(wall: WallTime) -> String {
         Zone::of(Clock::default().now().wall).date_and_time(wall)
     }

@@ -1,5 +1,5 @@
-//! The operator's console: one page, rendered here and kept fresh by `live`, whose every button is a plain form. It works
-//! without a script; the script only saves the reloading. What may be done is the core's business: the page shows its refusals.
+//! The operator's console: one page, rendered here and kept up to date by `live`, whose every button is a plain form. It works
+//! without a script, which only avoids reloading. The core decides what is allowed: the page shows its refusals.
 
 mod acts;
 mod began;
@@ -49,7 +49,7 @@ pub(super) use live::live;
 pub(super) use retrieval::{Row, rows, sign};
 pub(super) use timeline::Timelines;
 
-/// The page again, with the reason in words beside the button that was pressed.
+/// Shows the page again, with the reason beside the pressed button.
 pub(super) async fn refused_page(door: &HttpDoor, to: &Reader, button: &str, problem: &Problem) -> Response {
     let why = Why::new(button, &problem.in_words(to.language));
     let mut response = (problem.status(), whole(door, to, Some(why)).await).into_response();
@@ -62,14 +62,14 @@ pub(super) async fn page(State(door): State<HttpDoor>, to: Reader) -> Html<Strin
     whole(&door, &to, None).await
 }
 
-/// `GET console/bar`: what every page but the console shows of the hall; the console's own bar comes with its stream.
+/// `GET console/bar`: what all other pages show of the hall; the console's own bar comes with its stream.
 pub(super) async fn bar(State(door): State<HttpDoor>, Spoken(language): Spoken) -> Html<String> {
     let (snapshot, hall, now) = (door.handle.snapshot(), HallInfo::of(&door), door.clock.now().wall);
     let view = View { snapshot: &snapshot, hall, began: None, who: None, language, why: None, now, line: None, then: None };
     html(&parts::Elsewhere { v: &view })
 }
 
-/// `POST console/start` and every other form but STOP's. A move that was heard to be a STOP is one, whatever else is in it.
+/// `POST console/start` and every other form but STOP's. A move that was recognised as a STOP is one, whatever else it contains.
 pub(super) async fn act(sender: CommandSender, uri: Uri, headers: HeaderMap, form: Result<Form<Fields>, Problem>) -> Response {
     match form {
         _ if sender.has_pressed_stop() => stop(sender, headers).await,
@@ -83,7 +83,7 @@ fn is_by_script(headers: &HeaderMap) -> bool {
     preferred(headers, &["text/html", "application/json"]) == Some("application/json")
 }
 
-/// `POST console/stop`. STOP reads nothing of what was sent: nothing that is wrong with it may keep it from halting the robot.
+/// `POST console/stop`. The body is not read: no fault in it may prevent it from halting the robot.
 pub(super) async fn stop(sender: CommandSender, headers: HeaderMap) -> Response {
     answered(&sender, &headers, "stop", &Fields::default()).await
 }
@@ -107,7 +107,7 @@ async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields
     response
 }
 
-/// `GET console/confirm/danger/{id}?note=…`: the note that was typed beside the button goes on with the question.
+/// `GET console/confirm/danger/{id}?note=…`: passes on the note that was typed beside the button.
 pub(super) async fn confirm_danger(
     State(door): State<HttpDoor>,
     to: Reader,
@@ -137,7 +137,7 @@ async fn whole(door: &HttpDoor, to: &Reader, why: Option<Why>) -> Html<String> {
     html(&Page::new(&view))
 }
 
-/// Who is signed in; nobody where nobody is asked.
+/// Who is signed in; `None` where no key is required.
 fn who(door: &HttpDoor, caller: &Caller) -> Option<Who> {
     match door.access {
         Access::Open => None,
@@ -182,7 +182,7 @@ mod tests {
 
     #[tokio::test]
     async fn who_reads_italian_reads_now_and_the_past_in_italian() {
-        // The lines of the log and the alarm are made up, in words of nobody.
+        // Lines of the log and alarms are made up for the test, so they have no phrases.
         const NAMES: [&str; 14] = [
             "42 cm",
             ": luggage #2 is dangerous.",

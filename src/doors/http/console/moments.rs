@@ -1,5 +1,5 @@
-//! The console at a moment of the past: the same page from the same parts, of what is on record of that moment. Nothing can be done
-//! there but STOP. The script asks for what differs from the moment that it shows, in the same message as the stream of now.
+//! The console at a moment of the past: the same page from the same parts, made of the record of that moment. Only STOP works
+//! there. The script asks for the differences from the moment it shows, in the same message as the live stream.
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::Conditions;
 use hallsweep_core::units::{MissionId, Seq, WallTime};
 
-/// `GET missions/{id}/moment`: the page, at the last entry up to `at`; without it at the first.
+/// `GET missions/{id}/moment`: the page at the last entry up to `at`; without it at the first.
 pub(in crate::doors::http) async fn page(
     State(door): State<HttpDoor>,
     to: Reader,
@@ -39,8 +39,8 @@ pub(in crate::doors::http) async fn page(
     Ok(door.archive.look_up(move |_| Ok(page())).await?)
 }
 
-/// `GET console/missions/{id}/moment`: what a page lacks of the last moment up to `at` or up to `time`, that shows the one after the entry
-/// `from` as it was at the time `shown`.
+/// `GET console/missions/{id}/moment`: the differences between the last moment up to `at` or up to `time`, and the one that the
+/// page shows: after the entry `from`, at the time `shown`.
 pub(in crate::doors::http) async fn message(
     State(door): State<HttpDoor>,
     to: Reader,
@@ -80,11 +80,11 @@ async fn differs(door: &HttpDoor, to: Reader, id: u64, query: &Query) -> Result<
         let looked = about.looked_at(moment, wanted);
         shown.update(&looked.snapshot, &about.view(&looked))
     };
-    // A large hall takes its time to be drawn: that is done where nothing waits for it (safety S7), a few at once.
+    // Drawing a large hall takes time: it is done where nothing waits for it (safety S7), a few at once.
     Ok(door.archive.look_up(move |_| Ok(message())).await?)
 }
 
-/// What is shown of a mission at whatever moment, and to whom.
+/// What is the same at all moments of a mission, and the reader.
 struct About {
     door: HttpDoor,
     mission: u64,
@@ -101,7 +101,7 @@ impl About {
         Ok(About { door: door.clone(), mission: id, line, began: record.map(|record| record.began), who, language })
     }
 
-    /// Between two entries time goes on: asked for by its time, a moment is later than its entry.
+    /// Time goes on between two entries: a moment that was asked for by its time is later than its entry.
     fn looked_at(&self, moment: Moment, at: At) -> Looked {
         let Moment { past: Sound { of: past, .. }, wall, earlier, later } = moment;
         let unix_ms = match at {
@@ -129,7 +129,7 @@ struct Looked {
     snapshot: Arc<Snapshot>,
     then: Then,
     wall: WallTime,
-    /// Where they are on record.
+    /// If they are on record.
     conditions: Option<Conditions>,
 }
 
@@ -200,7 +200,7 @@ mod tests {
         let back = message(&app, &format!("at=3&from=4&shown={shown}")).await;
         assert_eq!(back["parts"]["holds"], whole["parts"]["holds"], "backwards likewise");
         let same = message(&app, &format!("at=4&from=4&shown={shown}")).await;
-        // The archive of the tests shares no maps.
+        // The archive of the tests shares no maps between moments.
         assert_eq!(same["parts"].as_object().unwrap().keys().map(String::as_str).collect::<Vec<_>>(), ["tile_0_0"]);
     }
 

@@ -1,4 +1,4 @@
-//! The whole page: the parts in their places, the hall with all its tiles and the whole line of time.
+//! The whole page: all parts in their places, the hall with all its tiles, and the whole timeline.
 
 use askama::Template;
 use serde::Serialize;
@@ -16,7 +16,6 @@ pub(super) struct Page<'a> {
 }
 
 impl<'a> Page<'a> {
-    /// The page of this view.
     pub(super) const fn new(v: &'a View<'a>) -> Page<'a> {
         Page { v }
     }
@@ -47,12 +46,12 @@ impl<'a> Page<'a> {
         pieces::all_pins(self.v.language, self.v.snapshot)
     }
 
-    /// How the line of time is to be read, as JSON for the script.
+    /// The scale of the timeline, as JSON for the script.
     fn scale(&self) -> String {
         json(&self.v.line.filter(|line| !line.is_empty()).map(Timeline::scale))
     }
 
-    /// The moment of the past that is shown, likewise.
+    /// The shown moment of the past, as JSON for the script.
     fn then(&self) -> String {
         json(&self.v.then)
     }
@@ -65,7 +64,7 @@ impl<'a> Page<'a> {
         self.v.line.map_or(1, Timeline::width)
     }
 
-    /// So many entries the line holds.
+    /// Maximum number of entries in the timeline.
     fn most(&self) -> usize {
         MOST
     }
@@ -78,7 +77,7 @@ impl<'a> Page<'a> {
         THRESHOLD_Y
     }
 
-    /// Where the moment that is shown is on the line.
+    /// Position of the shown moment in the timeline.
     fn cursor(&self) -> i64 {
         self.v.line.map_or(0, |line| self.v.then.map_or(line.width(), |then| line.x(then.time)))
     }
@@ -95,7 +94,7 @@ impl<'a> Page<'a> {
 }
 
 impl View<'_> {
-    /// Where the page is found again.
+    /// Address of the page.
     pub(super) fn here(&self) -> String {
         self.then.map_or_else(|| "/".to_owned(), |then| format!("/missions/{}/moment?at={}", then.mission, then.seq))
     }

@@ -1,5 +1,5 @@
-//! The parts of the page. Each is rendered by the same template whether it is in a whole page or in the stream, and each knows
-//! which resources it shows, so that a change renders only what it touches.
+//! The parts of the page. Each is rendered by the same template for a whole page and for the stream, and knows which resources it
+//! shows, so that a change renders only the affected parts.
 
 use std::borrow::Cow;
 
@@ -34,17 +34,17 @@ use hallsweep_core::world::resource::Resource;
 /// Lines of the log on the page; the interface has more.
 const LINES: usize = 40;
 
-/// Pieces in the gallery: the latest; the page of the mission has all.
+/// Pieces in the gallery, the latest ones; the page of the mission has all.
 const PIECES: usize = 24;
 
-/// A part that the stream can replace; `id` is its element's.
+/// A part that the stream can replace; `id` is that of its element.
 pub(super) struct Part {
     pub(super) id: &'static str,
     pub(super) shows: &'static [Resource],
     pub(super) render: fn(&View<'_>) -> String,
 }
 
-/// All of them, in the page's order.
+/// All parts, in the page's order.
 pub(super) const PARTS: [Part; 23] = [
     Part {
         id: "announce",
@@ -103,7 +103,7 @@ pub(super) const PARTS: [Part; 23] = [
     Part { id: "log", shows: &[Resource::Log], render: |v| html(&Log { v }) },
 ];
 
-/// The page that asks once more, for browsers without script.
+/// The confirmation page for browsers without script.
 #[derive(Template)]
 #[template(path = "console/confirm.html")]
 pub(super) struct Confirm {
@@ -187,7 +187,7 @@ impl Inspect<'_> {
         photo_url(luggage)
     }
 
-    /// The photos before the newest, where there are any.
+    /// The photos before the newest, if there are any.
     fn earlier(&self, luggage: &Luggage) -> Option<Vec<Take>> {
         let mut takes = takes(luggage);
         takes.pop();
@@ -209,7 +209,7 @@ impl Inspect<'_> {
             .to_string()
     }
 
-    /// Why it cannot be said to be safe.
+    /// Why the piece cannot be declared safe.
     fn no_photo(&self, luggage: &Luggage) -> String {
         self.v.language.refused(&Refused::NoPhoto(luggage.id))
     }
@@ -265,7 +265,7 @@ impl Robot<'_> {
         self.v.say_of("part", part.name())
     }
 
-    /// What is missing, and what is done instead.
+    /// The missing parts, and their replacements.
     fn missing(&self) -> Vec<(Phrase<'static>, Phrase<'static>)> {
         let missing = self.v.parts().into_iter().flat_map(robot_parts::missing);
         missing.map(|(part, _)| (self.part(part), self.v.say_of("instead", part.name()))).collect()
@@ -288,7 +288,7 @@ impl Gallery<'_> {
         latest.map(|luggage| (&**luggage, photo_url(luggage))).collect()
     }
 
-    /// How many more there are.
+    /// Number of pieces that are not shown.
     fn more(&self) -> usize {
         self.v.snapshot.luggage.len().saturating_sub(PIECES)
     }
@@ -299,7 +299,7 @@ impl Gallery<'_> {
 }
 
 impl Alarms<'_> {
-    /// Those that are not acknowledged, the newest first; those of an incident stand in it.
+    /// The unacknowledged alarms, newest first, without those of an incident.
     fn unseen(&self) -> Vec<&AlarmView> {
         let unseen = |alarm: &&AlarmView| alarm.acknowledged.is_none() && !is_of_incident(self.v, alarm);
         self.v.snapshot.alarms.iter().rev().filter(unseen).collect()
@@ -323,7 +323,7 @@ impl Retrieval<'_> {
         armed(&self.v.snapshot.robots)
     }
 
-    /// A hook has no figures of how well it holds.
+    /// A hook has no figures about its grip.
     fn has_arm(&self, robot: &RobotShown) -> bool {
         robot.parts.is_some_and(|parts| parts.has(robot::Part::Arm))
     }
@@ -332,7 +332,7 @@ impl Retrieval<'_> {
         self.v.say_of("fetcher", fetcher.name())
     }
 
-    /// With two places behind the point, always: what changes must not jump.
+    /// Always with two decimals, so that changing figures do not jump.
     fn figure(&self, value: &f64) -> String {
         self.v.language.number(&format!("{value:.2}"))
     }

@@ -1,5 +1,5 @@
-//! The page of one photo: as large as the window lets it, with STOP beside it, and the other photos of the same piece. Whoever opens a
-//! photo by itself comes here.
+//! The page of one photo: as large as the window allows, with STOP beside it, and the other photos of the same piece. A browser
+//! that opens a photo by itself is sent here.
 
 use std::borrow::Cow;
 
@@ -21,7 +21,7 @@ use crate::phrases::{Language, Phrase};
 use hallsweep_core::units::WallTime;
 use hallsweep_core::world::luggage::Luggage;
 
-/// So many photos of one piece are shown beside each other: the latest. Whoever wants an older one names it.
+/// Maximum number of photos of one piece shown side by side, the latest ones. An older one can be asked for by its number.
 const SHOWN: u32 = 12;
 
 /// `GET luggage/{id}` and `GET luggage/{id}?take=1`
@@ -37,13 +37,12 @@ pub(in crate::doors::http) async fn page(
     Ok(html(&PhotoPage { language, luggage: &luggage, take, zone: Zone::of(door.clock.now().wall) }))
 }
 
-/// One photo of a piece.
 pub(super) struct Take {
     pub(super) take: u32,
     pub(super) url: String,
 }
 
-/// The latest photos of a piece, the first of them first.
+/// The latest photos of a piece, oldest first.
 pub(super) fn takes(luggage: &Luggage) -> Vec<Take> {
     let newest = luggage.take().unwrap_or(0);
     let shown = newest.saturating_sub(SHOWN) + 1..=newest;
@@ -55,7 +54,7 @@ pub(super) fn takes(luggage: &Luggage) -> Vec<Take> {
 struct PhotoPage<'a> {
     language: Language,
     luggage: &'a Luggage,
-    /// Which of its photos is shown; `None` where there is none.
+    /// The shown photo; `None` when there is none.
     take: Option<u32>,
     zone: Zone,
 }
@@ -65,7 +64,7 @@ impl PhotoPage<'_> {
         take_url(self.luggage.id, *take)
     }
 
-    /// What is to be seen, for those who listen.
+    /// The description for screen readers.
     fn alt(&self, take: &u32) -> Phrase<'static> {
         let newest = self.luggage.take().unwrap_or(*take);
         let said = match (newest, *take) {
@@ -84,7 +83,7 @@ impl PhotoPage<'_> {
         self.take == Some(take.take)
     }
 
-    /// Where it stands, when it was found, and who decided when.
+    /// Where the piece is, when it was found, who decided and when.
     fn found(&self) -> Phrase<'static> {
         let Luggage { cell, taken, verdict, .. } = self.luggage;
         let said = match verdict {

@@ -1,7 +1,7 @@
-//! The luggage in the picture of the hall. Each piece stands in its own cell, in groups by numbers, so that a change sends the few pieces
-//! beside it. Where a cell is too small to be seen, pins stand for all that is in a square of cells, in groups by rows of squares. Neither
-//! ever covers another: none is larger than its cell, or its square. What is being fetched moves, and is drawn by `hall::layer`; what is
-//! secured, by `carriers`.
+//! The luggage in the picture of the hall. Each piece is drawn in its own cell, in groups by numbers, so that a change sends only
+//! a few pieces. Where cells are too small to see, pins stand for all pieces in a square of cells, in groups by rows of squares.
+//! None covers another: each is no larger than its cell or square. A piece being fetched moves, and is drawn by `hall::layer`;
+//! secured pieces are drawn by `carriers`.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -13,17 +13,17 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Cell, LuggageId};
 use hallsweep_core::world::luggage::Luggage;
 
-/// Every group of pieces.
+/// All groups of pieces.
 pub(super) fn all(language: Language, snapshot: &Snapshot) -> String {
     groups(language, snapshot).map(|(_, markup)| markup).collect()
 }
 
-/// Every row of pins.
+/// All rows of pins.
 pub(super) fn all_pins(language: Language, snapshot: &Snapshot) -> String {
     pins(language, snapshot).into_values().collect()
 }
 
-/// The groups and rows that look other than in an older snapshot, by their ids; one that is gone is empty.
+/// The groups and rows that differ from an older snapshot, by their ids; a removed one is empty.
 pub(super) fn changed(language: Language, older: Option<&Snapshot>, snapshot: &Snapshot) -> BTreeMap<String, String> {
     let Some(older) = older else { return groups(language, snapshot).chain(pins(language, snapshot)).collect() };
     let looks = |snapshot: &Snapshot| (larger(&snapshot.map), fetched(snapshot).map(|piece| piece.id));
@@ -45,14 +45,14 @@ pub(super) fn changed(language: Language, older: Option<&Snapshot>, snapshot: &S
     changed
 }
 
-/// Each in its cell: the pieces of a mission's record.
+/// Each piece in its cell, for a mission's record.
 pub(super) fn in_their_cells<'a>(language: Language, pieces: impl Iterator<Item = &'a Luggage>) -> String {
     let mut group = String::new();
     pieces.for_each(|piece| draw(language, &mut group, piece));
     group
 }
 
-/// By pins of this many cells a side: the same where the picture is too large for that.
+/// Pins for squares of this many cells a side, for a picture that is too large for single pieces.
 pub(super) fn pinned<'a>(language: Language, pieces: impl Iterator<Item = &'a Luggage>, size: i32) -> String {
     rows(language, pieces, size).into_values().collect()
 }
@@ -87,7 +87,7 @@ fn draw(language: Language, group: &mut String, piece: &Luggage) {
     );
 }
 
-/// The pins of the picture, by the ids of their rows; none where every piece can be seen in its cell.
+/// The pins of the picture, by the ids of their rows; empty when every piece is visible in its cell.
 fn pins(language: Language, snapshot: &Snapshot) -> BTreeMap<String, String> {
     let (size, fetched) = (larger(&snapshot.map), fetched(snapshot).map(|piece| piece.id));
     if size == 1 {
@@ -129,7 +129,7 @@ impl<'a> Square<'a> {
         self.last = Some(piece);
     }
 
-    /// A pin in the middle of the square, which looks like the worst of what is in it.
+    /// A pin in the middle of the square, with the worst verdict of its pieces.
     fn draw(&self, language: Language, row: &mut String, (x, y): (i32, i32), size: i32) {
         let verdict = match (self.danger, self.pending) {
             (0, 0) => "safe",
@@ -226,14 +226,14 @@ mod tests {
         assert!(changed(Language::English, Some(&newer), &newer.clone()).is_empty());
     }
 
-    /// The boxes of what is drawn, as their middles and half their sides, strokes included.
+    /// The drawn boxes as middle and half side, including strokes.
     fn boxes(markup: &str) -> Vec<(f64, f64, f64)> {
         let number = |text: &str| text.parse::<f64>().expect("a number");
         let drawn = markup.split("<g class=\"piece").skip(1).map(|drawn| {
             let (_, at) = drawn.split_once("translate(").expect("it has a place");
             let (x, y) = at.split_once(')').and_then(|(at, _)| at.split_once(' ')).expect("two numbers");
             let scales = drawn.split("scale(").skip(1).map(|scale| number(scale.split(')').next().expect("it ends")));
-            // The largest of the shapes is the triangle, ten units high and wide; half its stroke lies outside.
+            // The largest shape is the triangle, ten units high and wide; half of its stroke is outside.
             (number(x), number(y), scales.product::<f64>() * (5.0 + 0.35))
         });
         drawn.collect()

@@ -1,45 +1,45 @@
-//! The place before the entrance, beyond the northern edge of the picture: who waits there, and the container with what was secured.
-//! The cells of the hall are `hall`'s, the robots `carriers`'.
+//! The area before the entrance, beyond the northern edge of the picture: waiting robots, and the container with secured pieces.
+//! The cells of the hall are drawn by `hall`, the robots by `carriers`.
 
 use super::drawing::{CELL, larger, middle, shown, write};
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::units::{Cell, LuggageId};
 use hallsweep_core::world::hall_map::HallMap;
 
-/// So many tenths of a cell, as things are drawn, there are from row to row: robots and their names find room.
+/// Distance between rows, in tenths of a cell as drawn: robots and their names have room.
 const ROW: i32 = 14;
 
-/// So many steps from home there is a row.
+/// Number of steps from home between two rows.
 const ROWS: i32 = 2;
 
-/// The same from one who waits to the next.
+/// Distance between two waiting robots, in tenths of a cell.
 const COLUMN: i32 = 20;
 
-/// The container's middle, and the first who waits, in tenths of a cell east of the way out.
+/// The middle of the container, and that of the first waiting robot, in tenths of a cell east of the way out.
 const CONTAINER: i32 = 20;
 const FIRST: i32 = 42;
 
-/// Where the place before the entrance ends, in tenths of a cell: three robots wait in it at most.
+/// End of the area in tenths of a cell: three robots wait in it at most.
 const END: i32 = FIRST + 2 * COLUMN + 12;
 
-/// Pieces that are seen in the container; of more their count.
+/// Maximum number of pieces drawn in the container; of more only their number.
 const SEEN: usize = 4;
 
-/// Who stands where in a row.
+/// The column in which something stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Column {
     /// On the way out, north of home.
     WayOut,
-    /// Beside the container, so many from it.
+    /// Beside the container, by its number from there.
     Waiting(i32),
 }
 
-/// The place before the entrance of a hall as it is drawn.
+/// The area before the entrance of a hall as it is drawn.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Porch {
-    /// A tenth of a cell as it is drawn here, in the picture's units.
+    /// A tenth of a cell as drawn here, in the picture's units.
     tenth: i32,
-    /// Its southern edge, which is the northern edge of the picture of the hall with its labels.
+    /// Its southern edge, which is the northern edge of the hall's picture including labels.
     south: i32,
     /// The middle of home's column.
     home: i32,
@@ -51,17 +51,17 @@ impl Porch {
         Porch { tenth, south: shown(map).least.y * CELL - 10 * tenth, home: middle(Cell::HOME).0 }
     }
 
-    /// How much higher the picture is with it.
+    /// By how much the picture is higher with it.
     pub(super) const fn height(self) -> i32 {
         (ROWS * ROW + 4) * self.tenth
     }
 
-    /// Where it ends in the east, in the picture's units.
+    /// Its eastern end, in the picture's units.
     pub(super) const fn east(self) -> i32 {
         self.home + END * self.tenth
     }
 
-    /// The middle of the place so many steps from home.
+    /// The middle of a place this many steps from home.
     pub(super) const fn middle(self, steps: u8, column: Column) -> (i32, i32) {
         let east = match column {
             Column::WayOut => 0,
@@ -71,7 +71,7 @@ impl Porch {
         (self.home + east * self.tenth, self.south + (ROW / 2 - row * ROW) * self.tenth)
     }
 
-    /// The ground, the way out from home, and the container with what is in it.
+    /// The ground, the way out from home, and the container with its contents.
     pub(super) fn draw(self, language: Language, group: &mut String, secured: &[LuggageId]) {
         let Porch { tenth, south, home } = self;
         let (west, width, height) = (home - 8 * tenth, (END + 8) * tenth, ROWS * ROW * tenth);
@@ -121,7 +121,7 @@ impl Porch {
     }
 }
 
-/// What is in the container, in words.
+/// The contents of the container, in words.
 fn held(language: Language, secured: &[LuggageId]) -> Phrase<'static> {
     let pieces: Vec<String> = secured.iter().map(|id| language.say("luggage-number").with("id", id).to_string()).collect();
     if pieces.is_empty() {

@@ -1,5 +1,5 @@
-//! The page of a retrieval that is on record: its trees as they stood at one of its moments, and what happened in it. Its script moves
-//! them through the time; without one there are links from moment to moment. What is on record of it is `missions`' business.
+//! The page of a recorded retrieval: its trees at one of its moments, and its events. Its script moves through the moments;
+//! without a script there are links between them. The record comes from `missions`.
 
 use askama::Template;
 use axum::extract::State;
@@ -41,9 +41,9 @@ struct Page {
     language: Language,
     mission: u64,
     record: RetrievalRecordJson,
-    /// How the trees stood at the moment that is shown.
+    /// The trees at the shown moment.
     shown: TreesView,
-    /// Which one, counted from 1, of how many, and when.
+    /// Number of the shown moment, counted from 1, the number of all moments, and its time.
     moment: usize,
     last: usize,
     t: f64,
@@ -70,7 +70,7 @@ impl Page {
         sign(*status)
     }
 
-    /// Ways to other moments, by their names; none to the one that is shown.
+    /// Links to other moments with their labels; none to the shown one.
     fn ways(&self) -> [(Phrase<'static>, Option<usize>); 4] {
         let other = |moment: usize| Some(moment).filter(|moment| (1..=self.last).contains(moment) && *moment != self.moment);
         [

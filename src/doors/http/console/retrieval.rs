@@ -1,5 +1,5 @@
-//! The retrieval on the page: its stages and arms in an operator's words, and its trees as rows that nest as the nodes do. Markup
-//! stands in the templates; the robots in the hall are `carriers`'.
+//! The retrieval on the page: its stages and arms in an operator's words, and its trees as nested rows. The markup is in the
+//! templates; the robots in the hall are drawn by `carriers`.
 
 use behaviour_trees::Status;
 use hallsweep_core::arm::ArmState;
@@ -11,8 +11,8 @@ use hallsweep_core::snapshot::robot::RobotShown;
 use crate::api::retrieval::ArmJson;
 use crate::phrases::{Language, Phrase};
 
-/// The stages in their order by who fetches, by the word of the doors. The one that searches needs no room, and is home when the piece is in
-/// the container.
+/// The stages in order, by fetcher, with their names on the wire. The searching robot needs no room made, and is at home when the
+/// piece is in the container.
 pub(super) const fn stages(fetcher: Fetcher) -> &'static [&'static str] {
     match fetcher {
         Fetcher::Pair => &["makingRoom", "fetching", "goingOut", "comingHome"],
@@ -21,21 +21,21 @@ pub(super) const fn stages(fetcher: Fetcher) -> &'static [&'static str] {
     }
 }
 
-/// A stage in words, by who fetches.
+/// A stage in words, by fetcher.
 pub(super) fn stage(language: Language, fetcher: Fetcher, stage: &str) -> Phrase<'_> {
     if fetcher == Fetcher::Pair { language.say_of("stage-pair", stage) } else { language.say_of("stage-discovery", stage) }
 }
 
-/// A node in its place among the rows of its tree.
+/// A node among the rows of its tree.
 pub(in crate::doors::http) struct Row<'a> {
     pub(in crate::doors::http) node: &'a NodeShown,
-    /// Its children follow.
+    /// Whether its children follow.
     pub(in crate::doors::http) opens: bool,
-    /// So many nodes above it end with it.
+    /// Number of nodes above it that end with it.
     pub(in crate::doors::http) closes: usize,
 }
 
-/// The nodes of a tree, which come in preorder, each with what begins and ends there.
+/// The nodes of a tree, given in preorder, each with the nesting that begins and ends there.
 pub(in crate::doors::http) fn rows(nodes: &[NodeShown]) -> Vec<Row<'_>> {
     let next = nodes.iter().skip(1).map(|node| node.depth).chain([0]);
     let row = |(node, next): (_, usize)| row(node, next);
@@ -46,7 +46,7 @@ fn row(node: &NodeShown, next: usize) -> Row<'_> {
     Row { node, opens: next > node.depth, closes: node.depth.saturating_sub(next) }
 }
 
-/// The sign of a status, so that it is known without its colour.
+/// The sign of a status, so that it can be read without its colour.
 pub(in crate::doors::http) const fn sign(status: Status) -> &'static str {
     match status {
         Status::Idle => "○",
@@ -57,12 +57,12 @@ pub(in crate::doors::http) const fn sign(status: Status) -> &'static str {
     }
 }
 
-/// The robots that have an arm, with what it says of itself.
+/// The robots that have an arm, with its reported state.
 pub(super) fn armed(robots: &[RobotShown]) -> Vec<(&RobotShown, ArmState, ArmJson)> {
     robots.iter().filter_map(|robot| robot.arm.map(|arm| (robot, arm, ArmJson::from(arm)))).collect()
 }
 
-/// The next press about robots that are halted, by the name of its phrase; `None` where none helps yet.
+/// What the operator has to press for the halted robots, as the id of its phrase; `None` when no button helps yet.
 pub(super) fn wanted_of_the_operator(holds: &[Hold]) -> Option<&'static str> {
     if let Some((_, press)) =
         [(Hold::Alarm, "acknowledge"), (Hold::TooHigh, "ok")].into_iter().find(|(hold, _)| holds.contains(hold))
@@ -78,7 +78,6 @@ pub(super) mod tests {
     use super::*;
     use std::sync::Arc;
 
-    /// A node for tests.
     pub(in super::super) fn node(name: &str, depth: usize, status: Status) -> NodeShown {
         let [path, name, kind] = [name, name, "Sequence"].map(Arc::from);
         NodeShown { path, name, kind, depth, status, is_ticked: status == Status::Running }

@@ -1,4 +1,4 @@
-//! What the console's parts look at: the snapshot in an operator's words. Markup stands in the templates.
+//! The input of the console's parts: the snapshot in an operator's words. The markup is in the templates.
 
 mod announced;
 mod progress;
@@ -27,21 +27,21 @@ use hallsweep_core::units::{Cell, LuggageId, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 use hallsweep_core::world::temperature::Reading;
 
-/// A snapshot, and what is to be said to the one who pressed a button.
+/// A snapshot, and the message for somebody who pressed a button.
 pub(super) struct View<'a> {
     pub(super) snapshot: &'a Snapshot,
     pub(super) hall: HallInfo,
-    /// When the present mission began, where that is known.
+    /// When the present mission began, if that is known.
     pub(super) began: Option<WallTime>,
-    /// Who looks; `None` where nobody is asked who he is.
+    /// The reader; `None` where no key is required.
     pub(super) who: Option<Who>,
-    /// The language of whoever looks.
+    /// The reader's language.
     pub(super) language: Language,
     pub(super) why: Option<Why>,
     pub(super) now: WallTime,
-    /// The line of time of the mission that is shown.
+    /// The timeline of the shown mission.
     pub(super) line: Option<&'a Timeline>,
-    /// The moment of the past that is shown; `None`: now.
+    /// The shown moment of the past; `None` for now.
     pub(super) then: Option<Then>,
 }
 
@@ -49,26 +49,26 @@ pub(super) struct View<'a> {
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(super) struct Then {
     pub(super) mission: u64,
-    /// The entry after which everything stood as is shown; when it was written, in milliseconds since 1970; and those beside it.
+    /// The entry after which the shown state held, its time in milliseconds since 1970, and the entries beside it.
     pub(super) seq: u64,
     pub(super) time: i64,
     pub(super) earlier: Option<u64>,
     pub(super) later: Option<u64>,
 }
 
-/// What is known beforehand of the hall, and of the robot that searches it.
+/// What is known in advance about the hall and its searching robot.
 #[derive(Clone, Debug)]
 pub(super) struct HallInfo {
     pub(super) name: Arc<str>,
-    /// The side of a cell, in metres, where it is known.
+    /// The side of a cell in metres, if it is known.
     pub(super) cell_m: Option<f64>,
-    /// Whether its map is counted by time alone.
+    /// Whether its map is reckoned from driving times alone.
     pub(super) is_reckoned: bool,
-    /// How far away from a bomb people must be, in metres.
+    /// Distance from a bomb that people must keep, in metres.
     pub(super) evacuation_m: f64,
-    /// Whether its time stands still: somebody has paused the simulator.
+    /// Whether the simulator is paused.
     pub(super) is_paused: bool,
-    /// The robot that searches, where it is known.
+    /// The searching robot, if it is known.
     pub(super) robot: Option<Participant>,
 }
 
@@ -80,7 +80,7 @@ impl HallInfo {
         HallInfo { name, cell_m, is_reckoned, evacuation_m, is_paused, robot: door.robots.first().cloned() }
     }
 
-    /// The hall as it was under these conditions; where they are not on record it is that of now, but for the robot.
+    /// The hall under these conditions; without recorded conditions it is the present one, without the robot.
     pub(super) fn under(door: &HttpDoor, conditions: Option<&Conditions>) -> HallInfo {
         let now = HallInfo { is_paused: false, robot: None, ..HallInfo::of(door) };
         match conditions {
@@ -99,7 +99,7 @@ pub(super) struct Who {
     pub(super) role: Role,
 }
 
-/// The reason of a refusal, and the button it belongs to; without text it is the place where the script puts one.
+/// The reason of a refusal, and its button; without text it is the place into which the script puts a reason.
 #[derive(Clone, Template)]
 #[template(source = r#"<p class="why" id="why-{{ button }}" role="alert">{{ text }}</p>"#, ext = "html")]
 pub(super) struct Why {
@@ -113,7 +113,7 @@ impl Why {
     }
 }
 
-/// How loud the banner is.
+/// Severity of the banner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mood {
     Calm,
@@ -137,12 +137,12 @@ impl Mood {
 }
 
 impl View<'_> {
-    /// The phrase with this id, in the language of whoever looks.
+    /// The phrase with this id, in the reader's language.
     pub(super) const fn say<'p>(&self, id: &'p str) -> Phrase<'p> {
         self.language.say(id)
     }
 
-    /// That of one of a family.
+    /// A phrase of a family, in the reader's language.
     pub(super) const fn say_of<'p>(&self, family: &'p str, member: &'p str) -> Phrase<'p> {
         self.language.say_of(family, member)
     }
@@ -151,7 +151,7 @@ impl View<'_> {
         self.language.place(cell)
     }
 
-    /// The pieces that are in the container, as `luggage #1 is in the container`.
+    /// The pieces in the container, such as `luggage #1 is in the container`.
     fn secured(&self) -> Option<String> {
         let ids: Vec<LuggageId> = self.snapshot.luggage.secured().map(|piece| piece.id).collect();
         match ids.as_slice() {
@@ -164,28 +164,27 @@ impl View<'_> {
         }
     }
 
-    /// Whether the robot that searches is simulated.
     pub(super) fn is_simulated(&self) -> bool {
         self.hall.robot.as_ref().is_some_and(|robot| &*robot.kind == "sim")
     }
 
-    /// Kind of the robot that searches; in the past also that it is not on record.
+    /// Kind of the searching robot; in the past also that it is not on record.
     pub(super) fn engine(&self) -> Option<Phrase<'_>> {
         let is_known = self.hall.robot.is_some() || self.then.is_some();
         is_known.then(|| self.language.engine(self.hall.robot.as_ref()))
     }
 
-    /// What was refused at this button, or the empty place for it.
+    /// The refusal at this button, or the empty place for one.
     pub(super) fn why(&self, button: &str) -> Why {
         self.why.clone().filter(|why| why.button == button).unwrap_or_else(|| Why::new(button, ""))
     }
 
-    /// Why a button is dead: its own reason, or that whoever looks may only look.
+    /// Why a button is disabled: its own reason, or that the reader may only look.
     pub(super) fn bar(&self, refusal: &Option<Refused>) -> Option<String> {
         self.looks_only().or_else(|| refusal.as_ref().map(|refused| self.language.refused(refused)))
     }
 
-    /// Why every button but STOP is dead: in the past, and for whoever may only look.
+    /// Why every button but STOP is disabled: in the past, and for viewers.
     pub(super) fn looks_only(&self) -> Option<String> {
         if self.then.is_some() {
             return Some(self.say("dead-past").to_string());
@@ -193,7 +192,7 @@ impl View<'_> {
         self.is_viewer().then(|| self.say("dead-viewer").to_string())
     }
 
-    /// Whether whoever looks may do no more.
+    /// Whether the reader may only look.
     pub(super) fn is_viewer(&self) -> bool {
         self.who.as_ref().is_some_and(|who| !who.role.may(Need::Act))
     }
@@ -207,34 +206,32 @@ impl View<'_> {
         }
     }
 
-    /// What lets a retrieval go on that stands still.
+    /// What makes a halted retrieval go on.
     pub(super) fn wanted(&self) -> Option<Phrase<'static>> {
         let goes_on = self.snapshot.mission.phase == PhaseName::Retrieving && self.then.is_none();
         goes_on.then(|| wanted_of_the_operator(&self.snapshot.mission.holds)).flatten().map(|id| self.say_of("wanted", id))
     }
 
-    /// Whether there are robots that fetch.
     pub(super) fn has_carriers(&self) -> bool {
         self.snapshot.robots.len() > 1
     }
 
-    /// Whether the mission would go on, were it not held.
+    /// Whether the mission would go on without its holds.
     pub(super) fn is_halted(&self) -> bool {
         !self.snapshot.mission.holds.is_empty() && self.mood() != Mood::Calm && self.waiting().is_none()
     }
 
-    /// Whether all robots stand, those that fetch too.
+    /// Whether all robots stand, including the fetching ones.
     pub(super) fn is_still(&self) -> bool {
         let stands = |view: &RobotView| view.state == RobotState::Stopped && !view.halting;
         stands(&self.snapshot.robot) && self.snapshot.robots.iter().all(|robot| stands(&robot.view))
     }
 
-    /// When the moment of the past was that is shown.
+    /// Time of the shown moment of the past.
     pub(super) fn then_at(&self) -> Option<String> {
         self.then.map(|_| self.zone().clock_time(self.now))
     }
 
-    /// A day and time, as the language writes them.
     pub(super) fn date(&self, wall: WallTime) -> String {
         self.language.date(&self.zone().date_and_time(wall))
     }
@@ -244,15 +241,15 @@ impl View<'_> {
         Zone::of(self.now)
     }
 
-    /// What holds the robot, in words, each with what to do about it.
+    /// Each hold in words, with what to do about it.
     pub(super) fn holds(&self) -> Vec<String> {
         let heat = self.hot();
         let words = |hold: &Hold| match (hold, self.snapshot.mission.phase) {
             (Hold::Alarm, PhaseName::Retrieving) => self.say("hold-fetchers-called").to_string(),
-            // There it is RETRIEVE, or RESET, and not START.
             (Hold::RobotLink, _) if let Some(why) = self.unreached() => {
                 self.say("hold-with-why").with("hold", self.language.hold(*hold)).with("why", why).to_string()
             }
+            // In this phase the robot waits for RETRIEVE or RESET, not for START.
             (Hold::AwaitingStart, PhaseName::BombLocated) => self.say("hold-waits-for-operator").to_string(),
             (Hold::Temperature, _) if !heat.is_empty() => {
                 let read = |(source, last): &(Arc<str>, Reading)| {
@@ -270,12 +267,12 @@ impl View<'_> {
         self.snapshot.mission.holds.iter().map(words).collect()
     }
 
-    /// Why nothing can be recorded, while that is so; without a full stop.
+    /// Why nothing can be recorded, if so; without a full stop.
     pub(super) fn unrecorded(&self) -> Option<&str> {
         self.snapshot.mission.store_failure.as_deref().map(|words| words.trim_end_matches('.'))
     }
 
-    /// What is to be done next, in the phases in which the robot waits for it and no button by itself says so. In the past nothing is.
+    /// What to do next, in phases in which the robot waits for it and no button tells. `None` in the past.
     pub(super) fn next_step(&self) -> Option<String> {
         if self.then.is_some() {
             return None;
@@ -322,7 +319,7 @@ impl View<'_> {
         if is_held && mood != Mood::Alarm { Mood::Held } else { mood }
     }
 
-    /// The title of the window, so that another window does not hide what matters.
+    /// The title of the window, so that important news is visible when another window hides this one.
     pub(super) fn title(&self) -> String {
         let sign = match self.mood() {
             _ if self.then.is_some() => "",
@@ -339,7 +336,7 @@ impl View<'_> {
         self.snapshot.pending().map(|luggage| &**luggage)
     }
 
-    /// Why START is dead: it is refused, or the mission goes on without it.
+    /// Why START is disabled: it is refused, or the mission goes on without it.
     pub(super) fn bar_of_start(&self) -> Option<String> {
         use PhaseName::{Exploring, Inspecting, Retrieving, ReturningHome, ReturningWithAlarm};
         let mission = &self.snapshot.mission;
@@ -348,7 +345,7 @@ impl View<'_> {
         self.bar(&mission.refusals.start).or_else(|| goes_on.then(|| self.say("dead-goes-on").to_string()))
     }
 
-    /// Why BACK HOME is dead: it is refused, or the robot is there or on its way already.
+    /// Why BACK HOME is disabled: it is refused, or the robot is at home or on its way.
     pub(super) fn bar_of_back_home(&self) -> Option<String> {
         let mission = &self.snapshot.mission;
         let is = |phase| mission.phase == phase && mission.holds.is_empty();
@@ -357,7 +354,7 @@ impl View<'_> {
         self.bar(&mission.refusals.back_home).or_else(|| already.map(|id| self.say(id).to_string()))
     }
 
-    /// Why OK of the temperature is dead: it takes back TOO HIGH and nothing else.
+    /// Why OK of the temperature is disabled: it only revokes TOO HIGH.
     pub(super) fn bar_of_ok(&self) -> Option<String> {
         let is_over = !self.declared_too_high();
         self.looks_only().or_else(|| is_over.then(|| self.say("dead-no-too-high").to_string()))
@@ -368,7 +365,7 @@ impl View<'_> {
         mission.phase == PhaseName::BombLocated && self.bar(&mission.refusals.retrieve).is_none()
     }
 
-    /// How long ago a moment was, as `0:14`.
+    /// Time since a moment, such as `0:14`.
     pub(super) fn gone(&self, since: &WallTime) -> String {
         let seconds = self.now.unix_ms.saturating_sub(since.unix_ms).max(0) / 1000;
         format!("{}:{:02}", seconds / 60, seconds % 60)
@@ -379,7 +376,7 @@ impl View<'_> {
     }
 }
 
-/// Why there is no photo, where there is none.
+/// Why there is no photo.
 pub(super) fn failure(language: Language, luggage: &Luggage) -> Cow<'_, str> {
     match &luggage.photo {
         PhotoState::Taken { .. } => Cow::Borrowed(""),

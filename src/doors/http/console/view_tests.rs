@@ -1,4 +1,4 @@
-//! Tests of what the console says in an operator's words.
+//! The console's texts in an operator's words.
 
 use std::time::Duration;
 
@@ -64,7 +64,7 @@ fn a_refusal_is_shown_at_its_own_button_only_and_escaped() {
     assert_eq!(view.why("reset").text, "");
 }
 
-/// One of ten o'clock.
+/// A reading taken at ten o'clock.
 fn reading(celsius: f64) -> Reading {
     Reading { celsius: degrees(celsius), read: Some(TEN), silent_since: None }
 }
@@ -334,7 +334,7 @@ fn a_hall_of_which_a_part_cannot_be_reached_is_not_simply_explored() {
     assert!(!shown(8).contains("free cells"));
 }
 
-/// What the page says in its fields that show what comes from outside: temperature on the bar, state, sonar, position, LED.
+/// The texts of the fields with reported values: temperature in the bar, state, sonar, position, LED.
 fn fields(page: &str) -> [String; 5] {
     let between = |from: &str, to: &str| page.split_once(from).map_or("", |(_, rest)| rest.split(to).next().unwrap_or_default());
     let heat = between("<li class=\"num heat ", "</li>").split_once("\">").map_or("", |(_, heat)| heat);
@@ -343,7 +343,7 @@ fn fields(page: &str) -> [String; 5] {
     [heat.to_owned(), row("State"), row("Sonar"), row("Position"), row("LED")]
 }
 
-/// One state of the page: what it is called, the snapshot, its fields, what else it says, and what it must not.
+/// One state of the page: its name, the snapshot, its fields, further texts, and texts that must be missing.
 type Case<'c> = (&'c str, Snapshot, [&'c str; 5], &'c [&'c str], &'c [&'c str]);
 
 const KNOWN: [&str; 5] = ["21.4 °C", "stands still", "42 cm", "(2, 2)", "blinking"];
@@ -358,7 +358,7 @@ fn changed(mut snapshot: Snapshot, change: impl FnOnce(&mut Snapshot)) -> Snapsh
     snapshot
 }
 
-/// The robot that searches lost its link on the move, at ten.
+/// The searching robot lost its link while moving, at ten o'clock.
 fn unlinked() -> Snapshot {
     changed(searching(), |snapshot| {
         snapshot.robot.state = RobotState::MovingForward;

@@ -1,6 +1,6 @@
-//! The line of time of one mission: which of its entries stand on it, and where. It grows at its end: it is cut into sections of `SECTION`
-//! entries, and only the last of them changes. To the right a unit is `UNIT_MS` of the mission's time; while the program was off no time
-//! passes. How a section is drawn stands in `section`.
+//! The timeline of one mission: which of its entries are shown, and where. It grows at its end: it is divided into sections of
+//! `SECTION` entries, and only the last one changes. One unit to the right is `UNIT_MS` of the mission's time; no time passes
+//! while the program is off. Sections are drawn by `section`.
 
 use std::sync::Arc;
 
@@ -19,38 +19,38 @@ use hallsweep_core::units::{Celsius, MissionId, Seq, WallTime};
 /// Entries in a section of the picture.
 const SECTION: usize = 64;
 
-/// A unit to the right, in milliseconds.
+/// Milliseconds per unit to the right.
 const UNIT_MS: i64 = 100;
 
-/// More is not drawn: days of a busy mission.
+/// Maximum number of entries drawn: days of a busy mission.
 pub(in super::super) const MOST: usize = 20_000;
 
-/// A mission is never shorter than this in the picture, in milliseconds.
+/// Minimum length of a mission in the picture, in milliseconds.
 const LEAST_MS: i64 = 60_000;
 
-/// While the program was off so much time passes in the picture, in milliseconds.
+/// Time that passes in the picture while the program is off, in milliseconds.
 const OFF_MS: i64 = 5_000;
 
-/// Behind all entries.
+/// After all entries.
 pub(in super::super) const LAST: Seq = Seq(u64::MAX);
 
-/// What a page must know of a line to move on it.
+/// What a page must know to move along a timeline.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(in super::super) struct Scale {
     mission: u64,
     /// When the first entry was written, in milliseconds since 1970.
     began: i64,
-    /// The same of the last that is on the line, and its place.
+    /// When the last entry was written, in milliseconds since 1970, and its position.
     end: i64,
     last: u64,
-    /// Where the clock that stands beside the line leaps: from when to when, and how long that is in the picture. It does so while the
-    /// program is off, and when somebody sets it.
+    /// Jumps of the clock beside the timeline, each from when, to when, and its length in the picture. It jumps while the program
+    /// is off, and when somebody sets it.
     breaks: Vec<[i64; 3]>,
-    /// So long a unit is, in milliseconds.
+    /// Milliseconds per unit.
     unit: i64,
-    /// Whether it goes on.
+    /// Whether the mission goes on.
     open: bool,
-    /// Whether it ends because no more are drawn.
+    /// Whether the timeline ends because no more entries are drawn.
     cut: bool,
 }
 
@@ -60,22 +60,22 @@ pub(in super::super) struct Timeline {
     language: Language,
     zone: Zone,
     threshold: Celsius,
-    /// Sections that are full.
+    /// Complete sections.
     full: Vec<Arc<str>>,
-    /// The last, which grows.
+    /// The last section, which grows.
     growing: Section,
-    /// What was so at the end of the full ones.
+    /// The state at the end of the complete sections.
     carried: Carried,
     began: Option<i64>,
     end: i64,
     last: Seq,
-    /// Where the clock leaps, and the entries that say so.
+    /// Jumps of the clock, with the entries that record them.
     leaps: Vec<(Seq, [i64; 3])>,
     entries: usize,
     is_over: bool,
 }
 
-/// What goes on beyond the section in which it began.
+/// State that continues beyond the section in which it began.
 #[derive(Clone, Debug, Default)]
 struct Carried {
     phase: Option<(PhaseName, Option<PhaseName>)>,
@@ -115,7 +115,7 @@ impl Timeline {
         self.language
     }
 
-    /// Whether nothing more will be on it.
+    /// Whether no more entries will follow.
     pub(super) const fn is_complete(&self) -> bool {
         self.is_over || self.is_cut()
     }
@@ -142,26 +142,27 @@ impl Timeline {
         }
     }
 
-    /// How long it is in the picture, in units.
+    /// Its length in the picture, in units.
     pub(in super::super) fn width(&self) -> i64 {
         self.x(self.end).max(LEAST_MS / UNIT_MS)
     }
 
-    /// Where a moment is in the picture.
+    /// Position of a moment in the picture.
     pub(in super::super) fn x(&self, unix_ms: i64) -> i64 {
         let (_, shown, off) = self.stretch(unix_ms);
         shown.saturating_sub(self.began.unwrap_or(shown)).saturating_sub(off).max(0) / UNIT_MS
     }
 
-    /// A moment of the mission, by the clock that stands beside the line.
+    /// A moment of the mission, by the clock beside the timeline.
     pub(in super::super) fn at(&self, unix_ms: i64) -> At {
         let (place, ..) = self.stretch(unix_ms);
         let least = place.checked_sub(1).map_or(Seq(0), |before| self.leaps[before].0);
         At::TimeAmong(unix_ms, [least, self.leaps.get(place).map_or(LAST, |(seq, _)| Seq(seq.0.saturating_sub(1)))])
     }
 
-    /// Between which leaps of the clock a moment is, at which time it is drawn, and what that is ahead of the line. Where a clock that was
-    /// set back showed it twice it is the later one; one over which the clock leapt is drawn where it leapt.
+    /// The stretch between two jumps of the clock that contains a moment, the time at which the moment is drawn, and its distance
+    /// from the timeline's time. A time that a clock set back showed twice means the later one; a time that the clock jumped over
+    /// is drawn at the jump.
     fn stretch(&self, unix_ms: i64) -> (usize, i64, i64) {
         let (mut from, mut off, mut is_found) = (self.began.unwrap_or(unix_ms), 0_i64, false);
         let mut stretch = (0, from, 0);
@@ -181,24 +182,24 @@ impl Timeline {
         stretch
     }
 
-    /// How many sections do not change any more.
+    /// Number of sections that do not change any more.
     pub(in super::super) fn full(&self) -> usize {
         self.full.len()
     }
 
-    /// The sections of the picture from this one on, each in a group of its own; the last one grows.
+    /// The sections from this one on, each in a group of its own; the last one grows.
     pub(in super::super) fn sections(&self, from: usize) -> impl Iterator<Item = (String, Arc<str>)> {
         let growing = Arc::from(self.growing.drawn(self.full.len(), self.carried.reading));
         let sections = self.full.iter().skip(from).cloned().chain([growing]);
         (from..).zip(sections).map(|(place, markup)| (id(place), markup))
     }
 
-    /// What happens from here on is so under these conditions.
+    /// Everything from here on happens under these conditions.
     pub(super) const fn under(&mut self, conditions: &Conditions) {
         self.threshold = conditions.threshold;
     }
 
-    /// What happened next.
+    /// Adds the next entries.
     pub(super) fn extend(&mut self, happened: &[Happened]) {
         for (seq, entry) in happened {
             self.last = *seq;
@@ -221,7 +222,7 @@ impl Timeline {
         } else if matches!(fact, Fact::ProgramStarted(_)) && wall.unix_ms.saturating_sub(self.end) > OFF_MS {
             self.leaps.push((self.last, [self.end, wall.unix_ms, OFF_MS]));
         }
-        // In journals of before that went on record, a clock that is set back does not make the line go back.
+        // In journals from before clock changes were recorded, a clock that was set back does not move the timeline back.
         self.end = self.end.max(wall.unix_ms);
         self.entries += 1;
         self.is_over = matches!(fact, Fact::MissionArchived(..));
@@ -235,7 +236,7 @@ impl Timeline {
             self.holds(x, wall, fact, !holds.is_empty());
         } else if let Fact::Conditions(conditions) = fact {
             self.under(conditions);
-            // What was read last is judged anew.
+            // The last reading is judged again by the new threshold.
             if let Some(Reading { celsius, .. }) = self.carried.reading {
                 self.growing.reading(x, celsius, self.threshold, &mut self.carried.reading);
             }
@@ -278,7 +279,7 @@ impl Timeline {
     }
 }
 
-/// How a mark looks, for what is one.
+/// Class of a fact's mark; `None` when it has no mark.
 fn class(fact: &Fact) -> Option<&'static str> {
     Some(match fact {
         Fact::Luggage { .. } => "found",
@@ -287,7 +288,7 @@ fn class(fact: &Fact) -> Option<&'static str> {
         Fact::Secured(_) => "secured",
         Fact::AlarmRaised(..) => "alarm",
         Fact::AlarmAcknowledged(..) => "seen",
-        // What a verdict came to stands with the verdicts.
+        // The effect of a verdict is shown with the verdicts.
         Fact::Command { command, refused: None, .. } if command.starts_with("safe") || command.starts_with("danger") => {
             return None;
         }
@@ -306,12 +307,12 @@ fn class(fact: &Fact) -> Option<&'static str> {
         | Fact::Retrieval(_) => {
             return None;
         }
-        // These do not stand on the line.
+        // Not shown on the timeline.
         Fact::State(_) | Fact::Epoch(_) | Fact::Goal(..) | Fact::Pose(_) | Fact::RobotPose(..) | Fact::Outside(..) => {
             return None;
         }
         Fact::MetAgain(..) | Fact::Led(_) | Fact::Obstacle(..) | Fact::Mark(..) | Fact::MapEmptied(_) => return None,
-        // These make the curve.
+        // Part of the curve.
         Fact::Temperature(..) | Fact::ThermometerSilent(_) => return None,
     })
 }
@@ -327,7 +328,7 @@ mod tests {
     use hallsweep_core::state::Venue;
     use hallsweep_core::units::{Cell, LuggageId};
 
-    /// Facts, so many seconds after the first.
+    /// Facts at these seconds after the first.
     fn happened(facts: impl IntoIterator<Item = (i64, Fact)>) -> Vec<Happened> {
         let at = |second: i64| WallTime { unix_ms: TEN.unix_ms + second * 1000, ..TEN };
         (1..).map(Seq).zip(facts.into_iter().map(|(second, fact)| Ok(Entry { wall: at(second), fact }))).collect()
@@ -500,7 +501,7 @@ mod tests {
         for (second, x, of) in [
             (50, 500, [Seq(0), Seq(2)]),
             (-3485, 1150, [Seq(3), Seq(5)]),
-            // Over that it leapt.
+            // The clock jumped over this time.
             (40_000, 2000, [Seq(3), Seq(5)]),
             (83_025, 2250, [Seq(6), LAST]),
         ] {

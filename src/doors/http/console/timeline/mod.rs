@@ -1,5 +1,5 @@
-//! The lines of time of the missions that are looked at: read once from the archive, continued while a mission goes on, and shared by
-//! all pages. What stands on one says `line`, how it is drawn `section`.
+//! The timelines of the missions being viewed: read once from the archive, continued while a mission goes on, and shared by all
+//! pages. `line` decides what is shown, `section` draws it.
 
 mod line;
 mod section;
@@ -17,19 +17,19 @@ use hallsweep_core::units::{MissionId, Seq};
 pub(super) use line::{LAST, MOST, Scale, Timeline};
 pub(super) use section::{THRESHOLD_Y, id};
 
-/// A line that has not been read to its end sooner is shown as far as it was: the page does not wait for a disk that hangs,
+/// Maximum wait for a timeline; a page shows an incomplete one when the disk hangs.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// and it is not asked again before this.
+/// Pause before the archive is read again.
 const AGAIN: Duration = Duration::from_millis(400);
 
-/// So many lines are at hand, the present one included, each language by itself.
+/// Number of cached timelines, including the present one, counted for each language.
 const LINES: usize = 8;
 
-/// So many entries are read at a time.
+/// Number of entries read at a time.
 const PAGE: usize = 2000;
 
-/// What is known of them; all pages of a door share it.
+/// The cached timelines, shared by all pages of a door.
 #[derive(Debug)]
 pub(in crate::doors::http) struct Timelines(Mutex<LruCache<(MissionId, Language), Known>>);
 
@@ -46,12 +46,12 @@ impl Default for Timelines {
 }
 
 impl Timelines {
-    /// The line of this mission as far as it can be read now.
+    /// The timeline of this mission as far as it can be read now.
     pub(super) async fn of(door: &HttpDoor, mission: MissionId, language: Language) -> Arc<Timeline> {
         let now = door.clock.now();
         let present = door.handle.snapshot().mission.id;
         let (mut line, is_due) = door.timelines.with(|lines| {
-            // Those of the present mission, which every page follows, do not give way to old ones that somebody looks at.
+            // Keeps the timelines of the present mission, which every page shows, from being evicted by old ones.
             for language in Language::ALL {
                 lines.get(&(present, language));
             }
@@ -78,7 +78,7 @@ impl Timelines {
         line
     }
 
-    /// The longest line of a mission that is known, this one being known from now on.
+    /// Caches this timeline unless a longer one of the mission is cached; returns the longer one.
     fn keep(&self, line: Arc<Timeline>) -> Arc<Timeline> {
         self.with(|lines| match lines.get_mut(&(line.mission(), line.language())) {
             Some(known) if known.line.last() > line.last() => Arc::clone(&known.line),
@@ -95,14 +95,14 @@ impl Timelines {
     }
 }
 
-/// The same line with a page more of what happened; `None` at its end, and where that cannot be read.
+/// The timeline extended by a page of entries; `None` at its end, and when that cannot be read.
 async fn read_on(door: &HttpDoor, mission: MissionId, mut line: Arc<Timeline>) -> Option<Arc<Timeline>> {
     if line.is_complete() {
         return None;
     }
     let after = line.last();
     let look = move |archive: &dyn Archive| {
-        // What counted as too hot when it began may have been said before.
+        // The threshold at its beginning may have been recorded before the mission.
         let begin = (after == Seq(0)).then(|| archive.moments(mission, &[At::Time(i64::MIN)]).ok()?.pop()).flatten();
         let conditions = begin.and_then(|moment| moment.past.of.state.conditions);
         Ok((conditions, archive.timeline(mission, Span::after(after), PAGE)?))

@@ -1,34 +1,34 @@
-//! A section of the line of time as a picture: bands of phases and holds, the temperature, and a mark for whatever else counts.
+//! A section of the timeline as a picture: bands of phases and holds, the temperature, and a mark for each other entry shown.
 //!
 //! ```text
-//!   0 ── 12  phases   each band is drawn to the end of all times; the next one lies over it
+//!   0 ── 12  phases   each band is drawn to the far end; the next one covers it
 //!  12 ── 16  holds    likewise
 //!  18 ── 42  temperature, with the threshold
 //!  44 ── 54  luggage and verdicts
 //!  56 ── 64  commands; a STOP goes through all
 //! ```
-//! What stands where on it is `line`'s business.
+//! `line` decides what is shown and where.
 
 use askama::filters::{Html, escape};
 
 use super::super::drawing::write;
 use hallsweep_core::units::Celsius;
 
-/// To the right of every moment there can be.
+/// To the right of every possible moment.
 pub(super) const FAR: i64 = 1_000_000_000;
 
-/// The temperatures that are drawn, below and above the threshold, in °C.
+/// Range of the temperatures drawn below and above the threshold, in °C.
 const BELOW: f64 = 12.0;
 const ABOVE: f64 = 8.0;
 
-/// The heights between which they are.
+/// Vertical range of the temperatures.
 const COLD: f64 = 42.0;
 const HOT: f64 = 18.0;
 
-/// The height of the threshold.
+/// Vertical position of the threshold.
 pub(in super::super) const THRESHOLD_Y: f64 = COLD - BELOW / (ABOVE + BELOW) * (COLD - HOT);
 
-/// Where the line of the temperature has come.
+/// The end of the temperature's line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reading {
     pub(super) x: i64,
@@ -61,7 +61,7 @@ impl Section {
         write(&mut self.marks, format_args!("<path class=\"mark {class}\" d=\"M{x} {from}V{to}\"><title>{said}</title></path>"));
     }
 
-    /// The line goes on level to where the next reading lifts or lowers it.
+    /// The line continues level to the next reading, which raises or lowers it.
     pub(super) fn reading(&mut self, x: i64, celsius: Celsius, threshold: Celsius, at: &mut Option<Reading>) {
         let (height, is_hot) = (y(celsius, threshold), celsius > threshold);
         match *at {
@@ -76,7 +76,7 @@ impl Section {
         *at = Some(Reading { x, celsius, height, is_hot });
     }
 
-    /// Here the line ends: what was read last is not known any more.
+    /// The line ends: the last reading is not valid any more.
     pub(super) fn reading_ends(&mut self, x: i64, at: &mut Option<Reading>) {
         if let Some(Reading { x: from, height, is_hot, .. }) = at.take() {
             write(&mut self.temperature, format_args!("H{x}"));
@@ -92,7 +92,7 @@ impl Section {
         }
     }
 
-    /// Its group, and in it what was read last and holds on.
+    /// Its group, including the last reading as far as it stays valid.
     pub(super) fn drawn(&self, place: usize, lasting: Option<Reading>) -> String {
         let (mut temperature, mut hot) = (self.temperature.clone(), self.hot.clone());
         if let Some(Reading { x, height, is_hot, .. }) = lasting {
@@ -114,14 +114,14 @@ pub(in super::super) fn id(place: usize) -> String {
     format!("time_{place}")
 }
 
-/// The height of a temperature.
+/// Vertical position of a temperature.
 fn y(celsius: Celsius, threshold: Celsius) -> f64 {
     let above = (celsius.degrees() - threshold.degrees()).clamp(-BELOW, ABOVE);
     let height = COLD - (above + BELOW) / (ABOVE + BELOW) * (COLD - HOT);
     (height * 10.0).round() / 10.0
 }
 
-/// From where to where a mark goes.
+/// Vertical range of a mark.
 fn heights(class: &str) -> (i64, i64) {
     match class {
         "found" => (49, 54),
@@ -134,7 +134,7 @@ fn heights(class: &str) -> (i64, i64) {
     }
 }
 
-/// As a picture can hold it: what is no character of XML is left out, else all of the picture would be none.
+/// Escapes markup and drops characters that are not allowed in XML, which would make the whole picture invalid.
 fn escaped(words: &str) -> String {
     let is_of_xml = |c: &char| !matches!(c, '\0'..='\u{8}' | '\u{b}' | '\u{c}' | '\u{e}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}');
     let words: String = words.chars().filter(is_of_xml).collect();
@@ -145,7 +145,7 @@ fn escaped(words: &str) -> String {
 mod tests {
     use super::*;
 
-    /// A picture that is no XML is not drawn by a browser.
+    /// A browser does not draw a picture that is not valid XML.
     #[test]
     fn whatever_is_said_of_a_mark_the_picture_stays_one() {
         let said: String = ('\0'..='\u{ff}').chain(['\u{fffd}', '\u{fffe}', '\u{ffff}', '鞄']).collect();

@@ -1,10 +1,10 @@
-//! What is announced to whoever listens and does not look: what changes, and not every step.
+//! Announcements to screen readers: changes, but not every step.
 
 use super::{View, sentence};
 use hallsweep_core::phase::PhaseName;
 
 impl View<'_> {
-    /// The sentence for those who listen instead of looking.
+    /// The sentence for screen readers.
     pub(in super::super) fn announcement(&self) -> String {
         let mut words = vec![sentence(&self.phase_in_full())];
         let mission = &self.snapshot.mission;
@@ -29,7 +29,7 @@ impl View<'_> {
     }
 }
 
-/// The last of 10, 20, 50, 100 and so on that a number has come to: how far a search has come is announced then, and not at every step.
+/// The last of 10, 20, 50, 100 and so on that a number has reached: progress is announced at these, and not at every step.
 fn round(number: usize) -> Option<usize> {
     let power = 10_usize.checked_pow(number.checked_ilog10().filter(|digits| *digits > 0)?)?;
     [5, 2, 1].into_iter().map(|times| times * power).find(|round| *round <= number)

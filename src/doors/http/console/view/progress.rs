@@ -1,4 +1,4 @@
-//! How far the search has come, and how long it will go on, in words.
+//! The progress of the search, and its remaining time, in words.
 
 use std::time::Duration;
 
@@ -14,7 +14,7 @@ impl View<'_> {
         self.snapshot.mission.phase != PhaseName::Idle || self.snapshot.mission.progress.visited > 1
     }
 
-    /// What was searched, as `41 cells, 25.6 m²`.
+    /// The searched area, such as `41 cells, 25.6 m²`.
     pub(in super::super) fn searched(&self) -> String {
         let visited = self.snapshot.mission.progress.visited;
         let cells = self.say("cells").with("count", visited);
@@ -24,12 +24,13 @@ impl View<'_> {
         self.say("cells-and-area").with("cells", cells).with("area", area).to_string()
     }
 
-    /// What is still open, in words: how much there will be behind it nobody knows.
+    /// What is still open, in words; how much lies behind it is not known.
     pub(in super::super) fn open(&self) -> Phrase<'static> {
         self.say("open-places").with("count", self.snapshot.mission.progress.unknown)
     }
 
-    /// What is not searched, where the phase sounds like an end; beside it, as large. How much there is behind known places nobody knows.
+    /// What was not searched, shown at equal size beside a phase that sounds like an end. How much lies behind known places is
+    /// not known.
     pub(in super::super) fn unsearched(&self) -> Option<Phrase<'static>> {
         let mission = &self.snapshot.mission;
         let is_an_end =
@@ -43,18 +44,18 @@ impl View<'_> {
         Some(self.say("searched-of").with("reachable", reachable).with("free", free))
     }
 
-    /// The phase, and what is not searched beside it, where both are said in one line.
+    /// The phase, and what was not searched, for a single line.
     pub(in super::super) fn phase_in_full(&self) -> String {
         self.unsearched().map_or_else(|| self.phase(), |left| format!("{} · {left}", self.phase()))
     }
 
-    /// How much of the hall can be searched, where the hall is known beforehand.
+    /// The searchable part of the hall, if the hall is known in advance.
     pub(in super::super) fn reach(&self) -> Option<Phrase<'static>> {
         let Reach { reachable, free } = self.snapshot.mission.progress.reach?;
         Some(self.say("progress-reach").with("reachable", reachable).with("free", free))
     }
 
-    /// How long the search will go on driving, as `4 min to 11 min of driving left`.
+    /// Remaining driving time, such as `4 min to 11 min of driving left`.
     pub(in super::super) fn left(&self) -> Option<Phrase<'static>> {
         let TimeLeft { least, most } = self.snapshot.mission.progress.left?;
         if most.is_none() && least < ROUGHLY {
@@ -67,7 +68,7 @@ impl View<'_> {
         })
     }
 
-    /// When the mission began that goes on, so that its time is counted; one that is over has none.
+    /// The beginning of a mission that goes on, for its elapsed time; `None` for a past one.
     pub(in super::super) fn counts_since(&self) -> Option<WallTime> {
         let is_over = matches!(
             self.snapshot.mission.phase,
@@ -77,10 +78,10 @@ impl View<'_> {
     }
 }
 
-/// Below two minutes a time is told to ten seconds.
+/// Rounding of times below two minutes.
 const ROUGHLY: Duration = Duration::from_secs(10);
 
-/// A time in tens of seconds, or from two minutes on in minutes, rounded as is wanted.
+/// A time in tens of seconds, or from two minutes on in minutes, rounded by `round`.
 fn roughly(time: Duration, round: fn(u64, u64) -> u64) -> String {
     let seconds = time.as_secs();
     if seconds < 120 { format!("{} s", round(seconds, 10) * 10) } else { format!("{} min", round(seconds, 60)) }

@@ -1,4 +1,4 @@
-//! The temperature in words: what was read, what keeps the hall too hot, and what ends it.
+//! The temperature in words: the reading, what keeps the hall too hot, and what ends that.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use hallsweep_core::hold::Hold;
 use hallsweep_core::units::{Celsius, WallTime};
 use hallsweep_core::world::temperature::{Reading, TemperatureStatus, TemperatureView};
 
-/// A reading is said to be old on the bar after this: thermometers and sensors read every 10 s, if not more often.
+/// Age at which the bar shows that a reading is old: thermometers and sensors report at least every 10 s.
 const OLD_MS: i64 = 15_000;
 
 impl View<'_> {
@@ -24,14 +24,14 @@ impl View<'_> {
         self.language.number(&self.snapshot.temperature.threshold.degrees().to_string())
     }
 
-    /// The reading that matters: the hottest of those that are too hot, else the last.
+    /// The important reading: the hottest of those that are too hot, otherwise the last.
     fn shown(&self) -> Option<Reading> {
         let TemperatureView { celsius, read, silent_since, .. } = self.snapshot.temperature;
         let hottest = self.hot().iter().map(|(_, last)| *last).max_by(|a, b| a.celsius.degrees().total_cmp(&b.celsius.degrees()));
         hottest.or_else(|| Some(Reading { celsius: celsius?, read, silent_since }))
     }
 
-    /// The reading that matters; or that there is none, or none that is true still.
+    /// The important reading, or that there is none, or none that is still valid.
     pub(in super::super) fn celsius(&self) -> String {
         match self.shown() {
             Some(Reading { celsius, silent_since: None, .. }) => self.degrees(&celsius),
@@ -44,15 +44,15 @@ impl View<'_> {
         self.shown().is_some_and(|shown| shown.silent_since.is_some())
     }
 
-    /// How it looks: what nobody knows does not look well.
+    /// Its class: an unknown temperature is not shown as a good one.
     pub(in super::super) fn temperature_class(&self) -> &'static str {
         let status = self.snapshot.temperature.status;
         let is_unknown = status == TemperatureStatus::Ok && self.is_silent();
         if is_unknown { TemperatureStatus::Stale } else { status }.name()
     }
 
-    /// How old the last reading is, or since when it is true no more. In the past it is when it went on record: one that says the same
-    /// again does not.
+    /// Age of the last reading, or since when it is not valid any more. In the past it counts from the recorded entry: a repeated
+    /// equal reading is not recorded.
     pub(in super::super) fn reading_age(&self, old_ms: i64) -> Option<Markup> {
         let Reading { celsius, read, silent_since } = self.shown()?;
         let time = |wall: &WallTime| self.zone().clock_time(*wall);
@@ -68,7 +68,7 @@ impl View<'_> {
         })
     }
 
-    /// The same for the bar, where it is said once it is old.
+    /// The age for the bar, which shows it only for an old reading.
     pub(in super::super) fn old_age(&self) -> Option<Markup> {
         self.reading_age(OLD_MS).filter(|_| !self.is_silent() && self.then.is_none())
     }
@@ -110,13 +110,13 @@ impl View<'_> {
         self.snapshot.mission.holds.contains(&Hold::TooHigh)
     }
 
-    /// Whether a reading, and no button, says that it is not too hot.
+    /// Whether a reading, and not a button, says that it is not too hot.
     pub(in super::super) fn reads_ok(&self) -> bool {
         let TemperatureView { celsius, status, silent_since, .. } = &self.snapshot.temperature;
         *status == TemperatureStatus::Ok && celsius.is_some() && silent_since.is_none()
     }
 
-    /// Where a reading comes from.
+    /// The source of a reading.
     pub(super) fn source<'s>(&self, source: &'s str) -> Cow<'s, str> {
         if source == OPERATOR { self.say("role-operator").to_string().into() } else { source.into() }
     }
