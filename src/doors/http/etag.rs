@@ -1,5 +1,5 @@
-//! Answers that need not be sent twice: weak tags `W/"run-revision-format"` and 304.
-//! Weak, because the same state may travel compressed or not.
+//! Avoids sending an answer twice, by weak tags `W/"run-revision-format"` and status 304. Weak, because the same state may be
+//! sent compressed or not.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -11,7 +11,8 @@ pub(super) fn tag(run: &str, revision: impl std::fmt::Display, format: &str) -> 
     format!("W/\"{run}-{revision}-{format}\"")
 }
 
-/// 304 when the client has this already, else what `body` makes; both carry the tag, and are asked for again each time.
+/// Answers 304 when the client has this version, otherwise with the result of `body`; both carry the tag, and clients must
+/// revalidate each time.
 pub(super) fn conditional(request: &HeaderMap, tag: &str, body: impl FnOnce() -> Response) -> Response {
     let mut response = if is_known(request, tag) { StatusCode::NOT_MODIFIED.into_response() } else { body() };
     let tag = HeaderValue::from_str(tag).expect("a tag is a run id, a number and a format, all printable");
@@ -20,20 +21,19 @@ pub(super) fn conditional(request: &HeaderMap, tag: &str, body: impl FnOnce() ->
     response
 }
 
-/// As `conditional`, for what is of no revision of this run: the tag is made of what would be sent.
+/// Like `conditional`, for content without a revision: its tag is derived from the content.
 pub(super) fn by_content(request: &HeaderMap, media_type: &'static str, body: String) -> Response {
     let tag = tag_of(&body);
     conditional(request, &tag, || ([(header::CONTENT_TYPE, media_type)], body).into_response())
 }
 
-/// The tag of what is sent.
 pub(super) fn tag_of(content: &str) -> String {
     let mut hasher = DefaultHasher::new();
     content.hash(&mut hasher);
     format!("W/\"{:016x}\"", hasher.finish())
 }
 
-/// Whether `If-None-Match` names the tag, weakly compared (RFC 9110, section 13.1.2).
+/// Whether `If-None-Match` contains the tag, by weak comparison (RFC 9110, section 13.1.2).
 pub(super) fn is_known(request: &HeaderMap, tag: &str) -> bool {
     let opaque = |text: &str| text.trim().trim_start_matches("W/").to_owned();
     let values = request.get_all(header::IF_NONE_MATCH).iter().filter_map(|value| value.to_str().ok());

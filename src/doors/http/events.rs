@@ -1,5 +1,5 @@
-//! `GET /api/v1/events`: the state as server-sent events, the whole first and then only what changed.
-//! A reader that comes back says by `Last-Event-ID` what it has; one with an id of another run begins anew.
+//! `GET /api/v1/events`: the state as server-sent events, first complete and then only the changes. A returning reader sends its
+//! last revision in `Last-Event-ID`; an id of another run starts anew.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -21,16 +21,16 @@ use crate::api::state::StateJson;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 
-/// A silent stream says every second that it lives: a reader may call it dead after three.
+/// Interval of heartbeats on an idle stream: a reader may consider it dead after three seconds.
 pub(super) const HEARTBEAT: Duration = Duration::from_secs(1);
 
-/// The least time between two events of one stream: no program that watches a robot needs more than fifty a second.
+/// Minimum time between two events of one stream: no program that watches a robot needs more than fifty a second.
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// After a break a reader tries again this soon.
+/// Time after which a reader reconnects.
 const RETRY: Duration = Duration::from_secs(1);
 
-/// Proxies are not to hold a stream back.
+/// Tells proxies not to buffer a stream.
 pub(super) const UNBUFFERED: (HeaderName, &str) = (HeaderName::from_static("x-accel-buffering"), "no");
 
 /// `GET events`
@@ -43,14 +43,14 @@ pub(super) async fn events(State(door): State<HttpDoor>, LetIn(caller): LetIn, h
     Ok(([UNBUFFERED], beating).into_response())
 }
 
-/// The revision a returning reader has, when its id is of this run.
+/// The revision of a returning reader, if its id is of this run.
 fn known_revision(id: &str, snapshot: &Snapshot) -> Option<Revision> {
     let (run, revision) = id.trim().rsplit_once('-')?;
     let revision = Revision(revision.parse().ok()?);
     (run == &*snapshot.run && revision <= snapshot.revision).then_some(revision)
 }
 
-/// What a stream begins with; nothing when the reader has everything.
+/// The first event of a stream; `None` when the reader is up to date.
 fn first_event(snapshot: &Snapshot, resumed: Option<Revision>) -> Option<Event> {
     match resumed {
         Some(revision) if revision == snapshot.revision => None,

@@ -1,5 +1,5 @@
-//! The gate before every route: who somebody is, by bearer token or session cookie, and whether that is enough. What a route
-//! asks stands in the table (`routes`); what keys are, in `crate::access`.
+//! The gate before every route: identifies the sender by bearer token or session cookie, and checks the right. The needed right
+//! is in the table (`routes`); keys are in `crate::access`.
 
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, HeaderValue, Method, header};
@@ -18,14 +18,14 @@ use crate::api::door;
 use crate::api::fields::in_short;
 use hallsweep_core::command::{self, Issuer, Refused};
 
-/// A gate that asks for this.
+/// A gate that requires this right.
 #[derive(Clone)]
 pub(super) struct Gate {
     door: HttpDoor,
     need: Need,
 }
 
-/// What a client brought to say who it is.
+/// The credentials in a request.
 enum Shown {
     Nothing,
     Token(String),
@@ -38,58 +38,58 @@ impl Gate {
     }
 }
 
-/// The sender of a command, as records name him.
+/// The sender of a command, as named in records.
 pub(super) fn issuer(caller: &Caller, door: command::Door, peer: Peer) -> Issuer {
     Issuer { door, who: caller.signature(), from: peer.name() }
 }
 
-/// Nothing when he may do what asks for `need`, else what to tell him.
+/// Checks a right; the error says what is missing.
 pub(super) fn allowed(caller: &Caller, need: Need) -> Result<(), Refused> {
     caller.may(need).map_err(Refused::NotAllowed)
 }
 
 impl HttpDoor {
-    /// Whether answers can say when they were made: no machine's clock is right before 1970.
+    /// Whether answers can have a date: no machine's clock is right before 1970.
     pub(super) fn can_date(&self) -> bool {
         self.moment().unix_s >= 0
     }
 
-    /// Now, for sessions.
+    /// The present time, for sessions.
     pub(super) fn moment(&self) -> Moment {
         let now = self.clock.now();
         Moment { elapsed: now.since_start, unix_s: now.wall.unix_ms.div_euclid(1000) }
     }
 
-    /// Whether somebody who was let in would be let in still.
+    /// Whether an admitted caller would still be admitted.
     pub(super) fn still_knows(&self, caller: &Caller) -> bool {
         self.access.still_knows(caller, self.moment())
     }
 
-    /// Holds a refusal back: the longer, the more wrong keys came from there.
+    /// Delays a refusal, the longer the more wrong keys came from this network.
     pub(super) async fn hold_back(&self, peer: Peer) {
         let delay = self.attempts.wrong(Network::of(peer.address), self.clock.now().since_start);
         self.log_stranger(|| tracing::warn!(from = %peer.address, delay_ms = delay.as_millis(), "a wrong key was shown"));
         tokio::time::sleep(delay).await;
     }
 
-    /// Puts on record that this door did not take what was asked for (safety A6).
+    /// Records that this door refused a request (safety A6).
     pub(super) async fn note_refused(&self, issuer: Issuer, asked: String, refused: Refused) {
-        // A program that is ending has nobody left to tell.
+        // The program is ending; nobody is left to tell.
         let _ = self.handle.note_refused(issuer, asked, refused).await;
     }
 
-    /// Writes a line about a stranger, unless there were too many of late.
+    /// Logs a line about a stranger, up to a maximum in a time.
     fn log_stranger(&self, write: impl FnOnce()) {
         self.strangers.write(self.clock.now().since_start, write);
     }
 
-    /// Puts into the log what may not be in the journal: what strangers send, who must not be able to fill the disk.
+    /// Logs what must not reach the journal: requests of strangers, who must not be able to fill the disk.
     pub(super) fn note_unrecorded(&self, peer: Peer, method: &Method, path: &str, why: &str) {
         let (from, path) = (peer.name(), in_short(path));
         self.log_stranger(|| tracing::info!(%from, %method, %path, why, "refused"));
     }
 
-    /// Whoever one of the keys in these headers belongs to, be there wrong ones beside it.
+    /// The owner of any valid key in these headers, even beside wrong ones.
     pub(super) fn caller_by_any(&self, peer: Peer, headers: &HeaderMap) -> Option<Caller> {
         let by_token = tokens(headers).find_map(|token| self.caller(peer, &Shown::Token(token)));
         by_token.or_else(|| self.caller(peer, &Shown::Sessions(sessions(headers, self.cookie()))))
@@ -109,7 +109,7 @@ impl HttpDoor {
     }
 }
 
-/// Lets a request through to its route when whoever sent it may; tells everybody else what is missing.
+/// Passes a request on to its route when its sender has the right; answers everybody else with what is missing.
 pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mut request: Request, next: Next) -> Response {
     let shown = shown(request.headers(), door.cookie());
     let Some(caller) = door.caller(peer, &shown) else {
@@ -131,7 +131,7 @@ pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mu
     request.extensions_mut().insert(caller);
     let pressed = request.extensions().get::<Pressed>().cloned();
     let mut response = next.run(request).await;
-    // A STOP that was heard in it is on record.
+    // A STOP that was recognised in it is recorded already.
     let asked = asked.filter(|_| !pressed.is_some_and(|pressed| pressed.is_there()));
     if let (Some((issuer, asked)), Some(NotTaken(refusal))) = (asked, response.extensions_mut().remove::<NotTaken>()) {
         door.note_refused(issuer, asked, Refused::Before(refusal)).await;
@@ -139,8 +139,7 @@ pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mu
     response
 }
 
-/// What goes on record when it is not taken, and as asked by which door: whatever wants to change something. Signing in and out
-/// are no commands.
+/// The record of a refused request, with its door; `None` for one that changes nothing. Signing in and out are not commands.
 fn asked(request: &Request, need: Need) -> Option<(command::Door, String)> {
     let looks = matches!(*request.method(), Method::GET | Method::HEAD | Method::OPTIONS);
     if looks || need == Need::Nothing {
@@ -150,13 +149,13 @@ fn asked(request: &Request, need: Need) -> Option<(command::Door, String)> {
     Some((by_path(path), format!("{} {}", request.method(), in_short(path))))
 }
 
-/// By which door a path leads, as records name it.
+/// The door of a path, as records name it.
 pub(super) fn by_path(path: &str) -> command::Door {
     if path.starts_with("/console/") || path.starts_with("/simulator/") { door::CONSOLE } else { door::HTTP }
 }
 
-/// A person is led to the page where one signs in, and from there back, or is told there that what he pressed was not done; a
-/// program is told what to send.
+/// The answer without credentials. A browser is sent to the page for signing in, and from there back, or is told that its command
+/// was not carried out; a program is told what to send.
 fn stranger(door: &HttpDoor, peer: Peer, request: &Request) -> Response {
     if *request.method() != Method::GET {
         door.note_unrecorded(peer, request.method(), request.uri().path(), "nobody is signed in");
@@ -172,7 +171,7 @@ fn stranger(door: &HttpDoor, peer: Peer, request: &Request) -> Response {
     response
 }
 
-/// A bearer token counts alone; any other kind of authorization is a proxy's business, and the cookie counts then.
+/// A bearer token takes precedence; any other kind of authorization is meant for a proxy, so the cookie is used then.
 fn shown(headers: &HeaderMap, cookie: &str) -> Shown {
     if let Some(token) = tokens(headers).next() {
         return Shown::Token(token);

@@ -1,4 +1,4 @@
-//! What goes on record of what this door does not take. Who is let in where is walked in `routes_tests`.
+//! What this door records of requests it refuses. Rights are tested in `routes_tests`.
 
 use crate::access::Access;
 use crate::api::door;
@@ -11,10 +11,10 @@ const JSON: (&str, &str) = ("content-type", "application/json");
 const FORM: (&str, &str) = ("content-type", "application/x-www-form-urlencoded");
 const PERSON: (&str, &str) = ("accept", "text/html,*/*;q=0.8");
 
-/// Method, path, headers and body of what is sent; status and code of the answer.
+/// Method, path, headers and body of a request; status and code of the answer.
 type Case<'a> = (&'a str, &'a str, &'a [(&'a str, &'a str)], &'a str, u16, &'a str);
 
-/// Records go through the loop's queue in order: once a STOP after them is answered, all of them are there.
+/// Records pass through the loop's queue in order: once a STOP after them is answered, all of them are there.
 async fn noted(app: &TestApp) -> Vec<(Door, String, &'static str, String)> {
     assert_eq!(app.door.handle.give(stop()).await.map(|answer| answer.is_ok()), Ok(true));
     let noted = std::mem::take(&mut *app.noted.lock().unwrap());

@@ -1,5 +1,5 @@
-//! What stands in front of every route: security headers, refusal of other hosts' names and other origins' posts, pages for
-//! people in place of problems, compression, and the catching of panics. It knows no route.
+//! Applied before every route: security headers, refusal of foreign hosts and of posts from other origins, error pages for
+//! people, compression, and catching of panics. It knows no route.
 
 use std::borrow::Cow;
 use std::net::IpAddr;
@@ -26,11 +26,11 @@ use super::problem::{Detail, Problem, halted, in_words};
 use crate::api::fields::in_short;
 use crate::phrases::Language;
 
-/// Nothing but this origin's own files, no inline script or style, no frame, no form to anywhere else.
+/// Allows only files of this origin, no inline script or style, no frame, and no form to another origin.
 const CONTENT_SECURITY_POLICY: &str = "default-src 'self'; object-src 'none'; frame-ancestors 'none'; form-action 'self'; \
                                        base-uri 'self'";
 
-/// On every answer, whatever it is.
+/// On every answer.
 const SECURITY: [(HeaderName, &str); 6] = [
     (header::CONTENT_SECURITY_POLICY, CONTENT_SECURITY_POLICY),
     (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
@@ -40,8 +40,8 @@ const SECURITY: [(HeaderName, &str); 6] = [
     (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
 ];
 
-/// By which names this program may be called, so that no page of the world can reach it by a name of its own that was made to
-/// point here (DNS rebinding). An address is no name, and nobody can make it point elsewhere.
+/// Host names of this program. Another name would let a foreign page reach it through a name that points here (DNS rebinding). An
+/// address is safe, since nobody can make it point elsewhere.
 #[derive(Clone, Debug)]
 pub struct Hosts {
     is_local: bool,
@@ -49,7 +49,7 @@ pub struct Hosts {
 }
 
 impl Hosts {
-    /// The names of this machine for itself, and `names`; where other machines reach it (`is_local` is false), any address too.
+    /// The machine's own names, and `names`; any address too when other machines can reach it (`is_local` is false).
     pub fn new(is_local: bool, names: &[String]) -> Hosts {
         Hosts { is_local, names: names.iter().map(|name| plain(name)).collect() }
     }
@@ -64,7 +64,7 @@ impl Hosts {
         }
     }
 
-    /// The first name a request calls this program by that is none of its own: `named` in its target, else in its headers.
+    /// The first foreign host name in a request: in its target (`named`), otherwise in its headers.
     pub(super) fn stranger(&self, named: Option<&str>, headers: &HeaderMap) -> Option<String> {
         let hosts = headers.get_all(header::HOST).iter().map(|name| String::from_utf8_lossy(name.as_bytes()));
         let mut names = named.map(Cow::Borrowed).into_iter().chain(hosts);
@@ -81,12 +81,12 @@ impl Hosts {
     }
 }
 
-/// A name as it is compared: in small letters, without the dot that may end it.
+/// A name in lower case, without a final dot, for comparison.
 fn plain(name: &str) -> String {
     name.trim_end_matches('.').to_ascii_lowercase()
 }
 
-/// The routes behind their guard. Compression leaves event streams and pictures alone.
+/// The routes behind their guard. Event streams and pictures are not compressed.
 pub(super) fn guarded(routes: Router, hosts: Hosts, door: &HttpDoor) -> Router {
     let clock = door.clock;
     let guarded = routes
@@ -105,8 +105,8 @@ pub(super) fn guarded(routes: Router, hosts: Hosts, door: &HttpDoor) -> Router {
     })
 }
 
-/// What is there is sent whatever is accepted, so that nobody takes what was carried out for refused: who would not have it as it is gets
-/// it so all the same.
+/// Answers are sent even when their coding is not acceptable, so that nobody takes a command that was carried out for refused: a
+/// client that refuses the plain form gets it anyway.
 async fn as_it_is(mut request: Request) -> Request {
     let is_refused = |(name, quality): (&str, f32)| quality == 0.0 && (name == "*" || name.eq_ignore_ascii_case("identity"));
     if codings(request.headers()).any(is_refused) {
@@ -115,7 +115,7 @@ async fn as_it_is(mut request: Request) -> Request {
     request
 }
 
-/// Whoever asks for this program by a name that is not its own was led here by somebody else.
+/// Refuses requests with a foreign host name, to which somebody else has led the browser.
 async fn own_name(State(hosts): State<Hosts>, request: Request, next: Next) -> Response {
     if let Some(fault) = host_fault(&request) {
         let halted = halted(request.extensions().get());
@@ -127,7 +127,7 @@ async fn own_name(State(hosts): State<Hosts>, request: Request, next: Next) -> R
     }
 }
 
-/// What is wrong with how a request names its host (RFC 9112, section 3.2).
+/// The fault in how a request names its host (RFC 9112, section 3.2).
 fn host_fault(request: &Request) -> Option<&'static str> {
     let hosts: Vec<&HeaderValue> = request.headers().get_all(header::HOST).iter().collect();
     match hosts[..] {
@@ -146,12 +146,12 @@ fn is_host(value: &HeaderValue) -> bool {
     })
 }
 
-/// Whether a person's browser asks for a page; under `/api` everybody is a program.
+/// Whether a browser asks for a page; everything under `/api` is for programs.
 pub(super) fn is_for_people(path: &str, headers: &HeaderMap) -> bool {
     !path.starts_with("/api/") && preferred(headers, &["application/json", "text/html"]) == Some("text/html")
 }
 
-/// A page is in one of several languages: whoever keeps it for others must know by what it was chosen.
+/// A page comes in one of several languages: caches must know which headers select it.
 async fn in_a_language(mut response: Response) -> Response {
     if is_page(&response) {
         response.headers_mut().append(header::VARY, HeaderValue::from_static("accept-language, cookie"));
@@ -159,11 +159,11 @@ async fn in_a_language(mut response: Response) -> Response {
     response
 }
 
-/// A browser that went astray is shown a page; programs get the problem itself, and under `/api` everybody does.
+/// Turns problems into pages for browsers; programs get the problem itself, and so does everybody under `/api`.
 async fn for_people(request: Request, next: Next) -> Response {
     let is_program = !is_for_people(request.uri().path(), request.headers());
     let language = spoken(request.headers());
-    // A page that answers a button cannot be asked for again.
+    // The answer to a form cannot be requested again.
     let can_be_shown_again = !is_program && *request.method() == Method::GET;
     let asked = request.uri().path_and_query().filter(|_| can_be_shown_again).map(|path| path.as_str().to_owned());
     let mut response = next.run(request).await;
@@ -175,7 +175,7 @@ async fn for_people(request: Request, next: Next) -> Response {
     let (mut parts, _) = response.into_parts();
     parts.headers.remove(header::CONTENT_LENGTH);
     parts.headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8"));
-    // Under a name that is not ours STOP would be refused as well: nobody is to count on it there.
+    // Under a foreign host name STOP would be refused too, so the page must not offer it.
     let may_stop = parts.status != StatusCode::MISDIRECTED_REQUEST;
     let (title, detail) = (title(parts.status), in_words(language, code, &detail));
     let page = Astray { language, title, detail, may_stop, here: local(asked.as_deref()) };
@@ -183,7 +183,7 @@ async fn for_people(request: Request, next: Next) -> Response {
     Response::from_parts(parts, page.into())
 }
 
-/// The statuses that have a title of their own, for somebody who knows nothing of HTTP; to all others it was not understood.
+/// Statuses with a title in plain words; all others are said to be not understood.
 const TITLES: [&str; 9] = ["400", "401", "403", "404", "408", "409", "421", "500", "503"];
 
 fn title(status: StatusCode) -> &'static str {
@@ -194,15 +194,15 @@ fn title(status: StatusCode) -> &'static str {
 #[template(path = "astray.html")]
 struct Astray<'a> {
     language: Language,
-    /// As the family of titles calls it.
+    /// Key of the title among its phrases.
     title: &'static str,
     detail: String,
     may_stop: bool,
-    /// Where the page is shown again in another language.
+    /// Address of the page in another language.
     here: &'a str,
 }
 
-/// A page of another origin may not press buttons here. Programs send neither header and pass.
+/// Refuses requests that a page of another origin sent. Programs send neither header and pass.
 async fn same_origin(State(door): State<HttpDoor>, request: Request, next: Next) -> Response {
     if matches!(*request.method(), Method::GET | Method::HEAD | Method::OPTIONS) || !is_foreign(request.headers()) {
         return next.run(request).await;
@@ -214,7 +214,7 @@ async fn same_origin(State(door): State<HttpDoor>, request: Request, next: Next)
         .into_response()
 }
 
-/// By what the browser says of the sender; older ones name only the origin, which is then compared with the host asked for.
+/// Decided by the header that names the sender's site; older browsers send only the origin, which is compared with the host.
 pub(super) fn is_foreign(headers: &HeaderMap) -> bool {
     let texts = |name: HeaderName| headers.get_all(name).iter().map(|value| value.to_str().unwrap_or("unreadable"));
     let mut sites = texts(HeaderName::from_static("sec-fetch-site")).peekable();
@@ -225,7 +225,7 @@ pub(super) fn is_foreign(headers: &HeaderMap) -> bool {
     texts(header::ORIGIN).any(|origin| origin.split_once("://").map(|(_, host)| host) != host)
 }
 
-/// The header `Date` (RFC 9110, section 6.6.1); none when no clock can be right that says so.
+/// The header `Date` (RFC 9110, section 6.6.1); `None` when the clock cannot be right.
 fn date(unix_ms: i64) -> Option<HeaderValue> {
     let now = jiff::Timestamp::from_millisecond(unix_ms).ok().filter(|_| unix_ms >= 0)?;
     let text = jiff::fmt::rfc2822::DateTimePrinter::new().timestamp_to_rfc9110_string(&now).ok()?;

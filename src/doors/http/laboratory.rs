@@ -1,5 +1,5 @@
-//! The laboratory: the Roomba as state machine and as behaviour tree, and the pallet scenario, on one page and as JSON. It is all
-//! arithmetic on what stands in the address; nothing here reads or moves anything of the hall.
+//! The laboratory: the Roomba as state machine and as behaviour tree, and the pallet scenario, on one page and as JSON.
+//! Everything is computed from the address; nothing here reads or moves the hall.
 
 pub(super) mod asked;
 mod said;
@@ -29,11 +29,11 @@ use hallsweep_core::snapshot::retrieval::{TreeView, TreesView};
 use hallsweep_laboratory::pallet::{Mishap, Pallet};
 use hallsweep_laboratory::roomba::Roomba;
 
-/// So many runs are computed or wait for it, each of less than a tenth of a second. Of these one key has three at most, and four are kept
-/// for keys that have none or one.
+/// Limits of runs being computed or waiting, each of less than a tenth of a second: one key has three at most, and four are
+/// reserved for keys that have none or one.
 const RUNS: Limits = Limits { most: 12, of_one_key: 3, kept: 4, few: 2 };
 
-/// One run after the other, whoever asks: a crowd in the laboratory keeps one thread busy, and none that carries out a STOP.
+/// Computes one run after the other, so that a crowd in the laboratory keeps one thread busy, and none that carries out a STOP.
 #[derive(Clone, Debug)]
 pub(super) struct Laboratory {
     places: Shares,
@@ -78,7 +78,7 @@ impl Default for Laboratory {
 }
 
 impl HttpDoor {
-    /// Computes it on a thread on which nobody waits for a robot.
+    /// Computes a run on a thread that nothing of the robot waits for.
     async fn computed<T: Send + 'static>(
         &self,
         caller: &Caller,
@@ -87,7 +87,7 @@ impl HttpDoor {
         let Laboratory { places, turn } = &self.laboratory;
         let place = places.take(self.access.key_of(caller)).map_err(Problem::too_many_runs)?;
         let turn = Arc::clone(turn).acquire_owned().await.map_err(|_| Problem::internal())?;
-        // Place and turn are given back when the run has ended, also when nobody waits for it any more.
+        // The permits are returned when the run has ended, even when nobody waits for it any more.
         let computing = tokio::task::spawn_blocking(move || (run(), turn, place));
         computing.await.map_err(|_| Problem::internal())?.0
     }
@@ -99,7 +99,7 @@ struct Page {
     language: Language,
     asked: AskedPage,
     transitions: usize,
-    /// Where machine and tree part, if they do.
+    /// Where machine and tree differ, if they do.
     parting: Option<String>,
     names: Vec<&'static str>,
     drawings: Vec<String>,
@@ -107,7 +107,6 @@ struct Page {
     carried: Carried,
 }
 
-/// What the page shows of the pallet scenario.
 struct Carried {
     drawing: String,
     /// Columns and rows of the yard.
@@ -116,7 +115,7 @@ struct Carried {
     figures: Vec<(String, String)>,
     /// Why not all parcels arrived.
     fault: Option<String>,
-    /// What was asked to go wrong and has not.
+    /// Requested mishaps that did not happen.
     missed: Vec<String>,
     /// At the end.
     trees: TreesView,
@@ -203,7 +202,7 @@ mod tests {
         assert!(app.given.lock().unwrap().is_empty(), "it moves nothing");
     }
 
-    /// Safety S9: whoever has a place computes while the others wait, and one key has a few of them.
+    /// Safety S9: one request computes while others wait, and each key has only a few.
     #[tokio::test]
     async fn one_key_has_a_few_runs_and_some_places_are_kept_for_keys_that_have_few() {
         let places = Laboratory::default().places;

@@ -1,5 +1,5 @@
-//! In which language a page speaks: in the one that was chosen by the switch, which a cookie remembers, else in the one the browser
-//! asks for, else in English.
+//! The language of a page: the one chosen by the switch, which a cookie stores, otherwise the one the browser asks for, otherwise
+//! English.
 
 use std::convert::Infallible;
 
@@ -19,21 +19,20 @@ use crate::phrases::Language;
 
 const COOKIE: &str = "hallsweep-language";
 
-/// A choice is remembered for a year, in seconds.
+/// Lifetime of the cookie in seconds: a year.
 const REMEMBERED_S: u32 = 365 * 24 * 3600;
 
-/// The language of the page that is asked for.
+/// The language of the requested page.
 pub(super) struct Spoken(pub(super) Language);
 
-/// What the switch sends.
 #[derive(Debug, Deserialize)]
 pub(super) struct Choice {
     language: String,
-    /// Where to go on.
+    /// Where to go afterwards.
     next: Option<String>,
 }
 
-/// Whoever reads a page, once the gate has let him through.
+/// The reader of a page, after the gate.
 pub(super) struct Reader {
     pub(super) caller: Caller,
     pub(super) language: Language,
@@ -49,7 +48,7 @@ impl<S: Send + Sync> FromRequestParts<S> for Reader {
 }
 
 impl Reader {
-    /// Somebody who sent a request with these headers.
+    /// The sender of a request with these headers.
     pub(super) fn new(caller: Caller, headers: &HeaderMap) -> Reader {
         Reader { caller, language: spoken(headers) }
     }
@@ -63,12 +62,11 @@ impl<S: Send + Sync> FromRequestParts<S> for Spoken {
     }
 }
 
-/// The language for whoever sent these headers.
 pub(super) fn spoken(headers: &HeaderMap) -> Language {
     cookies(headers, COOKIE).find_map(Language::tagged).unwrap_or_else(|| asked_for(headers))
 }
 
-/// The language that is asked for most, of several alike the first (RFC 9110, section 12.5.4).
+/// The language with the highest quality, among equals the first (RFC 9110, section 12.5.4).
 fn asked_for(headers: &HeaderMap) -> Language {
     let values = headers.get_all(header::ACCEPT_LANGUAGE).iter().filter_map(|value| value.to_str().ok());
     let wishes = values.flat_map(|value| value.split(',')).filter_map(range);

@@ -1,5 +1,5 @@
-//! So many lines about strangers and no more: whoever has no key must not be able to fill the log. What a line says is the
-//! business of whoever writes it.
+//! Limits the log lines about strangers: whoever has no key must not be able to fill the log. The caller decides what a line
+//! says.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
@@ -7,7 +7,6 @@ use std::time::Duration;
 /// Lines in one span of time: enough to see who tries what.
 const MOST: u32 = 20;
 
-/// The span.
 const SPAN: Duration = Duration::from_secs(60);
 
 #[derive(Debug, Default)]
@@ -21,8 +20,8 @@ struct Late {
 }
 
 impl Lines {
-    /// Writes a line at `now`, since the start of the program, unless there were as many as there may be; how many were left out is
-    /// said before the next that is written.
+    /// Writes a line at `now`, since the start of the program, unless the span has its maximum already; the next written line is
+    /// preceded by the number of those left out.
     pub(super) fn write(&self, now: Duration, write: impl FnOnce()) {
         let left_out = {
             let mut late = self.0.lock().unwrap_or_else(PoisonError::into_inner);

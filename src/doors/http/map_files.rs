@@ -1,6 +1,6 @@
-//! `GET map/hall.*`: the map as a file of another program. That of a large hall takes a tenth of a second to write, so one is written at a time,
-//! whoever asks, and kept until the map is another one: a crowd that asks keeps one thread busy, and none that carries out a STOP (safety S7).
-//! What stands in a file is `api::map_files`' business.
+//! `GET map/hall.*`: the map as a file of another program. A large hall takes a tenth of a second to write, so one file is
+//! written at a time, and cached until the map changes: a crowd of readers keeps one thread busy, and none that carries out a
+//! STOP (safety S7). The contents are in `api::map_files`.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -16,18 +16,17 @@ use super::problem::Problem;
 use crate::api::map_files::Row;
 use hallsweep_core::units::Revision;
 
-/// The newest copy of each file, by its name. Whoever writes holds the lock.
+/// The newest copy of each file, by its name. The writer holds the lock.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MapFiles(Arc<Mutex<HashMap<&'static str, MapFile>>>);
 
-/// A file as of a revision; all who are sent it share its bytes.
+/// A file at a revision; all answers share its bytes.
 #[derive(Clone, Debug)]
 struct MapFile {
     revision: Revision,
     bytes: Bytes,
 }
 
-/// The map in the file of this row.
 pub(super) async fn map_file(row: &'static Row, door: &HttpDoor, headers: &HeaderMap) -> Result<Response, Problem> {
     let (run, asked) = {
         let snapshot = door.handle.snapshot();
@@ -43,14 +42,14 @@ pub(super) async fn map_file(row: &'static Row, door: &HttpDoor, headers: &Heade
 }
 
 impl HttpDoor {
-    /// The copy there is, unless it is older than what was asked for; then one of the newest map, which does for all who wait.
+    /// The cached copy if it is new enough for the request; otherwise one of the newest map, which also serves all who wait.
     async fn map_file(&self, row: &'static Row, asked: Revision) -> Result<MapFile, Problem> {
         let mut files = Arc::clone(&self.map_files.0).lock_owned().await;
         if let Some(file) = files.get(row.name).filter(|file| file.revision >= asked) {
             return Ok(file.clone());
         }
         let door = self.clone();
-        // The lock is given back when the file is written, also when nobody waits for it any more.
+        // The lock is released when the file is written, even when nobody waits for it any more.
         let writing = tokio::task::spawn_blocking(move || {
             let snapshot = door.handle.snapshot();
             let (hall, cell_m) = door.hall();
@@ -93,7 +92,7 @@ mod tests {
         assert_eq!(late.bytes.as_ptr(), newer.bytes.as_ptr(), "who asked before it changed gets the newer one");
     }
 
-    /// Safety S7: whoever hangs up does not let the next begin before the file is written.
+    /// Safety S7: hanging up does not let the next write begin before this file is written.
     #[tokio::test]
     async fn one_is_written_at_a_time_also_for_those_who_have_gone() {
         let app = app(searching());

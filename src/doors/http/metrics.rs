@@ -1,5 +1,6 @@
-//! `GET /metrics`: the figures of the program and how the mission stands, in the text format of Prometheus or of OpenMetrics, whichever
-//! `Accept` prefers. What stands is of the snapshot that every door shows: reading asks the loop for nothing, and keeps it from nothing.
+//! `GET /metrics`: the figures of the program and the state of the mission, in the text format of Prometheus or of OpenMetrics,
+//! by the header `Accept`. The state is that of the snapshot that every door shows, so reading it neither asks nor delays the
+//! loop.
 
 use std::fmt;
 use std::sync::atomic::AtomicU64;
@@ -20,10 +21,10 @@ use hallsweep_core::phase::PhaseName;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Celsius;
 
-/// The media types of both formats, the one for readers without a preference first.
+/// Media types of both formats, the default first.
 pub(super) const FORMATS: [&str; 2] = ["text/plain", "application/openmetrics-text"];
 
-/// What every name begins with.
+/// Prefix of every name.
 const PREFIX: &str = "hallsweep";
 
 pub(super) async fn metrics(State(door): State<HttpDoor>, headers: HeaderMap) -> Result<Response, Problem> {
@@ -36,8 +37,8 @@ pub(super) async fn metrics(State(door): State<HttpDoor>, headers: HeaderMap) ->
     Ok(([(header::CONTENT_TYPE, media_type), (header::VARY, "accept")], text).into_response())
 }
 
-/// OpenMetrics rewritten in the text format of Prometheus, version 0.0.4: a counter's family has the name of its samples, an info is a gauge,
-/// and units and the end are not marked.
+/// Converts OpenMetrics to the text format of Prometheus, version 0.0.4: a counter's family has the name of its samples, an info
+/// is a gauge, and there are no units and no end mark.
 fn in_text_format(open_metrics: &str) -> String {
     let mut text = String::with_capacity(open_metrics.len());
     let mut help = "";
@@ -68,7 +69,7 @@ fn written(figures: &Figures, snapshot: &Snapshot) -> Result<String, fmt::Error>
     Ok(text)
 }
 
-/// How everything stands.
+/// Figures of the present state.
 fn register_state(snapshot: &Snapshot, to: &mut Registry) {
     let mission = &snapshot.mission;
     let number = Gauge::<u64, AtomicU64>::default();

@@ -1,4 +1,4 @@
-//! What `/metrics` says, and that its page, the dashboard and the tables of commands and doors say the same.
+//! The contents of `/metrics`, and that its page, the dashboard and the tables of commands and doors agree with them.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -10,15 +10,15 @@ use crate::api::{documented, door};
 use crate::doors::http::testing::{app, text};
 use crate::runtime::figures::{self, OTHER};
 
-/// What stands in the text of one family.
+/// The text of one family, parsed.
 #[derive(Debug, Default)]
 struct Family {
     kind: String,
     unit: String,
     help: String,
-    /// The names of its samples, as `hallsweep_steps_total`.
+    /// Names of its samples, such as `hallsweep_steps_total`.
     samples: BTreeSet<String>,
-    /// The labels with their values, in their order.
+    /// The labels with their values, in order.
     labels: BTreeMap<String, Vec<String>>,
 }
 
@@ -26,7 +26,7 @@ fn shown() -> String {
     written(&Figures::default(), &searching()).unwrap()
 }
 
-/// A line that is no comment: its name, its labels, its value.
+/// A line that is not a comment: its name, its labels, its value.
 fn sample(line: &str) -> (String, Vec<(String, String)>, f64) {
     let (series, value) = line.rsplit_once(' ').unwrap();
     let (name, labels) = series.split_once('{').unwrap_or((series, ""));
@@ -67,7 +67,7 @@ fn value(text: &str, series: &str) -> Option<f64> {
 
 #[tokio::test]
 async fn it_is_the_text_of_open_metrics_to_its_end_for_whoever_prefers_that() {
-    // What Prometheus 3 sends.
+    // The header of Prometheus 3.
     let wish = "application/openmetrics-text;version=1.0.0;escaping=allow-utf-8;q=0.5,application/openmetrics-text;version=0.0.1;q=0.4,\
                 text/plain;version=1.0.0;escaping=allow-utf-8;q=0.3,text/plain;version=0.0.4;q=0.2,*/*;q=0.1";
     let response = app(searching()).send("GET", "/metrics", &[("accept", wish)], "").await;
@@ -95,7 +95,7 @@ async fn it_is_the_text_of_prometheus_for_everybody_else() {
     }
 }
 
-/// As https://prometheus.io/docs/practices/naming has it.
+/// By https://prometheus.io/docs/practices/naming.
 #[test]
 fn every_family_has_a_name_by_the_conventions_a_unit_and_a_meaning() {
     for (name, Family { kind, unit, help, samples, .. }) in families(&shown()) {
@@ -159,7 +159,7 @@ fn the_documentation_shows_the_figures_as_they_are() {
             "info" => "_info",
             _ => "",
         };
-        // What differs from machine to machine is named alone, as are the bounds of the buckets.
+        // Values that differ between machines are documented by name only, and so are the bounds of buckets.
         let open = ["le", "robot", "version"];
         let values = |values: &[String]| values.iter().map(|value| format!("`{value}`")).collect::<Vec<_>>().join(" ");
         let said = |(label, known): (&String, &Vec<String>)| {

@@ -1,5 +1,5 @@
-//! Missions as they are kept, under `/api/v1/missions`: their list, one of them, its map, and what happened in it. The present
-//! one is among them. The pages for people are in `console::missions`.
+//! Stored missions under `/api/v1/missions`, the present one included: their list, one of them, its map, and its events. The
+//! pages for people are in `console::missions`.
 
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, header};
@@ -23,19 +23,20 @@ use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{MissionId, Seq};
 
-/// Missions in one answer, unless asked otherwise: a page of them.
+/// Default number of missions in one answer.
 pub(super) const MISSIONS: u64 = 20;
 
-/// The most missions in one answer.
+/// Maximum number of missions in one answer.
 pub(super) const MOST_MISSIONS: u64 = 100;
 
-/// Events in one answer, unless asked otherwise, and the most there are: some 100 KiB of JSON.
+/// Default and maximum number of events in one answer: some 100 KiB of JSON.
 pub(super) const EVENTS: u64 = 1000;
 
-/// Entries of which a retrieval is told: many times what one takes.
+/// Maximum number of entries read for a retrieval: many times what one takes.
 const RETRIEVAL: usize = 1000;
 
-/// So often is looked further for commands before a page is shown with what there is: it bounds what one request costs.
+/// Maximum number of reads for one page of commands, which bounds the cost of a request; after that the page is shown with what
+/// was found.
 const LOOKS: usize = 10;
 
 const JSON: &str = "application/json";
@@ -56,7 +57,7 @@ pub(super) async fn mission(State(door): State<HttpDoor>, Number(id): Number, he
     Ok(by_content(&headers, JSON, json(&MissionWholeJson::new((&record).into(), state.as_ref(), damage))))
 }
 
-/// `GET missions/{id}/moment`: how it stood after its last entry up to one of them, or after its last.
+/// `GET missions/{id}/moment`: the state after its last entry up to a given one, or after its last.
 pub(super) async fn moment(
     State(door): State<HttpDoor>,
     Number(id): Number,
@@ -69,12 +70,12 @@ pub(super) async fn moment(
     Ok(by_content(&headers, JSON, json(&MomentJson::new(MissionId(id), &past, wall, damage))))
 }
 
-/// The entry after which a moment is asked for.
+/// The entry of the requested moment.
 pub(super) fn at(query: &Query) -> Result<Option<Seq>, Problem> {
     Ok(query.count("at", 1..=MOST)?.map(Seq))
 }
 
-/// How a mission stood at these moments.
+/// The states of a mission at these moments.
 pub(super) async fn stood<const N: usize>(door: &HttpDoor, id: u64, at: [At; N]) -> Result<[Moment; N], Problem> {
     let mission = MissionId(id);
     let found = door.archive.look_up(move |archive| match archive.mission(mission)? {
@@ -86,7 +87,7 @@ pub(super) async fn stood<const N: usize>(door: &HttpDoor, id: u64, at: [At; N])
     moments.try_into().map_err(|moments| Problem::not_found(unkept(moments)))
 }
 
-/// `GET missions/{id}/timeline`: those of its events that stand on the line of time, oldest first.
+/// `GET missions/{id}/timeline`: its events that are on the timeline, oldest first.
 pub(super) async fn timeline(
     State(door): State<HttpDoor>,
     Number(id): Number,
@@ -113,14 +114,14 @@ pub(super) async fn events(
     listed(&door, id, &query, &headers, ("events", entries)).await
 }
 
-/// Which entries a list is of.
+/// Selects the entries of a list.
 pub(super) type Which = fn(&dyn Archive, MissionId, Seq, usize) -> Result<Vec<Happened>, Unreadable>;
 
 fn entries(archive: &dyn Archive, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
     archive.entries(mission, Span::after(after), most)
 }
 
-/// A list of what happened in a mission, which goes on under this name.
+/// A list of a mission's events, whose next page is under this name.
 async fn listed(
     door: &HttpDoor,
     id: u64,
@@ -152,12 +153,12 @@ pub(super) async fn map(State(door): State<HttpDoor>, Number(id): Number, header
     Ok(response)
 }
 
-/// `GET missions/{id}/retrieval`: what happened in it, and what its trees did.
+/// `GET missions/{id}/retrieval`: its events, and the ticks of its trees.
 pub(super) async fn retrieval(State(door): State<HttpDoor>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
     Ok(by_content(&headers, JSON, json(&retrieved(&door, id).await?)))
 }
 
-/// The last retrieval of a mission, from its record; put together where the record is read, a few at once.
+/// The last retrieval of a mission, from its record; assembled on the thread that reads, a few at once.
 pub(super) async fn retrieved(door: &HttpDoor, id: u64) -> Result<RetrievalRecordJson, Problem> {
     let mission = MissionId(id);
     let found = door.archive.look_up(move |archive| match archive.mission(mission)? {
@@ -185,7 +186,7 @@ pub(super) fn after(query: &Query) -> Result<Seq, Problem> {
     Ok(Seq(query.count("after", 0..=MOST)?.unwrap_or(0)))
 }
 
-/// The newest missions before one, and before which the next page begins.
+/// The newest missions before a given one, and the one before which the next page begins.
 pub(super) async fn newest(
     door: &HttpDoor,
     before: Option<MissionId>,
@@ -201,13 +202,13 @@ pub(super) async fn newest(
 
 pub(super) struct RecordedMission {
     pub(super) record: MissionRecord,
-    /// What stood when it was put away, or stands now.
+    /// The state when it was put away, or its present state.
     pub(super) state: Option<PersistentState>,
-    /// What of that cannot be understood, a sentence each.
+    /// Sentences about the parts that cannot be read.
     pub(super) damage: Vec<String>,
 }
 
-/// A mission, and what stood when it was put away or stands now.
+/// A mission, with the state when it was put away, or its present state.
 pub(super) async fn recorded(door: &HttpDoor, id: u64) -> Result<RecordedMission, Problem> {
     let mission = MissionId(id);
     let found = door.archive.look_up(move |archive| Ok((archive.mission(mission)?, archive.state(mission)?))).await?;
@@ -216,12 +217,12 @@ pub(super) async fn recorded(door: &HttpDoor, id: u64) -> Result<RecordedMission
     Ok(RecordedMission { record: record.ok_or_else(|| unknown(id))?, state, damage })
 }
 
-/// What happened in a mission after an entry, oldest first, and after which entry the next page begins.
+/// Events of a mission after an entry, oldest first, and the entry after which the next page begins.
 pub(super) async fn happened(door: &HttpDoor, id: u64, after: Seq, limit: u64) -> Result<(Vec<Happened>, Option<Seq>), Problem> {
     of_these(door, id, after, limit, entries).await
 }
 
-/// The same of some kinds of entries.
+/// Like `happened`, for some kinds of entries.
 pub(super) async fn of_these(
     door: &HttpDoor,
     id: u64,
@@ -241,8 +242,8 @@ pub(super) async fn of_these(
     Ok((entries, next))
 }
 
-/// What `is_wanted` of a mission's entries after one of them, and what cannot be understood; at least so many where there are, and
-/// where to go on looking.
+/// Entries of a mission after a given one that are wanted or cannot be read; at least `least` if there are as many, and where to
+/// continue.
 pub(super) async fn wanted(
     door: &HttpDoor,
     id: u64,
@@ -299,7 +300,7 @@ mod tests {
         json
     }
 
-    /// It is a problem, said in words that have these among them.
+    /// Expects a problem with these words.
     async fn check(app: &TestApp, path: &str, status: u16, words: &str) {
         let (got, problem) = read(app.get(&format!("/api/v1{path}")).await).await;
         assert_eq!(got.as_u16(), status, "{path}: {problem}");

@@ -1,5 +1,5 @@
-//! The HTTP door: JSON under `/api/v1`, the operator's console at `/`, the old console's routes. It turns requests into
-//! commands and snapshots into answers; it decides nothing about the mission.
+//! The HTTP door: JSON under `/api/v1`, the operator's console at `/`, the routes of the old console. It turns requests into
+//! commands and snapshots into answers, and decides nothing about the mission.
 
 mod accept;
 mod assets;
@@ -62,10 +62,11 @@ use crate::runtime::simulator::Simulator;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::state::Participant;
 
-/// Streams open at once, the console's and the interface's together: every screen of a site, and a bound on what strangers cost.
+/// Maximum number of open streams of the console and the interface together: every screen of a site, and a bound on what
+/// strangers cost.
 pub const STREAMS: usize = 256;
 
-/// How far away from a bomb people must be where nobody says it, in metres: the default of the setting.
+/// Default distance from a bomb that people must keep, in metres, as in the settings.
 const EVACUATION_M: f64 = 100.0;
 
 /// What the door needs of the program. Cheap to clone.
@@ -85,25 +86,25 @@ pub struct HttpDoor {
     strangers: Arc<Lines>,
     cookie: Arc<str>,
     mqtt: Option<Hall>,
-    /// The side of a cell, in metres, where it is known.
+    /// The side of a cell in metres, if it is known.
     cell_m: Option<f64>,
-    /// Whether the map is counted by time alone.
+    /// Whether the map is reckoned from driving times alone.
     is_reckoned: bool,
-    /// How far away from a bomb people must be, in metres.
+    /// Distance from a bomb that people must keep, in metres.
     evacuation_m: f64,
     robots: Arc<[Participant]>,
     began: Arc<console::Began>,
     timelines: Arc<console::Timelines>,
-    /// By which the core decides what is too hot.
+    /// Tells the temperature that counts as too hot.
     settings: Settings,
-    /// Where the robot that searches is simulated.
+    /// Present when the searching robot is simulated.
     simulator: Option<Arc<dyn Simulator>>,
-    /// Halls are read one after the other.
+    /// Makes uploaded halls be read one after the other.
     halls: Arc<Semaphore>,
 }
 
 impl HttpDoor {
-    /// A door to the loop behind `handle`; `hall` is the name on the page, `access` says who is let in.
+    /// A door to the loop behind `handle`; `hall` is the name on the page, `access` decides who is admitted.
     pub fn new(handle: Handle, archive: Reader, hall: &str, access: Access) -> HttpDoor {
         HttpDoor {
             handle,
@@ -132,12 +133,11 @@ impl HttpDoor {
         }
     }
 
-    /// The same with a simulator in hand.
     pub fn with_simulator(self, simulator: Option<Arc<dyn Simulator>>) -> HttpDoor {
         HttpDoor { simulator, ..self }
     }
 
-    /// The name of the hall, and the side of its cells in metres, where that is known.
+    /// Name of the hall, and the side of its cells in metres, if that is known.
     fn hall(&self) -> (Arc<str>, Option<f64>) {
         match &self.simulator {
             Some(simulator) => {
@@ -153,7 +153,8 @@ impl HttpDoor {
         HttpDoor { mqtt, ..self }
     }
 
-    /// The same at this port, by which the cookies of several instances on one host are told apart: browsers do not look at ports.
+    /// The door at this port, which is part of the cookie's name: browsers ignore ports, so several instances on one host would
+    /// share a cookie.
     fn at(self, port: u16) -> HttpDoor {
         HttpDoor { cookie: sign_in::cookie_name(port), ..self }
     }
@@ -166,27 +167,27 @@ impl HttpDoor {
         &self.cookie
     }
 
-    /// The same, of a hall whose cells have sides of this many metres, where that is known.
+    /// Sets the side of the hall's cells in metres, if that is known.
     pub fn with_cells_of(self, cell_m: Option<f64>) -> HttpDoor {
         HttpDoor { cell_m, ..self }
     }
 
-    /// Says whether the robot counts its way by time alone.
+    /// Sets whether the robot measures its path by time alone.
     pub fn with_reckoning(self, is_reckoned: bool) -> HttpDoor {
         HttpDoor { is_reckoned, ..self }
     }
 
-    /// The same, with people this far away from a bomb, in metres.
+    /// Sets the distance from a bomb that people must keep, in metres.
     pub fn with_evacuation_of(self, evacuation_m: f64) -> HttpDoor {
         HttpDoor { evacuation_m, ..self }
     }
 
-    /// The same, with these robots, the one that searches first.
+    /// Sets the robots, the searching one first.
     pub fn with_robots(self, robots: Arc<[Participant]>) -> HttpDoor {
         HttpDoor { robots, ..self }
     }
 
-    /// The same, before a core with these settings.
+    /// Sets the settings of the core behind this door.
     pub fn with_settings(self, settings: Settings) -> HttpDoor {
         HttpDoor { settings, ..self }
     }
@@ -197,14 +198,14 @@ impl HttpDoor {
     }
 }
 
-/// A request that comes from this address, encrypted or not: the accept loop says so of every one, and whoever asks the router
-/// without it must, too.
+/// Marks a request with the address it comes from, and whether it was encrypted. The accept loop marks every request, and a
+/// direct caller of the router must, too.
 pub fn coming_from<B>(mut request: Request<B>, address: IpAddr, is_encrypted: bool) -> Request<B> {
     request.extensions_mut().insert(peer::Peer { address, is_encrypted });
     request
 }
 
-/// Every route, with what stands in front of all of them. Every request must be `coming_from` somewhere.
+/// Every route behind the guard. Every request must be `coming_from` somewhere.
 pub fn router(door: &HttpDoor, hosts: Hosts) -> Router {
     guard::guarded(routes::routes(door), hosts, door)
 }

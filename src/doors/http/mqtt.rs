@@ -1,5 +1,5 @@
-//! `/mqtt`: MQTT over WebSocket, for web clients. The bytes in its messages are handed on as one stream; what is said in it is not
-//! this door's business, and neither is whom it lets in who shows nothing here.
+//! `/mqtt`: MQTT over WebSocket, for web clients. The bytes of its messages are passed on as one stream; the broker handles what
+//! they say, and admits clients without a key or not.
 
 use std::fmt;
 use std::io;
@@ -27,25 +27,26 @@ use super::problem::Problem;
 use crate::access::{Access, Caller};
 use crate::doors::vestibule::Vestibule;
 
-/// How web clients call what they speak (MQTT 3.1.1 §6).
+/// Name of the subprotocol (MQTT 3.1.1 §6).
 const PROTOCOL: &str = "mqtt";
 
-/// So much waits between the two streams, each way, in bytes.
+/// Buffer between the two streams in each direction, in bytes.
 const BETWEEN: usize = 64 * 1024;
 
-/// So much of a client's is read at once, in bytes: that room is taken for each, whether or not it says anything.
+/// Bytes read from a client at once: this buffer is allocated for each client, even a silent one.
 const READ: usize = 4 * 1024;
 
-/// The longest message of a client, in bytes: the longest packet of MQTT it may send, and something over.
+/// Maximum size of a client's message in bytes: the largest MQTT packet it may send, and a margin.
 const LONGEST: usize = 512 * 1024;
 
-/// So much waits for a client that reads nothing, answers to its pings included, in bytes: a message of the broker has room beside them.
+/// Maximum number of bytes waiting for a client that reads nothing, including answers to its pings: a message of the broker has
+/// room beside them.
 const UNREAD: usize = 3 * BETWEEN;
 
-/// So long what is left for a client may take to get to it after the broker has let go of it, and so long a farewell.
+/// Time for delivering the remaining bytes to a client after the broker has dropped it, and for the closing message.
 const FAREWELL: Duration = Duration::from_secs(1);
 
-/// So many may still be on their way out when the broker, which bounds how many it has, has let go of them.
+/// Maximum number of connections that are still closing after the broker, which bounds its own clients, has dropped them.
 const LEAVING: usize = 64;
 
 /// A web client that wants to speak MQTT.
@@ -53,12 +54,12 @@ const LEAVING: usize = 64;
 pub struct IncomingConnection {
     pub stream: Carried,
     pub from: IpAddr,
-    /// Who it is, if it has signed in to the console.
+    /// The client's identity, if it has signed in to the console.
     pub caller: Option<Caller>,
     pub access: Access,
 }
 
-/// The broker's end of what is carried. When it is dropped, the connection ends, whether or not the client reads what is left for it.
+/// The broker's end of a connection. Dropping it ends the connection, whether or not the client reads what is left.
 #[derive(Debug)]
 pub struct Carried {
     stream: DuplexStream,
@@ -85,11 +86,11 @@ impl AsyncWrite for Carried {
     }
 }
 
-/// Where web clients are brought.
+/// Where web clients are sent.
 #[derive(Clone)]
 pub struct Hall {
     receive: Arc<dyn Fn(IncomingConnection) + Send + Sync>,
-    /// Of those whom the broker has let go of.
+    /// Connections that the broker has dropped.
     leaving: Vestibule,
 }
 
@@ -105,8 +106,8 @@ impl fmt::Debug for Hall {
     }
 }
 
-/// `GET mqtt`. A browser lets any page of the world open a WebSocket and sends the cookies along, so pages of other origins are
-/// refused here as they are when they post.
+/// `GET mqtt`. A browser lets any page open a WebSocket and sends the cookies along, so pages of other origins are refused here
+/// as they are when they post.
 pub(super) async fn mqtt(
     State(door): State<HttpDoor>,
     peer: Peer,
@@ -145,8 +146,8 @@ pub(super) async fn mqtt(
         .into_response())
 }
 
-/// Carries bytes both ways until either side ends; neither way waits for the other. A client that reads slowly does not keep the
-/// connection longer than the broker does.
+/// Copies bytes both ways until either side ends; neither direction waits for the other. A client that reads slowly does not keep
+/// the connection longer than the broker does.
 async fn carry((socket, address): (WebSocket, IpAddr), stream: DuplexStream, gone: (oneshot::Receiver<()>, Vestibule)) {
     let (from, to) = tokio::io::split(stream);
     let (mut send, receive) = socket.split();
@@ -155,7 +156,7 @@ async fn carry((socket, address): (WebSocket, IpAddr), stream: DuplexStream, gon
             () = inward(receive, to) => {}
             () = outward(from, &mut send) => {}
         }
-        // Whoever is gone already needs no farewell.
+        // A client that is gone needs no closing message.
         let _ = tokio::time::timeout(FAREWELL, send.send(Message::Close(None))).await;
     };
     tokio::select! {
@@ -164,7 +165,7 @@ async fn carry((socket, address): (WebSocket, IpAddr), stream: DuplexStream, gon
     }
 }
 
-/// Waits until a client had its time to read what was left for it when the broker let go of it, or has to make room for others.
+/// Waits until a client that the broker dropped had its time to read the rest, or has to make room for others.
 async fn left((let_go, leaving): (oneshot::Receiver<()>, Vestibule), address: IpAddr) {
     let _ = let_go.await;
     leaving.linger(address, tokio::time::sleep(FAREWELL)).await;
@@ -175,7 +176,7 @@ async fn inward(mut socket: SplitStream<WebSocket>, mut to: WriteHalf<DuplexStre
         let carried = match message {
             Message::Binary(bytes) => to.write_all(&bytes).await.is_ok(),
             Message::Ping(_) | Message::Pong(_) => true,
-            // Text is no MQTT (§6).
+            // Text messages are not MQTT (§6).
             Message::Text(_) | Message::Close(_) => false,
         };
         if !carried {
@@ -190,7 +191,7 @@ async fn outward(mut from: ReadHalf<DuplexStream>, socket: &mut SplitSink<WebSoc
         if socket.send(Message::Binary(bytes.split().freeze())).await.is_err() {
             return;
         }
-        // Whoever is told much is told it in fewer messages.
+        // A client that receives much gets it in fewer messages.
         bytes.reserve(if read < READ { READ } else { BETWEEN });
     }
 }
@@ -202,7 +203,7 @@ mod tests {
     use super::*;
     use crate::runtime::within::within;
 
-    /// Safety A5: however many come and go, and however little they read.
+    /// Safety A5: however many clients come and go, and however little they read.
     #[tokio::test(start_paused = true)]
     async fn of_those_who_were_let_go_of_and_read_nothing_so_many_are_waited_for() {
         let leaving = Vestibule::new(LEAVING);

@@ -1,5 +1,5 @@
-//! The old console's routes (mission §8): bare POSTs whose path is the whole command; what their body holds is not read.
-//! A browser that posted a form is sent back to the page, a program gets the answer of the interface.
+//! The old console's routes (mission §8): POSTs whose path is the whole command; their body is not read. A browser that posted a
+//! form is redirected to the page, a program gets the answer of the interface.
 
 use axum::http::{HeaderMap, Uri};
 use axum::response::{IntoResponse, Redirect, Response};

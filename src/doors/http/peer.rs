@@ -1,4 +1,4 @@
-//! Who is at the other end of a connection, and who sent a request.
+//! The other end of a connection, and the sender of a request.
 
 use std::net::IpAddr;
 use std::sync::Arc;
@@ -13,23 +13,22 @@ use crate::access::Caller;
 /// The other end of a connection. The accept loop puts it into every request.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Peer {
-    /// Its address, as the system says; what a proxy writes into headers is not believed.
+    /// Its address as the system reports it; headers written by a proxy are not trusted.
     pub(super) address: IpAddr,
-    /// Whether nobody between can read along.
+    /// Whether the connection is encrypted.
     pub(super) is_encrypted: bool,
 }
 
-/// Whoever sent a request, once the gate has let it through.
+/// The sender of a request that the gate has passed.
 pub(super) struct LetIn(pub(super) Caller);
 
 impl Peer {
-    /// The address for records.
     pub(super) fn name(self) -> Arc<str> {
         Arc::from(self.address.to_canonical().to_string())
     }
 }
 
-/// A route that was not put behind a gate lets nobody in.
+/// A route without a gate admits nobody.
 impl<S: Send + Sync> FromRequestParts<S> for LetIn {
     type Rejection = Problem;
 
@@ -46,7 +45,6 @@ impl<S: Send + Sync> FromRequestParts<S> for Peer {
     }
 }
 
-/// The values of the cookies of this name.
 pub(super) fn cookies<'a>(headers: &'a HeaderMap, cookie: &'a str) -> impl Iterator<Item = &'a str> {
     let cookies = headers.get_all(header::COOKIE).iter().filter_map(|value| value.to_str().ok());
     let pairs = cookies.flat_map(|value| value.split(';')).filter_map(|pair| pair.trim().split_once('='));

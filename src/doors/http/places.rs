@@ -1,5 +1,5 @@
-//! Places for connections that have said what they want: how many there are, how many of them one key or one network may have,
-//! and who gives way to a newcomer when there is none: whoever makes least progress. Those who have said nothing yet wait in the
+//! Places for connections whose first request has come: their number, the maximum for one key or network, and who gives way to a
+//! newcomer when all are taken: the connection with the least progress. Connections without a first request wait in the
 //! `vestibule`.
 
 mod queues;
@@ -16,18 +16,19 @@ use crate::access::{Access, Caller, Network, Role};
 use crate::doors::room::Room;
 use crate::doors::vestibule::RELIEF;
 
-/// Connections open at once: every stream there may be, and half as many again for requests beside them. A process has 1,024
-/// descriptors by default, and the vestibule, those who linger, the other doors and files need some too.
+/// Maximum number of open connections: every possible stream, and half as many again for requests. A process has 1,024
+/// descriptors by default, and the vestibule, closing connections, the other doors and files need some too.
 pub(super) const PLACES: usize = 640;
 
-/// Where keys tell people apart, one key, and one network but this machine itself, has one in so many of all places,
+/// With keys, the largest share of all places for one key, and for one network other than this machine: one in this many.
 const PARTS: usize = 4;
 
-/// and one in so many is kept for operators, who may not be there yet.
+/// Share of places reserved for operators, who may not be connected yet: one in this many.
 const KEPT: usize = 8;
 
-/// A connection that was cut is closed where answers are made, which may be late: so many may be on their way out before nobody else is
-/// let in, and as many again for whoever says STOP and for operators. So what a flood opens and loses costs no more than this.
+/// Maximum number of cut connections that are not closed yet. They are closed on the threads that answer, which may be late:
+/// beyond this number nobody is admitted, and as many again are allowed for whoever says STOP and for operators. This bounds what
+/// a flood can cost.
 const LEAVING: usize = 32;
 
 /// All places of the door. Cheap to clone.
@@ -36,15 +37,15 @@ pub(super) struct Places(Arc<Mutex<Occupancy>>);
 
 struct Occupancy {
     most: usize,
-    /// How many of those who were cut may be on their way out.
+    /// Maximum number of cut connections that are not closed yet.
     leaving: usize,
     has_shares: bool,
-    /// Counts everything that happens here, so that what is older has the lesser number.
+    /// Counts all events, so that an older one has the smaller number.
     moments: u64,
-    /// Places that were given and not left, those that were cut included.
+    /// Places in use, including those of cut connections that are not closed yet.
     held: usize,
     occupants: HashMap<u64, Occupant>,
-    /// The order in which they give way: looking through all of them for each newcomer would keep STOPs of others waiting.
+    /// The order in which connections give way: searching all of them for each newcomer would delay STOPs of others.
     queues: Queues,
 }
 
@@ -52,7 +53,7 @@ struct Occupancy {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Claim {
     network: Network,
-    /// Nothing of strangers.
+    /// `None` for strangers.
     who: Option<Who>,
 }
 
@@ -65,7 +66,7 @@ struct Occupant {
     open: u64,
     is_receiving: bool,
     is_watching: bool,
-    /// When it last came further.
+    /// Time of its last progress.
     since: u64,
     cut: Arc<Notify>,
 }
@@ -74,21 +75,21 @@ struct Occupant {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Stage {
     Resting,
-    /// A body is on its way, however slowly.
+    /// A body is arriving, however slowly.
     Receiving,
     Answering,
     /// An endless answer: it does not give way, and there are fewer of them than places.
     Watching,
 }
 
-/// One connection's place; it is free again when this is dropped.
+/// One connection's place, free again when this is dropped.
 pub(super) struct Place {
     number: u64,
     places: Places,
 }
 
 impl Claim {
-    /// Whoever asks from there; nobody is known by a request without a key.
+    /// The sender's claim from this address; a request without a key is a stranger's.
     pub(super) fn new(address: IpAddr, caller: Option<&Caller>) -> Claim {
         let who = caller.map(|caller| (caller.name(), caller.role() == Role::Operator));
         Claim { network: Network::of(address), who }
@@ -109,15 +110,15 @@ impl Claim {
 }
 
 impl Places {
-    /// So many places, all free. Where nobody signs in there are no shares.
+    /// Creates `most` free places. Without keys there are no shares.
     pub(super) fn new(most: usize, room: Room, access: &Access) -> Places {
         let (most, leaving, has_shares) = (room.part(most), room.part(LEAVING), matches!(access, Access::Keys(_)));
         let (occupants, queues) = (HashMap::new(), Queues::default());
         Places(Arc::new(Mutex::new(Occupancy { most, leaving, has_shares, moments: 0, held: 0, occupants, queues })))
     }
 
-    /// A place; somebody else's, who is told by `cut`, when none is free. `None` when nobody can give way, or too many who had to have
-    /// not gone yet.
+    /// Takes a place. When none is free, another connection is told by `cut` to give its own up. `None` when nobody can give way,
+    /// or too many cut connections are not closed yet.
     pub(super) fn take(&self, claim: Claim, says_stop: bool, cut: Arc<Notify>) -> Option<Place> {
         let mut occupancy = self.occupancy();
         let is_heeded = says_stop || occupancy.has_shares && claim.is_operator();
@@ -133,7 +134,7 @@ impl Places {
         Some(Place { number, places: self.clone() })
     }
 
-    /// Cuts some connections that can give way, when the system has no more descriptors, and says how many.
+    /// Cuts some connections that can give way, when the system has no more descriptors; returns their number.
     pub(super) fn relieve(&self) -> usize {
         let mut occupancy = self.occupancy();
         (0..RELIEF).map_while(|_| occupancy.queues.of_all().1.filter(|first| occupancy.cut(Some(*first)))).count()
@@ -166,7 +167,7 @@ impl Occupancy {
         Some(occupant)
     }
 
-    /// Whoever has his share full takes the place of one of his own, and nobody but an operator takes an operator's.
+    /// A key or network with a full share replaces one of its own connections, and only an operator may replace an operator.
     fn make_room(&mut self, claim: &Claim) -> bool {
         let (most, has_shares) = (self.most, self.has_shares);
         if has_shares {
@@ -181,12 +182,12 @@ impl Occupancy {
         self.occupants.len() < most || self.cut(first)
     }
 
-    /// Whether there is room for one more of so many, after the first of them gave way if need be.
+    /// Whether there is room for one more among `most`, after cutting the first of them if necessary.
     fn bounded(&mut self, most: usize, (many, first): (usize, Option<Turn>)) -> bool {
         many < most || self.cut(first)
     }
 
-    /// A connection has shown another key than before: when there are too many of that now, one of them gives way.
+    /// Applies the share of a key that a connection shows later: if the key has too many now, one of its connections is cut.
     fn keep_share(&mut self, claim: &Claim) {
         if self.has_shares {
             self.bounded(self.most / PARTS + 1, self.queues.of_key(claim));
@@ -202,7 +203,7 @@ impl Occupancy {
 }
 
 impl Occupant {
-    /// When it gives way, under this number.
+    /// Its position in the order of giving way.
     const fn turn(&self, number: u64) -> Turn {
         Turn { rank: self.claim.rank(), stage: self.stage(), since: self.since, number }
     }
@@ -218,7 +219,7 @@ impl Occupant {
 }
 
 impl Place {
-    /// A head has come, whose body follows or not. A body that comes slowly is no progress.
+    /// A head has come, with or without a body. A body that comes slowly is no progress.
     pub(super) fn asked(&self, claim: Claim, has_body: bool) {
         let mut is_another = false;
         self.change(true, |occupant| {
@@ -235,17 +236,16 @@ impl Place {
         self.change(true, |occupant| occupant.is_receiving = false);
     }
 
-    /// The answer to a request has no end.
     pub(super) fn watches(&self) {
         self.change(false, |occupant| occupant.is_watching = true);
     }
 
-    /// The connection speaks another protocol from now on: its place is free, and nobody needs to cut it.
+    /// The connection changes to another protocol: its place is free, and it need not be cut any more.
     pub(super) fn hands_over(&self) {
         let _ = self.places.occupancy().rise(self.number);
     }
 
-    /// Something of an answer was taken to be sent.
+    /// A part of an answer was accepted for sending.
     pub(super) fn sends(&self) {
         self.change(true, |_| {});
     }

@@ -1,4 +1,4 @@
-//! Who gives way to whom.
+//! Tests of who gives way to whom.
 
 use std::collections::VecDeque;
 
@@ -10,7 +10,7 @@ use crate::access::Keyring;
 
 const HERE: &str = "127.0.0.1";
 
-/// Somebody with a place, or none if he has lost it.
+/// A connection with a place, or without one if it has lost it.
 struct Somebody {
     place: Option<Place>,
     claim: Claim,
@@ -25,7 +25,7 @@ fn keyed(most: usize) -> Places {
     Places::new(most, Room::default(), &Access::Keys(Keyring::in_memory().unwrap()))
 }
 
-/// Comes from there with a request; `who` is the name of the key, an operator's when it says so.
+/// A connection from this address with a request; `who` names the key, and an operator's name begins with "operator".
 fn comes(places: &Places, from: &str, who: &str) -> Somebody {
     let who = (!who.is_empty()).then(|| (Arc::from(who), who.starts_with("operator")));
     let claim = Claim { network: Network::of(from.parse().unwrap()), who };
@@ -39,13 +39,13 @@ impl Somebody {
         self.place.as_ref().expect("there was a place")
     }
 
-    /// A request of his whose body is still to come.
+    /// Sends a request whose body is still to come.
     fn dribbles(self) -> Somebody {
         self.place().asked(self.claim.clone(), true);
         self
     }
 
-    /// A request of his that is being answered.
+    /// Sends a request that is being answered.
     fn asks(self) -> Somebody {
         self.place().asked(self.claim.clone(), false);
         self
@@ -56,7 +56,7 @@ impl Somebody {
     }
 }
 
-/// Safety S9: it is as good as one that never had a body.
+/// Safety S9: a complete body counts like no body.
 #[test]
 fn a_body_that_has_come_whole_is_none_that_is_on_its_way() {
     let places = open(2);
@@ -93,7 +93,7 @@ fn whoever_makes_least_progress_gives_way() {
     assert!(!watching.is_cut(), "an endless answer does not give way");
 }
 
-/// Safety S9: what comes slowly is no progress, however often something of it comes.
+/// Safety S9: a body that comes slowly is no progress, however often a part of it comes.
 #[test]
 fn two_thousand_bodies_that_do_not_come_keep_nobody_out() {
     let places = open(100);
@@ -232,7 +232,7 @@ fn a_key_that_is_shown_later_counts_for_its_share_too() {
     assert_eq!(connections.iter().filter(|connection| !connection.is_cut()).count(), 2, "a fourth of eight");
 }
 
-/// Safety S9, A5: what was cut and is not closed yet is bounded too.
+/// Safety S9, A5: the number of cut connections that are not closed yet is bounded, too.
 #[test]
 fn when_too_many_were_cut_and_are_not_gone_only_who_says_stop_gets_a_place() {
     let places = open(4);
@@ -247,7 +247,7 @@ fn when_too_many_were_cut_and_are_not_gone_only_who_says_stop_gets_a_place() {
     assert!(comes(&places, HERE, "operator").place.is_some(), "one has gone");
 }
 
-/// Safety S9: whatever happens in whichever order, who is found to give way first is who comes first of all that are looked through.
+/// Safety S9: after any sequence of events, the one found to give way is the first of all when they are searched.
 #[test]
 fn whoever_is_found_to_give_way_is_the_first_of_all() {
     let places = keyed(40);

@@ -1,5 +1,5 @@
-//! Addresses that hold under whatever prefix a proxy puts before this door's paths. The prefix is known to nobody here: so every
-//! redirect and every page is relative to the path that was asked for.
+//! Makes addresses work under any prefix that a proxy puts before this door's paths. The prefix is not known here, so every
+//! redirect and every page is relative to the requested path.
 
 use axum::body::{Body, HttpBody, to_bytes};
 use axum::extract::Request;
@@ -7,13 +7,13 @@ use axum::http::{HeaderValue, header};
 use axum::middleware::Next;
 use axum::response::Response;
 
-/// Tag behind which a page's `<base>` is inserted: templates write addresses relative to the root.
+/// Tag after which a page's `<base>` is inserted: templates use addresses relative to the root.
 const HEAD: &str = "<head>";
 
-/// A longer way back is not remembered.
+/// Maximum length of a return path in bytes.
 pub(super) const LONGEST_PATH: usize = 512;
 
-/// Makes redirects and a page's addresses relative to the path that was asked for.
+/// Makes redirects and the addresses of a page relative to the requested path.
 pub(super) async fn relative(request: Request, next: Next) -> Response {
     let root = root(request.uri().path());
     let mut response = next.run(request).await;
@@ -22,7 +22,7 @@ pub(super) async fn relative(request: Request, next: Next) -> Response {
     if let Some(leads) = leads.and_then(|path| HeaderValue::from_str(&format!("{root}{path}")).ok()) {
         headers.insert(header::LOCATION, leads);
     }
-    // A report is written while it is sent, and has no addresses.
+    // A report is streamed, and has no addresses.
     let is_whole = response.body().size_hint().exact().is_some();
     if root == "./" || !is_page(&response) || !is_whole {
         return response;
@@ -34,7 +34,7 @@ pub(super) async fn relative(request: Request, next: Next) -> Response {
     Response::from_parts(parts, Body::from(page))
 }
 
-/// Relative way from a path to the root; never empty, so that what follows cannot be read as a scheme or host.
+/// Relative path to the root; never empty, so that what follows cannot be read as a scheme or host.
 pub(super) fn root(path: &str) -> String {
     let folders = path.matches('/').count().saturating_sub(1);
     if folders == 0 { "./".to_owned() } else { "../".repeat(folders) }
@@ -44,8 +44,8 @@ pub(super) fn is_page(response: &Response) -> bool {
     response.headers().get(header::CONTENT_TYPE).is_some_and(|kind| kind.as_bytes().starts_with(b"text/html"))
 }
 
-/// Where to go after signing in: a path of this door, never another place. Steps up, which browsers also read from `%2e`, and
-/// slashes that a proxy alone takes for some would lead out of the prefix of a proxy.
+/// Where to go after signing in: a path of this door, never another site. Steps up, which browsers also read from `%2e`, and
+/// slashes that only a proxy decodes, would leave the prefix of a proxy.
 pub(super) fn local(next: Option<&str>) -> &str {
     let plain = |path: &str| path.to_ascii_lowercase().replace("%2e", ".");
     let steps_up = |path: &str| plain(path).contains("%2f") || plain(path).split(['/', '?', '#']).any(|part| part == "..");
@@ -65,7 +65,7 @@ mod tests {
 
     const BROWSER: (&str, &str) = ("accept", "text/html,application/xhtml+xml,*/*;q=0.8");
 
-    /// Where a browser looks for what a page calls `address`, when it asked for `path`.
+    /// Where a browser looks for `address` on the page at `path`.
     fn resolved(path: &str, base: &str, address: &str) -> String {
         let address = format!("{base}{address}");
         let mut at: Vec<&str> = path.split('/').collect();
@@ -97,7 +97,7 @@ mod tests {
         let mut pages = 0;
         for (method, path) in asked.chain(astray.map(|path| ("GET".to_owned(), path.to_owned()))) {
             let response = app.send(&method, &path, &[BROWSER], "").await;
-            // The bar is a part of pages.
+            // The bar is only part of a page.
             if !is_page(&response) || path == "/console/bar" {
                 continue;
             }

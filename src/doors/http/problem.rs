@@ -1,4 +1,5 @@
-//! How this door writes a problem: as `application/problem+json`, with the status that problem details have; and the problems that only it has.
+//! Writes problems as `application/problem+json`, with the status of the problem details; and the problems that only this door
+//! has.
 
 use axum::Extension;
 use axum::http::{HeaderValue, Method, StatusCode, Uri, header};
@@ -11,16 +12,16 @@ pub(super) use crate::doors::problem::Problem;
 use crate::phrases::Language;
 use hallsweep_core::command::{CODES, Refusal};
 
-/// Goes with a problem's answer, so that a person's browser can be shown a page instead of JSON.
+/// Added to a problem's answer, so that a browser can be shown a page instead of JSON.
 #[derive(Clone, Debug)]
 pub(super) struct Detail {
     pub(super) code: &'static str,
     pub(super) detail: String,
 }
 
-/// What a page says of a problem with this code: in English the detail, else a sentence of the language's own.
+/// The text of a problem on a page: its detail in English, otherwise a phrase of the language.
 pub(super) fn in_words(language: Language, code: &str, detail: &str) -> String {
-    // A piece that is not there is said so in the core's words, by whatever route it was asked for.
+    // A missing piece is reported in the core's words on every route.
     let refused = [code, "unknownLuggage"].map(|code| refusal(code, detail.to_owned()).refused());
     if let Some(refused) = refused.into_iter().flatten().next() {
         return language.refused(&refused);
@@ -29,12 +30,11 @@ pub(super) fn in_words(language: Language, code: &str, detail: &str) -> String {
     language.say_of("problem", code).with("detail", detail).to_string()
 }
 
-/// Goes with the answer to what this door did not take, so that the gate can put it on record.
+/// Added to the answer to a refused request, so that the gate can record it.
 #[derive(Clone, Debug)]
 pub(super) struct NotTaken(pub(super) Refusal);
 
 impl Problem {
-    /// It takes a key to be listened to.
     pub(super) fn not_signed_in() -> Problem {
         let detail = "nobody is signed in: send the header `Authorization: Bearer TOKEN`, or sign in at /sign-in; \
                       `hallsweep token` on its machine shows tokens"
@@ -42,66 +42,59 @@ impl Problem {
         Problem::new(("notSignedIn", ProblemKind::NotSignedIn), detail)
     }
 
-    /// A page of another origin sent it.
     pub(super) const fn foreign(detail: String) -> Problem {
         Problem::new(("foreignOrigin", ProblemKind::Forbidden), detail)
     }
 
-    /// The body came too slowly.
     pub(super) const fn too_slow(detail: String) -> Problem {
         Problem::new(TOO_SLOW, detail)
     }
 
-    /// It was sent to another name than this program's.
     pub(super) const fn misdirected(detail: String) -> Problem {
         Problem::new(("foreignHost", ProblemKind::Misdirected), detail)
     }
 
-    /// As many streams are open as there may be.
     pub(super) fn too_many_streams(most: usize) -> Problem {
         let detail =
             format!("{most} event streams are open, or this key has its share of them: close one, or read /api/v1/state");
         Problem::new(("tooManyStreams", ProblemKind::Unavailable), detail)
     }
 
-    /// So many runs of the laboratory are computed or wait for it.
     pub(super) fn too_many_runs(waiting: usize) -> Problem {
         let detail = format!("{waiting} runs of the laboratory are waited for: try again in a moment");
         Problem::new(("tooManyRuns", ProblemKind::Unavailable), detail)
     }
 
-    /// So many reports and records are written, or this key has its share of them.
     pub(super) fn too_many_reports(writing: usize) -> Problem {
         let detail = format!("{writing} reports and records are being sent: try again when one is done");
         Problem::new(("tooManyReports", ProblemKind::Unavailable), detail)
     }
 
-    /// Nobody gives way to one more connection; a STOP was heard before.
+    /// Nobody gives way to one more connection; a STOP in the request was carried out before.
     pub(super) fn no_place(has_halted: bool) -> Problem {
         let so = if has_halted { "; the STOP that came with it has halted the robot" } else { "" };
         let detail = format!("every place for a connection is taken by others who are at it{so}: try again in a moment");
         Problem::new(("noPlace", ProblemKind::Unavailable), detail)
     }
 
-    /// This machine's clock stands where no answer can be dated; a STOP was heard before.
+    /// This machine's clock is so wrong that no answer can be dated; a STOP in the request was carried out before.
     pub(super) fn no_date(has_halted: bool) -> Problem {
         let so = if has_halted { "; the STOP that came with it has halted the robot" } else { "" };
         let detail = format!("the clock of the machine stands before 1970, and nothing is served until it is set{so}");
         Problem::new(("noDate", ProblemKind::Unavailable), detail)
     }
 
-    /// A mistake in the program ended this request, and this request only.
+    /// A panic ended this request, and no other.
     pub(super) fn internal() -> Problem {
         let detail = "a mistake in hallsweep ended this request; its log says more".to_owned();
         Problem::new(("internal", ProblemKind::Internal), detail)
     }
 
-    /// What a page says of it.
     pub(super) fn in_words(&self, language: Language) -> String {
         in_words(language, self.code(), self.detail())
     }
 
-    /// Its answer to whoever reads this language. What goes on record stays as it is.
+    /// Its answer in this language. The record stays in English.
     pub(super) fn told(self, language: Language) -> Response {
         let said = self.in_words(language);
         let mut response = self.clone().saying(said).into_response();
@@ -117,7 +110,7 @@ impl Problem {
         StatusCode::from_u16(self.kind().status().0).expect("the statuses of problem details are those of HTTP")
     }
 
-    /// Tells the gate what is to go on record: whatever the sender did wrong and the core never saw.
+    /// Tells the gate what to record: whatever the sender did wrong and the core never saw.
     pub(super) fn tell_gate(&self, response: &mut Response) {
         if self.status().is_client_error() && self.is_for_record() {
             response.extensions_mut().insert(NotTaken(self.refusal()));
@@ -136,20 +129,20 @@ impl IntoResponse for Problem {
     }
 }
 
-/// The answer where no route is.
+/// The answer to an unknown path.
 pub(super) async fn no_such_path(uri: Uri, pressed: Option<Extension<Pressed>>) -> Problem {
     let halted = halted(pressed.as_deref());
     Problem::not_found(format!("there is nothing at {}: the routes are listed in docs/http.md{halted}", in_short(uri.path())))
 }
 
-/// The answer where the route is but not for this method; the header `Allow` lists those it has.
+/// The answer to a known path with another method; the header `Allow` lists the allowed ones.
 pub(super) async fn no_such_method(method: Method, uri: Uri, pressed: Option<Extension<Pressed>>) -> Problem {
     let (path, method, halted) = (in_short(uri.path()), in_short(method.as_str()), halted(pressed.as_deref()));
     let detail = format!("{path} does not answer {method}: see the header Allow{halted}");
     Problem::no_method(detail)
 }
 
-/// What is said when a STOP was heard in a request that is refused.
+/// The sentence added when a STOP was recognised in a refused request.
 pub(super) fn halted(pressed: Option<&Pressed>) -> &'static str {
     if pressed.is_some_and(Pressed::is_there) { "; the STOP in it has halted the robot" } else { "" }
 }
@@ -164,7 +157,7 @@ mod tests {
     use hallsweep_core::phase::{FaultCause, PhaseName};
     use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId};
 
-    /// The codes that stand in the sources of this door, and those that every door has.
+    /// The codes in the sources of this door, and those of every door.
     fn codes() -> std::collections::BTreeSet<String> {
         let mut folders = vec![std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/doors/http")];
         let mut sources = vec![include_str!("../problem.rs").to_owned()];
@@ -209,7 +202,7 @@ mod tests {
         }
     }
 
-    /// One of each variant, in their order, and how the walk goes on; a new variant does not compile until it is added here.
+    /// Lists one value of each variant, in order; a new variant does not compile until it is added here.
     fn next(refused: Option<&Refused>) -> Option<Refused> {
         let id = LuggageId(3);
         Some(match refused {
@@ -241,7 +234,7 @@ mod tests {
             Some(Refused::NotKept) => Refused::OtherContent(CommandId::new("a-name").unwrap()),
             Some(Refused::OtherContent(_)) => Refused::UnknownSensor("roof".into()),
             Some(Refused::UnknownSensor(_)) => Refused::NotAllowed("a viewer sees, and stops".to_owned()),
-            // The one is said of buttons alone, and the other is any of those above.
+            // The first is used for buttons only, and the last can be any of those above.
             Some(Refused::NotAllowed(_) | Refused::NotOnRecord | Refused::Before(_)) => return None,
         })
     }
@@ -286,7 +279,7 @@ mod tests {
         }
     }
 
-    /// What this door refused is read back from the journal as it was written.
+    /// A refusal by this door is read back from the journal as it was written.
     #[test]
     fn what_the_door_refuses_is_known_again_after_a_restart() {
         let words = || "a sentence".to_owned();

@@ -1,4 +1,4 @@
-//! What stands after the `?` of an address: every value is checked, and no name is ignored, so that a mistyped one is seen.
+//! The query of an address: every value is checked, and no name is ignored, so that a mistyped one is noticed.
 
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -9,10 +9,10 @@ use axum::http::request::Parts;
 use super::problem::Problem;
 use crate::api::fields::in_short;
 
-/// The largest number that a store can count to.
+/// The largest number that the store can hold.
 pub(super) const MOST: u64 = i64::MAX as u64;
 
-/// The values by their names. They are numbers and plain words, so escapes are not undone.
+/// Values by name. They are numbers and plain words, so escapes are not decoded.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Query(BTreeMap<String, Vec<String>>);
 
@@ -34,12 +34,12 @@ impl Query {
         Query(values)
     }
 
-    /// Refuses every name but these, and each that is there twice.
+    /// Refuses every other name, and each of these that occurs twice.
     pub(super) fn only(&self, known: &[&str]) -> Result<(), Problem> {
         self.only_with_many(known, &[])
     }
 
-    /// Refuses every name but these, and of the first each that is there twice.
+    /// Refuses every other name, and each name of `once` that occurs twice.
     pub(super) fn only_with_many(&self, once: &[&str], many: &[&str]) -> Result<(), Problem> {
         for (name, values) in &self.0 {
             let is_single = once.contains(&name.as_str());
@@ -54,7 +54,7 @@ impl Query {
         Ok(())
     }
 
-    /// All values of a name that may be there more than once.
+    /// All values of a name that may occur more than once.
     pub(super) fn every(&self, name: &str) -> &[String] {
         self.0.get(name).map_or(&[], Vec::as_slice)
     }
@@ -63,7 +63,7 @@ impl Query {
         self.every(name).first()
     }
 
-    /// A whole number within `range` that may be absent.
+    /// An optional whole number within `range`.
     pub(super) fn count(&self, name: &str, range: RangeInclusive<u64>) -> Result<Option<u64>, Problem> {
         let Some(text) = self.first(name) else { return Ok(None) };
         let sound = text.parse().ok().filter(|number| range.contains(number));
@@ -74,7 +74,7 @@ impl Query {
         })
     }
 
-    /// One of these words, which may be absent.
+    /// An optional value out of these words.
     pub(super) fn word<'w>(&self, name: &str, words: &[&'w str]) -> Result<Option<&'w str>, Problem> {
         let Some(text) = self.first(name) else { return Ok(None) };
         let known = words.iter().find(|word| *word == text);

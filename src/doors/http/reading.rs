@@ -1,5 +1,5 @@
-//! Reading what a request carries: JSON bodies, form bodies and numbers in paths, bounded in size and time, every failure a
-//! `Problem` in words. What the fields mean stands in `crate::api::command`.
+//! Reads the contents of a request: JSON bodies, form bodies and numbers in paths, bounded in size and time; every failure is a
+//! `Problem` in words. The fields are in `crate::api::command`.
 
 use std::borrow::Cow;
 use std::io::Read;
@@ -18,49 +18,49 @@ use super::problem::Problem;
 use crate::api::commands::Payload;
 use crate::api::fields::{self, Body as Fields, Unread, in_short};
 
-/// The largest body that is read: a command is a few dozen bytes.
+/// Maximum size of a body in bytes: a command is a few dozen bytes.
 pub(super) const BODY_BYTES: usize = 16 * 1024;
 
-/// The largest that is read of a hall: a hall file of 250 × 250 cells. With its head it has room in what is heard ahead of the answers.
+/// Maximum size of a hall in bytes: a hall file of 250 × 250 cells. With its head it fits into the buffer that is read ahead of
+/// the answers.
 pub(super) const HALL_BYTES: usize = 64 * 1024;
 
-/// The largest file of a hall that comes packed, as a large image does.
+/// Maximum unpacked size of a compressed hall file in bytes, as for a large image.
 const UNPACKED_BYTES: u64 = 4 * 1024 * 1024;
 
-/// So much more may come with it in a form.
+/// Bytes allowed beside the hall in a form.
 const BESIDE_HALL: usize = 4 * 1024;
 
-/// So long a body may take before it is looked at how fast it comes,
+/// Time before the rate of a body is checked.
 const BODY_BEGIN: Duration = Duration::from_secs(2);
 
-/// and then so much of it must come in each second, in bytes: the largest is here or refused within six.
+/// Minimum rate of a body after that, in bytes a second: the largest one is complete or refused within six seconds.
 const BODY_RATE: usize = 4 * 1024;
 
-/// What came with a command, in JSON.
+/// The JSON of a command.
 pub(super) struct JsonPayload {
     headers: HeaderMap,
     body: Bytes,
 }
 
-/// The same where it may be as large as a hall.
+/// JSON that may be as large as a hall.
 pub(super) struct HallPayload(pub(super) JsonPayload);
 
-/// A file as it is, as large as a hall, or larger and packed.
+/// A file as it is, as large as a hall, or larger and compressed.
 pub(super) struct HallFile {
     bytes: Bytes,
     is_packed: bool,
 }
 
-/// The fields of a form.
 pub(super) struct Form<T>(pub(super) T);
 
-/// The same where one of them may be as large as a hall.
+/// The fields of a form, one of which may be as large as a hall.
 pub(super) struct HallForm<T>(pub(super) T);
 
-/// The name of a thing, from the path.
+/// A name in the path.
 pub(super) struct Named(pub(super) String);
 
-/// The number of a thing, from the path.
+/// A number in the path.
 pub(super) struct Number(pub(super) u64);
 
 impl<S: Send + Sync> FromRequest<S> for JsonPayload {
@@ -107,7 +107,7 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for HallForm<T> {
 }
 
 impl HallFile {
-    /// The file itself. It takes its time: not where others wait.
+    /// The unpacked file. Slow, so not to be called where others wait.
     pub(super) fn unpacked(&self) -> Result<Cow<'_, [u8]>, Problem> {
         if !self.is_packed {
             return Ok(Cow::Borrowed(&self.bytes));
@@ -140,7 +140,7 @@ impl Payload for JsonPayload {
         json(&self.headers, &self.body)
     }
 
-    /// An empty one is the default.
+    /// An empty body is the default.
     fn optional<T: Fields + Default>(&self) -> Result<T, Problem> {
         if self.body.is_empty() { Ok(T::default()) } else { json(&self.headers, &self.body) }
     }
@@ -155,13 +155,13 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for Form<T> {
     }
 }
 
-/// The fields of a form as browsers send most.
+/// The fields of a form in the usual encoding of browsers.
 async fn pairs<S: Send + Sync, T: DeserializeOwned>(headers: &HeaderMap, body: Bytes, state: &S) -> Result<T, Problem> {
     let read = axum::Form::<T>::from_request(whole(form_type(headers)?, body), state).await;
     read.map(|axum::Form(fields)| fields).map_err(|_| unreadable())
 }
 
-/// The fields of a form in parts: in them a hall is no longer than it is, while else every wall is three bytes.
+/// The fields of a multipart form, which keeps a hall at its size; the usual encoding takes three bytes for every wall.
 async fn parts<S: Send + Sync, T: DeserializeOwned>(headers: &HeaderMap, body: Bytes, state: &S) -> Result<T, Problem> {
     let media = headers.get(header::CONTENT_TYPE).cloned().ok_or_else(unreadable)?;
     let mut parts = Multipart::from_request(whole(media, body), state).await.map_err(|_| unreadable())?;
@@ -176,7 +176,7 @@ async fn parts<S: Send + Sync, T: DeserializeOwned>(headers: &HeaderMap, body: B
     serde_json::from_value(fields.into()).map_err(|_| unreadable())
 }
 
-/// A form that was read already, as a request again.
+/// Makes a request from a form that was read already.
 fn whole(media: HeaderValue, body: Bytes) -> Request {
     let mut whole = Request::new(Body::from(body));
     *whole.method_mut() = axum::http::Method::POST;
@@ -218,7 +218,7 @@ async fn body_of(request: Request, most: usize) -> Result<(HeaderMap, Bytes), Pr
     Ok((parts.headers, read(body, most).await?))
 }
 
-/// All of a body, unless it is too large or comes too slowly.
+/// Reads a whole body, unless it is too large or comes too slowly.
 async fn read(body: Body, most: usize) -> Result<Bytes, Problem> {
     let (mut pieces, mut read) = (body.into_data_stream(), BytesMut::new());
     let (mut span, mut before) = (BODY_BEGIN, None);
@@ -275,7 +275,7 @@ fn form_type(headers: &HeaderMap) -> Result<HeaderValue, Problem> {
     }
 }
 
-/// The named media type in small letters, without its parameters; text in anything but UTF-8 is not read.
+/// The media type in lower case, without its parameters; text in another charset than UTF-8 is refused.
 fn media_type(headers: &HeaderMap) -> Result<Option<String>, Problem> {
     let Some(named) = headers.get(header::CONTENT_TYPE) else { return Ok(None) };
     let named = String::from_utf8_lossy(named.as_bytes()).to_ascii_lowercase();
@@ -295,7 +295,7 @@ mod tests {
     use super::*;
     use futures_util::stream;
 
-    /// What becomes of a body of so many pieces, each of this size and this much after the last.
+    /// The result for a body of this many pieces, each of this size and this much after the last.
     async fn comes(pieces: usize, bytes: usize, after: Duration) -> Result<usize, u16> {
         let body = Body::from_stream(stream::unfold(0, move |sent| async move {
             tokio::time::sleep(after).await;

@@ -1,4 +1,4 @@
-//! What can be looked at under `/api/v1`, and `/healthz`. Nothing here changes anything.
+//! The readable resources under `/api/v1`, and `/healthz`. Nothing here changes anything.
 
 use std::convert::identity;
 use std::sync::Arc;
@@ -21,13 +21,13 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, NoPhoto};
 
-/// The forms of this door: each with what a client accepts, what it is sent as, and its word in tags.
+/// The forms of this door: the accepted range, the media type, and the word in tags.
 const FORMS: [(Form, &str, &str, &str); 2] = [
     (Form::Json, "application/json", "application/json", "json"),
     (Form::Text, "text/plain", "text/plain; charset=utf-8", "text"),
 ];
 
-/// A resource of the table, in JSON or, where it is there, as the text that is wanted.
+/// A resource of the table, in JSON or, if it has that form, as text when that is preferred.
 pub(super) fn resource(row: &Row, door: &HttpDoor, headers: &HeaderMap) -> Result<Response, Problem> {
     let forms = FORMS.iter().filter(|(form, ..)| row.forms.contains(form));
     let offers: Vec<&str> = forms.map(|(_, accepted, ..)| *accepted).collect();
@@ -45,7 +45,7 @@ pub(super) fn resource(row: &Row, door: &HttpDoor, headers: &HeaderMap) -> Resul
     Ok(response)
 }
 
-/// `GET robots`: as they stand in the state, each with what the settings say of it, of which no snapshot says anything.
+/// `GET robots`: the robots of the state, each with its settings, which no snapshot has.
 pub(super) async fn robots(State(door): State<HttpDoor>, headers: HeaderMap) -> Response {
     let snapshot = door.handle.snapshot();
     let robots = state::robots(&snapshot).into_iter().map(|robot| RobotBySettingsJson::new(robot, &door.robots));
@@ -62,8 +62,8 @@ pub(super) async fn luggage(State(door): State<HttpDoor>, Number(id): Number, he
     Ok(conditional(&headers, &tag, || ([(header::CONTENT_TYPE, "application/json")], json()).into_response()))
 }
 
-/// `GET luggage/{id}/photo`: the newest picture of a piece, or with `?take=1` an earlier one. A browser that opens it by itself is led
-/// to its page, because a bare picture has no STOP on it.
+/// `GET luggage/{id}/photo`: the newest picture of a piece, or an earlier one with `?take=1`. A browser that opens it by itself
+/// is redirected to its page, because a bare picture has no STOP on it.
 pub(super) async fn photo(
     State(door): State<HttpDoor>,
     Number(id): Number,
@@ -86,13 +86,13 @@ pub(super) async fn photo(
     Ok(response)
 }
 
-/// The take in an address.
+/// The number of the requested photo.
 pub(super) fn asked_take(query: &Query) -> Result<Option<u64>, Problem> {
     query.only(&["take"])?;
     query.count("take", 1..=MOST)
 }
 
-/// The take that is asked for, else the newest.
+/// The requested photo, by default the newest.
 pub(super) fn taken(luggage: &Luggage, asked: Option<u64>) -> Result<u32, NoPhoto> {
     let newest = luggage.take()?;
     let Some(asked) = asked else { return Ok(newest) };
@@ -100,7 +100,7 @@ pub(super) fn taken(luggage: &Luggage, asked: Option<u64>) -> Result<u32, NoPhot
     taken.ok_or(NoPhoto::NotTaken(luggage.id, asked, newest))
 }
 
-/// `GET /healthz`: `ok` and the revision, as long as the loop behind the door lives.
+/// `GET /healthz`: `ok` and the revision, as long as the loop behind the door runs.
 pub(super) async fn health(State(door): State<HttpDoor>) -> Result<String, Problem> {
     match door.handle.watch().has_changed() {
         Ok(_) => Ok(format!("ok {}\n", door.handle.snapshot().revision)),
@@ -108,7 +108,7 @@ pub(super) async fn health(State(door): State<HttpDoor>) -> Result<String, Probl
     }
 }
 
-/// The record of a piece of this mission, or of one that is over.
+/// The record of a piece of this mission, or of an earlier one.
 pub(super) async fn record(door: &HttpDoor, snapshot: &Snapshot, id: u64) -> Result<Arc<Luggage>, Problem> {
     if let Some(luggage) = snapshot.luggage(LuggageId(id)) {
         return Ok(Arc::clone(luggage));

@@ -1,5 +1,6 @@
-//! The report of a mission and its record as a list, as files to be saved: the page in which the operator is stays where it is, STOP in it.
-//! They are as large as the mission and written a part at a time, as fast as they are read: a few at once, each key its share. What stands in them is `report`'s business.
+//! The report of a mission and its record as a list, as downloads: the operator's page stays open, with its STOP. They are as
+//! large as the mission, and are written in parts, as fast as they are read: a few at once, with a share for each key. Their
+//! contents are in `report`.
 
 use std::io::{self, BufWriter, Write};
 use std::time::Duration;
@@ -25,17 +26,17 @@ use crate::report::{Failure, Report, list};
 use crate::runtime::archive::{Archive, Span};
 use hallsweep_core::units::{MissionId, Seq};
 
-/// So many are written at once, half of them for one key; one is kept for a key that has none.
+/// Limits of downloads at once: half of them for one key, and one reserved for a key that has none.
 const PLACES: Limits = Limits { most: 4, of_one_key: 2, kept: 1, few: 1 };
 
-/// So much is written before it is read,
+/// Bytes written ahead of the reader.
 const CHUNK: usize = 64 * 1024;
 const AHEAD: usize = 4;
 
-/// and nothing of it is written any more after so long, however its reader goes about: a large one over a slow line takes minutes.
+/// Maximum time for a download, however its reader behaves: a large one over a slow line takes minutes.
 const PATIENCE: Duration = Duration::from_secs(600);
 
-/// Who may have one written.
+/// Limits the downloads being written.
 #[derive(Clone, Debug)]
 pub(super) struct Reports(Shares);
 
@@ -95,7 +96,7 @@ fn language_of(query: &Query) -> Result<Option<Language>, Problem> {
     Ok(query.word("language", &Language::ALL.map(Language::tag))?.and_then(Language::tagged))
 }
 
-/// Answers with a file of a mission that is there, which is written while it is sent.
+/// Answers with a file of an existing mission, which is written while it is sent.
 async fn send(
     door: HttpDoor,
     caller: &Caller,
@@ -117,16 +118,16 @@ async fn send(
     tokio::task::spawn_blocking(move || {
         let mut out = BufWriter::with_capacity(CHUNK, Pipe(parts.clone()));
         let ended = write(&*archive, mission, &mut out).and_then(|()| Ok(out.flush()?));
-        // What else is written behind a failure nobody wants.
+        // Drops the buffer without writing it after a failure.
         drop(out.into_parts());
         if let Err(failure) = &ended {
             tracing::debug!(%failure, mission = id, "a report or record was not written to its end");
         }
-        // Whoever left hears nothing.
+        // The reader may be gone.
         let _ = parts.blocking_send(ended.map(|()| Bytes::new()));
         drop(place);
     });
-    // What fails before anything was sent can still be said.
+    // A failure before the first part can still be reported.
     let first = match next(&mut written).await {
         Err(Failure::Unreadable(unreadable)) => return Err(unreadable.into()),
         Ok(part) if part.is_empty() => {
@@ -143,10 +144,10 @@ async fn send(
     Ok((StatusCode::OK, headers, body(first, written)).into_response())
 }
 
-/// Some bytes of a file, none behind its last, or why no more come.
+/// Some bytes of a file, empty at its end, or why no more follow.
 type Part = Result<Bytes, Failure>;
 
-/// Hands on what is written until time is over: who writes fails then, and who reads finds no end.
+/// Passes on the parts until the time is over: then writing fails, and the reader finds no end.
 async fn hand_on(mut written: mpsc::Receiver<Part>, to: mpsc::Sender<Part>) {
     let all = async {
         while let Some(part) = written.recv().await {
@@ -162,7 +163,7 @@ async fn next(written: &mut mpsc::Receiver<Part>) -> Part {
     written.recv().await.unwrap_or_else(|| Err(Failure::Unwritable(io::ErrorKind::TimedOut.into())))
 }
 
-/// What is written, as it comes.
+/// The parts as they come.
 fn body(first: Part, written: mpsc::Receiver<Part>) -> Body {
     let first = stream::once(async { first });
     let further = stream::unfold(Some(written), |written| async move {
@@ -174,11 +175,11 @@ fn body(first: Part, written: mpsc::Receiver<Part>) -> Body {
         }
     });
     let parts = first.chain(further).map(|part| part.map_err(io::Error::other));
-    // Who compresses it asks once more behind its end.
+    // Compression polls once more after the end.
     Body::from_stream(parts.fuse())
 }
 
-/// The end into which is written; it fails when the other is gone, or time is over.
+/// The writing end; it fails when the reading end is gone, or the time is over.
 struct Pipe(mpsc::Sender<Part>);
 
 impl Write for Pipe {
@@ -211,7 +212,7 @@ mod tests {
         send(app.door.clone(), &Caller::Here, 1, ("text/plain", "half.txt".to_owned()), write)
     }
 
-    /// As much as is sent at once.
+    /// A full part.
     static PART: [u8; CHUNK] = [b'x'; CHUNK];
 
     fn endless(_: &dyn Archive, _: MissionId, out: &mut dyn Write) -> Result<(), Failure> {
@@ -220,7 +221,7 @@ mod tests {
         }
     }
 
-    /// A file that is begun and not ended before this is dropped.
+    /// A download that is begun and does not end before the returned value is dropped.
     async fn begun(app: &TestApp) -> Result<(Sender<()>, Response), Problem> {
         let (end, ended) = channel::<()>();
         let write = move |_: &dyn Archive, _, out: &mut dyn Write| {
@@ -231,7 +232,7 @@ mod tests {
         Ok((end, half(app, write).await?))
     }
 
-    /// Waits for a place.
+    /// Waits for a free place.
     async fn freed(app: &TestApp) {
         within("a place", async {
             while begun(app).await.is_err() {
@@ -275,7 +276,7 @@ mod tests {
         assert_eq!(none.into_response().status(), 404);
     }
 
-    /// It would be taken for the whole.
+    /// An incomplete file would be mistaken for the whole.
     #[tokio::test]
     async fn what_was_not_written_to_its_end_does_not_end_well() {
         let app = app(searching());

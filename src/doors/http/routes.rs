@@ -1,6 +1,7 @@
-//! THE TABLE of this door: every route with its method, what it asks of whoever comes, and who answers. The router is built
-//! from these rows and from nothing else, and each row stands behind its own gate; what is not listed is answered to those who
-//! may look, and then only with 404 or 405, but that anybody is told which methods a path for anybody has not. `docs/http.md` shows the same table, held equal by a test.
+//! THE TABLE of this door: every route with its method, the right it needs, and its handler. The router is built from these rows
+//! and nothing else, and each row has its own gate. Unlisted paths are answered only to senders who may look, and then only with
+//! 404 or 405; for paths without a needed right, anybody is told the allowed methods. A test keeps the same table in
+//! `docs/http.md` equal.
 
 use std::borrow::Cow;
 
@@ -25,25 +26,23 @@ use crate::api::old_clients::{self, posted};
 use crate::api::resources::{self, RESOURCES, ResourceKind};
 use hallsweep_core::command::Command;
 
-/// One route.
 pub(super) struct Row {
-    /// Its method; `GET` answers `HEAD` too.
+    /// `GET` answers `HEAD` too.
     pub(super) method: Method,
-    /// Its path, as axum writes it.
+    /// In axum's notation.
     pub(super) path: Cow<'static, str>,
-    /// What it asks of whoever comes.
     pub(super) need: Need,
     answers: MethodRouter<HttpDoor>,
 }
 
-/// Every route. STOP is everywhere in reach of anyone signed in; a `move` may be one, its other words ask for an operator.
+/// Every route. STOP is within reach of anyone signed in; a `move` may be a STOP, and its other words need an operator.
 pub(super) fn table() -> Vec<Row> {
     let seen = [for_anybody(), resources(), files_of_the_map(), changes_and_past()];
     let rows = seen.into_iter().chain([commands(), page(), laboratory(), simulator(), buttons(), old_console()]);
     rows.flatten().collect()
 }
 
-/// What one needs to sign in, what says nothing of the hall, and the way to a door that asks by itself.
+/// Routes for signing in, routes that tell nothing about the hall, and the way to a door that checks keys itself.
 #[rustfmt::skip]
 fn for_anybody() -> Vec<Row> {
     vec![
@@ -81,7 +80,7 @@ fn for_anybody() -> Vec<Row> {
     ]
 }
 
-/// The resources of the one table.
+/// The resources of their table.
 fn resources() -> Vec<Row> {
     let row = |row: &'static resources::Row| {
         let path = format!("/api/v1{}", row.path);
@@ -96,7 +95,7 @@ fn resources() -> Vec<Row> {
     RESOURCES.iter().map(row).collect()
 }
 
-/// The map in every file of the one table.
+/// The map in every file of its table.
 fn files_of_the_map() -> Vec<Row> {
     let row = |row: &'static files::Row| {
         get(format!("/api/v1/map/{}", row.name), See, async move |State(door): State<HttpDoor>, headers: HeaderMap| {
@@ -106,7 +105,7 @@ fn files_of_the_map() -> Vec<Row> {
     FILES.iter().map(row).collect()
 }
 
-/// What programs see besides: the program's figures, the robots with their kinds, every change, and the past.
+/// Further resources for programs: figures, robots with their kinds, every change, and the past.
 #[rustfmt::skip]
 fn changes_and_past() -> Vec<Row> {
     vec![
@@ -123,7 +122,7 @@ fn changes_and_past() -> Vec<Row> {
     ]
 }
 
-/// What is computed and has nothing to do with the hall.
+/// Computations without a relation to the hall.
 #[rustfmt::skip]
 fn laboratory() -> Vec<Row> {
     vec![
@@ -133,7 +132,7 @@ fn laboratory() -> Vec<Row> {
     ]
 }
 
-/// What is done to what is simulated, by programs and on its pages.
+/// The simulator's controls, for programs and on its pages.
 #[rustfmt::skip]
 fn simulator() -> Vec<Row> {
     vec![
@@ -154,7 +153,7 @@ fn simulator() -> Vec<Row> {
     ]
 }
 
-/// The commands of the one table.
+/// The commands of their table.
 fn commands() -> Vec<Row> {
     let row = |command: &'static commands::Row| {
         let kind = command.kind;
@@ -163,7 +162,7 @@ fn commands() -> Vec<Row> {
             Methods::Put => (Method::PUT, MethodFilter::PUT),
         };
         let answers = match (kind, command.subject) {
-            // It reads no body at all: nothing that is wrong with a request may keep it from halting the robot.
+            // It reads no body: no fault in a request may prevent it from halting the robot.
             (CommandKind::Stop, _) => on(filter, command::stop),
             (_, Subject::None) => on(filter, move |sender, body| command::command(kind, sender, 0, body)),
             (_, Subject::Luggage | Subject::Alarm) => {
@@ -175,7 +174,6 @@ fn commands() -> Vec<Row> {
     COMMANDS.iter().map(row).collect()
 }
 
-/// The page.
 #[rustfmt::skip]
 fn page() -> Vec<Row> {
     vec![
@@ -197,7 +195,7 @@ fn page() -> Vec<Row> {
     ]
 }
 
-/// What the page sends: the commands of the one table, those with several buttons by the words of these.
+/// The forms of the page: the commands of their table, one for each button of a command.
 fn buttons() -> Vec<Row> {
     let row = |command: &'static commands::Row, word: &str| {
         let path = format!("/console/{word}");
@@ -211,7 +209,6 @@ fn buttons() -> Vec<Row> {
     COMMANDS.iter().flat_map(|command| console::buttons(command).into_iter().map(move |word| row(command, word))).collect()
 }
 
-/// The words of old clients.
 fn old_console() -> Vec<Row> {
     let need = |word: &&str| if posted(word) == Ok(Command::Stop) { Stop } else { Act };
     let posts = old_clients::ROWS.iter().flat_map(|row| row.posts);
@@ -222,7 +219,8 @@ fn old_console() -> Vec<Row> {
 pub(super) fn routes(door: &HttpDoor) -> Router {
     let gated = |need| from_fn_with_state(Gate::new(door.clone(), need), gate);
     let (open, guarded): (Vec<Row>, Vec<Row>) = table().into_iter().partition(|row| row.need == Nothing);
-    // Each half has its own way of saying that a path has no such method; those that have one keep it.
+    // Routes with and without a needed right have their own answers to an unknown method; rows with an answer of their own keep
+    // it.
     let with = |router: Router<HttpDoor>, rows: Vec<Row>, need| {
         let route = |router: Router<HttpDoor>, row: Row| router.route(&row.path, row.answers.layer(gated(row.need)));
         rows.into_iter().fold(router, route).method_not_allowed_fallback(problem::no_such_method.layer(gated(need)))

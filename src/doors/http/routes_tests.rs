@@ -1,4 +1,4 @@
-//! The table, walked: every route with nobody, a viewer and an operator at the door. What the routes do is tested beside them.
+//! Walks the table: every route without a key, as a viewer and as an operator. The effects of the routes are tested beside them.
 
 use std::fmt::Write;
 
@@ -10,7 +10,7 @@ use crate::api::resources::Form;
 use crate::doors::http::testing;
 use crate::doors::http::testing::{TestApp, app, guarded_app, keys, leads, read, text};
 
-/// Sends what a row answers to, as somebody with this token.
+/// Sends the request of a row with this token.
 async fn sent(app: &TestApp, row: &Row, token: Option<&str>, accept: &str) -> axum::http::Response<axum::body::Body> {
     let bearer = token.map(|token| format!("Bearer {token}"));
     let mut headers = vec![("accept", accept)];
@@ -162,7 +162,7 @@ fn the_documentation_shows_the_resources_as_they_are() {
     documented::shows("http.md", "the table of resources", &shown);
 }
 
-/// What the page can send: the commands of the table, a verdict by its two words.
+/// The commands that the page can send; a verdict counts by its two words.
 fn console_commands() -> Vec<(String, Need)> {
     let words = |row: &commands::Row| if row.kind == CommandKind::Verdict { vec!["safe", "danger"] } else { vec![row.name] };
     let mut all: Vec<_> =
@@ -186,7 +186,7 @@ fn every_form_of_the_page_sends_a_command_of_the_table_and_every_command_has_its
         entries.map(|path| if path.is_dir() { templates(&path) } else { std::fs::read_to_string(path).unwrap() }).collect()
     }
     let pages = templates(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("templates"));
-    // What asks first sends only when it is confirmed.
+    // A button with a confirmation sends only from the confirmation page.
     let named = |attribute: &str| pages.split(attribute).skip(1).filter_map(|rest| rest.split('"').next()).collect::<Vec<_>>();
     let sends = |to: &&str| to.starts_with("/console/") && !to.starts_with("/console/confirm/");
     let forms = [named("action=\""), named("data-confirm=\"")].concat();

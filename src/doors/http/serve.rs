@@ -1,5 +1,5 @@
-//! The accept loop, on the thread that hears, and its end within two seconds. The ports are bound, and the end decided, by whoever
-//! calls; what becomes of a connection stands in `hearing`.
+//! The accept loop on the receiving thread, and its end within two seconds. The caller binds the ports and decides on the end;
+//! connections are handled in `hearing`.
 
 use std::future::{Future, poll_fn};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -20,35 +20,36 @@ use crate::doors::listeners::Listeners;
 use crate::doors::room::Room;
 use crate::doors::vestibule::Vestibule;
 
-/// How long open requests are waited for at the end: with what closing a stream takes, within two seconds.
+/// Maximum wait for open requests at the end; together with closing the streams it takes less than two seconds.
 const GRACE: Duration = Duration::from_millis(1500);
 
-/// After an accept has failed (as with too many open files) the next is tried this much later.
+/// Pause after a failed accept (as with too many open files).
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
-/// But so much later when connections were cut for it, which takes them this long to close.
+/// Pause after a failed accept when connections were cut for it, which take this long to close.
 const RELIEF_PAUSE: Duration = Duration::from_millis(2);
 
-/// So many wait at once until their first head has come: that is within a moment, or whoever sends it has this many newcomers' time.
+/// Maximum number of connections that wait for their first head, which takes a moment; its sender has as long as this many
+/// newcomers take to arrive.
 const WAITING: usize = 512;
 
-/// So many linger at once.
+/// Maximum number of lingering connections.
 const LINGERING: usize = 64;
 
-/// So many connections are taken in before those that are here have their turn.
+/// Number of connections accepted before the others get a turn.
 const NEWCOMERS: usize = 64;
 
-/// What stands before the door.
+/// The surroundings of the door.
 #[derive(Clone, Default)]
 pub struct Front {
-    /// The names under which it is reached, beside its addresses and this machine's own names.
+    /// Host names of the door, beside its addresses and this machine's own names.
     pub hosts: Vec<String>,
     pub tls: Option<Tls>,
     pub room: Room,
 }
 
-/// Serves until `shutdown`, then ends every stream, waits shortly for open requests, and returns whatever clients do. What comes is
-/// heard where the ports are waited for, and carried out where this is called.
+/// Serves until `shutdown`, then ends every stream, waits shortly for open requests, and returns whatever clients do. Input is
+/// read on the runtime of the ports, requests are carried out on that of the caller.
 pub async fn serve(listeners: Listeners, door: HttpDoor, front: Front, shutdown: impl Future<Output = ()>) {
     serve_so_many(listeners, door, front, (PLACES, WAITING), shutdown).await;
 }
@@ -84,12 +85,12 @@ async fn serve_so_many(
     listening.spawn_on(listen(listeners, context, ended), &thread);
     shutdown.await;
     door.close();
-    // When it is gone already, so are all connections.
+    // When the receiver is gone, all connections are gone too.
     let _ = end.send(());
     while listening.join_next().await.is_some() {}
 }
 
-/// Takes connections in until the end, and then waits shortly for those that are open.
+/// Accepts connections until the end, then waits shortly for those that are open.
 async fn listen(mut listeners: Listeners, context: Arc<ServerContext>, mut ended: oneshot::Receiver<()>) {
     let mut connections = JoinSet::new();
     let mut newcomers = 0;
@@ -122,12 +123,12 @@ async fn listen(mut listeners: Listeners, context: Arc<ServerContext>, mut ended
     }
 }
 
-/// Hears what a newcomer has said already, at once and not behind those who were here before; then it goes on among them.
+/// Reads what a newcomer has sent already at once, before older connections get a turn; then it joins them.
 async fn begin(connections: &mut JoinSet<()>, conversation: impl Future<Output = ()> + Send + 'static) {
-    // Boxed, since it is moved about.
+    // Boxed, because it is moved.
     let mut conversation = Box::pin(conversation);
     let begun = poll_fn(|cx| {
-        // A mistake in one connection ends that one alone.
+        // A panic in one connection ends only that one.
         let begun = catch_unwind(AssertUnwindSafe(|| conversation.as_mut().poll(cx)));
         Poll::Ready(begun.is_ok_and(|begun| begun.is_pending()))
     });

@@ -1,4 +1,4 @@
-//! STOP over real sockets: behind, before and with whatever is wrong on its connection.
+//! STOP over real sockets: behind, before and with any fault on its connection.
 
 use std::io::BufRead;
 
@@ -47,7 +47,7 @@ async fn so_does_one_that_only_its_body_says_is_a_stop() {
     for number in 0..40 {
         let (route, media, body) = bodies[number % 2];
         let headers = format!("Content-Type: {media}\r\nContent-Length: {}\r\n", body.len());
-        // Its answers to what is before it cannot be written when it comes to it.
+        // The answers to earlier requests cannot be written any more when the STOP is reached.
         let before = LOOK.repeat(number % 3);
         let client = client(address, &(before + &press(route, &headers, body)));
         if number % 4 < 2 {
@@ -57,7 +57,7 @@ async fn so_does_one_that_only_its_body_says_is_a_stop() {
     stops(&app, 40).await;
 }
 
-/// Safety S8: it is answered as the STOP that it is.
+/// Safety S8: the answer is that of a STOP.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_move_that_says_stop_halts_whatever_is_wrong_with_it() {
     let (app, address) = open_app(PLACES).await;
@@ -87,7 +87,7 @@ async fn a_move_that_says_stop_halts_whatever_is_wrong_with_it() {
     stops(&app, cases.len() + 1).await;
 }
 
-/// Safety S8: what is kept of a STOP for its request is forgotten when that is answered without it.
+/// Safety S8: a STOP stored for its request is forgotten when that request is answered without it.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn hundreds_of_stops_that_were_refused_make_no_stop_behind_them_two() {
     let (app, address) = open_app(PLACES).await;
@@ -111,7 +111,7 @@ async fn hundreds_of_stops_that_were_refused_make_no_stop_behind_them_two() {
     stops(&app, 301).await;
 }
 
-/// Safety S8, A6: whoever is refused is told that it has halted.
+/// Safety S8, A6: the refusal says that the robot was halted.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn the_refusal_of_a_request_in_which_a_stop_was_heard_says_so() {
     let (app, address) = open_app(PLACES).await;
@@ -145,7 +145,7 @@ async fn a_stop_halts_behind_whatever_is_not_answered_yet() {
     assert_eq!(answered(&mut open[1]), "HTTP/1.1 200", "and the stream goes on");
 }
 
-/// Safety S8: nobody takes the answers, nor what waits for them.
+/// Safety S8: nobody reads the answers, nor what waits for them.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_halts_behind_more_than_is_ever_answered() {
     let (app, address) = open_app(PLACES).await;
@@ -171,7 +171,7 @@ async fn a_stop_halts_behind_more_than_is_ever_answered() {
     }
 }
 
-/// Safety S8, A5: what is carried out is the beginning, each request whole and answered.
+/// Safety S8, A5: the first requests are carried out, each complete and answered.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn what_comes_too_far_ahead_of_its_answers_is_heard_and_not_carried_out() {
     let mut app = app(searching());
@@ -236,7 +236,7 @@ async fn a_stop_halts_before_its_body_comes() {
 async fn a_long_move_that_says_stop_halts_as_soon_as_its_word_has_come() {
     let (app, address) = open_app(PLACES).await;
     let mut open = Vec::new();
-    // The last two are refused by their heads, and heard on.
+    // The last two are refused by their heads, and still read.
     let cases = [
         ("Content-Length: 5000\r\nExpect: 100-continue\r\n", "", "100"),
         ("Transfer-Encoding: chunked\r\nExpect: 100-continue\r\n", "1000\r\n", "100"),
@@ -251,7 +251,7 @@ async fn a_long_move_that_says_stop_halts_as_soon_as_its_word_has_come() {
             halted += 1;
             stops(&app, halted).await;
             let mut pieces = client(address, &beginning);
-            // It was read when this is said.
+            // The status tells that the body was read.
             assert_eq!(answered(&mut pieces), format!("HTTP/1.1 {status}"), "{headers}");
             pieces.write_all(br#"","move":"h""#).unwrap();
             halted += 1;
@@ -261,7 +261,7 @@ async fn a_long_move_that_says_stop_halts_as_soon_as_its_word_has_come() {
     }
 }
 
-/// Safety S8: its word cannot be told before nothing more comes.
+/// Safety S8: the word cannot be recognised before the body has ended.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_refused_move_that_says_stop_in_other_letters_halts_when_nothing_more_comes() {
     let (app, address) = open_app(PLACES).await;
@@ -273,7 +273,7 @@ async fn a_refused_move_that_says_stop_in_other_letters_halts_when_nothing_more_
     stops(&app, 1).await;
 }
 
-/// Safety S8: what hyper gives up on is heard to its end.
+/// Safety S8: a head that hyper gives up on is read to its end.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_with_a_head_that_is_refused_halts() {
     let (keyring, tokens) = keys();
@@ -294,7 +294,8 @@ async fn a_stop_with_a_head_that_is_refused_halts() {
     }
 }
 
-/// RFC 9112, section 3.2, and safety S8: what is wrong with how a host is named makes no foreign host of ours, nor ours of a foreign one.
+/// RFC 9112, section 3.2, and safety S8: a fault in how a host is named neither turns our host into a foreign one nor the other
+/// way round.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn who_names_no_host_or_several_is_told_so_and_a_stop_that_names_no_foreign_one_halts() {
     let (app, address) = open_app(PLACES).await;

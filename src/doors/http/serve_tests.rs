@@ -35,12 +35,12 @@ async fn serve_until(
     (address, serving)
 }
 
-/// Where this app is served as long as the test runs.
+/// Serves this app as long as the test runs; returns its address.
 async fn served(app: &TestApp, places: usize) -> SocketAddr {
     serve_until(app, places, std::future::pending()).await.0
 }
 
-/// An app with an open door, and where it is served as long as the test runs.
+/// An app with an open door, served as long as the test runs, and its address.
 async fn open_app(places: usize) -> (TestApp, SocketAddr) {
     let app = app(searching());
     let address = served(&app, places).await;
@@ -63,13 +63,13 @@ fn answered(client: &mut Client) -> String {
     }
 }
 
-/// Whether the other end has hung up.
+/// Whether the other end has closed the connection.
 fn is_closed(client: &mut Client) -> bool {
     matches!(client.read(&mut [0]), Ok(0))
         || client.read(&mut [0]).is_err_and(|error| error.kind() == std::io::ErrorKind::ConnectionReset)
 }
 
-/// Waits until so many STOPs have come to the loop, and fails when there are more.
+/// Waits until `expect` STOPs have reached the loop, and fails when there are more.
 async fn stops(app: &TestApp, expect: usize) {
     let count = || app.given.lock().unwrap().iter().filter(|given| given.command == Command::Stop).count();
     let come = async {
@@ -78,7 +78,7 @@ async fn stops(app: &TestApp, expect: usize) {
         }
     };
     timeout(Duration::from_secs(30), come).await.unwrap_or_else(|_| panic!("{} of {expect} STOPs came", count()));
-    // Records go through the loop's queue in order.
+    // Records pass through the loop's queue in order.
     assert!(app.door.handle.give(Request::new(Command::Reset, Issuer::operator(Door::LOCAL))).await.is_ok());
     assert_eq!(count(), expect, "one press is one STOP");
 }
@@ -156,7 +156,7 @@ async fn whoever_is_let_in_and_looks_on_is_not_cut_for_a_newcomer() {
     assert!(refused.starts_with("HTTP/1.1 503") && refused.contains("has halted the robot"), "{refused}");
     stops(&app, 2).await;
     drop(watching.pop());
-    // The place is free as soon as the door has seen that its client is gone.
+    // The place is free as soon as the door has noticed that its client is gone.
     let mut tries = (0..500).map(|_| answered(&mut client(address, LOOK)));
     assert!(tries.any(|answer| answer == "HTTP/1.1 200"));
     for client in &mut watching {
@@ -184,12 +184,12 @@ async fn heads_longer_than_the_bound_are_refused_and_shorter_ones_are_not() {
     for (filler, status) in [(65_000, "200"), (66_000, "431"), (70_000, "431")] {
         let look = LOOK.replace("Host", &format!("X: {}\r\nHost", "x".repeat(filler)));
         assert_eq!(answered(&mut client(address, &look)), format!("HTTP/1.1 {status}"), "{filler}");
-        // And so on a connection that has had an answer.
+        // The same on a connection that has had an answer.
         assert_eq!(answered(&mut client(address, &format!("{LOOK}{look}"))), "HTTP/1.1 200");
     }
 }
 
-/// Safety S8: whatever became of a request that might have handed the connection over.
+/// Safety S8: whatever happened to a request that might have changed the protocol.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_behind_an_upgrade_that_is_refused_and_over_halts() {
     let (app, address) = open_app(PLACES).await;
@@ -203,7 +203,7 @@ async fn a_stop_behind_an_upgrade_that_is_refused_and_over_halts() {
     }
 }
 
-/// Safety S8, S9: what it says is no HTTP, whatever it looks like, and others need not give way to it, nor it to them.
+/// Safety S8, S9: its bytes are not HTTP, whatever they look like, and it takes no part in giving way.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_connection_that_was_handed_over_is_not_heard_here_and_takes_no_place() {
     let mut app = app(searching());
@@ -221,7 +221,7 @@ async fn a_connection_that_was_handed_over_is_not_heard_here_and_takes_no_place(
     let stop = "POST /h HTTP/1.1\n\n";
     for _ in 0..3 {
         assert_eq!(answered(&mut client(address, LOOK)), "HTTP/1.1 200");
-        // Masked with nothing, which is a mask as well.
+        // A mask of zeros is a valid mask.
         carried.write_all(&[&[0x82, 0x80 | stop.len() as u8, 0, 0, 0, 0], stop.as_bytes()].concat()).unwrap();
         let mut said = vec![0; stop.len()];
         within("what it says", visitor.stream.read_exact(&mut said)).await.unwrap();
@@ -230,7 +230,7 @@ async fn a_connection_that_was_handed_over_is_not_heard_here_and_takes_no_place(
     stops(&app, 0).await;
 }
 
-/// Safety A5, S9: of those who get no further answer so many are heard on, and the oldest makes room.
+/// Safety A5, S9: a bounded number of connections without further answers is still read, and the oldest makes room.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn whoever_lingers_makes_room_for_who_lingers_later() {
     let (app, address) = open_app(8).await;
@@ -240,14 +240,14 @@ async fn whoever_lingers_makes_room_for_who_lingers_later() {
         std::io::read_to_string(&mut client).expect("an answer in order");
         lingering.push(client);
     }
-    // A client has its answer before it is counted among those who linger, so that whoever makes room does so a moment later.
+    // A client has its answer before its connection counts as lingering, so the oldest makes room a moment later.
     let (mut heard, mut gone) = (lingering, Vec::new());
     while heard.len() > 8 {
         tokio::time::sleep(Duration::from_millis(1)).await;
         gone.extend(heard.extract_if(.., |client| client.write_all(b"\r\n").is_err()));
     }
     for client in &mut gone {
-        // Nobody is there to take it.
+        // The connection may be gone.
         let _ = client.write_all(press("/h", "", "").as_bytes());
     }
     heard.last_mut().expect("some are heard on").write_all(press("/h", "", "").as_bytes()).unwrap();

@@ -1,5 +1,5 @@
-//! Signing in and out with a browser: a page with one field, and a cookie. It works without scripts, and nothing is signed in
-//! by a link alone: a token in the address only fills the field.
+//! Signing in and out with a browser: a page with one field, and a cookie. It works without scripts, and a link alone signs
+//! nobody in: a token in the address only fills the field.
 
 use std::sync::Arc;
 
@@ -22,8 +22,8 @@ pub(super) fn cookie_name(port: u16) -> Arc<str> {
     format!("hallsweep-{port}").into()
 }
 
-/// How long a browser keeps the cookie, in seconds: the longest that browsers allow. They count by their machine's wall clock; when the
-/// session ends is decided here.
+/// Lifetime of the cookie in seconds: the maximum that browsers allow. Browsers count by their machine's wall clock; the
+/// session's end is decided here.
 const KEPT_S: u64 = 400 * 24 * 60 * 60;
 
 #[derive(Debug, Default, Deserialize)]
@@ -34,7 +34,7 @@ pub(super) struct SignInQuery {
 }
 
 impl SignInQuery {
-    /// The address of the page that was asked for so, as far as it can stand in one.
+    /// The address of the page with these parameters, as far as they fit into one.
     fn address(&self) -> String {
         let undone = self.undone.map(Undone::name);
         let parts = [("token", self.token.as_deref()), ("next", self.next.as_deref()), ("undone", undone)];
@@ -44,15 +44,15 @@ impl SignInQuery {
     }
 }
 
-/// What somebody pressed who was not signed in any more, and which was therefore not done.
+/// The command of somebody who was not signed in any more, which was therefore not carried out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) enum Undone {
     /// STOP, in the page's words or in an old client's.
     Stop,
-    /// Anything else.
+    /// Any other command.
     Command,
-    /// Nothing was pressed: a page was open when its key was taken away.
+    /// No command: a page was open when its key was removed.
     Watching,
 }
 
@@ -70,11 +70,11 @@ struct SignIn<'a> {
     language: Language,
     token: &'a str,
     next: &'a str,
-    /// Where the page is shown again in another language.
+    /// Address of the page in another language.
     here: String,
     undone: Option<Undone>,
     why: String,
-    /// The name that was typed, and why it is none.
+    /// The typed name, and why it is not accepted.
     name: &'a str,
     why_name: String,
     is_overheard: bool,
@@ -83,17 +83,17 @@ struct SignIn<'a> {
 }
 
 impl Undone {
-    /// What a form that posts to this path asks for.
+    /// The command of a form that posts to this path.
     pub(super) fn of(path: &str) -> Undone {
         if names::stop(b"POST", path.as_bytes()).is_some() { Undone::Stop } else { Undone::Command }
     }
 
-    /// The address of the page that says so.
+    /// Address of the page that says so.
     pub(super) fn page(self) -> String {
         format!("/sign-in?undone={}", self.name())
     }
 
-    /// As an address and its phrase name it.
+    /// The name in addresses and phrases.
     const fn name(self) -> &'static str {
         match self {
             Undone::Stop => "stop",
@@ -159,7 +159,7 @@ pub(super) async fn sign_out(State(door): State<HttpDoor>, peer: Peer) -> Respon
     (cookie(&door, "", 0, peer), Redirect::to("/sign-in")).into_response()
 }
 
-/// The address of the page, for somebody who wants to go to `next`.
+/// Address of the page, for somebody who wants to go to `next`.
 pub(super) fn sign_in_page(next: &str) -> String {
     let next = local(Some(next));
     match escaped(next) {
@@ -168,14 +168,15 @@ pub(super) fn sign_in_page(next: &str) -> String {
     }
 }
 
-/// As it stands in an address: a path of this door with what is asked of it, or a token, has few signs; whatever has others has no place.
+/// Escapes a parameter: a path of this door with its query, or a token, has only a few kinds of characters; `None` for any other
+/// text.
 fn escaped(text: &str) -> Option<String> {
     let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/.-_?=&".contains(&byte);
     let escaped = || text.replace('?', "%3F").replace('=', "%3D").replace('&', "%26");
     text.bytes().all(is_plain).then(escaped)
 }
 
-/// Nobody has a token. Where the file is, strangers need not know.
+/// Nobody has a token. Strangers are not told where the file is.
 fn unusable(language: Language) -> String {
     language.say("sign-in-unusable").to_string()
 }
@@ -187,8 +188,8 @@ fn shown(status: StatusCode, peer: Peer, page: SignIn) -> Response {
     (status, [(header::CACHE_CONTROL, HeaderValue::from_static("no-store"))], html).into_response()
 }
 
-/// A cookie no script and no other site gets to see. The folder of the page to sign in, as the browser knows it, is its path, since
-/// another hall under the same host has one of its own.
+/// A cookie that no script and no other site can see. Its path is the folder of the sign-in page as the browser knows it, since
+/// another hall under the same host has a cookie of its own.
 fn cookie(door: &HttpDoor, session: &str, kept_s: u64, peer: Peer) -> HeaderMap {
     let secure = if peer.is_encrypted { "; Secure" } else { "" };
     let cookie = format!("{}={session}; Max-Age={kept_s}; HttpOnly; SameSite=Strict{secure}", door.cookie());

@@ -1,4 +1,4 @@
-//! Signing in and out as a browser does it, and what it does not let itself be talked into.
+//! Signing in and out as a browser does it, and attempts to abuse it.
 
 use std::time::Duration;
 
@@ -18,7 +18,7 @@ fn guarded() -> (TestApp, String, String) {
     (guarded_app(searching(), Access::Keys(keyring)), tokens.operator, tokens.viewer)
 }
 
-/// The cookie a browser would send from then on, and all that was said of it.
+/// The cookie that a browser would send from then on, and the whole header.
 fn cookie(response: &Response) -> (String, String) {
     let set = response.headers()["set-cookie"].to_str().unwrap().to_owned();
     (set.split(';').next().unwrap().to_owned(), set)
@@ -107,7 +107,7 @@ async fn a_link_fills_the_field_and_signs_nobody_in() {
 #[tokio::test(start_paused = true)]
 async fn wrong_tokens_are_answered_later_and_later_and_right_ones_at_once() {
     let (app, operator, viewer) = guarded();
-    // The paused clock moves only when everybody waits for it, so that what is not held back is answered within no time.
+    // The paused clock advances only when everybody waits for it, so an answer without delay takes no time.
     let within = async |ms: u64, token: &str, by_form: bool| {
         let bearer = format!("Bearer {token}");
         let answer = async {

@@ -1,41 +1,40 @@
-//! Endless answers open at once, the console's and the interface's together: how many there may be, and how many of them one key.
-//! What is sent in them is not here.
+//! Endless answers of the console and the interface together: their maximum number, and the share of one key. Their contents are
+//! not here.
 
 use crate::access::{Access, Caller, Role};
 use crate::doors::shares::{Limits, Permit, Shares};
 
-/// Where keys tell people apart, one key has one in so many of all streams,
+/// With keys, the largest share of all streams for one key: one in this many.
 const PARTS: usize = 4;
 
-/// and one in so many is kept for operators, who may not be there yet.
+/// Share of streams reserved for operators, who may not be connected yet: one in this many.
 const KEPT: usize = 8;
 
-/// The streams that are open. Cheap to clone.
+/// The open streams. Cheap to clone.
 #[derive(Clone, Debug)]
 pub(super) struct Streams {
     all: Shares,
     viewers: Shares,
 }
 
-/// One open stream; another may be opened when this is dropped.
+/// One open stream; its permit is returned when this is dropped.
 pub(super) struct OpenStream {
     _of_all: Permit,
     _of_viewers: Option<Permit>,
 }
 
 impl Streams {
-    /// So many, none of them open.
+    /// Allows `most` streams at once.
     pub(super) fn new(most: usize) -> Streams {
         let of_these = |all| Shares::new(Limits { most: all, of_one_key: most / PARTS, kept: 0, few: 0 });
         Streams { all: of_these(most), viewers: of_these(most - most / KEPT) }
     }
 
-    /// How many there may be.
     pub(super) fn most(&self) -> usize {
         self.all.most()
     }
 
-    /// Opens one for somebody; `None` when he has his share, or nobody can have one more.
+    /// Opens a stream for a caller; `None` when the caller's share or all streams are used.
     pub(super) fn open(&self, caller: &Caller, access: &Access) -> Option<OpenStream> {
         let key = access.key_of(caller);
         let is_viewer = key.is_some() && caller.role() != Role::Operator;

@@ -1,5 +1,5 @@
-//! For the tests of this door: a loop that answers commands from a script and publishes the snapshots it is handed, and a
-//! client that speaks to the router without a socket. It knows no mission.
+//! For tests of this door: a loop that answers commands from a script and publishes the snapshots it is given, and a client that
+//! calls the router without a socket. It knows no mission.
 
 mod bilingual;
 mod past;
@@ -31,7 +31,7 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{LuggageId, MissionId};
 
-/// A door before a loop that does as it is told.
+/// A door to a loop that follows the test's script.
 pub(super) struct TestApp {
     pub(super) door: HttpDoor,
     pub(super) publish: watch::Sender<Arc<Snapshot>>,
@@ -48,7 +48,7 @@ impl PartialArchive for Pictures {
         Ok(Some(Photo { bytes: Arc::from(*b"\x89PNG"), media_type: "image/png" }))
     }
 
-    /// From the second its bytes say which it is.
+    /// From the second photo on, its bytes contain its number.
     fn take(&self, luggage: LuggageId, take: u32) -> Result<Option<Photo>, NoTake> {
         if take > 1 {
             Ok(Some(Photo { bytes: Arc::from(take.to_string().as_bytes()), media_type: "image/png" }))
@@ -90,7 +90,7 @@ impl PartialArchive for Pictures {
     }
 }
 
-/// The record of the mission that goes on.
+/// The record of the present mission.
 pub(super) fn present_mission() -> MissionRecord {
     let [present, _] = past::missions();
     present
@@ -101,7 +101,7 @@ pub(super) fn app(snapshot: Snapshot) -> TestApp {
     guarded_app(snapshot, Access::Open)
 }
 
-/// The same, with a door that lets in whom it is told to.
+/// Like `app`, with this access.
 pub(super) fn guarded_app(snapshot: Snapshot, access: Access) -> TestApp {
     let (handle, Script { publish, refuse, given, noted }) = obedient(snapshot);
     let door = HttpDoor::new(handle, Reader::new(Arc::new(Pictures)), "airport", access);
@@ -140,7 +140,7 @@ impl TestApp {
         self.send("GET", path, &[], "").await
     }
 
-    /// A page that is there.
+    /// A page that must exist.
     pub(super) async fn page(&self, path: &str) -> String {
         let response = self.get(path).await;
         assert_eq!(response.status(), 200, "{path}");
@@ -156,12 +156,12 @@ impl TestApp {
         self.send("POST", path, &[("content-type", "application/x-www-form-urlencoded")], body).await
     }
 
-    /// What the loop was asked last.
+    /// The last request to the loop.
     pub(super) fn last(&self) -> command::Request {
         self.given.lock().unwrap().last().cloned().expect("a command was given")
     }
 
-    /// From now on everything is refused so.
+    /// Refuses everything from now on.
     pub(super) fn refuse(&self, refused: Refused) {
         *self.refuse.lock().unwrap() = Some(refused);
     }
@@ -173,7 +173,7 @@ pub(super) async fn read(response: Response<Body>) -> (StatusCode, Value) {
     (status, serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error} in {text:?}")))
 }
 
-/// Where an answer leads a browser that asked for this path, as a path of this door.
+/// Target of a redirect for a browser that asked for this path, as a path of this door.
 pub(super) fn leads(answer: &Response<Body>, asked: &str) -> String {
     let to = answer.headers().get("location").map_or("", |to| to.to_str().unwrap());
     let path = to.strip_prefix(&root(asked.split('?').next().unwrap_or_default()));

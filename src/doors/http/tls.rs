@@ -1,5 +1,5 @@
-//! Encrypted connections: certificate and key from their files, by rustls. Which files, is a setting; when a handshake has taken
-//! too long, is said in `serve`.
+//! Encrypted connections: certificate and key from their files, by rustls. The settings name the files; the time limit of a
+//! handshake is in `serve`.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,7 +18,7 @@ pub struct Tls(pub(super) TlsAcceptor);
 pub enum TlsError {
     #[error("setting {setting} = {:?}: {problem}; {advice}", .path.display().to_string())]
     File { setting: &'static str, path: PathBuf, problem: String, advice: &'static str },
-    /// The two do not belong together, or are of a kind that is not known.
+    /// Certificate and key do not belong together, or are of an unknown kind.
     #[error(
         "the certificate in {} and the key in {} cannot be used together: {problem}; name the key for which the certificate was made, \
          and the certificate as the first in its file", .certificate.display(), .key.display()
@@ -60,7 +60,7 @@ fn config(chain: Vec<CertificateDer<'static>>, key: PrivateKeyDer<'static>) -> R
     Ok(config)
 }
 
-/// What is wrong with a file; what a mistake quotes of it is not repeated, since it may be the key.
+/// The fault of a file; quotes from it are left out, since it may be the key.
 fn in_words(error: &pem::Error, empty: &str) -> String {
     if let pem::Error::Io(error) = error {
         return format!("it cannot be read: {error}");

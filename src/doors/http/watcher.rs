@@ -1,5 +1,5 @@
 //! One open stream's view of the state: the newest snapshot, never a queue. A slow reader skips what it missed; the end of the
-//! program ends every stream at once. What is sent stands in `events` and in the console's `live`.
+//! program ends every stream at once. `events` and the console's `live` decide what is sent.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,10 +12,10 @@ use super::streams::OpenStream;
 use crate::access::Caller;
 use hallsweep_core::snapshot::Snapshot;
 
-/// How often it is asked whether whoever looks may still look.
+/// Interval at which the reader's right is checked again.
 const STILL_KNOWN: Duration = Duration::from_millis(250);
 
-/// An open stream; its place is free again when it is dropped.
+/// An open stream; its permit is returned when it is dropped.
 pub(super) struct Watcher {
     snapshots: watch::Receiver<Arc<Snapshot>>,
     closing: watch::Receiver<bool>,
@@ -24,17 +24,17 @@ pub(super) struct Watcher {
     _stream: OpenStream,
 }
 
-/// What a stream wakes up for.
+/// Why a stream wakes up.
 pub(super) enum Wake {
     Changed(Arc<Snapshot>),
-    /// Nothing has changed for the time that was asked for.
+    /// Nothing has changed for the requested time.
     Quiet,
-    /// The program is ending, or whoever looks is not let in any more.
+    /// The program is ending, or the reader is not admitted any more.
     Closed,
 }
 
 impl Watcher {
-    /// Opens a stream and takes the state it begins with.
+    /// Opens a stream; also returns the state it begins with.
     pub(super) fn open(door: &HttpDoor, caller: Caller) -> Result<(Watcher, Arc<Snapshot>), Problem> {
         let stream = door.streams.open(&caller, &door.access).ok_or_else(|| Problem::too_many_streams(door.streams.most()))?;
         let mut snapshots = door.handle.watch();
@@ -43,7 +43,7 @@ impl Watcher {
         Ok((watcher, first))
     }
 
-    /// The next newer state, after at least `pause`, so that a hasty robot does not flood its reader, and at most `quiet`.
+    /// The next newer state, after at least `pause`, so that a fast robot does not flood its reader, and at most `quiet`.
     pub(super) async fn next(&mut self, pause: Duration, quiet: Duration) -> Wake {
         let Watcher { snapshots, closing, door, caller, .. } = self;
         let newer = async {
@@ -63,14 +63,13 @@ impl Watcher {
     }
 }
 
-/// Waits until whoever looks would not be let in any more: the key was replaced or taken away, or the session is over.
+/// Waits until the reader would not be admitted any more: the key was replaced or removed, or the session is over.
 async fn shut_out(door: &HttpDoor, caller: &Caller) {
     while door.still_knows(caller) {
         tokio::time::sleep(STILL_KNOWN).await;
     }
 }
 
-/// Waits for the end of the program.
 pub(super) async fn closed(closing: &mut watch::Receiver<bool>) {
     drop(closing.wait_for(|closing| *closing).await);
 }

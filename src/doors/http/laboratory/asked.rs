@@ -1,5 +1,5 @@
-//! What stands in an address of the laboratory: the run of the Roomba, and the run of the pallet scenario. A page is asked for both at
-//! once, so there the two have names of their own.
+//! The runs requested in an address of the laboratory: of the Roomba, and of the pallet scenario. A page has both in one address,
+//! so their parameters have different names.
 
 use std::fmt::Write;
 
@@ -9,31 +9,27 @@ use crate::api::fields::in_short;
 use hallsweep_laboratory::pallet::{Asked, AskedFault, BeyondError, Mishap, Pallet, asked};
 use hallsweep_laboratory::roomba::Roomba;
 
-/// The longest run of the Roomba that is shown, in seconds: ten minutes fill the room with lines, and take a few milliseconds to compute.
+/// Maximum length of a Roomba run in seconds: ten minutes fill the room with lines, and take a few milliseconds to compute.
 pub(in crate::doors::http) const LONGEST_S: u64 = 600;
 
-/// How long it is when nobody says: long enough for spirals and walls.
+/// Default length: enough for spirals and walls.
 pub(in crate::doors::http) const USUAL_S: u64 = 120;
 
-/// The most parcels that are shown: what they take is bounded by this.
+/// Maximum number of parcels, which bounds the cost of a run.
 pub(in crate::doors::http) const MOST_PARCELS: u64 = 4;
 
-/// How many there are when nobody says.
 pub(in crate::doors::http) const USUAL_PARCELS: u64 = 3;
 
-/// The most that is to go wrong in one run: twice as much as there are names for it.
+/// Maximum number of mishaps in one run: twice the number of their kinds.
 pub(in crate::doors::http) const MOST_FAULTS: usize = 12;
 
-/// The seed when nobody says.
 pub(in crate::doors::http) const USUAL_SEED: u64 = 1;
 
-/// A run of the Roomba.
 pub(super) struct AskedRoomba {
     pub(super) seed: u64,
     pub(super) seconds: u64,
 }
 
-/// A run of the pallet scenario.
 pub(super) struct AskedPallet {
     pub(super) seed: u64,
     pub(super) parcels: u32,
@@ -41,11 +37,11 @@ pub(super) struct AskedPallet {
     asked: Asked,
 }
 
-/// Both, as the page is asked for them.
+/// Both runs, in the address of the page.
 pub(super) struct AskedPage {
     pub(super) roomba: AskedRoomba,
     pub(super) pallet: AskedPallet,
-    /// The parcel at which things are to go wrong.
+    /// The parcel at which the mishaps are to happen.
     pub(super) at: u64,
 }
 
@@ -74,7 +70,7 @@ impl AskedPallet {
         AskedPallet::read(query, "seed", faults, "fault")
     }
 
-    /// `names_parcel`: the name of what says at which parcel something is to go wrong.
+    /// `names_parcel` is the name of the parameter with the parcel of the mishaps.
     fn read(query: &Query, seed: &str, faults: Vec<AskedFault>, names_parcel: &str) -> Result<AskedPallet, Problem> {
         let seed = query.count(seed, 0..=u64::MAX)?.unwrap_or(USUAL_SEED);
         let parcels = query.count("parcels", 1..=MOST_PARCELS)?.unwrap_or(USUAL_PARCELS);
@@ -90,12 +86,12 @@ impl AskedPallet {
             .map_err(|error| Problem::unusable(error.to_string()))
     }
 
-    /// Whether this is to go wrong, at any parcel.
+    /// Whether this mishap is requested, at any parcel.
     pub(super) fn has(&self, mishap: Mishap) -> bool {
         self.faults.iter().any(|fault| fault.mishap == mishap)
     }
 
-    /// The same as it stands in an address of the interface.
+    /// The run as a query of the interface.
     pub(super) fn query(&self) -> String {
         let mut query = format!("parcels={}&seed={}", self.parcels, self.seed);
         for fault in &self.faults {
@@ -112,7 +108,7 @@ impl AskedPage {
         let parcel = u32::try_from(at).unwrap_or(u32::MAX);
         let faults = faults(query, |name| {
             let mishap: Mishap = name.parse().map_err(|error| wrong_fault(name, error))?;
-            // What is said of the whole run has no parcel.
+            // A mishap of the whole run has no parcel.
             Ok(mishap.at(if mishap == Mishap::Absent { 1 } else { parcel }))
         })?;
         let pallet = AskedPallet::read(query, "palletSeed", faults, "at")?;
@@ -126,7 +122,7 @@ fn faults(query: &Query, read: impl Fn(&str) -> Result<AskedFault, Problem>) -> 
         let words = format!("`fault` is there {} times: at most {MOST_FAULTS} things go wrong in one run", texts.len());
         return Err(Problem::unusable(words));
     }
-    // Programs write `@` as `%40`; nothing else in these words is ever escaped.
+    // Programs write `@` as `%40`; no other character in these words is ever escaped.
     texts.iter().map(|text| read(&text.replace("%40", "@"))).collect()
 }
 

@@ -1,11 +1,11 @@
-//! The laboratory's runs in the language of the page: their figures, what happens in them, and the words in the drawings. The command
-//! line says the same in English, by `hallsweep_laboratory`.
+//! The laboratory's runs in the page's language: figures, events, and the words in the drawings. The command line prints the same
+//! in English, from `hallsweep_laboratory`.
 
 use crate::phrases::Language;
 use hallsweep_laboratory::pallet::{AskedFault, Entry, Figures as Carried, Missed, News, Pallet, PalletFault, Spread, kind};
 use hallsweep_laboratory::roomba::{Controller, Figures, Parting, Phase, Roomba, Run, Transition, Words};
 
-/// A figure: its name, and what it is in each run.
+/// A figure: its name, and its value in each run.
 pub(super) type Row = (String, Vec<String>);
 
 /// Something that happens to a parcel.
@@ -16,11 +16,10 @@ pub(super) struct Event {
     /// A fixed name.
     pub(super) kind: &'static str,
     pub(super) words: String,
-    /// What stands beside the picture until something else does.
+    /// Text beside the picture until the next such event.
     pub(super) while_it_lasts: Option<String>,
 }
 
-/// What the runs of the Roomba came to.
 pub(super) fn figures(language: Language, roomba: &Roomba) -> Vec<Row> {
     let runs = roomba.runs();
     let row = |name: String, value: &dyn Fn(&Run) -> String| (name, runs.iter().map(value).collect());
@@ -40,7 +39,7 @@ pub(super) fn figures(language: Language, roomba: &Roomba) -> Vec<Row> {
     rows
 }
 
-/// Where machine and tree part.
+/// Where machine and tree differ.
 pub(super) fn parting(language: Language, parting: &Parting) -> String {
     let goes = |change: &Transition| {
         let seconds = language.number(&format!("{:.2}", change.seconds()));
@@ -84,7 +83,7 @@ impl Words for Language {
     }
 }
 
-/// What happens at the pallet, in its order.
+/// The events at the pallet, in order.
 pub(super) fn events(language: Language, pallet: &Pallet) -> Vec<Event> {
     pallet.entries().iter().map(|entry| event(language, entry)).collect()
 }
@@ -108,7 +107,7 @@ fn event(language: Language, entry: &Entry) -> Event {
     Event { t: format!("{:.1}", entry.at.as_secs_f64()), parcel: entry.parcel, kind, words, while_it_lasts }
 }
 
-/// What the run of the pallet came to.
+/// The result of a pallet run.
 pub(super) fn carried(language: Language, figures: &Carried) -> Vec<(String, String)> {
     let decimal = |number: f64, places: usize| language.number(&format!("{number:.places$}"));
     let error = |spread: &Spread, scale: f64, unit: &str| {
@@ -131,7 +130,7 @@ pub(super) fn carried(language: Language, figures: &Carried) -> Vec<(String, Str
     rows.map(|(name, value)| (language.say_of("laboratory-figure", name).to_string(), value)).into()
 }
 
-/// What was asked to go wrong and has not, and why.
+/// Requested mishaps that did not happen, with the reason.
 pub(super) fn missed(language: Language, pallet: &Pallet) -> Vec<String> {
     let said = |(fault, why): (AskedFault, Missed)| {
         let what = language.say_of("laboratory-mishap", fault.mishap.name());
@@ -141,7 +140,6 @@ pub(super) fn missed(language: Language, pallet: &Pallet) -> Vec<String> {
     pallet.missed().into_iter().map(said).collect()
 }
 
-/// Why not all parcels arrived.
 pub(super) fn fault(language: Language, fault: PalletFault) -> String {
     match fault {
         PalletFault::Pair(fault) => language.say_of("not-fetched", fault.name()).to_string(),

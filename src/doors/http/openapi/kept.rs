@@ -1,4 +1,4 @@
-//! What is the same for everybody, written and packed once: whoever asks for it over and over costs no more than what is sent.
+//! Content that is the same for everybody, rendered and compressed once: repeated requests cost only the sending.
 
 use std::io::Write;
 
@@ -10,7 +10,7 @@ use flate2::write::GzEncoder;
 
 use super::super::accept::codings;
 
-/// A text, as it is and packed.
+/// A text, plain and compressed.
 pub(super) struct Kept {
     media_type: &'static str,
     plain: Bytes,
@@ -24,7 +24,7 @@ impl Kept {
         Kept { media_type, packed: written.expect("a list takes all that is written").into(), plain: text.into() }
     }
 
-    /// The answer to whoever accepts this.
+    /// The answer in a coding that these headers accept.
     pub(super) fn sent(&self, accepted: &HeaderMap) -> Response {
         let head = [(header::CONTENT_TYPE, self.media_type), (header::VARY, "accept-encoding")];
         if codings(accepted).any(|(name, quality)| quality > 0.0 && name.eq_ignore_ascii_case("gzip")) {

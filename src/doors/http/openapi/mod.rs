@@ -1,5 +1,5 @@
-//! This door as programs read it: OpenAPI 3.1, made of the table of routes, of what each of them does, and of the shapes of the wire. It
-//! is the same for everybody, but for whether a key is asked for.
+//! The description of this door for programs: OpenAPI 3.1, made from the table of routes, the operations, and the shapes of the
+//! wire. It is the same for everybody, except for whether a key is required.
 
 mod kept;
 mod operation;
@@ -30,13 +30,13 @@ const ABOUT: &str = "A robot searches an evacuated airport hall for dangerous lu
     The same state and the same commands are there over CoAP and MQTT. STOP (`POST /api/v1/commands/stop`) halts the robot before anything \
     else of a request is looked at.";
 
-/// A description as it is sent.
+/// A description in the form in which it is sent.
 struct Description {
     json: Kept,
     tag: String,
 }
 
-/// Made when it is asked for first: where nobody is asked for a key, and where everybody is.
+/// Made at the first request: one for doors without keys, one for doors with keys.
 static OPEN: LazyLock<Description> = LazyLock::new(|| Description::of(false));
 static KEYED: LazyLock<Description> = LazyLock::new(|| Description::of(true));
 
@@ -60,7 +60,7 @@ impl Description {
     }
 }
 
-/// The rows that programs use, in the order of the table, each with what it does.
+/// The rows that programs use, in the order of the table, each with its operation.
 fn described(schemas: &mut Schemas) -> Vec<(Row, Operation)> {
     let key = |method: &axum::http::Method, path: &str| (method.to_string(), path.to_owned());
     let mut operations: BTreeMap<_, Operation> =
@@ -71,7 +71,7 @@ fn described(schemas: &mut Schemas) -> Vec<(Row, Operation)> {
         .collect()
 }
 
-/// The whole description; `asks` whether anybody is asked for a key.
+/// The whole description; `asks` says whether keys are required.
 fn document(asks: bool) -> Value {
     let mut schemas = Schemas::default();
     let mut paths: Map<String, Value> = Map::new();

@@ -1,5 +1,5 @@
-//! What a route does, for programs that read it, and how OpenAPI 3.1 writes that. What may go wrong follows from what a route is made of:
-//! whoever takes a body may be told that it is malformed, and whoever gives a command that it cannot be given now.
+//! The operation of a route, for programs, in the format of OpenAPI 3.1. Possible problems follow from the parts of an operation:
+//! one with a body may be malformed, and a command may be refused now.
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -11,7 +11,6 @@ use crate::access::Need;
 use crate::api::problem::ProblemKind;
 use hallsweep_core::command::CommandId;
 
-/// What an operation is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Subject {
     Commands,
@@ -36,7 +35,7 @@ impl Subject {
         Subject::OldClients,
     ];
 
-    /// Its word, and what it comes to.
+    /// Its word, and its explanation.
     pub(super) const fn named(self) -> (&'static str, &'static str) {
         match self {
             Subject::Commands => ("commands", "What can be asked for. An answer comes when it is carried out or refused."),
@@ -51,24 +50,23 @@ impl Subject {
     }
 }
 
-/// What a program can ask for at one route.
 pub(super) struct Operation {
     pub(super) method: Method,
     pub(super) path: Cow<'static, str>,
-    /// Its name in programs that are made from the description.
+    /// Name of the operation in generated programs.
     pub(super) id: Cow<'static, str>,
     pub(super) subject: Subject,
     pub(super) summary: Cow<'static, str>,
-    /// What may stand after the `?`.
+    /// Parameters of the query.
     pub(super) query: Vec<Parameter>,
-    /// What else may stand in its head.
+    /// Further headers of the request.
     pub(super) headers: Vec<Parameter>,
     pub(super) body: Option<Body>,
-    /// What a success carries, in each media type that it comes in.
+    /// Contents of a successful answer, by media type.
     pub(super) answers: Vec<Media>,
-    /// Whether what a client has already is not sent again.
+    /// Whether a version that the client has already is not sent again.
     pub(super) is_tagged: bool,
-    /// What may go wrong, beside what follows from the rest.
+    /// Problems beside those that follow from the other fields.
     pub(super) also: Vec<ProblemKind>,
 }
 
@@ -84,7 +82,7 @@ pub(super) struct Body {
     pub(super) is_needed: bool,
 }
 
-/// A media type, and what it holds where that is JSON.
+/// A media type, and its schema if it is JSON.
 pub(super) type Media = (&'static str, Value);
 
 impl Operation {
@@ -133,7 +131,7 @@ impl Operation {
         Operation { is_tagged: true, ..self.told("If-None-Match", what, json!({"type": "string"})) }
     }
 
-    /// The same given once only, under a name of its sender's; a STOP is given whatever its name is.
+    /// Adds a command id, by which the command acts only once; a STOP acts whatever its id is.
     pub(super) fn once(self, is_stop: bool) -> Operation {
         let what = "The command's own name: sent again under it, it is given once and answered alike.";
         let name = json!({"type": "string", "pattern": format!("^[!-~]{{1,{}}}$", CommandId::MOST)});
@@ -146,7 +144,7 @@ impl Operation {
         self
     }
 
-    /// What may go wrong, for whoever needs this to be let in.
+    /// Possible problems, for senders who need this right.
     pub(super) fn problems(&self, need: Need) -> BTreeSet<(u16, &'static str)> {
         use ProblemKind::{
             Conflict, Forbidden, Internal, Malformed, Misdirected, NotAcceptable, NotFound, NotSignedIn, TooLarge, TooSlow,
@@ -168,7 +166,7 @@ impl Operation {
         follow.chain(&self.also).map(|kind| kind.status()).collect()
     }
 
-    /// The same as OpenAPI has it; `asks` whether anybody is asked for a key.
+    /// The operation in OpenAPI; `asks` says whether keys are required.
     pub(super) fn written(&self, need: Need, asks: bool) -> Value {
         let (subject, _) = self.subject.named();
         let parameter = |(place, name, what, schema)| {
@@ -198,7 +196,7 @@ impl Operation {
         operation
     }
 
-    /// What may be said in a request beside its body: where, under which name, what it is, and its schema.
+    /// Parameters beside the body: place, name, description, and schema.
     pub(super) fn parameters(&self) -> Vec<(&'static str, &str, &str, Value)> {
         let in_path = self.path.split('{').skip(1).filter_map(|rest| rest.split('}').next());
         let schema = |name| match name {
@@ -236,12 +234,12 @@ impl Operation {
     }
 }
 
-/// The name of a problem's answer: its title in one word.
+/// Name of a problem's answer: its title in one word.
 pub(super) fn name(title: &str) -> String {
     title.split(' ').collect()
 }
 
-/// One of all that may go wrong, as an answer.
+/// One possible problem, as an answer.
 pub(super) fn problem(kind: ProblemKind, shape: &Value) -> (String, Value) {
     let (_, title) = kind.status();
     let mut answer = json!({"description": title, "content": {"application/problem+json": {"schema": shape}}});

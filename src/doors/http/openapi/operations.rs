@@ -1,5 +1,5 @@
-//! Every operation that programs have at this door: those of the tables of commands, resources, map files and old words, and below them
-//! those that have no table. A route under `/api/v1` that is not described here, or the other way round, fails a test.
+//! Every operation for programs at this door: those of the tables of commands, resources, map files and old words, and below them
+//! those without a table. A test fails for a route under `/api/v1` that is missing here, and for one that is only here.
 
 use axum::http::Method;
 use serde_json::{Value, json};
@@ -33,7 +33,6 @@ use hallsweep_laboratory::roomba::RoombaJson;
 const JSON: &str = "application/json";
 const TEXT: &str = "text/plain";
 
-/// All of them.
 pub(super) fn all(schemas: &mut Schemas) -> Vec<Operation> {
     let mut all: Vec<Operation> = COMMANDS.iter().map(|row| command(row, schemas)).collect();
     all.extend(RESOURCES.iter().map(|row| resource(row, schemas)));
@@ -75,7 +74,7 @@ fn command(row: &'static commands::Row, schemas: &mut Schemas) -> Operation {
         Some(body) => operation.takes(&[JSON], body, is_needed),
         None => operation,
     };
-    // A sensor that is not set.
+    // The sensor may not be in the settings.
     if row.kind == CommandKind::Temperature { operation.also(&[ProblemKind::NotFound]) } else { operation }
 }
 
@@ -116,7 +115,7 @@ fn old_words(schemas: &mut Schemas) -> Vec<Operation> {
 }
 
 fn state(schemas: &mut Schemas) -> Vec<Operation> {
-    // What the data of an event is, for whoever reads the stream.
+    // Adds the schema of the events' data, for readers of the stream.
     let _ = schemas.sent::<ChangesJson>();
     let events = "The state, then every change: server-sent events `snapshot`, with a `State` as its data, and `changes`, with \
                   `Changes`; after a break `Last-Event-ID` says what is there already.";
@@ -184,7 +183,7 @@ fn simulator(schemas: &mut Schemas) -> Vec<Operation> {
     let of = |method, path, id, what| Operation::new(method, path, id, (Simulator, what));
     let after = |operation: Operation| operation.answers(JSON, now.clone()).also(&[Conflict, NotFound]);
     let toml = |path, id, what| of(Method::GET, path, id, what).answers("application/toml", text()).also(&[NotFound]);
-    // A hall is sent as it is, whatever it says that it is.
+    // A hall is accepted with any media type.
     const FILE: &[&str] = &["application/octet-stream", "application/toml"];
     vec![
         of(Method::GET, "/api/v1/simulator", "getSimulator", "The simulator").answers(JSON, now.clone()).also(&[NotFound]),

@@ -1,5 +1,5 @@
-//! The description as a page to be read: what can be asked for, by subject, and the shapes of what is sent. Its frame speaks the reader's
-//! language; what is in it is English, as everything under `/api` is.
+//! The description as a page for people: operations by subject, and the shapes of the wire. Its frame is in the reader's
+//! language, its contents in English like everything under `/api`.
 
 use std::sync::LazyLock;
 
@@ -44,14 +44,14 @@ struct Contents {
     shapes: Vec<Shape>,
 }
 
-/// What programs can ask for about one subject.
+/// The operations of one subject.
 struct About {
     name: &'static str,
     what: &'static str,
     operations: Vec<Shown>,
 }
 
-/// What is shown of one of them.
+/// An operation as it is shown.
 struct Shown {
     method: String,
     path: String,
@@ -64,32 +64,31 @@ struct Shown {
     problems: Vec<(u16, &'static str)>,
 }
 
-/// Something that has a name and a kind of value.
+/// Something with a name and a type.
 struct Field {
     name: String,
-    /// Where it stands, where that is not clear.
+    /// Where it is sent, if that is not obvious.
     place: &'static str,
     kind: Vec<Word>,
     what: String,
 }
 
-/// A media type, and what it holds.
+/// A media type, and its contents.
 struct Carried {
     media_type: &'static str,
     kind: Vec<Word>,
 }
 
-/// A piece of what is said of a kind of value: plain, or the name of a shape.
+/// A part of a type's description: plain text, or the name of a shape.
 struct Word {
     text: String,
     is_shape: bool,
 }
 
-/// A shape of the wire.
 struct Shape {
     name: String,
     what: String,
-    /// What it is, where it has no fields.
+    /// Its type, if it has no fields.
     kind: Vec<Word>,
     fields: Vec<Field>,
 }
@@ -150,7 +149,7 @@ fn said(schema: &Value) -> String {
     schema["description"].as_str().unwrap_or_default().replace('\n', " ")
 }
 
-/// What kind of value a schema is of.
+/// The type of a schema, in words.
 fn words(schema: &Value) -> Vec<Word> {
     let plain = |text: String| vec![Word { text, is_shape: false }];
     let Some(fields) = schema.as_object() else { return Vec::new() };

@@ -1,5 +1,5 @@
-//! The description against the table of routes, both ways, and against itself. Whether answers are as described is seen over the wire
-//! (`tests/service`).
+//! Compares the description with the table of routes, both ways, and with itself. Whether answers match it is tested over the
+//! wire (`tests/service`).
 
 use std::collections::BTreeSet;
 
@@ -8,7 +8,7 @@ use super::*;
 use crate::access::Access;
 use crate::api::fixture::searching;
 
-/// What people and browsers use: pages, what lies under them, and the way over to MQTT.
+/// Routes for people and browsers: pages, their files, and the change to MQTT.
 fn is_for_people(path: &str) -> bool {
     const FOLDERS: [&str; 4] = ["/static/", "/console/", "/luggage/", "/simulator/"];
     const PAGES: [&str; 13] = [
@@ -64,7 +64,7 @@ fn every_reference_leads_somewhere_and_no_name_is_there_twice() {
     assert_eq!(ids.iter().collect::<BTreeSet<_>>().len(), ids.len());
 }
 
-/// The Python generator of openapi-generator stops at one.
+/// The Python generator of openapi-generator fails on such a type.
 #[test]
 fn nothing_has_the_type_null_alone() {
     assert!(!document(true).to_string().contains(r#":{"type":"null"}"#));

@@ -1,5 +1,5 @@
-//! In which order connections give way, of all of them and of each key and network, kept so that the first is found at once however
-//! many there are: a crowd that comes and goes costs the thread that hears little. Who has to give way, is said by `places`.
+//! The order in which connections give way, of all of them and of each key and network, sorted so that the first is found at
+//! once: a crowd that comes and goes costs the receiving thread little. `places` decides who has to give way.
 
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeSet, HashMap};
@@ -8,7 +8,7 @@ use std::hash::Hash;
 use super::{Claim, Stage, Who};
 use crate::access::Network;
 
-/// When a connection gives way: strangers go before anybody else, and operators go last.
+/// Position in the order of giving way: strangers go first, operators last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Turn {
     pub(super) rank: u8,
@@ -25,11 +25,11 @@ pub(super) struct Queues {
     networks: HashMap<Network, Queue>,
 }
 
-/// Those who have something in common.
+/// Connections that have something in common.
 #[derive(Default)]
 struct Queue {
     many: usize,
-    /// Of them, those who can give way at all.
+    /// Those that can give way at all.
     yielding: BTreeSet<Turn>,
 }
 
@@ -50,28 +50,28 @@ impl Queues {
         leave(&mut self.networks, claim.network, turn);
     }
 
-    /// How many there are, and who gives way first.
+    /// Number of all connections, and the first to give way.
     pub(super) fn of_all(&self) -> (usize, Option<Turn>) {
         let ((operators, last), (others, first)) = (self.operators.first(), self.others.first());
         (operators + others, first.or(last))
     }
 
-    /// The same of those who are no operators,
+    /// The same for connections of non-operators.
     pub(super) fn of_others(&self) -> (usize, Option<Turn>) {
         self.others.first()
     }
 
-    /// of one key, where there is one,
+    /// The same for the connections of one key; none without a key.
     pub(super) fn of_key(&self, claim: &Claim) -> (usize, Option<Turn>) {
         claim.who.as_ref().and_then(|who| self.keys.get(who)).map(Queue::first).unwrap_or_default()
     }
 
-    /// and of one network.
+    /// The same for the connections of one network.
     pub(super) fn of_network(&self, claim: &Claim) -> (usize, Option<Turn>) {
         self.networks.get(&claim.network).map(Queue::first).unwrap_or_default()
     }
 
-    /// Whether nobody is here, and nothing is kept of anybody.
+    /// Whether there are no connections, and no leftover entries of keys or networks.
     #[cfg(test)]
     pub(super) fn are_empty(&self) -> bool {
         let is_kept = self.keys.len() + self.networks.len() + self.operators.yielding.len() + self.others.yielding.len() > 0;
@@ -101,7 +101,7 @@ impl Queue {
     }
 }
 
-/// Of whom nobody is here any more nothing is kept.
+/// Removes the entry of a key or network with its last connection.
 fn leave<K: Eq + Hash>(queues: &mut HashMap<K, Queue>, of: K, turn: Turn) {
     if let Entry::Occupied(mut queue) = queues.entry(of) {
         queue.get_mut().leave(turn);

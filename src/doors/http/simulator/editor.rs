@@ -1,5 +1,5 @@
-//! The editor of halls as a page. Without scripts it is a text field with the hall file, which can be checked and used; with them `editor.js`
-//! draws the same text.
+//! The editor of halls as a page. Without scripts it is a text field with the hall file, which can be checked and used; with
+//! scripts `editor.js` draws the same text.
 
 use std::sync::Arc;
 
@@ -24,24 +24,24 @@ use crate::runtime::simulator::{HallSource, NotSimulated, OtherHall};
 struct Page {
     language: Language,
     toml: String,
-    /// The halls that are always offered, and those that are kept.
+    /// The halls that are always offered, and the stored ones.
     halls: Vec<String>,
     kept: Vec<String>,
-    /// The name to keep this one under.
+    /// The name for storing this hall.
     name: String,
-    /// The name under which it is kept.
+    /// The name under which it is stored.
     opened: Option<String>,
-    /// Another hall is kept under this name: whether it is to give way is asked.
+    /// The stored hall that would be replaced, for the confirmation.
     replaces: Option<String>,
-    /// A hall that is to be discarded: whether it is, is asked.
+    /// The stored hall that would be deleted, for the confirmation.
     discards: Option<String>,
     bound: Option<String>,
     may_act: bool,
-    /// What was done, in words.
+    /// The success message.
     done: Option<Markup>,
-    /// What is wrong with it, in words.
+    /// The error message.
     why: Option<String>,
-    /// What a search would not come to; `None` when it was not checked.
+    /// Parts that a search would not reach; `None` when the hall was not checked.
     findings: Option<Vec<Finding>>,
 }
 
@@ -65,7 +65,7 @@ impl Page {
         }
     }
 
-    /// The same of a hall that is kept, if one is under this name.
+    /// Opens the stored hall of this name, if there is one.
     fn opened(self, name: &str) -> Page {
         if !self.kept.iter().any(|kept| kept == name) {
             return self;
@@ -81,7 +81,7 @@ impl Page {
     }
 }
 
-/// As the script says it too.
+/// The script uses the same sentences.
 pub(super) fn in_words(language: Language, found: &Found) -> Phrase<'_> {
     let phrase = language.say_of("editor-found", found.code());
     match found {
@@ -91,7 +91,7 @@ pub(super) fn in_words(language: Language, found: &Found) -> Phrase<'_> {
     }
 }
 
-/// `GET simulator/editor`: the hall that is simulated, or one that is offered.
+/// `GET simulator/editor`: the simulated hall, or an offered one.
 pub(in crate::doors::http) async fn editor(asker: Asker, query: Query) -> Result<Response, Problem> {
     query.only(&["hall"])?;
     let page = match query.every("hall").first() {
@@ -111,31 +111,31 @@ pub(in crate::doors::http) async fn editor(asker: Asker, query: Query) -> Result
 #[serde(default)]
 pub(in crate::doors::http) struct Fields {
     toml: String,
-    /// The name to keep it under, and the one under which it is kept.
+    /// The name for storing the hall, and the name under which it is stored.
     name: String,
     opened: Option<String>,
-    /// Which button was pressed: one of `check`, `use`, `keep`; or the hall that is to be replaced, discarded, or discarded for good.
+    /// The pressed button: `check`, `use` or `keep`; or the hall to replace, to delete, or to delete after confirmation.
     act: Option<String>,
     replace: Option<String>,
     discard: Option<String>,
     discard_for_good: Option<String>,
 }
 
-/// What becomes of a press.
+/// The result of a button.
 enum Done {
     Checked(Vec<Finding>),
     Used,
     Kept(String),
-    /// Whether another hall is to give way.
+    /// Whether another hall may be replaced.
     AsksToReplace(String),
-    /// Whether a hall is to be discarded.
+    /// Whether a hall may be deleted.
     AsksToDiscard(String),
     Discarded(String),
 }
 
-/// `POST simulator/editor`. What stands in the field stays there, whatever else becomes of the press.
+/// `POST simulator/editor`. The text in the field stays, whatever the result is.
 pub(in crate::doors::http) async fn act(asker: Asker, HallForm(mut fields): HallForm<Fields>) -> Response {
-    // Browsers send text with the line ends of old terminals.
+    // Browsers send text with CRLF line ends.
     fields.toml = fields.toml.replace("\r\n", "\n");
     let done = acted(&asker, &fields).await;
     let Fields { toml, name, opened, .. } = fields;

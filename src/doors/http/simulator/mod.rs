@@ -1,5 +1,5 @@
-//! The simulator's controls, where the robot that searches is simulated: as JSON here, as pages in `page` and `editor`. What may be changed
-//! when, the core and the simulator decide; this file says who asks for it.
+//! The simulator's controls, when the searching robot is simulated: as JSON here, as pages in `page` and `editor`. The core and
+//! the simulator decide what may be changed; this file adds who asks for it.
 
 mod editor;
 mod page;
@@ -34,13 +34,13 @@ pub(super) use page::{change_by_form, choose_by_form, page};
 
 type Answer = Result<Response, Problem>;
 
-/// The code with which the core keeps the robots in their hall while a mission is under way.
+/// Code of the core's refusal to move robots to another hall during a mission.
 const NOT_IN_PHASE: &str = "notInPhase";
 
-/// The code with which a hall does not give way to another unasked.
+/// Code of the refusal to replace a stored hall without confirmation.
 const ANOTHER_KEPT: &str = "anotherKept";
 
-/// Whoever asks for something of the simulator.
+/// Somebody who asks for a change of the simulator.
 pub(super) struct Asker {
     door: HttpDoor,
     simulator: Arc<dyn Simulator>,
@@ -73,23 +73,23 @@ impl Asker {
         self.caller.may(Need::Act).is_ok()
     }
 
-    /// Why the robots cannot be put down in another hall just now.
+    /// Why the robots cannot be moved to another hall now.
     fn bound(&self) -> Option<Problem> {
         self.door.handle.snapshot().bound_to_hall().map(|refused| bound(&refused))
     }
 
-    /// The same as the pages say it.
+    /// The same in the words of the pages.
     fn bound_in_words(&self) -> Option<String> {
         self.bound().map(|problem| self.in_words(&problem))
     }
 
-    /// What the pages say of a problem: that a mission is under way, with what is to be done here.
+    /// The text of a problem on the pages; for a mission under way also what to do there.
     fn in_words(&self, problem: &Problem) -> String {
         let code = if problem.code() == NOT_IN_PHASE { "boundToHall" } else { problem.code() };
         in_words(self.language, code, problem.detail())
     }
 
-    /// In a task of its own what was begun is brought to its end although whoever asked goes.
+    /// In a task of its own, so that a change is completed even when its sender disconnects.
     async fn done(changing: crate::runtime::simulator::Changing) -> Result<Arc<SimulatorState>, Problem> {
         Ok(tokio::spawn(changing).await.map_err(|_| Problem::internal())??)
     }
@@ -161,7 +161,7 @@ pub(super) async fn step(asker: Asker) -> Answer {
 
 /// `GET simulator/hall`
 pub(super) async fn hall(asker: Asker) -> Response {
-    // As it is, and no copy of it: it may be large, and many may ask.
+    // Not copied: it may be large, and many may ask.
     toml(axum::body::Bytes::from_owner(Shared(Arc::clone(&asker.state().hall.toml))))
 }
 
@@ -174,13 +174,12 @@ pub(super) async fn offered(asker: Asker, Named(name): Named) -> Answer {
     Ok(toml(offered_hall(&asker, &name).await??))
 }
 
-/// One of the halls that are offered.
 async fn offered_hall(asker: &Asker, name: &str) -> Result<Result<String, NotSimulated>, Problem> {
     let (simulator, name) = (Arc::clone(&asker.simulator), name.to_owned());
     in_turn(&asker.door, move || simulator.hall(&name)).await
 }
 
-/// A text that others have as well, as the bytes of an answer.
+/// A shared text as the bytes of an answer.
 struct Shared(Arc<str>);
 
 impl AsRef<[u8]> for Shared {
@@ -193,7 +192,7 @@ fn toml(text: impl IntoResponse) -> Response {
     ([(header::CONTENT_TYPE, "application/toml")], text).into_response()
 }
 
-/// `PUT simulator/halls/{name}`: a hall file, as `GET` gives it, in the place of what was there.
+/// `PUT simulator/halls/{name}`: a hall file, in the form that `GET` returns, replaces the stored one.
 pub(super) async fn keep(asker: Asker, Named(name): Named, file: HallFile) -> Answer {
     let unpacked = in_turn(&asker.door, move || file.unpacked().map(|toml| String::from_utf8_lossy(&toml).into_owned()));
     let toml = unpacked.await??;
@@ -218,16 +217,16 @@ pub(super) async fn put_down(asker: Asker, HallPayload(body): HallPayload) -> An
 pub(super) async fn check(_: Asker, State(door): State<HttpDoor>, query: Query, file: HallFile) -> Answer {
     query.only(&["name"])?;
     let name = query.every("name").first().map_or("hall.toml", String::as_str).to_owned();
-    // An editor asks after every stroke: what it hears is for whoever draws, and not for the record.
+    // An editor checks after every keystroke: its errors are for the person who draws, not for the record.
     let read = read_hall(&door, name, file).await.map_err(Problem::off_record)?;
     Ok(axum::Json(read).into_response())
 }
 
-/// Reads a hall beside what answers requests, one after the other, whoever asks.
+/// Reads uploaded halls one after the other, apart from other requests.
 async fn read_hall(door: &HttpDoor, name: String, file: HallFile) -> Result<ReadHall, Problem> {
     let read = in_turn(door, move || {
         let hall = hall_files::read(&name, &file.unpacked()?).map_err(|error| NotSimulated::Hall(error.to_string()))?;
-        // Before anything is made of it: a small image may be a very large hall.
+        // Checked before the hall is built: a small image may be a very large hall.
         let bounds = hall.bounds();
         match NotSimulated::too_large(bounds.width().unsigned_abs(), bounds.height().unsigned_abs()) {
             Some(not) => Err(Problem::from(not)),
@@ -237,7 +236,8 @@ async fn read_hall(door: &HttpDoor, name: String, file: HallFile) -> Result<Read
     read.await?
 }
 
-/// Does what takes its time with halls where nothing waits for it: one after the other, whoever asks, and although he goes (safety S7).
+/// Does slow work on halls where nothing else waits for it: one piece after the other, and to its end even when the sender
+/// disconnects (safety S7).
 async fn in_turn<T: Send + 'static>(door: &HttpDoor, act: impl FnOnce() -> T + Send + 'static) -> Result<T, Problem> {
     let turn = Arc::clone(&door.halls).acquire_owned().await.map_err(|_| Problem::closing())?;
     let acting = tokio::task::spawn_blocking(move || {

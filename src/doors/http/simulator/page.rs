@@ -1,4 +1,4 @@
-//! The page of the simulator's controls. Every button is a form, so that it works without scripts; what was refused is said beside it.
+//! The page of the simulator's controls. Every button is a form, so that it works without scripts; a refusal is shown beside it.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -20,10 +20,10 @@ use hallsweep_core::robot::RobotState;
 use hallsweep_core::snapshot::robot::RobotView;
 use hallsweep_core::units::Cell;
 
-/// The speeds that are offered; the interface takes any between.
+/// The offered speeds; the interface accepts any in between.
 const SPEEDS: [&str; 8] = ["0.1", "0.5", "1", "2", "5", "10", "50", "max"];
 
-/// One fault of the robot, and whether somebody has brought it about.
+/// One fault of the robot, and whether it is switched on.
 struct Fault {
     name: &'static str,
     is_there: bool,
@@ -37,7 +37,7 @@ struct Page {
     halls: Vec<String>,
     bound: Option<String>,
     may_act: bool,
-    /// What was refused, and of which button.
+    /// The refusal, and its button.
     why: Option<(&'static str, String)>,
 }
 
@@ -95,7 +95,7 @@ pub(in crate::doors::http) async fn page(asker: Asker) -> Html<String> {
     html(&Page::of(&asker, None))
 }
 
-/// The fields of any form of the page but that of the hall.
+/// The fields of all forms on the page except for that of the hall.
 #[derive(Debug, Default, Deserialize)]
 pub(in crate::doors::http) struct Fields {
     act: String,
@@ -119,7 +119,6 @@ pub(in crate::doors::http) async fn change_by_form(asker: Asker, Form(fields): F
     answer(&asker, fields.place(), done.err())
 }
 
-/// The fields of the form of the hall.
 #[derive(Debug, Deserialize)]
 pub(in crate::doors::http) struct HallFields {
     name: String,
@@ -150,7 +149,7 @@ fn answer(asker: &Asker, place: &'static str, problem: Option<Problem>) -> Respo
 }
 
 impl Fields {
-    /// Where what is said of it belongs.
+    /// The part of the page where its result is shown.
     fn place(&self) -> &'static str {
         match self.act.as_str() {
             "block" | "blockAhead" | "free" | "freeAll" => "way",
@@ -214,7 +213,7 @@ fn with(mut blocked: BTreeSet<Cell>, cell: Cell) -> BTreeSet<Cell> {
     blocked
 }
 
-/// The cell ahead of a robot, or of where the step under way leads it.
+/// The cell ahead of a robot, or ahead of the end of its step under way.
 fn ahead(robot: &RobotView) -> Cell {
     let steps = if robot.state == RobotState::MovingForward { 2 } else { 1 };
     let (Cell { x, y }, (dx, dy)) = (robot.pose.cell, robot.pose.heading.vector());

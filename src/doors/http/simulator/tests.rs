@@ -1,4 +1,4 @@
-//! The door's own refusals, before anything is asked of a simulator; and its pages in both languages.
+//! The door's own refusals, before a simulator is asked; and its pages in both languages.
 
 use std::collections::BTreeSet;
 
@@ -54,7 +54,7 @@ async fn a_viewer_changes_nothing_and_a_stranger_sees_nothing() {
     }
 }
 
-/// A simulator that does nothing it is asked for.
+/// A simulator that does nothing.
 struct Still(watch::Sender<Arc<SimulatorState>>);
 
 fn refused(why: NotSimulated) -> Changing {
@@ -212,7 +212,7 @@ async fn the_editor_and_its_script_speak_italian() {
     let discarded = app.italian(("POST", "/simulator/editor", "discard_for_good=mine&opened=mine&toml=%23"), &[], &names).await;
     check(&discarded, &["<b>mine</b> non è più conservata.", ">#</textarea>"]);
     assert!(!discarded.contains("name=\"opened\""), "it is not opened as one that is kept");
-    // Asked for one name, it is not another that gives way.
+    // A request for one name does not replace a hall of another name.
     for body in ["act=keep&name=mine&toml=x", "replace=other&name=mine&toml=x", "act=keep&opened=other&name=mine&toml=x"] {
         let asked = app.italian(("POST", "/simulator/editor", body), &[], &names).await;
         check(&asked, &["Un'altra sala è conservata come <b>mine</b>: sostituirla", "name=\"replace\" value=\"mine\""]);
@@ -224,7 +224,7 @@ async fn the_editor_and_its_script_speak_italian() {
     check(&page, &["Accesso come osservatore: si vede la sala"]);
 }
 
-/// The words of a change are the simulator's, and its phrases read them.
+/// The simulator writes the words of a change, and phrases parse them.
 #[test]
 fn what_was_done_to_the_simulator_is_said_in_every_language() {
     let whether = [None, Some(true), Some(false)];

@@ -1,4 +1,4 @@
-//! What of a page is the same in both languages: words that nobody has put into a phrase, and names.
+//! Finds texts that are the same on a page in both languages: words without a phrase, and names.
 
 use std::collections::BTreeSet;
 
@@ -6,11 +6,11 @@ use super::{TestApp, text};
 
 const BROWSER: (&str, &str) = ("accept", "text/html,application/xhtml+xml,*/*;q=0.8");
 
-/// What every page has and every language calls so.
+/// Names on every page that are the same in every language.
 const NAMES: [&str; 3] = ["hallsweep", "STOP", "· Esc"];
 
 impl TestApp {
-    /// The page that this request leads to, in Italian. What it has in common with the English one must be among `names`.
+    /// The Italian page for this request. Texts that are equal on the English page must be among `names`.
     pub(in crate::doors::http) async fn italian(
         &self,
         (method, path, body): (&str, &str, &str),
@@ -31,7 +31,7 @@ impl TestApp {
     }
 }
 
-/// The page but for its trees and what is on their blackboard, whose names are those of their files.
+/// The page without its trees and their blackboard, whose names come from files.
 fn without_trees(page: &str) -> String {
     [("<section class=\"tree\"", "</section>"), ("<div id=\"blackboard\">", "</dl>")].iter().fold(
         page.to_owned(),
@@ -43,7 +43,7 @@ fn without_trees(page: &str) -> String {
     )
 }
 
-/// The texts of a page but those for programs, and those of its attributes that people read or hear.
+/// The texts of a page, except those for programs, and its attributes that people read or hear.
 fn words(page: &str) -> BTreeSet<&str> {
     let is_for_people = |tag: &str| !["textarea", "code"].iter().any(|name| tag.starts_with(name));
     let texts = page.split('<').filter_map(|piece| piece.split_once('>')).filter(|(tag, _)| is_for_people(tag));

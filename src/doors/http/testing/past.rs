@@ -1,5 +1,5 @@
-//! Two missions for the tests of this door, made by hand: the first is over and left a bomb behind, the second has just begun.
-//! How an archive finds them is `testing`'s business.
+//! Two hand-made missions for tests of this door: the first is over and left a bomb behind, the second has just begun. `testing`
+//! has the archive that finds them.
 
 use std::collections::BTreeSet;
 
@@ -21,10 +21,10 @@ use hallsweep_core::world::hall_map::HallMap;
 /// A mission that cannot be read.
 pub(super) const UNREADABLE: MissionId = MissionId(99);
 
-/// What is wrong with the record of the first.
+/// The damage in the record of the first mission.
 pub(super) const DAMAGE: &str = "entry 6 of the journal cannot be understood (a mouse was at it)";
 
-/// Both, the newest first.
+/// Both missions, newest first.
 pub(super) fn missions() -> [MissionRecord; 2] {
     let hour = |hours: i64| WallTime { unix_ms: TEN.unix_ms + hours * 3_600_000, ..TEN };
     let first = MissionRecord {
@@ -50,7 +50,7 @@ pub(super) fn missions() -> [MissionRecord; 2] {
     [second, first]
 }
 
-/// What stood when the first was put away: the map and the luggage of the fixture.
+/// The state when the first mission was put away: the map and the luggage of the fixture.
 pub(super) fn state() -> PersistentState {
     let state = searching();
     PersistentState {
@@ -62,7 +62,8 @@ pub(super) fn state() -> PersistentState {
     }
 }
 
-/// How the first stood then: the robot was held at home, and it had become warm. All its entries were written at the same time.
+/// The first mission at a moment: the robot was held at home, and it had become warm. All its entries were written at the same
+/// time.
 pub(super) fn moment(at: At) -> Option<Moment> {
     let most = match at {
         At::Entry(seq) => seq,
@@ -78,8 +79,8 @@ pub(super) fn moment(at: At) -> Option<Moment> {
     Some(Moment { past: Sound { of: past, damage: Vec::new() }, wall: TEN, earlier, later })
 }
 
-/// A retrieval by the pair as a journal tells of it: the trees after each of some ticks, from the first to the look for the parcel, and then
-/// the end.
+/// A retrieval by the pair as in a journal: the trees after each of some ticks, from the first to the look for the parcel, and
+/// then the end.
 pub(super) fn retrieval() -> Vec<Happened> {
     let bag = Cell::new(3, 3);
     let (map, piece) = (HallMap::new(Cell::HOME, Revision(0)), BTreeSet::from([bag]));
@@ -120,7 +121,7 @@ pub(super) fn retrieval() -> Vec<Happened> {
     (1..).map(Seq).zip(entries).collect()
 }
 
-/// What happened in the first, and one entry that cannot be understood.
+/// The events of the first mission, one of which cannot be read.
 pub(super) fn entries() -> Vec<Happened> {
     let command = |command: &str, refused: Option<Refused>| {
         let issuer = Issuer { door: crate::api::door::CONSOLE, who: "anna".into(), from: "192.0.2.7".into() };
