@@ -1,5 +1,5 @@
-//! That there is a newer state: said to the loop of the door, and not too often, and told to the endpoint. What is new in it is
-//! found out there.
+//! Tells the loop of the door, and then the endpoint, that there is a newer state, at a limited rate. The endpoint finds out what
+//! is new.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -16,17 +16,17 @@ use hallsweep_core::snapshot::Snapshot;
 pub(super) struct ChangeFeed {
     states: watch::Receiver<Arc<Snapshot>>,
     clock: Clock,
-    /// Until then nothing is said; `None` once that is over.
+    /// Time before which no change is reported; `None` when it is over.
     next: Option<Duration>,
     paces: Paces<SubjectId>,
 }
 
-/// When each subject may be shown anew. What it shows is written whole, however much of it there is; so a large map is not written as
-/// often as a small one, and what was not shown when it changed is shown later.
+/// When each subject may be shown again. A representation is written as a whole, so a large map is not written as often as a
+/// small one; a change that was skipped is shown later.
 #[derive(Debug)]
 struct Paces<K> {
     next: BTreeMap<K, Duration>,
-    /// When the first of those that were passed over may be shown.
+    /// When the first skipped subject may be shown.
     passed_over: Option<Duration>,
 }
 
@@ -35,8 +35,7 @@ impl ChangeFeed {
         ChangeFeed { states, clock, next: None, paces: Paces { next: BTreeMap::new(), passed_over: None } }
     }
 
-    /// Waits for a state that is newer than at the last time, or until what was passed over may be shown; for ever, when neither will
-    /// come. May be dropped while it waits.
+    /// Waits for a newer state, or until a skipped subject may be shown; for ever when neither will come. Safe to cancel.
     pub(super) async fn next(&mut self) {
         if self.next.is_some() {
             self.clock.reach(self.next).await;
@@ -51,14 +50,14 @@ impl ChangeFeed {
         self.next = Some(self.clock.since_start() + PACE);
     }
 
-    /// Says it once more when this answer is observed: it was looked up before, and may have changed since.
+    /// Reports once more for an answer that is observed: the state may have changed since the answer was made.
     pub(super) fn again_for(&mut self, answer: &Answer) {
         if !answer.observed.is_empty() {
             self.states.mark_changed();
         }
     }
 
-    /// Tells the endpoint what the observers of each subject see now.
+    /// Passes the present representations of each subject to the endpoint.
     pub(super) fn tell(&mut self, endpoint: &mut Endpoint, application: &impl Application, now: Duration) {
         application::changed(application);
         let subjects = endpoint.subjects();
@@ -72,9 +71,9 @@ impl ChangeFeed {
 }
 
 impl<K: Copy + Ord> Paces<K> {
-    /// Those of all subjects that may be shown now.
+    /// The subjects that may be shown now.
     fn due<T>(&mut self, subjects: Vec<(K, T)>, now: Duration) -> Vec<(K, T)> {
-        // One that nobody observes any more need not be known.
+        // Subjects that nobody observes any more are dropped.
         let next = std::mem::take(&mut self.next);
         self.next = subjects.iter().filter_map(|(id, _)| Some((*id, *next.get(id)?))).filter(|(_, next)| *next > now).collect();
         self.passed_over = self.next.values().min().copied();

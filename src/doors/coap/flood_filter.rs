@@ -1,32 +1,33 @@
-//! What the system throws away in a flood before it takes room in the socket's queue, so that this never stands full and loses a STOP
-//! (safety S1, S6): of each kind of which more comes than is heard only one in so many is let through, by chance, and besides
-//! every command that has a word in it that a STOP has. Linux can be told so; elsewhere nothing is thrown away. What is let through is judged
-//! by the endpoint alone.
+//! A filter that lets the system drop datagrams of a flood before they take room in the socket's queue, so that the queue never
+//! stays full and loses a STOP (safety S1, S6). Of each kind that arrives faster than it can be handled, only a random share is
+//! let through, and besides every command with a word that a STOP has. Only Linux supports it; other systems drop nothing. The
+//! endpoint alone judges what is let through.
 
 use std::time::Duration;
 
-/// At most every 2^7th of a kind is let through: some thousand a second of all that this machine can send to itself.
+/// Finest filter: one in 2^7 of a kind is let through, which is some thousand a second of all that this machine can send to
+/// itself.
 const FINEST: u32 = 7;
 
-/// After so long without more than is heard twice as many are let through.
+/// Time without overload after which twice as many are let through.
 const CALM: Duration = Duration::from_millis(50);
 
-/// So many bytes of a datagram are looked through for the words: a STOP has them at its beginning.
+/// Number of bytes of a datagram searched for the words: a STOP has them at its beginning.
 const SEARCHED: u32 = 160;
 
-/// A kind is thinned out when at least one of so many that were heard is of it: the few of another have not made the flood.
+/// A kind is filtered when at least one in this many received datagrams is of it: a kind with fewer did not cause the flood.
 const PART: usize = 8;
 
-/// Where the words begin at the earliest, behind the header.
+/// Length of the header, after which the words begin at the earliest.
 const HEADER: usize = 4;
 
-/// How many were heard of each kind: reads, commands, signs, and commands that come through however fine it is.
+/// Number of received datagrams of each kind: reads, commands, signs, and commands that pass every filter.
 pub(super) type KindCounts = [usize; 4];
 
 pub(super) struct FloodFilter {
-    /// Four bytes each, of which a STOP has one as it is usually written, with the bit set that makes letters small.
+    /// Words of four bytes, one of which a STOP in its usual form contains, with the bit set that makes letters lower case.
     words: &'static [[u8; 4]],
-    /// Of reads, commands and signs one in two to the power of this.
+    /// For reads, commands and signs: one in two to the power of this passes.
     fine: [u32; 3],
     /// When it was last changed.
     since: Duration,
@@ -37,7 +38,7 @@ impl FloodFilter {
         FloodFilter { words, fine: [0; 3], since: Duration::ZERO }
     }
 
-    /// More came than was heard, so many of each kind: the most frequent that can be is thinned out further. Whether one was.
+    /// Filters the most frequent kind further, after an overload with these counts; returns whether that was possible.
     pub(super) fn tighten(&mut self, heard: KindCounts, now: Duration) -> bool {
         let all: usize = heard.iter().sum();
         let floods: Vec<usize> = (0..self.fine.len()).filter(|kind| heard[*kind] > 0 && heard[*kind] * PART >= all).collect();
@@ -51,12 +52,12 @@ impl FloodFilter {
         true
     }
 
-    /// When more is to be let through again.
+    /// When more may be let through again.
     pub(super) fn due(&self) -> Option<Duration> {
         (self.fine != [0; 3]).then(|| self.since + CALM)
     }
 
-    /// Lets more through, if it is time. Whether that changes anything.
+    /// Lets more through if it is time; returns whether that changes anything.
     pub(super) fn loosen(&mut self, now: Duration) -> bool {
         if self.due().is_none_or(|due| now < due) {
             return false;
@@ -66,7 +67,7 @@ impl FloodFilter {
         true
     }
 
-    /// What the system takes a datagram for, as an index of `KindCounts`.
+    /// The kind of a datagram as the filter sees it, as an index of `KindCounts`.
     pub(super) fn kind(&self, bytes: &[u8]) -> usize {
         match bytes.get(1) {
             Some(1 | 5) => 0,
@@ -81,7 +82,7 @@ impl FloodFilter {
         searched.windows(4).any(|four| self.words.iter().any(|word| word == four))
     }
 
-    /// Tells the system.
+    /// Installs the filter on the socket.
     #[cfg(target_os = "linux")]
     pub(super) fn fit(&self, socket: &socket2::SockRef<'_>) -> std::io::Result<()> {
         if self.fine == [0; 3] { socket.detach_filter() } else { socket.attach_filter(&program(self.words, self.fine)) }
@@ -93,8 +94,8 @@ impl FloodFilter {
     }
 }
 
-/// As a program of the classic Berkeley packet filter, which sees a datagram from its UDP header on, and throws away what ends before
-/// it has read what it wants to.
+/// The filter as a program of the classic Berkeley packet filter, which sees a datagram from its UDP header on, and drops one
+/// that is shorter than what the program reads.
 #[cfg(target_os = "linux")]
 fn program(words: &[[u8; 4]], [reads, commands, signs]: [u32; 3]) -> Vec<socket2::SockFilter> {
     use socket2::SockFilter;
@@ -106,7 +107,7 @@ fn program(words: &[[u8; 4]], [reads, commands, signs]: [u32; 3]) -> Vec<socket2
     let is_equal = |to, then, other| SockFilter::new(0x15, then, other, to);
     let is_least = |to, then, other| SockFilter::new(0x35, then, other, to);
     let (take, lose) = (|| SockFilter::new(0x06, 0, 0, u32::MAX), || SockFilter::new(0x06, 0, 0, 0));
-    // Goes on behind its four steps with those that chance has not chosen.
+    // Datagrams not chosen by chance go on after these four steps.
     let one_in = |power: u32| [load(CHANCE), SockFilter::new(0x54, 0, 0, (1 << power) - 1), is_equal(0, 0, 1), take()];
     let mut steps = vec![load_byte(UDP + 1), is_equal(1, 3, 0), is_equal(5, 2, 0), is_equal(0, 6, 0), is_least(32, 5, 10)];
     steps.extend(one_in(reads));
@@ -139,7 +140,7 @@ mod tests {
     const MS: Duration = Duration::from_millis(1);
     const LAST: &[u8] = b"\x40\x02\x00\x01the last: stop";
 
-    /// What of these datagrams comes through a filter that was tightened so often for each kind.
+    /// The datagrams that pass a filter tightened this often for each kind.
     fn through(fine: [u32; 3], datagrams: &[Vec<u8>]) -> Vec<Vec<u8>> {
         let [to, from] = [(); 2].map(|()| UdpSocket::bind("127.0.0.1:0").unwrap());
         for fine in [[30; 3], fine] {
@@ -152,7 +153,7 @@ mod tests {
             if n % 50 < 49 && n + 1 < datagrams.len() {
                 continue;
             }
-            // This one comes through every filter, behind those before it.
+            // This one passes every filter, after those before it.
             from.send_to(LAST, to.local_addr().unwrap()).unwrap();
             loop {
                 let length = to.recv(&mut buffer).expect("the last one comes");
@@ -183,7 +184,7 @@ mod tests {
         assert!(stops.iter().all(|stop| FloodFilter::new(WORDS).kind(stop) == 3));
     }
 
-    /// What is counted as a kind is what the system thins out as that kind.
+    /// The counted kind of a datagram is the one by which the system filters it.
     #[test]
     fn the_kind_of_a_datagram_is_that_which_the_system_takes_it_for() {
         let filter = FloodFilter::new(WORDS);
@@ -209,7 +210,7 @@ mod tests {
         }
     }
 
-    /// Safety A5: of each kind so many as was said, and of the others all.
+    /// Safety A5: the configured share of each kind passes, and all of the others.
     #[test]
     fn of_a_kind_of_which_too_much_comes_only_some_come_through() {
         let kinds = [(0x40, 1, "read"), (0x40, 2, "act"), (0x60, 0, "acknowledge")];
@@ -242,7 +243,7 @@ mod tests {
         assert_eq!(filter.fine, [0; 3]);
     }
 
-    /// Safety S9: to thin out the commands of others would make no such flood any smaller.
+    /// Safety S9: filtering the commands of others would not reduce such a flood.
     #[test]
     fn what_comes_through_anyway_makes_it_no_finer_for_anything_else() {
         let mut filter = FloodFilter::new(WORDS);

@@ -1,4 +1,4 @@
-//! Requests that were begun and are answered later: so many at once, and none for ever. What they do is the application's business.
+//! Requests that are answered later: a bounded number at once, each with a time limit. The application carries them out.
 
 use std::collections::HashMap;
 use std::pin::Pin;
@@ -9,24 +9,23 @@ use tokio::task::{Id, JoinSet};
 use super::application::broken;
 use coap_endpoint::{Answer, Code, ExchangeId, Method, Response, limits::OPEN};
 
-/// Commands under way at once; urgent ones are taken all the same.
+/// Maximum number of commands under way; urgent ones are accepted beyond it.
 pub(super) const COMMANDS: usize = 256;
 
-/// Reads from the disk under way at once. They have places of their own: anybody may read, and a disk that hangs must not keep out
-/// commands.
+/// Maximum number of disk reads under way. Counted separately: anybody may read, and a disk that hangs must not block commands.
 pub(super) const READS: usize = 64;
 
-/// Whoever asks for one more is told to ask again after so many seconds.
+/// Seconds after which a refused client should try again.
 const BUSY_S: u32 = 2;
 
-/// Nobody waits longer for an answer (RFC 7252, section 4.8.2: MAX_TRANSMIT_WAIT).
+/// Maximum time for an answer (RFC 7252, section 4.8.2: MAX_TRANSMIT_WAIT).
 const PATIENCE: Duration = Duration::from_secs(93);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum RequestKind {
-    /// It changes nothing, and nothing is begun before its future is waited for.
+    /// Changes nothing, and does nothing before its future is polled.
     Read,
-    /// It may be begun as soon as the application has heard of it.
+    /// May have begun as soon as the application has received it.
     Command,
 }
 
@@ -44,7 +43,7 @@ impl RequestKind {
 }
 
 impl PendingAnswers {
-    /// Whether no more of them are to be begun, but for urgent ones.
+    /// Whether no more of this kind may begin, except for urgent ones.
     pub(super) fn is_full(&self, kind: RequestKind) -> bool {
         match kind {
             RequestKind::Read => self.reads >= READS,
@@ -52,8 +51,8 @@ impl PendingAnswers {
         }
     }
 
-    /// Waits for an answer in the background. Of urgent ones beyond what the endpoint remembers the answer is given up, and not
-    /// what they asked for.
+    /// Waits for an answer in the background. Of urgent commands beyond what the endpoint remembers only the answer is dropped,
+    /// the commands are carried out.
     pub(super) fn add(&mut self, exchange: ExchangeId, kind: RequestKind, answer: Pin<Box<dyn Future<Output = Answer> + Send>>) {
         if self.tasks.len() < OPEN {
             let bounded = async { tokio::time::timeout(PATIENCE, answer).await.unwrap_or_else(|_| slow()) };
@@ -62,7 +61,7 @@ impl PendingAnswers {
         }
     }
 
-    /// The next that is answered; `None` when none is under way. May be dropped while it waits.
+    /// The next answer; `None` when nothing is under way. Safe to cancel.
     pub(super) async fn next(&mut self) -> Option<(ExchangeId, Answer)> {
         let (id, answer) = self.tasks.join_next_with_id().await?.unwrap_or_else(|error| (error.id(), broken()));
         let (exchange, kind) = self.exchanges.remove(&id)?;

@@ -1,5 +1,5 @@
-//! The loop of the door: datagrams to the endpoint, its requests to the application, answers, changes and time back to it, and what
-//! it wants sent to the socket. It understands none of it.
+//! The loop of the door: passes datagrams to the endpoint, its requests to the application, answers, changes and time back to it,
+//! and its output to the socket. It interprets nothing.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -17,17 +17,19 @@ use crate::runtime::handle::Gone;
 use coap_endpoint::{Backlog, Code, Datagram, Endpoint, Response};
 use hallsweep_core::snapshot::Snapshot;
 
-/// So long requests under way are waited for at the end: within two seconds, with the HTTP door, which ends at the same time.
+/// Maximum wait for requests under way at the end: within two seconds, together with the HTTP door, which ends at the same time.
 const GRACE: Duration = Duration::from_millis(1500);
 
-/// So long datagrams are answered before more are heard, and before the other sockets of this thread have their turns (safety S7).
+/// Time for answering datagrams before more are received, and before the other sockets of this thread have their turns (safety
+/// S7).
 const TURN: Duration = Duration::from_millis(1);
 
-/// So long, and so many bytes, are heard in one turn, and as much of what is urgent is answered.
+/// Time and bytes for receiving in one turn, and bytes for answering urgent requests.
 const HEARING: Duration = Duration::from_millis(2);
 const HEARING_BYTES: usize = 64 * 1024;
 
-/// So many turns in a row it is heard and only what is urgent answered: they hear more than the system keeps for a socket.
+/// Maximum number of turns in a row in which datagrams are only received and urgent ones answered: they receive more than the
+/// system queues for a socket.
 const HEARINGS: u32 = 20;
 
 struct Driver<A> {
@@ -38,12 +40,12 @@ struct Driver<A> {
     backlog: Backlog,
     filter: FloodFilter,
     observed: Vec<Connected>,
-    /// How often in a row it was heard and not answered.
+    /// Number of turns in a row without ordinary answers.
     hearings: u32,
     clock: Clock,
 }
 
-/// Serves until `shutdown`, then waits shortly for what is under way. All chance of the endpoint comes from `secret`.
+/// Serves until `shutdown`, then waits shortly for what is under way. All random numbers of the endpoint come from `secret`.
 pub async fn serve<A: Application>(
     socket: Socket,
     secret: [u8; 32],
@@ -77,12 +79,12 @@ pub async fn serve<A: Application>(
 }
 
 impl<A: Application> Driver<A> {
-    /// Takes what has come, but not for long. When more comes than is answered, it hears first, so that a STOP is found behind
-    /// whatever others send (safety S1, S7).
+    /// Handles the received datagrams for a limited time. When more arrive than can be answered, it receives first, so that a
+    /// STOP is found behind whatever others send (safety S1, S7).
     async fn turn(&mut self) {
         if self.backlog.has_urgent() {
-            // Nothing is heard meanwhile: what came after a STOP would be taken before the STOPs that wait, were another heard
-            // behind it.
+            // Receives nothing meanwhile: if another STOP were received, datagrams before it would be handled before the STOPs
+            // that wait.
             self.answer_urgent();
         } else if self.backlog.is_empty() && self.answer_as_they_come().await {
             self.hearings = 0;
@@ -98,8 +100,8 @@ impl<A: Application> Driver<A> {
         tokio::task::yield_now().await;
     }
 
-    /// Takes each datagram with all that follows from it; whether that was all that has come. To read several before any is
-    /// answered would make a client send in bursts and everybody wait between them.
+    /// Handles each datagram completely; returns whether the queue was empty. Reading several before answering would make clients
+    /// send in bursts, and everybody wait between them.
     async fn answer_as_they_come(&mut self) -> bool {
         let until = self.clock.since_start() + TURN;
         for _ in 0..BATCH {
@@ -115,7 +117,7 @@ impl<A: Application> Driver<A> {
         false
     }
 
-    /// Hears; whether that was all that has come.
+    /// Receives; returns whether the queue was empty.
     async fn hear(&mut self) -> bool {
         let (until, mut bytes_heard, mut kinds) = (self.clock.since_start() + HEARING, 0, [0; 4]);
         let is_all = loop {
@@ -167,7 +169,8 @@ impl<A: Application> Driver<A> {
         self.settle(now);
     }
 
-    /// Takes requests to the application and datagrams to the network, until there are none. A command too many is not begun.
+    /// Passes requests to the application and datagrams to the network, until there are none. A command beyond the maximum is not
+    /// begun.
     fn settle(&mut self, now: Duration) {
         while let Some((exchange, request)) = self.endpoint.poll_request() {
             let (kind, asked) = (RequestKind::of(request.method), &self.application);
@@ -192,7 +195,7 @@ impl<A: Application> Driver<A> {
     }
 
     async fn finish(&mut self) {
-        // The last that observers hear.
+        // The last notification to observers.
         self.endpoint.close(&Response::refusal(Code::UNAVAILABLE, Gone.to_string()));
         self.settle(self.clock.since_start());
         while let Some((exchange, answer)) = self.pending.next().await {
@@ -202,14 +205,14 @@ impl<A: Application> Driver<A> {
     }
 }
 
-/// What the wall clock showed when this one began, since 1970.
+/// Wall clock at the start of this loop, since 1970.
 fn began(clock: &Clock) -> Duration {
     let now = clock.now();
     Duration::from_millis(u64::try_from(now.wall.unix_ms).unwrap_or(0)).saturating_sub(now.since_start)
 }
 
-/// Whether what was heard in a turn that was not enough is more than anybody sends who means no harm. Few in a whole turn are none:
-/// this thread had to wait for others, and who is thinned out then loses what nobody flooded.
+/// Whether the datagrams of an overloaded turn are a flood, more than harmless clients send. A few in a whole turn are none: this
+/// thread had to wait for others, and filtering would lose datagrams of clients that flooded nothing.
 fn is_flood(heard: KindCounts, bytes: usize) -> bool {
     heard.iter().sum::<usize>() >= BATCH || bytes >= HEARING_BYTES
 }

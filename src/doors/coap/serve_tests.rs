@@ -1,5 +1,5 @@
-//! The socket loop over real sockets of this machine, with an application that does as the path says. Kept apart from `serve`
-//! because it shall be seen how short that is.
+//! The socket loop over real sockets of this machine, with an application that does what the path says. A file of its own, so
+//! that `serve` is seen to be short.
 
 use std::net::SocketAddr;
 use std::sync::Mutex;
@@ -16,18 +16,18 @@ use crate::doors::coap::pending::{COMMANDS, READS};
 use crate::runtime::figures::Figures;
 use coap_endpoint::{Answer, Code, Format, Method, RefusedRequest, Request, Response};
 
-/// How long anything is waited for.
+/// Maximum wait of a test.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// Does what its path says; `revision` shows the state, and `hang` waits until it is let go.
+/// Does what the path says; `revision` returns the state, and `hang` waits until it is released.
 struct Obedient {
     states: watch::Receiver<Arc<Snapshot>>,
     go: Arc<Semaphore>,
-    /// Rings before it breaks over the thirteenth state.
+    /// Rings before it panics at the thirteenth state.
     unlucky: Arc<Notify>,
-    /// The paths that were asked for, in their order.
+    /// Requested paths in order.
     asked: Arc<Mutex<Vec<String>>>,
-    /// The paths of commands that were too many.
+    /// Paths of commands beyond the maximum.
     busy: Arc<Mutex<Vec<String>>>,
 }
 
@@ -82,7 +82,7 @@ impl Application for Obedient {
     }
 }
 
-/// A door that serves, and what moves it.
+/// A running door, and its controls.
 struct TestApp {
     address: SocketAddr,
     states: watch::Sender<Arc<Snapshot>>,
@@ -94,7 +94,6 @@ struct TestApp {
     door: JoinHandle<()>,
 }
 
-/// Somebody who asks.
 struct Client {
     socket: UdpSocket,
     id: u16,
@@ -136,7 +135,7 @@ impl TestApp {
 }
 
 impl Client {
-    /// Sends a request that wants to be acknowledged; its message id.
+    /// Sends a confirmable request; returns its message id.
     async fn send(&mut self, method: Method, path: &str, adorn: impl FnOnce(&mut Packet)) -> u16 {
         self.id += 1;
         let mut packet = Packet::new();
@@ -150,7 +149,7 @@ impl Client {
         self.id
     }
 
-    /// The next message that says something; a separate one is acknowledged.
+    /// The next message with a payload or code; a separate response is acknowledged.
     async fn next(&self) -> Packet {
         let mut buffer = vec![0; 64 * 1024];
         loop {
@@ -190,11 +189,11 @@ async fn a_mistake_of_the_application_ends_one_request_and_no_more() {
     assert_eq!(code(&client.ask(Method::Get, "revision").await), Code::CONTENT);
 }
 
-/// Fills the places there are with requests that hang; they say nothing.
+/// Fills the available places with requests that hang without an answer.
 async fn fill(client: &mut Client, method: Method, places: usize) {
     for begun in 1..=places {
         client.send(method, "hang", |packet| packet.header.set_type(MessageType::NonConfirmable)).await;
-        // Datagrams may be lost, even here, when many wait to be read: an answer says that these were.
+        // Datagrams may be lost even here when many are queued: an answer shows that these arrived.
         if begun % 16 == 0 || begun == places {
             assert_eq!(code(&client.ask(Method::Get, "revision").await), Code::CONTENT);
         }
@@ -247,7 +246,7 @@ async fn observers_see_every_change_that_lasts() {
     let token = client.send(Method::Get, "revision", |packet| packet.add_option(CoapOption::Observe, Vec::new())).await;
     let first = client.next().await;
     assert!(first.get_first_option(CoapOption::Observe).is_some());
-    // The thirteenth state breaks the application, and is passed over.
+    // The thirteenth state makes the application panic, and is skipped.
     for (revision, seen) in [(31, "31"), (13, "32"), (33, "33")] {
         app.show(revision);
         if revision == 13 {
@@ -271,7 +270,7 @@ async fn no_datagram_ends_the_loop_and_none_is_taken_for_a_shorter_one() {
     assert_eq!(code(&client.next().await), Code::TOO_LARGE);
     client.send(Method::Put, "take", |packet| packet.payload = vec![b'x'; 5000]).await;
     assert_eq!(client.next().await.payload, b"5000");
-    // Whoever is gone before the answer comes is none of our business.
+    // A client that is gone before the answer comes does not matter.
     let mut gone = app.client().await;
     gone.send(Method::Post, "hang", |_| {}).await;
     drop(gone);
@@ -279,7 +278,7 @@ async fn no_datagram_ends_the_loop_and_none_is_taken_for_a_shorter_one() {
     assert_eq!(code(&client.ask(Method::Get, "revision").await), Code::CONTENT);
 }
 
-/// A datagram that asks for this.
+/// A datagram with this request.
 fn datagram(method: Method, path: &str, id: u16) -> Vec<u8> {
     let mut packet = Packet::new();
     packet.header.set_type(MessageType::Confirmable);
@@ -289,7 +288,7 @@ fn datagram(method: Method, path: &str, id: u16) -> Vec<u8> {
     packet.to_bytes().unwrap()
 }
 
-/// Safety S1, S7. All of it is there before the door looks: nothing here waits for anything, so that the door has no turn.
+/// Safety S1, S7. All datagrams are queued before the door reads: nothing here awaits, so that the door has no turn.
 #[tokio::test]
 async fn a_stop_overtakes_looks_that_wait_and_no_command_that_came_before_it() {
     const READS: u16 = 300;
@@ -317,12 +316,12 @@ async fn a_stop_overtakes_looks_that_wait_and_no_command_that_came_before_it() {
     assert!(place("take") < place("stop") && place("stop") < place("last"));
 }
 
-/// The paths that a door was asked for, in their order.
+/// Paths requested from a door, in order.
 fn asked(driver: &Driver<Obedient>) -> Vec<String> {
     driver.application.asked.lock().unwrap().clone()
 }
 
-/// A door whose turns come when they are called for.
+/// A door whose turns the test calls.
 fn driver() -> (Driver<Obedient>, SocketAddr) {
     let bound = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
     let address = bound.local_addr().unwrap();
@@ -343,7 +342,7 @@ fn driver() -> (Driver<Obedient>, SocketAddr) {
     (driver, address)
 }
 
-/// Safety S1, S7, S9. More is there than is heard in a turn, whatever the time.
+/// Safety S1, S7, S9. There are more datagrams than can be received in a turn, whatever the time.
 #[tokio::test]
 async fn while_more_comes_than_is_heard_less_is_let_through_and_everything_again_afterwards() {
     let ((mut driver, address), sender) = (driver(), std::net::UdpSocket::bind("127.0.0.1:0").unwrap());
@@ -362,15 +361,15 @@ async fn while_more_comes_than_is_heard_less_is_let_through_and_everything_again
     assert_eq!(driver.filter.due(), None);
 }
 
-/// Safety S9: on a busy machine a turn may be over after a datagram or two, which is nobody's flood.
+/// Safety S9: on a busy machine a turn may be over after a datagram or two, which is no flood.
 #[test]
 fn few_datagrams_in_a_long_turn_are_no_flood() {
     assert!(!is_flood([1, 0, 0, 0], 60) && !is_flood([20, 20, 20, 3], HEARING_BYTES - 1));
     assert!(is_flood([20, 20, 20, 4], 4_000) && is_flood([0, 1, 0, 0], HEARING_BYTES));
 }
 
-/// Safety S1, S7: what waits before a STOP takes several turns, and nothing that comes meanwhile goes before it, although another STOP
-/// comes behind that. No more than 64 KiB are answered in a turn, in which no time goes by here.
+/// Safety S1, S7: datagrams before a STOP take several turns, and none that comes meanwhile is handled before it, although
+/// another STOP follows. At most 64 KiB are answered in a turn, in which the time stands still here.
 #[tokio::test(start_paused = true)]
 async fn what_is_urgent_is_answered_in_turns_and_nothing_that_comes_meanwhile_before_it() {
     for waits in ["take", "stop"] {
@@ -397,7 +396,7 @@ async fn what_is_urgent_is_answered_in_turns_and_nothing_that_comes_meanwhile_be
     }
 }
 
-/// Safety S1, S7: no time goes by, so that the bytes alone decide how much is heard in a turn.
+/// Safety S1, S7: the time stands still, so that the bytes alone decide how much is received in a turn.
 #[tokio::test(start_paused = true)]
 async fn a_stop_is_found_before_any_look_is_answered_and_in_a_flood_without_end_all_have_answers() {
     let ((mut driver, address), sender) = (driver(), std::net::UdpSocket::bind("127.0.0.1:0").unwrap());
@@ -417,7 +416,7 @@ async fn a_stop_is_found_before_any_look_is_answered_and_in_a_flood_without_end_
         let before = asked(&driver).len();
         for turn in 1..=HEARINGS {
             assert_eq!(asked(&driver).len(), before, "it is heard first, {turn} times");
-            // What has a word of a STOP is not thinned out.
+            // Datagrams with a word of a STOP are not filtered.
             (0..5).for_each(|_| assert!(sender.send_to(&large(Method::Put, "nonstop"), address).is_ok()));
             driver.socket.readable().await;
             driver.turn().await;
@@ -426,7 +425,7 @@ async fn a_stop_is_found_before_any_look_is_answered_and_in_a_flood_without_end_
     }
 }
 
-/// What waits has its turn although nothing more comes.
+/// Waiting requests have their turn although nothing more comes.
 #[test]
 fn whatever_waits_alone_is_known_to_wait() {
     let peer = SocketAddr::from(([127, 0, 0, 1], 1));

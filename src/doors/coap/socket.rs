@@ -1,5 +1,4 @@
-//! The door's socket, with room for a burst of datagrams; whatever goes wrong with it is no reason to end. What is said through it
-//! is not here.
+//! The door's socket, with room for a burst of datagrams; no fault of it is a reason to end. The protocol is not here.
 
 use std::io::{self, ErrorKind};
 use std::net::SocketAddr;
@@ -11,16 +10,17 @@ use tokio::net::UdpSocket;
 use super::flood_filter::FloodFilter;
 use coap_endpoint::Transmit;
 
-/// Bytes asked for in each direction: every observer may acknowledge at once. What does not fit into less is sent again.
+/// Requested buffer size in bytes for each direction: every observer may acknowledge at once. Whatever does not fit is sent
+/// again.
 const ROOM: usize = 4 * 1024 * 1024;
 
-/// No datagram is longer, so that none is cut: what is too long is seen to be so.
+/// Maximum size of a datagram, so that none is cut: one that is too long can be recognised.
 const LONGEST: usize = 64 * 1024;
 
-/// So many datagrams are taken before anything else has its turn.
+/// Number of datagrams read before anything else has its turn.
 pub(super) const BATCH: usize = 64;
 
-/// A socket that fails is read again after this.
+/// Pause before a failing socket is read again.
 const PAUSE: Duration = Duration::from_millis(1);
 
 pub struct Socket {
@@ -29,7 +29,7 @@ pub struct Socket {
 }
 
 impl Socket {
-    /// The door's socket out of one that is bound. Must be called inside the runtime that is to wait for it.
+    /// The door's socket from a bound one. Must be called inside the runtime that waits for it.
     pub fn new(bound: std::net::UdpSocket) -> io::Result<Socket> {
         bound.set_nonblocking(true)?;
         let udp = UdpSocket::from_std(bound)?;
@@ -43,7 +43,7 @@ impl Socket {
     }
 
     pub(super) async fn readable(&self) {
-        // A socket that cannot be waited for says why when it is read.
+        // A socket that cannot be awaited reports the reason when it is read.
         let _ = self.udp.readable().await;
     }
 
@@ -52,7 +52,7 @@ impl Socket {
             Ok((length, peer)) => return Some((peer, &self.buffer[..length])),
             Err(error) if error.kind() == ErrorKind::WouldBlock => {}
             Err(error) => {
-                // Somebody's port is closed, as some systems say here, or worse.
+                // A client's port is closed, which some systems report here, or there is a worse fault.
                 tracing::debug!(%error, "a datagram could not be received");
                 tokio::time::sleep(PAUSE).await;
             }
@@ -60,14 +60,15 @@ impl Socket {
         None
     }
 
-    /// Has the system keep nothing of this socket's but what this lets through.
+    /// Makes the system drop everything for this socket that the filter does not pass.
     pub(super) fn attach(&self, filter: &FloodFilter) {
         if let Err(error) = filter.fit(&SockRef::from(&self.udp)) {
             tracing::debug!(%error, "the system throws nothing away");
         }
     }
 
-    /// Sends a datagram; one that cannot be sent, or not at once, is lost, as others are on their way: nobody waits for the network.
+    /// Sends a datagram; one that cannot be sent immediately is lost, as others are in the network: nothing waits for the
+    /// network.
     pub(super) fn send(&self, transmit: &Transmit) {
         if let Err(error) = self.udp.try_send_to(&transmit.bytes, transmit.peer) {
             tracing::debug!(%error, peer = %transmit.peer, "a datagram could not be sent");
@@ -75,8 +76,8 @@ impl Socket {
     }
 }
 
-/// Binds the same port at one more address of those that the first socket may hear. Both share it for this moment alone, so that
-/// no other program can join them.
+/// Binds the same port at one more address of those that the first socket covers. Both share the port for this moment alone, so
+/// that no other program can join them.
 ///
 /// # Errors
 /// The address is not there, or taken by another program.

@@ -1,5 +1,5 @@
-//! What can be asked to be done: each action's need, the command it becomes, and how an accepted one is answered. Giving it to the
-//! core is `Resources`' business; the old resource's words are in `old`.
+//! The actions of resources: the right that each needs, its command, and the answer to an accepted one. `Resources` sends the
+//! command to the core; the words of the old resource are in `old`.
 
 use super::problem::{Problem, words};
 use super::table::Action;
@@ -16,23 +16,23 @@ use coap_endpoint::{Code, Format, Request, Response};
 use hallsweep_core::command::{Command, CommandId};
 use hallsweep_core::units::Epoch;
 
-/// What goes with a command beside what it says.
+/// Parameters of a command beside its payload.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Terms {
-    /// Its own name.
+    /// The command id.
     pub(super) id: Option<CommandId>,
-    /// The format of its answer; `None` when only a problem's is accepted, so that success has no body.
+    /// The format of the answer; `None` when only a problem's format is accepted, so that success has no body.
     pub(super) form: Option<Format>,
 }
 
-/// The formats in which a command's answer is there.
+/// The formats of a command's answer.
 const ANSWERS: &[Format] = &[Format::JSON, Format::CBOR, Format::TEXT];
 
-/// The query in which a command's own name comes.
+/// The query parameter with the command id.
 const ID: &str = "id";
 
 impl Action {
-    /// What it asks of whoever comes. An old word may be a STOP.
+    /// The right that it needs. An old word may be a STOP.
     pub(super) fn need(self) -> Need {
         match self {
             Action::Command(kind) => kind.row().need,
@@ -46,13 +46,13 @@ impl Action {
 }
 
 impl Terms {
-    /// What goes with a stop with whose request something is wrong.
+    /// The parameters of a STOP whose request is faulty.
     pub(super) fn plain(act: Action) -> Terms {
         Terms { id: None, form: act.answers().first().copied() }
     }
 }
 
-/// The command that a request asks for, and the epoch its sender saw. What halts was found before (`stop`).
+/// The command of a request, and the epoch its sender saw. A STOP was recognised before (`stop`).
 pub(super) fn command(
     act: Action,
     number: u64,
@@ -65,7 +65,7 @@ pub(super) fn command(
     }
 }
 
-/// A request as what carries a command.
+/// A request as the payload of a command.
 struct Carried<'a>(&'a Request);
 
 impl Payload for Carried<'_> {
@@ -90,7 +90,7 @@ impl Payload for Carried<'_> {
     }
 }
 
-/// What goes with a command; a query that means nothing here is refused, because a misspelt `id` would let it act twice.
+/// The parameters of a command; an unknown query is refused, because a misspelt `id` would let the command act twice.
 pub(super) fn terms(act: Action, request: &Request) -> Result<Terms, Problem> {
     let mut id = None;
     for query in &request.queries {
@@ -109,7 +109,6 @@ pub(super) fn terms(act: Action, request: &Request) -> Result<Terms, Problem> {
     Ok(Terms { id, form })
 }
 
-/// The answer to an accepted command.
 pub(super) fn accepted(form: Option<Format>, done: &Done) -> Response {
     let Some(form) = form else { return Response::new(Code::CHANGED) };
     let body = if form == Format::TEXT {

@@ -1,5 +1,5 @@
-//! What is shown, kept until it changes: a GET of what has not changed makes nothing anew, and all who observe a thing share one
-//! body. What is shown stands in `shows`.
+//! Caches representations until they change: a repeated GET creates nothing anew, and all observers of a resource share one body.
+//! The contents come from `shows`.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -12,22 +12,21 @@ use coap_endpoint::{Answer, Format, Response};
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 
-/// So many things are kept: every resource in every format and a few dozen pieces of luggage. When there are more, the one that
-/// was made first gives way.
+/// Maximum number of cached representations: every resource in every format and a few dozen pieces of luggage. Beyond it, the
+/// oldest one is dropped.
 const MOST: usize = 128;
 
-/// Everything that is kept.
 #[derive(Default)]
 pub(super) struct RepresentationCache(Mutex<LinkedHashMap<Key, (Revision, Copies)>>);
 
 type Key = (Show, u64, Format);
 
-/// One thing, for those who read it and for those who observe it; they share its body.
+/// One representation for readers and for observers, with a shared body.
 #[derive(Clone, Debug)]
 pub(super) struct Copies {
-    /// Not to be taken for the present state a moment later (Max-Age 0); its tag tells cheaply whether it still is.
+    /// Not valid as the present state a moment later (Max-Age 0); its tag tells cheaply whether it still is.
     pub(super) plain: Arc<Response>,
-    /// Good until the next notification.
+    /// Valid until the next notification.
     pub(super) watched: Arc<Response>,
 }
 
@@ -37,14 +36,14 @@ impl Copies {
         Copies { plain: Arc::new(plain), watched: Arc::new(response) }
     }
 
-    /// The answer to whoever asks for it.
+    /// The answer for readers and observers.
     pub(super) fn answer(self) -> Answer {
         Answer { response: self.plain, observed: vec![self.watched] }
     }
 }
 
 impl RepresentationCache {
-    /// What is shown in this format; `number` says which where there are several.
+    /// The representation in this format; `number` selects one of several.
     pub(super) fn copies(&self, show: Show, number: u64, format: Format, snapshot: &Snapshot) -> Copies {
         let (key, revision) = ((show, number, format), shows::revision(show, number, snapshot));
         let mut things = self.0.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,5 +1,5 @@
-//! Who sends a request, by its address alone: whoever is on this machine is the operator, anybody else may look. What an address
-//! proves is the endpoint's business; keys are asked for by other doors.
+//! The identity of a sender, by its address alone: somebody on this machine is the operator, anybody else may look. The endpoint
+//! decides what an address proves; only other doors use keys.
 
 use std::net::SocketAddr;
 
@@ -7,26 +7,24 @@ use crate::access::{Need, OPERATOR, is_this_machine};
 use crate::api::door;
 use hallsweep_core::command::{Issuer, Refused};
 
-/// The sender of a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Caller {
     /// Somebody on this machine.
     Here,
-    /// Somebody beyond it.
+    /// Somebody on another machine.
     Beyond,
 }
 
 impl Caller {
-    /// Who is at this address.
     pub(super) fn of(peer: SocketAddr) -> Caller {
         if is_this_machine(peer.ip()) { Caller::Here } else { Caller::Beyond }
     }
 
-    /// Nothing when it may do what asks for `need`, else what to tell it.
+    /// Checks a right; the error says what is missing.
     pub(super) fn check(self, need: Need) -> Result<(), Refused> {
         match (self, need) {
             (Caller::Here, _) | (Caller::Beyond, Need::Nothing | Need::See) => Ok(()),
-            // Short enough for three times the bytes of a request, which is all that may go to an address that is not proved.
+            // Short enough for three times the bytes of a request, which is the maximum sent to an unverified address.
             (Caller::Beyond, Need::Stop | Need::Act) => {
                 Err(Refused::NotAllowed("commands only from loopback (127.0.0.1); use HTTP".to_owned()))
             }
@@ -34,12 +32,12 @@ impl Caller {
     }
 }
 
-/// The sender of a command, as records name him.
+/// The sender of a command, as named in records.
 pub(super) fn issuer(peer: SocketAddr) -> Issuer {
     Issuer { door: door::COAP, who: OPERATOR.into(), from: peer.ip().to_canonical().to_string().into() }
 }
 
-/// For whom something is, as the documentation says it.
+/// Who has this right, as in the documentation.
 #[cfg(test)]
 pub(super) const fn in_words(need: Need) -> &'static str {
     match need {

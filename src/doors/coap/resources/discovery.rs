@@ -1,5 +1,5 @@
-//! `/.well-known/core`: the table as links, a path with a number once for each thing there is (RFC 6690). How links are filtered
-//! and written stands in `super::super::links`.
+//! `/.well-known/core`: the table as links, with one link for each thing of a path with a number (RFC 6690). Filtering and
+//! formatting of links are in `super::super::links`.
 
 use super::etag::tag;
 use super::table::{Row, Show, Table};
@@ -9,19 +9,18 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::PhotoState;
 
-/// What can be read there.
+/// Interface of readable resources.
 const SEE: &str = "hallsweep.see";
 
-/// What can be asked to do something.
+/// Interface of resources that accept commands.
 const ACT: &str = "hallsweep.act";
 
-/// The links that the queries let through, as an answer.
+/// The links that match the queries, as an answer.
 pub(super) fn filtered(snapshot: &Snapshot, queries: &[String]) -> Response {
     let list = listing(snapshot, queries);
     Response { tag: Some(tag(&[&list])), max_age: Some(0), ..Response::content(Format::LINKS, list) }
 }
 
-/// The links that the queries let through.
 pub(super) fn listing(snapshot: &Snapshot, queries: &[String]) -> Vec<u8> {
     let links: Vec<Link> = Table::default().rows.iter().flat_map(|row| links(row, snapshot)).collect();
     link_format(&links, queries).into_bytes()
@@ -58,7 +57,7 @@ fn link(row: &Row, href: &str, size: Option<usize>) -> Link {
     }
 }
 
-/// The size of a photo; that of other things changes all the time.
+/// The size of a photo; other resources change all the time.
 fn size(row: &Row, id: LuggageId, snapshot: &Snapshot) -> Option<usize> {
     row.shows.as_ref().filter(|shown| shown.show == Show::Resource(ResourceKind::Photo))?;
     match snapshot.luggage(id)?.photo {

@@ -4,7 +4,7 @@ use std::hash::Hasher;
 
 use coap_endpoint::ETag;
 
-/// The tag of what these parts tell apart; the same parts have the same tag in every run and on every machine.
+/// The tag of these parts, the same in every run and on every machine.
 pub(super) fn tag(parts: &[&[u8]]) -> ETag {
     let mut hasher = Fnv::default();
     for part in parts {

@@ -1,6 +1,6 @@
-//! Everything of this door that knows hallsweep: which resource a request is for, what it shows, what it does, and why not. It
-//! answers at once where it can; a command is given at the call, so that commands keep the order in which they came, and only its
-//! outcome is waited for. Messages, blocks and observers are the endpoint's business.
+//! The part of this door that knows hallsweep: finds the resource of a request, its representation, its action, or the problem.
+//! It answers at once where possible; a command is sent immediately, so that commands keep their order, and only its result is
+//! awaited. The endpoint handles messages, blocks and observers.
 
 mod actions;
 mod cache;
@@ -35,7 +35,6 @@ use crate::runtime::handle::Handle;
 use coap_endpoint::{Answer, Conditions, Method, RefusedRequest, Request, Response};
 use hallsweep_core::command::{self, RefusalKind, Refused};
 
-/// The resources of this door.
 pub struct Resources {
     handle: Handle,
     archive: Reader,
@@ -48,7 +47,7 @@ pub struct Resources {
 }
 
 impl Resources {
-    /// The resources in front of the loop behind `handle`; `manual_driving` says whether old clients may drive the robot.
+    /// Resources in front of the loop behind `handle`; `manual_driving` says whether old clients may drive the robot.
     pub fn new(handle: Handle, archive: Reader, manual_driving: bool) -> Resources {
         let cache = RepresentationCache::default();
         let old = OldModel::new(handle.snapshot());
@@ -128,7 +127,7 @@ impl Resources {
         })))
     }
 
-    /// `If-Match` and `If-None-Match`, held against what is shown in any of its formats.
+    /// Checks `If-Match` and `If-None-Match` against the present representations in all formats.
     fn may_change(&self, found: &Found<'_>, request: &Request) -> Result<(), Problem> {
         if request.conditions == Conditions::default() {
             return Ok(());
@@ -141,8 +140,8 @@ impl Resources {
         met(None).map_err(|response| Problem::condition(&response))
     }
 
-    /// What somebody known wanted to change and was not taken goes on record (safety A6); what strangers send only into the log,
-    /// because they must not be able to fill the disk.
+    /// Refusals of a known sender's changes are recorded (safety A6); those of strangers are only logged, because strangers must
+    /// not be able to fill the disk.
     fn refused(&self, request: &Request, problem: &Problem) -> Reply {
         let answer = Answer::once(problem.response(request));
         if request.method == Method::Get || !problem.is_for_record() {
@@ -159,14 +158,14 @@ impl Resources {
         let noted = self.handle.clone();
         let (issuer, refused) = (caller::issuer(request.peer), Refused::Before(problem.refusal()));
         Reply::Later(Box::pin(async move {
-            // A program that is ending has nobody left to tell.
+            // The program is ending; nobody is left to tell.
             let _ = noted.note_refused(issuer, asked, refused).await;
             answer
         }))
     }
 }
 
-/// What a request asks for, as records say it.
+/// The request in words for records.
 fn asked_of(request: &Request) -> String {
     format!("{} {}", request.method.name(), in_short(&request.path_text()))
 }

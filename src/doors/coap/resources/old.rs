@@ -1,5 +1,5 @@
-//! `/resourcemodel`, as old clients know it (mission §8): three items, of which a GET shows the one that changed last and an
-//! observer gets the newest of each; and the bare words by which these clients command. How an item is written stands in
+//! `/resourcemodel` for old clients (mission §8): three items, of which a GET returns the one that changed last and an observer
+//! gets the newest of each; and the bare words that these clients send as commands. The items are written in
 //! `crate::api::old_items`.
 
 use std::sync::{Arc, Mutex, PoisonError};
@@ -18,8 +18,8 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::resource::Resource;
 
-/// Which of the items changed last. It is looked at each newer state, so that what follows a change without changing an item does
-/// not hide which it was; only what changed is looked at, and no item is written for it.
+/// The item that changed last. It is updated at every newer state, so that a later change of something else does not hide it;
+/// only the changed parts are compared, and no item is written for that.
 pub(super) struct OldModel(Mutex<Seen>);
 
 struct Seen {
@@ -28,23 +28,22 @@ struct Seen {
 }
 
 impl OldModel {
-    /// Nothing has changed yet.
     pub(super) fn new(snapshot: Arc<Snapshot>) -> OldModel {
         OldModel(Mutex::new(Seen { snapshot, latest: ROBOT }))
     }
 
-    /// Sees what has changed since the last look; the item that changed last. Of several that changed since it is the one whose own
-    /// part of the state changed last; of those that changed at once, the last in their order, as observers are told of them.
+    /// Updates and returns the item that changed last. Of several that changed since the last look it is the one whose own part
+    /// of the state changed last; of those that changed at once, the last in the order in which observers are told.
     pub(super) fn look(&self, snapshot: &Arc<Snapshot>) -> u64 {
         let mut seen = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let changed = there(snapshot).iter().copied().filter(|number| differs(*number, &seen.snapshot, snapshot));
         let latest = changed.max_by_key(|number| (own_revision(*number, snapshot), *number)).unwrap_or(seen.latest);
         *seen = Seen { snapshot: Arc::clone(snapshot), latest };
-        // An item that is there no more was followed by the robot's, as at the beginning.
+        // An item that does not exist any more is replaced by the robot's, as at the beginning.
         if there(snapshot).contains(&latest) { latest } else { ROBOT }
     }
 
-    /// The item that changed last, and all of them for observers, in the order robot, map, luggage.
+    /// The item that changed last, and all items for observers, in the order robot, map, luggage.
     pub(super) fn answer(&self, snapshot: &Arc<Snapshot>, cache: &RepresentationCache) -> Answer {
         let copies = |number| cache.copies(Show::OldItems, number, Format::TEXT, snapshot);
         let response = copies(self.look(snapshot)).plain;
@@ -52,17 +51,18 @@ impl OldModel {
     }
 }
 
-/// The items there are; never none.
+/// The existing items; never empty.
 fn there(snapshot: &Snapshot) -> &'static [u64] {
     if snapshot.luggage.is_empty() { &[ROBOT, MAP] } else { &[ROBOT, MAP, LUGGAGE] }
 }
 
-/// When an item's own part of the state last changed. The mission says which piece is shown, and changes for many other reasons.
+/// When an item's own part of the state last changed. The shown piece also depends on the mission, but that changes for many
+/// other reasons.
 fn own_revision(number: u64, snapshot: &Snapshot) -> Revision {
     if number == LUGGAGE { snapshot.revision_of(Resource::Luggage) } else { revision(Show::OldItems, number, snapshot) }
 }
 
-/// Whether an item is another than it was.
+/// Whether an item differs between two states.
 fn differs(number: u64, older: &Snapshot, newer: &Snapshot) -> bool {
     match number {
         ROBOT => old_items::robot(&older.robot) != old_items::robot(&newer.robot),
@@ -79,9 +79,9 @@ fn changes_a_cell(older: &Snapshot, newer: &Snapshot) -> bool {
     }
 }
 
-/// The command behind a bare word, bare or in the quotes of JSON, whatever it is labelled as: `h` and `stop` are STOP, and nothing that is
-/// wrong with its request keeps it from halting. An old console sends a stray `w` when it starts, so the other moves are only
-/// taken when old clients may drive.
+/// The command for a word, bare or in the quotes of JSON, in any content format: `h` and `stop` are STOP, and no fault of the
+/// request prevents it from halting. An old console sends a stray `w` when it starts, so the other moves are only accepted when
+/// old clients may drive.
 pub(super) fn command(request: &Request, manual_driving: bool) -> Result<Command, Problem> {
     let text = String::from_utf8_lossy(&request.payload);
     let word = bare(&text);
@@ -97,7 +97,7 @@ pub(super) fn command(request: &Request, manual_driving: bool) -> Result<Command
     Ok(command)
 }
 
-/// A word without the blanks round it and the quotes of JSON.
+/// A word without surrounding blanks and the quotes of JSON.
 fn bare(text: &str) -> &str {
     let text = text.trim();
     text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).unwrap_or(text)

@@ -1,5 +1,5 @@
-//! Photos: read from the archive where blocking is allowed, and the last ones kept, because a photo that is fetched in small blocks
-//! is asked for a thousand times. Their tags stay the same after a restart.
+//! Photos: read from the archive where blocking is allowed; the last ones are cached, because a photo that is fetched in small
+//! blocks is requested a thousand times. Their tags stay the same after a restart.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,10 +12,11 @@ use hallsweep_core::event::Photo;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, NoPhoto};
 
-/// So many bytes of photos are kept, the last one always: some eighty photos of the simulated camera.
+/// Maximum size of cached photos in bytes, apart from the last one, which is always cached: some eighty photos of the simulated
+/// camera.
 const MOST_BYTES: usize = 4 * 1024 * 1024;
 
-/// The last photos that were asked for, the newest last.
+/// The photos requested last, the newest last.
 #[derive(Default)]
 pub(super) struct Photos(Mutex<VecDeque<One>>);
 
@@ -27,14 +28,14 @@ struct One {
 }
 
 impl Photos {
-    /// The photo of a piece, if it is kept; `present` is the tag it has now when the piece is of the present mission.
+    /// The cached photo of a piece; `present` is its current tag when the piece is of the present mission.
     pub(super) fn kept(&self, id: LuggageId, present: Option<ETag>) -> Option<Arc<Response>> {
         let photos = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let is_it = |one: &&One| one.id == id && present.map_or(one.is_settled, |tag| one.response.tag == Some(tag));
         photos.iter().find(is_it).map(|one| Arc::clone(&one.response))
     }
 
-    /// Keeps a photo in place of an earlier one of the same piece; the oldest give way.
+    /// Caches a photo in place of an earlier one of the same piece; drops the oldest ones.
     pub(super) fn keep(&self, id: LuggageId, is_settled: bool, response: Response) -> Arc<Response> {
         let response = Arc::new(response);
         let mut photos = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -47,20 +48,20 @@ impl Photos {
     }
 }
 
-/// The tag of a piece's photo, as its record is now.
+/// The tag of a piece's photo, from its present record.
 pub(super) fn tag(piece: &Luggage) -> ETag {
     let take = piece.take().unwrap_or(0);
     etag::tag(&[&piece.id.0.to_be_bytes(), &take.to_be_bytes(), &piece.taken.unix_ms.to_be_bytes()])
 }
 
-/// The same, of a piece that has a photo.
+/// Like `tag`; an error when the piece has no photo.
 pub(super) fn tag_of_photo(piece: &Luggage) -> Result<ETag, Problem> {
     piece.take()?;
     Ok(tag(piece))
 }
 
-/// A photo as what it is, or as plain bytes for whoever wants these: there are clients that cannot take a format they have not
-/// heard of, and many know no pictures.
+/// A photo with its own content format, or as plain bytes for a client that asks for these: some clients cannot accept an unknown
+/// format, and many know none for pictures.
 pub(super) fn labelled(photo: Arc<Response>, request: &Request) -> Result<Answer, Problem> {
     let offers: Vec<Format> = photo.format.into_iter().chain([Format::BYTES]).collect();
     let wanted = request.negotiated(&offers).map_err(|response| Problem::not_acceptable(words(&response)))?;
@@ -69,7 +70,7 @@ pub(super) fn labelled(photo: Arc<Response>, request: &Request) -> Result<Answer
     Ok(Answer { response, observed: Vec::new() })
 }
 
-/// Reads a photo; without the tag its piece's record is read too.
+/// Reads a photo; without the tag it also reads the piece's record.
 pub(super) async fn read(archive: &Reader, id: LuggageId, present: Option<ETag>) -> Result<Response, Problem> {
     let tag = match present {
         Some(tag) => tag,

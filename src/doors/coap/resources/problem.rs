@@ -1,4 +1,4 @@
-//! How this door writes a problem: its code, and the three forms in which one is sent; and the problems that only it has.
+//! Writes problems for this door: their codes, and the three formats; and the problems that only this door has.
 
 use super::super::application::HALTED;
 use super::shows;
@@ -10,35 +10,32 @@ use crate::api::resources::{self, Form};
 pub(super) use crate::doors::problem::Problem;
 use coap_endpoint::{Code, Format, Method, Request, Response};
 
-/// After so many seconds it is worth trying again when something is not available (RFC 7252, section 5.9.3.4).
+/// Seconds after which a retry makes sense when something is unavailable (RFC 7252, section 5.9.3.4).
 const RETRY_S: u32 = 5;
 
 impl Problem {
-    /// No path of the table is this one.
     pub(super) fn nothing_at(request: &Request) -> Problem {
         let path = request.path_text();
         Problem::not_found(format!("there is nothing at {}: GET /.well-known/core lists what there is", in_short(&path)))
     }
 
-    /// What is there cannot be asked to do this.
     pub(super) fn not_answered(request: &Request, row: &Row) -> Problem {
         let methods: Vec<&str> = row.methods().map(Method::name).collect();
         Problem::no_method(format!("{} does not answer {}: it answers {}", row.path, request.method.name(), methods.join(", ")))
     }
 
-    /// A condition is not met, as the endpoint says.
     pub(super) fn condition(said: &Response) -> Problem {
         Problem::new(CONDITION_FAILED, words(said))
     }
 
-    /// The same of a STOP: whoever reads it must not think that nothing has halted.
+    /// The problem of a STOP: its reader must not think that nothing has halted.
     pub(super) fn although_halted(self) -> Problem {
         let words = format!("{HALTED}; {}", self.detail());
         self.saying(words)
     }
 
-    /// What the sender of this request is told: in JSON or in CBOR when that is what it accepts, else as a text, which begins
-    /// with `refused: ` when it asked for a change, because some clients show nothing else.
+    /// The answer to the sender: in JSON or CBOR if accepted, otherwise as text, which begins with `refused: ` for a change,
+    /// because some clients show nothing else.
     pub(super) fn response(&self, request: &Request) -> Response {
         let code = code_of(self.kind());
         let max_age = (code == Code::UNAVAILABLE).then_some(RETRY_S);
@@ -52,7 +49,7 @@ impl Problem {
         Response { max_age, ..response }
     }
 
-    /// Its shape with the words and paths of this door.
+    /// The problem with the words and paths of this door.
     fn here(&self) -> ProblemJson<'_> {
         let mut shape = self.shape();
         if self.kind() == ProblemKind::UnsupportedFormat {
@@ -63,10 +60,10 @@ impl Problem {
     }
 }
 
-/// The table: which code each kind gets. It has the digits of the status, as far as CoAP has such a code.
+/// The code of each kind of problem. It has the digits of the status, as far as CoAP has such a code.
 const fn code_of(kind: ProblemKind) -> Code {
     match kind {
-        // The last two are HTTP's alone.
+        // The last two exist only in HTTP.
         ProblemKind::Malformed | ProblemKind::TooSlow | ProblemKind::Misdirected => Code::BAD_REQUEST,
         ProblemKind::NotSignedIn => Code::UNAUTHORIZED,
         ProblemKind::Forbidden => Code::FORBIDDEN,
@@ -83,7 +80,7 @@ const fn code_of(kind: ProblemKind) -> Code {
     }
 }
 
-/// What the endpoint says of a request that it does not take.
+/// The endpoint's reason for refusing a request.
 pub(super) fn words(said: &Response) -> String {
     String::from_utf8_lossy(&said.body).into_owned()
 }
@@ -123,7 +120,7 @@ mod tests {
         }
     }
 
-    /// What this door refused is read back from the journal as it was written.
+    /// A refusal by this door is read back from the journal as it was written.
     #[test]
     fn what_the_door_refuses_is_known_again_after_a_restart() {
         let words = || "a sentence".to_owned();

@@ -1,5 +1,5 @@
-//! Reading: what a request shows, at once or after a look into the archive, and what whoever observes it sees. What is kept for
-//! others who ask is the business of `cache` and `photos`.
+//! Reading: the representation for a request, at once or after reading the archive, and the one for its observers. Caching is in
+//! `cache` and `photos`.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::LuggageId;
 
 impl Resources {
-    /// What a GET of this is answered with. Whether there is such a thing comes before the question in which format.
+    /// The answer to a GET. Whether the thing exists is checked before its format.
     pub(super) fn show(&self, shown: &Representations, number: u64, request: &Request) -> Result<Reply, Problem> {
         let snapshot = self.handle.snapshot();
         if shown.show == Show::Resource(ResourceKind::Photo) {
@@ -38,7 +38,7 @@ impl Resources {
         }
     }
 
-    /// What whoever observes this sees now.
+    /// The present representations for an observer.
     pub(super) fn seen(&self, request: &Request) -> Result<Vec<Arc<Response>>, Problem> {
         let found = self.table.find(&request.path).ok_or_else(|| Problem::nothing_at(request))?;
         let shown = found.row.shows.as_ref().filter(|shown| shown.is_observable);
@@ -54,7 +54,7 @@ impl Resources {
         Ok(self.at_hand(shown.show, found.number, format, &snapshot, request).observed)
     }
 
-    /// The tags of what is shown here, in every format.
+    /// The tags of the present representations in all formats.
     pub(super) fn tags(&self, row: &Row, number: u64) -> Vec<ETag> {
         let Some(Representations { show, formats, .. }) = &row.shows else { return Vec::new() };
         let snapshot = self.handle.snapshot();
@@ -72,7 +72,7 @@ impl Resources {
         }
     }
 
-    /// A piece of a mission that is over; it changes no more, so nobody can observe it.
+    /// A piece of a past mission; it does not change any more, so nobody can observe it.
     fn past_piece(&self, number: u64, formats: &[Format], request: &Request) -> Reply {
         let (archive, formats, request) = (self.archive.clone(), formats.to_vec(), request.clone());
         let found = async move |request: &Request| {
@@ -86,7 +86,7 @@ impl Resources {
         }))
     }
 
-    /// The newest photo of a piece, from among the last ones that were asked for or else from the disk.
+    /// The newest photo of a piece, from the cache or from disk.
     fn photo(&self, snapshot: &Snapshot, number: u64, request: &Request) -> Result<Reply, Problem> {
         let id = LuggageId(number);
         let present = snapshot.luggage(id).map(|piece| photos::tag_of_photo(piece)).transpose()?;
@@ -103,7 +103,7 @@ impl Resources {
     }
 }
 
-/// Whether this is a piece, and of no present mission.
+/// Whether this is a piece of a past mission.
 fn is_past(show: Show, number: u64, snapshot: &Snapshot) -> bool {
     show == Show::Resource(ResourceKind::Piece) && snapshot.luggage(LuggageId(number)).is_none()
 }

@@ -1,4 +1,4 @@
-//! What each path of this door shows, and when that last changed.
+//! The representation of each path, and when it last changed.
 
 use super::discovery;
 use super::table::Show;
@@ -12,14 +12,11 @@ use hallsweep_core::units::Revision;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
 
-/// The numbers of the old model's items, in the order in which observers get them.
+/// Numbers of the old model's items, in the order in which observers get them.
 pub(super) const ROBOT: u64 = 0;
-/// The second.
 pub(super) const MAP: u64 = 1;
-/// The third.
 pub(super) const LUGGAGE: u64 = 2;
 
-/// When what is shown last changed.
 pub(super) fn revision(show: Show, number: u64, snapshot: &Snapshot) -> Revision {
     let of = |resource| snapshot.revision_of(resource);
     match show {
@@ -28,13 +25,13 @@ pub(super) fn revision(show: Show, number: u64, snapshot: &Snapshot) -> Revision
         Show::OldItems => match number {
             ROBOT => of(Resource::Robot),
             MAP => map_revision(snapshot),
-            // Which piece is shown follows from the mission, too.
+            // The shown piece also depends on the mission.
             _ => of(Resource::Luggage).max(of(Resource::Mission)),
         },
     }
 }
 
-/// What is shown in this format; `number` says which where there are several. Nothing where nothing is to be shown.
+/// The representation in this format; `number` selects one of several. Empty when there is nothing to show.
 pub(super) fn body(show: Show, number: u64, format: Format, snapshot: &Snapshot) -> Vec<u8> {
     match show {
         Show::Resource(shown) => shown.written(number, form_of(format), snapshot, at_this_door),
@@ -43,18 +40,17 @@ pub(super) fn body(show: Show, number: u64, format: Format, snapshot: &Snapshot)
     }
 }
 
-/// A piece of a mission that is over.
+/// A piece of a past mission.
 pub(super) fn past_piece(found: &Luggage, format: Format) -> Vec<u8> {
     resources::shape(form_of(format), &at_this_door(LuggageJson::from(found)))
 }
 
-/// The shape of a record says where its photo is; at this door it is here.
+/// Replaces the address of a record's photo by the one at this door.
 pub(super) fn at_this_door(mut piece: LuggageJson) -> LuggageJson {
     piece.photo.url = piece.photo.url.map(|_| format!("/luggage/{}/photo", piece.id));
     piece
 }
 
-/// What is written in this format.
 pub(super) fn form_of(format: Format) -> Form {
     match format {
         Format::CBOR => Form::Cbor,

@@ -1,5 +1,5 @@
-//! STOP at this door: found before anything is judged, by who sends it, its method, its path and its word alone; whatever else is
-//! wrong with it is told afterwards (safety S8). How the robot is halted is the handle's business.
+//! STOP at this door: recognised before anything is judged, by sender, method, path and word alone; other faults are reported
+//! afterwards (safety S8). The handle halts the robot.
 
 use super::super::application::Reply;
 use super::Resources;
@@ -10,7 +10,7 @@ use crate::api::halt::{bare, is_halt, is_halt_word, says_halt};
 use coap_endpoint::{Answer, Request};
 use hallsweep_core::command::{self, Command};
 
-/// Whether a request halts the robot. Methods that are not taken here halt as well, but for those that only look.
+/// Whether a request halts the robot. Unsupported methods halt as well, except for those that only read.
 pub(super) fn is_stop(request: &Request) -> bool {
     if request.method.is_safe() || Caller::of(request.peer) != Caller::Here {
         return false;
@@ -24,18 +24,18 @@ pub(super) fn is_stop(request: &Request) -> bool {
     }
 }
 
-/// Of these every request that halts has one in its path, with the bit set that makes letters small, but for a bare `h` that does
-/// not stand as it is right behind `commands`: with blanks round it, behind an empty segment, or cut off.
+/// Every request that halts has one of these in its path, with the bit set that makes letters lower case, except for an unusual
+/// form of the bare `h`: not directly after `commands`, but with blanks round it, after an empty segment, or cut off.
 pub(super) const WORDS: &[[u8; 4]] = &[*b"stop", *b"move", *b"reso", *b"ds!h", *b"ds/h"];
 
-/// The words of a path in small letters, however a client has cut it up.
+/// The words of a path in lower case, however a client has split it.
 fn segments(request: &Request) -> Vec<String> {
     let segments = request.path.iter().flat_map(|segment| segment.split('/'));
     segments.map(|segment| bare(segment).to_ascii_lowercase()).filter(|segment| !segment.is_empty()).collect()
 }
 
 impl Resources {
-    /// Gives a STOP, and answers when the robot stands: that it was accepted, or that it was refused all the same.
+    /// Carries out a STOP, and answers when the robot stands: accepted, or refused although it has halted.
     pub(super) fn stop(&self, request: &Request) -> Reply {
         let judged = self.judged(request);
         let id = judged.as_ref().ok().and_then(|terms| terms.id.clone());
@@ -50,7 +50,8 @@ impl Resources {
         }))
     }
 
-    /// What goes with the answer. Path and method are judged; query, conditions, format and body are not a stop's business.
+    /// The parameters of the answer. Only path and method are judged; query, conditions, format and body do not matter for a
+    /// STOP.
     fn judged(&self, request: &Request) -> Result<Terms, Problem> {
         let found = self.table.find(&request.path).ok_or_else(|| Problem::nothing_at(request))?;
         let act = found.row.action(request.method).ok_or_else(|| Problem::not_answered(request, found.row))?;

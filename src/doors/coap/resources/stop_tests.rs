@@ -1,6 +1,5 @@
-//! STOP from the datagram to the loop, through endpoint and resources: whatever is added to it, it halts once, and once more when it
-//! is repeated after a START; and what must not
-//! halt does not, whatever it looks like.
+//! STOP from the datagram to the loop, through endpoint and resources: with any addition it halts once, and once more when it is
+//! repeated after a START; anything that is no STOP does not halt, whatever it looks like.
 
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -16,7 +15,7 @@ use crate::doors::coap::application::{Application, HALTED};
 use crate::doors::coap::resources::table::Table;
 use coap_endpoint::{Code, Endpoint, Transmit};
 
-/// A door: what comes to its socket, and the loop behind it.
+/// A door: its socket's input, and the loop behind it.
 struct Door {
     endpoint: Endpoint,
     app: TestApp,
@@ -24,7 +23,7 @@ struct Door {
     now: Duration,
 }
 
-/// A message, option by option, which may be wrong in every way.
+/// A message as a list of options, which may be faulty in any way.
 #[derive(Clone, Debug)]
 struct Message {
     version: u8,
@@ -33,9 +32,9 @@ struct Message {
     token_bits: u8,
     token: Vec<u8>,
     options: Vec<(u16, Vec<u8>)>,
-    /// What follows the options as it is, marker and all.
+    /// The bytes after the options, including the marker.
     rest: Vec<u8>,
-    /// Whether the grammar ends behind its options.
+    /// Bytes at which the message's grammar breaks, after its options.
     broken: Option<Vec<u8>>,
 }
 
@@ -50,7 +49,7 @@ impl Door {
         Door { endpoint, app, runtime, now: Duration::from_secs(100) }
     }
 
-    /// Takes a datagram, and everything that follows from it; what is sent back.
+    /// Takes a datagram, and everything that follows from it; returns what is sent back.
     fn take(&mut self, peer: SocketAddr, bytes: &[u8]) -> Vec<Transmit> {
         self.now += Duration::from_millis(1);
         self.endpoint.handle_undone(self.app.resources.undone());
@@ -68,7 +67,7 @@ impl Door {
         std::iter::from_fn(|| self.endpoint.poll_transmit()).collect()
     }
 
-    /// Somebody lets the robot go at another door.
+    /// Somebody releases the robot at another door.
     fn start(&self) {
         let start = command::Request::new(Command::Start, caller::issuer(here()));
         assert!(self.runtime.block_on(async { self.app.resources.handle.give(start).await }).is_ok());
@@ -78,7 +77,7 @@ impl Door {
         self.app.given.lock().unwrap().iter().map(|request| request.command.clone()).collect()
     }
 
-    /// What is on record as refused, by the endpoint or by the resources.
+    /// Number of recorded refusals, by the endpoint or by the resources.
     fn refusals(&mut self) -> usize {
         let by_endpoint = std::iter::from_fn(|| self.endpoint.poll_refused()).count();
         by_endpoint + self.runtime.block_on(async { usize::from(self.app.noted().await.is_some()) })
@@ -153,18 +152,18 @@ fn stops() -> Vec<Message> {
     ]
 }
 
-/// Something that is wrong with a message.
+/// A fault of a message.
 #[derive(Clone, Debug)]
 enum Fault {
-    /// An option, of whatever number and value, and how often.
+    /// An option of any number and value, repeated this often.
     Option(u16, Vec<u8>, usize),
     Method(u8),
-    /// A token of this length, announced so.
+    /// A token of this length, with this announced length.
     Token(u8, usize),
-    /// A body in the place of none, or behind what the body says.
+    /// A body instead of none, or after the body of the message.
     Body(Vec<u8>),
     MarkerAlone,
-    /// Bytes behind the options that are none.
+    /// Invalid bytes after the options.
     Broken(Vec<u8>),
     Nonconfirmable,
 }
@@ -172,7 +171,7 @@ enum Fault {
 fn any_fault() -> impl Strategy<Value = Fault> {
     let known =
         prop::sample::select(vec![1_u16, 3, 4, 5, 6, 7, 8, 9, 12, 14, 15, 17, 19, 20, 23, 27, 28, 31, 35, 39, 60, 252, 258, 292]);
-    // Another word of the path would be another path.
+    // Another word in the path would make another path.
     let number = prop_oneof![4 => known, 1 => any::<u16>().prop_filter("the path", |number| *number != 11)];
     let value = prop_oneof![
         4 => prop::collection::vec(any::<u8>(), 0..5),
@@ -194,7 +193,7 @@ fn any_fault() -> impl Strategy<Value = Fault> {
     ]
 }
 
-/// The message with the fault; `None` where that would take away what names the STOP.
+/// The message with the fault; `None` when the fault would remove the name of the STOP.
 fn spoilt(message: &Message, fault: &Fault) -> Option<Message> {
     let mut message = message.clone();
     match fault {
@@ -202,7 +201,7 @@ fn spoilt(message: &Message, fault: &Fault) -> Option<Message> {
         Fault::Method(code) => message.code = *code,
         Fault::Token(bits, length) => (message.token_bits, message.token) = (*bits, vec![0x33; *length]),
         Fault::Body(body) if message.rest.is_empty() => message.rest = [&[0xFF], &body[..]].concat(),
-        // Behind what a word says, only what is round it is no other word.
+        // After a word only blanks leave it the same word.
         Fault::Body(body) if body.iter().all(|letter| *letter == b' ') => message.rest.extend(body),
         Fault::Body(_) => return None,
         Fault::MarkerAlone if message.rest.is_empty() => message.rest = vec![0xFF],
@@ -217,7 +216,7 @@ fn is_known_in_a_flood(bytes: &[u8]) -> bool {
     bytes.windows(4).any(|four| WORDS.iter().any(|word| word.iter().copied().eq(four.iter().map(|byte| byte | 0x20))))
 }
 
-/// A path in one of the ways in which it may be cut up: as segments, as one of them, as an address.
+/// A path, split in one of the possible ways: as segments, as a single one, as an address.
 fn path_in_parts() -> impl Strategy<Value = (Vec<&'static str>, u8)> {
     let first = prop::sample::select(vec!["commands", "Commands", " commands", "commands ", "ResourceModel", " resourcemodel "]);
     let rest = prop::sample::select(vec!["h", "H", " h", "h ", "stop", "\tSTOP", "move ", "Move", "", " ", "x"]);
@@ -250,7 +249,7 @@ proptest! {
         prop_assert_eq!(door.refusals(), 0);
     }
 
-    /// Safety S8: what halts is known in a flood, but for a bare `h` that is written unusually.
+    /// Safety S8: every form of STOP passes the flood filter, except for a bare `h` in an unusual form.
     #[test]
     fn however_the_path_of_a_stop_is_written_it_is_known_in_a_flood_but_for_an_unusual_h((parts, cut) in path_in_parts()) {
         let message = match cut {
@@ -296,7 +295,7 @@ proptest! {
     /// Safety S8.
     #[test]
     fn bytes_by_chance_behind_a_stop_leave_it_halting(tail in prop::collection::vec(any::<u8>(), 0..20)) {
-        // The first of them ends the path.
+        // The first of these bytes ends the path.
         let message = Message { rest: [&[0x10_u8][..], &tail].concat(), ..stops().remove(0) };
         let mut door = Door::new();
         door.take(here(), &message.bytes(1));
@@ -304,12 +303,12 @@ proptest! {
     }
 }
 
-/// The code of what was answered; `0.00` for a rejection.
+/// The code of the answer; `0.00` for a rejection.
 fn answered(sent: &[Transmit]) -> Option<String> {
     sent.first().map(|transmit| Code(transmit.bytes[1]).to_string())
 }
 
-/// Safety S8: it halts first and is refused afterwards, as the RFC wants.
+/// Safety S8: it halts first and is refused afterwards, as the RFC requires.
 #[test]
 fn a_stop_that_is_refused_has_halted_and_says_so() {
     let stop = || Message::new(2, &["commands", "stop"], b"");
@@ -356,7 +355,7 @@ fn a_halt_in_a_body_that_comes_in_blocks_halts_when_its_word_has_come() {
     assert_eq!(door.given(), [Command::Stop]);
 }
 
-/// The answer to a STOP may be longer than somebody's blocks: to read on presses nothing.
+/// The answer to a STOP may be longer than the client's blocks: fetching the next block is no press.
 #[test]
 fn to_read_on_in_the_answer_to_a_stop_is_no_press_and_to_begin_anew_is_one() {
     let block =
@@ -372,7 +371,7 @@ fn to_read_on_in_the_answer_to_a_stop_is_no_press_and_to_begin_anew_is_one() {
     }
 }
 
-/// Safety S8: each of these halts when its datagram is heard, and in a flood has the chance of any other command to be heard.
+/// Safety S8: each of these halts when its datagram is received, and passes the flood filter as often as any other command.
 #[test]
 fn a_bare_h_that_is_written_unusually_halts_and_is_not_known_in_a_flood() {
     let address = |path: &str| Message { options: vec![(35, path.as_bytes().to_vec())], ..Message::new(2, &[], b"") };
@@ -390,7 +389,7 @@ fn a_bare_h_that_is_written_unusually_halts_and_is_not_known_in_a_flood() {
     }
 }
 
-/// Safety S8: what the table takes for a STOP is one before anything is judged.
+/// Safety S8: every STOP of the table is recognised before anything is judged.
 #[test]
 fn every_path_at_which_anybody_may_stop_is_known_as_one() {
     for row in Table::default().rows {

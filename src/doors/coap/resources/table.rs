@@ -1,60 +1,55 @@
-//! Every path of this door with what it shows, in which formats, whether that can be observed, and what it can be asked to do: the rows
-//! of `api::resources` and `api::commands`, and what is only here. Routing, the answer to a wrong method, `/.well-known/core` and
-//! the table in `docs/coap.md` are walks over it; what is not listed is not there.
+//! Every path of this door with its representations, their formats, whether they can be observed, and its actions: the rows of
+//! `api::resources` and `api::commands`, and the paths that only this door has. Routing, the answer to a wrong method,
+//! `/.well-known/core` and the table in `docs/coap.md` all use it; an unlisted path does not exist.
 
 use crate::api::commands::{self, COMMANDS, CommandKind, Methods, Subject};
 use crate::api::resources::{self, Form, RESOURCES, ResourceKind};
 use coap_endpoint::{Format, Method};
 
-/// Every path.
 pub(super) struct Table {
     pub(super) rows: Vec<Row>,
 }
 
-/// One path.
 pub(super) struct Row {
-    /// As `/luggage/{id}/photo`; `{id}` stands for a number.
+    /// Such as `/luggage/{id}/photo`; `{id}` stands for a number.
     pub(super) path: &'static str,
-    /// What kind of thing is there, for discovery.
+    /// Resource type, for discovery.
     pub(super) rt: String,
-    /// The same for people.
+    /// Title for people.
     pub(super) title: String,
-    /// What a GET shows.
+    /// The result of a GET.
     pub(super) shows: Option<Representations>,
-    /// What it can be asked to do.
     pub(super) actions: Vec<(Method, Action)>,
 }
 
-/// What a GET shows.
+/// The result of a GET.
 #[derive(Clone)]
 pub(super) struct Representations {
     pub(super) show: Show,
-    /// The first is sent to whoever names none.
+    /// The first format is the default.
     pub(super) formats: Vec<Format>,
     pub(super) is_observable: bool,
 }
 
-/// Something to be seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Show {
-    /// A resource of the one table.
+    /// A resource of the common table.
     Resource(ResourceKind),
     /// The three items of old clients.
     OldItems,
-    /// The list of all this.
+    /// The list of all paths.
     Links,
 }
 
-/// Something that can be asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Action {
-    /// A command of the table.
+    /// A command of the common table.
     Command(CommandKind),
     /// A bare word of an old client.
     OldWord,
 }
 
-/// Where a path leads.
+/// The row of a path.
 pub(super) struct Found<'a> {
     pub(super) row: &'a Row,
     /// The number in the path; 0 where there is none.
@@ -68,26 +63,23 @@ impl Default for Table {
 }
 
 impl Table {
-    /// The row of a path.
     pub(super) fn find(&self, path: &[String]) -> Option<Found<'_>> {
         self.rows.iter().find_map(|row| row.number(path).map(|number| Found { row, number }))
     }
 }
 
 impl Row {
-    /// What it does when it is asked by this method.
     pub(super) fn action(&self, method: Method) -> Option<Action> {
         self.actions.iter().find(|(answers, _)| *answers == method).map(|(_, action)| *action)
     }
 
-    /// The methods it answers.
     pub(super) fn methods(&self) -> impl Iterator<Item = Method> {
         self.shows.iter().map(|_| Method::Get).chain(self.actions.iter().map(|(method, _)| *method))
     }
 
-    /// The number in a path that is this one, 0 where it has none; `None` when it is another.
+    /// The number in a path that matches this row, 0 where the row has none; `None` when the path does not match.
     fn number(&self, path: &[String]) -> Option<u64> {
-        // Every path begins with a word, and most are told apart by it.
+        // Every path begins with a word, which tells most of them apart.
         if !self.path[1..].starts_with(path.first()?) {
             return None;
         }
@@ -104,12 +96,12 @@ impl Row {
     }
 }
 
-/// The number that a segment writes as we write it, so that a thing has one path: neither `+1` nor `01`.
+/// A number in its canonical form, neither `+1` nor `01`, so that each thing has a single path.
 fn plain_number(segment: &str) -> Option<u64> {
     segment.parse().ok().filter(|number: &u64| number.to_string() == segment)
 }
 
-/// What no other door has.
+/// Paths that no other door has.
 fn only_here() -> [Row; 2] {
     let old_words = vec![(Method::Put, Action::OldWord), (Method::Post, Action::OldWord)];
     let (links, items) = (vec![Format::LINKS], vec![Format::TEXT]);
@@ -122,7 +114,7 @@ fn resource(row: &'static resources::Row) -> Row {
     shown(row.path, row.name, row.title, Show::Resource(row.kind), formats, row.is_observable)
 }
 
-/// There are clients that cannot take a picture as what it is, and get its bytes.
+/// Some clients cannot accept a picture format, so they get the bytes.
 const fn formats_of(form: Form) -> &'static [Format] {
     match form {
         Form::Json => &[Format::JSON],
@@ -133,8 +125,8 @@ const fn formats_of(form: Form) -> &'static [Format] {
     }
 }
 
-/// Puts the commands of the one table where they belong: to what is shown at their path, or into a row of their own. Those that are
-/// about a numbered thing come before the others.
+/// Adds the commands of the common table: to the row with the same path, or in a row of their own. Rows with a number come before
+/// the others.
 fn with_commands(mut rows: Vec<Row>) -> Vec<Row> {
     let (of_a_thing, plain): (Vec<&'static commands::Row>, Vec<_>) =
         COMMANDS.iter().partition(|command| command.subject != Subject::None);
@@ -157,7 +149,7 @@ fn shown(path: &'static str, rt: &str, title: &str, show: Show, formats: Vec<For
     Row { path, rt: rt.to_owned(), title: title.to_owned(), shows, actions: Vec::new() }
 }
 
-/// The row of a command at whose path nothing is shown.
+/// The row of a command whose path has no representation.
 fn done(command: &'static commands::Row, actions: Vec<(Method, Action)>) -> Row {
     let title = command.title[..1].to_uppercase() + &command.title[1..];
     Row { path: command.path, rt: command.name.to_ascii_lowercase(), title, shows: None, actions }

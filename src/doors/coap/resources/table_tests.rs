@@ -1,4 +1,4 @@
-//! The table, walked: every path with every method and format, from this machine and from beyond it.
+//! Walks the table: every path with every method and format, from this machine and from another one.
 
 use std::fmt::Write;
 
@@ -116,7 +116,7 @@ async fn from_beyond_this_machine_everything_is_seen_and_nothing_done() {
     assert!(app.noted().await.is_none(), "strangers must not be able to fill the disk");
 }
 
-/// Safety S1: on this machine a stop asks for nothing.
+/// Safety S1: on this machine a STOP needs no right.
 #[tokio::test]
 async fn a_stop_is_in_the_table_and_does_what_it_says() {
     let app = app(searching());

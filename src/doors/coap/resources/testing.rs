@@ -1,5 +1,5 @@
-//! For the tests of this door: its resources before a loop that answers commands from a script and publishes the snapshots it is
-//! handed, an archive of one past piece, and requests from this machine. It knows no mission.
+//! For tests of this door: its resources in front of a loop that answers commands from a script and publishes the snapshots it is
+//! given, an archive of one past piece, and requests from this machine. It knows no mission.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
@@ -21,13 +21,13 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Cell, LuggageId};
 use hallsweep_core::world::luggage::Luggage;
 
-/// A piece of a mission that is over.
+/// A piece of a past mission.
 pub(super) const PAST: u64 = 70;
 
 /// A piece that cannot be read.
 pub(super) const UNREADABLE: u64 = 99;
 
-/// Resources before a loop that does as it is told.
+/// Resources in front of a loop that follows the test's script.
 pub(super) struct TestApp {
     pub(super) resources: Resources,
     pub(super) publish: watch::Sender<Arc<Snapshot>>,
@@ -37,7 +37,7 @@ pub(super) struct TestApp {
     pub(super) photos_read: Arc<AtomicUsize>,
 }
 
-/// One picture for every piece there is.
+/// One picture for every piece.
 struct Pictures(Arc<AtomicUsize>);
 
 impl PartialArchive for Pictures {
@@ -56,13 +56,13 @@ impl PartialArchive for Pictures {
     }
 }
 
-/// A app in this state, whose loop accepts everything until told to refuse; old clients may not drive. Must be called inside a
+/// An app in this state, whose loop accepts everything until told to refuse; old clients may not drive. Must be called inside a
 /// runtime.
 pub(super) fn app(snapshot: Snapshot) -> TestApp {
     driven_app(snapshot, false)
 }
 
-/// The same, in which they may or may not.
+/// Like `app`, with a choice whether old clients may drive.
 pub(super) fn driven_app(snapshot: Snapshot, manual_driving: bool) -> TestApp {
     let (handle, script) = obedient(snapshot);
     let photos_read = Arc::new(AtomicUsize::new(0));
@@ -72,7 +72,6 @@ pub(super) fn driven_app(snapshot: Snapshot, manual_driving: bool) -> TestApp {
 }
 
 impl TestApp {
-    /// Sends a request and waits for its answer.
     pub(super) async fn ask(&self, request: Request) -> Answer {
         match self.resources.answer(&request) {
             Reply::Now(answer) => answer,
@@ -80,31 +79,31 @@ impl TestApp {
         }
     }
 
-    /// Its code and what it carries, as text.
+    /// Code and payload of the answer, as text.
     pub(super) async fn said(&self, request: Request) -> (String, String) {
         let response = self.ask(request).await.response;
         (response.code.to_string(), String::from_utf8_lossy(&response.body).into_owned())
     }
 
-    /// What the loop was asked last.
+    /// The last request to the loop.
     pub(super) fn last(&self) -> command::Request {
         self.given.lock().unwrap().last().cloned().expect("a command was given")
     }
 
-    /// What the door last asked to be put on record, if that was not looked at yet: who, what, and why it was not taken.
+    /// The last refusal that the door recorded since the last call: who, which command, and why.
     pub(super) async fn noted(&self) -> Option<Noted> {
-        // The loop gets its turn before this goes on.
+        // Lets the loop have its turn.
         tokio::task::yield_now().await;
         self.noted.lock().unwrap().pop()
     }
 
-    /// From now on everything is refused so.
+    /// Refuses everything from now on.
     pub(super) fn refuse(&self, refused: Refused) {
         *self.refuse.lock().unwrap() = Some(refused);
     }
 }
 
-/// A GET, of a path with its query.
+/// A GET of a path with its query.
 pub(super) fn get(path: &str) -> Request {
     request(Method::Get, path, "")
 }

@@ -1,4 +1,4 @@
-//! Requests and their answers: what is shown, what is done, and what is refused and why. The table is walked beside it.
+//! Requests and their answers: representations, actions, and refusals with their reasons. The table is tested in its own file.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -161,7 +161,7 @@ async fn what_the_core_refuses_it_has_recorded_itself() {
     assert!(app.noted().await.is_none());
 }
 
-/// Safety S1: nothing that is wrong with its request keeps a stop from halting.
+/// Safety S1: no fault of its request prevents a STOP from halting.
 #[tokio::test]
 async fn a_stop_reads_nothing_of_its_request() {
     let app = app(searching());
@@ -182,7 +182,7 @@ async fn a_stop_reads_nothing_of_its_request() {
     }
 }
 
-/// Safety S1, S8: it is taken however much is under way already.
+/// Safety S1, S8: it is carried out however many commands are under way.
 #[test]
 fn a_stop_is_known_by_its_path_and_word_and_nothing_else_is_one() {
     let is_stop = |request| Resources::IS_STOP(&request);
