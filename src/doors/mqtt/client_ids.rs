@@ -1,5 +1,5 @@
-//! Client ids: of two clients of one id the later stays, and whoever wants to be remembered under his is, while he is away, for as long as he
-//! says, and as there is room. What is remembered is the gate's business.
+//! Client ids: of two clients with one id the later one stays, and a client that wants it is remembered under its id while it is
+//! away, for as long as it asks, and as there is room. The gate decides what is remembered.
 
 use std::cmp::Reverse;
 use std::collections::HashMap;
@@ -11,26 +11,27 @@ use tokio::sync::{Notify, watch};
 use crate::runtime::clock::Clock;
 use mqtt_gate::Session;
 
-/// Clients that are remembered while they are away; of more, of whoever has most of them the one who has been away for longest is forgotten.
+/// Maximum number of remembered clients that are away; beyond it, of the owner with the most the one that was away longest is
+/// forgotten.
 const REMEMBERED: usize = 128;
 
-/// So long a newcomer of the same name waits for the other to leave.
+/// Maximum wait of a newcomer for the other client of its name to leave.
 const LEAVE_TIME: Duration = Duration::from_secs(2);
 
-/// Whose client it is, and what it calls itself: nobody takes the place of somebody else's client.
+/// Owner and id of a client: nobody replaces somebody else's client.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Name {
     pub(super) who: Arc<str>,
-    /// The client's own name; empty: it has none.
+    /// The client's own id; empty if it has none.
     pub(super) client: String,
 }
 
-/// What a client wants of what is remembered.
+/// What a client wants to be remembered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Memory {
-    /// To go on where it was.
+    /// To resume its session.
     pub(super) resumes: bool,
-    /// To be remembered when it has gone.
+    /// To be remembered after it has left.
     pub(super) wants: bool,
 }
 
@@ -41,26 +42,26 @@ pub(super) struct ClientIds(Arc<Ids>);
 #[derive(Debug, Default)]
 struct Ids {
     registry: Mutex<Registry>,
-    /// Somebody is remembered from now on, perhaps not for long.
+    /// A client is remembered from now on, perhaps not for long.
     has_gone: Notify,
     clock: Clock,
 }
 
-/// The id of a client that is here; free again when it is dropped.
+/// The id of a connected client; free again when it is dropped.
 #[derive(Debug)]
 pub(super) struct ClientId {
     ids: ClientIds,
     name: Name,
     moment: u64,
     leave: watch::Receiver<bool>,
-    /// Whether there is room to remember it when it has gone.
+    /// Whether there is room to remember it after it has left.
     is_remembered: bool,
     _gone: watch::Sender<()>,
 }
 
 #[derive(Debug, Default)]
 struct Registry {
-    /// Counts whoever has come, so that one is not taken for another of the same name.
+    /// A counter of arrivals, which tells clients of one name apart.
     moments: u64,
     present: HashMap<Name, Present>,
     remembered: HashMap<Name, Remembered>,
@@ -69,7 +70,7 @@ struct Registry {
 #[derive(Debug)]
 struct Present {
     moment: u64,
-    /// Whether it goes on where one of its name was before.
+    /// Whether it resumes the session of its name.
     resumes: bool,
     leave: watch::Sender<bool>,
     gone: watch::Receiver<()>,
@@ -82,7 +83,7 @@ struct Remembered {
 }
 
 impl ClientIds {
-    /// The id for a client, and what is remembered of it; one of the same id is sent away first.
+    /// Takes the id for a client, with the remembered session; an older client with the same id is disconnected first.
     pub(super) async fn take(&self, name: Name, memory: Memory) -> (ClientId, Option<Session>) {
         let came = self.registry().next_moment();
         loop {
@@ -90,14 +91,15 @@ impl ClientIds {
                 Ok(taken) => return taken,
                 Err(present) => present,
             };
-            // It ends when the other's end of the channel is dropped with its id; one that hangs is left to itself.
+            // The wait ends when the other client drops its id with its end of the channel; one that hangs is given up.
             if tokio::time::timeout(LEAVE_TIME, gone.changed()).await.is_err() {
                 self.registry().give_up(&name, moment);
             }
         }
     }
 
-    /// The id, when nobody of this name is here; else he is asked to leave, and it is said when he came and what ends when he has gone.
+    /// Takes the id when no client of this name is connected; otherwise asks that client to leave, and returns its arrival number
+    /// and a channel that closes when it has left.
     fn enter(&self, name: &Name, memory: Memory, came: u64) -> Result<(ClientId, Option<Session>), (u64, watch::Receiver<()>)> {
         let mut registry = self.registry();
         let is_overtaken = registry.present.get(name).is_some_and(|present| present.moment > came);
@@ -106,7 +108,7 @@ impl ClientIds {
             return Err((present.moment, present.gone.clone()));
         }
         let moment = came;
-        // Whoever came later has the name. What this one has said before it left is to go its way all the same.
+        // A client that came later has the name. What this one sent before it left is still processed.
         let is_named = !name.client.is_empty() && !is_overtaken;
         let mut had = if is_named { registry.remembered.remove(name) } else { None };
         let session = had.as_mut().filter(|_| memory.resumes).and_then(|had| had.session.take());
@@ -125,7 +127,7 @@ impl ClientIds {
         Ok((ClientId { ids: self.clone(), name: name.clone(), moment, leave: asked, is_remembered, _gone: gone }, session))
     }
 
-    /// Forgets those whose time is over, and lets their wills be published, for ever.
+    /// Forgets clients whose time is over, and publishes their wills; never returns.
     pub(super) async fn keep(&self) {
         let clock = self.0.clock;
         loop {
@@ -147,12 +149,12 @@ impl ClientIds {
             is_over
         };
         let over: Vec<_> = self.registry().remembered.extract_if(|_, remembered| is_over(remembered)).collect();
-        // Not while others wait for the registry.
+        // After the lock of the registry is released.
         wills.into_iter().for_each(|will| will.publish(now));
         self.end(over.into_iter().map(|(_, remembered)| remembered));
     }
 
-    /// These are forgotten, and may leave wills.
+    /// Ends forgotten sessions, which may leave wills.
     fn end(&self, forgotten: impl IntoIterator<Item = Remembered>) {
         let now = self.0.clock.since_start();
         forgotten.into_iter().filter_map(|remembered| remembered.session).for_each(|session| session.end(now));
@@ -169,14 +171,15 @@ impl Registry {
         self.moments
     }
 
-    /// Whoever came then does not leave: he is not waited for, and what he has stays his until he does.
+    /// Gives up on the client with this arrival number that does not leave: it is not waited for, and keeps its resources until
+    /// it leaves.
     fn give_up(&mut self, name: &Name, moment: u64) {
         self.present.retain(|known, present| known != name || present.moment != moment);
         self.remembered.retain(|known, remembered| known != name || remembered.moment != moment);
     }
 
-    /// Whether one more can be remembered; of those who are away one gives way: of whoever has most of them, the one who has been away for
-    /// longest.
+    /// Whether one more client can be remembered; if there are too many, of the owner with the most the one that was away longest
+    /// gives way.
     fn has_memory(&mut self, gives_way: &mut Option<Remembered>) -> bool {
         if self.remembered.len() < REMEMBERED {
             return true;
@@ -190,28 +193,29 @@ impl Registry {
         gives_way.is_some()
     }
 
-    /// What is remembered of those who are away.
+    /// The remembered sessions of clients that are away.
     fn sessions(&self) -> impl Iterator<Item = &Session> {
         self.remembered.values().filter_map(|remembered| remembered.session.as_ref())
     }
 }
 
 impl ClientId {
-    /// Waits until somebody of the same name wants the place.
+    /// Waits until another client of the same name arrives.
     pub(super) async fn wanted(&mut self) {
         if self.leave.wait_for(|leave| *leave).await.is_err() {
             std::future::pending::<()>().await;
         }
     }
 
-    /// Keeps what is to be remembered of the client, for when it comes back; `None`: it wants nothing to be.
+    /// Remembers the client's session for its return; `None` when the client wants nothing remembered.
     pub(super) fn remember(&self, session: Option<Session>) {
         let mut registry = self.ids.registry();
         let is_ours = |remembered: &Remembered| remembered.moment == self.moment;
         let forgotten = match registry.remembered.get_mut(&self.name).filter(|remembered| is_ours(remembered)) {
             Some(remembered) if session.is_some() => std::mem::replace(&mut remembered.session, session),
             Some(_) => registry.remembered.remove(&self.name).and_then(|remembered| remembered.session),
-            // Nobody remembers it. One of its name that came meanwhile and goes on is it, however long this one took to leave.
+            // Nobody remembers this session. A later client of its name that resumes is its continuation, however late this one
+            // leaves.
             None => {
                 let later = registry.present.get(&self.name).filter(|present| present.moment > self.moment);
                 session.map(|mut session| {
@@ -228,7 +232,7 @@ impl ClientId {
         self.ids.0.has_gone.notify_one();
     }
 
-    /// Whether it will be remembered when it has gone, if it wants to be.
+    /// Whether it will be remembered after it has left, if it wants to be.
     pub(super) const fn is_remembered(&self) -> bool {
         self.is_remembered
     }
@@ -253,7 +257,7 @@ mod tests {
     const ANEW: Memory = Memory { resumes: false, wants: false };
     const AGAIN: Memory = Memory { resumes: true, wants: true };
 
-    /// Whether something is remembered of whoever comes back with this name, which is remembered from now on.
+    /// Whether a session is remembered for a client that returns with this name, which is remembered from now on.
     async fn is_remembered(ids: &ClientIds, client: &str) -> bool {
         let (id, session) = ids.take(name(client), AGAIN).await;
         id.remember(Some(Session::default()));
@@ -275,7 +279,7 @@ mod tests {
         assert!(ids.registry().present.is_empty());
     }
 
-    /// One that has left already, and waits for its place still to pass on what it said, sends no newer one away.
+    /// A client that has left already, and only waits to pass on what it sent, does not disconnect a newer one.
     #[tokio::test(start_paused = true)]
     async fn whoever_came_before_takes_the_place_of_nobody_who_came_later() {
         let ids = ClientIds::default();

@@ -1,5 +1,6 @@
-//! From a newcomer to a client. On the thread that hears, a client says who it is, and is heard for a STOP from then on, before anything
-//! else is decided; elsewhere it is let in or told why not, and is served by the pump. What a client may do is the gate's business.
+//! From a new connection to a client. On the receiving thread, the client introduces itself, and its input is checked for a STOP
+//! from then on, before anything else is decided; on other threads it is admitted or told why not, and is served by the pump. The
+//! gate decides what a client may do.
 
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::net::IpAddr;
@@ -36,22 +37,22 @@ use mqtt_gate::packet::write::{self, Connack, Welcome};
 use mqtt_gate::{Broker, ClientConnection, Ended, Listener, Terms};
 use mqtt_gate::{Kind, frame};
 
-/// So long a client that is sent away may take to read why.
+/// Maximum time for a client that is refused to read the reason.
 const FAREWELL: Duration = Duration::from_secs(1);
 
-/// The longest name of a client, in bytes; the standard asks for 23.
+/// Maximum length of a client id in bytes; the standard requires 23.
 const CLIENT_ID: usize = 256;
 
-/// What all connections to our own broker have in common. Cheap to clone.
+/// State shared by all connections to our own broker. Cheap to clone.
 #[derive(Clone)]
 pub struct Clients(Arc<Rooms>);
 
 struct Rooms {
     broker: Arc<Broker>,
     commands: Commands,
-    /// Of those who have not said yet who they are.
+    /// Connections that have not introduced themselves yet.
     vestibule: Vestibule,
-    /// Of those who are on their way out.
+    /// Connections that are about to close.
     leaving: Vestibule,
     seats: Seats,
     pool: Pool,
@@ -62,19 +63,19 @@ struct Rooms {
     clock: Clock,
 }
 
-/// Who hears its commands, and who is told when it has a seat.
+/// The listener for a client's commands, and the channel that reports when the client has a seat.
 type Heeded = (Arc<dyn Listener>, oneshot::Sender<()>);
 
 struct IdentifiedClient {
     connect: Connect,
-    /// Whether its client id was given to it here.
+    /// Whether its client id was assigned here.
     has_new_id: bool,
     identity: Identity,
     origin: Origin,
 }
 
 impl Clients {
-    /// Nobody is here yet. Commands go to `commands`.
+    /// Starts without clients. Commands go to `commands`.
     pub fn new(broker: Arc<Broker>, commands: Commands) -> Clients {
         Clients::with_room(broker, commands, Room::default())
     }
@@ -94,35 +95,35 @@ impl Clients {
         }))
     }
 
-    /// Lets a connection from there wait until it has said who it is; another one may have to make room.
+    /// Lets a connection from this address wait until it has introduced itself; another one may have to make room.
     pub(super) fn let_wait(&self, from: IpAddr) -> Waiting {
         self.0.vestibule.enter(from, Arc::default())
     }
 
-    /// Cuts some connections of strangers, when the system has no more descriptors; how many.
+    /// Cuts some connections of strangers, when the system has no more descriptors; returns their number.
     pub(super) fn relieve(&self) -> usize {
         self.0.vestibule.relieve()
     }
 
-    /// Looks after those who are away, for ever: how long each is remembered, and what he left.
+    /// Looks after clients that are away: how long each is remembered, and its will. Never returns.
     pub(super) async fn keep(&self) {
         self.0.ids.keep().await;
     }
 
-    /// Listens to a newcomer to the end, on the thread that hears, while it is served on `work`.
+    /// Reads from a newcomer until it ends, on the receiving thread, while it is served on `work`.
     pub(super) async fn attend(self, incoming: IncomingConnection, waiting: Waiting, (running, work): (Running, Handle)) {
         let from = incoming.origin.from;
         let sent = self.converse(incoming, waiting, (running, work)).await;
         tracing::debug!(%from, why = %sent, "an MQTT connection has ended");
     }
 
-    /// Why it ended.
+    /// Returns why it ended.
     async fn converse(&self, incoming: IncomingConnection, waiting: Waiting, (running, work): (Running, Handle)) -> SentAway {
         let IncomingConnection { mut reader, mut writer, origin } = incoming;
         let (from, mut heard) = (origin.from, BytesMut::new());
         let introduced = tokio::select! {
             biased;
-            // What has come already is read before room is made.
+            // Received bytes are read before this connection has to make room.
             introduced = self.introduced(&mut reader, &mut heard, &origin) => introduced,
             () = waiting.cut() => Err(SentAway::GaveWay),
         };
@@ -144,7 +145,7 @@ impl Clients {
         hearing.begin(&heard).await;
         drop(heard);
         let greeted = self.greet(&mut writer, &known);
-        // Only now, when its STOP has halted, it is asked what else is wrong. Until that is done it waits with the others.
+        // Other faults are checked only now, after a STOP has halted. Until that is done the connection still counts as waiting.
         let (seated, has_seat) = oneshot::channel();
         let served = work.spawn(self.clone().serve((writer, taker), (known, greeted), (listener, seated), running));
         let aborted = served.abort_handle();
@@ -161,10 +162,11 @@ impl Clients {
         sent.await
     }
 
-    /// Greets whoever will be let in whatever is remembered of it, and says how many bytes of that it was told. Most clients say nothing
-    /// before, not even STOP, and where all else is done many may be before this one (safety S7).
+    /// Greets a client that is certain to be admitted, whatever is remembered about it; returns the number of bytes sent. Most
+    /// clients send nothing before the greeting, not even STOP, and on the other threads many may be ahead of this one (safety
+    /// S7).
     fn greet(&self, writer: &mut Writer, known: &IdentifiedClient) -> usize {
-        // One of MQTT 5 that is to be remembered is told whether there is room for that.
+        // A client of MQTT 5 that wants to be remembered must be told whether there is room.
         let is_known =
             known.connect.clean_start && (known.connect.version() == Version::Three || known.connect.session_expiry_s == 0);
         if !is_known || self.refusal(known).is_some() {
@@ -173,12 +175,13 @@ impl Clients {
         let mut cx = Context::from_waker(Waker::noop());
         match Pin::new(writer).poll_write(&mut cx, &known.greeting(false, true)) {
             Poll::Ready(Ok(told)) => told,
-            // It is told later, or found to be gone.
+            // The greeting is sent later, or the client is found to be gone.
             Poll::Ready(Err(_)) | Poll::Pending => 0,
         }
     }
 
-    /// Tells a newcomer why it is sent away. Whoever may stop all the same is heard before that, and for a while yet (safety S8).
+    /// Tells a newcomer why it is refused. The input of one that may stop is read before that, and for a while after it (safety
+    /// S8).
     async fn send_away(
         &self,
         incoming: IncomingConnection,
@@ -191,7 +194,7 @@ impl Clients {
         let stranger = tokio::select! {
             biased;
             stranger = self.stranger(&sent, heard, &origin) => stranger,
-            // Whoever shows a wrong password makes room while he waits for his answer.
+            // A connection with a wrong password gives way while it waits for its answer.
             () = waiting.cut() => return work.spawn(self.clone().tell(from, writer, SentAway::GaveWay)).await.unwrap_or(SentAway::GaveWay),
         };
         let Some((identity, version)) = stranger else {
@@ -210,7 +213,7 @@ impl Clients {
         told.await.unwrap_or(SentAway::Ended(Ended::Gone))
     }
 
-    /// Who somebody is whose first words are no CONNECT to go on with, and what he speaks; `None`: nobody who is let in.
+    /// Identity and protocol version of a sender whose CONNECT cannot be accepted; `None` when it would not be admitted anyway.
     async fn stranger(&self, sent: &SentAway, heard: &[u8], origin: &Origin) -> Option<(Identity, Version)> {
         let (SentAway::Unfit(_) | SentAway::Malformed(_) | SentAway::First(_)) = sent else { return None };
         let connect = frame(heard, CONNECT).ok().flatten().filter(|frame| frame.kind == Kind::Connect);
@@ -218,7 +221,7 @@ impl Clients {
         self.identity(&credentials, origin).await.ok().map(|identity| (identity, credentials.version))
     }
 
-    /// Who a newcomer says it is, if that is so. Whoever shows a wrong password waits for his answer, the longer the more often.
+    /// The identity that a newcomer claims, if it is valid. After a wrong password it waits for its answer, longer each time.
     async fn introduced(
         &self,
         reader: &mut Reader,
@@ -248,7 +251,7 @@ impl Clients {
         }
     }
 
-    /// What is wrong with the CONNECT of somebody who is known.
+    /// The fault in the CONNECT of a known client.
     fn refusal(&self, IdentifiedClient { connect, identity, .. }: &IdentifiedClient) -> Option<Welcome> {
         let is_nameless = connect.client_id.is_empty() && !connect.clean_start;
         if is_nameless || connect.client_id.len() > CLIENT_ID {
@@ -258,7 +261,7 @@ impl Clients {
         connect.will.as_ref().filter(|will| !is_allowed(&will.topic)).map(|_| Welcome::NotAllowed)
     }
 
-    /// Serves a client to its end, and says why that came; of its greeting it was told so much already.
+    /// Serves a client until it ends, and returns the reason; `greeted` bytes of its greeting were sent already.
     async fn serve(
         self,
         (writer, ahead): (Writer, Taker),
@@ -276,7 +279,7 @@ impl Clients {
         drop(seated);
         let name = Name { who: known.identity.name(), client: known.connect.client_id.clone() };
         let memory = Memory { resumes: !known.connect.clean_start, wants: known.connect.session_expiry_s > 0 };
-        // What is remembered of it is said with the greeting.
+        // The greeting says whether its session is remembered.
         let (id, session) = tokio::select! {
             biased;
             taken = self.0.ids.take(name.clone(), memory) => taken,
@@ -300,7 +303,7 @@ impl Clients {
         SentAway::Ended(pump::run(connection, ends, running, (&identity, &origin.access, self.0.clock)).await)
     }
 
-    /// Tells a client why it is sent away. Whether it listens is its own matter.
+    /// Tells a client why it is refused, whether or not it reads that.
     async fn tell(self, from: IpAddr, mut writer: Writer, sent: SentAway) -> SentAway {
         let answer = match &sent {
             SentAway::Refused(Version::Three, welcome) => write::connack(*welcome, false).to_vec(),
@@ -325,7 +328,8 @@ impl Clients {
 }
 
 impl IdentifiedClient {
-    /// What it is told when it is let in; `is_remembered` says whether it will be when it has gone, if it wants to be.
+    /// The greeting of an admitted client; `is_remembered` says whether it will be remembered after it has left, if it wants to
+    /// be.
     fn greeting(&self, session_present: bool, is_remembered: bool) -> Vec<u8> {
         let Connect { client_id, reception, session_expiry_s, .. } = &self.connect;
         if self.connect.version() == Version::Three {
@@ -341,7 +345,7 @@ impl IdentifiedClient {
         connack.written(reception.largest)
     }
 
-    /// The keep alive that one of MQTT 5 is told to have instead of its own: whoever wants none, or a very long one, has it all the same.
+    /// The keep alive imposed on a client of MQTT 5 that wants none, or a very long one.
     const fn keep_alive_s(&self) -> Option<u16> {
         let keep_alive_s = self.connect.keep_alive_s;
         match self.connect.version() {
@@ -351,7 +355,6 @@ impl IdentifiedClient {
     }
 }
 
-/// A client id that nobody else has.
 fn new_id() -> String {
     format!("hallsweep-{:016x}", RandomState::new().build_hasher().finish())
 }

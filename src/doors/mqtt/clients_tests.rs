@@ -1,4 +1,4 @@
-//! For `clients`: what becomes of a client before it is served.
+//! Tests of `clients`: a client before it is served.
 
 use tokio::io::AsyncReadExt;
 use tokio::sync::{mpsc, watch};
@@ -14,7 +14,7 @@ use crate::runtime::within::within;
 use hallsweep_core::command::Command;
 use mqtt_gate::packet::connect::{Credentials, NoConnect};
 
-/// What connections have in common before a loop that does as it is told; what became of commands is read by nobody.
+/// The shared state of connections in front of a loop that follows the test's script; nobody reads the results of commands.
 fn clients() -> (Clients, Script) {
     let (handle, script) = obedient(idle());
     let commands = Commands::new(handle, topics(), true, mpsc::channel(1).0);
@@ -51,7 +51,7 @@ async fn whoever_waits_for_the_name_of_another_goes_when_his_seat_is_needed() {
     assert_eq!(client.read(&mut [0]).await.ok(), Some(0));
 }
 
-/// How many STOPs these bytes of a newcomer give, and what he is answered.
+/// The number of STOPs in these bytes of a newcomer, and the answer to it.
 async fn says(access: Access, bytes: &[u8]) -> (usize, Vec<u8>) {
     let (clients, script) = clients();
     let (_runs, running) = watch::channel(());
@@ -59,9 +59,9 @@ async fn says(access: Access, bytes: &[u8]) -> (usize, Vec<u8>) {
     let (mut client, stream) = tokio::io::duplex(64 * 1024);
     let waiting = clients.let_wait(origin.from);
     let served = tokio::spawn(clients.attend(IncomingConnection::over(stream, origin), waiting, (running, Handle::current())));
-    // What says who he is comes before the rest.
+    // The introduction comes before the rest.
     for piece in bytes.chunks(40) {
-        // Whoever is nobody may have been sent away already.
+        // A stranger may have been disconnected already.
         let _ = client.write_all(piece).await;
         tokio::task::yield_now().await;
     }
@@ -82,8 +82,8 @@ fn packet(first: u8, body: &[u8]) -> Vec<u8> {
     [&[first, u8::try_from(body.len()).ok().filter(|length| *length < 128).expect("it is short")], body].concat()
 }
 
-/// A CONNECT of this protocol and level, with these flags, of somebody with this name and password; of level 5 he wants to show in another
-/// way who he is.
+/// A CONNECT of this protocol and level, with these flags, this name and password; with level 5 it asks for another way of
+/// authentication.
 fn hello((protocol, level, flags): (&str, u8, u8), name: &str, password: &str) -> Vec<u8> {
     let properties = if level == 5 { &[4, 0x15, 0, 1, b'S'][..] } else { &[] };
     let [protocol, name, password] = [protocol, name, password].map(|text| field(text.as_bytes()));
@@ -91,7 +91,7 @@ fn hello((protocol, level, flags): (&str, u8, u8), name: &str, password: &str) -
 }
 
 const VERSION: [u8; 4] = [0x20, 2, 0, 1];
-/// Safety S8: who asks is known, and what is asked; that he cannot be let in comes second.
+/// Safety S8: sender and command are known; that the sender cannot be admitted comes second.
 #[tokio::test]
 async fn a_stop_behind_a_connect_that_is_none_to_go_on_with_halts_where_everybody_may() {
     let stop = packet(0x30, &field(b"hallsweep/discovery/command/stop"));
@@ -147,7 +147,7 @@ async fn with_keys_a_stop_behind_such_a_connect_halts_for_whoever_shows_one() {
     }
 }
 
-/// And nobody is told so who is, or who wants nothing to be.
+/// A client that is remembered, or does not want to be, is not told so.
 #[test]
 fn a_client_of_mqtt_5_that_cannot_be_remembered_is_told_so() {
     let told = |session_expiry_s, is_remembered| {
@@ -161,7 +161,7 @@ fn a_client_of_mqtt_5_that_cannot_be_remembered_is_told_so() {
     assert_eq!([told(60, false), told(60, true), told(0, false)], [true, false, false]);
 }
 
-/// Safety A5: however many show a wrong password, no more of them wait for their answer than may wait.
+/// Safety A5: however many send a wrong password, no more of them wait for their answer than may wait.
 #[tokio::test(start_paused = true)]
 async fn whoever_waits_for_the_answer_to_a_wrong_password_makes_room_for_newer_ones() {
     let key = Key::new(OPERATOR, Role::Operator, Token::draw().expect("the system gives chance")).unwrap();
@@ -186,12 +186,12 @@ async fn whoever_waits_for_the_answer_to_a_wrong_password_makes_room_for_newer_o
     }
 }
 
-/// Safety S7: most clients say STOP only when they were greeted. A client of which something is remembered is told so.
+/// Safety S7: most clients send STOP only after the greeting. A client with a remembered session is told so.
 #[tokio::test]
 async fn a_newcomer_is_greeted_and_heard_though_nothing_else_is_done() {
     let (clients, script) = clients();
     let (_runs, running) = watch::channel(());
-    // Nobody runs what is to be done there.
+    // A runtime for the other work that nobody runs.
     let idle = tokio::runtime::Builder::new_current_thread().build().expect("the system gives one");
     for (flags, is_greeted) in [(0xC2, true), (0xC0, false)] {
         let origin = from_here(Access::Open);

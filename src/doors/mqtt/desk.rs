@@ -1,6 +1,6 @@
-//! Where one client is served: by a task of its own on the gate's thread, and, while little is said, by the thread that hears, in its stead.
-//! To wake another thread takes longer than to pass a short message on. Whoever serves has the pump to himself for so long; it does the
-//! same for both.
+//! Serves one client: by a task of its own on the gate's thread, or, while there is little traffic, by the receiving thread in
+//! its place, because waking another thread takes longer than passing on a short message. Whoever serves has exclusive access to
+//! the pump, which works the same for both.
 //!
 //! ```text
 //!   hear-mqtt  a message ─► Feeder::put wakes the publisher's desk ─► pump ─► Subscriber::put wakes a reader's desk ─► pump ─► its socket
@@ -24,37 +24,36 @@ use super::pump::{Pump, Spell};
 use crate::runtime::clock::Clock;
 use mqtt_gate::Ended;
 
-/// Of its time the thread that hears may spend one part in so many on serving (safety S7),
+/// Share of the receiving thread's time that may go to serving (safety S7): one part in this many.
 const PART: u32 = 8;
 
-/// and so much in one go, when it has saved that up, with what it has begun by then.
+/// Longest uninterrupted serving turn, when its time was saved up; the step under way is finished beyond it.
 const MOST: Duration = Duration::from_micros(500);
 
-/// With less than this it does not begin.
+/// Minimum saved time for a serving turn to begin.
 const LEAST: Duration = Duration::from_micros(100);
 
 thread_local! {
-    /// Desks that were woken and are to be served here; `None`: nobody is served here now.
+    /// Woken desks to be served on this thread; `None` when it is not serving.
     static LINE: RefCell<Option<VecDeque<Arc<Desk>>>> = const { RefCell::new(None) };
     static ALLOWANCE: RefCell<Allowance> = const { RefCell::new(Allowance { saved: MOST, at: Duration::ZERO }) };
 }
 
-/// Where one client is served.
 pub(super) struct Desk {
-    /// `None`: it is served no more.
+    /// `None` when it is not served any more.
     pump: Mutex<Option<Pump>>,
-    /// Its own task.
+    /// Wakes the client's own task.
     task: AtomicWaker,
 }
 
-/// How long a thread may serve that has something else to do.
+/// Time that a thread with other duties may spend on serving.
 #[derive(Debug)]
 struct Allowance {
     saved: Duration,
     at: Duration,
 }
 
-/// That this thread serves those whom it wakes. Those who were not served when this is dropped have their own tasks.
+/// Makes this thread serve the desks that it wakes. Dropping it wakes the tasks of those not served.
 struct Line;
 
 impl Desk {
@@ -62,7 +61,7 @@ impl Desk {
         Arc::new(Desk { pump: Mutex::new(Some(pump)), task: AtomicWaker::new() })
     }
 
-    /// Serves until there is an end to it, and says why that came.
+    /// Serves until the end, and returns the reason.
     pub(super) async fn serve(self: &Arc<Desk>, clock: Clock) -> Ended {
         let waker = Waker::from(Arc::clone(self));
         let mut alarm = Alarm(None);
@@ -74,7 +73,8 @@ impl Desk {
                 return Poll::Ready(ended);
             }
             if pump.wants_turn() {
-                // Behind all others, those included whom another thread has woken: whoever only wakes himself again keeps these waiting.
+                // Yields to all others, including those woken by another thread: a task that only wakes itself again would block
+                // them.
                 let _ = pin!(yield_now()).poll(cx);
             }
             alarm.set(pump.due(), clock, cx);
@@ -83,12 +83,12 @@ impl Desk {
         .await
     }
 
-    /// Ends the serving, and gives back what it was done with.
+    /// Ends the serving, and returns the pump.
     pub(super) fn close(&self) -> Option<Pump> {
         self.pump().take()
     }
 
-    /// Does one thing of each kind, in place of its task.
+    /// Does one step of each kind, in place of the task.
     fn serve_here(self: Arc<Desk>) {
         let waker = Waker::from(Arc::clone(&self));
         let (wants_task, wants_turn) = match self.pump.try_lock() {
@@ -101,7 +101,7 @@ impl Desk {
         if wants_task {
             self.task.wake();
         } else if wants_turn {
-            // Behind those who were woken by what it has done.
+            // After the desks that this step has woken.
             waker.wake();
         }
     }
@@ -126,8 +126,8 @@ impl Wake for Desk {
     }
 }
 
-/// Does something that may wake desks, and serves these on this thread at once, as long as it is allowed to; whoever is not served has his
-/// own task.
+/// Runs `ring`, which may wake desks, and serves these on this thread as long as the allowance lasts; the tasks of the others
+/// serve them.
 pub(super) fn serving_here(clock: Clock, ring: impl FnOnce()) {
     let began = clock.since_start();
     let Some(allowed) = ALLOWANCE.with_borrow_mut(|allowance| allowance.begin(began)) else { return ring() };
@@ -161,7 +161,7 @@ impl Drop for Line {
 }
 
 impl Allowance {
-    /// How long it may take now; `None`: it is not worth while.
+    /// Time for a serving turn now; `None` when it is not worth while.
     fn begin(&mut self, now: Duration) -> Option<Duration> {
         self.saved = (self.saved + now.saturating_sub(self.at) / PART).min(MOST);
         self.at = now;
@@ -174,11 +174,11 @@ impl Allowance {
     }
 }
 
-/// A timer that is not touched for each message: when it rings too early, it is set anew.
+/// A timer that is not reset for each message: when it rings too early, it is set again.
 struct Alarm(Option<(Duration, Pin<Box<Sleep>>)>);
 
 impl Alarm {
-    /// The task is to be woken at this time, or before.
+    /// Wakes the task at this time, or earlier.
     fn set(&mut self, due: Duration, clock: Clock, cx: &mut Context<'_>) {
         if self.0.as_ref().is_none_or(|(at, _)| *at > due) {
             self.0 = Some((due, Box::pin(sleep_until(clock.instant(due)))));
@@ -214,7 +214,7 @@ mod tests {
         assert!(spent <= Duration::from_secs(10) / PART + MOST && spent > Duration::from_secs(1), "{spent:?}");
     }
 
-    /// One that takes longer than it may has nothing saved for as long.
+    /// A turn that takes longer than allowed uses up later savings.
     #[test]
     fn what_is_saved_has_an_end_and_what_took_too_long_is_made_up_for() {
         let mut allowance = Allowance { saved: Duration::ZERO, at: Duration::ZERO };

@@ -1,5 +1,5 @@
-//! Our own broker, from its start to its end: clients come in by TCP and by WebSocket and are shown to the gate. What a client may do is the
-//! gate's business.
+//! Our own broker, from start to end: clients connect over TCP and WebSocket, and are passed to the gate, which decides what they
+//! may do.
 
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -17,26 +17,26 @@ use crate::doors::listeners::Listeners;
 use crate::doors::write_timeout::WriteTimeoutStream;
 use crate::runtime::clock::Clock;
 
-/// After an accept has failed (as with too many open files) the next is tried this much later.
+/// Pause after a failed accept (as with too many open files).
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
-/// So long the last words may take to reach the clients when the program ends; it is to end within two seconds.
+/// Maximum time for the last messages to reach the clients when the program ends, which is to take less than two seconds.
 const LAST_WORDS: Duration = Duration::from_millis(500);
 
-/// How clients come to our own broker.
+/// How clients connect to our own broker.
 pub struct Ways {
-    /// By TCP,
+    /// The TCP ports.
     pub listeners: Listeners,
-    /// where these are let in;
+    /// Who is admitted over TCP.
     pub access: Access,
-    /// and by WebSocket.
+    /// Clients over WebSocket.
     pub web_clients: mpsc::Receiver<IncomingConnection>,
-    /// Where what they say is heard, and nothing else is done (safety S7); the listeners wait there, too.
+    /// The runtime that reads input, and does nothing else (safety S7); the listeners wait there, too.
     pub hearing: Handle,
 }
 
-/// Serves these clients until `shutdown`; then every connection ends, when what was said before that has reached its client. All but the
-/// hearing is done where this is called.
+/// Serves clients until `shutdown`; then every connection ends once everything sent before has reached its client. Everything but
+/// reading runs on the caller's runtime.
 pub async fn serve(clients: Clients, ways: Ways, shutdown: impl Future<Output = ()>) {
     let Ways { listeners, access, web_clients, hearing } = ways;
     let (runs, running) = watch::channel(());
@@ -47,38 +47,38 @@ pub async fn serve(clients: Clients, ways: Ways, shutdown: impl Future<Output = 
         () = shutdown => {}
         () = keeper.keep() => {}
     }
-    // Every connection is told by this that it ends.
+    // Tells every connection to end.
     drop(runs);
     if reception.await.is_err() {
         tracing::error!("whoever listened to MQTT clients has ended by a mistake of its own");
     }
 }
 
-/// Lets clients in, on the thread that hears.
+/// Accepts clients, on the receiving thread.
 struct Reception {
     clients: Clients,
     access: Access,
     running: Running,
-    /// Where all else is done.
+    /// The runtime for everything else.
     work: Handle,
 }
 
 impl Reception {
-    /// Lets clients in until the program ends, and then waits until they have left; whoever takes long is cut off.
+    /// Accepts clients until the program ends, then waits until they have left; slow ones are cut off.
     async fn receive(self, mut listeners: Listeners, mut web_clients: mpsc::Receiver<IncomingConnection>) {
         let mut clients = JoinSet::new();
         let mut running = self.running.clone();
         let (clock, mut accepts_at) = (Clock::default(), Duration::ZERO);
         loop {
             tokio::select! {
-                // In any order: neither a flood of connections nor one of web clients keeps the others out.
+                // In random order, so that neither a flood of connections nor one of web clients keeps the others out.
                 _ = running.changed() => break,
                 Some(_) = clients.join_next() => {}
                 accepted = accept_at(&mut listeners, clock, accepts_at) => match accepted {
                     Ok((stream, address)) => self.receive_one(&mut clients, incoming(stream, address, &self.access)),
                     Err(error) => {
                         tracing::warn!(%error, relieved = self.clients.relieve(), "an MQTT connection could not be accepted");
-                        // Meanwhile those come in who have their connection already.
+                        // Meanwhile clients with an open connection are still accepted.
                         accepts_at = clock.now().since_start + ACCEPT_PAUSE;
                     }
                 },
@@ -98,7 +98,7 @@ impl Reception {
     }
 }
 
-/// The next connection, but none before then.
+/// The next connection, not before this time.
 async fn accept_at(listeners: &mut Listeners, clock: Clock, then: Duration) -> std::io::Result<(TcpStream, SocketAddr)> {
     clock.reach(Some(then)).await;
     listeners.accept().await

@@ -1,4 +1,4 @@
-//! For `embedded`: clients at our own broker, and what our own session says there.
+//! Tests of `embedded`: clients at our own broker, and the messages of our own session there.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::resource::Resource;
 use mqtt_gate::Broker;
 
-/// A broker with our own session at it.
+/// A broker with our own session.
 struct TestBroker {
     address: SocketAddr,
     script: Script,
@@ -55,7 +55,7 @@ impl TestBroker {
         peer
     }
 
-    /// So many STOPs have come to the loop.
+    /// Waits until this many STOPs have reached the loop.
     async fn halts(&self, so_many: usize) {
         let given =
             || self.script.given.lock().expect("nobody panicked").iter().filter(|given| given.command == Command::Stop).count();
@@ -108,7 +108,7 @@ async fn home_assistant_is_told_of_the_robot_again_when_it_has_started() {
     assert!(client.hears_message().await.payload.starts_with(b"{"));
 }
 
-/// What is acknowledged is passed on, though whoever said it left at once.
+/// Acknowledged messages are passed on, even when their sender leaves at once.
 #[tokio::test]
 async fn what_a_client_says_that_leaves_at_once_reaches_those_who_read_it() {
     let broker = TestBroker::start().await;
@@ -124,7 +124,7 @@ async fn what_a_client_says_that_leaves_at_once_reaches_those_who_read_it() {
     }
 }
 
-/// Safety S8: who asks is known, and what is asked; that the rest of the CONNECT is refused comes second.
+/// Safety S8: sender and command are known; that the rest of the CONNECT is refused comes second.
 #[tokio::test]
 async fn a_stop_behind_a_connect_that_is_refused_halts() {
     let broker = TestBroker::start().await;

@@ -1,5 +1,5 @@
-//! What runs on the thread that hears (safety S7): it reads what a client says, in turns, looks through it for a STOP, which halts at
-//! once, and passes it on. What all else means, and what the client is told, is done elsewhere.
+//! Runs on the receiving thread (safety S7): reads a client's input in turns, searches it for a STOP, which halts at once, and
+//! passes it on. Everything else about a client is done on other threads.
 
 use std::cell::RefCell;
 use std::io;
@@ -19,17 +19,17 @@ use mqtt_gate::Listener;
 use mqtt_gate::UrgentSearch;
 use mqtt_gate::packet::Version;
 
-/// After so long it is read what others say.
+/// Time after which other clients get a turn.
 const TURN: Duration = Duration::from_millis(2);
 
-/// Of a client that is to go, so much that has come already is looked through, in bytes: more than the system keeps for it.
+/// Maximum number of received bytes searched of a client that is about to end: more than the system buffers for it.
 const REST: usize = 8 * 1024 * 1024;
 
-/// So long a client may take to end a connection that is over.
+/// Maximum time for a client to close a connection that is over.
 const FAREWELL: Duration = Duration::from_secs(1);
 
 thread_local! {
-    /// Where everything is read into on this thread: a client that says nothing costs no room for it.
+    /// Shared read buffer of this thread: a silent client costs no memory for it.
     static READ_BUFFER: RefCell<Box<[u8]>> = RefCell::new(vec![0; READ].into());
 }
 
@@ -38,29 +38,29 @@ pub(super) struct Hearing {
     listener: Arc<dyn Listener>,
     feeder: Feeder,
     clock: Clock,
-    /// Where what a STOP brings about is waited for.
+    /// The runtime where the result of a STOP is awaited.
     work: Handle,
 }
 
 struct Read {
     bytes: usize,
-    /// What of it was not looked through, because that took too long.
+    /// The part not searched yet, because that took too long.
     rest: Vec<u8>,
 }
 
 impl Hearing {
-    /// Of a client that speaks this version.
+    /// For a client with this version of the protocol.
     pub(super) fn new(version: Version, listener: Arc<dyn Listener>, feeder: Feeder, (clock, work): (Clock, Handle)) -> Hearing {
         Hearing { search: UrgentSearch::new(version), listener, feeder, clock, work }
     }
 
-    /// What came together with the CONNECT.
+    /// The bytes that came together with the CONNECT.
     pub(super) async fn begin(&mut self, first: &[u8]) {
         let rest = self.hear(first);
         self.finish(rest).await;
     }
 
-    /// Listens until the client ends, or until nobody wants to know any more what it says.
+    /// Reads until the client ends, or until nobody takes its input any more.
     pub(super) async fn run(mut self, mut reader: Reader) {
         let left = loop {
             let room = match self.feeder.room().await {
@@ -77,13 +77,13 @@ impl Hearing {
             Left::Deaf => {}
             Left::HearsRest => self.hear_rest(&mut reader).await,
             Left::HearsOn => {
-                // Whoever does not end it is cut off.
+                // A client that does not close the connection is cut off.
                 let _ = tokio::time::timeout(FAREWELL, self.hear_on(&mut reader)).await;
             }
         }
     }
 
-    /// Reads once, and then lets others read; `None` when nobody wants to know any more.
+    /// Reads once, and then lets others read; `None` when nobody takes the input any more.
     async fn read(&mut self, reader: &mut Reader, room: usize) -> Option<io::Result<Read>> {
         let Hearing { search, listener, feeder, clock, work } = self;
         let mut hear = |bytes: &[u8]| hear(search, &**listener, feeder, (*clock, work), bytes);
@@ -98,7 +98,7 @@ impl Hearing {
         Some(read)
     }
 
-    /// What has come already of a client that is to go.
+    /// Searches the received bytes of a client that is about to end.
     async fn hear_rest(&mut self, reader: &mut Reader) {
         let mut heard = 0;
         while heard < REST {
@@ -121,7 +121,7 @@ impl Hearing {
         }
     }
 
-    /// Looks through what was left over, after others.
+    /// Searches the rest, after other clients had a turn.
     async fn finish(&mut self, mut rest: Vec<u8>) {
         while !rest.is_empty() {
             tokio::task::yield_now().await;
@@ -134,7 +134,7 @@ impl Hearing {
     }
 }
 
-/// Looks through what was read, and passes it on; what was not looked through when the time was over.
+/// Searches the input, and passes it on; returns the part that was not searched when the time was over.
 fn hear(
     search: &mut UrgentSearch,
     listener: &dyn Listener,
@@ -155,7 +155,7 @@ fn hear(
     rest.to_vec()
 }
 
-/// Reads at most so much, if anything is there, and lets it be heard at once.
+/// Reads at most this many bytes if any are there, and searches them at once.
 ///
 /// # Errors
 /// When nothing more comes.

@@ -1,4 +1,4 @@
-//! For `hearing`: what halts, whatever is wrong with it, and what is passed on.
+//! Tests of `hearing`: what halts, whatever is wrong with it, and what is passed on.
 
 use bytes::BytesMut;
 use proptest::prelude::*;
@@ -17,7 +17,7 @@ use crate::runtime::within::within;
 use hallsweep_core::command::Command;
 use mqtt_gate::packet::{Qos, write};
 
-/// A client that is listened to, before a loop that does as it is told.
+/// A client's connection, in front of a loop that follows the test's script.
 struct Scene {
     hearing: Hearing,
     taker: Taker,
@@ -43,7 +43,7 @@ impl Scene {
         Scene { hearing: Hearing::new(Version::Three, listener, feeder, (Clock::default(), Handle::current())), taker, script }
     }
 
-    /// How many STOPs have come to the loop, and that nothing else has.
+    /// The number of STOPs that reached the loop, which has received nothing else.
     async fn halted(&self) -> usize {
         for _ in 0..8 {
             tokio::task::yield_now().await;
@@ -81,14 +81,14 @@ const STOPS: [(&str, &[u8]); 9] = [
     ("unibo/qak/robotmind", b"msg(userCmd,dispatch,js,robotmind,userCmd(h),1)"),
 ];
 
-/// A PUBLISH as bytes, whatever they are.
+/// A PUBLISH from arbitrary parts.
 fn raw(first: u8, topic: &[u8], id: Option<u16>, payload: &[u8]) -> Vec<u8> {
     let id = id.map(u16::to_be_bytes);
     let plain = publish(topic, &[id.as_ref().map_or(&[][..], |id| &id[..]), payload].concat());
     [&[first], &plain[1..]].concat()
 }
 
-/// A STOP with one thing wrong.
+/// A STOP with one fault.
 fn wrong_stop() -> impl Strategy<Value = Vec<u8>> {
     let junk = || prop::sample::select(vec![&b"\xff\xfe"[..], b"\0", b" ", b"!", b"}", b",", b"\r\n", b"\xc3"]);
     (0..STOPS.len(), 0_u8..16, any::<u16>(), 0..9_usize, junk()).prop_map(|(stop, flags, id, fault, junk)| {
@@ -96,16 +96,16 @@ fn wrong_stop() -> impl Strategy<Value = Vec<u8>> {
         let (topic, plain) = (topic.as_bytes(), raw(0x30, topic.as_bytes(), None, payload));
         let padded = |with: &[u8]| [payload, &with.repeat(5000)].concat();
         match fault {
-            // Any flags: DUP at QoS 0, QoS 3 with and without an id, to be kept; any id, 0 too.
+            // Any flags: DUP at QoS 0, QoS 3 with and without an id, retain; any id, 0 too.
             0 | 1 => raw(0x30 | flags, topic, (flags & 6 != 0).then_some(if fault == 0 { id } else { 0 }), payload),
             2 => raw(0x36, topic, None, payload),
-            // What is no text, no JSON, no term, or too long.
+            // Payloads that are no text, no JSON, no term, or too long.
             3 => raw(0x30, topic, None, &[payload, junk].concat()),
             4 => raw(0x30, topic, None, &padded(junk)),
             // Topics on which nobody may publish.
             5 => raw(0x30, &[topic, junk_of_topics(id)].concat(), None, payload),
             6 => raw(0x30, &[b"/", topic].concat(), None, payload),
-            // What follows is no packet, or another one that nobody sends.
+            // It is followed by bytes that are no packet, or by a packet that no client sends.
             7 => [plain, vec![0x30, 0x80, 0x80, 0x80, 0x80]].concat(),
             _ => [vec![0xF7, 1, 7], plain, vec![0x20, 0]].concat(),
         }
@@ -117,7 +117,7 @@ fn junk_of_topics(id: u16) -> &'static [u8] {
 }
 
 proptest! {
-    /// Safety S8: any single fault that is added to a STOP leaves it halting, for whoever may look, in whatever pieces it comes.
+    /// Safety S8: any single fault added to a STOP leaves it halting, for anybody who may look, in whatever pieces it comes.
     #[test]
     fn a_stop_halts_whatever_else_is_wrong_with_it(stop in wrong_stop(), cut in any::<prop::sample::Index>()) {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
@@ -133,7 +133,7 @@ proptest! {
     }
 }
 
-/// Safety S8, the other side of it: what does not say STOP does not halt.
+/// Safety S8, the other side of it: other messages do not halt.
 #[tokio::test]
 async fn nothing_else_halts() {
     let mut scene = Scene::of(&Identity(Caller::Here));
@@ -151,7 +151,7 @@ async fn nothing_else_halts() {
     ] {
         scene.hearing.begin(&raw(0x30, topic.as_bytes(), None, payload)).await;
     }
-    // An acknowledgement, and whatever else is no PUBLISH, says nothing.
+    // An acknowledgement, or any other packet than PUBLISH, does not halt.
     let stop = publish(STOPS[0].0.as_bytes(), b"");
     for first in [0x40, 0x50, 0x82, 0xE0] {
         scene.hearing.begin(&[&[first], &stop[1..]].concat()).await;
@@ -159,7 +159,8 @@ async fn nothing_else_halts() {
     assert_eq!(scene.halted().await, 0);
 }
 
-/// Safety S1: a stop behind so much that nobody takes, as often as it waits, and in what has come when the connection ends.
+/// Safety S1: a STOP behind many bytes that nobody takes, repeated while it waits, and among the bytes received when the
+/// connection ends.
 #[tokio::test]
 async fn a_stop_in_what_was_read_ahead_or_is_left_behind_halts_although_nothing_is_taken() {
     let (mut client, stream) = tokio::io::duplex(8 * 1024 * 1024);
@@ -187,7 +188,7 @@ async fn a_stop_in_what_was_read_ahead_or_is_left_behind_halts_although_nothing_
     given(3).await;
 }
 
-/// A key that was taken away stops nobody.
+/// The key was removed, so its owner stops nobody.
 #[tokio::test]
 async fn whoever_is_not_known_any_more_is_not_heard() {
     let (mut client, stream) = tokio::io::duplex(8 * 1024 * 1024);

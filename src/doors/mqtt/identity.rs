@@ -1,5 +1,5 @@
-//! Who a client is, by what its CONNECT shows: somebody on this machine at an open door, or whoever has a key, whose name is the user name
-//! and whose token is the password.
+//! The identity of a client, by its CONNECT: somebody on this machine at an open door, or the owner of a key, whose name is the
+//! user name and whose token is the password.
 
 use std::net::IpAddr;
 use std::sync::Arc;
@@ -16,16 +16,16 @@ use mqtt_gate::{CommandDecision, Epoch, Listener, Said, Tier};
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Identity(pub(super) Caller);
 
-/// Why it is nobody.
+/// Why a client is not known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Unknown {
-    /// It shows nothing, and something is asked for.
+    /// It sends no credentials where they are required.
     Nothing,
     Wrong,
 }
 
 impl Identity {
-    /// Who this client is, by the name and the password of its CONNECT.
+    /// The identity for the name and the password in a CONNECT.
     pub(super) fn of(credentials: &connect::Credentials, origin: &Origin) -> Result<Identity, Unknown> {
         if let Some(caller) = origin.caller.clone().or_else(|| origin.access.unasked(origin.from)) {
             return Ok(Identity(caller));
@@ -47,23 +47,21 @@ impl Identity {
         matches!(self.0, Caller::Known(_))
     }
 
-    /// Whose seat it takes.
+    /// The holder of its seat.
     pub(super) fn holder(&self) -> Holder {
         Holder { who: self.name(), is_viewer: self.0.may(Need::Act).is_err(), has_share: self.has_key() }
     }
 
-    /// What the gate wants to know.
     pub(super) const fn tier(&self) -> Tier {
         rights::tier(self.0.role())
     }
 
-    /// Whether it would be let in still.
+    /// Whether it would still be admitted.
     pub(super) fn is_known(&self, access: &Access, now: units::Now) -> bool {
         let now = Moment { elapsed: now.since_start, unix_s: now.wall.unix_ms.div_euclid(1000) };
         access.still_knows(&self.0, now)
     }
 
-    /// Who hears its commands.
     pub(super) fn listener(&self, commands: &Commands, from: IpAddr) -> Arc<dyn Listener> {
         let from = Arc::from(from.to_canonical().to_string());
         let publisher = Publisher::Known { caller: self.0.clone(), from };

@@ -1,4 +1,4 @@
-//! A client that has come to our own broker and has said nothing yet.
+//! A client that has connected to our own broker and sent nothing yet.
 
 use std::fmt;
 use std::net::IpAddr;
@@ -7,10 +7,10 @@ use tokio::io::{AsyncRead, AsyncWrite};
 
 use crate::access::{Access, Caller};
 
-/// What a client says. It is read on the thread that hears.
+/// The client's input, read on the receiving thread.
 pub type Reader = Box<dyn AsyncRead + Send + Unpin>;
 
-/// What it is told. It is written where all else is done.
+/// The client's output, written on the other threads.
 pub type Writer = Box<dyn AsyncWrite + Send + Unpin>;
 
 pub struct IncomingConnection {
@@ -19,13 +19,13 @@ pub struct IncomingConnection {
     pub origin: Origin,
 }
 
-/// How a client came, and what is known of it without its saying anything.
+/// How a client has connected, and what is known before it sends anything.
 #[derive(Clone, Debug)]
 pub struct Origin {
     pub from: IpAddr,
-    /// Who it is, if that is known without its saying so.
+    /// Its identity, if that is known from the connection.
     pub caller: Option<Caller>,
-    /// Who is let in by the way it came.
+    /// Who is admitted on this way.
     pub access: Access,
 }
 

@@ -1,4 +1,4 @@
-//! What a newcomer says first, and why it is sent away.
+//! The first packet of a newcomer, and why a client is disconnected.
 
 use bytes::{Buf, BytesMut};
 use tokio::io::AsyncReadExt;
@@ -11,7 +11,7 @@ use mqtt_gate::packet::connect::{self, Connect, NoConnect};
 use mqtt_gate::packet::write::Welcome;
 use mqtt_gate::{Kind, Malformed, frame};
 
-/// Why a newcomer was not let in, or is no client any more.
+/// Why a newcomer was not admitted, or a client ended.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum SentAway {
     #[error("it did not say in time who it is")]
@@ -36,7 +36,7 @@ pub(super) enum SentAway {
 pub(super) async fn introduction(reader: &mut Reader, heard: &mut BytesMut) -> Result<Connect, SentAway> {
     let mut wrong = None;
     loop {
-        // Wrong flags are told when all of it has come: whoever it is of may say STOP behind it.
+        // Wrong flags are reported when all of it has come: a STOP of its sender may follow.
         if let Some(first) = heard.first_mut().filter(|first| **first >> 4 == Kind::Connect as u8 && **first & 15 != 0) {
             wrong = Some(Malformed::Kind(std::mem::replace(first, Kind::Connect.first_byte())));
         }

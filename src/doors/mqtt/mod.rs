@@ -1,5 +1,5 @@
-//! The MQTT door: the old topics, the JSON topics, and a broker of our own behind a gate, or somebody else's. It turns messages
-//! into commands and snapshots into messages; it decides nothing about the mission.
+//! The MQTT door: the old topics, the JSON topics, and our own broker behind a gate, or another one. It turns messages into
+//! commands and snapshots into messages, and decides nothing about the mission.
 
 pub mod change_feed;
 mod client_ids;

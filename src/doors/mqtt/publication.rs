@@ -1,4 +1,4 @@
-//! One message that goes out, ready to be published. How it gets to a broker is not here.
+//! An outgoing message, ready to be published. Sending it to a broker is not here.
 
 use std::sync::Arc;
 
@@ -6,43 +6,43 @@ use bytes::Bytes;
 
 use mqtt_gate::packet::properties::Property;
 
-/// No message is larger, in either direction: a photo with some room. At rumqttc's own 10 KiB the first map ends a connection.
+/// Maximum size of a message in bytes, in either direction: a photo with some room. With rumqttc's own 10 KiB the first map would
+/// end a connection.
 pub(super) const LARGEST: usize = 2 << 20;
 
-/// A publication's headers are never longer than this, its topic and what stands beside it aside.
+/// Maximum size of a publication's headers in bytes, without its topic and properties.
 const HEADERS: usize = 16;
 
-/// What everything of ours is that is neither a photo nor a word.
+/// Content type of everything that is neither a photo nor a word.
 const JSON: &str = "application/json";
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Publication {
     pub topic: String,
     pub payload: Bytes,
-    /// Whether a broker keeps it for whoever subscribes later.
+    /// Whether a broker retains it for later subscribers.
     pub retain: bool,
-    /// What those of MQTT 5 are told beside it.
+    /// Properties for clients of MQTT 5.
     pub beside: Beside,
 }
 
-/// What those of MQTT 5 are told beside a message.
+/// Properties of a message for clients of MQTT 5.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Beside {
-    /// Whether it is JSON.
     pub is_json: bool,
-    /// Of which revision of our state it tells.
+    /// The revision of our state in it.
     pub revision: Option<u64>,
-    /// Who has commanded what it answers,
+    /// Who sent the command that it answers.
     pub by: Option<Arc<str>>,
-    /// and by what he knows the answer.
+    /// Correlation data of the sender.
     pub correlation: Option<Bytes>,
 }
 
-/// Each property has so many bytes beside what it says, or fewer.
+/// Maximum size of a property in bytes, without its value.
 const PROPERTY: usize = 16;
 
 impl Beside {
-    /// How many bytes that takes, at the most.
+    /// Maximum size of the properties in bytes.
     fn length(&self) -> usize {
         let said = self.correlation.as_ref().map_or(0, Bytes::len) + self.by.as_ref().map_or(0, |by| by.len());
         let json = if self.is_json { 2 * PROPERTY + JSON.len() } else { 0 };
@@ -50,7 +50,7 @@ impl Beside {
         notes * PROPERTY + said + json + self.revision.map_or(0, |_| PROPERTY + 20)
     }
 
-    /// The same as properties of MQTT 5.
+    /// The properties in the form of MQTT 5.
     pub(super) fn with_properties<T>(&self, take: impl FnOnce(&[Property<'_>]) -> T) -> T {
         let revision = self.revision.map(|revision| revision.to_string());
         let json = self.is_json.then_some([Property::PayloadFormat(1), Property::ContentType(JSON)]);
@@ -64,23 +64,23 @@ impl Beside {
 }
 
 impl Publication {
-    /// The state of something: kept by the broker, so that a newcomer sees it at once.
+    /// A state: retained by the broker, so that a new subscriber gets it at once.
     pub fn kept(topic: String, payload: impl Into<Bytes>) -> Publication {
         Publication { topic, payload: payload.into(), retain: true, beside: Beside::default() }
     }
 
-    /// Something that happened: for those who listen now.
+    /// An event: for present subscribers only.
     pub fn passing(topic: String, payload: impl Into<Bytes>) -> Publication {
         Publication { topic, payload: payload.into(), retain: false, beside: Beside::default() }
     }
 
-    /// It is JSON, and tells of this revision of our state.
+    /// Marks it as JSON, with this revision of our state.
     pub(super) fn json_of(self, revision: u64) -> Publication {
         Publication { beside: Beside { is_json: true, revision: Some(revision), ..Beside::default() }, ..self }
     }
 
-    /// Whether a broker takes it, that takes no longer packets than `largest`, in bytes: sent to one that does not, it would end every
-    /// connection anew.
+    /// Whether a broker with this maximum packet size in bytes accepts it; sending it to one that does not would end every new
+    /// connection.
     pub(super) fn fits(&self, largest: Option<u32>) -> bool {
         let size = self.topic.len() + self.payload.len() + HEADERS + self.beside.length();
         size <= largest.map_or(LARGEST, |largest| LARGEST.min(largest as usize))

@@ -1,6 +1,6 @@
-//! Moves bytes between a client and the gate, for as long as both go on. It understands none of them: what is let through, and how much
-//! may wait, is said by the gate. What the client says has been looked through for a STOP before it comes here, so that nothing here is
-//! urgent: it works in short turns, and others have theirs in between. By whom it is polled is the desk's business.
+//! Moves bytes between a client and the gate, for as long as both go on. It interprets none of them: the gate decides what is
+//! passed on, and how much may wait. The client's input was searched for a STOP before it comes here, so nothing here is urgent:
+//! it works in short turns, and yields to others in between. The desk decides who polls it.
 
 use std::net::IpAddr;
 use std::pin::pin;
@@ -25,22 +25,22 @@ use crate::runtime::clock::Clock;
 use mqtt_gate::limits::ANSWER_ROOM;
 use mqtt_gate::{ClientConnection, Ended, Outbox, Subscriber};
 
-/// After so long of one client's packets others have their turn.
+/// Time for one client's packets after which others have their turn.
 const TURN: Duration = Duration::from_millis(1);
 
-/// Of a client who says more than this at once nothing is taken by whoever has something else to do.
+/// Maximum number of bytes at once that a thread with other duties takes from a client.
 const LITTLE: usize = 2 * 1024;
 
-/// How often it is looked whether a client would be let in still: a key that was taken away is good for no longer than this.
+/// Interval at which a client's right is checked again: a removed key is valid no longer than this.
 const GLANCE: Duration = Duration::from_millis(500);
 
-/// So long the last words to a client may take to get to it.
+/// Maximum time for the last bytes to reach a client.
 const FAREWELL: Duration = Duration::from_secs(1);
 
-/// How often it is looked, when the program ends, whether a client was told everything.
+/// Interval at which it is checked, when the program ends, whether a client has received everything.
 const BREATH: Duration = Duration::from_millis(2);
 
-/// A client that takes so many bytes reads what waits for it.
+/// Number of bytes after which a client counts as reading.
 const MUCH: usize = 64 * 1024;
 
 /// Changes, or is closed, when the program ends.
@@ -48,17 +48,17 @@ pub(super) type Running = watch::Receiver<()>;
 
 pub(super) struct Ends {
     pub(super) client: Writer,
-    /// What the client has sent.
+    /// The client's input.
     pub(super) ahead: Taker,
     pub(super) seat: Arc<Seat>,
     pub(super) id: ClientId,
-    /// Where those are who leave, and from where this one came.
+    /// Where closing connections wait, and this client's address.
     pub(super) leaving: (Vestibule, IpAddr),
 }
 
 pub(super) type Whose<'a> = (&'a Identity, &'a Access, Clock);
 
-/// The gate, and what has come for it.
+/// The connection to the gate, and the bytes for it.
 pub(super) struct Pump {
     connection: ClientConnection,
     subscriber: Arc<Subscriber>,
@@ -67,16 +67,15 @@ pub(super) struct Pump {
     seat: Arc<Seat>,
     clock: Clock,
     from_client: BytesMut,
-    /// Whole packets of the client may be there that were not taken in the last turn.
+    /// Whether complete packets may be left from the last turn.
     is_cut: bool,
-    /// There is more to do, and others have their turn first.
+    /// Whether there is more to do, after others had their turn.
     wants_turn: bool,
-    /// When the client had last taken much, or all, of what waited for it, and how much since then.
+    /// When the client last took many bytes, or all that waited, and the number since then.
     read_at: Duration,
     taken: usize,
-    /// The client has published in a flood, and these subscribers do not keep up.
+    /// The lagging subscribers of a client that publishes in a flood.
     waiting: Option<LagWait>,
-    /// It has come to its end.
     ended: Option<Ended>,
 }
 
@@ -85,7 +84,7 @@ struct LagWait {
     until: Duration,
 }
 
-/// A desk that is closed when nobody serves there any more: whoever would wake it has it, too.
+/// Closes the desk when nobody serves there any more, because its wakers keep it alive.
 struct OpenDesk(Arc<Desk>);
 
 impl Drop for OpenDesk {
@@ -94,7 +93,7 @@ impl Drop for OpenDesk {
     }
 }
 
-/// For how long somebody serves a client before he does something else.
+/// How long a thread serves a client before it does something else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Spell {
     Short,
@@ -104,7 +103,7 @@ pub(super) enum Spell {
 /// Whether there was something to do.
 type Did = Result<bool, Ended>;
 
-/// Runs until it has to end, and says why.
+/// Runs until it has to end, and returns the reason.
 pub(super) async fn run(connection: ClientConnection, ends: Ends, mut running: Running, whose: Whose<'_>) -> Ended {
     let Ends { client, ahead, seat, mut id, leaving } = ends;
     let subscriber = connection.subscriber();
@@ -122,14 +121,14 @@ pub(super) async fn run(connection: ClientConnection, ends: Ends, mut running: R
     connection.handle_end(ended, whose.2.since_start());
     let to_client = std::mem::take(connection.to_client());
     id.remember(connection.into_session());
-    // Whoever wants the name need not wait for the farewell.
+    // The next client of this name need not wait for the last bytes.
     drop(id);
     take_leave(ended, (client, to_client, ahead), leaving).await;
     ended
 }
 
-/// The program ends: serves until the client was told everything that was published for it, as that the program ends. Whoever ends
-/// connections bounds the time for this.
+/// The program ends: serves until the client has received everything published for it, such as the end of the program. The caller
+/// bounds the time.
 async fn see_out(desk: &Arc<Desk>, subscriber: &Subscriber, clock: Clock) -> Ended {
     let settled = async {
         while !subscriber.is_empty() {
@@ -142,14 +141,14 @@ async fn see_out(desk: &Arc<Desk>, subscriber: &Subscriber, clock: Clock) -> End
     }
 }
 
-/// Says the last words to a client, but not for long.
+/// Sends the last bytes to a client, within a time limit.
 async fn take_leave(
     ended: Ended,
     (mut client, mut to_client, ahead): (Writer, Outbox, Taker),
     (leaving, from): (Vestibule, IpAddr),
 ) {
     let told = async {
-        // Whoever is gone already hears nothing.
+        // The client may be gone.
         let _ = client.write_all_buf(&mut to_client).await;
         let _ = client.shutdown().await;
     };
@@ -158,7 +157,7 @@ async fn take_leave(
             return leaving.linger(from, told).await;
         }
         told.await;
-        // The program goes on ending when this connection is closed; what is on its way is there only when the other side has
+        // The program's end continues when this connection is closed; bytes under way have arrived only when the other side has
         // closed it, too.
         ahead.ended().await;
     };
@@ -184,7 +183,7 @@ impl Pump {
         }
     }
 
-    /// Does what there is to do, for as long as one turn is; ready with why there is an end to it.
+    /// Works for one turn; ready with the reason at the end.
     pub(super) fn poll(&mut self, spell: Spell, cx: &mut Context<'_>) -> Poll<Ended> {
         let began = self.clock.since_start();
         self.wants_turn = false;
@@ -199,23 +198,23 @@ impl Pump {
         self.ended.map_or(Poll::Pending, Poll::Ready)
     }
 
-    /// Whether there is more to do, though nobody wakes whoever serves.
+    /// Whether there is more to do although nothing will wake the server.
     pub(super) const fn wants_turn(&self) -> bool {
         self.wants_turn
     }
 
-    /// Whether there is too much to do for somebody who serves in between, or somebody is waited for.
+    /// Whether there is too much to do for a thread with other duties, or something to wait for.
     pub(super) fn wants_task(&self) -> bool {
         self.waiting.is_some() || self.ended.is_some() || self.is_cut || self.ahead.bytes() > LITTLE
     }
 
-    /// By when it is to be polled again, whatever happens.
+    /// When it must be polled again at the latest.
     pub(super) fn due(&self) -> Duration {
         let silent_until = self.connection.poll_timeout();
         self.waiting.as_ref().map_or(silent_until, |waiting| waiting.until.min(silent_until))
     }
 
-    /// Does one thing of each kind; whether there was any.
+    /// Does one step of each kind; returns whether there was any.
     fn step(&mut self, spell: Spell, cx: &mut Context<'_>) -> Did {
         let is_held_up = self.is_held_up(cx);
         let heard = !is_held_up && self.hear_client(spell, cx)?;
@@ -224,7 +223,7 @@ impl Pump {
         if came || goes_on {
             self.connection.handle_come(self.clock.since_start());
         }
-        // What others are to read goes out before it is acknowledged.
+        // Messages to others go out before they are acknowledged.
         let told = !(heard && spell == Spell::Short) && self.tell_client(cx)?;
         self.connection.handle_timeout(self.clock.since_start())?;
         Ok(told || heard || came || goes_on)
@@ -234,7 +233,7 @@ impl Pump {
         if self.connection.to_client().is_empty() {
             return Ok(false);
         }
-        // Turns have their own bound here.
+        // The turns here have a bound of their own.
         let written = match pin!(unconstrained(self.client.write_buf(self.connection.to_client()))).poll(cx) {
             Poll::Pending => return Ok(false),
             Poll::Ready(Ok(written @ 1..)) => written,
@@ -249,7 +248,7 @@ impl Pump {
         Ok(true)
     }
 
-    /// Takes some of what the client has said.
+    /// Takes some of the client's input.
     fn hear_client(&mut self, spell: Spell, cx: &Context<'_>) -> Did {
         if self.connection.is_unread() {
             let is_full = self.ahead.poll_full(cx).is_ready();
@@ -266,7 +265,7 @@ impl Pump {
             }
             let connection = &mut self.connection;
             self.ahead.take(&mut self.from_client, |mark| connection.handle_mark(mark));
-            // Whoever has said much lets others have their turn first.
+            // A client with much input lets others have their turn first.
             self.wants_turn |= self.from_client.len() - before >= READ / 2;
         }
         self.is_cut = self.connection.handle_turn(&mut self.from_client, self.clock.since_start())?;
@@ -274,7 +273,7 @@ impl Pump {
         Ok(true)
     }
 
-    /// Whether nothing is taken from the client, because others do not keep up with what it publishes.
+    /// Whether nothing is taken from the client, because subscribers lag behind what it publishes.
     fn is_held_up(&mut self, cx: &Context<'_>) -> bool {
         let now = self.clock.since_start();
         if let Some(LagWait { behind, until }) = &self.waiting {
@@ -293,13 +292,13 @@ impl Pump {
             return false;
         }
         let until = self.connection.waits_until(now);
-        // Whoever catches up in this moment is seen to have done so.
+        // Also notices subscribers that have caught up in this moment.
         let is_over = behind.iter().all(|subscriber| subscriber.poll_relieved(cx).is_ready());
         self.waiting = (!is_over).then_some(LagWait { behind, until });
         !is_over
     }
 
-    /// Says how much waits here, for the client and of it.
+    /// Reports how many bytes wait here, from and for the client.
     fn note_held(&mut self) {
         let here = self.connection.held() + self.from_client.len();
         self.ahead.hold(here, self.connection.reads());
@@ -310,13 +309,13 @@ impl Pump {
         self.seat.note_unread(unread, self.read_at, || self.connection.beside());
     }
 
-    /// The client has said something, or read something.
+    /// The client has sent or read something.
     fn moves(&self) {
         self.seat.moves(self.clock.since_start());
     }
 }
 
-/// What is heard of a client from whom nothing more is taken.
+/// What the receiving thread does with the input of a client that is not served any more.
 fn left(ended: Ended) -> Left {
     if ended == Ended::NotKnown {
         Left::Deaf
@@ -327,7 +326,7 @@ fn left(ended: Ended) -> Left {
     }
 }
 
-/// Waits until whoever was let in has to go: its key is not known any more, or its seat is somebody else's.
+/// Waits until an admitted client has to go: its key is not valid any more, or its seat was given to somebody else.
 async fn shut_out((identity, access, clock): Whose<'_>, seat: &Seat) -> Ended {
     let unknown = async {
         while identity.is_known(access, clock.now()) {

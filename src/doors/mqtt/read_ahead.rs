@@ -1,5 +1,5 @@
-//! What has come from a client and waits for its turn: the thread that hears puts it here when it has looked through it for a STOP, and
-//! the connection's own task takes it. It has two ends, and a bound for each connection and for all of them.
+//! A client's input that waits for its turn: the receiving thread puts it here after searching it for a STOP, and the
+//! connection's own task takes it. The queue has two ends, and a bound for each connection and for all of them.
 
 use std::collections::VecDeque;
 use std::future::poll_fn;
@@ -13,16 +13,16 @@ use tokio::sync::Notify;
 use super::limits::{ALWAYS_AHEAD, CONNECTION_BYTES, MESSAGES_PART, READ_AHEAD, UNREAD_PART};
 use mqtt_gate::{Epoch, Mark};
 
-/// So much is read at once, in bytes.
+/// Number of bytes read at once.
 pub(super) const READ: usize = 64 * 1024;
 
-/// What comes while something waits already has room for so much with it, in bytes.
+/// Minimum size of a new piece in bytes, so that small inputs share one while something waits.
 const PIECE: usize = 4 * 1024;
 
-/// What a STOP costs here, in bytes: where it begins is remembered.
+/// Bytes that a STOP costs here, because its position is remembered.
 const STOP_COST: usize = size_of::<Mark>();
 
-/// What waits of all connections, in bytes. Cheap to clone.
+/// Number of bytes waiting in all connections. Cheap to clone.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pool(Arc<AtomicUsize>);
 
@@ -32,50 +32,50 @@ impl Pool {
     }
 }
 
-/// The end of the thread that hears.
+/// The end of the receiving thread.
 #[derive(Debug)]
 pub(super) struct Feeder(Arc<Shared>);
 
-/// The end of the task that takes it.
+/// The end of the task.
 #[derive(Debug)]
 pub(super) struct Taker(Arc<Shared>);
 
 #[derive(Debug)]
 struct Shared {
     state: Mutex<State>,
-    /// There is room again, or nobody takes anything any more.
+    /// Signals free room, or that nobody takes anything any more.
     room: Notify,
     pool: Pool,
 }
 
 #[derive(Debug, Default)]
 struct State {
-    /// In pieces of at most `READ` bytes, which have little room for nothing, and each of which gives back its memory when it is taken.
+    /// Pieces of at most `READ` bytes with little unused capacity, each of which frees its memory when it is taken.
     pieces: VecDeque<BytesMut>,
     bytes: usize,
-    /// Where the packets begin that have halted already, and those that came in another epoch than the ones before.
+    /// Positions of packets that have halted already, and of those that came in another epoch than the ones before.
     marks: Vec<Mark>,
-    /// How many bytes were put in all, and in which epoch the last of them came.
+    /// Number of bytes put in so far, and the epoch of the last of them.
     total: u64,
     epoch: Option<Epoch>,
-    /// So much of the client waits elsewhere, in bytes.
+    /// Bytes of the client that wait elsewhere.
     held: usize,
-    /// The feeder waits for room. Only then it is told: to wake its thread for each packet makes every message late.
+    /// Whether the feeder waits for room. It is woken only then: waking its thread for each packet would delay every message.
     wants_room: bool,
-    /// Who is to be woken when something has come, or the end.
+    /// The task to wake when something has come, or at the end.
     taker: Option<Waker>,
     has_ended: bool,
     left: Option<Left>,
 }
 
-/// What the hearing side does when nobody takes anything any more.
+/// What the receiving thread does when nobody takes the input any more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Left {
-    /// It listens to what has come already, and ends.
+    /// It searches the bytes received already, and ends.
     HearsRest,
-    /// It listens until the client ends the connection.
+    /// It reads on until the client closes the connection.
     HearsOn,
-    /// It listens to nobody.
+    /// It stops reading.
     Deaf,
 }
 
@@ -86,7 +86,7 @@ pub(super) fn read_ahead(pool: &Pool) -> (Feeder, Taker) {
 }
 
 impl Feeder {
-    /// Waits until there is room, and says how much: no more than is read at once.
+    /// Waits until there is room; returns how much, at most `READ`.
     ///
     /// # Errors
     /// When nobody takes anything any more.
@@ -117,7 +117,8 @@ impl Feeder {
         }
     }
 
-    /// These have come in this epoch, and the packets that begin there have halted, each of which has made another.
+    /// Puts in bytes that came in the epoch `came`. The packets at the positions in `halted` have halted, and each has raised the
+    /// epoch to the given one.
     pub(super) fn put(&self, bytes: &[u8], came: Epoch, halted: &[(u64, Epoch)]) {
         let mut state = self.0.state();
         if state.left.is_some() {
@@ -134,7 +135,7 @@ impl Feeder {
         }
         state.bytes += bytes.len();
         let begins = state.total;
-        // Of a STOP whose beginning came earlier these are the rest, and what follows it comes in the epoch that it has made.
+        // The beginning of this STOP came earlier; what follows it belongs to the epoch that it has raised.
         let is_cut = halted.first().is_some_and(|(stop, _)| *stop < begins);
         if state.epoch != Some(came) && !is_cut {
             state.marks.push(Mark { begins, epoch: came, heard_ahead: false });
@@ -142,7 +143,7 @@ impl Feeder {
         state.marks.extend(halted.iter().map(|(begins, epoch)| Mark { begins: *begins, epoch: *epoch, heard_ahead: true }));
         state.epoch = Some(halted.last().map_or(came, |(_, epoch)| *epoch));
         state.total += bytes.len() as u64;
-        // Before anybody can take them, so that the sum is never less than nothing.
+        // Before anybody can take them, so that the sum never becomes negative.
         self.0.pool.0.fetch_add(bytes.len(), Ordering::Relaxed);
         wake(state);
     }
@@ -156,7 +157,7 @@ impl Drop for Feeder {
     }
 }
 
-/// Wakes whoever waits for what has come, which may look at it at once.
+/// Wakes the waiting task after the lock is released, so that it can read the state at once.
 fn wake(mut state: MutexGuard<'_, State>) {
     let taker = state.taker.take();
     drop(state);
@@ -166,7 +167,7 @@ fn wake(mut state: MutexGuard<'_, State>) {
 }
 
 impl Taker {
-    /// Moves the next piece to the end of `into`, and what is marked there to `marked`; false when nothing is there.
+    /// Appends the next piece to `into`, and passes its marks to `marked`; false when nothing is there.
     pub(super) fn take(&self, into: &mut BytesMut, marked: impl FnMut(Mark)) -> bool {
         let mut state = self.0.state();
         state.marks.drain(..).for_each(marked);
@@ -178,7 +179,7 @@ impl Taker {
             *into = piece;
         } else {
             if into.len() < READ {
-                // The rest of what was taken before is short, and its room may be long.
+                // The rest from before is short, but its buffer may be large.
                 let mut rest = BytesMut::with_capacity(into.len() + piece.len());
                 rest.extend_from_slice(into);
                 *into = rest;
@@ -188,22 +189,22 @@ impl Taker {
         true
     }
 
-    /// Whether something is there, or nothing comes any more: ready with the latter.
+    /// Ready with false when there are bytes, and with true at the end.
     pub(super) fn poll_come(&self, cx: &Context<'_>) -> Poll<bool> {
         self.poll(cx, |state| (!state.pieces.is_empty()).then_some(false).or(state.has_ended.then_some(true)))
     }
 
-    /// Whether there is room for no more.
+    /// Ready when there is no room for more.
     pub(super) fn poll_full(&self, cx: &Context<'_>) -> Poll<()> {
         self.poll(cx, |state| (self.0.room_in(state) == 0).then_some(()))
     }
 
-    /// How many bytes wait.
     pub(super) fn bytes(&self) -> usize {
         self.0.state().bytes
     }
 
-    /// So much of this client waits elsewhere, and more will when it does not read; what may wait here is less by that.
+    /// Reports the bytes of this client that wait elsewhere, and whether it reads; the room here shrinks by what waits or may
+    /// wait there.
     pub(super) fn hold(&self, held: usize, reads: bool) {
         let mut state = self.0.state();
         state.held = if reads { held } else { held + UNREAD_PART };
@@ -224,7 +225,7 @@ impl Taker {
         self.0.room.notify_one();
     }
 
-    /// Waits until nothing comes any more.
+    /// Waits for the end of the input.
     pub(super) async fn ended(&self) {
         poll_fn(|cx| self.poll(cx, |state| state.has_ended.then_some(()))).await;
     }
@@ -274,7 +275,7 @@ mod tests {
         (bytes.to_vec(), halted)
     }
 
-    /// Puts as much as there is room for; how much.
+    /// Puts in as much as there is room for; returns the number of bytes.
     async fn fill(feeder: &Feeder) -> usize {
         let mut put = 0;
         loop {
@@ -352,7 +353,7 @@ mod tests {
         assert_eq!(fill(&feeder).await, CONNECTION_BYTES - MESSAGES_PART);
     }
 
-    /// Safety A5: in whatever pieces it comes.
+    /// Safety A5: whatever the sizes of the inputs are.
     #[test]
     fn what_waits_has_little_room_for_nothing() {
         for step in [1, 30, 1_000, 5_000, 33_000] {
@@ -364,7 +365,7 @@ mod tests {
         }
     }
 
-    /// Safety A5: a stop costs more here than its bytes.
+    /// Safety A5: a STOP costs more here than its bytes.
     #[tokio::test]
     async fn what_is_remembered_of_stops_counts() {
         let (feeder, _taker) = read_ahead(&Pool::default());
@@ -372,7 +373,7 @@ mod tests {
         assert_eq!(fill(&feeder).await, CONNECTION_BYTES - MESSAGES_PART - 8 - 1000 * STOP_COST);
     }
 
-    /// Whether what was polled with it was woken.
+    /// Whether the polled task was woken.
     #[derive(Default)]
     struct Woken(AtomicBool);
 

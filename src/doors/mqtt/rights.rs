@@ -1,11 +1,11 @@
-//! Which clients may publish and leave a will where. What a command is good for is judged by whoever hears it.
+//! Which clients may publish and leave a will on which topics. Commands in the messages are judged by their listener.
 
 use super::topics::{TopicKind, Topics};
 use crate::access::Role;
 use mqtt_gate::filter::overlap;
 use mqtt_gate::{Rights, Tier};
 
-/// What somebody of this role is to the gate.
+/// The gate's tier for a role.
 pub(super) const fn tier(role: Role) -> Tier {
     match role {
         Role::Operator => Tier::Full,
@@ -25,13 +25,13 @@ impl Rights for Topics {
         may_publish(who, self.kind_of(topic))
     }
 
-    /// A will is no command: nobody stands behind it when it is read.
+    /// A will is no command, because nobody is there when it is published.
     fn may_leave_will(&self, who: Tier, topic: &str) -> bool {
         self.kind_of(topic) == TopicKind::Elsewhere && who == Tier::Full
     }
 
-    /// Nobody gets a part of what the program says: who reads that is to know all of it. And nobody who only looks takes a part of what
-    /// others say to each other.
+    /// Subscriptions to the program's own topics may not be shared, since each reader must get all its messages. And viewers may
+    /// not take a part of what others publish.
     fn may_share(&self, who: Tier, filter: &str) -> bool {
         who == Tier::Full && !self.ours().iter().any(|ours| overlap(filter, ours))
     }

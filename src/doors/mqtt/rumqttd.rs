@@ -1,7 +1,7 @@
-//! rumqttd as the router of our own broker, for whoever chooses it: driven through its links in this process, without a port. It is fast
-//! and trusts everybody, so that it sees nothing of a client: topics and filters behind a word of ours, and the numbers of messages, which
-//! stay here. Its thread may end in a panic, or stand still; then another takes its place, and everything that was on its way is brought
-//! at once to whoever it was for.
+//! rumqttd as the router of our own broker, if it is chosen: used through its links in this process, without a port. It is fast
+//! but trusts everybody, so that it sees nothing of a client: only topics and filters with a prefix of ours, and the numbers of
+//! messages, which stay here. Its thread may panic or hang; then another one replaces it, and every message under way is
+//! delivered directly.
 //!
 //! ```text
 //!   carry ─► transit: number, Passage         orders ─► a thread that may be kept waiting ─► links ─► rumqttd
@@ -24,46 +24,47 @@ use super::limits::CONNECTIONS;
 use crate::runtime::clock::Clock;
 use mqtt_gate::{Passage, Router, Subscriber};
 
-/// Clients with a link to rumqttd at once, where that routes: those who are here, those who are remembered, and those just leaving.
+/// Maximum number of clients with a link to rumqttd: connected, remembered, and leaving ones.
 const LINKS: usize = 2 * CONNECTIONS;
 
-/// Topics and filters that one rumqttd is shown, which forgets none: of more another one takes its place.
+/// Maximum number of topics and filters passed to one rumqttd, which forgets none: beyond it another one replaces it.
 const SHOWN: usize = 16 * 1024;
 
-/// Messages that are on their way through it. Of more the oldest go past it.
+/// Maximum number of messages on their way through rumqttd. Beyond it the oldest are delivered directly.
 const TRANSIT: usize = 4096;
 
-/// How often it is looked whether something has been on its way for too long,
+/// Interval at which late messages are looked for.
 const GLANCE: Duration = Duration::from_millis(25);
 
-/// which is so long: rumqttd takes less than a millisecond, on a machine that is not busy, and a pause of 200 ms may be noticed.
+/// Age at which a message is late: rumqttd takes less than a millisecond on a machine that is not busy, and a pause of 200 ms may
+/// be noticed.
 const LATE: Duration = Duration::from_millis(150);
 
-/// rumqttd keeps messages for each filter in so many pieces,
+/// Number of segments in which rumqttd stores messages for each filter.
 const SEGMENTS: usize = 3;
 
-/// of so many bytes: what is under way to somebody who is waited for is less.
+/// Size of a segment in bytes: more than is under way to a subscriber that is waited for.
 const SEGMENT_BYTES: usize = 256 * 1024;
 
-/// How many messages it hands to one link before the others.
+/// Number of messages that rumqttd passes to one link before the others.
 const BATCH: u64 = 200;
 
-/// Before every topic and filter: rumqttd panics when a topic does not begin with an ASCII character.
+/// Prefix of every topic and filter: rumqttd panics when a topic does not begin with an ASCII character.
 const WORD: &str = "t/";
 
-/// A router that is rumqttd, or the next one.
+/// A router that uses rumqttd, and replaces it when necessary.
 #[derive(Clone, Debug)]
 pub struct RumqttdRouter(Arc<Mutex<State>>);
 
 #[derive(Debug)]
 struct State {
     engine: Engine,
-    /// Who reads what, for the next engine.
+    /// All subscriptions, for the next engine.
     subscribers: HashMap<usize, Reading>,
-    /// What is on its way, the oldest first, beginning with this number.
+    /// Messages on their way, oldest first, beginning with the number `first`.
     transit: VecDeque<(Passage, Duration)>,
     first: u64,
-    /// What the engine was shown, which it never forgets.
+    /// Hashes of the topics and filters passed to the engine, which never forgets them.
     shown: HashSet<u64>,
     hasher: RandomState,
     work: Handle,
@@ -76,11 +77,11 @@ struct Reading {
     filters: BTreeSet<String>,
 }
 
-/// One rumqttd, and who carries orders to it. With this its tasks end, and its threads when they hear of it.
+/// One rumqttd, and the queue of its orders. Dropping it ends its tasks, and its threads when they notice.
 #[derive(Debug)]
 struct Engine {
     orders: mpsc::SyncSender<Order>,
-    /// Which of all engines it is.
+    /// The number of this engine.
     number: u64,
 }
 
@@ -88,16 +89,16 @@ enum Order {
     Subscribe(String, Arc<Subscriber>),
     Unsubscribe(String, Arc<Subscriber>),
     Publish(String, u64),
-    /// Ends rumqttd's thread in a panic.
+    /// Makes rumqttd's thread panic.
     #[cfg(test)]
     Panic,
-    /// Waits for ever.
+    /// Hangs for ever.
     #[cfg(test)]
     Hang,
 }
 
 impl RumqttdRouter {
-    /// Starts one; its tasks run on `work`.
+    /// Starts an engine, whose tasks run on `work`.
     pub fn start(work: Handle) -> RumqttdRouter {
         RumqttdRouter(Arc::new_cyclic(|state| {
             let engine = Engine::start(0, state, &work);
@@ -134,7 +135,7 @@ impl Router for RumqttdRouter {
 
     fn unsubscribe(&self, filter: &str, subscriber: &Arc<Subscriber>) {
         let mut state = self.state();
-        // What is on its way to him may not come any more.
+        // Messages on their way may not reach this subscriber any more, so they are delivered now.
         state.transit.iter_mut().for_each(|(passage, _)| passage.arrive(subscriber));
         let key = Arc::as_ptr(subscriber).addr();
         if let Some(reading) = state.subscribers.get_mut(&key) {
@@ -152,7 +153,8 @@ impl Router for RumqttdRouter {
         let topic = passage.topic().to_owned();
         state.transit.push_back((passage, now));
         state.order(Order::Publish(topic, number), &self.0);
-        // Whoever does not read is not waited for, and rumqttd may lag behind: of more than this the oldest goes past it.
+        // Subscribers that do not read are not waited for, and rumqttd may lag behind: beyond the maximum the oldest message is
+        // delivered directly.
         if state.transit.len() > TRANSIT {
             state.pass_first();
         }
@@ -170,13 +172,13 @@ impl State {
         let is_worn_out = self.shown.len() > SHOWN;
         match self.engine.orders.try_send(order) {
             Ok(()) if !is_worn_out => {}
-            // It has too much to do: this one, and all before it, go past it.
+            // It has too much to do: this message, and all before it, are delivered directly.
             Err(mpsc::TrySendError::Full(Order::Publish(..))) => self.pass_all(),
             Ok(()) | Err(_) => self.renew(itself),
         }
     }
 
-    /// Everything that is on its way is brought at once, and another engine takes the place of this one.
+    /// Delivers everything under way directly, and replaces the engine.
     fn renew(&mut self, itself: &Arc<Mutex<State>>) {
         self.pass_all();
         self.shown.clear();
@@ -196,14 +198,14 @@ impl State {
         }
     }
 
-    /// Brings the oldest to whoever it has not come to.
+    /// Delivers the oldest message to every subscriber that has not got it.
     fn pass_first(&mut self) {
         if self.transit.pop_front().is_some() {
             self.first += 1;
         }
     }
 
-    /// A message has come to one who reads it.
+    /// A message has reached one of its subscribers.
     fn arrive(&mut self, number: u64, subscriber: &Arc<Subscriber>) {
         let place = number.checked_sub(self.first).and_then(|place| usize::try_from(place).ok());
         if let Some((passage, _)) = place.and_then(|place| self.transit.get_mut(place)) {
@@ -215,7 +217,7 @@ impl State {
     }
 }
 
-/// Looks whether what is on its way comes, for as long as the router is there.
+/// Looks for late messages, for as long as the router exists.
 async fn look_after(state: Weak<Mutex<State>>) {
     loop {
         tokio::time::sleep(GLANCE).await;
@@ -234,7 +236,7 @@ impl Engine {
         let (orders, ordered) = mpsc::sync_channel(TRANSIT + 2 * SHOWN);
         let carrier = Carrier { state: Weak::clone(state), work: work.clone(), ordered };
         let thread = std::thread::Builder::new().name("mqtt-rumqttd".to_owned());
-        // Without it nothing that is ordered is done, which is found out.
+        // Without the thread no order is carried out, which is noticed as a late message.
         if let Err(error) = thread.spawn(move || carrier.run(number)) {
             tracing::error!(%error, "rumqttd cannot be started");
         }
@@ -242,14 +244,14 @@ impl Engine {
     }
 }
 
-/// Carries orders to one rumqttd, on a thread of its own: some of them wait for its answer.
+/// Passes orders to one rumqttd, on a thread of its own because some of them wait for its answer.
 struct Carrier {
     state: Weak<Mutex<State>>,
     work: Handle,
     ordered: mpsc::Receiver<Order>,
 }
 
-/// A link to rumqttd, for whoever has it just now.
+/// A link to rumqttd, and its present subscriber.
 struct Link {
     to: LinkTx,
     subscriber: Arc<Mutex<Arc<Subscriber>>>,
@@ -259,8 +261,8 @@ struct Link {
 impl Carrier {
     fn run(self, number: u64) {
         let requests = rumqttd::Router::new(usize::try_from(number).unwrap_or(0), config()).spawn();
-        // rumqttd has no word to end its router's thread, which would keep all that it remembers: but it does not outlive a question for
-        // somebody who is not there.
+        // rumqttd has no way to end its router's thread, which would keep all its memory; but a request for an unknown
+        // connection makes the thread panic.
         let end = || LinkTx::new(rumqttd::ConnectionId::MAX, requests.clone(), Arc::default()).shadow("").is_ok();
         let link = |name: String| LinkBuilder::new(&name, requests.clone()).build().ok().map(|(to, from, _)| (to, from));
         let Some((mut publisher, _unread)) = link("publisher".to_owned()) else { return };
@@ -321,7 +323,7 @@ impl Carrier {
     }
 }
 
-/// Takes what comes through one link to whoever it is for.
+/// Passes the messages of one link on to its subscriber.
 async fn come(mut from: LinkRx, whose: Arc<Mutex<Arc<Subscriber>>>, state: Weak<Mutex<State>>) {
     while let Ok(notification) = from.next().await {
         match notification {
@@ -396,7 +398,7 @@ mod tests {
         }
     }
 
-    /// Nobody misses anything of it.
+    /// No message is lost.
     #[tokio::test]
     async fn when_it_dies_or_hangs_everything_comes_and_another_takes_its_place() {
         for (deaths, last) in [(1, false), (2, true)] {
@@ -425,7 +427,7 @@ mod tests {
         }
     }
 
-    /// It forgets nothing that it was ever shown.
+    /// rumqttd forgets no topic that it was ever passed.
     #[tokio::test]
     async fn one_that_was_shown_too_much_is_replaced_and_nobody_notices() {
         let (broker, router) = broker();
@@ -441,7 +443,7 @@ mod tests {
         assert!(router.state().engine.number >= 1 && router.state().shown.len() < SHOWN);
     }
 
-    /// A link is used again, and what was for the one before comes to nobody else.
+    /// A link is used again, and messages for its previous subscriber reach nobody else.
     #[tokio::test]
     async fn whoever_lets_go_gets_nothing_more_and_his_link_serves_the_next() {
         let (broker, _router) = broker();

@@ -1,7 +1,7 @@
-//! Who may stay: so many clients at once, of whom each key has its share, and those who only look leave some to operators who are not
-//! there yet. Nobody is turned away: where there is no seat left, one of whoever has most is given up, the one that has made no
-//! progress for longest (safety S9). The same goes for the memory that all of them have in common, for what their clients do not read.
-//! Connections that have not said who they are have no seat yet.
+//! Which clients may stay: a bounded number, with a share for each key; viewers leave some seats to operators who are not
+//! connected yet. No newcomer is refused: when no seat is left, the owner with the most clients loses the one without progress
+//! for longest (safety S9). The same rule applies to the common memory for output that clients do not read. Connections that have
+//! not authenticated have no seat yet.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
@@ -13,7 +13,7 @@ use tokio::sync::Notify;
 use super::limits::{CONNECTIONS, LITTLE_UNREAD, SHARE, UNREAD, VIEWERS_UNREAD};
 use crate::doors::room::Room;
 
-/// What waits for a client is noted in steps of so many bytes.
+/// Waiting bytes of a client are reported in steps of this many.
 const STEP: usize = 16 * 1024;
 
 #[derive(Clone, Debug)]
@@ -21,7 +21,7 @@ pub(super) struct Holder {
     /// The name of the key.
     pub(super) who: Arc<str>,
     pub(super) is_viewer: bool,
-    /// Whether he has shown a key, and so has a share; where nobody shows one, all are one.
+    /// Whether it has a key, and so a share; without keys all clients belong to one holder.
     pub(super) has_share: bool,
 }
 
@@ -31,7 +31,7 @@ pub(super) struct Seats(Arc<Mutex<Seating>>);
 
 #[derive(Debug)]
 struct Seating {
-    /// How many there are, of which one key has a share, and some are kept from viewers.
+    /// Number of seats, of which one key has a share, and some are reserved for operators.
     most: usize,
     share: usize,
     given: u64,
@@ -44,16 +44,16 @@ struct SeatedClient {
     progress_ms: Arc<AtomicU64>,
     give_way: Arc<Notify>,
     unread: Unread,
-    /// When its client last took much, or all there was, of what waits for it.
+    /// When its client last read many bytes, or all that waited.
     read_ms: u64,
 }
 
-/// What waits for a client, in bytes.
+/// Bytes waiting for a client.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Unread {
-    /// What nobody else has,
+    /// Bytes waiting for this client alone.
     pub(super) here: usize,
-    /// and what others may have as well.
+    /// Bytes that may be shared with other clients.
     pub(super) shared: usize,
 }
 
@@ -64,7 +64,7 @@ pub(super) struct Seat {
     number: u64,
     progress_ms: Arc<AtomicU64>,
     give_way: Arc<Notify>,
-    /// What was noted of it last.
+    /// The last reported step.
     unread: AtomicUsize,
 }
 
@@ -75,13 +75,13 @@ impl Unread {
 }
 
 impl Seats {
-    /// As many as there is room for, all free.
+    /// As many seats as there is room for, all free.
     pub(super) fn new(room: Room) -> Seats {
         let [most, share] = [CONNECTIONS, SHARE].map(|all| room.part(all));
         Seats(Arc::new(Mutex::new(Seating { most, share, given: 0, clients: HashMap::new() })))
     }
 
-    /// A seat for whoever comes in `now`; somebody may have to give way for it.
+    /// Takes a seat for a client that comes at `now`; another one may have to give way.
     pub(super) fn take(&self, holder: Holder, now: Duration) -> Seat {
         let (progress_ms, give_way) = (Arc::new(AtomicU64::new(ms(now))), Arc::default());
         let mut seating = self.seating();
@@ -104,7 +104,7 @@ impl Seats {
 }
 
 impl Seating {
-    /// The seat that is given up for a newcomer; `None` while there is one for him.
+    /// The seat that is given up for a newcomer; `None` while one is free for it.
     fn least_needed(&self, newcomer: &Holder) -> Option<u64> {
         let own = self.count(|holder| holder.who == newcomer.who);
         if newcomer.has_share && own >= self.share {
@@ -127,8 +127,8 @@ impl Seating {
         self.stillest(|holder| &*holder.who == gives)
     }
 
-    /// Whose client is to go when too much waits, `replaced` bytes of it for several: of whoever has most waiting the one that has
-    /// read nothing for longest. Nobody for whom but little waits.
+    /// The client to disconnect when too many bytes wait, `replaced` of which for several clients: of the owner with the most
+    /// waiting bytes, the one that has read nothing for longest. `None` if only clients with few bytes are left.
     fn least_read(&self, replaced: usize) -> Option<u64> {
         let unread = |is_among: fn(&Holder) -> bool| {
             self.clients.values().filter(|client| is_among(&client.holder)).map(|client| client.unread.here).sum::<usize>()
@@ -140,7 +140,8 @@ impl Seating {
         viewers.flatten().or_else(|| self.stalest(|_| true))
     }
 
-    /// Of whichever of these has most waiting, the one that has read nothing for longest, of those for whom it is more than a little.
+    /// Among these clients, of the owner with the most waiting bytes, the one that has read nothing for longest; clients with few
+    /// bytes do not count.
     fn stalest(&self, is_among: fn(&Holder) -> bool) -> Option<u64> {
         let among = || {
             let all = self.clients.iter().filter(|(_, client)| is_among(&client.holder));
@@ -159,7 +160,7 @@ impl Seating {
         self.clients.values().filter(|client| is_among(&client.holder)).count()
     }
 
-    /// The seat of these in which nothing has happened for longest.
+    /// The seat among these without activity for longest.
     fn stillest(&self, is_among: impl Fn(&Holder) -> bool) -> Option<u64> {
         let among = self.clients.iter().filter(|(_, client)| is_among(&client.holder));
         among.min_by_key(|(number, client)| (client.progress_ms.load(Ordering::Relaxed), **number)).map(|(number, _)| *number)
@@ -171,8 +172,8 @@ impl Seat {
         self.progress_ms.store(ms(now), Ordering::Relaxed);
     }
 
-    /// So much waits for its client now, which has last taken much of it, or all, then. `replaced` says how much waits for clients
-    /// beside what they have alone. When that is too much for all together, somebody has to give way.
+    /// Reports the bytes waiting for its client, and when the client last read many bytes or all of them. `replaced` counts bytes
+    /// that wait for clients beside their own. When all together are too many, a client has to give way.
     pub(super) fn note_unread(&self, unread: Unread, read_at: Duration, replaced: impl FnOnce() -> usize) {
         let (before, noted) = (self.unread.load(Ordering::Relaxed), unread.all() / STEP);
         if noted == before {
@@ -191,7 +192,7 @@ impl Seat {
         }
     }
 
-    /// It is free again, though its client is still taking its leave.
+    /// Frees the seat, although its client is still closing.
     pub(super) fn give_back(&self) {
         self.seats.seating().clients.remove(&self.number);
     }
@@ -229,12 +230,12 @@ mod tests {
         Holder { has_share: false, ..operator("operator") }
     }
 
-    /// So many seats, taken one millisecond after the other.
+    /// This many seats, taken one millisecond after the other.
     fn crowd(seats: &Seats, holder: &Holder, count: usize) -> Vec<Seat> {
         (0..count).map(|n| seats.take(holder.clone(), Duration::from_millis(n as u64))).collect()
     }
 
-    /// How many of these are somebody else's now.
+    /// How many of these seats were given to somebody else.
     fn lost(crowd: &[Seat]) -> usize {
         let lost = crowd.iter().filter(|seat| seat.given_up().now_or_never().is_some());
         lost.inspect(|seat| seat.give_way.notify_one()).count()
@@ -259,7 +260,7 @@ mod tests {
     #[test]
     fn viewers_together_leave_seats_to_operators_and_to_each_other() {
         let seats = Seats::new(Room::default());
-        // A fourth of all is kept.
+        // A fourth of all is reserved.
         let viewers = CONNECTIONS - CONNECTIONS / 4;
         let keys = viewers / SHARE + 2;
         let crowds: Vec<_> = (0..keys).map(|key| crowd(&seats, &viewer(&key.to_string()), SHARE)).collect();
@@ -303,7 +304,7 @@ mod tests {
         assert_eq!((lost(&all), lost(&all[CONNECTIONS - 1..])), (1, 1));
     }
 
-    /// For so many of these so many bytes wait, of which they read some one millisecond after the other.
+    /// This many bytes wait for each of these clients, which have read some one millisecond after the other.
     fn pile_up(crowd: &[Seat], here: usize) {
         for (n, seat) in (0..).zip(crowd) {
             seat.note_unread(Unread { here, ..Unread::default() }, Duration::from_millis(n), || 0);
@@ -345,7 +346,7 @@ mod tests {
         assert!(unread_here(&seats) <= UNREAD);
     }
 
-    /// Safety A5: what was replaced while it was on its way counts, and what all have in common does not.
+    /// Safety A5: a message that was replaced while on its way counts, and one stored for all does not.
     #[test]
     fn what_several_wait_for_counts_when_it_is_kept_no_more() {
         let seats = Seats::new(Room::default());

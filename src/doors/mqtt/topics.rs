@@ -1,32 +1,32 @@
-//! The names of all topics, and whose business each is. What is said on them stands in the files of each.
+//! The names of all topics, and who may use each. Their contents are in the files of each.
 
 use crate::api::resources::ResourceKind;
 use hallsweep_core::world::resource::Resource;
 
-/// The word before the name of a command.
+/// The level before the name of a command.
 const COMMAND: &str = "command";
 
-/// The word after the name of a command, where its answer is.
+/// The level after the name of a command, for its answer.
 const RESULT: &str = "result";
 
-/// Where events of the original system are.
+/// The level of the original system's events.
 const EVENTS: &str = "events";
 
-/// Where Home Assistant says that it has started.
+/// Home Assistant's own status topic.
 pub const HOME_ASSISTANT_STATUS: &str = "homeassistant/status";
 
 /// The topics of one robot.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Topics {
-    /// `hallsweep/discovery`.
+    /// Such as `hallsweep/discovery`.
     base: String,
-    /// `unibo/qak`.
+    /// Such as `unibo/qak`.
     old: String,
-    /// `discovery`.
+    /// Such as `discovery`.
     id: String,
 }
 
-/// Whose business a topic is.
+/// The use of a topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TopicKind<'a> {
     /// `…/command/NAME`: a command of this name, in JSON.
@@ -35,9 +35,9 @@ pub enum TopicKind<'a> {
     Word,
     /// Messages of the original system.
     Old,
-    /// Everything else under our prefix, and what tells Home Assistant of us: only the program itself publishes there.
+    /// Everything else under our prefix, and the messages for Home Assistant: only the program itself publishes there.
     Ours,
-    /// Somebody else's.
+    /// None of ours.
     Elsewhere,
 }
 
@@ -47,72 +47,67 @@ impl Topics {
         Topics { base: format!("{prefix}/{id}"), old: old.to_owned(), id: id.to_owned() }
     }
 
-    /// The robot's id.
     pub fn id(&self) -> &str {
         &self.id
     }
 
-    /// Where a resource is shown.
     pub fn state(&self, resource: Resource) -> String {
         format!("{}/state/{}", self.base, ResourceKind::Of(resource).row().name)
     }
 
-    /// Where it is told what happens.
     pub fn event(&self) -> String {
         format!("{}/event", self.base)
     }
 
-    /// Where it stands whether the program is there.
+    /// The topic that tells whether the program runs.
     pub fn availability(&self) -> String {
         format!("{}/availability", self.base)
     }
 
-    /// Where the bare names of commands are taken.
+    /// The topic for bare names of commands.
     pub fn word(&self) -> String {
         format!("{}/{COMMAND}", self.base)
     }
 
-    /// Where the command of this name is taken.
     pub fn command(&self, name: &str) -> String {
         format!("{}/{COMMAND}/{name}", self.base)
     }
 
-    /// Where the answer to the command of this name is given.
+    /// The topic with answers to the command of this name.
     pub fn result(&self, name: &str) -> String {
         format!("{}/{COMMAND}/{name}/{RESULT}", self.base)
     }
 
-    /// Where the state of the robot is in the words of Home Assistant.
+    /// The robot's state in the terms of Home Assistant.
     pub fn home_assistant(&self) -> String {
         format!("{}/homeassistant", self.base)
     }
 
-    /// Where the last photo is, for Home Assistant.
+    /// The last photo, for Home Assistant.
     pub fn photo(&self) -> String {
         format!("{}/photo", self.base)
     }
 
-    /// Where Home Assistant learns of this robot.
+    /// The description of this robot for Home Assistant.
     pub fn discovery(&self) -> String {
         format!("homeassistant/device/{}/config", self.id)
     }
 
-    /// Where the original system's events are.
+    /// The original system's events.
     pub fn old_events(&self) -> String {
         format!("{}/{EVENTS}", self.old)
     }
 
-    /// What commands can be found under: the filters to subscribe to at somebody else's broker. Answers are not among them.
+    /// Filters that match all commands, for another broker. They match no answers.
     pub fn commands(&self) -> [String; 3] {
         [self.word(), self.command("+"), format!("{}/+", self.old)]
     }
 
-    /// What matches all that only the program itself says, and commands.
+    /// Filters that match everything that only the program itself publishes, and commands.
     pub fn ours(&self) -> [String; 3] {
         [format!("{}/#", self.base), format!("{}/+", self.old), self.discovery()]
     }
 
-    /// Whose business this topic is.
     pub fn kind_of<'a>(&self, topic: &'a str) -> TopicKind<'a> {
         if let Some(name) = under(&self.old, topic) {
             return if name.contains('/') { TopicKind::Elsewhere } else { TopicKind::Old };
@@ -129,7 +124,7 @@ impl Topics {
     }
 }
 
-/// What stands below `above` in a topic.
+/// The part of a topic below `above`.
 fn under<'a>(above: &str, topic: &'a str) -> Option<&'a str> {
     topic.strip_prefix(above)?.strip_prefix('/')
 }

@@ -1,5 +1,5 @@
-//! The lines of the log as they are written: each once, in order. The snapshot holds the latest only; when more were written
-//! while nobody could be told, the numbers of the lines show the gap.
+//! Publishes each line of the log once, in order. The snapshot has only the latest lines; when more were written while nothing
+//! could be published, the line numbers show the gap.
 
 use std::time::Duration;
 
@@ -8,20 +8,18 @@ use crate::api::resources::{Form, shape};
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::snapshot::log::LogLine;
 
-/// Which lines were said.
 #[derive(Default)]
 pub(super) struct Events {
-    /// The number of the last one.
+    /// Number of the last published line.
     said: u64,
 }
 
 impl Events {
-    /// At once, when there is a line that was not said.
+    /// Immediately, when there is an unpublished line.
     pub(super) fn due(&self, snapshot: &Snapshot) -> Option<Duration> {
         self.next(snapshot).map(|_| Duration::ZERO)
     }
 
-    /// The next line, in JSON.
     pub(super) fn take(&mut self, snapshot: &Snapshot) -> Option<Vec<u8>> {
         let line = self.next(snapshot)?;
         self.said = line.number;

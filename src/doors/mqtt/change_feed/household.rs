@@ -1,5 +1,5 @@
-//! What Home Assistant is told beside the topics for everybody: of the robot itself, its state in words of its own, and the last
-//! photo. What these say stands in `home_assistant`.
+//! The messages for Home Assistant beside the public topics: the description of the robot, its state in Home Assistant's terms,
+//! and the last photo. Their contents are in `home_assistant`.
 
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ use super::super::topics::Topics;
 use super::photos::Photos;
 use hallsweep_core::snapshot::Snapshot;
 
-/// The least time between two states.
+/// Minimum time between two states.
 const PACE: Duration = Duration::from_millis(100);
 
 pub(super) struct Household {
@@ -40,7 +40,7 @@ impl Household {
         self.photos.handle_state(older, newer);
     }
 
-    /// It has started, and is told of the robot again.
+    /// Home Assistant has started, and gets the description again.
     pub(super) const fn handle_birth(&mut self) {
         self.is_introduced = false;
     }
@@ -65,7 +65,7 @@ impl Household {
         self.state.map(|state| Publication::kept(topics.home_assistant(), state.json().to_string()))
     }
 
-    /// Everything is to be said again.
+    /// Publishes everything again.
     pub(super) fn renew(&mut self) {
         self.is_introduced = false;
         self.said = None;

@@ -1,6 +1,6 @@
-//! What goes out, and when: from the newest state to the messages that say what is new in it. Whoever holds the connection polls
-//! it, only when it can hand a message on, so that what was returned counts as sent. Sockets, clocks and acknowledgements are not
-//! here, and neither is the last will `offline`: a broker says that, when we cannot.
+//! Decides what is published, and when: from the newest state to the messages with its changes. The holder of the connection
+//! polls it only when a message can be sent, so that a returned message counts as sent. Sockets, clocks and acknowledgements are
+//! not here, nor is the last will `offline`, which a broker publishes when we cannot.
 
 mod events;
 mod household;
@@ -28,13 +28,13 @@ use hallsweep_core::event::Photo;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::resource::Resource;
 
-/// What stands on the topic of availability while the program is there.
+/// Payload on the availability topic while the program runs.
 pub const ONLINE: &str = "online";
 
-/// What a broker says there when it is not: the session's last will, and its last word.
+/// Payload there when it does not run: the session's last will, and its last message.
 pub const OFFLINE: &str = "offline";
 
-/// What is still to be said. Times are those since the start of the program.
+/// The messages still to be published. Times are those since the start of the program.
 pub struct ChangeFeed {
     topics: Topics,
     snapshot: Option<Arc<Snapshot>>,
@@ -45,7 +45,7 @@ pub struct ChangeFeed {
     household: Option<Household>,
 }
 
-/// What can be new.
+/// A source of messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Source {
     Availability,
@@ -56,7 +56,7 @@ enum Source {
 }
 
 impl ChangeFeed {
-    /// Nothing is known yet, and nothing goes out before the first state. With `home_assistant` Home Assistant is told, too.
+    /// A feed that publishes nothing before the first state. With `home_assistant` it also publishes for Home Assistant.
     pub fn new(topics: Topics, home_assistant: bool) -> ChangeFeed {
         ChangeFeed {
             household: home_assistant.then(|| Household::new(&topics)),
@@ -69,7 +69,7 @@ impl ChangeFeed {
         }
     }
 
-    /// There is a newer state. What it shows replaces what was not said yet, but for luggage, of which every piece is said.
+    /// There is a newer state. It replaces unpublished ones, except for luggage, of which every piece is published.
     pub fn handle_state(&mut self, snapshot: Arc<Snapshot>) {
         let older = self.snapshot.as_deref();
         self.old.handle_state(older, &snapshot);
@@ -79,8 +79,8 @@ impl ChangeFeed {
         self.snapshot = Some(snapshot);
     }
 
-    /// The next message to hand on, of several the one that waited longest; `None` when nothing is to be said before
-    /// `poll_timeout`. What is returned counts as sent: poll only when it can be handed on.
+    /// The next message to send, among several the one that waited longest; `None` when none is due before `poll_timeout`. A
+    /// returned message counts as sent: poll only when it can be sent.
     pub fn poll_publication(&mut self, now: Duration) -> Option<Publication> {
         let snapshot = Arc::clone(self.snapshot.as_ref()?);
         let (due, source) = self.soonest(&snapshot)?;
@@ -107,15 +107,15 @@ impl ChangeFeed {
         }
     }
 
-    /// When the next message is due, which may be a time that is over; `None` when everything is said.
+    /// When the next message is due, which may be in the past; `None` when everything is published.
     pub fn poll_timeout(&self) -> Option<Duration> {
         self.soonest(self.snapshot.as_ref()?).map(|(due, _)| due)
     }
 
-    /// The connection is a new one: whatever a broker keeps is said again, and the newest of each old item. Of the old messages
-    /// (those that `is_numbered`) the last `unacknowledged` were not acknowledged on the connection before and count as never
-    /// sent: their numbers are used again, so that whoever listens meets no gap, and their luggage is said again. Event lines are
-    /// not repeated.
+    /// A new connection begins: everything that a broker retains is published again, and the newest of each old item. Of the old
+    /// messages (those that `is_numbered`) the last `unacknowledged` were not acknowledged on the previous connection and count
+    /// as never sent: their numbers are used again, so that subscribers see no gap, and their luggage is published again. Event
+    /// lines are not repeated.
     pub fn renew(&mut self, unacknowledged: u64) {
         self.is_announced = false;
         self.states.renew();
@@ -125,32 +125,32 @@ impl ChangeFeed {
         }
     }
 
-    /// Whether this is an old message that carries our SEQNUM: how many of these were not acknowledged is what `renew` asks for.
+    /// Whether this is an old message with our SEQNUM: `renew` needs the number of those that were not acknowledged.
     pub fn is_numbered(&self, publication: &Publication) -> bool {
         publication.topic == self.topics.old_events() && outgoing::is_counted(&publication.payload)
     }
 
-    /// Home Assistant has started: it is told of the robot again.
+    /// Home Assistant has started, and gets the description again.
     pub fn handle_birth(&mut self) {
         if let Some(household) = &mut self.household {
             household.handle_birth();
         }
     }
 
-    /// A photo that is to be shown and was not asked for before. Reading it is the caller's business: it looks it up in the
-    /// archive where blocking is allowed, one at a time, and gives it back to `handle_photo`; what cannot be read is not given
-    /// back. It is asked for once, and again after `renew` if it was never given back.
+    /// A photo that should be published and was not requested before. The caller reads it from the archive where blocking is
+    /// allowed, one at a time, and passes it to `handle_photo`; an unreadable photo is not passed. It is requested once, and
+    /// again after `renew` if it was never passed.
     pub fn poll_photo(&mut self) -> Option<Picture> {
         self.household.as_mut()?.photos.poll()
     }
 
-    /// The photo that was asked for. It goes out unless there is a newer one to be shown by now, or it is larger than
-    /// `PHOTO_MOST`; false when it does not go out.
+    /// Takes the requested photo. It is published unless there is a newer one by now, or it is larger than `PHOTO_MOST`; false
+    /// when it is not.
     pub fn handle_photo(&mut self, picture: Picture, photo: Photo) -> bool {
         self.household.as_mut().is_some_and(|household| household.photos.handle(picture, photo))
     }
 
-    /// What is due first, and when. Of several at the same time the first in this order.
+    /// The source that is due first, and when; among equal times the first in this order.
     fn soonest(&self, snapshot: &Snapshot) -> Option<(Duration, Source)> {
         let availability = (!self.is_announced).then_some((Duration::ZERO, Source::Availability));
         let old = self.old.due(snapshot).map(|due| (due, Source::Old));

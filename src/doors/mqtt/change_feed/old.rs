@@ -1,5 +1,5 @@
-//! What is said in the language of the original system: the newest of robot and map, and every piece of luggage, in this order,
-//! each message with the next number. How a message is written stands in `qak::outgoing`.
+//! Messages for the original system: the newest of robot and map, and every piece of luggage, in this order, each with the next
+//! number. Messages are written in `qak::outgoing`.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -15,29 +15,30 @@ use hallsweep_core::units::{Cell, Pose, Revision};
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
 
-/// The least time between two rounds, and so between two messages on the robot: as over HTTP and CoAP.
+/// Minimum time between two rounds, and so between two messages about the robot: as over HTTP and CoAP.
 const PACE: Duration = Duration::from_millis(20);
 
-/// How many pieces wait to be said, and how many are remembered until they are acknowledged: more than are found while a broker is
-/// away for a moment. While it is for longer, the oldest give way; the state topic has those that matter still.
+/// Maximum number of pieces waiting to be published, and of those remembered until they are acknowledged: more than are found
+/// while a broker is away for a moment. During a longer absence the oldest are dropped; the state topic has those that still
+/// matter.
 const PIECES: usize = 4_096;
 
 #[derive(Default)]
 pub(super) struct Old {
     /// The number of the last message.
     number: u64,
-    /// What the robot's last item showed.
+    /// Contents of the last message about the robot.
     robot: Option<(RobotState, Pose)>,
-    /// What the map's last item showed.
+    /// Contents of the last message about the map.
     map: Option<(Revision, Cell)>,
-    /// The pieces still to be said, oldest news first.
+    /// The pieces still to be published, oldest change first.
     luggage: VecDeque<Arc<Luggage>>,
     round: VecDeque<Item>,
-    /// No other round before this,
+    /// Earliest time of the next round.
     next: Duration,
-    /// and no other map, which is said whole, before this.
+    /// Earliest time of the next map, which is published as a whole.
     next_map: Duration,
-    /// The pieces that were said, each with the number of its message.
+    /// The published pieces, each with the number of its message.
     said: VecDeque<(u64, Arc<Luggage>)>,
 }
 
@@ -48,7 +49,7 @@ enum Item {
 }
 
 impl Old {
-    /// Notes what is new of the luggage. Of the first state only the piece that an old client would be shown is news.
+    /// Notes the changes of the luggage. Of the first state only the piece shown to old clients counts as a change.
     pub(super) fn handle_state(&mut self, older: Option<&Snapshot>, newer: &Snapshot) {
         let Some(older) = older else {
             self.luggage.extend(shown(newer).cloned());
@@ -60,7 +61,7 @@ impl Old {
         }
     }
 
-    /// When the next message is due: at once within a round, else when the pace allows a new one.
+    /// When the next message is due: immediately within a round, otherwise at the earliest time of a new one.
     pub(super) fn due(&self, snapshot: &Snapshot) -> Option<Duration> {
         if !self.round.is_empty() {
             return Some(Duration::ZERO);
@@ -98,7 +99,7 @@ impl Old {
         Some(outgoing::message(content, self.number))
     }
 
-    /// The last `unacknowledged` messages count as never sent, and the newest of each item is said again.
+    /// The last `unacknowledged` messages count as never sent, and the newest of each item is published again.
     pub(super) fn renew(&mut self, unacknowledged: u64, snapshot: Option<&Snapshot>) {
         self.number = self.number.saturating_sub(unacknowledged);
         (self.robot, self.map) = (None, None);
@@ -125,7 +126,7 @@ impl Old {
         self.round.extend(self.luggage.drain(..).map(Item::Luggage));
     }
 
-    /// A piece waits to be said, in place of an earlier record of it.
+    /// Queues a piece, in place of an earlier record of it.
     fn wait(&mut self, piece: Arc<Luggage>) {
         self.luggage.retain(|other| other.id != piece.id);
         self.luggage.push_back(piece);
@@ -139,22 +140,22 @@ impl Item {
     }
 }
 
-/// What an item on the robot shows.
+/// Contents of a message about the robot.
 fn robot_of(snapshot: &Snapshot) -> (RobotState, Pose) {
     (snapshot.robot.state, snapshot.robot.pose)
 }
 
-/// What an item on the map shows: the hall, and the robot in it.
+/// Contents of a message about the map: the hall, and the robot in it.
 fn map_of(snapshot: &Snapshot) -> (Revision, Cell) {
     (snapshot.revision_of(Resource::Map), snapshot.robot.pose.cell)
 }
 
-/// The piece that an old client is shown: the one that waits for its verdict, else the last.
+/// The piece shown to old clients: the one that waits for its verdict, otherwise the last.
 fn shown(snapshot: &Snapshot) -> Option<&Arc<Luggage>> {
     snapshot.pending().or(snapshot.luggage.last())
 }
 
-/// The oldest gives way when there are too many.
+/// Drops the oldest when there are too many.
 fn bound<T>(waiting: &mut VecDeque<T>) {
     if waiting.len() > PIECES {
         waiting.pop_front();

@@ -1,5 +1,5 @@
-//! Which photo is the last one, and whether it is still to be shown. Reading it from the archive may touch a disk, so that is the
-//! business of whoever polls.
+//! Which photo is the last one, and whether it is still to be published. The caller reads it from the archive, because that may
+//! touch a disk.
 
 use bytes::Bytes;
 
@@ -9,7 +9,8 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::Luggage;
 
-/// The most bytes of a photo that is published: with its topic it must fit a packet of 1 MiB, the largest a careful broker takes.
+/// Maximum size of a published photo in bytes: with its topic it must fit into a packet of 1 MiB, the largest a careful broker
+/// accepts.
 pub const PHOTO_MOST: usize = 1024 * 1024 - 1024;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,9 +24,9 @@ pub struct Picture {
 pub(super) struct Photos {
     newest: Option<Picture>,
     asked: Option<Picture>,
-    /// The last one that was given back.
+    /// The last photo that was read.
     shown: Option<(Picture, Bytes)>,
-    /// Whether it is still to be said.
+    /// Whether it is still to be published.
     pub(super) is_due: bool,
 }
 
@@ -40,7 +41,7 @@ impl Photos {
         self.newest = pieces::changed(older, newer, differs).filter_map(|piece| picture(piece)).last().or(self.newest);
     }
 
-    /// A photo to read that was not asked for before.
+    /// A photo to read that was not requested before.
     pub(super) fn poll(&mut self) -> Option<Picture> {
         if self.newest == self.asked {
             return None;
@@ -49,7 +50,7 @@ impl Photos {
         self.asked
     }
 
-    /// A photo was read; whether it will be said.
+    /// Takes a photo that was read; returns whether it will be published.
     pub(super) fn handle(&mut self, picture: Picture, photo: Photo) -> bool {
         let is_wanted = self.newest == Some(picture) && photo.bytes.len() <= PHOTO_MOST;
         if is_wanted {
@@ -64,7 +65,7 @@ impl Photos {
         self.shown.as_ref().map(|(_, bytes)| bytes.clone())
     }
 
-    /// It is said again; one that was asked for in vain is asked for again.
+    /// Publishes it again; requests an unread one again.
     pub(super) fn renew(&mut self) {
         self.is_due = self.shown.is_some();
         self.asked = self.shown.as_ref().map(|(picture, _)| *picture);

@@ -1,4 +1,4 @@
-//! Which pieces of luggage are other than they were.
+//! The pieces of luggage that differ between two snapshots.
 
 use std::sync::Arc;
 
@@ -6,7 +6,8 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
 
-/// The pieces of `newer`, by number, that were not in `older` or of which `differs` (the earlier record, the later one) says so.
+/// The pieces of `newer`, by number, that are missing in `older` or for which `differs` (the earlier record, the later one) is
+/// true.
 pub(super) fn changed<'a>(
     older: &'a Snapshot,
     newer: &'a Snapshot,

@@ -1,5 +1,5 @@
-//! The state topics: each resource in the JSON of the HTTP door, or what is said of one that is too large, when it has changed, and not too
-//! often. The newest wins.
+//! The state topics: each resource in the JSON of the HTTP door, or an excerpt of one that is too large, after each change and at
+//! a limited rate. Only the newest state is published.
 
 use std::convert::identity;
 use std::time::Duration;
@@ -11,7 +11,8 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::resource::Resource;
 
-/// The least time between two states of one resource, unless it is large: ten a second are enough to watch, and do not fill a slow line.
+/// Minimum time between two states of one resource, longer for a large one: ten a second are enough to watch, and do not fill a
+/// slow line.
 const PACE: Duration = Duration::from_millis(100);
 
 #[derive(Default)]
@@ -19,14 +20,14 @@ pub(super) struct States([Said; Resource::COUNT]);
 
 #[derive(Clone, Copy, Default)]
 struct Said {
-    /// Of which revision; `None` when a broker may know nothing.
+    /// The published revision; `None` when a broker may have none.
     revision: Option<Revision>,
-    /// Not again before this.
+    /// Earliest time of the next one.
     next: Duration,
 }
 
 impl States {
-    /// When the state of a resource is due; `None` when it was said as it is.
+    /// When the state of a resource is due; `None` when its present state was published.
     pub(super) fn due(&self, resource: Resource, snapshot: &Snapshot) -> Option<Duration> {
         let said = self.0[resource as usize];
         (said.revision != Some(ResourceKind::Of(resource).revision(snapshot))).then_some(said.next)
@@ -41,7 +42,7 @@ impl States {
         state
     }
 
-    /// Everything is to be said again, at the same pace.
+    /// Publishes everything again, at the same rate.
     pub(super) fn renew(&mut self) {
         for said in &mut self.0 {
             said.revision = None;

@@ -1,4 +1,4 @@
-//! What goes out, followed from state to state.
+//! The published messages, followed from state to state.
 
 use serde_json::Value;
 
@@ -29,12 +29,12 @@ const fn ms(ms: u64) -> Duration {
     Duration::from_millis(ms)
 }
 
-/// Everything that goes out at one moment.
+/// All messages due at one time.
 fn all(feed: &mut ChangeFeed, now: Duration) -> Vec<Publication> {
     std::iter::from_fn(|| feed.poll_publication(now)).collect()
 }
 
-/// Shows a state and takes everything that goes out at that moment.
+/// Passes a state, and returns all messages due at that time.
 fn show(feed: &mut ChangeFeed, snapshot: &Snapshot, now: Duration) -> Vec<Publication> {
     feed.handle_state(Arc::new(snapshot.clone()));
     all(feed, now)
@@ -69,14 +69,14 @@ fn json(publications: &[Publication], topic: &str) -> Value {
     serde_json::from_str(on(publications, topic).last().expect("something on the topic")).unwrap()
 }
 
-/// A piece of this number, photographed so many seconds after ten.
+/// A piece with this number, photographed this many seconds after ten.
 fn found(id: u64, seconds: i64) -> Arc<Luggage> {
     let mut luggage = Luggage::clone(&piece(id, Cell::new(1, 2), None));
     luggage.taken = WallTime { unix_ms: luggage.taken.unix_ms + seconds * 1000, ..luggage.taken };
     Arc::new(luggage)
 }
 
-/// Puts a record in place of the one with its number, or at the end.
+/// Replaces the record with this number, or appends it.
 fn put(snapshot: &mut Snapshot, luggage: Arc<Luggage>) {
     let mut all: Vec<Arc<Luggage>> = snapshot.luggage.iter().filter(|other| other.id != luggage.id).cloned().collect();
     all.push(luggage);
@@ -185,8 +185,8 @@ fn a_hasty_resource_is_said_ten_times_a_second_and_the_newest_last() {
     assert_eq!(json(&all(&mut feed, ms(1100)), "hallsweep/discovery/state/temperature")["celsius"], Value::Null);
 }
 
-/// How many bytes are said of the map, whole each time, while a robot takes a step every 10 ms for ten seconds, in a hall of so many
-/// cells a side.
+/// Number of bytes published about the map, each time as a whole, while a robot takes a step every 10 ms for ten seconds, in a
+/// hall with this many cells a side.
 fn said_of_maps(side: i32) -> usize {
     let (mut feed, mut state) = (feed(), searching());
     for cell in (0..side).flat_map(|y| (0..side).map(move |x| Cell::new(x, y))) {

@@ -1,4 +1,4 @@
-//! How much there can be at once, what halts all the same, what comes twice, and what is said when nobody answers.
+//! Bounds of commands, STOP beyond them, repeated commands, and commands without an answer.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -21,10 +21,10 @@ use hallsweep_core::event::{Capabilities, Parts, RobotEvent, RobotId};
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::Snapshot;
 
-/// So many commands may be under way where nobody signs in.
+/// Maximum number of commands under way without keys.
 const UNDER_WAY: usize = 256;
 
-/// A loop that does not come round to its commands.
+/// A loop that does not get to its commands.
 struct Hanging {
     handle: Handle,
     envelopes: mpsc::Receiver<Envelope>,
@@ -47,7 +47,7 @@ async fn a_stop_halts_at_the_call_although_the_loop_hangs_and_every_place_is_tak
     let (commands, _results) = commands_of(handle, false);
     let halts = halter.watch();
     for count in 1..=3 * UNDER_WAY as u64 {
-        // Beyond so many in a second nobody listens to it any more.
+        // Beyond the rate of a sender further commands are refused.
         let _ = say(&commands, "command/start", "", &here());
         assert_eq!(say(&commands, "command/stop", "garbage", &here()), Taken::Taken);
         assert_eq!((halts.now().count, halts.now().epoch), (count, Epoch(4 + count)));
@@ -73,7 +73,7 @@ async fn only_so_many_commands_are_under_way_and_one_more_is_told_so() {
     let Some(Envelope::Command(_, answer)) = within("a command", envelopes.recv()).await else { panic!("a command was given") };
     answer.send(Err(Refused::Moving)).unwrap();
     assert_eq!(next(&mut results).await.1["code"], "moving");
-    // The place is given back in the same turn of the task that has published the result.
+    // The place is free in the same turn of the task that has published the result.
     tokio::task::yield_now().await;
     say(&commands, "command/goto", r#"{"x":1,"y":1,"id":"k2"}"#, &here());
     let came = std::iter::from_fn(|| envelopes.try_recv().ok());
@@ -84,7 +84,7 @@ async fn only_so_many_commands_are_under_way_and_one_more_is_told_so() {
     assert_eq!(names.collect::<Vec<_>>(), ["k2"]);
 }
 
-/// Safety S9: neither where commands are under way nor where their answers wait.
+/// Safety S9: neither among commands under way nor among waiting answers.
 #[tokio::test]
 async fn an_operators_stop_has_its_result_however_many_a_viewer_and_another_operator_have_given() {
     let (handle, _script) = crate::runtime::obedient::obedient(searching());
@@ -160,7 +160,7 @@ async fn commands_keep_the_order_in_which_they_came() {
     assert_eq!(names.collect::<Vec<_>>(), (0..50).map(|x| format!("k{x}")).collect::<Vec<_>>());
 }
 
-/// Keeps nothing, and says at once that it did.
+/// Stores nothing, and reports at once that it did.
 struct Forgetful(watch::Sender<StoreStatus>);
 
 impl Store for Forgetful {
@@ -173,7 +173,7 @@ impl Store for Forgetful {
     }
 }
 
-/// The real loop, before a robot that has just come and does nothing.
+/// The real loop, with a robot that has just connected and does nothing.
 #[tokio::test]
 async fn a_command_that_comes_again_under_its_name_acts_once_and_is_answered_as_before() {
     let halter = Halter::new(Epoch(0));

@@ -1,5 +1,5 @@
-//! Messages that command: from topic and payload to a command, and from what became of it to the result that is published. There
-//! are no sockets here, and no copies: what a broker had kept, and packets that came twice, were left out before.
+//! Messages with commands: from topic and payload to a command, and from its result to the published answer. There are no sockets
+//! here; retained messages and repeated packets were sorted out before.
 
 mod nobody;
 mod pace;
@@ -35,37 +35,35 @@ use hallsweep_core::units::Epoch;
 use hallsweep_core::world::luggage::PhotoState;
 use mqtt_gate::{AnswerTo, filter};
 
-/// A message that was published just now.
+/// A message that was just published.
 #[derive(Clone, Copy, Debug)]
 pub struct IncomingMessage<'a> {
-    /// Where.
     pub topic: &'a str,
-    /// What.
     pub payload: &'a [u8],
-    /// In which epoch of stops it came, where that is known.
+    /// The epoch of stops in which it came, if known.
     pub arrived: Option<Epoch>,
-    /// Whether its sender says that it was sent before.
+    /// Whether its sender marks it as sent before.
     pub is_again: bool,
     /// Where its sender wants the answer, in MQTT 5.
     pub answer_to: Option<AnswerTo<'a>>,
 }
 
-/// By no longer word than this an answer is known to whoever wants it, in bytes.
+/// Maximum length of correlation data in bytes.
 const CORRELATION: usize = 1024;
 
-/// What became of a message.
+/// What is done with a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Taken {
-    /// It asks for nothing: its topic is for other things, or its words are.
+    /// It asks for nothing: its topic or its words are for something else.
     NotACommand,
-    /// It asks for something; what becomes of that is published, and on record.
+    /// It asks for something; the result is published and recorded.
     Taken,
-    /// Its sender may not say this here; where it asks for something, that is published and on record as well. Or he says too much
-    /// at once, and nothing becomes of it.
+    /// Its sender may not publish this here; if it asks for something, the refusal is published and recorded as well. Or the
+    /// sender publishes too much at once, and the message is dropped.
     Forbidden,
 }
 
-/// Takes commands out of messages. Cheap to clone.
+/// Extracts commands from messages. Cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Commands {
     handle: Handle,
@@ -84,8 +82,8 @@ impl Commands {
         Commands { handle, parser, results: Results::new(answers), pace, nobody, clock: Clock::default() }
     }
 
-    /// Where an answer goes that is wanted there: where its sender may say something himself, and nobody's business is here, so that nobody
-    /// makes the program say what he may not say.
+    /// The topic requested for an answer, if its sender may publish there and it is none of the program's own topics: otherwise
+    /// the program would publish on the sender's behalf what the sender may not.
     pub fn answer_to<'a>(&self, wanted: Option<AnswerTo<'a>>, publisher: &Publisher) -> Option<AnswerTo<'a>> {
         let is_short = |wanted: &AnswerTo<'_>| wanted.correlation.is_none_or(|data| data.len() <= CORRELATION);
         let is_topic = |AnswerTo { topic, .. }: &AnswerTo<'_>| {
@@ -95,13 +93,12 @@ impl Commands {
         wanted.filter(is_short).filter(is_topic).filter(is_theirs).filter(|_| publisher.may(Need::Act).is_ok())
     }
 
-    /// Where clients are counted.
     pub fn figures(&self) -> &Figures {
         self.handle.figures()
     }
 
-    /// Takes a message. Its command is given at the call, so that commands keep the order in which they came, and a STOP has
-    /// halted the robot when this returns; its result is published later. Must be called inside a runtime.
+    /// Takes a message. Its command is sent immediately, so that commands keep their order, and a STOP has halted the robot when
+    /// this returns; its result is published later. Must be called inside a runtime.
     pub fn take(&self, heard: &IncomingMessage<'_>, publisher: &Publisher) -> Taken {
         if self.halts((heard.topic.as_bytes(), heard.payload), heard.answer_to, publisher) {
             return Taken::Taken;
@@ -109,7 +106,7 @@ impl Commands {
         if self.parser.is_of_others(heard) {
             return self.ignore(heard, publisher);
         }
-        // Before it is read: who says too much costs nobody the time to read it.
+        // Before parsing: a sender with too many messages must not cost the time to parse them.
         if !self.pace.admits(publisher, self.clock.now().since_start) {
             return Taken::Forbidden;
         }
@@ -131,8 +128,8 @@ impl Commands {
         Taken::Taken
     }
 
-    /// Halts the robot if a message names STOP, whatever else is wrong with it (safety S8); whether it does. No more of it need have come
-    /// than names it. Must be called inside a runtime.
+    /// Halts the robot if a message names STOP, whatever else is wrong with it (safety S8); returns whether it does. The message
+    /// need not be complete beyond the part that names STOP. Must be called inside a runtime.
     pub fn halts(&self, (topic, payload): (&[u8], &[u8]), answer_to: Option<AnswerTo<'_>>, publisher: &Publisher) -> bool {
         if publisher.may(Need::Stop).is_err() {
             return false;
@@ -145,12 +142,11 @@ impl Commands {
         stop.is_some()
     }
 
-    /// The epoch that the last stop has made.
     pub fn epoch(&self) -> Epoch {
         self.handle.epoch()
     }
 
-    /// What asks for nothing. Old clients believe what they hear on the old topics, so that not everybody may say something there.
+    /// A message that asks for nothing. Old clients believe everything on the old topics, so not everybody may publish there.
     fn ignore(&self, heard: &IncomingMessage<'_>, publisher: &Publisher) -> Taken {
         if self.parser.is_old(heard.topic) && publisher.may(Need::Act).is_err() {
             return Taken::Forbidden;
@@ -161,13 +157,13 @@ impl Commands {
         Taken::NotACommand
     }
 
-    /// How many old messages nobody understood.
+    /// Number of old messages that nobody understood.
     #[cfg(test)]
     fn not_understood(&self) -> u64 {
         self.nobody.count()
     }
 
-    /// Gives a command if there is room for one more, and a STOP always.
+    /// Sends a command if there is room for one more; a STOP always.
     fn give(
         &self,
         parsed: &ParsedCommand,
@@ -190,14 +186,14 @@ impl Commands {
         }
     }
 
-    /// Puts on record that something was not taken (safety A6), and answers so.
+    /// Records a refusal (safety A6), and answers with it.
     fn refuse(&self, parsed: &ParsedCommand, problem: &Problem, publisher: &Publisher) {
         self.handle.note_refused_at_once(publisher.issuer(), parsed.in_words(), Refused::Before(problem.refusal()));
         self.results.refused(&parsed.reply, publisher, problem);
     }
 }
 
-/// What goes on where the robot stands before a piece whose photo has failed: the photo is taken again.
+/// The command of a message that means going on, when the robot stands before a piece whose photo has failed: taking it again.
 fn to_retake(snapshot: &Snapshot) -> Option<Command> {
     let piece = snapshot.mission.inspected.and_then(|id| snapshot.luggage(id)).filter(|piece| piece.is_pending())?;
     let has_failed = matches!(piece.photo, PhotoState::Failed(_)) && snapshot.mission.phase == PhaseName::Inspecting;

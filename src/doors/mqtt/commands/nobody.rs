@@ -1,6 +1,5 @@
-//! Messages of the original system that nobody here understands: each is counted, the first of a kind is told with its text, and
-//! after that from time to time how many there were, because other actors may say the same ten times a second. What is understood
-//! stands in `qak`.
+//! Unknown messages of the original system: each is counted, the first of a kind is logged with its text, and later from time to
+//! time their number, because other actors may send the same ten times a second. Known ones are in `qak`.
 
 use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
@@ -8,16 +7,16 @@ use std::time::Duration;
 
 use hallsweep_core::units::Now;
 
-/// So many kinds are told at once; those beyond take part in the others' line.
+/// Maximum number of kinds logged separately; further ones share a line.
 const KINDS: usize = 64;
 
-/// No MSGID is nearly as long, in bytes.
+/// Maximum length of a kind in bytes: no MSGID is nearly as long.
 const LONGEST: usize = 64;
 
-/// So long the line on known kinds is not repeated.
+/// Minimum time between two lines about known kinds.
 const SILENCE: Duration = Duration::from_secs(60);
 
-/// So much of a text is told, in characters.
+/// Maximum number of characters logged of a text.
 const TEXT: usize = 200;
 
 #[derive(Debug, Default)]
@@ -31,7 +30,7 @@ struct Counted {
 }
 
 impl Nobody {
-    /// Counts one, and says so in the program's log when it is time.
+    /// Counts one, and logs it when it is time.
     pub(super) fn heard(&self, id: &str, payload: &[u8], now: Now) {
         let count = self.0.lock().unwrap_or_else(PoisonError::into_inner).one_more(id, now.since_start);
         if let Some(not_understood) = count {
@@ -47,7 +46,7 @@ impl Nobody {
 }
 
 impl Counted {
-    /// How many there were with this one, when that is to be told.
+    /// The number including this one, when it is to be logged.
     fn one_more(&mut self, id: &str, now: Duration) -> Option<u64> {
         self.count = self.count.saturating_add(1);
         let is_new = self.kinds.len() < KINDS && id.len() <= LONGEST && self.kinds.insert(id.to_owned());

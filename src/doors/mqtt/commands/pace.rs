@@ -1,5 +1,4 @@
-//! How many commands one sender may give: whoever sends them in a flood would fill the record and the queue of everybody. A STOP is not
-//! counted.
+//! Limits the rate of commands of one sender: a flood would fill the record and everybody's queue. A STOP is not counted.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -8,21 +7,21 @@ use std::time::Duration;
 use super::publisher::Publisher;
 use crate::access::Need;
 
-/// So many commands in a second: sixty sensors that report each second, hands at some panels, and a script in a hurry.
+/// Commands in a second for operators: sixty sensors that report each second, hands at some panels, and a script in a hurry.
 const OPERATORS: u32 = 300;
 
-/// And of somebody whose commands are all refused.
+/// Commands in a second for senders whose commands are all refused.
 const VIEWERS: u32 = 50;
 
-/// What each sender has said within the second that began then.
+/// Number of commands of each sender in the second that began then.
 #[derive(Debug, Default)]
 pub(super) struct Pace(Mutex<HashMap<Arc<str>, (Duration, u32)>>);
 
 impl Pace {
-    /// Whether one more command of this sender is taken, at `now` since the start. There are as many senders as there are keys.
+    /// Whether one more command of this sender is accepted, at `now` since the start. There are as many senders as keys.
     pub(super) fn admits(&self, publisher: &Publisher, now: Duration) -> bool {
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        // A key that is gone leaves its name; nobody makes many of them.
+        // A removed key leaves its name behind; nobody creates many keys.
         let (since, said) = all.entry(publisher.issuer().who).or_insert((now, 0));
         if now.saturating_sub(*since) >= Duration::from_secs(1) {
             (*since, *said) = (now, 0);

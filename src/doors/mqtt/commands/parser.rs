@@ -1,5 +1,5 @@
-//! What a message asks for, by its topic and its words: a command in JSON, a command's bare name, or a message of the original
-//! system. Whether its sender may have it, and what becomes of it, is decided elsewhere.
+//! The meaning of a message, by topic and payload: a command in JSON, a command's bare name, or a message of the original system.
+//! Rights and results are decided elsewhere.
 
 use super::super::qak::incoming;
 use super::super::topics::{TopicKind, Topics};
@@ -18,10 +18,10 @@ use hallsweep_core::mission::in_words;
 /// The name of the command that halts.
 const STOP: &str = "stop";
 
-/// The name of the command that may be one.
+/// The name of the command that may be a STOP.
 const MOVE: &str = "move";
 
-/// Which topics are heard, and how.
+/// Which topics carry commands, and in which form.
 #[derive(Debug)]
 pub(super) struct CommandParser {
     topics: Topics,
@@ -29,32 +29,31 @@ pub(super) struct CommandParser {
     unknown: Unknown,
 }
 
-/// What a message asks for, and where it is answered.
+/// The command of a message, and where it is answered.
 #[derive(Debug)]
 pub(super) struct ParsedCommand {
     pub(super) asked: Asked,
-    /// What its sender must be allowed, where no command can be made of it.
+    /// The right that its sender needs, when no command can be made of it.
     pub(super) need: Need,
-    /// In words for the record, where no command can be made of it.
+    /// Description for the record, when no command can be made of it.
     pub(super) unread: String,
-    /// Whether it asks for whatever there is to go on with.
+    /// Whether it means going on, whatever that is at the moment.
     pub(super) goes_on: bool,
-    /// Where it is answered.
     pub(super) reply: Reply,
 }
 
 impl CommandParser {
-    /// Hears the topics of a robot; `manual_driving` says whether old clients may drive it.
+    /// Parses the topics of a robot; `manual_driving` says whether old clients may drive it.
     pub(super) fn new(topics: Topics, manual_driving: bool) -> CommandParser {
         CommandParser { topics, manual_driving, unknown: Unknown::default() }
     }
 
-    /// Whether a topic is nobody's business here.
+    /// Whether the program has nothing to do with a topic.
     pub(super) fn is_elsewhere(&self, topic: &str) -> bool {
         self.topics.kind_of(topic) == TopicKind::Elsewhere
     }
 
-    /// The STOP that topic and payload name, whatever else is wrong with them: no text, wildcards, levels or letters too many.
+    /// The STOP that topic and payload name, with any other fault: invalid text, wildcards, additional levels or characters.
     pub(super) fn stop(&self, topic: &[u8], payload: &[u8]) -> Option<ParsedCommand> {
         let topic = String::from_utf8_lossy(topic);
         self.stop_on(&topic, payload).or_else(|| self.stop_on(&tidied(&topic)?, payload))
@@ -73,7 +72,7 @@ impl CommandParser {
         Some(ParsedCommand { asked: Ok((Command::Stop, None)), need: Need::Stop, unread: String::new(), goes_on: false, reply })
     }
 
-    /// Whether a message is certainly none of ours, seen without reading it: a message between others on the old topics.
+    /// Whether a message is certainly not for us, seen without parsing it: a message between other actors on the old topics.
     pub(super) fn is_of_others(&self, heard: &IncomingMessage<'_>) -> bool {
         match self.topics.kind_of(heard.topic) {
             TopicKind::Command(_) | TopicKind::Word => false,
@@ -82,7 +81,7 @@ impl CommandParser {
         }
     }
 
-    /// What a message asks for; `None` when it asks for nothing.
+    /// The command of a message; `None` when it asks for nothing.
     pub(super) fn parse(&self, heard: &IncomingMessage<'_>) -> Option<ParsedCommand> {
         match self.topics.kind_of(heard.topic) {
             TopicKind::Command(name) => Some(self.named(name, heard.payload)),
@@ -92,12 +91,12 @@ impl CommandParser {
         }
     }
 
-    /// Whether messages of the original system are heard there.
+    /// Whether this topic carries messages of the original system.
     pub(super) fn is_old(&self, topic: &str) -> bool {
         self.topics.kind_of(topic) == TopicKind::Old
     }
 
-    /// The MSGID of a message that is none of ours.
+    /// The MSGID of a message that is not for us.
     pub(super) fn unknown_to_all(&self, heard: &IncomingMessage<'_>) -> Option<String> {
         match self.is_old(heard.topic).then(|| incoming::asked(heard.payload, self.manual_driving))? {
             Ok(incoming::Asked::Unknown(id)) => Some(id),
@@ -127,8 +126,8 @@ impl CommandParser {
         }
     }
 
-    /// Refusals of what was understood are explained where an old console shows its piece; the original system has no other words for an
-    /// answer.
+    /// Refusals of understood messages are explained where an old console shows its piece; the original system has no other words
+    /// for an answer.
     fn old(&self, payload: &[u8]) -> Option<ParsedCommand> {
         let (asked, unread, goes_on) = match incoming::asked(payload, self.manual_driving) {
             Ok(incoming::Asked::Nothing | incoming::Asked::Unknown(_)) => return None,
@@ -143,7 +142,7 @@ impl CommandParser {
         Some(ParsedCommand { asked, need: Need::Act, unread, goes_on, reply: Reply { explained, ..Reply::default() } })
     }
 
-    /// Anybody who may publish here may be told that there is no such command.
+    /// The answer that there is no such command, for anybody who may publish here.
     fn unknown(&self, answered_as: &str, name: &str, problem: Problem) -> ParsedCommand {
         let reply = self.reply(answered_as);
         ParsedCommand { asked: Err(problem), need: Need::See, unread: unread(name), goes_on: false, reply }
@@ -155,7 +154,7 @@ impl CommandParser {
 }
 
 impl ParsedCommand {
-    /// What its sender must be allowed: to stop for a STOP, however it is written, and to act for every other command.
+    /// The right that its sender needs: to stop for a STOP in any form, and to act for every other command.
     pub(super) fn need(&self) -> Need {
         match &self.asked {
             Ok((Command::Stop, _)) => Need::Stop,
@@ -164,25 +163,25 @@ impl ParsedCommand {
         }
     }
 
-    /// The same of somebody who may not give it: to others nothing is told of it on the old topics.
+    /// Without an explanation on the old topics, for a sender who may not give the command.
     pub(super) fn unexplained(self) -> ParsedCommand {
         ParsedCommand { reply: Reply { explained: None, ..self.reply }, ..self }
     }
 
-    /// In words for the record.
+    /// Description for the record.
     pub(super) fn in_words(&self) -> String {
         self.asked.as_ref().map_or_else(|_| self.unread.clone(), |(command, _)| in_words(command))
     }
 }
 
-/// Whether a bare word is STOP, with whatever stands round it but letters and digits.
+/// Whether a bare word is STOP, with anything but letters and digits round it.
 fn says_stop(payload: &[u8]) -> bool {
     let text = String::from_utf8_lossy(payload);
     is_halt(text.trim_matches(|letter: char| !letter.is_alphanumeric()))
 }
 
-/// A topic that is none as its sender must have meant it: without wildcards, empty levels, and letters that nobody sees. `None` when it
-/// is plain.
+/// A topic as its sender must have meant it: without wildcards, empty levels, and invisible characters. `None` when it needs no
+/// correction.
 fn tidied(topic: &str) -> Option<String> {
     let is_plain = |byte: u8| byte.is_ascii_graphic() && byte != b'+' && byte != b'#';
     let has_empty_level = topic.starts_with('/') || topic.ends_with('/') || topic.contains("//");

@@ -1,20 +1,20 @@
-//! Places for results: of a command that is under way, or of an answer that waits to be published. Each key has a share of them,
-//! some are kept for keys that have few, and viewers have places of their own, so that nobody has no result because of others
-//! (safety S9). What is done where there is no place is said elsewhere.
+//! Places for results: of a command under way, or of an answer that waits to be published. Each key has a share, some places are
+//! reserved for keys that have few, and viewers have places of their own, so that nobody is left without a result because of
+//! others (safety S9). Callers decide what happens without a place.
 
 use super::publisher::Publisher;
 use crate::doors::shares::{Limits, Permit, Shares};
 
-/// Of all places of operators, or of viewers, one key has one in so many,
+/// Share of one key among the places of operators, or of viewers: one in this many.
 const PARTS: usize = 2;
 
-/// and one in so many is kept for keys that have few,
+/// Share of places reserved for keys that have few: one in this many.
 const KEPT: usize = 4;
 
-/// which is less than so many.
+/// Number of places below which a key has few.
 const FEW: usize = 8;
 
-/// Places for those who act, and for those who only look. Cheap to clone.
+/// Places for operators, and for viewers. Cheap to clone.
 #[derive(Clone, Debug)]
 pub(super) struct ResultPlaces {
     operators: Shares,
@@ -22,7 +22,7 @@ pub(super) struct ResultPlaces {
 }
 
 impl ResultPlaces {
-    /// So many, and so many for viewers beside them.
+    /// Creates this many places for operators, and for viewers.
     pub(super) fn new(operators: usize, viewers: usize) -> ResultPlaces {
         let shares = |most| Shares::new(Limits { most, of_one_key: most / PARTS, kept: most / KEPT, few: FEW });
         ResultPlaces { operators: shares(operators), viewers: shares(viewers) }
@@ -31,7 +31,7 @@ impl ResultPlaces {
     /// A place for this sender's next command.
     ///
     /// # Errors
-    /// How many of those he may use are taken, when there is none.
+    /// The number of places taken of those the sender may use, when none is free.
     pub(super) fn take(&self, publisher: &Publisher) -> Result<Permit, usize> {
         if publisher.is_viewer() { &self.viewers } else { &self.operators }.take(publisher.key())
     }
@@ -45,7 +45,7 @@ mod tests {
     const MOST: usize = 256;
     const VIEWERS: usize = 64;
 
-    /// As many places as this sender gets.
+    /// As many places as this sender can get.
     fn all(places: &ResultPlaces, publisher: &Publisher) -> Vec<Permit> {
         std::iter::from_fn(|| places.take(publisher).ok()).collect()
     }

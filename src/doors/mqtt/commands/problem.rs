@@ -1,4 +1,4 @@
-//! The problems that only this door has. It publishes each as it is.
+//! The problems that only this door has. They are published in the common form.
 
 use std::time::Duration;
 
@@ -12,20 +12,18 @@ impl Problem {
         Problem::not_found(format!("there is no command {:?}: there are {}", in_short(name), names(false)))
     }
 
-    /// No command can be given by this word alone.
     pub(super) fn no_word(word: &str) -> Problem {
         let words = names(true);
         let detail = format!("no command is given by the word {:?} alone: there are {words}; others have topics", in_short(word));
         Problem::not_found(detail)
     }
 
-    /// As many commands are under way as there may be.
     pub(super) fn too_many(most: usize) -> Problem {
         let detail = format!("{most} commands are under way: send it again when their results have come; STOP is always taken");
         Problem::new(TOO_MANY, detail)
     }
 
-    /// What became of it is not known in time.
+    /// The result of a command is not known in time.
     pub(super) fn no_answer(waited: Duration) -> Problem {
         let detail = format!("it was not answered within {} s: look at the state before you repeat it", waited.as_secs());
         Problem::new(("noAnswer", ProblemKind::Unavailable), detail)
@@ -61,7 +59,7 @@ mod tests {
         }
     }
 
-    /// What this door refused is read back from the journal as it was written.
+    /// A refusal by this door is read back from the journal as it was written.
     #[test]
     fn what_the_door_refuses_is_known_again_after_a_restart() {
         for (problem, status) in [

@@ -1,5 +1,4 @@
-//! Who publishes a message, as far as that is known, and what he may. How somebody at our own broker has shown who he is, is the
-//! gate's business.
+//! The sender of a message, as far as it is known, and its rights. The gate checks the credentials of clients of our own broker.
 
 use std::sync::Arc;
 
@@ -7,18 +6,18 @@ use crate::access::{Caller, Need};
 use crate::api::door;
 use hallsweep_core::command::{Issuer, Refused};
 
-/// The name in records of whoever commands through somebody else's broker.
+/// Name in records of a sender at another broker.
 const NOBODY_KNOWN: &str = "mqtt";
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Publisher {
-    /// Somebody at our own broker.
+    /// A client of our own broker.
     Known {
         caller: Caller,
-        /// The address, as `192.0.2.7`.
+        /// The address, such as `192.0.2.7`.
         from: Arc<str>,
     },
-    /// Somebody at somebody else's broker, which alone knows who, and decides by its own rights who may publish commands.
+    /// A client of another broker, which alone knows who it is, and decides by its own rights who may publish commands.
     Unknown {
         /// That broker's host.
         broker: Arc<str>,
@@ -37,7 +36,7 @@ impl Publisher {
         self.may(Need::Act).is_err()
     }
 
-    /// The name of the key that he has shown; `None` where nobody is told from another by one.
+    /// The name of the sender's key; `None` where keys do not tell senders apart.
     pub(super) fn key(&self) -> Option<Arc<str>> {
         match self {
             Publisher::Known { caller: Caller::Known(signed_in), .. } => Some(Arc::clone(&signed_in.name)),

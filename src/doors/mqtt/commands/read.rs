@@ -1,5 +1,5 @@
-//! From the payload of a command in JSON to the core's command, with its own name. What the fields mean stands in
-//! `crate::api::command`, and what can come in `crate::api::commands`.
+//! Parses the JSON payload of a command into the core's command and the command id. The fields are in `crate::api::command`, the
+//! table is in `crate::api::commands`.
 
 use super::problem::Problem;
 use crate::api::command::{id_aside, number_aside};
@@ -9,15 +9,14 @@ use crate::api::halt::says_halt;
 use hallsweep_core::command::{Command, CommandId};
 use hallsweep_core::units::Epoch;
 
-/// Larger payloads are no commands: a command is a few dozen bytes.
+/// Maximum size of a payload in bytes: a command is a few dozen bytes.
 pub(super) const LARGEST: usize = 4 * 1024;
 
-/// The command that is asked for, and the epoch its sender saw.
+/// The command, and the epoch that its sender saw.
 pub(super) type Asked = Result<(Command, Option<Epoch>), Problem>;
 
-/// What a payload says.
 pub(super) struct Read {
-    /// The command's own name, also when the rest cannot be read.
+    /// The command id, even when the rest cannot be read.
     pub(super) id: Option<CommandId>,
     pub(super) asked: Asked,
 }
@@ -38,7 +37,6 @@ pub(super) fn read(row: &Row, payload: &[u8]) -> Read {
     }
 }
 
-/// A payload that is not larger than any command.
 pub(super) fn sized(payload: &[u8]) -> Result<&[u8], Problem> {
     if payload.len() <= LARGEST {
         return Ok(payload);
@@ -47,7 +45,7 @@ pub(super) fn sized(payload: &[u8]) -> Result<&[u8], Problem> {
     Err(Problem::too_large(format!("the payload has {bytes} bytes: at most {LARGEST} are read, and a command is a few dozen")))
 }
 
-/// A word without the blanks round it and the quotes of JSON.
+/// A word without surrounding blanks and the quotes of JSON.
 pub(super) fn bare(text: &str) -> &str {
     let text = text.trim();
     text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).unwrap_or(text)
@@ -62,7 +60,7 @@ fn command(row: &Row, fields: &mut Fields) -> Asked {
     commands::asked(row.kind, number, &Carried(fields))
 }
 
-/// The fields of a payload, beside those that were laid aside.
+/// The fields of a payload without those that were removed.
 struct Carried<'a>(&'a Fields);
 
 impl Payload for Carried<'_> {
@@ -77,7 +75,7 @@ impl Payload for Carried<'_> {
     }
 }
 
-/// The fields of a payload; without one, none, where the command can do without.
+/// The fields of a payload; none for an empty payload, if the command needs none.
 fn fields_of(row: &Row, payload: &[u8]) -> Result<Fields, Problem> {
     match (payload.trim_ascii().is_empty(), row.is_word) {
         (true, true) => Ok(Fields::default()),
@@ -86,7 +84,7 @@ fn fields_of(row: &Row, payload: &[u8]) -> Result<Fields, Problem> {
     }
 }
 
-/// The name of a command of which nothing else is read, where it can be read.
+/// The id of a command of which nothing else is read, if the id can be read.
 pub(super) fn id_in(payload: &[u8]) -> Option<CommandId> {
     let mut fields = fields(sized(payload).ok()?).ok()?;
     id_aside(&mut fields).ok().flatten()

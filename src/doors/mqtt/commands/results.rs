@@ -1,5 +1,5 @@
-//! What became of commands, published where their senders look for it: so many waited for at once, and none for ever. Where there is
-//! no room a result is lost and nothing else; the commands themselves are given elsewhere.
+//! Publishes the results of commands where their senders look for them: a bounded number at once, each with a time limit. Without
+//! room only the result is lost; the commands are sent elsewhere.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -23,22 +23,22 @@ use hallsweep_core::command::{CommandId, Refused};
 use hallsweep_core::phase::PhaseName;
 use mqtt_gate::AnswerTo;
 
-/// Commands whose results are waited for at once: as many as the loop's queue holds. A STOP beyond them halts, and has no result.
+/// Maximum number of awaited results: as many as the loop's queue holds. A STOP beyond them halts, but has no result.
 const UNDER_WAY: usize = 256;
 
-/// And those of viewers, who have only STOP.
+/// Maximum number of awaited results of viewers, who have only STOP.
 const VIEWERS_UNDER_WAY: usize = 64;
 
-/// As many answers may wait to be published.
+/// Maximum number of answers waiting to be published.
 pub const ANSWERS: usize = UNDER_WAY + VIEWERS_UNDER_WAY;
 
-/// Nobody waits longer for a result: as long as at the CoAP door.
+/// Maximum wait for a result: as long as at the CoAP door.
 const PATIENCE: Duration = Duration::from_secs(93);
 
-/// What is refused because there is no photo to judge by.
+/// Code of a refusal for lack of a photo to judge by.
 const NO_PHOTO: &str = "noPhoto";
 
-/// Where results go, and the places of those that are waited for. Cheap to clone.
+/// The channel of results, and the places of those awaited. Cheap to clone.
 #[derive(Clone, Debug)]
 pub(super) struct Results {
     answers: mpsc::Sender<Answer>,
@@ -47,28 +47,28 @@ pub(super) struct Results {
     lost: Arc<Seldom>,
 }
 
-/// A result that waits to be published. Its place is free when it is taken.
+/// A result that waits to be published. Its place is free once it is taken.
 #[derive(Debug)]
 pub struct Answer {
     publication: Publication,
     _place: Permit,
 }
 
-/// Where one result goes.
+/// Where one result is published.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Reply {
-    /// The topic; `None` for messages of the original system, whose senders are told only why they are refused.
+    /// The topic; `None` for messages of the original system, whose senders are only told why they are refused.
     pub(super) topic: Option<String>,
-    /// By what its sender knows it.
+    /// Correlation data of its sender.
     pub(super) correlation: Option<Bytes>,
-    /// The command's own name.
+    /// The command id.
     pub(super) id: Option<CommandId>,
-    /// Where an old client is told why not.
+    /// The topic on which an old client is told the reason of a refusal.
     pub(super) explained: Option<String>,
 }
 
 impl Reply {
-    /// Its sender wants it somewhere else.
+    /// Uses the topic that the sender wants, if it wants one.
     pub(super) fn is_wanted(&mut self, wanted: Option<AnswerTo<'_>>) {
         if let (Some(topic), Some(wanted)) = (&mut self.topic, wanted) {
             wanted.topic.clone_into(topic);
@@ -78,21 +78,20 @@ impl Reply {
 }
 
 impl Results {
-    /// Results go to `answers`.
     pub(super) fn new(answers: mpsc::Sender<Answer>) -> Results {
         let places = || ResultPlaces::new(UNDER_WAY, VIEWERS_UNDER_WAY);
         Results { answers, under_way: places(), waiting: places(), lost: Arc::default() }
     }
 
-    /// A place for one command more of this sender.
+    /// A place for one more command of this sender.
     ///
     /// # Errors
-    /// How many are under way, when there is none.
+    /// The number of commands under way, when there is no place.
     pub(super) fn place(&self, publisher: &Publisher) -> Result<Permit, usize> {
         self.under_way.take(publisher)
     }
 
-    /// Waits for what becomes of a command, and publishes it. Must be called inside a runtime.
+    /// Waits for the result of a command, and publishes it. Must be called inside a runtime.
     pub(super) fn follow<F>(&self, done: F, (reply, publisher): (Reply, Publisher), place: Permit)
     where
         F: Future<Output = Result<Done, NotDone>> + Send + 'static,
@@ -108,7 +107,7 @@ impl Results {
         });
     }
 
-    /// Publishes why something was refused; of what has no result it is said in the program's log.
+    /// Publishes a refusal; one without a topic is only logged.
     pub(super) fn refused(&self, reply: &Reply, publisher: &Publisher, problem: &Problem) {
         match &reply.topic {
             Some(topic) => self.publish(topic, (reply, publisher), (None, &problem.shape())),
@@ -145,7 +144,7 @@ impl Results {
     fn send(&self, publication: Publication, publisher: &Publisher) {
         let topic = publication.topic.clone();
         let answer = self.waiting.take(publisher).map(|place| Answer { publication, _place: place });
-        // When nobody takes any more, the program is ending.
+        // A closed channel means that the program is ending.
         let is_lost = answer.map_or(true, |answer| matches!(self.answers.try_send(answer), Err(TrySendError::Full(_))));
         if is_lost && let Some(lost) = self.lost.one_more() {
             tracing::warn!(topic, lost, "results are not published, because as many as there is room for wait to be sent");
@@ -154,7 +153,7 @@ impl Results {
 }
 
 impl Answer {
-    /// What is to be published; there is room for another.
+    /// The message to publish; its place is free then.
     pub fn taken(self) -> Publication {
         self.publication
     }

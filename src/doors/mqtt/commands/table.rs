@@ -13,7 +13,7 @@ mod tests {
     use super::*;
     use crate::api::commands::{CommandKind, Row};
 
-    /// The table as the documentation shows it, in lines of markdown.
+    /// The table of the documentation, in lines of markdown.
     fn markdown() -> String {
         let lines: Vec<String> = COMMANDS.iter().map(|row| format!("{}\n", line(row))).collect();
         format!("| name | what | payload | bare word | for |\n|---|---|---|---|---|\n{}", lines.concat())

@@ -1,4 +1,4 @@
-//! For the tests of commands: commands before a loop that does as it is told, senders, and the results as they are published.
+//! For tests of commands: commands in front of a loop that follows the test's script, senders, and the published results.
 
 use serde_json::Value;
 use tokio::sync::mpsc;
@@ -16,10 +16,10 @@ use hallsweep_core::snapshot::Snapshot;
 /// More results than any test leaves unread.
 const ROOM: usize = 1024;
 
-/// What all JSON topics of a test begin with.
+/// Prefix of all JSON topics in tests.
 const BASE: &str = "hallsweep/discovery/";
 
-/// Commands before a loop that does as it is told.
+/// Commands in front of a loop that follows the test's script.
 pub(super) struct TestApp {
     pub(super) commands: Commands,
     pub(super) script: Script,
@@ -36,7 +36,7 @@ pub(super) fn app(snapshot: Snapshot) -> TestApp {
     driven_app(snapshot, false)
 }
 
-/// The same, in which they may or may not.
+/// Like `app`, with a choice whether old clients may drive.
 pub(super) fn driven_app(snapshot: Snapshot, manual_driving: bool) -> TestApp {
     let (handle, script) = obedient(snapshot);
     let (commands, results) = commands_of(handle, manual_driving);
@@ -72,7 +72,7 @@ fn with_key(name: &str, role: Role) -> Publisher {
     Publisher::Known { caller: Caller::Known(keyring.check(&shown).unwrap()), from: "192.0.2.7".into() }
 }
 
-/// A message on a topic: under our own prefix, but for those of the original system.
+/// Takes a message on a topic: under our own prefix, or one of the original system.
 pub(super) fn say(commands: &Commands, topic: &str, payload: impl AsRef<[u8]>, publisher: &Publisher) -> Taken {
     let topic = if topic.starts_with("unibo/") { topic.to_owned() } else { format!("{BASE}{topic}") };
     commands.take(
@@ -81,7 +81,7 @@ pub(super) fn say(commands: &Commands, topic: &str, payload: impl AsRef<[u8]>, p
     )
 }
 
-/// The next result: its topic without the prefix, and what it says.
+/// The next result: its topic without the prefix, and its contents.
 pub(super) async fn next(results: &mut mpsc::Receiver<Answer>) -> (String, Value) {
     let publication = within("a result", results.recv()).await.expect("somebody may still answer").taken();
     assert!(!publication.retain, "a result is for those who listen now");
@@ -90,12 +90,12 @@ pub(super) async fn next(results: &mut mpsc::Receiver<Answer>) -> (String, Value
 }
 
 impl TestApp {
-    /// The operator says something.
+    /// A message of the operator.
     pub(super) fn say(&self, topic: &str, payload: impl AsRef<[u8]>) -> Taken {
         say(&self.commands, topic, payload, &here())
     }
 
-    /// The operator says something that is answered: where, and how.
+    /// A message of the operator that is answered: returns the topic and the contents.
     pub(super) async fn ask(&mut self, topic: &str, payload: impl AsRef<[u8]>) -> (String, Value) {
         assert_eq!(self.say(topic, payload), Taken::Taken, "{topic}");
         next(&mut self.results).await
@@ -105,18 +105,17 @@ impl TestApp {
         next(&mut self.results).await
     }
 
-    /// The next message, as it is published.
     pub(super) async fn told(&mut self) -> Publication {
         within("a message", self.results.recv()).await.expect("somebody may still answer").taken()
     }
 
-    /// Whether nothing is published that was not looked at.
+    /// Whether no unread message was published.
     pub(super) async fn is_silent(&mut self) -> bool {
         self.settled().await;
         self.results.try_recv().is_err()
     }
 
-    /// What the loop was asked last.
+    /// The last request to the loop.
     pub(super) async fn last(&self) -> Request {
         self.settled().await;
         self.script.given.lock().unwrap().last().cloned().expect("a command was given")
@@ -127,18 +126,18 @@ impl TestApp {
         self.script.given.lock().unwrap().len()
     }
 
-    /// What the door last asked to be put on record, if that was not looked at yet: who, what, and why it was not taken.
+    /// The last refusal that the door recorded since the last call: who, which command, and why.
     pub(super) async fn noted(&self) -> Option<Noted> {
         self.settled().await;
         self.script.noted.lock().unwrap().pop()
     }
 
-    /// From now on everything is refused so.
+    /// Refuses everything from now on.
     pub(super) fn refuse(&self, refused: Refused) {
         *self.script.refuse.lock().unwrap() = Some(refused);
     }
 
-    /// Loop and results get their turns: all tasks are on this thread, and each of them needs a few.
+    /// Lets loop and results have their turns: all tasks are on this thread, and each of them needs a few.
     async fn settled(&self) {
         for _ in 0..8 {
             tokio::task::yield_now().await;

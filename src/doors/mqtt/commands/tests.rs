@@ -1,5 +1,4 @@
-//! Commands by their topics: what reaches the loop, what is answered, what is put on record, and who may do what. How much there can
-//! be at once is in `bounds_tests`.
+//! Commands by their topics: what reaches the loop, the answers, the record, and the rights. Bounds are in `bounds_tests`.
 
 use super::table;
 use super::testing::{app, driven_app, here, say, viewer};
@@ -16,7 +15,7 @@ fn event(id: &str) -> String {
     format!("msg({id},event,js,none,{id},1)")
 }
 
-/// A command of each name that the table has, and what it is.
+/// A payload for each command of the table, and the resulting command.
 fn all_commands() -> Vec<(&'static str, &'static str, Command)> {
     let verdict = |verdict| Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict, note: None };
     let noted = Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict: Verdict::Safe, note: Note::new("red") };
@@ -114,7 +113,7 @@ async fn a_bare_word_is_a_command_without_arguments() {
     assert_eq!(app.given().await, given);
 }
 
-/// Safety A6: whatever was not taken is on record.
+/// Safety A6: every refusal is on record.
 #[tokio::test]
 async fn what_is_wrong_is_refused_in_words_and_put_on_record() {
     let mut app = app(searching());
@@ -198,7 +197,7 @@ async fn verdicts_come_back_with_the_record() {
     assert_eq!((&json["status"], json.get("luggage")), (&404.into(), None));
 }
 
-/// Every way to say STOP, however wrong the rest is.
+/// Every way to say STOP, with anything else wrong.
 fn stops() -> Vec<(&'static str, Vec<u8>)> {
     let huge = vec![b'x'; 100_000];
     let huge_move = format!(r#"{{"move":"h","why":"{}"}}"#, "x".repeat(5000)).into_bytes();
@@ -267,7 +266,7 @@ async fn a_viewer_may_stop_and_nothing_else() {
     assert!(app.is_silent().await);
 }
 
-/// Safety A1: nor is anything that he says there passed on.
+/// Safety A1: no other message of a viewer on these topics is passed on.
 #[tokio::test]
 async fn nothing_that_a_viewer_says_where_commands_are_is_passed_on_but_a_stop() {
     let mut app = app(searching());
@@ -284,7 +283,7 @@ async fn nothing_that_a_viewer_says_where_commands_are_is_passed_on_but_a_stop()
     assert_eq!(say(&app.commands, "command/stop", "", &viewer()), Taken::Taken);
 }
 
-/// Old consoles show what they hear there.
+/// Old consoles show what is published there.
 #[tokio::test]
 async fn a_viewer_cannot_pretend_to_be_the_robot() {
     let app = app(searching());
@@ -321,7 +320,7 @@ async fn messages_of_the_original_system_command_and_are_answered_by_none() {
     assert!(app.is_silent().await);
 }
 
-/// An old console has no other place in which it could learn that nothing comes of its button.
+/// An old console has no other place where it could learn that its button does nothing.
 #[tokio::test]
 async fn an_old_console_is_told_why_a_command_is_refused_and_what_goes_on() {
     let mut app = app(searching());
@@ -361,7 +360,7 @@ async fn to_go_on_is_to_take_a_photo_again_that_has_failed_and_else_to_start() {
     for (state, command) in [
         (searching(), Command::Start),
         (failed(PhaseName::Inspecting), Command::RetakePhoto(LuggageId(3))),
-        // It is driven back to after START.
+        // START makes the robot drive back to it.
         (failed(PhaseName::AtHome), Command::Start),
     ] {
         let app = app(state);
@@ -427,7 +426,7 @@ async fn whatever_is_no_command_is_left_alone() {
     assert!(app.noted().await.is_none() && app.is_silent().await);
 }
 
-/// What is published is told apart from what is asked, so that nobody at another broker hears his own answers as commands.
+/// Published results differ from commands, so that nobody at another broker takes its own answers for commands.
 #[tokio::test]
 async fn no_result_is_itself_a_command() {
     let mut app = app(searching());
@@ -437,7 +436,8 @@ async fn no_result_is_itself_a_command() {
     }
 }
 
-/// Safety A4: whoever wants an answer elsewhere makes the program say nothing that he could not say himself, and nothing that is no topic.
+/// Safety A4: a requested response topic makes the program publish nothing that the sender could not publish, and only on a valid
+/// topic.
 #[tokio::test]
 async fn an_answer_goes_where_it_is_wanted_when_its_sender_may_say_something_there() {
     let mut app = app(searching());

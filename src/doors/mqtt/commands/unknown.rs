@@ -1,24 +1,24 @@
-//! Where it is answered that a command's name is none. Brokers never forget a topic, so only so many names get a topic of their
-//! own for that; a client that makes up more of them is answered in one place.
+//! Answers to unknown command names. Brokers never forget a topic, so only a bounded number of names get a topic of their own; a
+//! client that invents more is answered on one topic.
 
 use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
 
-/// So many names that are none get a topic of their own: enough for every slip of a keyboard.
+/// Maximum number of unknown names with a topic of their own: enough for every slip of a keyboard.
 const NAMES: usize = 64;
 
-/// No name of a command is nearly as long, in bytes.
+/// Maximum length of a name in bytes: no command is nearly as long.
 const LONGEST: usize = 32;
 
-/// Where all the others are answered, in place of their name.
+/// Name for the answers to all others.
 pub(super) const UNKNOWN: &str = "unknown";
 
-/// The names that were seen and are none.
+/// The unknown names seen so far.
 #[derive(Debug, Default)]
 pub(super) struct Unknown(Mutex<BTreeSet<String>>);
 
 impl Unknown {
-    /// The name under which it is answered that this one is none.
+    /// The name under which an unknown name is answered.
     pub(super) fn answered_as<'a>(&self, name: &'a str) -> &'a str {
         let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_';
         if !(1..=LONGEST).contains(&name.len()) || !name.bytes().all(is_plain) {

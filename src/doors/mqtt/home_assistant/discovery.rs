@@ -1,6 +1,6 @@
-//! What Home Assistant is told of the robot, once for all its entities (device-based discovery,
-//! <https://www.home-assistant.io/integrations/mqtt/#device-discovery-payload>). Every entity is made of topics that are published
-//! for everybody, but for the vacuum's own state.
+//! The description of the robot for Home Assistant, in one message for all its entities (device-based discovery,
+//! <https://www.home-assistant.io/integrations/mqtt/#device-discovery-payload>). Every entity uses the public topics, except for
+//! the vacuum's own state.
 
 use serde_json::{Map, Value, json};
 
@@ -41,7 +41,7 @@ fn components(topics: &Topics) -> Value {
     Value::Object(named.into_iter().collect::<Map<String, Value>>())
 }
 
-/// The words of the vacuum's buttons are the bare names of our commands. It pauses by STOP, and START goes on.
+/// The vacuum's buttons send the bare names of our commands. It pauses by STOP, and START goes on.
 fn vacuum(topics: &Topics) -> Value {
     json!({
         "platform": "vacuum",
@@ -139,7 +139,7 @@ fn photo(topics: &Topics) -> Value {
     })
 }
 
-/// Adds by what the entity is known for ever, and how it is called at first.
+/// Adds the permanent id of an entity, and its initial name.
 fn identified(topics: &Topics, name: &str, mut component: Value) -> Value {
     let id = format!("{}_{name}", unique(topics));
     let platform = component["platform"].as_str().unwrap_or_default();
@@ -149,12 +149,12 @@ fn identified(topics: &Topics, name: &str, mut component: Value) -> Value {
     component
 }
 
-/// The id of the device, which begins those of its entities.
+/// The id of the device, which is the prefix of its entities' ids.
 fn unique(topics: &Topics) -> String {
     format!("hallsweep_{}", topics.id())
 }
 
-/// The template that takes these fields of a message.
+/// The template that extracts these fields of a message.
 fn attributes(fields: &[&str]) -> String {
     let taken: Vec<String> = fields.iter().map(|field| format!("'{field}': value_json.{field}")).collect();
     format!("{{{{ {{{}}} | tojson }}}}", taken.join(", "))

@@ -1,5 +1,5 @@
-//! The robot in the words of Home Assistant: what it is told of it (`discovery`), and the state of a vacuum cleaner, which is how it
-//! shows a robot that drives through a hall. When it is told stands in `change_feed`.
+//! The robot in the terms of Home Assistant: its description (`discovery`), and the state of a vacuum cleaner, which is how Home
+//! Assistant shows a robot that drives through a hall. `change_feed` decides when they are published.
 
 pub mod discovery;
 #[cfg(test)]
@@ -12,17 +12,17 @@ use hallsweep_core::phase::PhaseName;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Cell;
 
-/// What Home Assistant says when it has started.
+/// Payload of Home Assistant after its start.
 pub const BIRTH: &[u8] = b"online";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct State {
     pub activity: Activity,
-    /// Whether an alarm stands that nobody has acknowledged, or a dangerous piece that is not secured.
+    /// Whether there is an unacknowledged alarm, or a dangerous piece that is not secured.
     pub alarm: bool,
 }
 
-/// What a vacuum cleaner can do.
+/// The activities of a vacuum cleaner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Activity {
     Cleaning,
@@ -34,7 +34,7 @@ pub enum Activity {
 }
 
 impl State {
-    /// `{"state":"cleaning","alarm":false}`.
+    /// Such as `{"state":"cleaning","alarm":false}`.
     pub fn json(self) -> Value {
         json!({"state": self.activity.name(), "alarm": self.alarm})
     }
@@ -53,12 +53,11 @@ impl Activity {
     }
 }
 
-/// What Home Assistant is shown of this state.
 pub fn state(snapshot: &Snapshot) -> State {
     State { activity: activity(snapshot), alarm: is_alarmed(snapshot) }
 }
 
-/// The phase first. A mission that is held is paused, unless START cannot help before something is mended.
+/// Decided by the phase first. A held mission is paused, unless START cannot help before something is repaired.
 fn activity(snapshot: &Snapshot) -> Activity {
     let under_way = match snapshot.mission.phase {
         PhaseName::Exploring | PhaseName::Inspecting | PhaseName::Driving | PhaseName::Retrieving => Activity::Cleaning,
@@ -75,7 +74,7 @@ fn activity(snapshot: &Snapshot) -> Activity {
     if is_held { Activity::Paused } else { under_way }
 }
 
-/// Whether a hold ends only when somebody mends something.
+/// Whether a hold ends only after a repair.
 const fn must_be_mended(hold: Hold) -> bool {
     match hold {
         Hold::TemperatureStale | Hold::RobotLink | Hold::Store => true,
@@ -86,7 +85,7 @@ const fn must_be_mended(hold: Hold) -> bool {
 fn is_alarmed(snapshot: &Snapshot) -> bool {
     let is_unseen = snapshot.alarms.iter().any(|alarm| alarm.acknowledged.is_none());
     let is_secured = snapshot.mission.phase == PhaseName::BagSecured;
-    // Of all luggage, only what is at hand: this is asked at every change.
+    // Only sets that are at hand, not all luggage, because this is computed at every change.
     let mut grave = snapshot.luggage.bombs_left().chain(snapshot.luggage.secured());
     is_unseen || (!is_secured && grave.any(|piece| piece.is_dangerous()))
 }

@@ -1,4 +1,4 @@
-//! What Home Assistant is told, held against golden files and against what is really published.
+//! The messages for Home Assistant, compared with golden files and with what is really published.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -25,7 +25,7 @@ fn components(topics: &Topics) -> BTreeMap<String, Value> {
     config["components"].as_object().unwrap().clone().into_iter().collect()
 }
 
-/// The last message on each topic that is published, of a state.
+/// The last message on each topic that is published for a state.
 fn published(snapshot: &Snapshot) -> BTreeMap<String, Vec<u8>> {
     let mut feed = ChangeFeed::new(topics(), true);
     feed.handle_state(Arc::new(snapshot.clone()));
@@ -84,7 +84,7 @@ fn everything_a_template_takes_is_in_the_message_it_is_given() {
     }
 }
 
-/// The paths behind each `value_json` of a template, as JSON pointers.
+/// The paths after each `value_json` of a template, as JSON pointers.
 fn paths(template: &str) -> Vec<String> {
     let is_of_path = |letter: char| letter.is_ascii_alphanumeric() || letter == '_' || letter == '.';
     let path = |rest: &str| rest.split(|letter| !is_of_path(letter)).next().unwrap_or_default().replace('.', "/");

@@ -1,5 +1,5 @@
-//! What a message of the original system asks for (mission §8): one table from MSGIDs to commands, whether a message comes as an
-//! event or as a dispatch, and whoever sent it under whatever number. What becomes of the command is not decided here.
+//! The meaning of the original system's messages (mission §8): one table from MSGIDs to commands, for events and dispatches
+//! alike, from any sender with any number. What is done with the command is decided elsewhere.
 
 use std::sync::LazyLock;
 
@@ -14,49 +14,41 @@ use crate::api::problem::refusal;
 use hallsweep_core::command::{Command, Refused};
 use hallsweep_core::mission::in_words;
 
-/// What a message asks for.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Asked {
-    /// This.
     Command(Command),
-    /// To go on: to take the photo again where that has failed, else START.
+    /// Going on: repeats a failed photo, otherwise means START.
     GoOn,
-    /// Nothing of us: it is one that we publish ourselves, or an answer to somebody.
+    /// Nothing of us: a message that we publish ourselves, or an answer to somebody.
     Nothing,
-    /// Nothing that is known, under this MSGID: other actors may say it to each other.
+    /// An unknown MSGID: other actors may send such messages to each other.
     Unknown(String),
 }
 
-/// Why nothing is done about a message. `Display` is the sentence for log and record.
+/// Why a message is not carried out. `Display` is the sentence for log and record.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Wrong {
-    /// It is no message, or not a whole one.
+    /// It is no message, or an incomplete one.
     #[error(transparent)]
     NoMessage(#[from] NoMessage),
-    /// Its MSGID is known, and its CONTENT asks for nothing that there is.
+    /// Its MSGID is known, but its CONTENT makes no sense.
     #[error("the CONTENT of {id} is wrong: {words}")]
     Content {
-        /// The MSGID.
         id: &'static str,
-        /// What stands there, and what belongs there.
+        /// The text that is there, and the expected one.
         words: String,
     },
     /// An old client may not ask for that here.
     #[error("{refused}")]
-    Refused {
-        /// What it asked for.
-        command: Command,
-        /// Why not.
-        refused: Refused,
-    },
+    Refused { command: Command, refused: Refused },
 }
 
-/// What a payload on one of the old topics asks for. One that is too long, or no message at all, is unknown where it begins as
-/// one whose MSGID is not ours: other actors may write to each other what they like.
+/// The meaning of a payload on one of the old topics. A payload that is too long, or no message at all, counts as unknown if it
+/// begins with another MSGID than ours: other actors may write to each other what they like.
 ///
 /// # Errors
-/// When it is no message, when what a known message says makes no sense, or when driving is asked for and `manual_driving` does
-/// not allow it.
+/// When it is no message, when a known message makes no sense, or when it asks for driving and `manual_driving` does not allow
+/// that.
 pub fn asked(payload: &[u8], manual_driving: bool) -> Result<Asked, Wrong> {
     if is_stop(payload) {
         return Ok(Asked::Command(Command::Stop));
@@ -83,13 +75,13 @@ fn of_others(id: String) -> Asked {
     if id == MODEL_CONTENT { Asked::Nothing } else { Asked::Unknown(id) }
 }
 
-/// Whether a payload begins as a message whose MSGID is none of ours. It looks at no more than the beginning.
+/// Whether a payload begins as a message with another MSGID than ours. It reads only the beginning.
 pub fn is_of_others(payload: &[u8]) -> bool {
     beginning(payload).is_some_and(|id| known(&id).is_none())
 }
 
-/// Whether a payload asks for STOP, whatever else is wrong with it: no number, a sender that cannot be read, the end missing, too
-/// long. It looks at no more than the beginning, but for those whose CONTENT says it, as `userCmd`. (Safety S1, S8.)
+/// Whether a payload means STOP, whatever else is wrong with it: a missing number, an invalid sender, a missing end, excessive
+/// length. It reads only the beginning, except for messages such as `userCmd`, whose CONTENT says it. (Safety S1, S8.)
 pub fn is_stop(payload: &[u8]) -> bool {
     let Some(id) = opening(payload) else { return false };
     match known(&id).map(|known| known.asks) {
@@ -103,7 +95,7 @@ pub fn is_stop(payload: &[u8]) -> bool {
 }
 
 impl Wrong {
-    /// What was asked for, in words for the record.
+    /// Description of the request for the record.
     pub fn asked(&self) -> String {
         match self {
             Wrong::NoMessage(_) => "a message".to_owned(),
@@ -122,14 +114,13 @@ impl Wrong {
     }
 }
 
-/// A message that is known.
 #[derive(Clone, Copy)]
 struct Known {
     id: &'static str,
     asks: &'static Asks,
 }
 
-/// How the contents begin that are moves.
+/// How the contents of moves begin.
 static MOVES: LazyLock<Vec<String>> = LazyLock::new(|| {
     let beginning = |Known { id, asks }: Known| match asks {
         Asks::Move => Some(format!("{id}(")),
@@ -148,7 +139,7 @@ fn known(id: &str) -> Option<Known> {
 }
 
 impl Known {
-    /// The command behind a CONTENT, or what is wrong with it.
+    /// The command of a CONTENT, or what is wrong with it.
     fn command(&self, content: &Term) -> Result<Command, String> {
         let content = unquoted(content);
         match (self.asks, parts_of(self.id, &content)) {
@@ -181,7 +172,7 @@ impl Known {
     }
 }
 
-/// What stands in the parentheses behind `id`; nothing, where there are none.
+/// The parts in the parentheses after `id`; empty without parentheses.
 fn parts_of<'a>(id: &str, content: &'a Term) -> Option<&'a [Term]> {
     match content {
         Term::Compound(name, parts) if name == id => Some(parts),
@@ -190,7 +181,7 @@ fn parts_of<'a>(id: &str, content: &'a Term) -> Option<&'a [Term]> {
     }
 }
 
-/// A CONTENT may as a whole be in quotes, `'startTest(1,2)'`.
+/// A whole CONTENT may be in quotes, such as `'startTest(1,2)'`.
 fn unquoted(content: &Term) -> Term {
     let within = match content {
         Term::Atom(text) => Term::parse(text).ok(),
@@ -199,7 +190,7 @@ fn unquoted(content: &Term) -> Term {
     within.unwrap_or_else(|| content.clone())
 }
 
-/// The MSGID with which a payload begins, where a comma follows it.
+/// The MSGID at the beginning of a payload, if a comma follows it.
 fn beginning(payload: &[u8]) -> Option<String> {
     let id = opening(payload)?;
     (letters(payload).nth(OPENING.len() + id.len()) == Some(b',')).then_some(id)
@@ -208,10 +199,10 @@ fn beginning(payload: &[u8]) -> Option<String> {
 /// How every message begins.
 const OPENING: &[u8] = b"msg(";
 
-/// A word is looked at so far, in bytes: longer than any MSGID that is known.
+/// Number of bytes of a word that are compared: more than the longest known MSGID has.
 const LONGEST: usize = 64;
 
-/// The word with which the first part of a message begins, quoted or not.
+/// The word at the beginning of a message's first part, quoted or not.
 fn opening(payload: &[u8]) -> Option<String> {
     if !letters(payload).take(OPENING.len()).eq(OPENING.iter().copied()) {
         return None;
@@ -220,17 +211,17 @@ fn opening(payload: &[u8]) -> Option<String> {
     Some(word.take(LONGEST).collect())
 }
 
-/// With which some editors begin a text.
+/// Some editors put it before a text.
 const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
 
-/// A payload without blanks, control letters and quotes, of which terms know the single ones alone.
+/// The bytes of a payload without blanks, control characters and quotes. Terms know only single quotes.
 fn letters(payload: &[u8]) -> impl Iterator<Item = u8> {
     let text = payload.strip_prefix(BYTE_ORDER_MARK).unwrap_or(payload);
     let is_between = |letter: u8| letter.is_ascii_whitespace() || letter.is_ascii_control() || matches!(letter, b'\'' | b'"');
     text.iter().copied().filter(move |letter| !is_between(*letter))
 }
 
-/// Whether a move that is STOP follows where a content begins so.
+/// Whether a move that means STOP follows this beginning of a content.
 fn says_halt_behind(letters: &[u8], beginning: &str) -> bool {
     let starts = letters.windows(beginning.len()).enumerate().filter(|(_, window)| *window == beginning.as_bytes());
     starts.map(|(start, _)| &letters[start + beginning.len()..]).any(|rest| {

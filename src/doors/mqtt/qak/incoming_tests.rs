@@ -1,4 +1,4 @@
-//! Tests of what the old messages ask for. How messages are read is tested with `message`.
+//! Tests of the meaning of old messages. Parsing is tested with `message`.
 
 use std::collections::BTreeSet;
 
@@ -13,7 +13,7 @@ fn ask(text: &str) -> Result<Asked, Wrong> {
     asked(text.as_bytes(), true)
 }
 
-/// What a message asks for that is published as an event and sent to the robot's mind, which must be the same.
+/// The command of a message both as an event and as a dispatch to the robot's mind, which must be equal.
 fn both(id: &str, content: &str) -> Command {
     let asked = both_ask(id, content);
     let Asked::Command(command) = asked else { panic!("{id}: {asked:?}") };
@@ -71,7 +71,7 @@ fn every_message_of_the_original_system_is_a_command_as_event_and_as_dispatch() 
     }
 }
 
-/// The message that depends on what there is to go on with.
+/// The message whose command depends on the state.
 const GO_ON: &str = "continueExplore";
 
 #[test]
@@ -206,7 +206,7 @@ fn only_a_stop_is_one() {
     }
 }
 
-/// Safety S2: heat halts, so its message is not looked at more closely than needed.
+/// Safety S2: heat halts, so its message is not checked more closely than needed.
 #[test]
 fn heat_is_believed_whatever_its_message_says() {
     for content in ["temperatureTooHigh(31)", "31", "ok"] {
@@ -266,7 +266,7 @@ fn whatever_message_can_be_a_move_halts_although_its_end_is_missing() {
     }
 }
 
-/// The table, a row a message, for the documentation.
+/// The table for the documentation, with one row for each message.
 fn markdown() -> String {
     let mut text = "| MSGID | CONTENT | asks for |\n|---|---|---|\n".to_owned();
     for Known { id, asks } in every() {

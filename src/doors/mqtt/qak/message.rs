@@ -1,34 +1,30 @@
-//! One message of the original system, `msg(MSGID,MSGTYPE,SENDER,RECEIVER,CONTENT,SEQNUM)`: read liberally, printed strictly.
-//! What a message means stands in `incoming` and `outgoing`.
+//! One message of the original system, `msg(MSGID,MSGTYPE,SENDER,RECEIVER,CONTENT,SEQNUM)`: parsed liberally, printed strictly.
+//! The meaning of messages is in `incoming` and `outgoing`.
 
 use std::fmt;
 
 use super::term::{Number, Printed, Term, Unreadable};
 use crate::api::fields::in_short;
 
-/// The name of every message's term.
 const MSG: &str = "msg";
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Message {
-    /// What it is called, as `startCmd`.
+    /// Its MSGID, such as `startCmd`.
     pub id: String,
-    /// How it is sent.
     pub kind: Kind,
-    /// Who says it, as `js`.
+    /// Its sender, such as `js`.
     pub sender: String,
-    /// To whom; `none` where it is an event.
+    /// Its receiver; `none` for an event.
     pub receiver: String,
-    /// What it says.
     pub content: Term,
-    /// Its number; old clients write 1 in all of theirs.
+    /// Its number; old clients write 1 in all messages.
     pub number: u64,
 }
 
-/// How a message is sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// To whoever listens.
+    /// To everybody who listens.
     Event,
     /// To one receiver, without an answer.
     Dispatch,
@@ -52,17 +48,16 @@ pub enum NoMessage {
     /// One of its parts is wrong.
     #[error("its {part} is {found}: {expected} belongs there")]
     Part {
-        /// Which, as `SENDER`.
+        /// The part, such as `SENDER`.
         part: &'static str,
-        /// What stands there, in short.
+        /// A short form of what is there.
         found: String,
-        /// What should.
         expected: &'static str,
     },
 }
 
 impl Message {
-    /// Reads a payload: blanks round its parts and a line end behind it do not matter.
+    /// Parses a payload; blanks round its parts and a line end after it are ignored.
     ///
     /// # Errors
     /// When it is no text, no term, or another term than a message.
@@ -100,7 +95,6 @@ impl fmt::Display for Message {
 }
 
 impl Kind {
-    /// All of them.
     pub const ALL: [Kind; 5] = [Kind::Event, Kind::Dispatch, Kind::Request, Kind::Invitation, Kind::Reply];
 
     /// The word in a message.

@@ -1,5 +1,5 @@
-//! What the original system's resource model says of itself (mission §8): the three contents of `modelContent`, and the message
-//! round them. When which of them is published is not decided here.
+//! The messages of the original system's resource model (mission §8): the three contents of `modelContent`, and the message round
+//! them. When each is published is decided elsewhere.
 
 use super::message::{Kind, Message};
 use super::term::Term;
@@ -7,7 +7,7 @@ use crate::api::{map_text, old_items};
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::luggage::Luggage;
 
-/// What every message of the resource model is called.
+/// MSGID of every message of the resource model.
 pub(super) const MODEL_CONTENT: &str = "modelContent";
 
 /// `content(robot(state(movingForward),direction(downDir),position(0,0)))`.
@@ -32,7 +32,7 @@ pub fn luggage(luggage: &Luggage) -> Term {
     content("luggage", [state(old_items::luggage_state(luggage))])
 }
 
-/// `content(luggage(state('refused: luggage #3 has no usable photo')))`: why a command was refused, where a piece is shown.
+/// `content(luggage(state('refused: luggage #3 has no usable photo')))`: the reason of a refusal, shown in place of a piece.
 pub fn why_not(words: &str) -> Term {
     let mut text = format!("refused: {words}");
     while text.contains("))") {
@@ -41,10 +41,10 @@ pub fn why_not(words: &str) -> Term {
     content("luggage", [state(text)])
 }
 
-/// The number of a message that answers somebody: it is none of those that are counted.
+/// The number of a message that answers somebody, which is not counted.
 pub const ANSWER: u64 = 0;
 
-/// Whether a message that `message` has made is one of those that are counted.
+/// Whether a message made by `message` is a counted one.
 pub fn is_counted(message: &[u8]) -> bool {
     !message.ends_with(format!(",{ANSWER})").as_bytes())
 }
@@ -55,8 +55,8 @@ pub fn message(content: Term, number: u64) -> String {
     Message { id: MODEL_CONTENT.to_owned(), kind: Kind::Event, sender, receiver, content, number }.to_string()
 }
 
-/// An old console looks for the word `content`, and shows what stands from the first `state` to the first `))`. So nothing that
-/// is said of a thing may hold two closing parentheses in a row.
+/// An old console searches for the word `content`, and shows the text from the first `state` to the first `))`. So no part may
+/// contain two closing parentheses in a row.
 fn content(name: &str, parts: impl Into<Vec<Term>>) -> Term {
     Term::compound("content", [Term::compound(name, parts)])
 }
@@ -74,7 +74,7 @@ mod tests {
     use hallsweep_core::robot::RobotState;
     use hallsweep_core::units::{Cell, Heading, Pose, WallTime};
 
-    /// What an old console shows of a message.
+    /// The part of a message that an old console shows.
     fn shown(text: &str) -> &str {
         assert!(text.contains("content"), "the word it looks for: {text}");
         let from = &text[text.find("state").unwrap()..];

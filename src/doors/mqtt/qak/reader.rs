@@ -1,44 +1,40 @@
-//! How a term is read from a text: total, without panics, bounded in length and depth. What a term is stands in `term`.
+//! Parses a term from a text: total, without panics, bounded in length and depth. The values are in `term`.
 
 use super::term::{Number, Term, begins_word, is_in_word};
 
-/// The longest text read, in bytes: as much as a command may be long at this door. What goes out may be longer, as maps are.
+/// Maximum length of a text in bytes: the maximum length of a command at this door. Outgoing texts may be longer, as maps are.
 pub const LENGTH: usize = 4096;
 
-/// Terms within terms within terms, at most so many: messages have five, and reading needs a little stack for each.
+/// Maximum depth of nested terms: messages need five, and each level takes a little stack.
 pub const DEPTH: usize = 32;
 
 /// Why a text is no term. `Display` is a sentence for the log; `at` counts bytes from the beginning.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unreadable {
-    /// It is too long to be read at all.
+    /// It is too long to be parsed at all.
     #[error("it has {0} bytes: at most {LENGTH} are read")]
     TooLong(usize),
     #[error("it is no UTF-8 from byte {at} on")]
     NotText {
-        /// Where the first byte stands that belongs to no letter.
+        /// The first byte that is not valid UTF-8.
         at: usize,
     },
-    /// It is nested too deep.
     #[error("at byte {at} it is nested deeper than {DEPTH} terms")]
     TooDeep {
-        /// Where the first term too deep begins.
+        /// The beginning of the first term that is too deep.
         at: usize,
     },
-    /// Something else should stand there.
     #[error("at byte {at} there is {}: {expected} belongs there", found.map_or("its end".to_owned(), |found| format!("{found:?}")))]
     Unexpected {
-        /// Where it stands.
         at: usize,
-        /// What stands there; `None` at the end of the text.
+        /// The character at this place; `None` at the end of the text.
         found: Option<char>,
-        /// What should.
         expected: &'static str,
     },
 }
 
 impl Term {
-    /// Reads one term and nothing beside it. Blanks may stand between any two of its parts.
+    /// Parses one term and nothing else. Blanks may stand between any two of its parts.
     ///
     /// # Errors
     /// When `text` is longer than `LENGTH`, nested deeper than `DEPTH`, or no term.
@@ -47,14 +43,14 @@ impl Term {
     }
 }
 
-/// A text, as far as it has been read.
+/// A text, and how far it was parsed.
 pub(super) struct Reader<'a> {
     text: &'a str,
     at: usize,
 }
 
 impl<'a> Reader<'a> {
-    /// The one term that `text` is.
+    /// The single term of `text`.
     pub(super) fn whole(text: &'a str) -> Result<Term, Unreadable> {
         if text.len() > LENGTH {
             return Err(Unreadable::TooLong(text.len()));
@@ -81,7 +77,7 @@ impl<'a> Reader<'a> {
         if self.next() == Some('(') { self.parts(name, depth) } else { Ok(Term::Atom(name)) }
     }
 
-    /// What stands in the parentheses, from the opening one on.
+    /// The parts in the parentheses, from the opening one on.
     fn parts(&mut self, name: String, depth: usize) -> Result<Term, Unreadable> {
         self.at += 1;
         let mut parts = Vec::new();
@@ -100,7 +96,7 @@ impl<'a> Reader<'a> {
         Ok(Term::Compound(name, parts))
     }
 
-    /// A text in quotes, from the opening one on; a doubled quote within it is one.
+    /// A text in quotes, from the opening one on; a doubled quote within it stands for one.
     fn quoted(&mut self) -> Result<String, Unreadable> {
         let mut text = String::new();
         loop {
@@ -127,7 +123,7 @@ impl<'a> Reader<'a> {
         number.map(Term::Number).ok_or_else(|| self.unexpected("a number, as 3, -3 or 21.5,"))
     }
 
-    /// The next letter that is no blank; the blanks before it have been read then.
+    /// The next character that is not blank; skips the blanks before it.
     fn next(&mut self) -> Option<char> {
         self.taken_while(|letter| letter.is_ascii_whitespace());
         self.rest().chars().next()

@@ -1,21 +1,21 @@
-//! Prolog-like terms, in which the actors of the original system write what they say to each other: the values, and how they are
-//! printed. How they are read stands in `reader`. No variables, lists or operators: no message has any.
+//! Prolog-like terms, in which the actors of the original system write their messages: the values, and how they are printed.
+//! Parsing is in `reader`. No variables, lists or operators, because no message has any.
 
 use std::fmt;
 
 pub use super::reader::{DEPTH, LENGTH, Unreadable};
 
-/// `startCmd`, `12`, or `content(robot(state(stopped)))`.
+/// Such as `startCmd`, `12`, or `content(robot(state(stopped)))`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Term {
-    /// A word, or any text. As in Prolog the quotes belong to the writing and not to the value: `'js'` and `js` are the same atom.
+    /// A word, or any text. As in Prolog quotes belong to the notation and not to the value: `'js'` and `js` are the same atom.
     Atom(String),
     Number(Number),
-    /// A word or text with terms in parentheses; `f()`, which Prolog does not know, is one without any.
+    /// A word or text with terms in parentheses; `f()`, which Prolog does not have, is one without any.
     Compound(String, Vec<Term>),
 }
 
-/// A number as it was written: no digit is lost or gained between reading and printing.
+/// A number as it was written, so that no digit is lost or added between parsing and printing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Number(String);
 
@@ -28,12 +28,11 @@ impl Term {
         Term::Number(Number(number.into().to_string()))
     }
 
-    /// `name` with `parts` in parentheses.
     pub fn compound(name: impl Into<String>, parts: impl Into<Vec<Term>>) -> Term {
         Term::Compound(name.into(), parts.into())
     }
 
-    /// The text of an atom or of a compound term's name; `None` of a number.
+    /// The text of an atom, or the name of a compound term; `None` for a number.
     pub fn name(&self) -> Option<&str> {
         match self {
             Term::Atom(name) | Term::Compound(name, _) => Some(name),
@@ -43,7 +42,7 @@ impl Term {
 }
 
 impl Number {
-    /// `text` as a number: digits, perhaps with a minus before them and a fraction behind; else `None`.
+    /// `text` as a number: digits, with an optional minus and an optional fraction; otherwise `None`.
     pub fn new(text: &str) -> Option<Number> {
         let (whole, fraction) = text.split_once('.').map_or((text, None), |(whole, fraction)| (whole, Some(fraction)));
         let are_digits = |digits: &str| !digits.is_empty() && digits.bytes().all(|digit| digit.is_ascii_digit());
@@ -51,23 +50,22 @@ impl Number {
         sound.then(|| Number(text.to_owned()))
     }
 
-    /// As it was written.
     pub fn text(&self) -> &str {
         &self.0
     }
 }
 
-/// Whether `letter` can begin a word that needs no quotes.
+/// Whether `letter` can begin a word without quotes.
 pub(super) const fn begins_word(letter: char) -> bool {
     letter.is_ascii_alphabetic() || letter == '_'
 }
 
-/// Whether `letter` can stand in a word that needs no quotes.
+/// Whether `letter` can be part of a word without quotes.
 pub(super) const fn is_in_word(letter: char) -> bool {
     begins_word(letter) || letter.is_ascii_digit()
 }
 
-/// A text as an atom is printed: bare where it is a word (`startCmd`), else in quotes, those within it doubled (`'l''una'`).
+/// A text printed as an atom: bare if it is a word (`startCmd`), otherwise in quotes, with those within it doubled (`'l''una'`).
 pub(super) struct Printed<'a>(pub(super) &'a str);
 
 impl fmt::Display for Printed<'_> {
@@ -103,7 +101,7 @@ pub(super) mod tests {
 
     use super::*;
 
-    /// Any term that is not too deep or too long to be read again.
+    /// Any term that is not too deep or too long to be parsed again.
     pub(in super::super) fn any_term() -> impl Strategy<Value = Term> {
         let text = || prop_oneof![4 => "[a-zA-Z_][a-zA-Z0-9_]{0,8}", 1 => "['(), \\\\a-c\n]{0,6}", 1 => "\\PC{0,4}"];
         let number = "-?[0-9]{1,20}(\\.[0-9]{1,4})?".prop_map(|text| Term::Number(Number::new(&text).unwrap()));

@@ -1,5 +1,5 @@
-//! The pauses between attempts to connect: longer each time, and by chance, so that many robots do not come back to a broker all
-//! at once. Nothing waits here.
+//! The pauses between attempts to connect: longer each time, and random, so that many robots do not return to a broker all at
+//! once. Nothing waits here.
 
 use std::time::Duration;
 
@@ -10,7 +10,7 @@ use hallsweep_core::rng::RandomStream;
 pub(super) struct Backoff {
     shortest: Duration,
     longest: Duration,
-    /// The next pause is at most so long.
+    /// Upper bound of the next pause.
     bound: Duration,
     chance: RandomStream,
 }
@@ -21,8 +21,8 @@ impl Backoff {
         Backoff { shortest, longest, bound: shortest, chance }
     }
 
-    /// How long to wait now that a connection or an attempt at one has ended that `lasted` so long. What an attempt itself took is
-    /// part of the pause, so that a broker whose machine was off is found as soon as one whose port was closed.
+    /// The pause after a connection, or an attempt at one, that lasted this long. The time of an attempt is part of the pause, so
+    /// that a broker whose machine was off is found as soon as one whose port was closed.
     pub(super) fn handle_ended(&mut self, lasted: Duration, was_open: bool) -> Duration {
         if was_open && lasted >= self.longest {
             self.bound = self.shortest;

@@ -1,5 +1,5 @@
-//! One connection from its beginning to its end: what has come goes to where it belongs, what is new goes out. When to try again
-//! is said in the parent; what holds for a connection in `conversation`.
+//! One connection from beginning to end: passes on what is received, and sends what is new. The parent module decides when to try
+//! again; the rules of a connection are in `conversation`.
 
 use std::time::Duration;
 
@@ -33,7 +33,7 @@ impl ConnectionTask<'_> {
         ConnectionTask { session, transport, conversation, kept, reading: Reading::default() }
     }
 
-    /// Converses until the connection is lost. May be dropped while it waits.
+    /// Runs until the connection is lost. Safe to cancel.
     pub(super) async fn go_on(&mut self) -> Lost {
         loop {
             if let Err(lost) = self.step().await {
@@ -42,7 +42,7 @@ impl ConnectionTask<'_> {
         }
     }
 
-    /// Says that the program ends, and waits, but not for long, until that has arrived.
+    /// Publishes the end of the program, and waits a bounded time until that has arrived.
     pub(super) async fn take_leave(mut self) {
         if self.conversation.is_open() {
             let patience = self.session.times.farewell;
@@ -50,7 +50,7 @@ impl ConnectionTask<'_> {
         }
     }
 
-    /// Says what is to be said, then waits for what happens next.
+    /// Sends what is due, then waits for the next event.
     async fn step(&mut self) -> Result<(), Lost> {
         self.speak();
         let due = self.poll_timeout();
@@ -73,7 +73,7 @@ impl ConnectionTask<'_> {
         }
     }
 
-    /// Publishes what is new, as long as there is room for it: what finds none is asked for later, and is newer then.
+    /// Publishes what is new, as long as there is room for it: the rest is polled later, and is newer then.
     fn speak(&mut self) {
         if self.conversation.is_open() {
             self.reading.begin(&mut self.session.changes, &self.session.archive);
@@ -91,7 +91,7 @@ impl ConnectionTask<'_> {
         [self.conversation.poll_timeout(), news].into_iter().flatten().min()
     }
 
-    /// Whether it goes out.
+    /// Publishes a message; returns whether it is sent.
     fn give(&mut self, publication: Publication) -> bool {
         let is_given = self.transport.publish(&publication);
         if is_given {
@@ -147,7 +147,8 @@ impl ConnectionTask<'_> {
         self.session.handle_open();
     }
 
-    /// Only what is said now, and once: what a broker has kept was said to somebody before us. A STOP is taken as often as it comes.
+    /// Handles only new messages, and each once: retained ones were meant for somebody before us. A STOP is carried out as often
+    /// as it comes.
     fn hear(&mut self, said: &Heard) {
         let (topic, payload) = (said.topic.as_str(), &said.payload[..]);
         let is_repeated = self.conversation.is_repeated(said.id, said.is_duplicate, (topic, payload));
@@ -169,7 +170,7 @@ impl ConnectionTask<'_> {
         let wanted = said.answer_to.as_ref().map(|(topic, correlation)| AnswerTo { topic, correlation: correlation.as_deref() });
         let answer_to = session.commands.answer_to(wanted, &session.publisher);
         let heard = IncomingMessage { topic, payload, arrived: None, is_again: false, answer_to };
-        // What became of it is published by the commands themselves.
+        // The commands publish the result themselves.
         if is_repeated {
             let _ = session.commands.halts((topic.as_bytes(), payload), answer_to, &session.publisher);
         } else {
@@ -187,7 +188,7 @@ impl ConnectionTask<'_> {
             self.handle_last(event);
         }
         if !is_said {
-            // The broker says it, when we are gone without a word.
+            // The broker publishes it when we are gone without a word.
             return Ok(());
         }
         self.transport.hang_up();
@@ -195,7 +196,7 @@ impl ConnectionTask<'_> {
         Ok(())
     }
 
-    /// Nothing is heard any more; only what has arrived is counted.
+    /// Ignores messages; only acknowledgements count.
     fn handle_last(&mut self, event: Event) {
         if let Event::Acknowledged { id, .. } = event {
             let _ = self.conversation.inflight.handle_acknowledged(id, self.now());

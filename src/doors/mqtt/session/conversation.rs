@@ -1,5 +1,5 @@
-//! Where one connection stands: greeted, subscribed, what the broker owes, which messages were heard already, and the deadlines of
-//! all that. It is told what happens and the time; it sends nothing.
+//! The state of one connection: greeted, subscribed, acknowledgements owed, messages received, and the deadlines. It is told the
+//! events and the time, and sends nothing.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasher, RandomState};
@@ -14,12 +14,12 @@ pub(super) struct Conversation {
     stage: Stage,
     times: Times,
     pub(super) inflight: Inflight,
-    /// What was heard last under each packet id, of which there are not many, and how it is told from other things.
+    /// A mark of the last message under each packet id, of which there are few.
     heard: HashMap<u16, u64>,
     marks: RandomState,
 }
 
-/// How far it has come; a stage that waits, until when.
+/// How far the connection has come, with the deadline of a stage that waits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
     Greeting(Duration),
@@ -52,7 +52,7 @@ impl Conversation {
         self.stage = Stage::Subscribing(now + self.times.greeting);
     }
 
-    /// The broker has answered our subscription; whether that was waited for.
+    /// The broker has answered a subscription; returns whether that was expected.
     pub(super) fn handle_subscribed(&mut self) -> bool {
         let is_due = matches!(self.stage, Stage::Subscribing(_));
         if is_due {
@@ -61,9 +61,9 @@ impl Conversation {
         is_due
     }
 
-    /// Whether a message is one that was heard on this connection, sent again because our acknowledgement was late. A broker uses
-    /// its ids again, and NATS calls a message a duplicate that it could not send the first time; so neither tells enough without
-    /// what is said. Messages without an id (QoS 0) are never sent again.
+    /// Whether a message was received on this connection before, and was sent again because our acknowledgement was late. A
+    /// broker reuses its ids, and NATS marks a message as duplicate when its first attempt failed, so both are compared together
+    /// with the contents. Messages without an id (QoS 0) are never repeated.
     pub(super) fn is_repeated(&mut self, id: u16, is_duplicate: bool, said: (&str, &[u8])) -> bool {
         let mark = self.marks.hash_one(said);
         id != 0 && self.heard.insert(id, mark) == Some(mark) && is_duplicate

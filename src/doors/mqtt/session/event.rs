@@ -1,32 +1,31 @@
-//! What happens on a connection to a broker.
+//! The events of a connection to a broker.
 
 use bytes::Bytes;
 
-/// What happens on a connection.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Event {
-    /// We are let in.
+    /// The broker has accepted us.
     Greeted {
-        /// The longest packet that the broker takes, in bytes, if it says so,
+        /// Maximum packet size of the broker in bytes, if it says so.
         largest: Option<u32>,
-        /// and how many messages it leaves unacknowledged.
+        /// Maximum number of messages that it leaves unacknowledged.
         receive_maximum: Option<u16>,
     },
     /// Whether each of our filters was granted.
     Subscribed(Vec<bool>),
-    /// The broker has the publication of this id.
+    /// The broker has acknowledged the publication of this id.
     Acknowledged {
         id: u16,
-        /// It says that it does not take it.
+        /// Whether it refuses the publication.
         is_refused: bool,
     },
-    /// Somebody has said something.
+    /// A message was received.
     Heard(Heard),
-    /// A publication is on its way under this id.
+    /// A publication was sent under this id.
     Sent(u16),
-    /// Our farewell is on its way.
+    /// Our DISCONNECT was sent.
     HungUp,
-    /// What nobody needs to know.
+    /// An event that nobody needs.
     Other,
 }
 
@@ -38,6 +37,6 @@ pub(super) struct Heard {
     pub(super) id: u16,
     pub(super) is_duplicate: bool,
     pub(super) retain: bool,
-    /// Where an answer is wanted, and by what it is known.
+    /// Response topic and correlation data.
     pub(super) answer_to: Option<(String, Option<Bytes>)>,
 }

@@ -1,4 +1,4 @@
-//! rumqttc's client of MQTT 5, and what it says in the words of `transport`.
+//! rumqttc's client of MQTT 5, with its events in the terms of `transport`.
 
 use bytes::Bytes;
 use futures_util::stream::{Stream, unfold};
@@ -18,7 +18,7 @@ use mqtt_gate::packet::properties::Property;
 
 pub(super) struct Five(AsyncClient);
 
-/// What rumqttc is told, with the last will that the broker speaks when we are lost.
+/// rumqttc's options, with the last will that the broker publishes when we are lost.
 fn options(link: &Link, will: Publication, times: &Times) -> MqttOptions {
     let mut options = MqttOptions::new(&link.client_id, &link.host, link.port);
     options.set_clean_start(true).set_keep_alive(times.keep_alive);
@@ -35,7 +35,7 @@ fn options(link: &Link, will: Publication, times: &Times) -> MqttOptions {
 }
 
 impl Five {
-    /// A client, and what happens to it.
+    /// Creates a client, and the stream of its events.
     pub(super) fn begin(
         link: &Link,
         will: Publication,
@@ -52,7 +52,7 @@ impl Five {
 
     pub(super) fn subscribe(&self, filters: Vec<String>, kept: Vec<String>) -> bool {
         let filters = filters.into_iter().map(|path| Filter::new(path, QoS::AtLeastOnce));
-        // Neither what we say ourselves nor what is kept already: nothing is heard but what others say there now.
+        // Neither our own messages nor retained ones: only what others publish from now on.
         let now_and_theirs =
             |path| Filter { nolocal: true, retain_forward_rule: RetainForwardRule::Never, ..Filter::new(path, QoS::AtMostOnce) };
         self.0.try_subscribe_many(filters.chain(kept.into_iter().map(now_and_theirs))).is_ok()
@@ -69,7 +69,7 @@ impl Five {
     }
 }
 
-/// What is said beside a message, in rumqttc's words.
+/// The properties of a message, in rumqttc's form.
 fn properties(properties: &[Property<'_>]) -> PublishProperties {
     let mut said = PublishProperties::default();
     for property in properties {

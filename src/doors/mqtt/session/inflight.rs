@@ -1,5 +1,5 @@
-//! What was given to the broker and is not acknowledged yet: how much more there is room for, since when the broker owes us, and
-//! what is to be said again when the connection is lost. Nothing is sent here.
+//! Publications passed to the broker and not acknowledged yet: the room for more, how long the broker has owed an
+//! acknowledgement, and what to publish again when the connection is lost. Nothing is sent here.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -7,14 +7,14 @@ use std::time::Duration;
 use super::super::publication::Publication;
 use super::link::IN_FLIGHT;
 
-/// What one connection owes us.
+/// The unacknowledged publications of one connection.
 #[derive(Debug, Default)]
 pub(super) struct Inflight {
-    /// In the order in which it was given, with the packet id once it is on its way.
+    /// In the order in which they were passed, with the packet id once it was sent.
     open: VecDeque<(Option<u16>, Publication)>,
-    /// When it was last acknowledged, or when the first was given.
+    /// Time of the last acknowledgement, or when the first publication was passed.
     since: Duration,
-    /// So many the broker leaves unacknowledged, if it says so.
+    /// Maximum number that the broker leaves unacknowledged, if it says so.
     most: Option<usize>,
 }
 
@@ -27,12 +27,12 @@ impl Inflight {
         self.open.is_empty()
     }
 
-    /// The broker says how many messages it leaves unacknowledged.
+    /// The broker has told how many messages it leaves unacknowledged.
     pub(super) fn handle_greeted(&mut self, receive_maximum: Option<u16>) {
         self.most = receive_maximum.map(usize::from);
     }
 
-    /// Something was given to the client, which sends in the same order.
+    /// A publication was passed to the client, which sends in the same order.
     pub(super) fn handle_given(&mut self, publication: Publication, now: Duration) {
         if self.open.is_empty() {
             self.since = now;
@@ -40,26 +40,26 @@ impl Inflight {
         self.open.push_back((None, publication));
     }
 
-    /// The next of what was given is on its way under this packet id.
+    /// The next of the passed publications was sent under this packet id.
     pub(super) fn handle_sent(&mut self, id: u16) {
         if let Some((under, _)) = self.open.iter_mut().find(|(under, _)| under.is_none()) {
             *under = Some(id);
         }
     }
 
-    /// The broker has this one, or will not have it: which that is.
+    /// The broker has accepted or refused this publication, which is returned.
     pub(super) fn handle_acknowledged(&mut self, id: u16, now: Duration) -> Option<Publication> {
         let place = self.open.iter().position(|(under, _)| *under == Some(id))?;
         self.since = now;
         self.open.remove(place).map(|(_, publication)| publication)
     }
 
-    /// Since when the broker has owed us an acknowledgement; `None`: it owes none.
+    /// Since when the broker has owed us an acknowledgement; `None` when it owes none.
     pub(super) fn owed_since(&self) -> Option<Duration> {
         (!self.open.is_empty()).then_some(self.since)
     }
 
-    /// What may not have arrived, oldest first.
+    /// Publications that may not have arrived, oldest first.
     pub(super) fn into_unacknowledged(self) -> Vec<Publication> {
         self.open.into_iter().map(|(_, publication)| publication).collect()
     }

@@ -1,5 +1,5 @@
-//! What somebody else's broker keeps of ours, on one connection: whoever may publish there can replace it, and so does a last will of ours
-//! that is spoken late. It is noticed by what is heard on these topics, and ours is said again. Nothing is sent here.
+//! Our retained messages at another broker, on one connection. Whoever may publish there can replace them, and so can a late last
+//! will of ours. That is noticed through a subscription to these topics, and ours are published again. Nothing is sent here.
 
 use std::collections::{HashMap, VecDeque};
 use std::hash::{BuildHasher, RandomState};
@@ -9,33 +9,33 @@ use super::super::publication::Publication;
 use super::link::IN_FLIGHT;
 use crate::doors::pace;
 
-/// Least time between two repetitions on one topic: two programs that fight over it must not fill the broker.
+/// Minimum time between two repetitions on one topic: two programs that fight over it must not fill the broker.
 const AGAIN: Duration = Duration::from_secs(1);
 
-/// The topics that are listened to.
+/// The subscribed topics.
 #[derive(Debug)]
 pub(super) struct Kept {
     topics: HashMap<String, Option<Topic>>,
-    /// Whether the broker sends us what we say ourselves.
+    /// Whether the broker sends us our own messages.
     has_echo: bool,
     marks: RandomState,
 }
 
-/// What we have said on a topic.
+/// Our publication on a topic.
 #[derive(Debug)]
 struct Topic {
     ours: Publication,
-    /// Marks of what has not come back to us yet, newest first.
+    /// Marks of our messages that have not come back yet, newest first.
     echoes: VecDeque<u64>,
-    /// When ours is to be said again, because something else was heard since.
+    /// When ours is to be published again, because another one was received since.
     due: Option<Duration>,
-    /// Earliest time for that.
+    /// Earliest time of the next repetition.
     next: Duration,
     is_told: bool,
 }
 
 impl Kept {
-    /// Nothing was said on these topics on this connection.
+    /// Starts without publications on this connection.
     pub(super) fn new(topics: Vec<String>, has_echo: bool) -> Kept {
         Kept { topics: topics.into_iter().map(|topic| (topic, None)).collect(), has_echo, marks: RandomState::new() }
     }
@@ -48,17 +48,17 @@ impl Kept {
         let topic = topic.get_or_insert_with(fresh);
         (topic.ours, topic.due) = (publication.clone(), None);
         if self.has_echo {
-            // What is older than all that can be on its way does not come back any more.
+            // Messages older than all that can be under way do not come back any more.
             topic.echoes.truncate(IN_FLIGHT - 1);
             topic.echoes.push_front(mark);
         }
     }
 
-    /// Something was said on a topic, by us or by others. `None` when the topic is not one of these; else whether others have spoken there
-    /// for the first time.
+    /// A message was received on a topic, from us or from others. `None` when the topic is not one of these; otherwise whether
+    /// others have published there for the first time.
     pub(super) fn handle_heard(&mut self, (topic, payload): (&str, &[u8]), now: Duration) -> Option<bool> {
         let topic = self.topics.get_mut(topic)?;
-        // Before we have spoken ourselves nothing need be repeated.
+        // Before our first publication there is nothing to repeat.
         let Some(topic) = topic else { return Some(false) };
         let mark = self.marks.hash_one(payload);
         let echo = topic.echoes.iter().rposition(|echo| *echo == mark);
@@ -75,7 +75,7 @@ impl Kept {
         Some(false)
     }
 
-    /// What is to be said again by now. It counts as said when it is given.
+    /// A publication due for repetition. It counts as sent when it is passed to `handle_given`.
     pub(super) fn poll_publication(&mut self, now: Duration) -> Option<Publication> {
         let topic = self.topics.values_mut().flatten().find(|topic| topic.due.is_some_and(|due| due <= now))?;
         topic.due = None;

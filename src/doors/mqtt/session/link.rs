@@ -1,4 +1,4 @@
-//! Where a broker is and how it is reached: all that a connection is made of. The connection itself is `transport`.
+//! The address of a broker, and how it is reached. The connection itself is in `transport`.
 
 use std::fmt;
 use std::sync::Arc;
@@ -9,41 +9,39 @@ use rustls::ClientConfig;
 use super::times::Times;
 use mqtt_gate::packet::Version;
 
-/// So many publications wait for the broker's acknowledgement: over a line of 200 ms three hundred a second, more than happen.
+/// Maximum number of unacknowledged publications: over a line of 200 ms that allows three hundred a second, more than happen.
 pub(super) const IN_FLIGHT: usize = 64;
 
-/// rumqttc's own bound lies above ours, so that an acknowledgement out of order holds nothing up.
+/// rumqttc's own bound is above ours, so that an acknowledgement out of order blocks nothing.
 pub(super) const IN_FLIGHT_BELOW: u16 = 128;
 
-/// Beside what is in flight, room for a subscription, a beat and two last words.
+/// Room beside these for a subscription, a ping and two last messages.
 pub(super) const BESIDE: usize = 8;
 
 #[derive(Clone)]
 pub struct Link {
-    /// What is spoken.
     pub version: Version,
     pub host: String,
     pub port: u16,
     pub tls: Option<Arc<ClientConfig>>,
-    /// Name and password, where it asks for them.
+    /// Name and password, if the broker requires them.
     pub login: Option<(String, String)>,
-    /// What it calls us; no other client of the broker may be called so.
+    /// Our client id; no other client of the broker may have it.
     pub client_id: String,
 }
 
 impl Link {
-    /// How rumqttc reaches it.
+    /// rumqttc's transport; `None` without TLS.
     pub(super) fn transport(&self) -> Option<Transport> {
         let tls = self.tls.as_ref()?;
         Some(Transport::tls_with_config(TlsConfiguration::Rustls(Arc::clone(tls))))
     }
 }
 
-/// What rumqttc is told of the network.
 pub(super) fn network(times: &Times) -> NetworkOptions {
     let mut network = NetworkOptions::new();
     network.set_tcp_nodelay(true);
-    // Its own bounds lie above ours.
+    // rumqttc's own time limit is above ours.
     network.set_connection_timeout((times.greeting * 2).as_secs().max(1));
     network
 }
@@ -57,7 +55,7 @@ impl fmt::Display for Link {
 }
 
 impl fmt::Debug for Link {
-    /// Without the login, which is in no log.
+    /// Without the login, which must not be logged.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Link({self})")
     }

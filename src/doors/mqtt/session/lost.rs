@@ -1,4 +1,4 @@
-//! Why there is no connection: words for the log. What follows is always the same, another attempt.
+//! Why there is no connection, in words for the log. The reaction is always another attempt.
 
 use std::time::Duration;
 
@@ -9,7 +9,7 @@ use rumqttc::{ConnectReturnCode, ConnectionError, v5};
 pub(super) enum Lost {
     #[error("it refuses us: {0}")]
     Refused(&'static str),
-    /// The network, or the protocol.
+    /// A fault of the network, or of the protocol.
     #[error("{0}")]
     Broken(String),
     #[error("it has not answered within {} s", .0.as_secs_f32())]
@@ -48,7 +48,7 @@ impl From<v5::ConnectionError> for Lost {
     }
 }
 
-/// What is at the bottom of an error: the layers above only say through which hands it went.
+/// The root cause of an error: the layers above only repeat through whose hands it went.
 fn root(error: &dyn std::error::Error) -> String {
     let mut deepest = error;
     while let Some(source) = deepest.source() {

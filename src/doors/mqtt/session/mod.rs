@@ -1,6 +1,6 @@
-//! How the program says what is new: at its own broker in the same process (`own`), and at somebody else's as a client, which hears commands
-//! there, and comes back whenever the connection is lost, for as long as the program runs. What is said is decided in `change_feed`, what
-//! is heard in `commands`.
+//! Publishes what is new: at our own broker in the same process (`own`), and at another broker as a client, which receives
+//! commands there, and reconnects whenever the connection is lost, for as long as the program runs. Messages come from
+//! `change_feed`, commands go to `commands`.
 
 mod backoff;
 mod connection_task;
@@ -49,23 +49,22 @@ use mqtt_gate::packet::Version;
 
 pub struct Parts {
     pub link: Link,
-    /// Where what is said on the topics of commands goes.
     pub commands: Commands,
     pub topics: Topics,
     pub home_assistant: bool,
     pub states: watch::Receiver<Arc<Snapshot>>,
     pub answers: mpsc::Receiver<Answer>,
     pub archive: Reader,
-    /// Where the spread of pauses comes from.
+    /// Seed of the random pauses.
     pub seed: u64,
     pub times: Times,
 }
 
-/// A client that keeps its connection to somebody else's broker.
+/// A client that keeps its connection to another broker.
 pub struct Session {
     link: Link,
     commands: Commands,
-    /// Whoever speaks there.
+    /// The sender of the messages received there.
     publisher: Publisher,
     topics: Topics,
     home_assistant: bool,
@@ -73,15 +72,15 @@ pub struct Session {
     states: watch::Receiver<Arc<Snapshot>>,
     answers: mpsc::Receiver<Answer>,
     archive: Reader,
-    /// What happened, was said on a connection that was lost, and may not have arrived.
+    /// Events that were published on a lost connection, and may not have arrived.
     again: VecDeque<Publication>,
-    /// How many old messages may not have arrived.
+    /// Number of old messages that may not have arrived.
     unacknowledged: u64,
     backoff: Backoff,
     clock: Clock,
     times: Times,
     is_lost: bool,
-    /// What the broker did not take.
+    /// Counts messages that the broker refused.
     refused: Seldom,
 }
 
@@ -108,7 +107,7 @@ impl Session {
         }
     }
 
-    /// Keeps the connection until `shutdown`, then takes leave, within a second.
+    /// Keeps the connection until `shutdown`, then disconnects within a second.
     pub async fn run(mut self, shutdown: impl Future<Output = ()>) {
         tokio::pin!(shutdown);
         loop {
@@ -130,7 +129,7 @@ impl Session {
         }
     }
 
-    /// What is said when the program ends, and by the broker when it is gone without a word.
+    /// The message at the end of the program, and the broker's when we are gone without a word.
     fn offline(&self) -> Publication {
         Publication::kept(self.topics.availability(), OFFLINE)
     }
@@ -140,8 +139,8 @@ impl Session {
         self.topics.commands().into_iter().chain(status).collect()
     }
 
-    /// What of ours the broker keeps and others may replace. In MQTT 3.1.1, in which we hear ourselves too, what can be large is left out:
-    /// a STOP would wait behind it.
+    /// Our retained messages that others may replace. With MQTT 3.1.1, where we receive our own messages too, large ones are left
+    /// out: a STOP would wait behind them.
     fn kept(&self) -> Vec<String> {
         let (topics, is_five) = (&self.topics, self.link.version == Version::Five);
         let is_small = |resource: &Resource| !matches!(resource, Resource::Map | Resource::Luggage | Resource::Log);
@@ -156,7 +155,7 @@ impl Session {
         self.again.pop_front().or_else(|| self.changes.poll_publication(self.clock.now().since_start))
     }
 
-    /// The broker has greeted us and answered our subscription: everything is said, as to somebody who knows nothing.
+    /// The broker has greeted us and answered our subscription: everything is published again, as for a new subscriber.
     fn handle_open(&mut self) {
         if std::mem::take(&mut self.is_lost) {
             tracing::info!(broker = %self.link, "the MQTT broker is back");
@@ -170,8 +169,8 @@ impl Session {
         self.changes.handle_state(state);
     }
 
-    /// One line in the log when it is lost, and none for the attempts after that. What may not have arrived is said again: what a
-    /// broker keeps, because all of that is said anew; the rest as it was.
+    /// Logs the loss of a connection once, and not the failed attempts after it. Whatever may not have arrived is published
+    /// again: retained messages because all of them are renewed, the others as they were.
     fn handle_lost(&mut self, lost: &Lost, was_open: bool, unacknowledged: Vec<Publication>) {
         let (numbered, others): (Vec<_>, Vec<_>) = unacknowledged.into_iter().partition(|said| self.changes.is_numbered(said));
         self.unacknowledged += numbered.len() as u64;

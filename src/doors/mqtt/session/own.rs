@@ -1,4 +1,4 @@
-//! What the program says at its own broker, which is in the same process: there is nothing to connect, to acknowledge or to lose.
+//! Publishes at our own broker, in the same process: there is nothing to connect, to acknowledge or to lose.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use hallsweep_core::snapshot::Snapshot;
 use mqtt_gate::packet::properties::Property;
 use mqtt_gate::{Announcement, Broker, OwnSubscription};
 
-/// Says what is new at our own broker. Commands are heard at its gate.
+/// Publishes what is new at our own broker. Commands are received at its gate.
 pub struct OwnSession {
     broker: Arc<Broker>,
     topics: Topics,
@@ -26,15 +26,15 @@ pub struct OwnSession {
     answers: mpsc::Receiver<Answer>,
     archive: Reader,
     reading: Reading,
-    /// Where Home Assistant says that it has started; nothing, where it is not told of us.
+    /// The subscription to Home Assistant's status; without filters when Home Assistant is not served.
     household: OwnSubscription,
-    /// What was too large.
+    /// Counts messages that were too large.
     left_out: Seldom,
     clock: Clock,
 }
 
 impl OwnSession {
-    /// One that has said nothing yet.
+    /// A session that has published nothing yet.
     pub fn new(
         broker: Arc<Broker>,
         (topics, home_assistant): (Topics, bool),
@@ -48,7 +48,7 @@ impl OwnSession {
         OwnSession { broker, topics, changes, states, answers, archive, reading, household, left_out: Seldom::default(), clock }
     }
 
-    /// Speaks until `shutdown`, and says then that the program is not there any more.
+    /// Publishes until `shutdown`, and finally that the program has ended.
     pub async fn run(mut self, shutdown: impl Future<Output = ()>) {
         tokio::pin!(shutdown);
         self.learn();

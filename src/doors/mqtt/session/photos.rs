@@ -1,5 +1,5 @@
-//! Reading the photo that is to be shown, one at a time, where blocking is allowed. Which one that is, and whether it still is when
-//! it has been read, is decided in `change_feed`.
+//! Reads the photo to publish, one at a time, where blocking is allowed. `change_feed` decides which one it is, and whether it is
+//! still wanted when it has been read.
 
 use std::pin::Pin;
 
@@ -7,15 +7,15 @@ use super::super::change_feed::{ChangeFeed, PHOTO_MOST, Picture};
 use crate::runtime::archive_reader::Reader;
 use hallsweep_core::event::Photo;
 
-/// What was read: the photo, if there is one that can be read.
+/// The photo that was read, if it is readable.
 type Looked = (Picture, Option<Photo>);
 
-/// A photo that is being read, if one is.
+/// The photo being read, if one is.
 #[derive(Default)]
 pub(super) struct Reading(Option<Pin<Box<dyn Future<Output = Looked> + Send>>>);
 
 impl Reading {
-    /// Begins to read the photo that is asked for, unless one is being read.
+    /// Begins to read the requested photo, unless one is being read.
     pub(super) fn begin(&mut self, news: &mut ChangeFeed, archive: &Reader) {
         if self.0.is_none()
             && let Some(picture) = news.poll_photo()
@@ -24,7 +24,7 @@ impl Reading {
         }
     }
 
-    /// The photo that has been read; for ever, when none is being read. May be dropped while it waits.
+    /// The photo that has been read; waits for ever when none is being read. Safe to cancel.
     pub(super) async fn done(&mut self) -> Looked {
         let Some(reading) = &mut self.0 else { return std::future::pending().await };
         let looked = reading.await;

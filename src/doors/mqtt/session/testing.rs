@@ -1,5 +1,5 @@
-//! For the tests of the session: a broker that does what it is told, over loopback, and an app whose state it is told of. It routes
-//! nothing; real brokers are in the tests of the service.
+//! For tests of the session: a broker that does what the test says, over loopback, and an app whose state the test sets. It
+//! routes nothing; real brokers are in the tests of the service.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -28,7 +28,7 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::LuggageId;
 use mqtt_gate::packet::Version;
 
-/// A session that runs, and all that it is told.
+/// A running session with the test's controls.
 pub(super) struct TestApp {
     pub(super) script: Script,
     shutdown: Option<oneshot::Sender<()>>,
@@ -47,7 +47,7 @@ pub(in super::super) fn topics() -> Topics {
     Topics::new("hallsweep", "discovery", "unibo/qak")
 }
 
-/// A publication of somebody's, with a packet id.
+/// A publication by somebody, with a packet id.
 pub(in super::super) fn publish(topic: &str, payload: &str, id: u16) -> Publish {
     let mut publish = Publish::new(topic, QoS::AtLeastOnce, payload);
     publish.pkid = id;
@@ -109,7 +109,7 @@ impl TestBroker {
         Peer { stream, buffer: BytesMut::new() }
     }
 
-    /// The next connection, greeted and subscribed; and with what it subscribed.
+    /// The next connection, greeted and subscribed; and its filters.
     pub(super) async fn principal(&self) -> (Peer, Connect, Vec<String>) {
         let mut peer = self.peer().await;
         let (connect, filters) = peer.greet().await;
@@ -124,7 +124,7 @@ impl Peer {
         Peer { stream, buffer: BytesMut::new() }
     }
 
-    /// A client says who it is; what it is told, `None` when it is nothing.
+    /// Introduces a client; returns the answer, `None` when there is none.
     pub(in super::super) async fn introduces(&mut self, connect: Packet) -> Option<ConnectReturnCode> {
         self.says(connect).await;
         match self.hears().await {
@@ -133,7 +133,7 @@ impl Peer {
         }
     }
 
-    /// A client subscribes, and is granted it.
+    /// Subscribes a client, and expects the grant.
     pub(in super::super) async fn asks_for(&mut self, filters: impl IntoIterator<Item = &str>) {
         let filters = filters.into_iter().map(|filter| SubscribeFilter::new(filter.to_owned(), QoS::AtMostOnce));
         let mut asked = Subscribe::new_many(filters);
@@ -161,7 +161,7 @@ impl Peer {
         }
     }
 
-    /// Says this; whoever has gone does not hear it.
+    /// Sends a packet; the other side may be gone.
     pub(in super::super) async fn says(&mut self, packet: Packet) {
         let mut bytes = BytesMut::new();
         packet.write(&mut bytes, LARGEST).expect("it is a packet");
@@ -183,7 +183,7 @@ impl Peer {
         (connect, asked.filters.into_iter().map(|filter| filter.path).collect())
     }
 
-    /// Acknowledges what is published, up to and with something on this topic.
+    /// Acknowledges publications, up to one on this topic.
     pub(super) async fn until(&mut self, topic: &str) -> Publish {
         loop {
             let publish = self.unacknowledged(|_| true).await;
@@ -194,7 +194,7 @@ impl Peer {
         }
     }
 
-    /// The next publication like this, which is not acknowledged, nor anything before it.
+    /// The next matching publication, without acknowledging it or any before it.
     pub(super) async fn unacknowledged(&mut self, is_it: impl Fn(&Publish) -> bool) -> Publish {
         loop {
             match self.hears().await {
@@ -211,7 +211,7 @@ impl Peer {
     }
 }
 
-/// One picture for every piece there is.
+/// One picture for every piece.
 pub(in super::super) struct Album;
 
 impl PartialArchive for Album {

@@ -1,4 +1,4 @@
-//! The session before a broker that does what it is told.
+//! The session with a broker that does what the test says.
 
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ use crate::api::fixture::{idle, searching, touch};
 use hallsweep_core::command::Command;
 use hallsweep_core::world::resource::Resource;
 
-/// As soon as anything is too late.
+/// A time limit that is reached at once.
 const SHORT: Duration = Duration::from_millis(50);
 
 fn others(broker: &TestBroker) -> TestApp {
@@ -97,7 +97,7 @@ async fn an_answer_that_may_not_have_arrived_is_said_again_and_old_messages_keep
     assert_eq!((number(&first.payload), numbered), (1, Some(1)), "it was never acknowledged");
 }
 
-/// The last number of an old message.
+/// The number at the end of an old message.
 fn number(message: &[u8]) -> u64 {
     let text = String::from_utf8_lossy(message);
     text.trim_end_matches(')').rsplit(',').next().and_then(|number| number.trim().parse().ok()).expect("it is numbered")

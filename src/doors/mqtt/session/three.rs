@@ -1,4 +1,4 @@
-//! rumqttc's client of MQTT 3.1.1, and what it says in the words of `transport`.
+//! rumqttc's client of MQTT 3.1.1, with its events in the terms of `transport`.
 
 use futures_util::stream::{Stream, unfold};
 use rumqttc::{
@@ -13,7 +13,7 @@ use super::times::Times;
 
 pub(super) struct Three(AsyncClient);
 
-/// What rumqttc is told, with the last will that the broker speaks when we are lost.
+/// rumqttc's options, with the last will that the broker publishes when we are lost.
 fn options(link: &Link, will: Publication, times: &Times) -> MqttOptions {
     let mut options = MqttOptions::new(&link.client_id, &link.host, link.port);
     options.set_clean_session(true).set_keep_alive(times.keep_alive);
@@ -29,7 +29,7 @@ fn options(link: &Link, will: Publication, times: &Times) -> MqttOptions {
 }
 
 impl Three {
-    /// A client, and what happens to it.
+    /// Creates a client, and the stream of its events.
     pub(super) fn begin(
         link: &Link,
         will: Publication,
@@ -37,7 +37,8 @@ impl Three {
     ) -> (Three, impl Stream<Item = Result<Event, Lost>> + Send + use<>) {
         let (client, mut events) = AsyncClient::new(options(link, will, times), IN_FLIGHT + BESIDE);
         events.set_network_options(network(times));
-        // rumqttc's own loop must not be dropped halfway, or it forgets what it was about to write; so it lives here between looks.
+        // rumqttc's own loop must not be cancelled, or it forgets what it was about to write; so it lives in this stream between
+        // polls.
         let events = unfold(events, async |mut events| {
             let happened = events.poll().await.map(event).map_err(Lost::from);
             Some((happened, events))

@@ -1,4 +1,4 @@
-//! By which certificates somebody else's broker is believed, for `mqtts`. Our own broker is reached on loopback, without.
+//! Which certificates of another broker are trusted, for `mqtts`. Our own broker is reached on loopback, without TLS.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -24,8 +24,8 @@ pub enum TlsError {
     Rustls(#[from] rustls::Error),
 }
 
-/// How a broker is reached by TLS 1.2 or 1.3, when its certificate leads to one of those in `file`, else to one of the system's.
-/// Reads files.
+/// TLS 1.2 or 1.3 to a broker whose certificate leads to one of those in `file`, or otherwise to one of the system's. Reads
+/// files.
 pub fn believing(file: Option<&Path>) -> Result<Arc<ClientConfig>, TlsError> {
     let roots = file.map_or_else(of_the_system, of_file)?;
     let provider = Arc::new(ring::default_provider());
@@ -33,7 +33,7 @@ pub fn believing(file: Option<&Path>) -> Result<Arc<ClientConfig>, TlsError> {
     Ok(Arc::new(versions.with_root_certificates(roots).with_no_client_auth()))
 }
 
-/// All certificates of the file; one that is damaged makes it wrong, since it was named on purpose.
+/// All certificates of the file; a damaged one is an error, since the file was named on purpose.
 fn of_file(path: &Path) -> Result<RootCertStore, TlsError> {
     let wrong = |problem: String| TlsError::File { path: path.to_owned(), problem };
     let certificates = CertificateDer::pem_file_iter(path).and_then(Iterator::collect::<Result<Vec<_>, _>>);
@@ -45,7 +45,7 @@ fn of_file(path: &Path) -> Result<RootCertStore, TlsError> {
     if roots.is_empty() { Err(wrong("there is no certificate in it".to_owned())) } else { Ok(roots) }
 }
 
-/// Those of the system that can be read; old ones among them are often damaged, and not missed.
+/// The readable certificates of the system; old ones among them are often damaged, and not missed.
 fn of_the_system() -> Result<RootCertStore, TlsError> {
     let found = rustls_native_certs::load_native_certs();
     let mut roots = RootCertStore::empty();

@@ -1,5 +1,5 @@
-//! One connection to a broker, made anew each time: rumqttc can stay mute for ever after a lost one. What is said on it and what
-//! follows from its end are not here; how it is done in each version of the protocol stands in `three` and `five`.
+//! One connection to a broker, created anew each time: rumqttc can stay silent for ever after a lost one. The messages and the
+//! reaction to its end are not here; the versions of the protocol are in `three` and `five`.
 
 use std::pin::Pin;
 
@@ -18,9 +18,9 @@ use mqtt_gate::packet::Version;
 pub(super) struct Transport {
     client: Client,
     events: Pin<Box<dyn Stream<Item = Result<Event, Lost>> + Send>>,
-    /// The longest packet that the broker takes, in bytes, as far as it has said so.
+    /// Maximum packet size of the broker in bytes, as far as it has told.
     largest: Option<u32>,
-    /// What was not published.
+    /// Counts messages that were not published.
     left_out: Seldom,
 }
 
@@ -30,7 +30,7 @@ enum Client {
 }
 
 impl Transport {
-    /// Nothing is connected before the first event is waited for.
+    /// Does not connect before the first event is awaited.
     pub(super) fn new(link: &Link, will: Publication, times: &Times) -> Transport {
         let (client, events): (_, Pin<Box<dyn Stream<Item = _> + Send>>) = match link.version {
             Version::Three => {
@@ -45,10 +45,10 @@ impl Transport {
         Transport { client, events, largest: None, left_out: Seldom::default() }
     }
 
-    /// What happens next. May be dropped while it waits.
+    /// The next event. Safe to cancel.
     ///
     /// # Errors
-    /// When the connection has ended; there is no use in asking again.
+    /// When the connection has ended; further calls are useless.
     pub(super) async fn next(&mut self) -> Result<Event, Lost> {
         let Some(event) = self.events.next().await else { return Err(Lost::Broken("the connection has ended".to_owned())) };
         let event = event?;
@@ -58,7 +58,7 @@ impl Transport {
         Ok(event)
     }
 
-    /// Asks for what is to be heard, and for what others say on the topics that the broker keeps for us; whether that goes out.
+    /// Subscribes to commands, and to the topics of our retained messages; returns whether that is sent.
     pub(super) fn subscribe(&self, filters: Vec<String>, kept: Vec<String>) -> bool {
         match &self.client {
             Client::Three(client) => client.subscribe(filters, kept),
@@ -66,7 +66,7 @@ impl Transport {
         }
     }
 
-    /// Whether this goes out.
+    /// Returns whether the message is sent.
     pub(super) fn publish(&self, publication: &Publication) -> bool {
         let fits = publication.fits(self.largest);
         let is_given = fits
@@ -82,7 +82,7 @@ impl Transport {
         is_given
     }
 
-    /// Takes leave, so that the broker does not speak our last will.
+    /// Disconnects, so that the broker does not publish our last will.
     pub(super) fn hang_up(&self) -> bool {
         match &self.client {
             Client::Three(client) => client.hang_up(),

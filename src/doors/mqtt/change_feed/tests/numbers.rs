@@ -1,5 +1,5 @@
-//! Random missions over a connection that breaks at random: whoever listens meets every number once more at most and never a
-//! gap, and hears the last record of every piece.
+//! Random missions over a connection that breaks at random: a subscriber sees every number at most twice and never a gap, and
+//! gets the last record of every piece.
 
 use std::collections::BTreeMap;
 
@@ -13,9 +13,9 @@ enum Happens {
     Found(u64),
     Retaken(u64),
     Emptied,
-    /// So many messages are handed on.
+    /// This many messages are sent.
     Sent(usize),
-    /// The connection breaks, and of the old messages the last so many were not acknowledged; whether they arrived.
+    /// The connection breaks with this many old messages unacknowledged; and whether they arrived.
     Broken(u64, bool),
 }
 
@@ -30,7 +30,7 @@ fn happens() -> impl Strategy<Value = Happens> {
     ]
 }
 
-/// The number of a piece and when its photo was taken, as an old message tells them.
+/// The number of a piece and the time of its photo, from an old message.
 fn record(content: &str) -> Option<(u64, String)> {
     let (_, rest) = content.split_once("photo ")?;
     let (id, rest) = rest.split_once(',')?;
