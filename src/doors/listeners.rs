@@ -1,5 +1,5 @@
-//! Several TCP ports that are listened to like one, as that of `127.0.0.1` and that of `::1`. Who is let in, and who has to go when
-//! there are too many, is not here.
+//! Several TCP ports used like one, such as those of `127.0.0.1` and `::1`. Admission, and what happens when there are too many
+//! connections, is not here.
 
 use std::io;
 use std::net::SocketAddr;
@@ -12,32 +12,32 @@ use tokio::runtime::Handle;
 #[derive(Debug)]
 pub struct Listeners {
     ports: Vec<TcpListener>,
-    /// Whose turn it is, so that a crowd at one port keeps nobody waiting at another.
+    /// The port to poll first, so that a crowd at one port does not block another.
     turn: usize,
-    /// The runtime that waits for them, on which what comes is heard (safety S7).
+    /// The runtime that waits for the ports, on which input is read (safety S7).
     pub(super) thread: Handle,
 }
 
 impl Listeners {
-    /// Listens to ports that are bound and do not block. Must be called inside the runtime that is to wait for them.
+    /// Listens to bound, non-blocking ports. Must be called inside the runtime that waits for them.
     pub fn new(bound: Vec<std::net::TcpListener>) -> io::Result<Listeners> {
-        // As many newcomers may wait at each as the system lets.
+        // The longest listen queue that the system allows.
         bound.iter().try_for_each(|port| SockRef::from(port).listen(i32::MAX))?;
         let ports = bound.into_iter().map(TcpListener::from_std).collect::<io::Result<_>>()?;
         Ok(Listeners { ports, turn: 0, thread: Handle::current() })
     }
 
-    /// The number of the first of them.
+    /// The port number of the first one.
     pub fn port(&self) -> u16 {
         self.ports.first().and_then(|port| port.local_addr().ok()).map_or(0, |address| address.port())
     }
 
-    /// Whether all of them can be reached from this machine alone.
+    /// Whether only this machine can reach them.
     pub fn are_local(&self) -> bool {
         self.ports.iter().all(|port| port.local_addr().is_ok_and(|address| address.ip().to_canonical().is_loopback()))
     }
 
-    /// The next connection, and where it comes from.
+    /// The next connection, and its address.
     pub async fn accept(&mut self) -> io::Result<(TcpStream, SocketAddr)> {
         let Listeners { ports, turn, .. } = self;
         std::future::poll_fn(|cx| {

@@ -1,7 +1,6 @@
-//! The doors: how operators and programs reach hallsweep. No door knows another, and none knows an adapter. What doors with
-//! connections have in common lies beside them: the ports they listen to, where connections wait that have no place, how many places
-//! there are where the system gives few, of which a key has its share, how long a reader may stall, how soon what is large is said again,
-//! and what is said where something is not done.
+//! The doors: how operators and programs reach hallsweep. No door knows another, and none knows an adapter. Shared parts are
+//! beside them: ports, waiting connections, the reduction of bounds on systems with few descriptors, quotas of keys, write time
+//! limits, the rate of large publications, and problems.
 
 pub mod coap;
 pub mod http;

@@ -1,12 +1,13 @@
-//! How soon what is always said whole may be said again: later, the larger it is. So the whole map of a large hall, or all its luggage, costs
-//! a door no more of the processor than those of a small one; what changes meanwhile is in the next.
+//! The minimum time between two publications of something that is always sent as a whole: the larger it is, the longer. So the
+//! map of a large hall, or all its luggage, costs a door no more processor time than those of a small one; changes in between are
+//! in the next publication.
 
 use std::time::Duration;
 
-/// A megabyte a second of one thing, which is some hundredths of a processor.
+/// One megabyte a second of one resource, which takes some hundredths of a processor.
 const A_BYTE: Duration = Duration::from_micros(1);
 
-/// The least time between two states of a thing that took so many bytes.
+/// Minimum time after a state of this many bytes.
 pub(super) fn of_size(bytes: usize) -> Duration {
     A_BYTE.saturating_mul(u32::try_from(bytes).unwrap_or(u32::MAX))
 }

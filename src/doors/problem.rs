@@ -1,6 +1,6 @@
-//! What every door says when it does not do what it was asked: one problem, which each door writes in its own form, with a status or a
-//! code of its own. Start at `Problem::refused` for the core's refusals; the other constructors are for what never reached the core.
-//! Those that only one door has stand there.
+//! Why a door does not do what it was asked: one problem, which each door writes in its own form, with its own status or code.
+//! Start at `Problem::refused` for the core's refusals; the other constructors are for requests that never reached the core.
+//! Problems of a single door are in that door.
 
 use std::sync::Arc;
 
@@ -14,16 +14,15 @@ use hallsweep_core::command::{Refusal, Refused};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, NoPhoto};
 
-/// What was not done, and why.
 #[derive(Clone, Debug)]
 pub(super) struct Problem {
     kind: ProblemKind,
     code: &'static str,
     detail: String,
     luggage: Option<Arc<Luggage>>,
-    /// What was asked for, where it is known better than by method and path.
+    /// The request in words, if they are better than method and path.
     asked: Option<String>,
-    /// Whether it concerns what the sender asked for and the core has not put it on record.
+    /// Whether it concerns a sender's request that the core has not recorded.
     is_for_record: bool,
 }
 
@@ -32,32 +31,31 @@ impl Problem {
         Problem { kind, code, detail, luggage: None, asked: None, is_for_record: true }
     }
 
-    /// What a door refuses in the core's words, which is not on record yet.
+    /// A refusal by a door in the core's words, which is not recorded yet.
     pub(super) fn refused(refused: &Refused) -> Problem {
         Problem::new((refused.code(), refused.kind().into()), refused.to_string())
     }
 
-    /// The same of something that can be named better than by method and path.
+    /// Describes the request in words that are better than method and path.
     pub(super) fn of(self, asked: String) -> Problem {
         Problem { asked: Some(asked), ..self }
     }
 
-    /// The same, with other words.
+    /// Replaces the sentence.
     pub(super) fn saying(self, detail: String) -> Problem {
         Problem { detail, ..self }
     }
 
-    /// The same, which is nothing that its sender did wrong.
+    /// Marks it as no fault of its sender, so that it is not recorded.
     pub(super) fn off_record(self) -> Problem {
         Problem { is_for_record: false, ..self }
     }
 
-    /// What was sent cannot be read.
     pub(super) const fn malformed(detail: String) -> Problem {
         Problem::new(problem::MALFORMED, detail)
     }
 
-    /// It can be read, and asks for something that does not exist.
+    /// The request is readable, but asks for something that does not exist.
     pub(super) const fn unusable(detail: String) -> Problem {
         Problem::new(problem::UNUSABLE, detail)
     }
@@ -70,22 +68,19 @@ impl Problem {
         Problem::not_found(Refused::UnknownLuggage(LuggageId(number)).to_string())
     }
 
-    /// What is there does not answer this method.
     pub(super) const fn no_method(detail: String) -> Problem {
         Problem::new(problem::NO_SUCH_METHOD, detail)
     }
 
-    /// It is not there in a format that is wanted.
+    /// The resource has none of the accepted formats.
     pub(super) const fn not_acceptable(detail: String) -> Problem {
         Problem::new(problem::NOT_ACCEPTABLE, detail)
     }
 
-    /// It is larger than any command.
     pub(super) const fn too_large(detail: String) -> Problem {
         Problem::new(problem::TOO_LARGE, detail)
     }
 
-    /// A body in this format is not read here.
     pub(super) const fn wrong_format(detail: String) -> Problem {
         Problem::new(problem::UNSUPPORTED_FORMAT, detail)
     }
@@ -99,12 +94,12 @@ impl Problem {
         self.kind
     }
 
-    /// The short word for programs.
+    /// The code for programs.
     pub(super) const fn code(&self) -> &'static str {
         self.code
     }
 
-    /// The sentence a person reads.
+    /// The sentence for people.
     pub(super) fn detail(&self) -> &str {
         &self.detail
     }
@@ -113,17 +108,17 @@ impl Problem {
         self.asked.clone()
     }
 
-    /// Whether it is the door that has to put it on record.
+    /// Whether the door has to record it.
     pub(super) const fn is_for_record(&self) -> bool {
         self.is_for_record
     }
 
-    /// As records keep it.
+    /// The form in records.
     pub(super) fn refusal(&self) -> Refusal {
         Refusal { code: self.code, kind: self.kind.refusal_kind(), words: self.detail.clone() }
     }
 
-    /// As programs read it.
+    /// The form for programs.
     pub(super) fn shape(&self) -> ProblemJson<'_> {
         let luggage = self.luggage.as_ref().map(|piece| LuggageJson::from(&**piece));
         ProblemJson { luggage, ..ProblemJson::new((self.code, self.kind), &self.detail) }
@@ -131,7 +126,7 @@ impl Problem {
 }
 
 impl From<NotDone> for Problem {
-    /// The core has put on record what it refused.
+    /// The core has recorded its own refusals.
     fn from(not_done: NotDone) -> Problem {
         match not_done {
             NotDone::Refused(refused, luggage) => Problem { luggage, ..Problem::refused(&refused).off_record() },

@@ -1,29 +1,30 @@
-//! How much of its bounds a door keeps to: all, where the system lets the program have enough files and connections open at once, and
-//! in proportion less where it does not. So the doors together never need the last descriptor, and no crowd at one of them keeps the
-//! others closed (safety S9). What is bounded is each door's own matter.
+//! The share of its bounds that a door uses: all where the system allows enough file descriptors, and proportionally less where
+//! it does not. So all doors together never need the last descriptor, and a crowd at one of them does not block the others
+//! (safety S9). The bounds themselves are in each door.
 
-/// As many descriptors as all places of all doors need, with clients on their way out: over HTTP one each, over MQTT three.
+/// Number of descriptors for the connections of all doors, including those that are closing: one each over HTTP, three each over
+/// MQTT.
 const PLACES: u64 = 2_600;
 
-/// The record, the ports, and what the threads wait with, need so many beside them.
+/// Number of further descriptors for the record, the ports, and the threads' event queues.
 const BESIDE: u64 = 80;
 
-/// Of nothing there is less than this.
+/// Minimum of every bound.
 const LEAST: usize = 4;
 
-/// How much there is for the places of all doors.
+/// The descriptors available for connections.
 #[derive(Clone, Copy, Debug)]
 pub struct Room {
     places: u64,
 }
 
 impl Room {
-    /// Where the program may have so many files and connections open.
+    /// The share on a system that allows this many descriptors.
     pub fn of(descriptors: u64) -> Room {
         Room { places: descriptors.saturating_sub(BESIDE).min(PLACES) }
     }
 
-    /// What there is of something of which there are so many where there is room for all.
+    /// The reduced value of a bound that is `all` with enough descriptors.
     pub fn part(self, all: usize) -> usize {
         let part = usize::try_from(all as u64 * self.places / PLACES).unwrap_or(all);
         part.max(LEAST.min(all))

@@ -1,12 +1,12 @@
-//! What happens as often as somebody at a door wants it to: said in the program's log with how often it was, and not more often than
-//! it is read, because nobody must be able to fill the disk. What is said is the business of whoever says it.
+//! Events that clients can cause as often as they like: logged with their number, and not more often than anybody reads it,
+//! because nobody must be able to fill the disk. The caller decides what is logged.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use crate::runtime::clock::Clock;
 
-/// One line in so long, with how many there were; the first is said at once.
+/// Minimum time between two lines, each with the number of events; the first event is logged at once.
 const SILENCE: Duration = Duration::from_secs(10);
 
 #[derive(Debug, Default)]
@@ -22,7 +22,7 @@ struct Count {
 }
 
 impl Seldom {
-    /// Counts one more: how many there were since that was last said, when it is to be said again.
+    /// Counts one more event; returns the number since the last line when it is time for another.
     pub(super) fn one_more(&self) -> Option<u64> {
         self.count.lock().unwrap_or_else(PoisonError::into_inner).one_more(self.clock.now().since_start)
     }

@@ -1,22 +1,22 @@
-//! Places for what somebody has asked for: so many at once, of which one key has its share, and some are kept for keys that have few, so
-//! that nobody goes without because of others (safety S9). Whoever finds none is refused; where somebody gives way instead stands in
-//! `http::places`, `mqtt::seats` and `vestibule`.
+//! A bounded number of permits for requests, with a share for each key, and some reserved for keys that have few, so that nobody
+//! goes without because of others (safety S9). Without a permit a request is refused; the rules by which somebody gives way
+//! instead are in `http::places`, `mqtt::seats` and `vestibule`.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// How many places there are, and how many of them a key may have.
+/// The number of permits, and the maximum for one key.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
     pub(super) most: usize,
     pub(super) of_one_key: usize,
-    /// So many are kept for keys that have few,
+    /// Number of permits reserved for keys that have few.
     pub(super) kept: usize,
-    /// which is less than so many: they have no share yet.
+    /// Number of permits below which a key has few; its share does not apply then.
     pub(super) few: usize,
 }
 
-/// All places. Cheap to clone.
+/// All permits. Cheap to clone.
 #[derive(Clone, Debug)]
 pub(super) struct Shares(Arc<Shared>);
 
@@ -29,11 +29,11 @@ struct Shared {
 #[derive(Debug, Default)]
 struct InUse {
     all: usize,
-    /// Of these, by each key that has any.
+    /// Number of permits of each key that has any.
     by_key: HashMap<Arc<str>, usize>,
 }
 
-/// One place; free again when this is dropped.
+/// One permit, returned when this is dropped.
 #[derive(Debug)]
 pub(super) struct Permit {
     shares: Shares,
@@ -45,15 +45,14 @@ impl Shares {
         Shares(Arc::new(Shared { limits, taken: Mutex::default() }))
     }
 
-    /// How many there are.
     pub(super) fn most(&self) -> usize {
         self.0.limits.most
     }
 
-    /// A place for whoever has shown this key; where nobody shows one there are no shares.
+    /// Takes a permit for the owner of this key; without a key there are no shares.
     ///
     /// # Errors
-    /// How many are taken of those that he may have, when there is none.
+    /// The number of permits taken of those that the key may have, when there is none.
     pub(super) fn take(&self, key: Option<Arc<str>>) -> Result<Permit, usize> {
         let Limits { most, of_one_key, kept, few } = self.0.limits;
         let mut taken = self.taken();
@@ -74,7 +73,7 @@ impl Shares {
         Ok(Permit { shares: self.clone(), key })
     }
 
-    /// Whether nothing is remembered of any key.
+    /// Whether no key is remembered.
     #[cfg(test)]
     pub(super) fn knows_nobody(&self) -> bool {
         self.taken().by_key.is_empty()

@@ -1,6 +1,6 @@
-//! Where connections are without a place, as long as they have not said who they are or get no further answer: so many at once, and
-//! the oldest of whichever network has most of them gives way. So a newcomer is heard however many flock in, and longer than all of
-//! a crowd (safety S9). Who gets a place, is each door's own matter.
+//! Connections that have not introduced themselves yet, or get no further answer: a bounded number, of which the oldest from the
+//! network with the most gives way. So a newcomer is heard however many arrive, and longer than all connections of a crowd
+//! (safety S9). Each door decides who gets a place afterwards.
 
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
@@ -11,23 +11,23 @@ use tokio::sync::Notify;
 
 use crate::access::Network;
 
-/// So many connections are cut at once when the system has no more descriptors: newcomers wait, and files are to be opened.
+/// Number of connections cut at once when the system has no more descriptors: newcomers wait, and files have to be opened.
 pub(super) const RELIEF: usize = 16;
 
-/// The places before all places of a door. Cheap to clone.
+/// The waiting connections of a door. Cheap to clone.
 #[derive(Clone)]
 pub(super) struct Vestibule(Arc<Mutex<Crowd>>);
 
 struct Crowd {
     most: usize,
     entered: u64,
-    /// In the order in which they came,
+    /// By order of arrival.
     waiting: BTreeMap<u64, (Network, Arc<Notify>)>,
-    /// and how many of them each network has.
+    /// Number of waiting connections of each network.
     networks: HashMap<Network, usize>,
 }
 
-/// A connection that waits; its room is free again when this is dropped.
+/// A waiting connection; its room is free again when this is dropped.
 pub(super) struct Waiting {
     number: u64,
     vestibule: Vestibule,
@@ -39,7 +39,7 @@ impl Vestibule {
         Vestibule(Arc::new(Mutex::new(Crowd { most, entered: 0, waiting: BTreeMap::new(), networks: HashMap::new() })))
     }
 
-    /// Lets a connection from there wait, which is told by `cut` when it has to make room.
+    /// Lets a connection from this address wait; `cut` is notified when it has to make room.
     pub(super) fn enter(&self, address: IpAddr, cut: Arc<Notify>) -> Waiting {
         let mut crowd = self.crowd();
         if crowd.waiting.len() >= crowd.most {
@@ -53,7 +53,7 @@ impl Vestibule {
         Waiting { number, vestibule: self.clone(), cut }
     }
 
-    /// Lets a connection from there do its `last`, until that is done or it has to make room.
+    /// Lets a connection from this address complete `last`, unless it has to make room first.
     pub(super) async fn linger(&self, address: IpAddr, last: impl Future<Output = ()>) {
         let waiting = self.enter(address, Arc::default());
         tokio::select! {
@@ -63,7 +63,7 @@ impl Vestibule {
         }
     }
 
-    /// Cuts some connections, when the system has no more descriptors, and says how many.
+    /// Cuts some connections when the system has no more descriptors; returns their number.
     pub(super) fn relieve(&self) -> usize {
         let mut crowd = self.crowd();
         (0..RELIEF).take_while(|_| crowd.cut()).count()
@@ -75,7 +75,7 @@ impl Vestibule {
 }
 
 impl Crowd {
-    /// Cuts whoever gives way first; `false` when nobody is here.
+    /// Cuts the connection that gives way first; `false` when there is none.
     fn cut(&mut self) -> bool {
         let most = self.networks.values().max();
         let oldest = self.waiting.iter().find(|(_, (network, _))| self.networks.get(network) == most);
@@ -125,7 +125,7 @@ mod tests {
         from.into_iter().map(|address| vestibule.enter(address.parse().unwrap(), Arc::default())).collect()
     }
 
-    /// Who had to make room.
+    /// Indices of the connections that had to make room.
     fn gone(crowd: &[Waiting]) -> Vec<usize> {
         (0..crowd.len()).filter(|number| crowd[*number].cut().now_or_never().is_some()).collect()
     }
@@ -142,7 +142,7 @@ mod tests {
         assert!(crowd.waiting.is_empty() && crowd.networks.is_empty(), "whoever leaves is not counted");
     }
 
-    /// Safety S9: an attacker with many addresses drives nobody away sooner than his own that are older.
+    /// Safety S9: an attacker with many addresses drives out only his own older connections earlier.
     #[test]
     fn of_crowds_that_are_equally_large_the_oldest_makes_room() {
         let vestibule = Vestibule::new(4);

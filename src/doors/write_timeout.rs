@@ -1,5 +1,5 @@
-//! A connection whose reader may stall only so long: a write that makes no progress for `STALL` ends it, so that readers who
-//! went away without a word do not hold their places for ever. Reading is bounded by the server's header time and by `reading`.
+//! A connection whose reader may stall for a limited time: a write without progress for `STALL` ends it, so that readers that
+//! vanished do not hold their places for ever. Reading is bounded by the server's header time and by `reading`.
 
 use std::io;
 use std::pin::Pin;
@@ -9,7 +9,7 @@ use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::time::{Sleep, sleep};
 
-/// A reader that takes nothing for this long is gone.
+/// Time after which a reader that accepts nothing counts as gone.
 const STALL: Duration = Duration::from_secs(15);
 
 pub(super) struct WriteTimeoutStream<S> {
@@ -22,7 +22,7 @@ impl<S> WriteTimeoutStream<S> {
         WriteTimeoutStream { stream, stalled: None }
     }
 
-    /// Passes on what a write came to, and starts, keeps or stops the time accordingly.
+    /// Passes on the result of a write, and starts, keeps or stops the timer accordingly.
     fn bounded<T>(&mut self, cx: &mut Context<'_>, written: Poll<io::Result<T>>) -> Poll<io::Result<T>> {
         if written.is_ready() {
             self.stalled = None;
