@@ -1,4 +1,4 @@
-//! The languages, and the phrases of each, read once when the first is said.
+//! The languages, and the phrases of each, parsed at the first use.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -7,7 +7,6 @@ use fluent_bundle::FluentResource;
 use fluent_bundle::concurrent::FluentBundle;
 use unic_langid::LanguageIdentifier;
 
-/// A language that the pages speak.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Language {
     #[default]
@@ -47,7 +46,7 @@ static ITALIAN: LazyLock<Bundle> = LazyLock::new(|| bundle(Language::Italian, &f
 fn bundle(language: Language, files: &[&str]) -> Bundle {
     let tag: LanguageIdentifier = language.tag().parse().expect("the tags of our languages are tags");
     let mut bundle = FluentBundle::new_concurrent(vec![tag]);
-    // Both languages are written from left to right, and so are the names in them.
+    // Both languages are written from left to right, and so are the names in their phrases.
     bundle.set_use_isolating(false);
     for file in files {
         let file = FluentResource::try_new((*file).to_owned()).expect("a test reads every file of phrases");
@@ -59,7 +58,7 @@ fn bundle(language: Language, files: &[&str]) -> Bundle {
 impl Language {
     pub const ALL: [Language; 2] = [Language::English, Language::Italian];
 
-    /// Its tag (BCP 47), as a page and a header name it.
+    /// Its tag (BCP 47), for pages and headers.
     pub const fn tag(self) -> &'static str {
         match self {
             Language::English => "en",
@@ -67,7 +66,7 @@ impl Language {
         }
     }
 
-    /// What it calls itself.
+    /// Its own name.
     pub const fn name(self) -> &'static str {
         match self {
             Language::English => "English",
@@ -75,18 +74,18 @@ impl Language {
         }
     }
 
-    /// The language with this tag, of whatever region: `it`, `it-CH`.
+    /// The language of a tag with any region: `it`, `it-CH`.
     pub fn tagged(tag: &str) -> Option<Language> {
         let main = tag.split('-').next().unwrap_or_default();
         Language::ALL.into_iter().find(|language| main.eq_ignore_ascii_case(language.tag()))
     }
 
-    /// The languages that are not this one.
+    /// The other languages.
     pub fn others(self) -> impl Iterator<Item = Language> {
         Language::ALL.into_iter().filter(move |other| *other != self)
     }
 
-    /// The phrases of the scripts with these names, by id, as JSON. A script puts values where `{ $name }` stands.
+    /// The phrases for these scripts by id, as JSON. A script replaces `{ $name }` by a value.
     pub fn for_scripts(self, scripts: &[&str]) -> String {
         let file = match self {
             Language::English => include_str!("en/scripts.ftl"),
@@ -98,7 +97,7 @@ impl Language {
         serde_json::to_string(&wanted).expect("texts are what JSON can hold")
     }
 
-    /// A number that has been written with a point, as this language writes it.
+    /// Converts a number with a decimal point to this language.
     pub fn number(self, written: &str) -> String {
         match self {
             Language::English => written.to_owned(),
@@ -106,7 +105,7 @@ impl Language {
         }
     }
 
-    /// A day and time that have been written as `3 Feb 2026, 10:05:12`.
+    /// Converts a day and time such as `3 Feb 2026, 10:05:12` to this language.
     pub fn date(self, written: &str) -> String {
         match written.splitn(3, ' ').collect::<Vec<_>>().as_slice() {
             [day, month, rest] if MONTHS.contains(month) => format!("{day} {} {rest}", self.say_of("month", month)),
@@ -114,7 +113,7 @@ impl Language {
         }
     }
 
-    /// `one`, `one and two`, or `one, two and three`.
+    /// Such as `one`, `one and two`, or `one, two and three`.
     pub fn list(self, words: &[String]) -> String {
         match words {
             [] => String::new(),

@@ -1,6 +1,6 @@
-//! What the pages say to people, in every language of theirs: THE PHRASES, a folder of files for each language, a line for a phrase
-//! ([Fluent](https://projectfluent.org)). What programs read stays English, and has none here.
-//! How something that the core says is put into a phrase stands in `said`.
+//! The texts of the pages in all their languages: THE PHRASES, a folder of files for each language, one line for each phrase
+//! ([Fluent](https://projectfluent.org)). Texts for programs stay English, and are not here. `said` turns the core's values into
+//! phrases.
 
 mod language;
 mod phrase;

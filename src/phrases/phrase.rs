@@ -1,4 +1,4 @@
-//! A phrase with the values in it, said when it is shown.
+//! A phrase with its values, formatted when it is shown.
 
 use std::borrow::Cow;
 use std::fmt::{self, Display};
@@ -7,7 +7,7 @@ use fluent_bundle::{FluentArgs, FluentValue};
 
 use super::language::Language;
 
-/// A phrase, with the values that were put into it so far. `Display` says it.
+/// A phrase with the values set so far. `Display` formats it.
 #[derive(Clone, Debug)]
 pub struct Phrase<'a> {
     language: Language,
@@ -16,20 +16,19 @@ pub struct Phrase<'a> {
     values: Vec<(&'static str, String)>,
 }
 
-/// A phrase that is markup: what stands in the file is taken as it is, what was put in is escaped.
+/// A phrase that is markup: its text from the file is used as it is, its values are escaped.
 #[derive(Clone, Debug)]
 pub struct Markup(String);
 
-/// So large a number is still exact as Fluent has numbers.
+/// The largest number that is exact in Fluent.
 const EXACT: u64 = 1 << 53;
 
 impl Language {
-    /// The phrase with this id.
     pub const fn say(self, id: &str) -> Phrase<'_> {
         Phrase::new(self, "", id)
     }
 
-    /// The phrase of one of a family, as `phase-` and `exploring`: for what has a name already.
+    /// A phrase of a family, such as `phase-` and `exploring`, for values that have a name.
     pub const fn say_of<'a>(self, family: &'a str, member: &'a str) -> Phrase<'a> {
         Phrase::new(self, family, member)
     }
@@ -40,14 +39,14 @@ impl<'a> Phrase<'a> {
         Phrase { language, family, id, values: Vec::new() }
     }
 
-    /// The same with a value: where the phrase names it, it stands.
+    /// Sets a value, which replaces its name in the phrase.
     #[must_use]
     pub fn with(mut self, name: &'static str, value: impl Display) -> Phrase<'a> {
         self.values.push((name, value.to_string()));
         self
     }
 
-    /// What it says, as markup.
+    /// The phrase as markup.
     pub fn markup(self) -> Markup {
         let escaped =
             |text: &str| askama::filters::escape(text, askama::filters::Html).map(|safe| safe.to_string()).unwrap_or_default();
@@ -65,7 +64,7 @@ impl<'a> Phrase<'a> {
         said_here(|said| said.insert(id.to_string()));
         let bundle = self.language.bundle();
         let Some(pattern) = bundle.get_message(&id).and_then(|message| message.value()) else {
-            // Tests look for every id that is written down; one that is made up of a family and a name has a test beside the family.
+            // Tests look for every id in the source; an id composed of a family and a name has a test beside the family.
             debug_assert!(false, "there is no phrase {id} in {}", self.language.name());
             return id.into_owned();
         };
@@ -77,14 +76,14 @@ impl<'a> Phrase<'a> {
     }
 }
 
-/// What was said on this thread, by the ids.
+/// The ids of the phrases formatted on this thread.
 #[cfg(test)]
 pub(crate) fn said_here<T>(look: impl FnOnce(&mut std::collections::BTreeSet<String>) -> T) -> T {
     thread_local!(static SAID: std::cell::RefCell<std::collections::BTreeSet<String>> = std::cell::RefCell::default());
     SAID.with_borrow_mut(look)
 }
 
-/// Whole numbers choose between one and many; everything else stands as it is.
+/// Whole numbers select singular or plural; everything else is inserted as it is.
 fn fluent(value: &str) -> FluentValue<'_> {
     let number = value.parse::<i64>().ok().filter(|number| number.unsigned_abs() < EXACT && number.to_string() == value);
     number.map_or_else(|| FluentValue::from(value), FluentValue::from)
