@@ -16,7 +16,7 @@ pub enum RobotKind {
     Sim,
     /// The virtual robot of a browser's page, over TCP.
     VirtualTcp,
-    /// The same over WebSocket, as in its version of 2021.
+    /// The virtual robot of a browser's page, over WebSocket, as in its version of 2021.
     VirtualWs,
     /// A robot that uses our line protocol, over TCP or a serial device.
     Line,

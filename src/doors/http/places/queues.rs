@@ -56,17 +56,17 @@ impl Queues {
         (operators + others, first.or(last))
     }
 
-    /// The same for connections of non-operators.
+    /// Number of connections of non-operators, and the first to give way.
     pub(super) fn of_others(&self) -> (usize, Option<Turn>) {
         self.others.first()
     }
 
-    /// The same for the connections of one key; none without a key.
+    /// Number of connections of the claim's key, and the first to give way; none without a key.
     pub(super) fn of_key(&self, claim: &Claim) -> (usize, Option<Turn>) {
         claim.who.as_ref().and_then(|who| self.keys.get(who)).map(Queue::first).unwrap_or_default()
     }
 
-    /// The same for the connections of one network.
+    /// Number of connections of the claim's network, and the first to give way.
     pub(super) fn of_network(&self, claim: &Claim) -> (usize, Option<Turn>) {
         self.networks.get(&claim.network).map(Queue::first).unwrap_or_default()
     }

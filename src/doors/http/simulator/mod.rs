@@ -78,7 +78,7 @@ impl Asker {
         self.door.handle.snapshot().bound_to_hall().map(|refused| bound(&refused))
     }
 
-    /// The same in the words of the pages.
+    /// Why the robots cannot be moved to another hall now, in the words of the pages.
     fn bound_in_words(&self) -> Option<String> {
         self.bound().map(|problem| self.in_words(&problem))
     }
