@@ -20,27 +20,23 @@ use hallsweep_core::event::{Capabilities, OffCentre, Parts, Photo, RobotEvent};
 use hallsweep_core::robot::Part;
 use hallsweep_core::units::{Heading, Now, OrderId, Pose};
 
-mod back;
-mod contacts;
 mod gauge;
 mod greeting;
 mod leg;
-mod legs;
-mod measures;
 mod memory;
+mod motion;
 mod reckoning;
 mod room;
 mod task;
 mod touch;
-mod unheard;
 mod words;
 
 use greeting::GREETING;
 use leg::{Leg, Stage, Way};
+use motion::Unheard;
 use reckoning::Reckoning;
 pub use room::{Extent, Room, Thing};
 use task::{Aim, Task, Then};
-use unheard::Unheard;
 use words::{Command, Heard, Stream};
 
 /// How long a turn is asked for: it cannot be halted, so it is to be short (safety S5), and less looks wrong on the page.
