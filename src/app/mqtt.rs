@@ -10,6 +10,7 @@ use super::AppError;
 use super::threads::Threads;
 use crate::access::{self, Access};
 use crate::config::{self, MqttRouter, MqttSettings, OtherBroker, Settings};
+use crate::doors::connection_limits::Room;
 use crate::doors::http;
 use crate::doors::listeners::Listeners;
 #[cfg(feature = "rumqttd-router")]
@@ -18,7 +19,6 @@ use crate::doors::mqtt::commands::{ANSWERS, Answer, Commands};
 use crate::doors::mqtt::session::{Link, OwnSession, Parts, Session, Times, believing};
 use crate::doors::mqtt::topics::Topics;
 use crate::doors::mqtt::{Clients, IncomingConnection, Origin, Ways, serve};
-use crate::doors::room::Room;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::handle::Handle;
 use mqtt_gate::Broker;

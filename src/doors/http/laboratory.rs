@@ -24,7 +24,7 @@ use crate::access::Caller;
 use crate::api::laboratory::mishap::Mishap;
 use crate::api::laboratory::pallet::Pallet;
 use crate::api::laboratory::roomba::Roomba;
-use crate::doors::shares::{Limits, Shares};
+use crate::doors::connection_limits::{Limits, Shares};
 use crate::phrases::Language;
 use behaviour_trees::Status;
 use hallsweep_core::snapshot::retrieval::{TreeView, TreesView};

@@ -21,7 +21,6 @@ mod mqtt;
 mod old;
 mod openapi;
 mod peer;
-mod places;
 mod prefix;
 mod problem;
 mod query;
@@ -33,7 +32,6 @@ pub mod scanning;
 mod serve;
 mod sign_in;
 mod simulator;
-mod streams;
 #[cfg(test)]
 mod testing;
 mod tls;
@@ -50,11 +48,10 @@ pub use guard::Hosts;
 use lines::Lines;
 pub use mqtt::{Carried, Hall, IncomingConnection};
 pub use serve::{Front, serve};
-use streams::Streams;
 pub use tls::{Tls, TlsError};
 
 use crate::access::{Access, Attempts};
-use crate::doors::room::Room;
+use crate::doors::connection_limits::{Room, Streams};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
 use crate::runtime::handle::Handle;

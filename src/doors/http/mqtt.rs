@@ -25,7 +25,7 @@ use super::guard::is_foreign;
 use super::peer::{LetIn, Peer};
 use super::problem::Problem;
 use crate::access::{Access, Caller};
-use crate::doors::vestibule::Vestibule;
+use crate::doors::connection_limits::Vestibule;
 
 /// How web clients call what they speak (MQTT 3.1.1 §6).
 const PROTOCOL: &str = "mqtt";

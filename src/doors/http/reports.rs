@@ -19,7 +19,7 @@ use super::problem::Problem;
 use super::query::Query;
 use super::reading::Number;
 use crate::access::Caller;
-use crate::doors::shares::{Limits, Shares};
+use crate::doors::connection_limits::{Limits, Shares};
 use crate::phrases::Language;
 use crate::report::{Failure, Report, list};
 use crate::runtime::archive::{Archive, Span};

@@ -13,12 +13,10 @@ use tokio::task::JoinSet;
 use tokio::task::coop::unconstrained;
 
 use super::hearing::{ServerContext, converse};
-use super::places::{PLACES, Places};
 use super::tls::Tls;
 use super::{Hosts, HttpDoor, router};
+use crate::doors::connection_limits::{PLACES, Places, Room, Vestibule};
 use crate::doors::listeners::Listeners;
-use crate::doors::room::Room;
-use crate::doors::vestibule::Vestibule;
 
 /// How long open requests are waited for at the end: with what closing a stream takes, within two seconds.
 const GRACE: Duration = Duration::from_millis(1500);

@@ -3,9 +3,6 @@
 
 use std::time::Duration;
 
-/// Clients at once: every screen, sensor and script of a site. Each costs a descriptor.
-pub(super) const CONNECTIONS: usize = 256;
-
 /// Connections at once that have not said yet who they are: however many there are, a newcomer can say it.
 pub(super) const WAITING: usize = 256;
 
@@ -15,10 +12,6 @@ pub(super) const LEAVING: usize = 64;
 /// How long a client may take to say who it is.
 pub(super) const CONNECT_TIME: Duration = Duration::from_secs(5);
 
-/// Of all clients, those whom one key may bring, every screen of a large site; and as many are kept from those who only look, for
-/// operators who are not there yet.
-pub(super) const SHARE: usize = CONNECTIONS / 4;
-
 /// What one connection may cost, in bytes: what was read ahead of it, and what waits for its client.
 pub(super) const CONNECTION_BYTES: usize = 1024 * 1024;
 
@@ -27,15 +20,6 @@ pub(super) const MESSAGES_PART: usize = 256 * 1024;
 
 /// and so much more of a client that does not read what comes: then all that may wait for it does.
 pub(super) const UNREAD_PART: usize = 448 * 1024;
-
-/// What may wait for the clients of all connections together, in bytes, because they do not read it,
-pub(super) const UNREAD: usize = 12 * 1024 * 1024;
-
-/// and for those of viewers, so that there is room for operators' still.
-pub(super) const VIEWERS_UNREAD: usize = UNREAD / 2;
-
-/// A client for which no more than this waits gives way to nobody.
-pub(super) const LITTLE_UNREAD: usize = 48 * 1024;
 
 /// What is read ahead of all connections together, in bytes,
 pub(super) const READ_AHEAD: usize = 16 * 1024 * 1024;

@@ -20,7 +20,6 @@ mod read_ahead;
 mod rights;
 #[cfg(feature = "rumqttd-router")]
 mod rumqttd;
-mod seats;
 pub mod session;
 pub mod topics;
 

@@ -20,7 +20,7 @@ use rumqttd::{Notification, RouterConfig};
 use tokio::runtime::Handle;
 use tokio::task::JoinSet;
 
-use super::limits::CONNECTIONS;
+use crate::doors::connection_limits::CONNECTIONS;
 use crate::runtime::clock::Clock;
 use mqtt_gate::{Passage, Router, Subscriber};
 

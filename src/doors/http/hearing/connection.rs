@@ -18,11 +18,10 @@ use super::judge::Judge;
 use super::shared::{Given, Shared};
 use super::stop_search::{Heard, HeardRequest, StopSearch};
 use crate::api::door;
+use crate::doors::connection_limits::{Claim, Place, Waiting};
 use crate::doors::http::peer::Peer;
-use crate::doors::http::places::{Claim, Place};
 use crate::doors::http::problem::Problem;
 use crate::doors::http::watcher::closed;
-use crate::doors::vestibule::Waiting;
 use crate::doors::write_timeout::WriteTimeoutStream;
 use crate::runtime::figures::Connected;
 

@@ -23,8 +23,8 @@ use tokio::task::JoinSet;
 
 use super::context::ServerContext;
 use super::shared::{Pressed, Shared};
+use crate::doors::connection_limits::Place;
 use crate::doors::http::peer::Peer;
-use crate::doors::http::places::Place;
 use crate::doors::http::watcher::closed;
 use crate::doors::write_timeout::WriteTimeoutStream;
 

@@ -15,13 +15,11 @@ use tokio::time::sleep;
 
 use super::*;
 use crate::api::fixture::searching;
+use crate::doors::connection_limits::{Places, Room, Vestibule};
 use crate::doors::http::guard::Hosts;
 use crate::doors::http::hearing::converse;
-use crate::doors::http::places::Places;
 use crate::doors::http::router;
 use crate::doors::http::testing::{TestApp, app};
-use crate::doors::room::Room;
-use crate::doors::vestibule::Vestibule;
 use crate::runtime::within::within;
 use hallsweep_core::units::Epoch;
 

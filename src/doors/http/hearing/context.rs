@@ -4,11 +4,10 @@ use axum::Router;
 use tokio::runtime::Handle;
 use tokio::sync::watch;
 
+use crate::doors::connection_limits::{Places, Vestibule};
 use crate::doors::http::HttpDoor;
 use crate::doors::http::guard::Hosts;
-use crate::doors::http::places::Places;
 use crate::doors::http::tls::Tls;
-use crate::doors::vestibule::Vestibule;
 
 pub(in crate::doors::http) struct ServerContext {
     pub(in crate::doors::http) door: HttpDoor,

@@ -14,9 +14,9 @@ use tokio::time::timeout;
 
 use super::connection::Connection;
 use super::context::ServerContext;
+use crate::doors::connection_limits::Waiting;
 use crate::doors::http::peer::Peer;
 use crate::doors::http::tls::Tls;
-use crate::doors::vestibule::Waiting;
 
 /// How long a client may take to agree on encryption.
 const HANDSHAKE_TIME: Duration = Duration::from_secs(10);

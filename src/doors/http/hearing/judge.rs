@@ -5,12 +5,12 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, header};
 
 use super::shared::Given;
 use crate::access::Need;
+use crate::doors::connection_limits::Claim;
 use crate::doors::http::HttpDoor;
 use crate::doors::http::command_sender::{IDEMPOTENCY_KEY, command_id};
 use crate::doors::http::gate::{allowed, by_path, issuer};
 use crate::doors::http::guard::{Hosts, is_foreign};
 use crate::doors::http::peer::Peer;
-use crate::doors::http::places::Claim;
 use crate::doors::http::scanning::{Field, Head, names};
 use hallsweep_core::command::{Command, Request};
 

@@ -4,7 +4,7 @@
 use super::judge::{Judge, Press};
 use super::shared::Given;
 use crate::api::halt::{says_halt, says_halt_from};
-use crate::doors::http::places::Claim;
+use crate::doors::connection_limits::Claim;
 use crate::doors::http::scanning::{self, BodyLength, Scanner, names};
 use hallsweep_core::command::Request;
 use hallsweep_core::units::Epoch;

@@ -2,9 +2,7 @@
 //! are no sockets here, and no copies: what a broker had kept, and packets that came twice, were left out before.
 
 mod nobody;
-mod pace;
 mod parser;
-mod places;
 mod problem;
 mod publisher;
 mod read;
@@ -17,7 +15,6 @@ use std::sync::Arc;
 use tokio::sync::mpsc;
 
 use self::nobody::Nobody;
-use self::pace::Pace;
 use self::parser::{CommandParser, ParsedCommand};
 use self::problem::Problem;
 pub use self::publisher::Publisher;
@@ -25,6 +22,7 @@ use self::results::Results;
 pub use self::results::{ANSWERS, Answer};
 use super::topics::Topics;
 use crate::access::Need;
+use crate::doors::connection_limits::Pace;
 use crate::runtime::clock::Clock;
 use crate::runtime::figures::Figures;
 use crate::runtime::handle::Handle;
@@ -110,7 +108,7 @@ impl Commands {
             return self.ignore(heard, publisher);
         }
         // Before it is read: who says too much costs nobody the time to read it.
-        if !self.pace.admits(publisher, self.clock.now().since_start) {
+        if !self.pace.admits(publisher.issuer().who, publisher.is_viewer(), self.clock.now().since_start) {
             return Taken::Forbidden;
         }
         let Some(mut parsed) = self.parser.parse(heard) else { return self.ignore(heard, publisher) };

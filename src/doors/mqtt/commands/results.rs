@@ -11,13 +11,12 @@ use tokio::sync::mpsc::error::TrySendError;
 
 use super::super::publication::{Beside, Publication};
 use super::super::qak::outgoing;
-use super::places::ResultPlaces;
 use super::problem::Problem;
 use super::publisher::Publisher;
 use crate::api::answer::AnswerJson;
 use crate::api::result::ResultJson;
+use crate::doors::connection_limits::{Permit, ResultPlaces};
 use crate::doors::seldom::Seldom;
-use crate::doors::shares::Permit;
 use crate::runtime::carry_out::{Done, NotDone};
 use hallsweep_core::command::{CommandId, Refused};
 use hallsweep_core::phase::PhaseName;
@@ -89,7 +88,7 @@ impl Results {
     /// # Errors
     /// How many are under way, when there is none.
     pub(super) fn place(&self, publisher: &Publisher) -> Result<Permit, usize> {
-        self.under_way.take(publisher)
+        self.under_way.take(publisher.is_viewer(), publisher.key())
     }
 
     /// Waits for what becomes of a command, and publishes it. Must be called inside a runtime.
@@ -144,7 +143,7 @@ impl Results {
 
     fn send(&self, publication: Publication, publisher: &Publisher) {
         let topic = publication.topic.clone();
-        let answer = self.waiting.take(publisher).map(|place| Answer { publication, _place: place });
+        let answer = self.waiting.take(publisher.is_viewer(), publisher.key()).map(|place| Answer { publication, _place: place });
         // When nobody takes any more, the program is ending.
         let is_lost = answer.map_or(true, |answer| matches!(self.answers.try_send(answer), Err(TrySendError::Full(_))));
         if is_lost && let Some(lost) = self.lost.one_more() {

@@ -2,7 +2,7 @@
 //! and who gives way to a newcomer when there is none: whoever makes least progress. Those who have said nothing yet wait in the
 //! `vestibule`.
 
-mod queues;
+mod eviction_queues;
 
 use std::collections::HashMap;
 use std::net::IpAddr;
@@ -10,15 +10,15 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::Notify;
 
-use queues::{Queues, Turn};
+use eviction_queues::{Queues, Turn};
 
+use super::connection_budget::Room;
+use super::pending_connections::RELIEF;
 use crate::access::{Access, Caller, Network, Role};
-use crate::doors::room::Room;
-use crate::doors::vestibule::RELIEF;
 
 /// Connections open at once: every stream there may be, and half as many again for requests beside them. A process has 1,024
 /// descriptors by default, and the vestibule, those who linger, the other doors and files need some too.
-pub(super) const PLACES: usize = 640;
+pub(in crate::doors) const PLACES: usize = 640;
 
 /// Where keys tell people apart, one key, and one network but this machine itself, has one in so many of all places,
 const PARTS: usize = 4;
@@ -32,7 +32,7 @@ const LEAVING: usize = 32;
 
 /// All places of the door. Cheap to clone.
 #[derive(Clone)]
-pub(super) struct Places(Arc<Mutex<Occupancy>>);
+pub(in crate::doors) struct Places(Arc<Mutex<Occupancy>>);
 
 struct Occupancy {
     most: usize,
@@ -50,7 +50,7 @@ struct Occupancy {
 
 /// For whom a place is wanted.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Claim {
+pub(in crate::doors) struct Claim {
     network: Network,
     /// Nothing of strangers.
     who: Option<Who>,
@@ -82,14 +82,14 @@ enum Stage {
 }
 
 /// One connection's place; it is free again when this is dropped.
-pub(super) struct Place {
+pub(in crate::doors) struct Place {
     number: u64,
     places: Places,
 }
 
 impl Claim {
     /// Whoever asks from there; nobody is known by a request without a key.
-    pub(super) fn new(address: IpAddr, caller: Option<&Caller>) -> Claim {
+    pub(in crate::doors) fn new(address: IpAddr, caller: Option<&Caller>) -> Claim {
         let who = caller.map(|caller| (caller.name(), caller.role() == Role::Operator));
         Claim { network: Network::of(address), who }
     }
@@ -110,7 +110,7 @@ impl Claim {
 
 impl Places {
     /// So many places, all free. Where nobody signs in there are no shares.
-    pub(super) fn new(most: usize, room: Room, access: &Access) -> Places {
+    pub(in crate::doors) fn new(most: usize, room: Room, access: &Access) -> Places {
         let (most, leaving, has_shares) = (room.part(most), room.part(LEAVING), matches!(access, Access::Keys(_)));
         let (occupants, queues) = (HashMap::new(), Queues::default());
         Places(Arc::new(Mutex::new(Occupancy { most, leaving, has_shares, moments: 0, held: 0, occupants, queues })))
@@ -118,7 +118,7 @@ impl Places {
 
     /// A place; somebody else's, who is told by `cut`, when none is free. `None` when nobody can give way, or too many who had to have
     /// not gone yet.
-    pub(super) fn take(&self, claim: Claim, says_stop: bool, cut: Arc<Notify>) -> Option<Place> {
+    pub(in crate::doors) fn take(&self, claim: Claim, says_stop: bool, cut: Arc<Notify>) -> Option<Place> {
         let mut occupancy = self.occupancy();
         let is_heeded = says_stop || occupancy.has_shares && claim.is_operator();
         let leaving = if is_heeded { 2 * occupancy.leaving } else { occupancy.leaving };
@@ -134,13 +134,13 @@ impl Places {
     }
 
     /// Cuts some connections that can give way, when the system has no more descriptors, and says how many.
-    pub(super) fn relieve(&self) -> usize {
+    pub(in crate::doors) fn relieve(&self) -> usize {
         let mut occupancy = self.occupancy();
         (0..RELIEF).map_while(|_| occupancy.queues.of_all().1.filter(|first| occupancy.cut(Some(*first)))).count()
     }
 
     #[cfg(test)]
-    pub(super) fn held(&self) -> usize {
+    pub(in crate::doors) fn held(&self) -> usize {
         self.occupancy().held
     }
 
@@ -219,7 +219,7 @@ impl Occupant {
 
 impl Place {
     /// A head has come, whose body follows or not. A body that comes slowly is no progress.
-    pub(super) fn asked(&self, claim: Claim, has_body: bool) {
+    pub(in crate::doors) fn asked(&self, claim: Claim, has_body: bool) {
         let mut is_another = false;
         self.change(true, |occupant| {
             is_another = claim.who.is_some() && claim.who != occupant.claim.who;
@@ -231,26 +231,26 @@ impl Place {
         }
     }
 
-    pub(super) fn received(&self) {
+    pub(in crate::doors) fn received(&self) {
         self.change(true, |occupant| occupant.is_receiving = false);
     }
 
     /// The answer to a request has no end.
-    pub(super) fn watches(&self) {
+    pub(in crate::doors) fn watches(&self) {
         self.change(false, |occupant| occupant.is_watching = true);
     }
 
     /// The connection speaks another protocol from now on: its place is free, and nobody needs to cut it.
-    pub(super) fn hands_over(&self) {
+    pub(in crate::doors) fn hands_over(&self) {
         let _ = self.places.occupancy().rise(self.number);
     }
 
     /// Something of an answer was taken to be sent.
-    pub(super) fn sends(&self) {
+    pub(in crate::doors) fn sends(&self) {
         self.change(true, |_| {});
     }
 
-    pub(super) fn answered(&self) {
+    pub(in crate::doors) fn answered(&self) {
         self.change(true, |occupant| {
             occupant.open = occupant.open.saturating_sub(1);
             occupant.is_watching = false;
@@ -279,5 +279,4 @@ impl Drop for Place {
 }
 
 #[cfg(test)]
-#[path = "places_tests.rs"]
 mod tests;

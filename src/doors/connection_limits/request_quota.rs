@@ -7,18 +7,18 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// How many places there are, and how many of them a key may have.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Limits {
-    pub(super) most: usize,
-    pub(super) of_one_key: usize,
+pub(in crate::doors) struct Limits {
+    pub(in crate::doors) most: usize,
+    pub(in crate::doors) of_one_key: usize,
     /// So many are kept for keys that have few,
-    pub(super) kept: usize,
+    pub(in crate::doors) kept: usize,
     /// which is less than so many: they have no share yet.
-    pub(super) few: usize,
+    pub(in crate::doors) few: usize,
 }
 
 /// All places. Cheap to clone.
 #[derive(Clone, Debug)]
-pub(super) struct Shares(Arc<Shared>);
+pub(in crate::doors) struct Shares(Arc<Shared>);
 
 #[derive(Debug)]
 struct Shared {
@@ -35,18 +35,18 @@ struct InUse {
 
 /// One place; free again when this is dropped.
 #[derive(Debug)]
-pub(super) struct Permit {
+pub(in crate::doors) struct Permit {
     shares: Shares,
     key: Option<Arc<str>>,
 }
 
 impl Shares {
-    pub(super) fn new(limits: Limits) -> Shares {
+    pub(in crate::doors) fn new(limits: Limits) -> Shares {
         Shares(Arc::new(Shared { limits, taken: Mutex::default() }))
     }
 
     /// How many there are.
-    pub(super) fn most(&self) -> usize {
+    pub(in crate::doors) fn most(&self) -> usize {
         self.0.limits.most
     }
 
@@ -54,7 +54,7 @@ impl Shares {
     ///
     /// # Errors
     /// How many are taken of those that he may have, when there is none.
-    pub(super) fn take(&self, key: Option<Arc<str>>) -> Result<Permit, usize> {
+    pub(in crate::doors) fn take(&self, key: Option<Arc<str>>) -> Result<Permit, usize> {
         let Limits { most, of_one_key, kept, few } = self.0.limits;
         let mut taken = self.taken();
         let own = key.as_ref().and_then(|key| taken.by_key.get(key)).copied().unwrap_or(0);
@@ -76,7 +76,7 @@ impl Shares {
 
     /// Whether nothing is remembered of any key.
     #[cfg(test)]
-    pub(super) fn knows_nobody(&self) -> bool {
+    pub(in crate::doors) fn knows_nobody(&self) -> bool {
         self.taken().by_key.is_empty()
     }
 

@@ -10,24 +10,39 @@ use std::time::Duration;
 
 use tokio::sync::Notify;
 
-use super::limits::{CONNECTIONS, LITTLE_UNREAD, SHARE, UNREAD, VIEWERS_UNREAD};
-use crate::doors::room::Room;
+use super::connection_budget::Room;
+
+/// Clients at once: every screen, sensor and script of a site. Each costs a descriptor.
+pub(in crate::doors) const CONNECTIONS: usize = 256;
+
+/// Of all clients, those whom one key may bring, every screen of a large site; and as many are kept from those who only look, for
+/// operators who are not there yet.
+const SHARE: usize = CONNECTIONS / 4;
+
+/// What may wait for the clients of all connections together, in bytes, because they do not read it,
+const UNREAD: usize = 12 * 1024 * 1024;
+
+/// and for those of viewers, so that there is room for operators' still.
+const VIEWERS_UNREAD: usize = UNREAD / 2;
+
+/// A client for which no more than this waits gives way to nobody.
+const LITTLE_UNREAD: usize = 48 * 1024;
 
 /// What waits for a client is noted in steps of so many bytes.
 const STEP: usize = 16 * 1024;
 
 #[derive(Clone, Debug)]
-pub(super) struct Holder {
+pub(in crate::doors) struct Holder {
     /// The name of the key.
-    pub(super) who: Arc<str>,
-    pub(super) is_viewer: bool,
+    pub(in crate::doors) who: Arc<str>,
+    pub(in crate::doors) is_viewer: bool,
     /// Whether he has shown a key, and so has a share; where nobody shows one, all are one.
-    pub(super) has_share: bool,
+    pub(in crate::doors) has_share: bool,
 }
 
 /// All seats. Cheap to clone.
 #[derive(Clone, Debug)]
-pub(super) struct Seats(Arc<Mutex<Seating>>);
+pub(in crate::doors) struct Seats(Arc<Mutex<Seating>>);
 
 #[derive(Debug)]
 struct Seating {
@@ -50,16 +65,16 @@ struct SeatedClient {
 
 /// What waits for a client, in bytes.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Unread {
+pub(in crate::doors) struct Unread {
     /// What nobody else has,
-    pub(super) here: usize,
+    pub(in crate::doors) here: usize,
     /// and what others may have as well.
-    pub(super) shared: usize,
+    pub(in crate::doors) shared: usize,
 }
 
 /// A seat; free again when it is dropped.
 #[derive(Debug)]
-pub(super) struct Seat {
+pub(in crate::doors) struct Seat {
     seats: Seats,
     number: u64,
     progress_ms: Arc<AtomicU64>,
@@ -76,13 +91,13 @@ impl Unread {
 
 impl Seats {
     /// As many as there is room for, all free.
-    pub(super) fn new(room: Room) -> Seats {
+    pub(in crate::doors) fn new(room: Room) -> Seats {
         let [most, share] = [CONNECTIONS, SHARE].map(|all| room.part(all));
         Seats(Arc::new(Mutex::new(Seating { most, share, given: 0, clients: HashMap::new() })))
     }
 
     /// A seat for whoever comes in `now`; somebody may have to give way for it.
-    pub(super) fn take(&self, holder: Holder, now: Duration) -> Seat {
+    pub(in crate::doors) fn take(&self, holder: Holder, now: Duration) -> Seat {
         let (progress_ms, give_way) = (Arc::new(AtomicU64::new(ms(now))), Arc::default());
         let mut seating = self.seating();
         if let Some(client) = seating.least_needed(&holder).and_then(|number| seating.clients.remove(&number)) {
@@ -167,13 +182,13 @@ impl Seating {
 }
 
 impl Seat {
-    pub(super) fn moves(&self, now: Duration) {
+    pub(in crate::doors) fn moves(&self, now: Duration) {
         self.progress_ms.store(ms(now), Ordering::Relaxed);
     }
 
     /// So much waits for its client now, which has last taken much of it, or all, then. `replaced` says how much waits for clients
     /// beside what they have alone. When that is too much for all together, somebody has to give way.
-    pub(super) fn note_unread(&self, unread: Unread, read_at: Duration, replaced: impl FnOnce() -> usize) {
+    pub(in crate::doors) fn note_unread(&self, unread: Unread, read_at: Duration, replaced: impl FnOnce() -> usize) {
         let (before, noted) = (self.unread.load(Ordering::Relaxed), unread.all() / STEP);
         if noted == before {
             return;
@@ -192,11 +207,11 @@ impl Seat {
     }
 
     /// It is free again, though its client is still taking its leave.
-    pub(super) fn give_back(&self) {
+    pub(in crate::doors) fn give_back(&self) {
         self.seats.seating().clients.remove(&self.number);
     }
 
-    pub(super) async fn given_up(&self) {
+    pub(in crate::doors) async fn given_up(&self) {
         self.give_way.notified().await;
     }
 }

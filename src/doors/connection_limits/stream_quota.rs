@@ -1,8 +1,8 @@
 //! Endless answers open at once, the console's and the interface's together: how many there may be, and how many of them one key.
 //! What is sent in them is not here.
 
+use super::request_quota::{Limits, Permit, Shares};
 use crate::access::{Access, Caller, Role};
-use crate::doors::shares::{Limits, Permit, Shares};
 
 /// Where keys tell people apart, one key has one in so many of all streams,
 const PARTS: usize = 4;
@@ -12,31 +12,31 @@ const KEPT: usize = 8;
 
 /// The streams that are open. Cheap to clone.
 #[derive(Clone, Debug)]
-pub(super) struct Streams {
+pub(in crate::doors) struct Streams {
     all: Shares,
     viewers: Shares,
 }
 
 /// One open stream; another may be opened when this is dropped.
-pub(super) struct OpenStream {
+pub(in crate::doors) struct OpenStream {
     _of_all: Permit,
     _of_viewers: Option<Permit>,
 }
 
 impl Streams {
     /// So many, none of them open.
-    pub(super) fn new(most: usize) -> Streams {
+    pub(in crate::doors) fn new(most: usize) -> Streams {
         let of_these = |all| Shares::new(Limits { most: all, of_one_key: most / PARTS, kept: 0, few: 0 });
         Streams { all: of_these(most), viewers: of_these(most - most / KEPT) }
     }
 
     /// How many there may be.
-    pub(super) fn most(&self) -> usize {
+    pub(in crate::doors) fn most(&self) -> usize {
         self.all.most()
     }
 
     /// Opens one for somebody; `None` when he has his share, or nobody can have one more.
-    pub(super) fn open(&self, caller: &Caller, access: &Access) -> Option<OpenStream> {
+    pub(in crate::doors) fn open(&self, caller: &Caller, access: &Access) -> Option<OpenStream> {
         let key = access.key_of(caller);
         let is_viewer = key.is_some() && caller.role() != Role::Operator;
         let of_viewers = if is_viewer { Some(self.viewers.take(None).ok()?) } else { None };
@@ -46,9 +46,10 @@ impl Streams {
 
 #[cfg(test)]
 mod tests {
-    use super::super::STREAMS;
     use super::*;
     use crate::access::{Keyring, Keys};
+
+    const STREAMS: usize = 256;
 
     /// Safety S9.
     #[test]

@@ -16,7 +16,7 @@ pub(super) const RELIEF: usize = 16;
 
 /// The places before all places of a door. Cheap to clone.
 #[derive(Clone)]
-pub(super) struct Vestibule(Arc<Mutex<Crowd>>);
+pub(in crate::doors) struct Vestibule(Arc<Mutex<Crowd>>);
 
 struct Crowd {
     most: usize,
@@ -28,19 +28,19 @@ struct Crowd {
 }
 
 /// A connection that waits; its room is free again when this is dropped.
-pub(super) struct Waiting {
+pub(in crate::doors) struct Waiting {
     number: u64,
     vestibule: Vestibule,
     cut: Arc<Notify>,
 }
 
 impl Vestibule {
-    pub(super) fn new(most: usize) -> Vestibule {
+    pub(in crate::doors) fn new(most: usize) -> Vestibule {
         Vestibule(Arc::new(Mutex::new(Crowd { most, entered: 0, waiting: BTreeMap::new(), networks: HashMap::new() })))
     }
 
     /// Lets a connection from there wait, which is told by `cut` when it has to make room.
-    pub(super) fn enter(&self, address: IpAddr, cut: Arc<Notify>) -> Waiting {
+    pub(in crate::doors) fn enter(&self, address: IpAddr, cut: Arc<Notify>) -> Waiting {
         let mut crowd = self.crowd();
         if crowd.waiting.len() >= crowd.most {
             crowd.cut();
@@ -54,7 +54,7 @@ impl Vestibule {
     }
 
     /// Lets a connection from there do its `last`, until that is done or it has to make room.
-    pub(super) async fn linger(&self, address: IpAddr, last: impl Future<Output = ()>) {
+    pub(in crate::doors) async fn linger(&self, address: IpAddr, last: impl Future<Output = ()>) {
         let waiting = self.enter(address, Arc::default());
         tokio::select! {
             biased;
@@ -64,7 +64,7 @@ impl Vestibule {
     }
 
     /// Cuts some connections, when the system has no more descriptors, and says how many.
-    pub(super) fn relieve(&self) -> usize {
+    pub(in crate::doors) fn relieve(&self) -> usize {
         let mut crowd = self.crowd();
         (0..RELIEF).take_while(|_| crowd.cut()).count()
     }
@@ -98,12 +98,12 @@ impl Crowd {
 
 impl Waiting {
     /// Leaves for a place; `false` when it had to make room before.
-    pub(super) fn leave(self) -> bool {
+    pub(in crate::doors) fn leave(self) -> bool {
         self.vestibule.crowd().remove(self.number).is_some()
     }
 
     /// Waits until it has to make room.
-    pub(super) async fn cut(&self) {
+    pub(in crate::doors) async fn cut(&self) {
         self.cut.notified().await;
     }
 }

@@ -1,0 +1,32 @@
+//! Limits of connections, sessions and requests, so that no crowd at one door keeps anybody else out (safety S9).
+//!
+//! | limit | of what | beyond it |
+//! |---|---|---|
+//! | `connection_budget` | all descriptors of all doors | every other limit is smaller |
+//! | `pending_connections` | connections that have not said who they are, or get no further answer | the oldest of the largest crowd is cut |
+//! | `connection_slots` | HTTP connections that have sent a request | whoever makes least progress is cut |
+//! | `session_limits` | MQTT sessions, and what their clients leave unread | one of whoever has most is cut |
+//! | `request_quota` | requests and results under way | the request is refused |
+//! | `stream_quota` | open streams of the HTTP door | the stream is refused |
+//! | `result_quota` | results of MQTT commands | the result is not published |
+//! | `command_rate` | MQTT commands a second of one sender | the command is refused |
+
+mod command_rate;
+mod connection_budget;
+mod connection_slots;
+mod pending_connections;
+mod request_quota;
+mod result_quota;
+mod session_limits;
+mod stream_quota;
+
+pub(super) use command_rate::Pace;
+pub use connection_budget::Room;
+pub(super) use connection_slots::{Claim, PLACES, Place, Places};
+pub(super) use pending_connections::{Vestibule, Waiting};
+pub(super) use request_quota::{Limits, Permit, Shares};
+pub(super) use result_quota::ResultPlaces;
+#[cfg(any(test, feature = "rumqttd-router"))]
+pub(super) use session_limits::CONNECTIONS;
+pub(super) use session_limits::{Holder, Seat, Seats, Unread};
+pub(super) use stream_quota::{OpenStream, Streams};
