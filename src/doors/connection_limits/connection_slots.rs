@@ -1,6 +1,6 @@
 //! Places for connections that have said what they want: how many there are, how many of them one key or one network may have,
 //! and who gives way to a newcomer when there is none: whoever makes least progress. Those who have said nothing yet wait in the
-//! `vestibule`.
+//! `pending_connections`.
 
 mod eviction_queues;
 
@@ -13,11 +13,11 @@ use tokio::sync::Notify;
 use eviction_queues::{Queues, Turn};
 
 use super::connection_budget::Room;
-use super::pending_connections::RELIEF;
+use super::pending_connections::EVICTED_AT_ONCE;
 use crate::access::{Access, Caller, Network, Role};
 
 /// Connections open at once: every stream there may be, and half as many again for requests beside them. A process has 1,024
-/// descriptors by default, and the vestibule, those who linger, the other doors and files need some too.
+/// descriptors by default, and pending connections, those who linger, the other doors and files need some too.
 pub(in crate::doors) const PLACES: usize = 640;
 
 /// Where keys tell people apart, one key, and one network but this machine itself, has one in so many of all places,
@@ -134,9 +134,9 @@ impl Places {
     }
 
     /// Cuts some connections that can give way, when the system has no more descriptors, and says how many.
-    pub(in crate::doors) fn relieve(&self) -> usize {
+    pub(in crate::doors) fn evict_some(&self) -> usize {
         let mut occupancy = self.occupancy();
-        (0..RELIEF).map_while(|_| occupancy.queues.of_all().1.filter(|first| occupancy.cut(Some(*first)))).count()
+        (0..EVICTED_AT_ONCE).map_while(|_| occupancy.queues.of_all().1.filter(|first| occupancy.cut(Some(*first)))).count()
     }
 
     #[cfg(test)]

@@ -23,7 +23,7 @@ mod stream_quota;
 pub(super) use command_rate::Pace;
 pub use connection_budget::Room;
 pub(super) use connection_slots::{Claim, PLACES, Place, Places};
-pub(super) use pending_connections::{Vestibule, Waiting};
+pub(super) use pending_connections::{PendingConnection, PendingConnections};
 pub(super) use request_quota::{Limits, Permit, Shares};
 pub(super) use result_quota::ResultPlaces;
 #[cfg(any(test, feature = "rumqttd-router"))]

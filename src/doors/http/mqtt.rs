@@ -25,7 +25,7 @@ use super::guard::is_foreign;
 use super::peer::{LetIn, Peer};
 use super::problem::Problem;
 use crate::access::{Access, Caller};
-use crate::doors::connection_limits::Vestibule;
+use crate::doors::connection_limits::PendingConnections;
 
 /// How web clients call what they speak (MQTT 3.1.1 §6).
 const PROTOCOL: &str = "mqtt";
@@ -90,12 +90,12 @@ impl AsyncWrite for Carried {
 pub struct Hall {
     receive: Arc<dyn Fn(IncomingConnection) + Send + Sync>,
     /// Of those whom the broker has let go of.
-    leaving: Vestibule,
+    leaving: PendingConnections,
 }
 
 impl Hall {
     pub fn new(receive: impl Fn(IncomingConnection) + Send + Sync + 'static) -> Hall {
-        Hall { receive: Arc::new(receive), leaving: Vestibule::new(LEAVING) }
+        Hall { receive: Arc::new(receive), leaving: PendingConnections::new(LEAVING) }
     }
 }
 
@@ -147,7 +147,7 @@ pub(super) async fn mqtt(
 
 /// Carries bytes both ways until either side ends; neither way waits for the other. A client that reads slowly does not keep the
 /// connection longer than the broker does.
-async fn carry((socket, address): (WebSocket, IpAddr), stream: DuplexStream, gone: (oneshot::Receiver<()>, Vestibule)) {
+async fn carry((socket, address): (WebSocket, IpAddr), stream: DuplexStream, gone: (oneshot::Receiver<()>, PendingConnections)) {
     let (from, to) = tokio::io::split(stream);
     let (mut send, receive) = socket.split();
     let carried = async {
@@ -165,7 +165,7 @@ async fn carry((socket, address): (WebSocket, IpAddr), stream: DuplexStream, gon
 }
 
 /// Waits until a client had its time to read what was left for it when the broker let go of it, or has to make room for others.
-async fn left((let_go, leaving): (oneshot::Receiver<()>, Vestibule), address: IpAddr) {
+async fn left((let_go, leaving): (oneshot::Receiver<()>, PendingConnections), address: IpAddr) {
     let _ = let_go.await;
     leaving.linger(address, tokio::time::sleep(FAREWELL)).await;
 }
@@ -205,7 +205,7 @@ mod tests {
     /// Safety A5: however many come and go, and however little they read.
     #[tokio::test(start_paused = true)]
     async fn of_those_who_were_let_go_of_and_read_nothing_so_many_are_waited_for() {
-        let leaving = Vestibule::new(LEAVING);
+        let leaving = PendingConnections::new(LEAVING);
         let (kept, let_go) = oneshot::channel();
         let mut staying = Box::pin(left((let_go, leaving.clone()), IpAddr::from([127, 0, 0, 1])));
         let mut gone = Vec::new();

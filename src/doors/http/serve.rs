@@ -15,7 +15,7 @@ use tokio::task::coop::unconstrained;
 use super::hearing::{ServerContext, converse};
 use super::tls::Tls;
 use super::{Hosts, HttpDoor, router};
-use crate::doors::connection_limits::{PLACES, Places, Room, Vestibule};
+use crate::doors::connection_limits::{PLACES, PendingConnections, Places, Room};
 use crate::doors::listeners::Listeners;
 
 /// How long open requests are waited for at the end: with what closing a stream takes, within two seconds.
@@ -70,8 +70,8 @@ async fn serve_so_many(
         hosts,
         tls: front.tls,
         places: Places::new(places, front.room, &door.access),
-        vestibule: Vestibule::new(front.room.part(waiting)),
-        lingering: Vestibule::new(front.room.part(waiting.min(LINGERING))),
+        pending: PendingConnections::new(front.room.part(waiting)),
+        lingering: PendingConnections::new(front.room.part(waiting.min(LINGERING))),
         work: Handle::current(),
         closing: door.closing.subscribe(),
         door: door.clone(),
@@ -102,7 +102,7 @@ async fn listen(mut listeners: Listeners, context: Arc<ServerContext>, mut ended
                     newcomers += 1;
                 }
                 Err(error) => {
-                    let relieved = context.relieve();
+                    let relieved = context.evict_some();
                     tracing::warn!(%error, relieved, "a connection could not be accepted");
                     tokio::time::sleep(if relieved > 0 { RELIEF_PAUSE } else { ACCEPT_PAUSE }).await;
                 }

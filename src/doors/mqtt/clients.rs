@@ -24,7 +24,7 @@ use super::pump::{self, Ends, Running};
 use super::read_ahead::{Left, Pool, Taker, read_ahead};
 use crate::access::{Attempts, Network};
 use crate::api::door;
-use crate::doors::connection_limits::{Room, Seats, Vestibule, Waiting};
+use crate::doors::connection_limits::{PendingConnection, PendingConnections, Room, Seats};
 use crate::doors::seldom::Seldom;
 use crate::runtime::clock::Clock;
 use mqtt_gate::limits::{CONNECT, KEEP_ALIVE_S};
@@ -48,9 +48,9 @@ struct Rooms {
     broker: Arc<Broker>,
     commands: Commands,
     /// Of those who have not said yet who they are.
-    vestibule: Vestibule,
+    pending: PendingConnections,
     /// Of those who are on their way out.
-    leaving: Vestibule,
+    leaving: PendingConnections,
     seats: Seats,
     pool: Pool,
     ids: ClientIds,
@@ -81,8 +81,8 @@ impl Clients {
         Clients(Arc::new(Rooms {
             broker,
             commands,
-            vestibule: Vestibule::new(room.part(WAITING)),
-            leaving: Vestibule::new(room.part(LEAVING)),
+            pending: PendingConnections::new(room.part(WAITING)),
+            leaving: PendingConnections::new(room.part(LEAVING)),
             seats: Seats::new(room),
             pool: Pool::default(),
             ids: ClientIds::default(),
@@ -93,13 +93,13 @@ impl Clients {
     }
 
     /// Lets a connection from there wait until it has said who it is; another one may have to make room.
-    pub(super) fn let_wait(&self, from: IpAddr) -> Waiting {
-        self.0.vestibule.enter(from, Arc::default())
+    pub(super) fn admit_pending(&self, from: IpAddr) -> PendingConnection {
+        self.0.pending.admit(from, Arc::default())
     }
 
     /// Cuts some connections of strangers, when the system has no more descriptors; how many.
-    pub(super) fn relieve(&self) -> usize {
-        self.0.vestibule.relieve()
+    pub(super) fn evict_some(&self) -> usize {
+        self.0.pending.evict_some()
     }
 
     /// Looks after those who are away, for ever: how long each is remembered, and what he left.
@@ -108,21 +108,31 @@ impl Clients {
     }
 
     /// Listens to a newcomer to the end, on the thread that hears, while it is served on `work`.
-    pub(super) async fn attend(self, incoming: IncomingConnection, waiting: Waiting, (running, work): (Running, Handle)) {
+    pub(super) async fn attend(
+        self,
+        incoming: IncomingConnection,
+        waiting: PendingConnection,
+        (running, work): (Running, Handle),
+    ) {
         let from = incoming.origin.from;
         let sent = self.converse(incoming, waiting, (running, work)).await;
         tracing::debug!(%from, why = %sent, "an MQTT connection has ended");
     }
 
     /// Why it ended.
-    async fn converse(&self, incoming: IncomingConnection, waiting: Waiting, (running, work): (Running, Handle)) -> SentAway {
+    async fn converse(
+        &self,
+        incoming: IncomingConnection,
+        waiting: PendingConnection,
+        (running, work): (Running, Handle),
+    ) -> SentAway {
         let IncomingConnection { mut reader, mut writer, origin } = incoming;
         let (from, mut heard) = (origin.from, BytesMut::new());
         let introduced = tokio::select! {
             biased;
             // What has come already is read before room is made.
             introduced = self.introduced(&mut reader, &mut heard, &origin) => introduced,
-            () = waiting.cut() => Err(SentAway::GaveWay),
+            () = waiting.evicted() => Err(SentAway::GaveWay),
         };
         let (mut connect, identity) = match introduced {
             Ok(known) => known,
@@ -153,7 +163,7 @@ impl Clients {
         tokio::select! {
             sent = &mut sent => return sent,
             _ = has_seat => {}
-            () = waiting.cut() => aborted.abort(),
+            () = waiting.evicted() => aborted.abort(),
         }
         drop(waiting);
         sent.await
@@ -181,7 +191,7 @@ impl Clients {
         &self,
         incoming: IncomingConnection,
         heard: &[u8],
-        waiting: Waiting,
+        waiting: PendingConnection,
         (sent, work): (SentAway, Handle),
     ) -> SentAway {
         let IncomingConnection { reader, writer, origin } = incoming;
@@ -190,7 +200,7 @@ impl Clients {
             biased;
             stranger = self.stranger(&sent, heard, &origin) => stranger,
             // Whoever shows a wrong password makes room while he waits for his answer.
-            () = waiting.cut() => return work.spawn(self.clone().tell(from, writer, SentAway::GaveWay)).await.unwrap_or(SentAway::GaveWay),
+            () = waiting.evicted() => return work.spawn(self.clone().tell(from, writer, SentAway::GaveWay)).await.unwrap_or(SentAway::GaveWay),
         };
         let Some((identity, version)) = stranger else {
             return work.spawn(self.clone().tell(from, writer, sent)).await.unwrap_or(SentAway::Ended(Ended::Gone));
@@ -203,7 +213,7 @@ impl Clients {
         let told = work.spawn(self.clone().tell(from, writer, sent));
         tokio::select! {
             () = hearing.run(reader) => {}
-            () = waiting.cut() => {}
+            () = waiting.evicted() => {}
         }
         told.await.unwrap_or(SentAway::Ended(Ended::Gone))
     }

@@ -41,7 +41,7 @@ async fn whoever_waits_for_the_name_of_another_goes_when_his_seat_is_needed() {
 
     let (mut client, stream) = tokio::io::duplex(1024);
     let incoming = IncomingConnection::over(stream, origin);
-    let waiting = clients.let_wait(incoming.origin.from);
+    let waiting = clients.admit_pending(incoming.origin.from);
     let served = tokio::spawn(clients.clone().attend(incoming, waiting, (running, Handle::current())));
     client.write_all(&hello).await.expect("it is taken");
     within("somebody of the same name", hangs.wanted()).await;
@@ -57,7 +57,7 @@ async fn says(access: Access, bytes: &[u8]) -> (usize, Vec<u8>) {
     let (_runs, running) = watch::channel(());
     let origin = from_here(access);
     let (mut client, stream) = tokio::io::duplex(64 * 1024);
-    let waiting = clients.let_wait(origin.from);
+    let waiting = clients.admit_pending(origin.from);
     let served = tokio::spawn(clients.attend(IncomingConnection::over(stream, origin), waiting, (running, Handle::current())));
     // What says who he is comes before the rest.
     for piece in bytes.chunks(40) {
@@ -174,7 +174,7 @@ async fn whoever_waits_for_the_answer_to_a_wrong_password_makes_room_for_newer_o
             let (mut client, stream) = tokio::io::duplex(1024);
             client.write_all(&hello(version, OPERATOR, "wrong")).await.expect("it is taken");
             let origin = from_here(access.clone());
-            let waiting = clients.let_wait(origin.from);
+            let waiting = clients.admit_pending(origin.from);
             let incoming = IncomingConnection::over(stream, origin);
             crowd.push((client, tokio::spawn(clients.clone().attend(incoming, waiting, (running.clone(), Handle::current())))));
         }
@@ -196,7 +196,7 @@ async fn a_newcomer_is_greeted_and_heard_though_nothing_else_is_done() {
     for (flags, is_greeted) in [(0xC2, true), (0xC0, false)] {
         let origin = from_here(Access::Open);
         let (mut client, stream) = tokio::io::duplex(1024);
-        let waiting = clients.let_wait(origin.from);
+        let waiting = clients.admit_pending(origin.from);
         let served =
             clients.clone().attend(IncomingConnection::over(stream, origin), waiting, (running.clone(), idle.handle().clone()));
         let served = tokio::spawn(served);

@@ -19,7 +19,7 @@ use super::identity::Identity;
 use super::incoming::Writer;
 use super::read_ahead::{Left, READ, Taker};
 use crate::access::Access;
-use crate::doors::connection_limits::{Seat, Unread, Vestibule};
+use crate::doors::connection_limits::{PendingConnections, Seat, Unread};
 use crate::runtime::clock::Clock;
 use mqtt_gate::limits::ANSWER_ROOM;
 use mqtt_gate::{ClientConnection, Ended, Outbox, Subscriber};
@@ -52,7 +52,7 @@ pub(super) struct Ends {
     pub(super) seat: Arc<Seat>,
     pub(super) id: ClientId,
     /// Where those are who leave, and from where this one came.
-    pub(super) leaving: (Vestibule, IpAddr),
+    pub(super) leaving: (PendingConnections, IpAddr),
 }
 
 pub(super) type Whose<'a> = (&'a Identity, &'a Access, Clock);
@@ -145,7 +145,7 @@ async fn see_out(desk: &Arc<Desk>, subscriber: &Subscriber, clock: Clock) -> End
 async fn take_leave(
     ended: Ended,
     (mut client, mut to_client, ahead): (Writer, Outbox, Taker),
-    (leaving, from): (Vestibule, IpAddr),
+    (leaving, from): (PendingConnections, IpAddr),
 ) {
     let told = async {
         // Whoever is gone already hears nothing.

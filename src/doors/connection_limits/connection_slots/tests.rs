@@ -178,7 +178,7 @@ fn a_system_without_descriptors_is_relieved_of_all_but_lookers_on() {
     let places = open(40);
     let all: Vec<_> = (0..40).map(|_| comes(&places, HERE, "operator").asks()).collect();
     all.iter().take(20).for_each(|somebody| somebody.place().watches());
-    assert_eq!([places.relieve(), places.relieve(), places.relieve()], [RELIEF, 4, 0]);
+    assert_eq!([places.evict_some(), places.evict_some(), places.evict_some()], [EVICTED_AT_ONCE, 4, 0]);
 }
 
 #[test]
@@ -188,7 +188,7 @@ fn a_place_that_is_left_is_free() {
         let somebody = comes(&places, HERE, "operator").asks();
         assert!(!somebody.is_cut());
     }
-    assert_eq!(places.relieve(), 0, "nobody is here");
+    assert_eq!(places.evict_some(), 0, "nobody is here");
 }
 
 /// Safety S9.
@@ -216,7 +216,7 @@ fn a_system_without_descriptors_is_relieved_of_operators_last() {
     let operators: Vec<_> = (0..4).map(|number| comes(&places, HERE, &format!("operator{number}")).asks()).collect();
     operators.iter().for_each(|operator| operator.place().answered());
     let _viewers: Vec<_> = (0..16).map(|number| comes(&places, HERE, &format!("viewer{number}")).asks()).collect();
-    assert_eq!(places.relieve(), RELIEF);
+    assert_eq!(places.evict_some(), EVICTED_AT_ONCE);
     for operator in &operators {
         assert!(!operator.is_cut());
     }

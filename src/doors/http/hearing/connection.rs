@@ -1,4 +1,4 @@
-//! What comes on one connection, from its first byte to its end: it waits in the vestibule until its first head has come, gets a
+//! What comes on one connection, from its first byte to its end: it is pending until its first head has come, gets a
 //! place or is told that there is none, and is heard on whatever becomes of its requests. Everything here runs on the thread that
 //! hears.
 
@@ -18,7 +18,7 @@ use super::judge::Judge;
 use super::shared::{Given, Shared};
 use super::stop_search::{Heard, HeardRequest, StopSearch};
 use crate::api::door;
-use crate::doors::connection_limits::{Claim, Place, Waiting};
+use crate::doors::connection_limits::{Claim, PendingConnection, Place};
 use crate::doors::http::peer::Peer;
 use crate::doors::http::problem::Problem;
 use crate::doors::http::watcher::closed;
@@ -49,7 +49,7 @@ pub(super) struct Connection<R, W> {
     /// Until a task answers the client.
     to: Option<W>,
     cut: Arc<Notify>,
-    waiting: Option<Waiting>,
+    waiting: Option<PendingConnection>,
     place: Option<Arc<Place>>,
     /// It counts from when it gets its place.
     connected: Option<Connected>,
@@ -92,7 +92,7 @@ where
         from: R,
         to: W,
         peer: Peer,
-        (waiting, cut): (Waiting, Arc<Notify>),
+        (waiting, cut): (PendingConnection, Arc<Notify>),
         context: Arc<ServerContext>,
     ) -> Connection<R, W> {
         Connection {
@@ -338,7 +338,7 @@ where
         // What comes now may be no part of that body, nor end soon.
         drop((self.task.take(), self.search.look()));
         (self.waiting, self.place, self.is_only_heard) = (None, None, true);
-        let _lingering = self.context.lingering.enter(self.search.judge.peer.address, Arc::clone(&self.cut));
+        let _lingering = self.context.lingering.admit(self.search.judge.peer.address, Arc::clone(&self.cut));
         let mut closing = self.context.closing.clone();
         let heard_on = async {
             let mut left = LINGER_BYTES;

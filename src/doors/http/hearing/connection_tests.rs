@@ -15,7 +15,7 @@ use tokio::time::sleep;
 
 use super::*;
 use crate::api::fixture::searching;
-use crate::doors::connection_limits::{Places, Room, Vestibule};
+use crate::doors::connection_limits::{PendingConnections, Places, Room};
 use crate::doors::http::guard::Hosts;
 use crate::doors::http::hearing::converse;
 use crate::doors::http::router;
@@ -34,8 +34,8 @@ fn context(app: &TestApp, places: usize) -> ServerContext {
         hosts,
         tls: None,
         places: Places::new(places, Room::default(), &app.door.access),
-        vestibule: Vestibule::new(8),
-        lingering: Vestibule::new(8),
+        pending: PendingConnections::new(8),
+        lingering: PendingConnections::new(8),
         work: Handle::current(),
         closing: app.door.closing.subscribe(),
         door: app.door.clone(),
@@ -46,7 +46,7 @@ fn context(app: &TestApp, places: usize) -> ServerContext {
 fn connected(context: &Arc<ServerContext>) -> (Connection<DuplexStream, DuplexStream>, DuplexStream, DuplexStream, Arc<Notify>) {
     let ((says, from), (to, hears)) = (tokio::io::duplex(100_000), tokio::io::duplex(100_000));
     let cut = Arc::new(Notify::new());
-    let waiting = context.vestibule.enter(HERE.into(), Arc::clone(&cut));
+    let waiting = context.pending.admit(HERE.into(), Arc::clone(&cut));
     let peer = Peer { address: HERE.into(), is_encrypted: false };
     (Connection::new(from, to, peer, (waiting, Arc::clone(&cut)), Arc::clone(context)), says, hears, cut)
 }
@@ -144,11 +144,11 @@ async fn a_system_without_descriptors_is_relieved_of_who_gets_no_answer_then_of_
     let app = app(searching());
     let context = context(&app, 8);
     let cuts: [Arc<Notify>; 3] = Default::default();
-    let _newcomer = context.vestibule.enter(HERE.into(), Arc::clone(&cuts[2]));
+    let _newcomer = context.pending.admit(HERE.into(), Arc::clone(&cuts[2]));
     let _place = context.places.take(Claim::new(HERE.into(), None), false, Arc::clone(&cuts[1])).unwrap();
-    let _lingering = context.lingering.enter(HERE.into(), Arc::clone(&cuts[0]));
+    let _lingering = context.lingering.admit(HERE.into(), Arc::clone(&cuts[0]));
     for number in 0..4 {
-        assert_eq!(context.relieve(), usize::from(number < 3));
+        assert_eq!(context.evict_some(), usize::from(number < 3));
         for (other, cut) in cuts.iter().enumerate() {
             assert_eq!(cut.notified().now_or_never().is_some(), other == number, "{number} {other}");
         }
@@ -182,7 +182,7 @@ async fn a_stop_that_has_come_halts_before_its_connection_gives_way() {
             sleep(Duration::from_millis(1)).await;
         }
         client.write_all(STOP.as_bytes()).unwrap();
-        assert_eq!(context.relieve(), 1);
+        assert_eq!(context.evict_some(), 1);
         within("it gives way", hearing).await.unwrap();
         assert_eq!(app.door.handle.epoch(), Epoch(1 + number));
     }
@@ -197,7 +197,7 @@ async fn who_had_to_make_room_takes_no_place() {
     let other = context.places.take(Claim::new(HERE.into(), None), false, Arc::clone(&cut)).unwrap();
     let (connection, mut says, mut hears, _) = connected(&context);
     says.write_all(STOP.as_bytes()).await.unwrap();
-    assert_eq!(context.vestibule.relieve(), 1);
+    assert_eq!(context.pending.evict_some(), 1);
     let hearing = tokio::spawn(connection.hear(BytesMut::new()));
     drop(says);
     let mut refused = String::new();

@@ -4,7 +4,7 @@ use axum::Router;
 use tokio::runtime::Handle;
 use tokio::sync::watch;
 
-use crate::doors::connection_limits::{Places, Vestibule};
+use crate::doors::connection_limits::{PendingConnections, Places};
 use crate::doors::http::HttpDoor;
 use crate::doors::http::guard::Hosts;
 use crate::doors::http::tls::Tls;
@@ -15,9 +15,9 @@ pub(in crate::doors::http) struct ServerContext {
     pub(in crate::doors::http) router: Router,
     pub(in crate::doors::http) tls: Option<Tls>,
     pub(in crate::doors::http) places: Places,
-    pub(in crate::doors::http) vestibule: Vestibule,
+    pub(in crate::doors::http) pending: PendingConnections,
     /// Where those are heard on who get no further answer.
-    pub(in crate::doors::http) lingering: Vestibule,
+    pub(in crate::doors::http) lingering: PendingConnections,
     /// Where requests are carried out.
     pub(in crate::doors::http) work: Handle,
     pub(in crate::doors::http) closing: watch::Receiver<bool>,
@@ -26,13 +26,13 @@ pub(in crate::doors::http) struct ServerContext {
 impl ServerContext {
     /// Cuts some connections when the system has no more descriptors, and says how many: first of those that get no further answer,
     /// last of those that may be about to say STOP.
-    pub(in crate::doors::http) fn relieve(&self) -> usize {
-        let mut relieved = self.lingering.relieve();
+    pub(in crate::doors::http) fn evict_some(&self) -> usize {
+        let mut relieved = self.lingering.evict_some();
         if relieved == 0 {
-            relieved = self.places.relieve();
+            relieved = self.places.evict_some();
         }
         if relieved == 0 {
-            relieved = self.vestibule.relieve();
+            relieved = self.pending.evict_some();
         }
         relieved
     }
