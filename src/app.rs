@@ -15,7 +15,7 @@ use tokio::task::JoinHandle;
 use crate::access;
 use crate::config::Settings;
 use crate::doors::coap::Resources;
-use crate::doors::connection_limits::Room;
+use crate::doors::connection_limits::ConnectionBudget;
 use crate::doors::http::{self, HttpDoor};
 use crate::doors::listeners::Listeners;
 pub use crate::robots::Adapter;
@@ -91,8 +91,8 @@ async fn serve_hall(
     let mut front = entry::front(&settings.http)?;
     let threads = Threads::start()?;
     let descriptors = ports::raise_descriptors();
-    let room = Room::of(descriptors);
-    front.room = room;
+    let budget = ConnectionBudget::of(descriptors);
+    front.budget = budget;
     let Ports { http, coap, mqtt, doors } = Ports::bind(settings)?;
     let signalled = signals::listen().map_err(AppError::System)?;
     let secret = access::chance()?;
@@ -110,7 +110,7 @@ async fn serve_hall(
     let resources = || Resources::new(handle.clone(), reader.clone(), settings.old_clients.manual_driving);
     let coap = coap::open(coap, &threads.coap, resources, (secret, handle.watch(), ending.subscribe()))?;
     let mqtt_ports = listeners(mqtt, &threads.mqtt)?;
-    let mqtt_ways = (mqtt_ports, mqtt_access, (&threads, room));
+    let mqtt_ways = (mqtt_ports, mqtt_access, (&threads, budget));
     let mqtt = Mqtt::open(settings, mqtt_ways, handle.clone(), reader.clone(), ending.subscribe())?;
     let http = listeners(http, &threads.http)?;
     let door = HttpDoor::new(handle, reader, &hall, access).with_cells_of(cell_m).with_robots(team).with_settings(settings.core);

@@ -10,7 +10,7 @@ use super::AppError;
 use super::threads::Threads;
 use crate::access::{self, Access};
 use crate::config::{self, MqttRouter, MqttSettings, OtherBroker, Settings};
-use crate::doors::connection_limits::Room;
+use crate::doors::connection_limits::ConnectionBudget;
 use crate::doors::http;
 use crate::doors::listeners::Listeners;
 #[cfg(feature = "rumqttd-router")]
@@ -48,7 +48,7 @@ impl Mqtt {
     /// its own.
     pub(super) fn open(
         settings: &Settings,
-        (listeners, access, inner): (Listeners, Access, (&Threads, Room)),
+        (listeners, access, inner): (Listeners, Access, (&Threads, ConnectionBudget)),
         handle: Handle,
         archive: Reader,
         ending: watch::Receiver<bool>,
@@ -101,7 +101,12 @@ pub(super) fn note(settings: &Settings) -> Option<String> {
     })
 }
 
-fn own(common: Common, (listeners, router): (Listeners, MqttRouter), (threads, room): (&Threads, Room), access: Access) -> Mqtt {
+fn own(
+    common: Common,
+    (listeners, router): (Listeners, MqttRouter),
+    (threads, budget): (&Threads, ConnectionBudget),
+    access: Access,
+) -> Mqtt {
     let (answer, answers) = mpsc::channel(ANSWERS);
     let (visit, web_clients) = mpsc::channel(WEB_CLIENTS);
     let (commands, shutdown) = (common.commands(answer), common.shutdown());
@@ -113,7 +118,7 @@ fn own(common: Common, (listeners, router): (Listeners, MqttRouter), (threads, r
         MqttRouter::Rumqttd => Broker::new(topics),
         MqttRouter::Own => Broker::new(topics),
     });
-    let clients = Clients::with_room(Arc::clone(&broker), commands, room);
+    let clients = Clients::with_budget(Arc::clone(&broker), commands, budget);
     let spoken_of = (common.topics, common.home_assistant);
     let session = OwnSession::new(broker, spoken_of, common.handle.watch(), answers, common.archive);
     let (leave, left) = watch::channel(());

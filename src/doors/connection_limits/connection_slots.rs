@@ -12,7 +12,7 @@ use tokio::sync::Notify;
 
 use eviction_queues::{Queues, Turn};
 
-use super::connection_budget::Room;
+use super::connection_budget::ConnectionBudget;
 use super::pending_connections::EVICTED_AT_ONCE;
 use crate::access::{Access, Caller, Network, Role};
 
@@ -110,8 +110,8 @@ impl Claim {
 
 impl Places {
     /// So many places, all free. Where nobody signs in there are no shares.
-    pub(in crate::doors) fn new(most: usize, room: Room, access: &Access) -> Places {
-        let (most, leaving, has_shares) = (room.part(most), room.part(LEAVING), matches!(access, Access::Keys(_)));
+    pub(in crate::doors) fn new(most: usize, budget: ConnectionBudget, access: &Access) -> Places {
+        let (most, leaving, has_shares) = (budget.scaled(most), budget.scaled(LEAVING), matches!(access, Access::Keys(_)));
         let (occupants, queues) = (HashMap::new(), Queues::default());
         Places(Arc::new(Mutex::new(Occupancy { most, leaving, has_shares, moments: 0, held: 0, occupants, queues })))
     }

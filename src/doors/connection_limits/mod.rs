@@ -21,7 +21,7 @@ mod session_limits;
 mod stream_quota;
 
 pub(super) use command_rate::Pace;
-pub use connection_budget::Room;
+pub use connection_budget::ConnectionBudget;
 pub(super) use connection_slots::{Claim, PLACES, Place, Places};
 pub(super) use pending_connections::{PendingConnection, PendingConnections};
 pub(super) use request_quota::{Limits, Permit, Shares};

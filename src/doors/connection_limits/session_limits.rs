@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use tokio::sync::Notify;
 
-use super::connection_budget::Room;
+use super::connection_budget::ConnectionBudget;
 
 /// Clients at once: every screen, sensor and script of a site. Each costs a descriptor.
 pub(in crate::doors) const CONNECTIONS: usize = 256;
@@ -91,8 +91,8 @@ impl Unread {
 
 impl Seats {
     /// As many as there is room for, all free.
-    pub(in crate::doors) fn new(room: Room) -> Seats {
-        let [most, share] = [CONNECTIONS, SHARE].map(|all| room.part(all));
+    pub(in crate::doors) fn new(budget: ConnectionBudget) -> Seats {
+        let [most, share] = [CONNECTIONS, SHARE].map(|all| budget.scaled(all));
         Seats(Arc::new(Mutex::new(Seating { most, share, given: 0, clients: HashMap::new() })))
     }
 
@@ -261,7 +261,7 @@ mod tests {
     #[test]
     fn whoever_has_his_share_gives_up_one_of_his_own() {
         for holder in [viewer("screen"), operator("panel")] {
-            let seats = Seats::new(Room::default());
+            let seats = Seats::new(ConnectionBudget::default());
             let others = crowd(&seats, &operator("others"), SHARE);
             let own = crowd(&seats, &holder, SHARE);
             own[0].moves(NOW);
@@ -273,7 +273,7 @@ mod tests {
     /// Safety S9.
     #[test]
     fn viewers_together_leave_seats_to_operators_and_to_each_other() {
-        let seats = Seats::new(Room::default());
+        let seats = Seats::new(ConnectionBudget::default());
         // A fourth of all is kept.
         let viewers = CONNECTIONS - CONNECTIONS / 4;
         let keys = viewers / SHARE + 2;
@@ -292,7 +292,7 @@ mod tests {
     /// Safety S9.
     #[test]
     fn when_all_seats_are_taken_whoever_has_most_gives_way_to_any_newcomer() {
-        let seats = Seats::new(Room::default());
+        let seats = Seats::new(ConnectionBudget::default());
         let mut crowds: Vec<_> = (0..3).map(|key| crowd(&seats, &operator(&key.to_string()), SHARE - 1)).collect();
         crowds.push(crowd(&seats, &operator("most"), SHARE));
         let few = crowd(&seats, &viewer("few"), 3);
@@ -308,7 +308,7 @@ mod tests {
     /// Safety S9: where nobody signs in.
     #[test]
     fn without_keys_nobody_has_a_share_and_the_stillest_gives_way() {
-        let seats = Seats::new(Room::default());
+        let seats = Seats::new(ConnectionBudget::default());
         let all = crowd(&seats, &here(), CONNECTIONS);
         assert_eq!(lost(&all), 0);
         for seat in &all[..CONNECTIONS - 1] {
@@ -334,7 +334,7 @@ mod tests {
     /// Safety A5, S9.
     #[test]
     fn when_too_much_is_unread_whoever_has_read_nothing_for_longest_gives_way() {
-        let seats = Seats::new(Room::default());
+        let seats = Seats::new(ConnectionBudget::default());
         let all = crowd(&seats, &here(), CONNECTIONS);
         pile_up(&all[..1], LITTLE_UNREAD);
         pile_up(&all[1..UNREAD / MUCH], MUCH);
@@ -350,7 +350,7 @@ mod tests {
     /// Safety A5, S9.
     #[test]
     fn what_viewers_do_not_read_harms_no_operator() {
-        let seats = Seats::new(Room::default());
+        let seats = Seats::new(ConnectionBudget::default());
         let screens = crowd(&seats, &operator("screens"), SHARE);
         pile_up(&screens, LITTLE_UNREAD);
         let viewers = ["one", "two", "three"].map(|key| crowd(&seats, &viewer(key), SHARE));
@@ -363,7 +363,7 @@ mod tests {
     /// Safety A5: what was replaced while it was on its way counts, and what all have in common does not.
     #[test]
     fn what_several_wait_for_counts_when_it_is_kept_no_more() {
-        let seats = Seats::new(Room::default());
+        let seats = Seats::new(ConnectionBudget::default());
         let all = crowd(&seats, &here(), SHARE);
         let shared = Unread { shared: MUCH, ..Unread::default() };
         all.iter().for_each(|seat| seat.note_unread(shared, NOW, || 0));
@@ -374,7 +374,7 @@ mod tests {
 
     #[test]
     fn a_seat_that_is_left_is_free() {
-        let seats = Seats::new(Room::default());
+        let seats = Seats::new(ConnectionBudget::default());
         for _ in 0..3 {
             assert_eq!(lost(&crowd(&seats, &here(), CONNECTIONS)), 0);
         }

@@ -51,7 +51,7 @@ pub use serve::{Front, serve};
 pub use tls::{Tls, TlsError};
 
 use crate::access::{Access, Attempts};
-use crate::doors::connection_limits::{Room, Streams};
+use crate::doors::connection_limits::{ConnectionBudget, Streams};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
 use crate::runtime::handle::Handle;
@@ -155,8 +155,8 @@ impl HttpDoor {
         HttpDoor { cookie: sign_in::cookie_name(port), ..self }
     }
 
-    fn with_streams(self, room: Room) -> HttpDoor {
-        HttpDoor { streams: Streams::new(room.part(STREAMS)), ..self }
+    fn with_streams(self, budget: ConnectionBudget) -> HttpDoor {
+        HttpDoor { streams: Streams::new(budget.scaled(STREAMS)), ..self }
     }
 
     fn cookie(&self) -> &str {

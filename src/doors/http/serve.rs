@@ -15,7 +15,7 @@ use tokio::task::coop::unconstrained;
 use super::hearing::{ServerContext, converse};
 use super::tls::Tls;
 use super::{Hosts, HttpDoor, router};
-use crate::doors::connection_limits::{PLACES, PendingConnections, Places, Room};
+use crate::doors::connection_limits::{ConnectionBudget, PLACES, PendingConnections, Places};
 use crate::doors::listeners::Listeners;
 
 /// How long open requests are waited for at the end: with what closing a stream takes, within two seconds.
@@ -42,7 +42,7 @@ pub struct Front {
     /// The names under which it is reached, beside its addresses and this machine's own names.
     pub hosts: Vec<String>,
     pub tls: Option<Tls>,
-    pub room: Room,
+    pub budget: ConnectionBudget,
 }
 
 /// Serves until `shutdown`, then ends every stream, waits shortly for open requests, and returns whatever clients do. What comes is
@@ -63,15 +63,15 @@ async fn serve_so_many(
             "the clock of this machine stands before 1970: set it, no page is served before; STOP is heard all the same"
         );
     }
-    let door = door.at(listeners.port()).with_streams(front.room);
+    let door = door.at(listeners.port()).with_streams(front.budget);
     let hosts = Hosts::new(listeners.are_local(), &front.hosts);
     let context = Arc::new(ServerContext {
         router: router(&door, hosts.clone()),
         hosts,
         tls: front.tls,
-        places: Places::new(places, front.room, &door.access),
-        pending: PendingConnections::new(front.room.part(waiting)),
-        lingering: PendingConnections::new(front.room.part(waiting.min(LINGERING))),
+        places: Places::new(places, front.budget, &door.access),
+        pending: PendingConnections::new(front.budget.scaled(waiting)),
+        lingering: PendingConnections::new(front.budget.scaled(waiting.min(LINGERING))),
         work: Handle::current(),
         closing: door.closing.subscribe(),
         door: door.clone(),

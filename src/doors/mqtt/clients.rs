@@ -24,7 +24,7 @@ use super::pump::{self, Ends, Running};
 use super::read_ahead::{Left, Pool, Taker, read_ahead};
 use crate::access::{Attempts, Network};
 use crate::api::door;
-use crate::doors::connection_limits::{PendingConnection, PendingConnections, Room, Seats};
+use crate::doors::connection_limits::{ConnectionBudget, PendingConnection, PendingConnections, Seats};
 use crate::doors::seldom::Seldom;
 use crate::runtime::clock::Clock;
 use mqtt_gate::limits::{CONNECT, KEEP_ALIVE_S};
@@ -74,16 +74,16 @@ struct IdentifiedClient {
 impl Clients {
     /// Nobody is here yet. Commands go to `commands`.
     pub fn new(broker: Arc<Broker>, commands: Commands) -> Clients {
-        Clients::with_room(broker, commands, Room::default())
+        Clients::with_budget(broker, commands, ConnectionBudget::default())
     }
 
-    pub fn with_room(broker: Arc<Broker>, commands: Commands, room: Room) -> Clients {
+    pub fn with_budget(broker: Arc<Broker>, commands: Commands, budget: ConnectionBudget) -> Clients {
         Clients(Arc::new(Rooms {
             broker,
             commands,
-            pending: PendingConnections::new(room.part(WAITING)),
-            leaving: PendingConnections::new(room.part(LEAVING)),
-            seats: Seats::new(room),
+            pending: PendingConnections::new(budget.scaled(WAITING)),
+            leaving: PendingConnections::new(budget.scaled(LEAVING)),
+            seats: Seats::new(budget),
             pool: Pool::default(),
             ids: ClientIds::default(),
             attempts: Attempts::default(),

@@ -18,11 +18,11 @@ struct Somebody {
 }
 
 fn open(most: usize) -> Places {
-    Places::new(most, Room::default(), &Access::Open)
+    Places::new(most, ConnectionBudget::default(), &Access::Open)
 }
 
 fn keyed(most: usize) -> Places {
-    Places::new(most, Room::default(), &Access::Keys(Keyring::in_memory().unwrap()))
+    Places::new(most, ConnectionBudget::default(), &Access::Keys(Keyring::in_memory().unwrap()))
 }
 
 /// Comes from there with a request; `who` is the name of the key, an operator's when it says so.

@@ -15,7 +15,7 @@ use tokio::time::sleep;
 
 use super::*;
 use crate::api::fixture::searching;
-use crate::doors::connection_limits::{PendingConnections, Places, Room};
+use crate::doors::connection_limits::{ConnectionBudget, PendingConnections, Places};
 use crate::doors::http::guard::Hosts;
 use crate::doors::http::hearing::converse;
 use crate::doors::http::router;
@@ -33,7 +33,7 @@ fn context(app: &TestApp, places: usize) -> ServerContext {
         router: router(&app.door, hosts.clone()),
         hosts,
         tls: None,
-        places: Places::new(places, Room::default(), &app.door.access),
+        places: Places::new(places, ConnectionBudget::default(), &app.door.access),
         pending: PendingConnections::new(8),
         lingering: PendingConnections::new(8),
         work: Handle::current(),
