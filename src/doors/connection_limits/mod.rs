@@ -28,5 +28,5 @@ pub(super) use request_quota::{Limits, Permit, Shares};
 pub(super) use result_quota::ResultPlaces;
 #[cfg(any(test, feature = "rumqttd-router"))]
 pub(super) use session_limits::CONNECTIONS;
-pub(super) use session_limits::{Holder, Seat, Seats, Unread};
+pub(super) use session_limits::{SessionLimits, SessionOwner, SessionPermit, UnreadBytes};
 pub(super) use stream_quota::{OpenStream, Streams};

@@ -1,6 +1,6 @@
 //! Places for what somebody has asked for: so many at once, of which one key has its share, and some are kept for keys that have few, so
 //! that nobody goes without because of others (safety S9). Whoever finds none is refused; where somebody gives way instead stands in
-//! `http::places`, `mqtt::seats` and `pending_connections`.
+//! `http::places`, `session_limits` and `pending_connections`.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -24,7 +24,7 @@ use super::pump::{self, Ends, Running};
 use super::read_ahead::{Left, Pool, Taker, read_ahead};
 use crate::access::{Attempts, Network};
 use crate::api::door;
-use crate::doors::connection_limits::{ConnectionBudget, PendingConnection, PendingConnections, Seats};
+use crate::doors::connection_limits::{ConnectionBudget, PendingConnection, PendingConnections, SessionLimits};
 use crate::doors::seldom::Seldom;
 use crate::runtime::clock::Clock;
 use mqtt_gate::limits::{CONNECT, KEEP_ALIVE_S};
@@ -51,7 +51,7 @@ struct Rooms {
     pending: PendingConnections,
     /// Of those who are on their way out.
     leaving: PendingConnections,
-    seats: Seats,
+    sessions: SessionLimits,
     pool: Pool,
     ids: ClientIds,
     attempts: Attempts,
@@ -60,7 +60,7 @@ struct Rooms {
     clock: Clock,
 }
 
-/// Who hears its commands, and who is told when it has a seat.
+/// Who hears its commands, and who is told when it is admitted.
 type Heeded = (Arc<dyn Listener>, oneshot::Sender<()>);
 
 struct IdentifiedClient {
@@ -83,7 +83,7 @@ impl Clients {
             commands,
             pending: PendingConnections::new(budget.scaled(WAITING)),
             leaving: PendingConnections::new(budget.scaled(LEAVING)),
-            seats: Seats::new(budget),
+            sessions: SessionLimits::new(budget),
             pool: Pool::default(),
             ids: ClientIds::default(),
             attempts: Attempts::default(),
@@ -153,8 +153,8 @@ impl Clients {
         drop(heard);
         let greeted = self.greet(&mut writer, &known);
         // Only now, when its STOP has halted, it is asked what else is wrong. Until that is done it waits with the others.
-        let (seated, has_seat) = oneshot::channel();
-        let served = work.spawn(self.clone().serve((writer, taker), (known, greeted), (listener, seated), running));
+        let (admitted, is_admitted) = oneshot::channel();
+        let served = work.spawn(self.clone().serve((writer, taker), (known, greeted), (listener, admitted), running));
         let aborted = served.abort_handle();
         let mut sent = pin!(async {
             hearing.run(reader).await;
@@ -162,7 +162,7 @@ impl Clients {
         });
         tokio::select! {
             sent = &mut sent => return sent,
-            _ = has_seat => {}
+            _ = is_admitted => {}
             () = waiting.evicted() => aborted.abort(),
         }
         drop(waiting);
@@ -271,7 +271,7 @@ impl Clients {
         self,
         (writer, ahead): (Writer, Taker),
         (known, greeted): (IdentifiedClient, usize),
-        (listener, seated): Heeded,
+        (listener, admitted): Heeded,
         running: Running,
     ) -> SentAway {
         if let Some(welcome) = self.refusal(&known) {
@@ -279,16 +279,16 @@ impl Clients {
             return self.tell(known.origin.from, writer, SentAway::Refused(known.connect.version(), welcome)).await;
         }
         let now = self.0.clock.since_start();
-        let seat = Arc::new(self.0.seats.take(known.identity.holder(), now));
+        let permit = Arc::new(self.0.sessions.take(known.identity.owner(), now));
         let _connected = self.0.commands.figures().connected(door::MQTT);
-        drop(seated);
+        drop(admitted);
         let name = Name { who: known.identity.name(), client: known.connect.client_id.clone() };
         let memory = Memory { resumes: !known.connect.clean_start, wants: known.connect.session_expiry_s > 0 };
         // What is remembered of it is said with the greeting.
         let (id, session) = tokio::select! {
             biased;
             taken = self.0.ids.take(name.clone(), memory) => taken,
-            () = seat.given_up() => return self.tell(known.origin.from, writer, SentAway::Ended(Ended::GaveWay)).await,
+            () = permit.evicted() => return self.tell(known.origin.from, writer, SentAway::Ended(Ended::GaveWay)).await,
         };
         tracing::debug!(from = %known.origin.from, who = %name.who, client = name.client, "an MQTT client has come");
         let greeting = known.greeting(session.is_some(), id.is_remembered());
@@ -304,7 +304,7 @@ impl Clients {
             greeting: Bytes::copy_from_slice(&greeting[greeted..]),
         };
         let connection = ClientConnection::new(terms, Arc::clone(&self.0.broker), now);
-        let ends = Ends { client: writer, ahead, seat, id, leaving: (self.0.leaving.clone(), origin.from) };
+        let ends = Ends { client: writer, ahead, permit, id, leaving: (self.0.leaving.clone(), origin.from) };
         SentAway::Ended(pump::run(connection, ends, running, (&identity, &origin.access, self.0.clock)).await)
     }
 

@@ -25,7 +25,7 @@ fn from_here(access: Access) -> Origin {
     Origin { from: "127.0.0.1".parse().expect("an address"), caller: None, access }
 }
 
-/// Safety A5, S9: however many come with one name, no more of them wait than there are seats.
+/// Safety A5, S9: however many come with one name, no more of them wait than there are sessions.
 #[tokio::test(start_paused = true)]
 async fn whoever_waits_for_the_name_of_another_goes_when_his_seat_is_needed() {
     let (clients, _script) = clients();
@@ -45,8 +45,8 @@ async fn whoever_waits_for_the_name_of_another_goes_when_his_seat_is_needed() {
     let served = tokio::spawn(clients.clone().attend(incoming, waiting, (running, Handle::current())));
     client.write_all(&hello).await.expect("it is taken");
     within("somebody of the same name", hangs.wanted()).await;
-    let holder = identity.holder();
-    let _newer: Vec<_> = (0..CONNECTIONS).map(|_| clients.0.seats.take(holder.clone(), Duration::MAX)).collect();
+    let owner = identity.owner();
+    let _newer: Vec<_> = (0..CONNECTIONS).map(|_| clients.0.sessions.take(owner.clone(), Duration::MAX)).collect();
     tokio::time::timeout(Duration::from_millis(100), served).await.expect("it waits no longer").expect("it ends in order");
     assert_eq!(client.read(&mut [0]).await.ok(), Some(0));
 }

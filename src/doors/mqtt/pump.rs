@@ -19,7 +19,7 @@ use super::identity::Identity;
 use super::incoming::Writer;
 use super::read_ahead::{Left, READ, Taker};
 use crate::access::Access;
-use crate::doors::connection_limits::{PendingConnections, Seat, Unread};
+use crate::doors::connection_limits::{PendingConnections, SessionPermit, UnreadBytes};
 use crate::runtime::clock::Clock;
 use mqtt_gate::limits::ANSWER_ROOM;
 use mqtt_gate::{ClientConnection, Ended, Outbox, Subscriber};
@@ -49,7 +49,7 @@ pub(super) struct Ends {
     pub(super) client: Writer,
     /// What the client has sent.
     pub(super) ahead: Taker,
-    pub(super) seat: Arc<Seat>,
+    pub(super) permit: Arc<SessionPermit>,
     pub(super) id: ClientId,
     /// Where those are who leave, and from where this one came.
     pub(super) leaving: (PendingConnections, IpAddr),
@@ -63,7 +63,7 @@ pub(super) struct Pump {
     subscriber: Arc<Subscriber>,
     client: Writer,
     ahead: Taker,
-    seat: Arc<Seat>,
+    permit: Arc<SessionPermit>,
     clock: Clock,
     from_client: BytesMut,
     /// Whole packets of the client may be there that were not taken in the last turn.
@@ -105,17 +105,17 @@ type Did = Result<bool, Ended>;
 
 /// Runs until it has to end, and says why.
 pub(super) async fn run(connection: ClientConnection, ends: Ends, mut running: Running, whose: Whose<'_>) -> Ended {
-    let Ends { client, ahead, seat, mut id, leaving } = ends;
+    let Ends { client, ahead, permit, mut id, leaving } = ends;
     let subscriber = connection.subscriber();
-    let desk = OpenDesk(Desk::new(Pump::new(connection, (client, ahead, Arc::clone(&seat)), whose.2)));
+    let desk = OpenDesk(Desk::new(Pump::new(connection, (client, ahead, Arc::clone(&permit)), whose.2)));
     let ended = tokio::select! {
         ended = desk.0.serve(whose.2) => ended,
         () = id.wanted() => Ended::TakenOver,
         _ = running.changed() => Ended::Closing,
-        ended = shut_out(whose, &seat) => ended,
+        ended = shut_out(whose, &permit) => ended,
     };
     let ended = if ended == Ended::Closing { see_out(&desk.0, &subscriber, whose.2).await } else { ended };
-    seat.give_back();
+    permit.release();
     let Some(Pump { mut connection, client, ahead, .. }) = desk.0.close() else { return ended };
     ahead.leave(left(ended));
     connection.handle_end(ended, whose.2.since_start());
@@ -165,13 +165,13 @@ async fn take_leave(
 }
 
 impl Pump {
-    fn new(connection: ClientConnection, (client, ahead, seat): (Writer, Taker, Arc<Seat>), clock: Clock) -> Pump {
+    fn new(connection: ClientConnection, (client, ahead, permit): (Writer, Taker, Arc<SessionPermit>), clock: Clock) -> Pump {
         Pump {
             subscriber: connection.subscriber(),
             connection,
             client,
             ahead,
-            seat,
+            permit,
             clock,
             from_client: BytesMut::new(),
             is_cut: false,
@@ -305,13 +305,13 @@ impl Pump {
         if self.connection.to_client().is_empty() {
             (self.read_at, self.taken) = (self.clock.since_start(), 0);
         }
-        let unread = Unread { here, shared: self.connection.shared() };
-        self.seat.note_unread(unread, self.read_at, || self.connection.beside());
+        let unread = UnreadBytes { here, shared: self.connection.shared() };
+        self.permit.note_unread(unread, self.read_at, || self.connection.beside());
     }
 
     /// The client has said something, or read something.
     fn moves(&self) {
-        self.seat.moves(self.clock.since_start());
+        self.permit.note_progress(self.clock.since_start());
     }
 }
 
@@ -326,8 +326,8 @@ fn left(ended: Ended) -> Left {
     }
 }
 
-/// Waits until whoever was let in has to go: its key is not known any more, or its seat is somebody else's.
-async fn shut_out((identity, access, clock): Whose<'_>, seat: &Seat) -> Ended {
+/// Waits until whoever was let in has to go: its key is not known any more, or its session is evicted.
+async fn shut_out((identity, access, clock): Whose<'_>, permit: &SessionPermit) -> Ended {
     let unknown = async {
         while identity.is_known(access, clock.now()) {
             tokio::time::sleep(GLANCE).await;
@@ -335,6 +335,6 @@ async fn shut_out((identity, access, clock): Whose<'_>, seat: &Seat) -> Ended {
     };
     tokio::select! {
         () = unknown => Ended::NotKnown,
-        () = seat.given_up() => Ended::GaveWay,
+        () = permit.evicted() => Ended::GaveWay,
     }
 }
