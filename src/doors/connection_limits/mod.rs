@@ -24,9 +24,9 @@ pub(super) use command_rate::Pace;
 pub use connection_budget::ConnectionBudget;
 pub(super) use connection_slots::{Claim, PLACES, Place, Places};
 pub(super) use pending_connections::{PendingConnection, PendingConnections};
-pub(super) use request_quota::{Limits, Permit, Shares};
-pub(super) use result_quota::ResultPlaces;
+pub(super) use request_quota::{Permit, QuotaLimits, RequestQuota};
+pub(super) use result_quota::ResultQuota;
 #[cfg(any(test, feature = "rumqttd-router"))]
 pub(super) use session_limits::CONNECTIONS;
 pub(super) use session_limits::{SessionLimits, SessionOwner, SessionPermit, UnreadBytes};
-pub(super) use stream_quota::{OpenStream, Streams};
+pub(super) use stream_quota::{OpenStream, StreamQuota};

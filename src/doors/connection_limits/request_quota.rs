@@ -1,28 +1,28 @@
-//! Places for what somebody has asked for: so many at once, of which one key has its share, and some are kept for keys that have few, so
-//! that nobody goes without because of others (safety S9). Whoever finds none is refused; where somebody gives way instead stands in
-//! `http::places`, `session_limits` and `pending_connections`.
+//! Quotas of requests under way: so many at once, of which one key has its share, and some are reserved for keys that have few, so that
+//! nobody goes without because of others (safety S9). Beyond the quota a request is refused. The quotas of streams and of results are
+//! made of it.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// How many places there are, and how many of them a key may have.
+/// How many requests may be under way at once.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::doors) struct Limits {
+pub(in crate::doors) struct QuotaLimits {
     pub(in crate::doors) most: usize,
     pub(in crate::doors) of_one_key: usize,
-    /// So many are kept for keys that have few,
+    /// How many of them are reserved for keys that have few.
     pub(in crate::doors) kept: usize,
-    /// which is less than so many: they have no share yet.
+    /// A key that has fewer than this has few.
     pub(in crate::doors) few: usize,
 }
 
-/// All places. Cheap to clone.
+/// A quota, and what is under way. Cheap to clone.
 #[derive(Clone, Debug)]
-pub(in crate::doors) struct Shares(Arc<Shared>);
+pub(in crate::doors) struct RequestQuota(Arc<Counted>);
 
 #[derive(Debug)]
-struct Shared {
-    limits: Limits,
+struct Counted {
+    limits: QuotaLimits,
     taken: Mutex<InUse>,
 }
 
@@ -33,29 +33,28 @@ struct InUse {
     by_key: HashMap<Arc<str>, usize>,
 }
 
-/// One place; free again when this is dropped.
+/// The permit of one request, which counts until this is dropped.
 #[derive(Debug)]
 pub(in crate::doors) struct Permit {
-    shares: Shares,
+    quota: RequestQuota,
     key: Option<Arc<str>>,
 }
 
-impl Shares {
-    pub(in crate::doors) fn new(limits: Limits) -> Shares {
-        Shares(Arc::new(Shared { limits, taken: Mutex::default() }))
+impl RequestQuota {
+    pub(in crate::doors) fn new(limits: QuotaLimits) -> RequestQuota {
+        RequestQuota(Arc::new(Counted { limits, taken: Mutex::default() }))
     }
 
-    /// How many there are.
     pub(in crate::doors) fn most(&self) -> usize {
         self.0.limits.most
     }
 
-    /// A place for whoever has shown this key; where nobody shows one there are no shares.
+    /// Admits a request of whoever has shown this key; without a key there are no shares.
     ///
     /// # Errors
-    /// How many are taken of those that he may have, when there is none.
+    /// When it is refused, how many are under way of those that he may have.
     pub(in crate::doors) fn take(&self, key: Option<Arc<str>>) -> Result<Permit, usize> {
-        let Limits { most, of_one_key, kept, few } = self.0.limits;
+        let QuotaLimits { most, of_one_key, kept, few } = self.0.limits;
         let mut taken = self.taken();
         let own = key.as_ref().and_then(|key| taken.by_key.get(key)).copied().unwrap_or(0);
         let has_few = key.is_none() || own < few;
@@ -71,7 +70,7 @@ impl Shares {
             taken.by_key.insert(Arc::clone(key), own + 1);
         }
         drop(taken);
-        Ok(Permit { shares: self.clone(), key })
+        Ok(Permit { quota: self.clone(), key })
     }
 
     /// Whether nothing is remembered of any key.
@@ -87,7 +86,7 @@ impl Shares {
 
 impl Drop for Permit {
     fn drop(&mut self) {
-        let mut taken = self.shares.taken();
+        let mut taken = self.quota.taken();
         taken.all -= 1;
         let Some((key, own)) = self.key.as_ref().and_then(|key| Some((key, taken.by_key.get_mut(key)?))) else { return };
         *own -= 1;

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use super::request_quota::{Limits, Permit, Shares};
+use super::request_quota::{Permit, QuotaLimits, RequestQuota};
 
 /// Of all places of operators, or of viewers, one key has one in so many,
 const PARTS: usize = 2;
@@ -17,16 +17,16 @@ const FEW: usize = 8;
 
 /// Places for those who act, and for those who only look. Cheap to clone.
 #[derive(Clone, Debug)]
-pub(in crate::doors) struct ResultPlaces {
-    operators: Shares,
-    viewers: Shares,
+pub(in crate::doors) struct ResultQuota {
+    operators: RequestQuota,
+    viewers: RequestQuota,
 }
 
-impl ResultPlaces {
+impl ResultQuota {
     /// So many, and so many for viewers beside them.
-    pub(in crate::doors) fn new(operators: usize, viewers: usize) -> ResultPlaces {
-        let shares = |most| Shares::new(Limits { most, of_one_key: most / PARTS, kept: most / KEPT, few: FEW });
-        ResultPlaces { operators: shares(operators), viewers: shares(viewers) }
+    pub(in crate::doors) fn new(operators: usize, viewers: usize) -> ResultQuota {
+        let shares = |most| RequestQuota::new(QuotaLimits { most, of_one_key: most / PARTS, kept: most / KEPT, few: FEW });
+        ResultQuota { operators: shares(operators), viewers: shares(viewers) }
     }
 
     /// A place for the next command of whoever has shown this key.
@@ -55,19 +55,19 @@ mod tests {
         (false, Some(key))
     }
 
-    fn take(places: &ResultPlaces, (is_viewer, key): Sender<'_>) -> Result<Permit, usize> {
+    fn take(places: &ResultQuota, (is_viewer, key): Sender<'_>) -> Result<Permit, usize> {
         places.take(is_viewer, key.map(Arc::from))
     }
 
     /// As many places as this sender gets.
-    fn all(places: &ResultPlaces, sender: Sender<'_>) -> Vec<Permit> {
+    fn all(places: &ResultQuota, sender: Sender<'_>) -> Vec<Permit> {
         std::iter::from_fn(|| take(places, sender).ok()).collect()
     }
 
     /// Safety S9.
     #[test]
     fn one_key_has_half_and_whoever_has_few_gets_places_though_others_take_all_they_can() {
-        let places = ResultPlaces::new(MOST, VIEWERS);
+        let places = ResultQuota::new(MOST, VIEWERS);
         let greedy = all(&places, operator("greedy"));
         let second = all(&places, operator("second"));
         assert_eq!((greedy.len(), second.len()), (128, 64), "a fourth is kept");
@@ -80,10 +80,10 @@ mod tests {
     /// Safety S9.
     #[test]
     fn viewers_and_operators_take_no_places_of_each_other() {
-        let places = ResultPlaces::new(MOST, VIEWERS);
+        let places = ResultQuota::new(MOST, VIEWERS);
         let viewers = all(&places, VIEWER);
         assert_eq!(viewers.len(), 32);
-        let alone = ResultPlaces::new(MOST, VIEWERS);
+        let alone = ResultQuota::new(MOST, VIEWERS);
         assert_eq!(all(&places, operator("panel")).len(), all(&alone, operator("panel")).len());
         let _all = (0..MOST).filter_map(|n| take(&places, operator(&n.to_string())).ok()).collect::<Vec<_>>();
         drop(viewers);
@@ -92,7 +92,7 @@ mod tests {
 
     #[test]
     fn where_nobody_shows_a_key_there_are_no_shares_and_a_place_that_is_left_is_free() {
-        let places = ResultPlaces::new(MOST, VIEWERS);
+        let places = ResultQuota::new(MOST, VIEWERS);
         for _ in 0..3 {
             assert_eq!(all(&places, HERE).len(), MOST);
             assert_eq!(all(&places, operator("panel")).len(), 128);

@@ -1,7 +1,7 @@
 //! Endless answers open at once, the console's and the interface's together: how many there may be, and how many of them one key.
 //! What is sent in them is not here.
 
-use super::request_quota::{Limits, Permit, Shares};
+use super::request_quota::{Permit, QuotaLimits, RequestQuota};
 use crate::access::{Access, Caller, Role};
 
 /// Where keys tell people apart, one key has one in so many of all streams,
@@ -12,9 +12,9 @@ const KEPT: usize = 8;
 
 /// The streams that are open. Cheap to clone.
 #[derive(Clone, Debug)]
-pub(in crate::doors) struct Streams {
-    all: Shares,
-    viewers: Shares,
+pub(in crate::doors) struct StreamQuota {
+    all: RequestQuota,
+    viewers: RequestQuota,
 }
 
 /// One open stream; another may be opened when this is dropped.
@@ -23,11 +23,11 @@ pub(in crate::doors) struct OpenStream {
     _of_viewers: Option<Permit>,
 }
 
-impl Streams {
+impl StreamQuota {
     /// So many, none of them open.
-    pub(in crate::doors) fn new(most: usize) -> Streams {
-        let of_these = |all| Shares::new(Limits { most: all, of_one_key: most / PARTS, kept: 0, few: 0 });
-        Streams { all: of_these(most), viewers: of_these(most - most / KEPT) }
+    pub(in crate::doors) fn new(most: usize) -> StreamQuota {
+        let of_these = |all| RequestQuota::new(QuotaLimits { most: all, of_one_key: most / PARTS, kept: 0, few: 0 });
+        StreamQuota { all: of_these(most), viewers: of_these(most - most / KEPT) }
     }
 
     /// How many there may be.
@@ -61,7 +61,7 @@ mod tests {
         }
         let caller = |name: &str| Caller::Known(keys.check(keys.named(name).unwrap().token.reveal()).unwrap());
         let access = Access::Keys(Keyring::of(keys.clone()).unwrap());
-        let streams = Streams::new(STREAMS);
+        let streams = StreamQuota::new(STREAMS);
         let all = |name: &str| std::iter::from_fn(|| streams.open(&caller(name), &access)).take(1000).collect::<Vec<_>>();
         let viewers: Vec<_> = names.iter().map(|name| all(name)).collect();
         let counts: Vec<usize> = viewers.iter().map(Vec::len).collect();
@@ -74,7 +74,7 @@ mod tests {
 
     #[test]
     fn where_nobody_signs_in_there_are_no_shares() {
-        let streams = Streams::new(STREAMS);
+        let streams = StreamQuota::new(STREAMS);
         let open: Vec<_> = std::iter::from_fn(|| streams.open(&Caller::Here, &Access::Open)).take(1000).collect();
         assert_eq!(open.len(), STREAMS);
     }

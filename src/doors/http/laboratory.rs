@@ -24,19 +24,19 @@ use crate::access::Caller;
 use crate::api::laboratory::mishap::Mishap;
 use crate::api::laboratory::pallet::Pallet;
 use crate::api::laboratory::roomba::Roomba;
-use crate::doors::connection_limits::{Limits, Shares};
+use crate::doors::connection_limits::{QuotaLimits, RequestQuota};
 use crate::phrases::Language;
 use behaviour_trees::Status;
 use hallsweep_core::snapshot::retrieval::{TreeView, TreesView};
 
 /// So many runs are computed or wait for it, each of less than a tenth of a second. Of these one key has three at most, and four are kept
 /// for keys that have none or one.
-const RUNS: Limits = Limits { most: 12, of_one_key: 3, kept: 4, few: 2 };
+const RUNS: QuotaLimits = QuotaLimits { most: 12, of_one_key: 3, kept: 4, few: 2 };
 
 /// One run after the other, whoever asks: a crowd in the laboratory keeps one thread busy, and none that carries out a STOP.
 #[derive(Clone, Debug)]
 pub(super) struct Laboratory {
-    places: Shares,
+    places: RequestQuota,
     turn: Arc<Semaphore>,
 }
 
@@ -69,7 +69,7 @@ fn json(text: String) -> Response {
 
 impl Default for Laboratory {
     fn default() -> Laboratory {
-        Laboratory { places: Shares::new(RUNS), turn: Arc::new(Semaphore::new(1)) }
+        Laboratory { places: RequestQuota::new(RUNS), turn: Arc::new(Semaphore::new(1)) }
     }
 }
 

@@ -51,7 +51,7 @@ pub use serve::{Front, serve};
 pub use tls::{Tls, TlsError};
 
 use crate::access::{Access, Attempts};
-use crate::doors::connection_limits::{ConnectionBudget, Streams};
+use crate::doors::connection_limits::{ConnectionBudget, StreamQuota};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
 use crate::runtime::handle::Handle;
@@ -71,7 +71,7 @@ pub struct HttpDoor {
     handle: Handle,
     archive: Reader,
     hall: Arc<str>,
-    streams: Streams,
+    streams: StreamQuota,
     laboratory: laboratory::Laboratory,
     map_files: map_files::MapFiles,
     reports: reports::Reports,
@@ -106,7 +106,7 @@ impl HttpDoor {
             handle,
             archive,
             hall: Arc::from(hall),
-            streams: Streams::new(STREAMS),
+            streams: StreamQuota::new(STREAMS),
             laboratory: laboratory::Laboratory::default(),
             map_files: map_files::MapFiles::default(),
             reports: reports::Reports::default(),
@@ -156,7 +156,7 @@ impl HttpDoor {
     }
 
     fn with_streams(self, budget: ConnectionBudget) -> HttpDoor {
-        HttpDoor { streams: Streams::new(budget.scaled(STREAMS)), ..self }
+        HttpDoor { streams: StreamQuota::new(budget.scaled(STREAMS)), ..self }
     }
 
     fn cookie(&self) -> &str {

@@ -19,14 +19,14 @@ use super::problem::Problem;
 use super::query::Query;
 use super::reading::Number;
 use crate::access::Caller;
-use crate::doors::connection_limits::{Limits, Shares};
+use crate::doors::connection_limits::{QuotaLimits, RequestQuota};
 use crate::phrases::Language;
 use crate::report::{Failure, Report, list};
 use crate::runtime::archive::{Archive, Span};
 use hallsweep_core::units::{MissionId, Seq};
 
 /// So many are written at once, half of them for one key; one is kept for a key that has none.
-const PLACES: Limits = Limits { most: 4, of_one_key: 2, kept: 1, few: 1 };
+const PLACES: QuotaLimits = QuotaLimits { most: 4, of_one_key: 2, kept: 1, few: 1 };
 
 /// So much is written before it is read,
 const CHUNK: usize = 64 * 1024;
@@ -37,11 +37,11 @@ const PATIENCE: Duration = Duration::from_secs(600);
 
 /// Who may have one written.
 #[derive(Clone, Debug)]
-pub(super) struct Reports(Shares);
+pub(super) struct Reports(RequestQuota);
 
 impl Default for Reports {
     fn default() -> Reports {
-        Reports(Shares::new(PLACES))
+        Reports(RequestQuota::new(PLACES))
     }
 }
 

@@ -173,8 +173,8 @@ impl Commands {
         heard: Option<&IncomingMessage<'_>>,
         publisher: &Publisher,
     ) {
-        let place = self.results.place(publisher);
-        if let Err(under_way) = place
+        let permit = self.results.permit(publisher);
+        if let Err(under_way) = permit
             && *command != Command::Stop
         {
             return self.refuse(parsed, &Problem::too_many(under_way), publisher);
@@ -183,8 +183,8 @@ impl Commands {
         let (arrived, is_again) = heard.map_or((None, false), |heard| (heard.arrived, heard.is_again));
         let request = Request { id, epoch, arrived, is_again, ..Request::new(command.clone(), publisher.issuer()) };
         let given = self.handle.carry_out(request);
-        if let Ok(place) = place {
-            self.results.follow(given, (parsed.reply.clone(), publisher.clone()), place);
+        if let Ok(permit) = permit {
+            self.results.follow(given, (parsed.reply.clone(), publisher.clone()), permit);
         }
     }
 

@@ -15,7 +15,7 @@ use super::problem::Problem;
 use super::publisher::Publisher;
 use crate::api::answer::AnswerJson;
 use crate::api::result::ResultJson;
-use crate::doors::connection_limits::{Permit, ResultPlaces};
+use crate::doors::connection_limits::{Permit, ResultQuota};
 use crate::doors::seldom::Seldom;
 use crate::runtime::carry_out::{Done, NotDone};
 use hallsweep_core::command::{CommandId, Refused};
@@ -41,8 +41,8 @@ const NO_PHOTO: &str = "noPhoto";
 #[derive(Clone, Debug)]
 pub(super) struct Results {
     answers: mpsc::Sender<Answer>,
-    under_way: ResultPlaces,
-    waiting: ResultPlaces,
+    under_way: ResultQuota,
+    waiting: ResultQuota,
     lost: Arc<Seldom>,
 }
 
@@ -50,7 +50,7 @@ pub(super) struct Results {
 #[derive(Debug)]
 pub struct Answer {
     publication: Publication,
-    _place: Permit,
+    _permit: Permit,
 }
 
 /// Where one result goes.
@@ -79,7 +79,7 @@ impl Reply {
 impl Results {
     /// Results go to `answers`.
     pub(super) fn new(answers: mpsc::Sender<Answer>) -> Results {
-        let places = || ResultPlaces::new(UNDER_WAY, VIEWERS_UNDER_WAY);
+        let places = || ResultQuota::new(UNDER_WAY, VIEWERS_UNDER_WAY);
         Results { answers, under_way: places(), waiting: places(), lost: Arc::default() }
     }
 
@@ -87,12 +87,12 @@ impl Results {
     ///
     /// # Errors
     /// How many are under way, when there is none.
-    pub(super) fn place(&self, publisher: &Publisher) -> Result<Permit, usize> {
+    pub(super) fn permit(&self, publisher: &Publisher) -> Result<Permit, usize> {
         self.under_way.take(publisher.is_viewer(), publisher.key())
     }
 
     /// Waits for what becomes of a command, and publishes it. Must be called inside a runtime.
-    pub(super) fn follow<F>(&self, done: F, (reply, publisher): (Reply, Publisher), place: Permit)
+    pub(super) fn follow<F>(&self, done: F, (reply, publisher): (Reply, Publisher), permit: Permit)
     where
         F: Future<Output = Result<Done, NotDone>> + Send + 'static,
     {
@@ -103,7 +103,7 @@ impl Results {
                 Ok(Err(not_done)) => results.refused(&reply, &publisher, &not_done.into()),
                 Err(_) => results.refused(&reply, &publisher, &Problem::no_answer(PATIENCE)),
             }
-            drop(place);
+            drop(permit);
         });
     }
 
@@ -143,7 +143,8 @@ impl Results {
 
     fn send(&self, publication: Publication, publisher: &Publisher) {
         let topic = publication.topic.clone();
-        let answer = self.waiting.take(publisher.is_viewer(), publisher.key()).map(|place| Answer { publication, _place: place });
+        let answer =
+            self.waiting.take(publisher.is_viewer(), publisher.key()).map(|permit| Answer { publication, _permit: permit });
         // When nobody takes any more, the program is ending.
         let is_lost = answer.map_or(true, |answer| matches!(self.answers.try_send(answer), Err(TrySendError::Full(_))));
         if is_lost && let Some(lost) = self.lost.one_more() {
