@@ -6,9 +6,7 @@
 //! | `pending_connections` | connections that have not said who they are, or get no further answer | the oldest of the largest crowd is cut |
 //! | `connection_slots` | HTTP connections that have sent a request | whoever makes least progress is cut |
 //! | `session_limits` | MQTT sessions, and what their clients leave unread | one of whoever has most is cut |
-//! | `request_quota` | requests and results under way | the request is refused |
-//! | `stream_quota` | open streams of the HTTP door | the stream is refused |
-//! | `result_quota` | results of MQTT commands | the result is not published |
+//! | `request_quota` | requests under way, open streams, and results of MQTT commands | the request is refused, or has no result |
 //! | `command_rate` | MQTT commands a second of one sender | the command is refused |
 
 mod command_rate;
@@ -16,17 +14,13 @@ mod connection_budget;
 mod connection_slots;
 mod pending_connections;
 mod request_quota;
-mod result_quota;
 mod session_limits;
-mod stream_quota;
 
 pub(super) use command_rate::Pace;
 pub use connection_budget::ConnectionBudget;
 pub(super) use connection_slots::{Claim, PLACES, Place, Places};
 pub(super) use pending_connections::{PendingConnection, PendingConnections};
-pub(super) use request_quota::{Permit, QuotaLimits, RequestQuota};
-pub(super) use result_quota::ResultQuota;
+pub(super) use request_quota::{OpenStream, Permit, QuotaLimits, RequestQuota, ResultQuota, StreamQuota};
 #[cfg(any(test, feature = "rumqttd-router"))]
 pub(super) use session_limits::CONNECTIONS;
 pub(super) use session_limits::{SessionLimits, SessionOwner, SessionPermit, UnreadBytes};
-pub(super) use stream_quota::{OpenStream, StreamQuota};
