@@ -18,7 +18,7 @@ mod session_limits;
 
 pub(super) use command_rate::Pace;
 pub use connection_budget::ConnectionBudget;
-pub(super) use connection_slots::{Claim, PLACES, Place, Places};
+pub(super) use connection_slots::{ConnectionSlot, ConnectionSlots, SLOTS, SlotClaim};
 pub(super) use pending_connections::{PendingConnection, PendingConnections};
 pub(super) use request_quota::{OpenStream, Permit, QuotaLimits, RequestQuota, ResultQuota, StreamQuota};
 #[cfg(any(test, feature = "rumqttd-router"))]

@@ -15,7 +15,7 @@ use tokio::task::coop::unconstrained;
 use super::hearing::{ServerContext, converse};
 use super::tls::Tls;
 use super::{Hosts, HttpDoor, router};
-use crate::doors::connection_limits::{ConnectionBudget, PLACES, PendingConnections, Places};
+use crate::doors::connection_limits::{ConnectionBudget, ConnectionSlots, PendingConnections, SLOTS};
 use crate::doors::listeners::Listeners;
 
 /// How long open requests are waited for at the end: with what closing a stream takes, within two seconds.
@@ -48,14 +48,14 @@ pub struct Front {
 /// Serves until `shutdown`, then ends every stream, waits shortly for open requests, and returns whatever clients do. What comes is
 /// heard where the ports are waited for, and carried out where this is called.
 pub async fn serve(listeners: Listeners, door: HttpDoor, front: Front, shutdown: impl Future<Output = ()>) {
-    serve_so_many(listeners, door, front, (PLACES, WAITING), shutdown).await;
+    serve_so_many(listeners, door, front, (SLOTS, WAITING), shutdown).await;
 }
 
 async fn serve_so_many(
     listeners: Listeners,
     door: HttpDoor,
     front: Front,
-    (places, waiting): (usize, usize),
+    (slots, waiting): (usize, usize),
     shutdown: impl Future<Output = ()>,
 ) {
     if !door.can_date() {
@@ -69,7 +69,7 @@ async fn serve_so_many(
         router: router(&door, hosts.clone()),
         hosts,
         tls: front.tls,
-        places: Places::new(places, front.budget, &door.access),
+        slots: ConnectionSlots::new(slots, front.budget, &door.access),
         pending: PendingConnections::new(front.budget.scaled(waiting)),
         lingering: PendingConnections::new(front.budget.scaled(waiting.min(LINGERING))),
         work: Handle::current(),

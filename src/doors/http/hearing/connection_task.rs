@@ -23,7 +23,7 @@ use tokio::task::JoinSet;
 
 use super::context::ServerContext;
 use super::shared::{Pressed, Shared};
-use crate::doors::connection_limits::Place;
+use crate::doors::connection_limits::ConnectionSlot;
 use crate::doors::http::peer::Peer;
 use crate::doors::http::watcher::closed;
 use crate::doors::write_timeout::WriteTimeoutStream;
@@ -53,7 +53,7 @@ impl ConnectionTask {
     /// Begins, on the runtime where the routes are carried out.
     pub(super) fn begin<W>(
         to: W,
-        (peer, place): (Peer, &Arc<Place>),
+        (peer, slot): (Peer, &Arc<ConnectionSlot>),
         context: &Arc<ServerContext>,
         shared: &Arc<Shared>,
     ) -> ConnectionTask
@@ -66,7 +66,7 @@ impl ConnectionTask {
         let transport =
             Transport { from: theirs, to: WriteTimeoutStream::new(to), gone: Arc::clone(&gone), is_gone: false, _held: held };
         let mut task = JoinSet::new();
-        task.spawn_on(run(transport, (peer, Arc::clone(place)), Arc::clone(context), Arc::clone(shared), gone), &context.work);
+        task.spawn_on(run(transport, (peer, Arc::clone(slot)), Arc::clone(context), Arc::clone(shared), gone), &context.work);
         ConnectionTask { to: Some(ours), over, task }
     }
 
@@ -101,7 +101,7 @@ pub(super) async fn put(to: &mut Option<DuplexStream>, bytes: &mut BytesMut) {
 
 async fn run<W>(
     transport: Transport<W>,
-    (peer, place): (Peer, Arc<Place>),
+    (peer, slot): (Peer, Arc<ConnectionSlot>),
     context: Arc<ServerContext>,
     shared: Arc<Shared>,
     gone: Arc<Notify>,
@@ -119,7 +119,7 @@ async fn run<W>(
         }
         shared.forget_before(number);
         request.extensions_mut().insert(Pressed { shared: Arc::clone(&shared), number });
-        let asked = OpenRequest(Arc::clone(&place));
+        let asked = OpenRequest(Arc::clone(&slot));
         let (answer, shared) = (routes.call(request), Arc::clone(&shared));
         async move {
             let answer = answer.await;
@@ -166,7 +166,7 @@ fn is_stream(response: &Response<Body>) -> bool {
     media.is_some_and(|media| media.as_bytes().starts_with(b"text/event-stream"))
 }
 
-struct OpenRequest(Arc<Place>);
+struct OpenRequest(Arc<ConnectionSlot>);
 
 impl Drop for OpenRequest {
     fn drop(&mut self) {

@@ -4,7 +4,7 @@ use axum::Router;
 use tokio::runtime::Handle;
 use tokio::sync::watch;
 
-use crate::doors::connection_limits::{PendingConnections, Places};
+use crate::doors::connection_limits::{ConnectionSlots, PendingConnections};
 use crate::doors::http::HttpDoor;
 use crate::doors::http::guard::Hosts;
 use crate::doors::http::tls::Tls;
@@ -14,7 +14,7 @@ pub(in crate::doors::http) struct ServerContext {
     pub(in crate::doors::http) hosts: Hosts,
     pub(in crate::doors::http) router: Router,
     pub(in crate::doors::http) tls: Option<Tls>,
-    pub(in crate::doors::http) places: Places,
+    pub(in crate::doors::http) slots: ConnectionSlots,
     pub(in crate::doors::http) pending: PendingConnections,
     /// Where those are heard on who get no further answer.
     pub(in crate::doors::http) lingering: PendingConnections,
@@ -29,7 +29,7 @@ impl ServerContext {
     pub(in crate::doors::http) fn evict_some(&self) -> usize {
         let mut relieved = self.lingering.evict_some();
         if relieved == 0 {
-            relieved = self.places.evict_some();
+            relieved = self.slots.evict_some();
         }
         if relieved == 0 {
             relieved = self.pending.evict_some();

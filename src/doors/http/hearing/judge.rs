@@ -5,7 +5,7 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, header};
 
 use super::shared::Given;
 use crate::access::Need;
-use crate::doors::connection_limits::Claim;
+use crate::doors::connection_limits::SlotClaim;
 use crate::doors::http::HttpDoor;
 use crate::doors::http::command_sender::{IDEMPOTENCY_KEY, command_id};
 use crate::doors::http::gate::{allowed, by_path, issuer};
@@ -31,10 +31,10 @@ pub(super) struct Judge {
 
 impl Judge {
     /// Whose request this is, and the STOP that it is or may be, when its sender may stop.
-    pub(super) fn hear(&self, head: &Head) -> (Claim, Option<Press>) {
+    pub(super) fn hear(&self, head: &Head) -> (SlotClaim, Option<Press>) {
         let (headers, is_in_doubt) = headers(head);
         let caller = self.door.caller_by_any(self.peer, &headers);
-        let claim = Claim::new(self.peer.address, caller.as_ref());
+        let claim = SlotClaim::new(self.peer.address, caller.as_ref());
         let stop = names::stop(&head.method, &head.path);
         let route = stop.or_else(|| names::says_by_body(&head.method, &head.path));
         let route = route.filter(|_| !is_in_doubt && self.is_ours(head, &headers));

@@ -4,7 +4,7 @@
 use super::judge::{Judge, Press};
 use super::shared::Given;
 use crate::api::halt::{says_halt, says_halt_from};
-use crate::doors::connection_limits::Claim;
+use crate::doors::connection_limits::SlotClaim;
 use crate::doors::http::scanning::{self, BodyLength, Scanner, names};
 use hallsweep_core::command::Request;
 use hallsweep_core::units::Epoch;
@@ -31,7 +31,7 @@ pub(super) enum Heard {
 }
 
 pub(super) struct HeardRequest {
-    pub(super) claim: Claim,
+    pub(super) claim: SlotClaim,
     pub(super) has_body: bool,
     pub(super) may_hand_over: bool,
     pub(super) came: Epoch,
