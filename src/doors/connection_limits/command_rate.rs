@@ -1,21 +1,20 @@
-//! How many commands one sender may give: whoever sends them in a flood would fill the record and the queue of everybody. A STOP is not
-//! counted.
+//! The rate of commands of one sender over MQTT: a flood of them would fill everybody's record and queue. A STOP is not counted.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-/// So many commands in a second: sixty sensors that report each second, hands at some panels, and a script in a hurry.
+/// Commands a second: sixty sensors that report each second, hands at some panels, and a script in a hurry.
 const OPERATORS: u32 = 300;
 
-/// And of somebody whose commands are all refused.
+/// Commands a second of a viewer, whose commands are all refused.
 const VIEWERS: u32 = 50;
 
 /// What each sender has said within the second that began then.
 #[derive(Debug, Default)]
-pub(in crate::doors) struct Pace(Mutex<HashMap<Arc<str>, (Duration, u32)>>);
+pub(in crate::doors) struct CommandRate(Mutex<HashMap<Arc<str>, (Duration, u32)>>);
 
-impl Pace {
+impl CommandRate {
     /// Whether one more command of this sender is taken, at `now` since the start. There are as many senders as there are keys.
     pub(in crate::doors) fn admits(&self, sender: Arc<str>, is_viewer: bool, now: Duration) -> bool {
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -36,8 +35,8 @@ mod tests {
     /// Safety A5.
     #[test]
     fn whoever_says_too_much_within_a_second_is_not_listened_to_until_the_next() {
-        let pace = Pace::default();
-        let admitted = |now| (0..2 * OPERATORS).filter(|_| pace.admits(Arc::from("mqtt"), false, now)).count();
+        let rate = CommandRate::default();
+        let admitted = |now| (0..2 * OPERATORS).filter(|_| rate.admits(Arc::from("mqtt"), false, now)).count();
         assert_eq!(admitted(Duration::from_millis(1500)), OPERATORS as usize);
         assert_eq!(admitted(Duration::from_millis(2499)), 0);
         assert_eq!(admitted(Duration::from_millis(2500)), OPERATORS as usize);

@@ -16,7 +16,7 @@ mod pending_connections;
 mod request_quota;
 mod session_limits;
 
-pub(super) use command_rate::Pace;
+pub(super) use command_rate::CommandRate;
 pub use connection_budget::ConnectionBudget;
 pub(super) use connection_slots::{ConnectionSlot, ConnectionSlots, SLOTS, SlotClaim};
 pub(super) use pending_connections::{PendingConnection, PendingConnections};

@@ -22,7 +22,7 @@ use self::results::Results;
 pub use self::results::{ANSWERS, Answer};
 use super::topics::Topics;
 use crate::access::Need;
-use crate::doors::connection_limits::Pace;
+use crate::doors::connection_limits::CommandRate;
 use crate::runtime::clock::Clock;
 use crate::runtime::figures::Figures;
 use crate::runtime::handle::Handle;
@@ -69,7 +69,7 @@ pub struct Commands {
     handle: Handle,
     parser: Arc<CommandParser>,
     results: Results,
-    pace: Arc<Pace>,
+    rate: Arc<CommandRate>,
     nobody: Arc<Nobody>,
     clock: Clock,
 }
@@ -78,8 +78,8 @@ impl Commands {
     /// Commands go to `handle`, results to `answers`; `manual_driving` says whether old clients may drive the robot.
     pub fn new(handle: Handle, topics: Topics, manual_driving: bool, answers: mpsc::Sender<Answer>) -> Commands {
         let parser = Arc::new(CommandParser::new(topics, manual_driving));
-        let (pace, nobody) = (Arc::default(), Arc::default());
-        Commands { handle, parser, results: Results::new(answers), pace, nobody, clock: Clock::default() }
+        let (rate, nobody) = (Arc::default(), Arc::default());
+        Commands { handle, parser, results: Results::new(answers), rate, nobody, clock: Clock::default() }
     }
 
     /// Where an answer goes that is wanted there: where its sender may say something himself, and nobody's business is here, so that nobody
@@ -108,7 +108,7 @@ impl Commands {
             return self.ignore(heard, publisher);
         }
         // Before it is read: who says too much costs nobody the time to read it.
-        if !self.pace.admits(publisher.issuer().who, publisher.is_viewer(), self.clock.now().since_start) {
+        if !self.rate.admits(publisher.issuer().who, publisher.is_viewer(), self.clock.now().since_start) {
             return Taken::Forbidden;
         }
         let Some(mut parsed) = self.parser.parse(heard) else { return self.ignore(heard, publisher) };
