@@ -205,7 +205,7 @@ async fn a_stop_behind_an_upgrade_that_is_refused_and_over_halts() {
 
 /// Safety S8, S9: what it says is no HTTP, whatever it looks like, and others need not give way to it, nor it to them.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_connection_that_was_handed_over_is_not_heard_here_and_takes_no_place() {
+async fn a_connection_that_was_handed_over_is_not_heard_here_and_takes_no_slot() {
     let mut app = app(searching());
     let (bring, mut brought) = tokio::sync::mpsc::channel(1);
     let hall = Hall::new(move |visitor| bring.try_send(visitor).expect("there is one"));
