@@ -11,7 +11,7 @@ use std::time::Duration;
 use tokio::io::{AsyncRead, ReadBuf};
 use tokio::runtime::Handle;
 
-use super::desk::serving_here;
+use super::client_service::serving_here;
 use super::incoming::Reader;
 use super::read_ahead::{Feeder, Left, READ};
 use crate::runtime::clock::Clock;

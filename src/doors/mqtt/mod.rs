@@ -3,9 +3,9 @@
 
 pub mod change_feed;
 mod client_ids;
+mod client_service;
 mod clients;
 pub mod commands;
-mod desk;
 mod embedded;
 mod hearing;
 pub mod home_assistant;

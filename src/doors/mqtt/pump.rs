@@ -1,6 +1,6 @@
 //! Moves bytes between a client and the gate, for as long as both go on. It understands none of them: what is let through, and how much
 //! may wait, is said by the gate. What the client says has been looked through for a STOP before it comes here, so that nothing here is
-//! urgent: it works in short turns, and others have theirs in between. By whom it is polled is the desk's business.
+//! urgent: it works in short turns, and others have theirs in between. Who polls it, stands in `client_service`.
 
 use std::net::IpAddr;
 use std::pin::pin;
@@ -14,7 +14,7 @@ use tokio::sync::watch;
 use tokio::task::unconstrained;
 
 use super::client_ids::ClientId;
-use super::desk::Desk;
+use super::client_service::ClientService;
 use super::identity::Identity;
 use super::incoming::Writer;
 use super::read_ahead::{Left, READ, Taker};
@@ -84,10 +84,10 @@ struct LagWait {
     until: Duration,
 }
 
-/// A desk that is closed when nobody serves there any more: whoever would wake it has it, too.
-struct OpenDesk(Arc<Desk>);
+/// A service that is closed when nobody serves there any more: whoever would wake it has it, too.
+struct OpenService(Arc<ClientService>);
 
-impl Drop for OpenDesk {
+impl Drop for OpenService {
     fn drop(&mut self) {
         drop(self.0.close());
     }
@@ -107,16 +107,16 @@ type Did = Result<bool, Ended>;
 pub(super) async fn run(connection: ClientConnection, ends: Ends, mut running: Running, whose: Whose<'_>) -> Ended {
     let Ends { client, ahead, permit, mut id, leaving } = ends;
     let subscriber = connection.subscriber();
-    let desk = OpenDesk(Desk::new(Pump::new(connection, (client, ahead, Arc::clone(&permit)), whose.2)));
+    let service = OpenService(ClientService::new(Pump::new(connection, (client, ahead, Arc::clone(&permit)), whose.2)));
     let ended = tokio::select! {
-        ended = desk.0.serve(whose.2) => ended,
+        ended = service.0.serve(whose.2) => ended,
         () = id.wanted() => Ended::TakenOver,
         _ = running.changed() => Ended::Closing,
         ended = shut_out(whose, &permit) => ended,
     };
-    let ended = if ended == Ended::Closing { see_out(&desk.0, &subscriber, whose.2).await } else { ended };
+    let ended = if ended == Ended::Closing { see_out(&service.0, &subscriber, whose.2).await } else { ended };
     permit.release();
-    let Some(Pump { mut connection, client, ahead, .. }) = desk.0.close() else { return ended };
+    let Some(Pump { mut connection, client, ahead, .. }) = service.0.close() else { return ended };
     ahead.leave(left(ended));
     connection.handle_end(ended, whose.2.since_start());
     let to_client = std::mem::take(connection.to_client());
@@ -129,14 +129,14 @@ pub(super) async fn run(connection: ClientConnection, ends: Ends, mut running: R
 
 /// The program ends: serves until the client was told everything that was published for it, as that the program ends. Whoever ends
 /// connections bounds the time for this.
-async fn see_out(desk: &Arc<Desk>, subscriber: &Subscriber, clock: Clock) -> Ended {
+async fn see_out(service: &Arc<ClientService>, subscriber: &Subscriber, clock: Clock) -> Ended {
     let settled = async {
         while !subscriber.is_empty() {
             tokio::time::sleep(BREATH).await;
         }
     };
     tokio::select! {
-        ended = desk.serve(clock) => ended,
+        ended = service.serve(clock) => ended,
         () = settled => Ended::Closing,
     }
 }

@@ -3,7 +3,7 @@
 //! same for both.
 //!
 //! ```text
-//!   hear-mqtt  a message ─► Feeder::put wakes the publisher's desk ─► pump ─► Subscriber::put wakes a reader's desk ─► pump ─► its socket
+//!   hear-mqtt  a message ─► Feeder::put wakes the publisher's service ─► pump ─► Subscriber::put wakes a reader's ─► pump ─► its socket
 //!                             │ at once, while the allowance lasts           │ likewise
 //!   mqtt-gate                 └──────────── else, the task of each ──────────┘
 //! ```
@@ -24,23 +24,23 @@ use super::pump::{Pump, Spell};
 use crate::runtime::clock::Clock;
 use mqtt_gate::Ended;
 
-/// Of its time the thread that hears may spend one part in so many on serving (safety S7),
-const PART: u32 = 8;
+/// The thread that hears may spend one part in this many of its time on serving (safety S7).
+const SHARE: u32 = 8;
 
-/// and so much in one go, when it has saved that up, with what it has begun by then.
-const MOST: Duration = Duration::from_micros(500);
+/// Longest uninterrupted serving turn, to which what was begun before its end is added.
+const LONGEST_TURN: Duration = Duration::from_micros(500);
 
-/// With less than this it does not begin.
-const LEAST: Duration = Duration::from_micros(100);
+/// A turn shorter than this does not begin.
+const SHORTEST_TURN: Duration = Duration::from_micros(100);
 
 thread_local! {
-    /// Desks that were woken and are to be served here; `None`: nobody is served here now.
-    static LINE: RefCell<Option<VecDeque<Arc<Desk>>>> = const { RefCell::new(None) };
-    static ALLOWANCE: RefCell<Allowance> = const { RefCell::new(Allowance { saved: MOST, at: Duration::ZERO }) };
+    /// Clients that were woken and are to be served here; `None`: nobody is served here now.
+    static QUEUE: RefCell<Option<VecDeque<Arc<ClientService>>>> = const { RefCell::new(None) };
+    static ALLOWANCE: RefCell<Allowance> = const { RefCell::new(Allowance { saved: LONGEST_TURN, at: Duration::ZERO }) };
 }
 
 /// Where one client is served.
-pub(super) struct Desk {
+pub(super) struct ClientService {
     /// `None`: it is served no more.
     pump: Mutex<Option<Pump>>,
     /// Its own task.
@@ -55,21 +55,21 @@ struct Allowance {
 }
 
 /// That this thread serves those whom it wakes. Those who were not served when this is dropped have their own tasks.
-struct Line;
+struct ServiceQueue;
 
-impl Desk {
-    pub(super) fn new(pump: Pump) -> Arc<Desk> {
-        Arc::new(Desk { pump: Mutex::new(Some(pump)), task: AtomicWaker::new() })
+impl ClientService {
+    pub(super) fn new(pump: Pump) -> Arc<ClientService> {
+        Arc::new(ClientService { pump: Mutex::new(Some(pump)), task: AtomicWaker::new() })
     }
 
     /// Serves until there is an end to it, and says why that came.
-    pub(super) async fn serve(self: &Arc<Desk>, clock: Clock) -> Ended {
+    pub(super) async fn serve(self: &Arc<ClientService>, clock: Clock) -> Ended {
         let waker = Waker::from(Arc::clone(self));
         let mut alarm = Alarm(None);
         poll_fn(|cx| {
             self.task.register(cx.waker());
-            let mut desk = self.pump();
-            let Some(pump) = desk.as_mut() else { return Poll::Ready(Ended::Gone) };
+            let mut service = self.pump();
+            let Some(pump) = service.as_mut() else { return Poll::Ready(Ended::Gone) };
             if let Poll::Ready(ended) = pump.poll(Spell::Long, &mut Context::from_waker(&waker)) {
                 return Poll::Ready(ended);
             }
@@ -89,10 +89,10 @@ impl Desk {
     }
 
     /// Does one thing of each kind, in place of its task.
-    fn serve_here(self: Arc<Desk>) {
+    fn serve_here(self: Arc<ClientService>) {
         let waker = Waker::from(Arc::clone(&self));
         let (wants_task, wants_turn) = match self.pump.try_lock() {
-            Ok(mut desk) => desk.as_mut().map_or((false, false), |pump| {
+            Ok(mut service) => service.as_mut().map_or((false, false), |pump| {
                 let _ = pump.poll(Spell::Short, &mut Context::from_waker(&waker));
                 (pump.wants_task(), pump.wants_turn())
             }),
@@ -111,61 +111,61 @@ impl Desk {
     }
 }
 
-impl Wake for Desk {
-    fn wake(self: Arc<Desk>) {
-        let left = LINE.with_borrow_mut(|line| match line {
-            Some(line) => {
-                line.push_back(self);
+impl Wake for ClientService {
+    fn wake(self: Arc<ClientService>) {
+        let left = QUEUE.with_borrow_mut(|queue| match queue {
+            Some(queue) => {
+                queue.push_back(self);
                 None
             }
             None => Some(self),
         });
-        if let Some(desk) = left {
-            desk.task.wake();
+        if let Some(service) = left {
+            service.task.wake();
         }
     }
 }
 
-/// Does something that may wake desks, and serves these on this thread at once, as long as it is allowed to; whoever is not served has his
+/// Does something that may wake clients, and serves these on this thread at once, as long as it is allowed to; whoever is not served has his
 /// own task.
 pub(super) fn serving_here(clock: Clock, ring: impl FnOnce()) {
     let began = clock.since_start();
     let Some(allowed) = ALLOWANCE.with_borrow_mut(|allowance| allowance.begin(began)) else { return ring() };
-    let _line = Line::begin();
+    let _queue = ServiceQueue::begin();
     ring();
-    while let Some(desk) = Line::next() {
+    while let Some(service) = ServiceQueue::next() {
         if clock.since_start() >= began + allowed {
-            desk.task.wake();
+            service.task.wake();
         } else {
-            desk.serve_here();
+            service.serve_here();
         }
     }
     ALLOWANCE.with_borrow_mut(|allowance| allowance.end(began, clock.since_start()));
 }
 
-impl Line {
-    fn begin() -> Line {
-        LINE.set(Some(VecDeque::new()));
-        Line
+impl ServiceQueue {
+    fn begin() -> ServiceQueue {
+        QUEUE.set(Some(VecDeque::new()));
+        ServiceQueue
     }
 
-    fn next() -> Option<Arc<Desk>> {
-        LINE.with_borrow_mut(|line| line.as_mut()?.pop_front())
+    fn next() -> Option<Arc<ClientService>> {
+        QUEUE.with_borrow_mut(|queue| queue.as_mut()?.pop_front())
     }
 }
 
-impl Drop for Line {
+impl Drop for ServiceQueue {
     fn drop(&mut self) {
-        LINE.take().into_iter().flatten().for_each(|desk| desk.task.wake());
+        QUEUE.take().into_iter().flatten().for_each(|service| service.task.wake());
     }
 }
 
 impl Allowance {
     /// How long it may take now; `None`: it is not worth while.
     fn begin(&mut self, now: Duration) -> Option<Duration> {
-        self.saved = (self.saved + now.saturating_sub(self.at) / PART).min(MOST);
+        self.saved = (self.saved + now.saturating_sub(self.at) / SHARE).min(LONGEST_TURN);
         self.at = now;
-        (self.saved >= LEAST).then_some(self.saved)
+        (self.saved >= SHORTEST_TURN).then_some(self.saved)
     }
 
     fn end(&mut self, began: Duration, now: Duration) {
@@ -199,7 +199,7 @@ mod tests {
     /// Safety S7.
     #[test]
     fn no_more_than_a_part_of_the_time_is_spent_on_serving() {
-        let mut allowance = Allowance { saved: MOST, at: Duration::ZERO };
+        let mut allowance = Allowance { saved: LONGEST_TURN, at: Duration::ZERO };
         let (mut now, mut spent) = (Duration::from_secs(100), Duration::ZERO);
         let until = now + Duration::from_secs(10);
         while now < until {
@@ -211,7 +211,7 @@ mod tests {
                 now += Duration::from_micros(7);
             }
         }
-        assert!(spent <= Duration::from_secs(10) / PART + MOST && spent > Duration::from_secs(1), "{spent:?}");
+        assert!(spent <= Duration::from_secs(10) / SHARE + LONGEST_TURN && spent > Duration::from_secs(1), "{spent:?}");
     }
 
     /// One that takes longer than it may has nothing saved for as long.
@@ -219,9 +219,9 @@ mod tests {
     fn what_is_saved_has_an_end_and_what_took_too_long_is_made_up_for() {
         let mut allowance = Allowance { saved: Duration::ZERO, at: Duration::ZERO };
         let (now, took) = (Duration::from_secs(100), Duration::from_millis(3));
-        assert_eq!(allowance.begin(now), Some(MOST));
+        assert_eq!(allowance.begin(now), Some(LONGEST_TURN));
         allowance.end(now, now + took);
-        assert_eq!(allowance.begin(now + took + PART * LEAST - Duration::from_micros(8)), None);
-        assert_eq!(allowance.begin(now + took + PART * LEAST), Some(LEAST));
+        assert_eq!(allowance.begin(now + took + SHARE * SHORTEST_TURN - Duration::from_micros(8)), None);
+        assert_eq!(allowance.begin(now + took + SHARE * SHORTEST_TURN), Some(SHORTEST_TURN));
     }
 }
