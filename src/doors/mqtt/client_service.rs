@@ -1,9 +1,9 @@
 //! Where one client is served: by a task of its own on the gate's thread, and, while little is said, by the thread that hears, in its stead.
-//! To wake another thread takes longer than to pass a short message on. Whoever serves has the pump to himself for so long; it does the
+//! To wake another thread takes longer than to pass a short message on. Whoever serves has the client's `ClientIo` to himself for so long; it does the
 //! same for both.
 //!
 //! ```text
-//!   hear-mqtt  a message ─► Feeder::put wakes the publisher's service ─► pump ─► Subscriber::put wakes a reader's ─► pump ─► its socket
+//!   hear-mqtt  a message ─► Feeder::put wakes the publisher's service ─► ClientIo ─► Subscriber::put wakes a reader's ─► ClientIo ─► its socket
 //!                             │ at once, while the allowance lasts           │ likewise
 //!   mqtt-gate                 └──────────── else, the task of each ──────────┘
 //! ```
@@ -20,7 +20,7 @@ use futures_util::task::AtomicWaker;
 use tokio::task::yield_now;
 use tokio::time::{Sleep, sleep_until};
 
-use super::pump::{Pump, Spell};
+use super::client_io::{ClientIo, TurnLength};
 use crate::runtime::clock::Clock;
 use mqtt_gate::Ended;
 
@@ -42,7 +42,7 @@ thread_local! {
 /// Where one client is served.
 pub(super) struct ClientService {
     /// `None`: it is served no more.
-    pump: Mutex<Option<Pump>>,
+    io: Mutex<Option<ClientIo>>,
     /// Its own task.
     task: AtomicWaker,
 }
@@ -58,8 +58,8 @@ struct Allowance {
 struct ServiceQueue;
 
 impl ClientService {
-    pub(super) fn new(pump: Pump) -> Arc<ClientService> {
-        Arc::new(ClientService { pump: Mutex::new(Some(pump)), task: AtomicWaker::new() })
+    pub(super) fn new(io: ClientIo) -> Arc<ClientService> {
+        Arc::new(ClientService { io: Mutex::new(Some(io)), task: AtomicWaker::new() })
     }
 
     /// Serves until there is an end to it, and says why that came.
@@ -68,33 +68,33 @@ impl ClientService {
         let mut alarm = Alarm(None);
         poll_fn(|cx| {
             self.task.register(cx.waker());
-            let mut service = self.pump();
-            let Some(pump) = service.as_mut() else { return Poll::Ready(Ended::Gone) };
-            if let Poll::Ready(ended) = pump.poll(Spell::Long, &mut Context::from_waker(&waker)) {
+            let mut service = self.io();
+            let Some(io) = service.as_mut() else { return Poll::Ready(Ended::Gone) };
+            if let Poll::Ready(ended) = io.poll(TurnLength::Long, &mut Context::from_waker(&waker)) {
                 return Poll::Ready(ended);
             }
-            if pump.wants_turn() {
+            if io.wants_turn() {
                 // Behind all others, those included whom another thread has woken: whoever only wakes himself again keeps these waiting.
                 let _ = pin!(yield_now()).poll(cx);
             }
-            alarm.set(pump.due(), clock, cx);
+            alarm.set(io.due(), clock, cx);
             Poll::Pending
         })
         .await
     }
 
     /// Ends the serving, and gives back what it was done with.
-    pub(super) fn close(&self) -> Option<Pump> {
-        self.pump().take()
+    pub(super) fn close(&self) -> Option<ClientIo> {
+        self.io().take()
     }
 
     /// Does one thing of each kind, in place of its task.
     fn serve_here(self: Arc<ClientService>) {
         let waker = Waker::from(Arc::clone(&self));
-        let (wants_task, wants_turn) = match self.pump.try_lock() {
-            Ok(mut service) => service.as_mut().map_or((false, false), |pump| {
-                let _ = pump.poll(Spell::Short, &mut Context::from_waker(&waker));
-                (pump.wants_task(), pump.wants_turn())
+        let (wants_task, wants_turn) = match self.io.try_lock() {
+            Ok(mut service) => service.as_mut().map_or((false, false), |io| {
+                let _ = io.poll(TurnLength::Short, &mut Context::from_waker(&waker));
+                (io.wants_task(), io.wants_turn())
             }),
             Err(TryLockError::WouldBlock | TryLockError::Poisoned(_)) => (true, false),
         };
@@ -106,8 +106,8 @@ impl ClientService {
         }
     }
 
-    fn pump(&self) -> MutexGuard<'_, Option<Pump>> {
-        self.pump.lock().unwrap_or_else(PoisonError::into_inner)
+    fn io(&self) -> MutexGuard<'_, Option<ClientIo>> {
+        self.io.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -1,5 +1,5 @@
 //! From a newcomer to a client. On the thread that hears, a client says who it is, and is heard for a STOP from then on, before anything
-//! else is decided; elsewhere it is let in or told why not, and is served by the pump. What a client may do is the gate's business.
+//! else is decided; elsewhere it is let in or told why not, and is served by `client_io`. What a client may do is the gate's business.
 
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::net::IpAddr;
@@ -14,13 +14,13 @@ use tokio::runtime::Handle;
 use tokio::sync::oneshot;
 
 use super::client_ids::{ClientIds, Memory, Name};
+use super::client_io::{self, ClientEnds, Running};
 use super::commands::Commands;
 use super::hearing::Hearing;
 use super::identity::{Identity, Unknown};
 use super::incoming::{IncomingConnection, Origin, Reader, Writer};
 use super::introduction::{SentAway, introduction};
 use super::limits::{CONNECT_TIME, LEAVING, WAITING};
-use super::pump::{self, Ends, Running};
 use super::read_ahead::{Left, Pool, Taker, read_ahead};
 use crate::access::{Attempts, Network};
 use crate::api::door;
@@ -304,8 +304,8 @@ impl Clients {
             greeting: Bytes::copy_from_slice(&greeting[greeted..]),
         };
         let connection = ClientConnection::new(terms, Arc::clone(&self.0.broker), now);
-        let ends = Ends { client: writer, ahead, permit, id, leaving: (self.0.leaving.clone(), origin.from) };
-        SentAway::Ended(pump::run(connection, ends, running, (&identity, &origin.access, self.0.clock)).await)
+        let ends = ClientEnds { client: writer, ahead, permit, id, leaving: (self.0.leaving.clone(), origin.from) };
+        SentAway::Ended(client_io::run(connection, ends, running, (&identity, &origin.access, self.0.clock)).await)
     }
 
     /// Tells a client why it is sent away. Whether it listens is its own matter.

@@ -9,9 +9,9 @@ use tokio::runtime::Handle;
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinSet;
 
+use super::client_io::Running;
 use super::clients::Clients;
 use super::incoming::{IncomingConnection, Origin};
-use super::pump::Running;
 use crate::access::Access;
 use crate::doors::listeners::Listeners;
 use crate::doors::write_timeout::WriteTimeoutStream;

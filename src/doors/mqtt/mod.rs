@@ -3,6 +3,7 @@
 
 pub mod change_feed;
 mod client_ids;
+mod client_io;
 mod client_service;
 mod clients;
 pub mod commands;
@@ -14,7 +15,6 @@ mod incoming;
 mod introduction;
 mod limits;
 pub mod publication;
-mod pump;
 pub mod qak;
 mod read_ahead;
 mod rights;

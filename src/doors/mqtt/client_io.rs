@@ -45,7 +45,7 @@ const MUCH: usize = 64 * 1024;
 /// Changes, or is closed, when the program ends.
 pub(super) type Running = watch::Receiver<()>;
 
-pub(super) struct Ends {
+pub(super) struct ClientEnds {
     pub(super) client: Writer,
     /// What the client has sent.
     pub(super) ahead: Taker,
@@ -58,7 +58,7 @@ pub(super) struct Ends {
 pub(super) type Whose<'a> = (&'a Identity, &'a Access, Clock);
 
 /// The gate, and what has come for it.
-pub(super) struct Pump {
+pub(super) struct ClientIo {
     connection: ClientConnection,
     subscriber: Arc<Subscriber>,
     client: Writer,
@@ -95,7 +95,7 @@ impl Drop for OpenService {
 
 /// For how long somebody serves a client before he does something else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Spell {
+pub(super) enum TurnLength {
     Short,
     Long,
 }
@@ -104,32 +104,32 @@ pub(super) enum Spell {
 type Did = Result<bool, Ended>;
 
 /// Runs until it has to end, and says why.
-pub(super) async fn run(connection: ClientConnection, ends: Ends, mut running: Running, whose: Whose<'_>) -> Ended {
-    let Ends { client, ahead, permit, mut id, leaving } = ends;
+pub(super) async fn run(connection: ClientConnection, ends: ClientEnds, mut running: Running, whose: Whose<'_>) -> Ended {
+    let ClientEnds { client, ahead, permit, mut id, leaving } = ends;
     let subscriber = connection.subscriber();
-    let service = OpenService(ClientService::new(Pump::new(connection, (client, ahead, Arc::clone(&permit)), whose.2)));
+    let service = OpenService(ClientService::new(ClientIo::new(connection, (client, ahead, Arc::clone(&permit)), whose.2)));
     let ended = tokio::select! {
         ended = service.0.serve(whose.2) => ended,
         () = id.wanted() => Ended::TakenOver,
         _ = running.changed() => Ended::Closing,
         ended = shut_out(whose, &permit) => ended,
     };
-    let ended = if ended == Ended::Closing { see_out(&service.0, &subscriber, whose.2).await } else { ended };
+    let ended = if ended == Ended::Closing { drain(&service.0, &subscriber, whose.2).await } else { ended };
     permit.release();
-    let Some(Pump { mut connection, client, ahead, .. }) = service.0.close() else { return ended };
+    let Some(ClientIo { mut connection, client, ahead, .. }) = service.0.close() else { return ended };
     ahead.leave(left(ended));
     connection.handle_end(ended, whose.2.since_start());
     let to_client = std::mem::take(connection.to_client());
     id.remember(connection.into_session());
     // Whoever wants the name need not wait for the farewell.
     drop(id);
-    take_leave(ended, (client, to_client, ahead), leaving).await;
+    send_farewell(ended, (client, to_client, ahead), leaving).await;
     ended
 }
 
 /// The program ends: serves until the client was told everything that was published for it, as that the program ends. Whoever ends
 /// connections bounds the time for this.
-async fn see_out(service: &Arc<ClientService>, subscriber: &Subscriber, clock: Clock) -> Ended {
+async fn drain(service: &Arc<ClientService>, subscriber: &Subscriber, clock: Clock) -> Ended {
     let settled = async {
         while !subscriber.is_empty() {
             tokio::time::sleep(BREATH).await;
@@ -142,7 +142,7 @@ async fn see_out(service: &Arc<ClientService>, subscriber: &Subscriber, clock: C
 }
 
 /// Says the last words to a client, but not for long.
-async fn take_leave(
+async fn send_farewell(
     ended: Ended,
     (mut client, mut to_client, ahead): (Writer, Outbox, Taker),
     (leaving, from): (PendingConnections, IpAddr),
@@ -164,9 +164,9 @@ async fn take_leave(
     let _ = tokio::time::timeout(FAREWELL, farewell).await;
 }
 
-impl Pump {
-    fn new(connection: ClientConnection, (client, ahead, permit): (Writer, Taker, Arc<SessionPermit>), clock: Clock) -> Pump {
-        Pump {
+impl ClientIo {
+    fn new(connection: ClientConnection, (client, ahead, permit): (Writer, Taker, Arc<SessionPermit>), clock: Clock) -> ClientIo {
+        ClientIo {
             subscriber: connection.subscriber(),
             connection,
             client,
@@ -184,13 +184,13 @@ impl Pump {
     }
 
     /// Does what there is to do, for as long as one turn is; ready with why there is an end to it.
-    pub(super) fn poll(&mut self, spell: Spell, cx: &mut Context<'_>) -> Poll<Ended> {
+    pub(super) fn poll(&mut self, length: TurnLength, cx: &mut Context<'_>) -> Poll<Ended> {
         let began = self.clock.since_start();
         self.wants_turn = false;
         while self.ended.is_none() && !self.wants_turn {
-            match self.step(spell, cx) {
+            match self.step(length, cx) {
                 Ok(false) => break,
-                Ok(true) => self.wants_turn |= spell == Spell::Short || self.clock.since_start() >= began + TURN,
+                Ok(true) => self.wants_turn |= length == TurnLength::Short || self.clock.since_start() >= began + TURN,
                 Err(ended) => self.ended = Some(ended),
             }
         }
@@ -215,16 +215,16 @@ impl Pump {
     }
 
     /// Does one thing of each kind; whether there was any.
-    fn step(&mut self, spell: Spell, cx: &mut Context<'_>) -> Did {
+    fn step(&mut self, length: TurnLength, cx: &mut Context<'_>) -> Did {
         let is_held_up = self.is_held_up(cx);
-        let heard = !is_held_up && self.hear_client(spell, cx)?;
+        let heard = !is_held_up && self.hear_client(length, cx)?;
         let came = self.connection.reads() && self.subscriber.poll_come(self.connection.has_window(), cx).is_ready();
         let goes_on = self.connection.wants_turn();
         if came || goes_on {
             self.connection.handle_come(self.clock.since_start());
         }
         // What others are to read goes out before it is acknowledged.
-        let told = !(heard && spell == Spell::Short) && self.tell_client(cx)?;
+        let told = !(heard && length == TurnLength::Short) && self.tell_client(cx)?;
         self.connection.handle_timeout(self.clock.since_start())?;
         Ok(told || heard || came || goes_on)
     }
@@ -249,7 +249,7 @@ impl Pump {
     }
 
     /// Takes some of what the client has said.
-    fn hear_client(&mut self, spell: Spell, cx: &Context<'_>) -> Did {
+    fn hear_client(&mut self, length: TurnLength, cx: &Context<'_>) -> Did {
         if self.connection.is_unread() {
             let is_full = self.ahead.poll_full(cx).is_ready();
             let unread = Ended::TooMuch { what: "bytes of answers unread", most: ANSWER_ROOM };
@@ -260,7 +260,7 @@ impl Pump {
             match self.ahead.poll_come(cx) {
                 Poll::Pending => return Ok(false),
                 Poll::Ready(true) => return Err(Ended::Gone),
-                Poll::Ready(false) if spell == Spell::Short && self.wants_task() => return Ok(false),
+                Poll::Ready(false) if length == TurnLength::Short && self.wants_task() => return Ok(false),
                 Poll::Ready(false) => {}
             }
             let connection = &mut self.connection;
