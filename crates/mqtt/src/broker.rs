@@ -14,10 +14,10 @@ use crate::message::{Draft, Message};
 use crate::packet::Qos;
 use crate::packet::connect::Will;
 use crate::packet::properties::{Property, that_go_on};
-use crate::passage::{Passage, Router};
 use crate::readers::{Found, Readers};
 use crate::retained::Retained;
 use crate::rights::{Payer, Rights, Tier};
+use crate::routed_delivery::{RoutedDelivery, Router};
 use crate::subscriber::{Delivery, Reader, Subscriber};
 use crate::subscription::Subscription;
 
@@ -158,7 +158,7 @@ impl Broker {
     pub(crate) fn send(&self, message: &Arc<Message>, readers: &Found) {
         let put = |reader: &Reader| reader.subscriber.put(Delivery::of(message, reader), || self.has_room_for_away());
         match self.readers.router().filter(|_| !readers.each.is_empty()) {
-            Some(router) => router.carry(Passage::begin(Arc::clone(message), &readers.each, self.has_room_for_away())),
+            Some(router) => router.carry(RoutedDelivery::begin(Arc::clone(message), &readers.each, self.has_room_for_away())),
             None => readers.each.iter().for_each(put),
         }
         self.readers.in_turn(&readers.groups).for_each(put);

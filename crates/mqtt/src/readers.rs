@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::grant::Grant;
 use super::message::SubscriberId;
-use super::passage::Router;
+use super::routed_delivery::Router;
 use super::subscriber::{Reader, Subscriber};
 
 /// All who read what is published on one topic.

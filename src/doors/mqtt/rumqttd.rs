@@ -4,7 +4,7 @@
 //! at once to whoever it was for.
 //!
 //! ```text
-//!   carry ─► transit: number, Passage         orders ─► a thread that may be kept waiting ─► links ─► rumqttd
+//!   carry ─► transit: number, RoutedDelivery         orders ─► a thread that may be kept waiting ─► links ─► rumqttd
 //!                 ▲ arrive                                                                              │
 //!                 └──────────────── a task for each link ◄──────────────────────────────────────────────┘
 //! ```
@@ -22,7 +22,7 @@ use tokio::task::JoinSet;
 
 use crate::doors::connection_limits::CONNECTIONS;
 use crate::runtime::clock::Clock;
-use mqtt_gate::{Passage, Router, Subscriber};
+use mqtt_gate::{RoutedDelivery, Router, Subscriber};
 
 /// Clients with a link to rumqttd at once, where that routes: those who are here, those who are remembered, and those just leaving.
 const LINKS: usize = 2 * CONNECTIONS;
@@ -61,7 +61,7 @@ struct State {
     /// Who reads what, for the next engine.
     subscribers: HashMap<usize, Reading>,
     /// What is on its way, the oldest first, beginning with this number.
-    transit: VecDeque<(Passage, Duration)>,
+    transit: VecDeque<(RoutedDelivery, Duration)>,
     first: u64,
     /// What the engine was shown, which it never forgets.
     shown: HashSet<u64>,
@@ -135,7 +135,7 @@ impl Router for RumqttdRouter {
     fn unsubscribe(&self, filter: &str, subscriber: &Arc<Subscriber>) {
         let mut state = self.state();
         // What is on its way to him may not come any more.
-        state.transit.iter_mut().for_each(|(passage, _)| passage.arrive(subscriber));
+        state.transit.iter_mut().for_each(|(delivery, _)| delivery.arrive(subscriber));
         let key = Arc::as_ptr(subscriber).addr();
         if let Some(reading) = state.subscribers.get_mut(&key) {
             reading.filters.remove(filter);
@@ -146,11 +146,11 @@ impl Router for RumqttdRouter {
         state.order(Order::Unsubscribe(filter.to_owned(), Arc::clone(subscriber)), &self.0);
     }
 
-    fn carry(&self, passage: Passage) {
+    fn carry(&self, delivery: RoutedDelivery) {
         let mut state = self.state();
         let (number, now) = (state.first + state.transit.len() as u64, state.clock.since_start());
-        let topic = passage.topic().to_owned();
-        state.transit.push_back((passage, now));
+        let topic = delivery.topic().to_owned();
+        state.transit.push_back((delivery, now));
         state.order(Order::Publish(topic, number), &self.0);
         // Whoever does not read is not waited for, and rumqttd may lag behind: of more than this the oldest goes past it.
         if state.transit.len() > TRANSIT {
@@ -206,10 +206,10 @@ impl State {
     /// A message has come to one who reads it.
     fn arrive(&mut self, number: u64, subscriber: &Arc<Subscriber>) {
         let place = number.checked_sub(self.first).and_then(|place| usize::try_from(place).ok());
-        if let Some((passage, _)) = place.and_then(|place| self.transit.get_mut(place)) {
-            passage.arrive(subscriber);
+        if let Some((delivery, _)) = place.and_then(|place| self.transit.get_mut(place)) {
+            delivery.arrive(subscriber);
         }
-        while self.transit.front().is_some_and(|(passage, _)| passage.is_over()) {
+        while self.transit.front().is_some_and(|(delivery, _)| delivery.is_over()) {
             self.pass_first();
         }
     }

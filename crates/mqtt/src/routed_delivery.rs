@@ -1,5 +1,5 @@
 //! How a message gets to those who read it when another router than the gate itself carries it there. Whoever it has not been brought to
-//! has it when the passage is over, however that ends: a router may be slow, lose messages or die, and nobody misses anything.
+//! has it when the delivery is over, however that ends: a router may be slow, lose messages or die, and nobody misses anything.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -16,12 +16,12 @@ pub trait Router: Debug + Send + Sync {
     fn unsubscribe(&self, filter: &str, subscriber: &Arc<Subscriber>);
 
     /// A message is to be brought to those who read it.
-    fn carry(&self, passage: Passage);
+    fn carry(&self, delivery: RoutedDelivery);
 }
 
 /// A message on its way to those who read it.
 #[derive(Debug)]
-pub struct Passage {
+pub struct RoutedDelivery {
     message: Arc<Message>,
     /// To whom it was not brought yet.
     readers: Vec<Reader>,
@@ -29,13 +29,13 @@ pub struct Passage {
     has_room: bool,
 }
 
-impl Passage {
+impl RoutedDelivery {
     /// It waits for its readers from now on, as if it had come already: whoever publishes in a flood waits for those who read.
-    pub(crate) fn begin(message: Arc<Message>, readers: &[Reader], has_room: bool) -> Passage {
+    pub(crate) fn begin(message: Arc<Message>, readers: &[Reader], has_room: bool) -> RoutedDelivery {
         for reader in readers {
             reader.subscriber.expect(&message);
         }
-        Passage { message, readers: readers.to_vec(), has_room }
+        RoutedDelivery { message, readers: readers.to_vec(), has_room }
     }
 
     /// Where it was published.
@@ -65,7 +65,7 @@ impl Passage {
     }
 }
 
-impl Drop for Passage {
+impl Drop for RoutedDelivery {
     fn drop(&mut self) {
         let readers = std::mem::take(&mut self.readers);
         readers.iter().for_each(|reader| self.bring(reader));
