@@ -25,7 +25,7 @@ use super::read_ahead::{Left, Pool, Taker, read_ahead};
 use crate::access::{Attempts, Network};
 use crate::api::door;
 use crate::doors::connection_limits::{ConnectionBudget, PendingConnection, PendingConnections, SessionLimits};
-use crate::doors::seldom::Seldom;
+use crate::doors::log_throttle::LogThrottle;
 use crate::runtime::clock::Clock;
 use mqtt_gate::limits::{CONNECT, KEEP_ALIVE_S};
 use mqtt_gate::packet::Version;
@@ -56,7 +56,7 @@ struct Rooms {
     ids: ClientIds,
     attempts: Attempts,
     /// Wrong passwords.
-    wrong: Seldom,
+    wrong: LogThrottle,
     clock: Clock,
 }
 
@@ -87,7 +87,7 @@ impl Clients {
             pool: Pool::default(),
             ids: ClientIds::default(),
             attempts: Attempts::default(),
-            wrong: Seldom::default(),
+            wrong: LogThrottle::default(),
             clock: Clock::default(),
         }))
     }

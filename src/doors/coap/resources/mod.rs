@@ -28,7 +28,7 @@ use self::table::{Action, Found, Table};
 use super::application::{Application, Reply};
 use crate::api::door;
 use crate::api::fields::in_short;
-use crate::doors::seldom::Seldom;
+use crate::doors::log_throttle::LogThrottle;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::figures::Connected;
 use crate::runtime::handle::Handle;
@@ -43,7 +43,7 @@ pub struct Resources {
     cache: RepresentationCache,
     old: OldModel,
     photos: Arc<Photos>,
-    strangers: Seldom,
+    strangers: LogThrottle,
     manual_driving: bool,
 }
 
@@ -52,7 +52,7 @@ impl Resources {
     pub fn new(handle: Handle, archive: Reader, manual_driving: bool) -> Resources {
         let cache = RepresentationCache::default();
         let old = OldModel::new(handle.snapshot());
-        let (table, photos, strangers) = (Table::default(), Arc::default(), Seldom::default());
+        let (table, photos, strangers) = (Table::default(), Arc::default(), LogThrottle::default());
         Resources { handle, archive, table, cache, old, photos, strangers, manual_driving }
     }
 }

@@ -16,7 +16,7 @@ use super::publisher::Publisher;
 use crate::api::answer::AnswerJson;
 use crate::api::result::ResultJson;
 use crate::doors::connection_limits::{Permit, ResultQuota};
-use crate::doors::seldom::Seldom;
+use crate::doors::log_throttle::LogThrottle;
 use crate::runtime::carry_out::{Done, NotDone};
 use hallsweep_core::command::{CommandId, Refused};
 use hallsweep_core::phase::PhaseName;
@@ -43,7 +43,7 @@ pub(super) struct Results {
     answers: mpsc::Sender<Answer>,
     under_way: ResultQuota,
     waiting: ResultQuota,
-    lost: Arc<Seldom>,
+    lost: Arc<LogThrottle>,
 }
 
 /// A result that waits to be published. Its place is free when it is taken.

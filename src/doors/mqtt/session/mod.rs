@@ -36,7 +36,7 @@ use super::change_feed::{ChangeFeed, OFFLINE};
 use super::commands::{Answer, Commands, Publisher};
 use super::publication::Publication;
 use super::topics::{HOME_ASSISTANT_STATUS, Topics};
-use crate::doors::seldom::Seldom;
+use crate::doors::log_throttle::LogThrottle;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
 use backoff::Backoff;
@@ -82,7 +82,7 @@ pub struct Session {
     times: Times,
     is_lost: bool,
     /// What the broker did not take.
-    refused: Seldom,
+    refused: LogThrottle,
 }
 
 impl Session {
@@ -104,7 +104,7 @@ impl Session {
             clock: Clock::default(),
             times: parts.times,
             is_lost: false,
-            refused: Seldom::default(),
+            refused: LogThrottle::default(),
         }
     }
 

@@ -10,7 +10,7 @@ use super::super::home_assistant::BIRTH;
 use super::super::publication::Publication;
 use super::super::topics::{HOME_ASSISTANT_STATUS, Topics};
 use super::photos::{self, Reading};
-use crate::doors::seldom::Seldom;
+use crate::doors::log_throttle::LogThrottle;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
 use hallsweep_core::snapshot::Snapshot;
@@ -29,7 +29,7 @@ pub struct OwnSession {
     /// Where Home Assistant says that it has started; nothing, where it is not told of us.
     household: OwnSubscription,
     /// What was too large.
-    left_out: Seldom,
+    left_out: LogThrottle,
     clock: Clock,
 }
 
@@ -45,7 +45,18 @@ impl OwnSession {
         let household = broker.subscribe(if home_assistant { &[HOME_ASSISTANT_STATUS] } else { &[] });
         let changes = ChangeFeed::new(topics.clone(), home_assistant);
         let (reading, clock) = (Reading::default(), Clock::default());
-        OwnSession { broker, topics, changes, states, answers, archive, reading, household, left_out: Seldom::default(), clock }
+        OwnSession {
+            broker,
+            topics,
+            changes,
+            states,
+            answers,
+            archive,
+            reading,
+            household,
+            left_out: LogThrottle::default(),
+            clock,
+        }
     }
 
     /// Speaks until `shutdown`, and says then that the program is not there any more.

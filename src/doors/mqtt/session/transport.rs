@@ -12,7 +12,7 @@ use super::link::Link;
 use super::lost::Lost;
 use super::three::Three;
 use super::times::Times;
-use crate::doors::seldom::Seldom;
+use crate::doors::log_throttle::LogThrottle;
 use mqtt_gate::packet::Version;
 
 pub(super) struct Transport {
@@ -21,7 +21,7 @@ pub(super) struct Transport {
     /// The longest packet that the broker takes, in bytes, as far as it has said so.
     largest: Option<u32>,
     /// What was not published.
-    left_out: Seldom,
+    left_out: LogThrottle,
 }
 
 enum Client {
@@ -42,7 +42,7 @@ impl Transport {
                 (Client::Five(client), Box::pin(events))
             }
         };
-        Transport { client, events, largest: None, left_out: Seldom::default() }
+        Transport { client, events, largest: None, left_out: LogThrottle::default() }
     }
 
     /// What happens next. May be dropped while it waits.

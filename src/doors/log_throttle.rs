@@ -1,16 +1,16 @@
-//! What happens as often as somebody at a door wants it to: said in the program's log with how often it was, and not more often than
-//! it is read, because nobody must be able to fill the disk. What is said is the business of whoever says it.
+//! A throttle for log lines about what anybody at a door can make happen as often as he likes, so that nobody fills the disk: one line
+//! in ten seconds, with how often it was. The words are the caller's.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use crate::runtime::clock::Clock;
 
-/// One line in so long, with how many there were; the first is said at once.
+/// Least time between two lines; the first comes at once.
 const SILENCE: Duration = Duration::from_secs(10);
 
 #[derive(Debug, Default)]
-pub(super) struct Seldom {
+pub(super) struct LogThrottle {
     clock: Clock,
     count: Mutex<Count>,
 }
@@ -21,7 +21,7 @@ struct Count {
     next: Duration,
 }
 
-impl Seldom {
+impl LogThrottle {
     /// Counts one more: how many there were since that was last said, when it is to be said again.
     pub(super) fn one_more(&self) -> Option<u64> {
         self.count.lock().unwrap_or_else(PoisonError::into_inner).one_more(self.clock.now().since_start)
