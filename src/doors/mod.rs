@@ -8,6 +8,6 @@ pub mod http;
 pub mod listeners;
 mod log_throttle;
 pub mod mqtt;
-mod pace;
 mod problem;
+mod update_interval;
 mod write_timeout;

@@ -142,7 +142,7 @@ const RULES: [Rule; 13] = [
 ];
 
 /// What lies beside the doors for those with connections, and is none itself.
-const SHARED: [&str; 6] = ["connection_limits", "listeners", "log_throttle", "pace", "problem", "write_timeout"];
+const SHARED: [&str; 6] = ["connection_limits", "listeners", "log_throttle", "problem", "update_interval", "write_timeout"];
 
 /// The one file of `runtime` that may use `jiff`, because it reads the clock.
 const CLOCK: &str = "src/runtime/clock.rs";
