@@ -12,7 +12,7 @@ use crate::api::journal_words;
 use crate::api::time::midnight;
 use crate::runtime::archive::Unreadable;
 use crate::runtime::clock::Clock;
-use crate::storage::sqlite::{self, Archived, Findings, Reading, Together};
+use crate::storage::sqlite::{self, ArchiveCheck, Archived, Findings, Reading};
 use hallsweep_core::units::{MissionId, Seq, WallTime};
 
 /// What to do with the journal.
@@ -156,7 +156,7 @@ fn write_out(folder: &Path, before: WallTime, file: &Path) -> Result<(), Failure
 
 /// Whether the archives and the journal follow on one another, and are as they were written out.
 fn hold_together(reading: &Reading, archives: &[PathBuf]) -> Result<(), Failure> {
-    let Together { archives, faults } = reading.check_archives(archives)?;
+    let ArchiveCheck { archives, faults } = reading.check_archives(archives)?;
     faults.iter().try_for_each(|fault| super::print(fault))?;
     let looked_at = format!("archives that were held against the journal: {archives}");
     if faults.is_empty() {

@@ -7,12 +7,12 @@ use std::sync::Arc;
 use rusqlite::{Connection, TransactionBehavior};
 
 use super::archive::SqliteArchive;
+use super::archive_check::{self, ArchiveCheck};
 use super::check::{self, Findings};
 use super::fault::{Fault, Then};
 use super::folder::Folder;
 use super::of_archives::Records;
 use super::rows::{self, EntryFilter};
-use super::together::{self, Together};
 use super::{connect, project};
 use crate::api::journal::Line;
 use crate::runtime::archive::{Archive, Unreadable};
@@ -62,8 +62,8 @@ impl Reading {
     }
 
     /// Holds these archives against the journal, and one another.
-    pub fn check_archives(&self, archives: &[PathBuf]) -> Result<Together, Unreadable> {
-        together::held_together(&self.connection, &self.folder, archives)
+    pub fn check_archives(&self, archives: &[PathBuf]) -> Result<ArchiveCheck, Unreadable> {
+        archive_check::check_archives(&self.connection, &self.folder, archives)
     }
 
     /// The archive that holds this mission, when it was written out of the journal: its file's name and SHA-256.

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 use super::super::cut::cuts;
 use super::super::folder::Folder;
-use super::super::{Archived, Reading, Together, archive_file, connect, schema, write_out};
+use super::super::{ArchiveCheck, Archived, Reading, archive_file, connect, schema, write_out};
 use super::testing::*;
 use crate::api::journal;
 use crate::runtime::archive::{At, Moment, Span, Unreadable};
@@ -235,7 +235,7 @@ fn archives_follow_on_one_another_and_what_is_changed_or_left_out_is_named() {
     for archives in [vec![&first, &second], vec![&second, &first], vec![&first, &second, &first, &copy]] {
         let archives: Vec<PathBuf> = archives.into_iter().cloned().collect();
         let found = Reading::open(&scratch.data()).unwrap().check_archives(&archives).unwrap();
-        assert_eq!(found, Together { archives: 2, faults: Vec::new() }, "{archives:?}");
+        assert_eq!(found, ArchiveCheck { archives: 2, faults: Vec::new() }, "{archives:?}");
     }
     check_finds(&scratch, &[]);
     for (named, words) in [

@@ -23,7 +23,7 @@ use hallsweep_core::units::Seq;
 
 /// What was found between a journal and archives.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Together {
+pub struct ArchiveCheck {
     /// How many archives there were; one that was given twice is one.
     pub archives: usize,
     /// What is wrong, a sentence each; nothing, when each is as it was written out and they follow on one another from the first entry on.
@@ -40,7 +40,7 @@ struct OpenArchive {
 }
 
 /// Holds archives against the journal of this folder, and one another.
-pub(super) fn held_together(journal: &Connection, folder: &Folder, files: &[PathBuf]) -> Result<Together, Unreadable> {
+pub(super) fn check_archives(journal: &Connection, folder: &Folder, files: &[PathBuf]) -> Result<ArchiveCheck, Unreadable> {
     let words = |fault: Fault| Unreadable(fault.words(folder.path(), Then::StartAgain));
     if let Format::Older(version) = schema::format(journal).map_err(words)? {
         return Err(words(Fault::Older(version)));
@@ -64,7 +64,7 @@ pub(super) fn held_together(journal: &Connection, folder: &Folder, files: &[Path
         let last = last.unwrap_or_default();
         faults.push(format!("entries 1 to {} are in archives that were not named{last}", begins.seq));
     }
-    Ok(Together { archives: archives.len(), faults })
+    Ok(ArchiveCheck { archives: archives.len(), faults })
 }
 
 /// What is wrong between an archive and what begins behind it, by its name; or, of one that was unpacked, with it.
