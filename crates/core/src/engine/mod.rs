@@ -9,6 +9,7 @@
 
 mod acts;
 mod arms;
+mod coalesced_entries;
 mod decide;
 mod facts;
 mod fetch_alone;
@@ -26,7 +27,6 @@ mod repeats;
 mod reports;
 mod retrieval;
 mod robots;
-mod sharing;
 mod simulated;
 mod stops;
 mod team;
@@ -45,11 +45,11 @@ pub use self::past::{Past, way_behind};
 pub use self::recall::{Recalled, Remembered};
 pub use self::repeats::IDS;
 
+use self::coalesced_entries::CoalescedEntries;
 use self::on_record::OnRecord;
 use self::outbox::{Outbox, WaitingAnswer};
 use self::refusals::Note;
 use self::repeats::{Content, IdUse, Outcome, Repeats};
-use self::sharing::Sharing;
 use self::stops::Stops;
 use self::team::Ticked;
 use self::view::Shown;
@@ -87,7 +87,7 @@ pub struct Engine {
     outbox: Outbox,
     watchdog: SensorWatchdog,
     repeats: Repeats,
-    refusals: Sharing<Note>,
+    refusals: CoalescedEntries<Note>,
     stops: Stops,
     /// The epoch in which the command was given that released the robot last.
     released: Option<Epoch>,
@@ -119,7 +119,7 @@ impl Engine {
             outbox: Outbox::default(),
             watchdog: SensorWatchdog::default(),
             repeats: Repeats::default(),
-            refusals: Sharing::new(refusals::LIMITS),
+            refusals: CoalescedEntries::new(refusals::LIMITS),
             stops: Stops::default(),
             released: None,
             on_record: OnRecord::first(strategy),

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::Engine;
-use super::sharing::{Limits, Sender, Shared, Sharing};
+use super::coalesced_entries::{CoalescedEntries, CoalescedEntry, CoalescingLimits, Sender};
 use crate::command::{Command, CommandId, Issuer, OPERATOR, Request};
 use crate::effect::Fact;
 use crate::mission::Asked;
@@ -17,7 +17,8 @@ use crate::snapshot::said::Said;
 use crate::units::{Epoch, Ticket, WallTime};
 
 /// More than a person presses, and less than a disk keeps. The senders are those who pressed in the last seconds.
-const RECORDS: Limits = Limits { burst: 20, earned: Duration::from_millis(200), every: Duration::from_secs(1), senders: 128 };
+const RECORDS: CoalescingLimits =
+    CoalescingLimits { burst: 20, earned: Duration::from_millis(200), every: Duration::from_secs(1), senders: 128 };
 
 /// So long the answer to a stop waits for the robot to say that it stands.
 const PATIENCE: Duration = Duration::from_millis(100);
@@ -35,7 +36,7 @@ pub(super) struct Stops {
     waiting: Vec<(Ticket, Duration)>,
     /// When the next order may be looked for that was put off for the sake of an answer.
     put_off: Option<Duration>,
-    pub(super) records: Sharing<Press>,
+    pub(super) records: CoalescedEntries<Press>,
     /// Oldest first.
     named: VecDeque<Named>,
 }
@@ -58,7 +59,7 @@ pub(super) struct Press {
 
 impl Default for Stops {
     fn default() -> Stops {
-        Stops { waiting: Vec::new(), put_off: None, records: Sharing::new(RECORDS), named: VecDeque::new() }
+        Stops { waiting: Vec::new(), put_off: None, records: CoalescedEntries::new(RECORDS), named: VecDeque::new() }
     }
 }
 
@@ -127,8 +128,8 @@ impl Engine {
         is_known
     }
 
-    pub(super) fn write_stops(&mut self, stops: impl IntoIterator<Item = Shared<Press>>) {
-        for Shared { last: Press { issuer, id, wall }, count, lasted } in stops {
+    pub(super) fn write_stops(&mut self, stops: impl IntoIterator<Item = CoalescedEntry<Press>>) {
+        for CoalescedEntry { last: Press { issuer, id, wall }, count, lasted } in stops {
             let within = Some(lasted).filter(|lasted| !lasted.is_zero());
             let (issuer, id, asked) = if count == 1 {
                 (issuer, id, Asked::Command(Command::Stop))
