@@ -51,7 +51,7 @@ pub struct Handle {
 pub struct Gone;
 
 /// What became of a command: the core's answer, unless the program is shutting down.
-pub type Given = Result<Answer, Gone>;
+pub type CommandOutcome = Result<Answer, Gone>;
 
 /// A command for which there was no room in the queue.
 struct QueuedCommand {
@@ -86,7 +86,7 @@ impl Handle {
     /// the stop is written down where it outlives the program, or a tenth of a second later (safety S4, S8). Only when the queue is
     /// full a command other than a stop is queued by its future. Must be called inside a runtime.
     #[must_use = "the command is given; whether it was accepted is said by the future"]
-    pub fn give(&self, request: Request) -> impl Future<Output = Given> + Send + use<> {
+    pub fn give(&self, request: Request) -> impl Future<Output = CommandOutcome> + Send + use<> {
         let request = self.stamp(request);
         let stop = request.epoch.filter(|_| request.command == Command::Stop);
         let (answer, answered) = oneshot::channel();
@@ -132,7 +132,7 @@ impl Handle {
 
     /// Asks that these simulated robots be put down there; the answer comes when that is on record. Then they count as
     /// unreached until they say that they stand there.
-    pub async fn put_down(&self, issuer: Issuer, venue: Venue, robots: Vec<RobotId>) -> Given {
+    pub async fn put_down(&self, issuer: Issuer, venue: Venue, robots: Vec<RobotId>) -> CommandOutcome {
         let (answer, answered) = oneshot::channel();
         self.commands.send(Envelope::PutDown(issuer, venue, robots, answer)).await.map_err(|_| Gone)?;
         answered.await.map_err(|_| Gone)

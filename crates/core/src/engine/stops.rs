@@ -36,7 +36,7 @@ pub(super) struct Stops {
     waiting: Vec<(Ticket, Duration)>,
     /// When the next order may be looked for that was put off for the sake of an answer.
     put_off: Option<Duration>,
-    pub(super) records: CoalescedEntries<Press>,
+    pub(super) records: CoalescedEntries<StopRequest>,
     /// Oldest first.
     named: VecDeque<Named>,
 }
@@ -51,7 +51,7 @@ struct Named {
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Press {
+pub(super) struct StopRequest {
     issuer: Issuer,
     id: Option<CommandId>,
     wall: WallTime,
@@ -106,8 +106,8 @@ impl Engine {
         if count == 1 && self.is_same_press(request) {
             return;
         }
-        let press = Press { issuer: request.issuer.clone(), id: request.id.clone(), wall: self.now.wall };
-        let due = self.stops.records.come(sender(&request.issuer), (press, count), self.now.since_start);
+        let stop_request = StopRequest { issuer: request.issuer.clone(), id: request.id.clone(), wall: self.now.wall };
+        let due = self.stops.records.come(sender(&request.issuer), (stop_request, count), self.now.since_start);
         self.write_stops(due);
     }
 
@@ -116,9 +116,9 @@ impl Engine {
         let (Some(id), Some(epoch)) = (&request.id, request.epoch) else { return false };
         let (at, released, named) = (self.now.since_start, self.released, &mut self.stops.named);
         let is_over = |epoch| released.is_some_and(|released| released >= epoch);
-        named.retain(|press| at.saturating_sub(press.at) < SAME_PRESS && !is_over(press.epoch));
+        named.retain(|stop_request| at.saturating_sub(stop_request.at) < SAME_PRESS && !is_over(stop_request.epoch));
         let who = request.issuer.key();
-        let is_known = named.iter().any(|press| press.who == who && press.id == *id);
+        let is_known = named.iter().any(|stop_request| stop_request.who == who && stop_request.id == *id);
         if !is_known {
             named.push_back(Named { who, id: id.clone(), epoch, at });
         }
@@ -128,8 +128,8 @@ impl Engine {
         is_known
     }
 
-    pub(super) fn write_stops(&mut self, stops: impl IntoIterator<Item = CoalescedEntry<Press>>) {
-        for CoalescedEntry { last: Press { issuer, id, wall }, count, lasted } in stops {
+    pub(super) fn write_stops(&mut self, stops: impl IntoIterator<Item = CoalescedEntry<StopRequest>>) {
+        for CoalescedEntry { last: StopRequest { issuer, id, wall }, count, lasted } in stops {
             let within = Some(lasted).filter(|lasted| !lasted.is_zero());
             let (issuer, id, asked) = if count == 1 {
                 (issuer, id, Asked::Command(Command::Stop))

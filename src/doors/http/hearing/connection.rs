@@ -15,7 +15,7 @@ use super::connection_task::{ConnectionTask, HEADER_BYTES, HEADER_TIME, put};
 use super::context::ServerContext;
 use super::frames::Frames;
 use super::judge::Judge;
-use super::shared::{Given, Shared};
+use super::shared::{Shared, StopOutcome};
 use super::stop_search::{Heard, HeardRequest, StopSearch};
 use crate::api::door;
 use crate::doors::connection_limits::{ConnectionSlot, PendingConnection, SlotClaim};
@@ -193,7 +193,7 @@ where
     }
 
     /// Keeps a STOP for the request that will be answered by it.
-    fn keep(&self, given: Option<Given>) {
+    fn keep(&self, given: Option<StopOutcome>) {
         if let Some(given) = given.filter(|_| !self.is_only_heard) {
             self.shared.keep(self.search.number(), given);
         }

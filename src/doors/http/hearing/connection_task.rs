@@ -267,7 +267,7 @@ impl<W: AsyncWrite + Unpin> AsyncWrite for Transport<W> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::shared::PRESSES;
+    use super::super::shared::STOP_OUTCOMES;
     use super::*;
 
     /// Safety A5.
@@ -275,6 +275,6 @@ mod tests {
     fn no_more_stops_are_kept_for_their_requests_than_there_is_room_for() {
         let shared = Shared::new();
         (0..10_000).for_each(|number| shared.keep(number, Box::pin(std::future::pending())));
-        assert_eq!(shared.presses().len(), PRESSES);
+        assert_eq!(shared.stop_outcomes().len(), STOP_OUTCOMES);
     }
 }
