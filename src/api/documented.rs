@@ -4,13 +4,13 @@ use std::fs;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
-use super::commands::{CommandKind, Row};
+use super::commands::{CommandKind, CommandRow};
 
 /// Two tables of one page are not written at once.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
 /// What a command carries at a door where the number of its subject stands in the path.
-pub(crate) fn bodies(command: &Row) -> String {
+pub(crate) fn bodies(command: &CommandRow) -> String {
     if command.kind == CommandKind::Stop {
         return "not read".to_owned();
     }

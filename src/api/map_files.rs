@@ -8,7 +8,7 @@ use hallsweep_sim::{Export, Format};
 
 /// One file.
 #[derive(Clone, Copy, Debug)]
-pub struct Row {
+pub struct MapFileRow {
     /// Its name, which stands in its path and in the YAML.
     pub name: &'static str,
     pub media_type: &'static str,
@@ -31,7 +31,7 @@ const USUAL_CELL_M: f64 = 0.5;
 
 /// All of them, in the order in which they are listed.
 #[rustfmt::skip]
-pub const FILES: [Row; 5] = [
+pub const FILES: [MapFileRow; 5] = [
     row("hall.toml", "application/toml", "A hall file", Part::File(Format::Toml)),
     row("hall.map", "text/plain; charset=utf-8", "A MovingAI map", Part::File(Format::MovingAi)),
     row("hall.yaml", "application/yaml", "What ROS `map_server` reads, of `hall.pgm`", Part::File(Format::Occupancy)),
@@ -39,11 +39,11 @@ pub const FILES: [Row; 5] = [
     row("hall.txt", "text/plain; charset=utf-8", "The text of old clients, from the first cell known", Part::File(Format::SeedText)),
 ];
 
-const fn row(name: &'static str, media_type: &'static str, title: &'static str, part: Part) -> Row {
-    Row { name, media_type, title, part }
+const fn row(name: &'static str, media_type: &'static str, title: &'static str, part: Part) -> MapFileRow {
+    MapFileRow { name, media_type, title, part }
 }
 
-impl Row {
+impl MapFileRow {
     /// When what stands in it last changed.
     pub fn revision(&self, snapshot: &Snapshot) -> Revision {
         snapshot.revision_of(Resource::Map).max(snapshot.revision_of(Resource::Luggage))

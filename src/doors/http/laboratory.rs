@@ -15,7 +15,7 @@ use tokio::sync::Semaphore;
 use self::asked::{AskedPage, AskedPallet, AskedRoomba};
 use self::said::{Event, Row};
 use super::HttpDoor;
-use super::console::{Row as TreeRow, html, rows, sign};
+use super::console::{TreeRow, html, rows, sign};
 use super::language::Reader;
 use super::peer::LetIn;
 use super::problem::Problem;

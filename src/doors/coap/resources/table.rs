@@ -8,11 +8,11 @@ use coap_endpoint::{Format, Method};
 
 /// Every path.
 pub(super) struct Table {
-    pub(super) rows: Vec<Row>,
+    pub(super) rows: Vec<PathRow>,
 }
 
 /// One path.
-pub(super) struct Row {
+pub(super) struct PathRow {
     /// As `/luggage/{id}/photo`; `{id}` stands for a number.
     pub(super) path: &'static str,
     /// What kind of thing is there, for discovery.
@@ -56,7 +56,7 @@ pub(super) enum Action {
 
 /// Where a path leads.
 pub(super) struct Found<'a> {
-    pub(super) row: &'a Row,
+    pub(super) row: &'a PathRow,
     /// The number in the path; 0 where there is none.
     pub(super) number: u64,
 }
@@ -74,7 +74,7 @@ impl Table {
     }
 }
 
-impl Row {
+impl PathRow {
     /// What it does when it is asked by this method.
     pub(super) fn action(&self, method: Method) -> Option<Action> {
         self.actions.iter().find(|(answers, _)| *answers == method).map(|(_, action)| *action)
@@ -110,14 +110,17 @@ fn plain_number(segment: &str) -> Option<u64> {
 }
 
 /// What no other door has.
-fn only_here() -> [Row; 2] {
+fn only_here() -> [PathRow; 2] {
     let old_words = vec![(Method::Put, Action::OldWord), (Method::Post, Action::OldWord)];
     let (links, items) = (vec![Format::LINKS], vec![Format::TEXT]);
     let old_items = shown("/resourcemodel", "resourcemodel", "The model as old clients know it", Show::OldItems, items, true);
-    [shown("/.well-known/core", "core.links", "What is here", Show::Links, links, false), Row { actions: old_words, ..old_items }]
+    [
+        shown("/.well-known/core", "core.links", "What is here", Show::Links, links, false),
+        PathRow { actions: old_words, ..old_items },
+    ]
 }
 
-fn resource(row: &'static resources::Row) -> Row {
+fn resource(row: &'static resources::ResourceRow) -> PathRow {
     let formats = row.forms.iter().flat_map(|form| formats_of(*form)).copied().collect();
     shown(row.path, row.name, row.title, Show::Resource(row.kind), formats, row.is_observable)
 }
@@ -135,8 +138,8 @@ const fn formats_of(form: Form) -> &'static [Format] {
 
 /// Puts the commands of the one table where they belong: to what is shown at their path, or into a row of their own. Those that are
 /// about a numbered thing come before the others.
-fn with_commands(mut rows: Vec<Row>) -> Vec<Row> {
-    let (of_a_thing, plain): (Vec<&'static commands::Row>, Vec<_>) =
+fn with_commands(mut rows: Vec<PathRow>) -> Vec<PathRow> {
+    let (of_a_thing, plain): (Vec<&'static commands::CommandRow>, Vec<_>) =
         COMMANDS.iter().partition(|command| command.subject != Subject::None);
     for command in of_a_thing.into_iter().chain(plain) {
         let action = Action::Command(command.kind);
@@ -152,15 +155,15 @@ fn with_commands(mut rows: Vec<Row>) -> Vec<Row> {
     rows
 }
 
-fn shown(path: &'static str, rt: &str, title: &str, show: Show, formats: Vec<Format>, is_observable: bool) -> Row {
+fn shown(path: &'static str, rt: &str, title: &str, show: Show, formats: Vec<Format>, is_observable: bool) -> PathRow {
     let shows = Some(Representations { show, formats, is_observable });
-    Row { path, rt: rt.to_owned(), title: title.to_owned(), shows, actions: Vec::new() }
+    PathRow { path, rt: rt.to_owned(), title: title.to_owned(), shows, actions: Vec::new() }
 }
 
 /// The row of a command at whose path nothing is shown.
-fn done(command: &'static commands::Row, actions: Vec<(Method, Action)>) -> Row {
+fn done(command: &'static commands::CommandRow, actions: Vec<(Method, Action)>) -> PathRow {
     let title = command.title[..1].to_uppercase() + &command.title[1..];
-    Row { path: command.path, rt: command.name.to_ascii_lowercase(), title, shows: None, actions }
+    PathRow { path: command.path, rt: command.name.to_ascii_lowercase(), title, shows: None, actions }
 }
 
 #[cfg(test)]

@@ -46,7 +46,7 @@ use view::{HallInfo, View, Who, Why};
 
 pub(super) use began::Began;
 pub(super) use live::live;
-pub(super) use retrieval::{Row, rows, sign};
+pub(super) use retrieval::{TreeRow, rows, sign};
 pub(super) use timeline::Timelines;
 
 /// The page again, with the reason in words beside the button that was pressed.

@@ -10,7 +10,7 @@ use super::evacuation::{self, from_home};
 use super::hall;
 use super::incident::{Incident, is_of_incident};
 use super::photo::{Take, takes};
-use super::retrieval::{Row, armed, rows, sign, stage, stages};
+use super::retrieval::{TreeRow, armed, rows, sign, stage, stages};
 use super::view::{View, failure};
 use crate::api::luggage::photo_url;
 use crate::api::retrieval::ArmJson;
@@ -352,7 +352,7 @@ impl Trees<'_> {
         self.v.snapshot.retrieval.as_deref().map_or(&[], |retrieval| &retrieval.trees.trees)
     }
 
-    fn rows<'t>(&self, tree: &'t TreeView) -> Vec<Row<'t>> {
+    fn rows<'t>(&self, tree: &'t TreeView) -> Vec<TreeRow<'t>> {
         rows(&tree.nodes)
     }
 

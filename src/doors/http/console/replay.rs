@@ -12,7 +12,7 @@ use super::super::problem::Problem;
 use super::super::query::Query;
 use super::super::reading::Number;
 use super::html;
-use super::retrieval::{Row, rows, sign};
+use super::retrieval::{TreeRow, rows, sign};
 use crate::api::retrieval_record::RetrievalRecordJson;
 use crate::phrases::{Language, Phrase};
 use behaviour_trees::Status;
@@ -62,7 +62,7 @@ impl Page {
         Some(&self.shown)
     }
 
-    fn rows<'t>(&self, tree: &'t TreeView) -> Vec<Row<'t>> {
+    fn rows<'t>(&self, tree: &'t TreeView) -> Vec<TreeRow<'t>> {
         rows(&tree.nodes)
     }
 

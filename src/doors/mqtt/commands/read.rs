@@ -3,7 +3,7 @@
 
 use super::problem::Problem;
 use crate::api::command::{id_aside, number_aside};
-use crate::api::commands::{self, CommandKind, Payload, Row, Subject};
+use crate::api::commands::{self, CommandKind, CommandRow, Payload, Subject};
 use crate::api::fields::{Body, Fields, fields};
 use crate::api::halt::says_halt;
 use hallsweep_core::command::{Command, CommandId};
@@ -23,7 +23,7 @@ pub(super) struct Read {
 }
 
 /// Reads the payload of a command. A STOP is one whatever its payload is.
-pub(super) fn read(row: &Row, payload: &[u8]) -> Read {
+pub(super) fn read(row: &CommandRow, payload: &[u8]) -> Read {
     if row.kind == CommandKind::Stop || (row.kind == CommandKind::Move && says_halt(payload)) {
         return Read { id: id_in(payload), asked: Ok((Command::Stop, None)) };
     }
@@ -53,7 +53,7 @@ pub(super) fn bare(text: &str) -> &str {
     text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).unwrap_or(text)
 }
 
-fn command(row: &Row, fields: &mut Fields) -> Asked {
+fn command(row: &CommandRow, fields: &mut Fields) -> Asked {
     let number = match row.subject {
         Subject::None => 0,
         Subject::Luggage => number_aside(fields, "luggage", row.body[0])?,
@@ -78,7 +78,7 @@ impl Payload for Carried<'_> {
 }
 
 /// The fields of a payload; without one, none, where the command can do without.
-fn fields_of(row: &Row, payload: &[u8]) -> Result<Fields, Problem> {
+fn fields_of(row: &CommandRow, payload: &[u8]) -> Result<Fields, Problem> {
     match (payload.trim_ascii().is_empty(), row.is_word) {
         (true, true) => Ok(Fields::default()),
         (true, false) => Err(Problem::malformed("the payload is empty: this command needs JSON, see docs/mqtt.md".to_owned())),
