@@ -26,7 +26,7 @@ mod without_effect;
 pub use bind::{At, Bind, from_here};
 pub use environment::{Flag, Sources};
 pub use error::SettingsError;
-pub use key::{KEYS, Key, Kind};
+pub use key::{KEYS, Key, SettingKind};
 pub use layers::DEFAULTS;
 pub use mqtt::{Broker, Login, MqttRouter, MqttSettings, OtherBroker};
 pub use robot_address::{RobotAddress, RobotKind};

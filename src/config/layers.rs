@@ -20,7 +20,7 @@ use serde::Deserialize;
 
 use super::environment::{self, Flag, PREFIX, Sources};
 use super::error::SettingsError;
-use super::key::{Key, Kind, ROBOT, ROBOTS};
+use super::key::{Key, ROBOT, ROBOTS, SettingKind};
 use hallsweep_core::event::RobotId;
 
 /// The bottom layer, which names every setting.
@@ -221,7 +221,7 @@ impl Layer {
         let Some(setting) = Key::named(key) else {
             return Err(SettingsError::Unknown { key: key.to_owned(), origin, advice: Key::advice_for_unknown(key) });
         };
-        let value = if setting.kind == Kind::Text { Value::from(value) } else { meant(value) };
+        let value = if setting.kind == SettingKind::Text { Value::from(value) } else { meant(value) };
         let values = nest(key, value).into_dict().expect("every setting's name has a section");
         Ok(Layer { place, origin, values })
     }

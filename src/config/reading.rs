@@ -6,7 +6,7 @@ use serde::de::DeserializeOwned;
 
 use super::bind::{At, Bind};
 use super::error::SettingsError;
-use super::key::{Key, Kind};
+use super::key::{Key, SettingKind};
 use super::layers::Layers;
 use hallsweep_core::search::Sensing;
 
@@ -23,7 +23,7 @@ pub(super) fn read<T: DeserializeOwned>(layers: &Layers, key: &str) -> Result<T,
 
 /// What to say of a value that is not of the kind of its setting: what it is instead. The advice says what is wanted.
 fn wrong_type(layers: &Layers, key: &str) -> SettingsError {
-    let is_whole = Key::named(key).is_some_and(|key| key.kind == Kind::Whole);
+    let is_whole = Key::named(key).is_some_and(|key| key.kind == SettingKind::Whole);
     let problem = match layers.figment().find_value(key) {
         Ok(Value::String(..) | Value::Char(..)) => "it is a text",
         Ok(Value::Bool(..)) => "it is a yes or no",

@@ -36,7 +36,7 @@ pub struct NodeId(pub u32);
 
 /// What a node does: one of the engine's, or the leaf at this place of the catalogue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum NodeKind {
     /// One of the engine's.
     BuiltIn(BuiltIn),
     /// A leaf of the catalogue.
@@ -56,7 +56,7 @@ pub struct Label {
 /// A node of the row: what never changes while the tree runs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node {
-    pub(crate) kind: Kind,
+    pub(crate) kind: NodeKind,
     pub(crate) family: Family,
     /// Where its subtree ends.
     pub(crate) end: u32,
@@ -142,7 +142,7 @@ pub struct NodeView<'a> {
     /// The name of its kind.
     pub id: &'a str,
     /// What it does.
-    pub kind: Kind,
+    pub kind: NodeKind,
     /// What it is to its children; leaves of the catalogue are leaves.
     pub family: Family,
     /// How far below the root it is.

@@ -8,7 +8,7 @@ use super::block::{Block, BodyKey, Taken, too_large};
 use super::code::{Code, Method};
 use super::exchange::{KnownMessage, MessageKey};
 use super::limits::{BODY, OPEN, PATIENCE, REFUSED};
-use super::message::{Incoming, Kind, Received, Token, empty, parse};
+use super::message::{Incoming, MessageKind, Received, Token, empty, parse};
 use super::network::is_this_machine;
 use super::options::{self, ParsedRequest};
 use super::reliable::About;
@@ -20,7 +20,7 @@ use super::{Endpoint, ExchangeId, Open, RefusedRequest, lenient};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ReplyTo {
     pub(super) key: MessageKey,
-    pub(super) kind: Kind,
+    pub(super) kind: MessageKind,
     pub(super) token: Token,
     /// The classes of answers that its sender does not want (RFC 7967).
     pub(super) no_response: u32,
@@ -50,7 +50,7 @@ impl Endpoint {
     }
 
     /// What breaks the grammar is rejected, and may ask for something urgent all the same, each time that it is not known already.
-    fn take_malformed(&mut self, key: MessageKey, kind: Kind, bytes: &[u8], now: Duration) {
+    fn take_malformed(&mut self, key: MessageKey, kind: MessageKind, bytes: &[u8], now: Duration) {
         let is_new = self.exchanges.known(key, now).is_none();
         if let Some(urgent) = self.urgent_in(key.peer, bytes).filter(|_| is_new) {
             let exchange = self.open_exchange(key, true, now);
@@ -58,8 +58,8 @@ impl Endpoint {
             self.exchanges.answered(key, &[]);
             self.asked.push_back((exchange, urgent));
         }
-        if kind == Kind::Con {
-            self.transmit(key.peer, empty(Kind::Rst, key.id), now);
+        if kind == MessageKind::Con {
+            self.transmit(key.peer, empty(MessageKind::Rst, key.id), now);
         }
     }
 
@@ -136,7 +136,7 @@ impl Endpoint {
             None => (response, asked),
         };
         // What cannot be understood and wants no acknowledgement is passed over (RFC 7252, section 5.4.1).
-        if reply_to.kind == Kind::Non && response.code == Code::BAD_OPTION {
+        if reply_to.kind == MessageKind::Non && response.code == Code::BAD_OPTION {
             self.note(peer, asked, &response);
             return self.exchanges.answered(reply_to.key, &[]);
         }
@@ -259,7 +259,7 @@ impl Endpoint {
             wants_size,
         };
         self.open.insert(exchange, open);
-        if reply_to.kind == Kind::Con {
+        if reply_to.kind == MessageKind::Con {
             self.patience.insert(exchange, now + PATIENCE);
         }
         if let Some((given_up, _)) = (self.open.len() > OPEN).then(|| self.open.pop_first()).flatten() {
@@ -270,7 +270,7 @@ impl Endpoint {
 
     /// The sender asks again while it is still being answered.
     fn acknowledge_open(&mut self, reply_to: ReplyTo, exchange: ExchangeId, now: Duration) {
-        let Some(open) = self.open.get_mut(&exchange).filter(|_| reply_to.kind == Kind::Con) else { return };
+        let Some(open) = self.open.get_mut(&exchange).filter(|_| reply_to.kind == MessageKind::Con) else { return };
         open.is_acknowledged = true;
         self.patience.remove(&exchange);
         self.acknowledge(reply_to.key, now);

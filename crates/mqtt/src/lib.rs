@@ -31,7 +31,7 @@ mod urgent_search;
 
 pub use broker::{Announcement, Broker, OwnSubscription};
 pub use connection::{AnswerTo, ClientConnection, CommandDecision, Ended, Epoch, LateWill, Listener, Mark, Said, Session, Terms};
-pub use frame::{Frame, Kind, Malformed, frame};
+pub use frame::{Frame, Malformed, PacketKind, frame};
 pub use message::Message;
 pub use outbox::Outbox;
 pub use rights::{Rights, Tier};

@@ -5,7 +5,7 @@
 use std::collections::HashMap;
 
 use super::connection::{AnswerTo, Said};
-use super::frame::{Kind, Malformed, length};
+use super::frame::{Malformed, PacketKind, length};
 use super::limits::{ALIASES, PROPERTIES, TOPIC};
 use super::packet::properties::Property;
 use super::packet::{Fields, Version};
@@ -157,7 +157,7 @@ impl Head {
     /// are tried.
     fn readings(self, packet: &[u8]) -> [Option<(&[u8], &[u8])>; 2] {
         let nothing = [None, None];
-        if self.first >> 4 != Kind::Publish as u8 {
+        if self.first >> 4 != PacketKind::Publish as u8 {
             return nothing;
         }
         let Some((length, rest)) = packet.get(self.head..).and_then(|body| body.split_first_chunk::<2>()) else { return nothing };

@@ -32,7 +32,7 @@ use mqtt_gate::packet::Version;
 use mqtt_gate::packet::connect::{self, Connect};
 use mqtt_gate::packet::write::{self, Connack, Welcome};
 use mqtt_gate::{Broker, ClientConnection, Ended, Listener, Terms};
-use mqtt_gate::{Kind, frame};
+use mqtt_gate::{PacketKind, frame};
 
 /// So long a client that is sent away may take to read why.
 const FAREWELL: Duration = Duration::from_secs(1);
@@ -221,7 +221,7 @@ impl Clients {
     /// Who somebody is whose first words are no CONNECT to go on with, and what he speaks; `None`: nobody who is let in.
     async fn stranger(&self, sent: &SentAway, heard: &[u8], origin: &Origin) -> Option<(Identity, Version)> {
         let (SentAway::Unfit(_) | SentAway::Malformed(_) | SentAway::First(_)) = sent else { return None };
-        let connect = frame(heard, CONNECT).ok().flatten().filter(|frame| frame.kind == Kind::Connect);
+        let connect = frame(heard, CONNECT).ok().flatten().filter(|frame| frame.kind == PacketKind::Connect);
         let credentials = connect.map(|frame| connect::credentials(&heard[frame.head..frame.length])).unwrap_or_default();
         self.identity(&credentials, origin).await.ok().map(|identity| (identity, credentials.version))
     }

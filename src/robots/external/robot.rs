@@ -16,7 +16,7 @@ use hallsweep_drivers::{Dialect, Driver, Room, VirtualRobot};
 
 pub(in crate::robots) struct ExternalRobot {
     id: RobotId,
-    kind: Kind,
+    kind: ProtocolKind,
     address: Address,
     /// The same under one name.
     place: String,
@@ -27,7 +27,7 @@ pub(in crate::robots) struct ExternalRobot {
 }
 
 #[derive(Clone, Copy)]
-enum Kind {
+enum ProtocolKind {
     Virtual(Dialect),
     /// It knows itself where it stands.
     Line,
@@ -47,13 +47,15 @@ impl ExternalRobot {
         let at = settings.address.to_string();
         let (kind, address) = match (settings.kind, &settings.address) {
             (RobotKind::Sim, _) => return Ok(None),
-            (RobotKind::VirtualTcp, _) => (Kind::Virtual(Dialect::Semicolons), Address::Tcp(at, Some(own_address(id)))),
-            (RobotKind::VirtualWs, _) => (Kind::Virtual(Dialect::Messages), Address::WebSocket(at)),
-            (RobotKind::Line, RobotAddress::Device(_)) => (Kind::Line, Address::Serial(at, settings.baud)),
-            (RobotKind::Line, RobotAddress::Network { .. } | RobotAddress::Here) => (Kind::Line, Address::Tcp(at, None)),
+            (RobotKind::VirtualTcp, _) => (ProtocolKind::Virtual(Dialect::Semicolons), Address::Tcp(at, Some(own_address(id)))),
+            (RobotKind::VirtualWs, _) => (ProtocolKind::Virtual(Dialect::Messages), Address::WebSocket(at)),
+            (RobotKind::Line, RobotAddress::Device(_)) => (ProtocolKind::Line, Address::Serial(at, settings.baud)),
+            (RobotKind::Line, RobotAddress::Network { .. } | RobotAddress::Here) => (ProtocolKind::Line, Address::Tcp(at, None)),
         };
         let (room, step) = match &settings.scene {
-            Some(scene) if matches!(kind, Kind::Virtual(_)) => room::room(id, scene).map(|(room, step)| (Some(room), step))?,
+            Some(scene) if matches!(kind, ProtocolKind::Virtual(_)) => {
+                room::room(id, scene).map(|(room, step)| (Some(room), step))?
+            }
             Some(_) | None => (None, settings.step),
         };
         let place = settings.address.place().unwrap_or_default();
@@ -67,11 +69,11 @@ impl ExternalRobot {
 
     /// Whether it counts its way by time, and nobody has said where things stand.
     pub(in crate::robots) fn reckons(&self) -> bool {
-        matches!(self.kind, Kind::Virtual(_)) && self.room.is_none()
+        matches!(self.kind, ProtocolKind::Virtual(_)) && self.room.is_none()
     }
 
     pub(in crate::robots) fn recall(&mut self, folder: &Path) {
-        let Kind::Virtual(dialect) = self.kind else { return };
+        let ProtocolKind::Virtual(dialect) = self.kind else { return };
         let whose = format!("a virtual robot at {}", self.place);
         let opened = MemoryFile::open(folder, &self.id, &whose).and_then(|(file, memory)| {
             let read = memory.map(|memory| VirtualRobot::remembering(dialect, self.step, &memory)).transpose();
@@ -101,7 +103,7 @@ impl ExternalRobot {
             Remembered::Nothing => (None, None),
         };
         let driver: Box<dyn Driver> = match kind {
-            Kind::Virtual(dialect) => {
+            ProtocolKind::Virtual(dialect) => {
                 let robot = known.map_or_else(|| VirtualRobot::new(dialect, step), |known| *known);
                 Box::new(if let Some(room) = room {
                     robot.in_room(room)
@@ -111,7 +113,7 @@ impl ExternalRobot {
                     robot
                 })
             }
-            Kind::Line => Box::new(LineDriver::new()),
+            ProtocolKind::Line => Box::new(LineDriver::new()),
         };
         Box::new(move |side| Box::pin(link::run((id, driver), address, side, clock, file)))
     }

@@ -14,7 +14,7 @@ use super::error::{Reason, TreeError, format_4_name};
 use super::findings::Findings;
 use super::kind::{BuiltIn, Family};
 use super::leaf::Catalogue;
-use super::tree::{DEEPEST, Kind, Label, Live, MOST_NODES, MOST_TEXT, Node, Shape, Tree};
+use super::tree::{DEEPEST, Label, Live, MOST_NODES, MOST_TEXT, Node, NodeKind, Shape, Tree};
 use crate::fnv1a;
 
 /// The most nodes and the most bytes of attributes of all trees of a file together, each with its subtrees, when the file is checked:
@@ -190,7 +190,7 @@ struct Builder<'a> {
 
 /// What an element names.
 enum Found<'a> {
-    Node(Kind),
+    Node(NodeKind),
     /// A control node or decorator that nobody here performs.
     Declared(&'a Model),
 }
@@ -230,9 +230,9 @@ impl<'a> Builder<'a> {
         };
         let (family, children) = match kind {
             // The child of a subtree stands elsewhere.
-            Kind::BuiltIn(BuiltIn::SubTree) => (Family::Decorator, (0, 0)),
-            Kind::BuiltIn(kind) => (kind.family(), kind.children()),
-            Kind::Leaf(_) => (Family::Leaf, (0, 0)),
+            NodeKind::BuiltIn(BuiltIn::SubTree) => (Family::Decorator, (0, 0)),
+            NodeKind::BuiltIn(kind) => (kind.family(), kind.children()),
+            NodeKind::Leaf(_) => (Family::Leaf, (0, 0)),
         };
         self.count_children(element, children);
         self.count_async(element, kind);
@@ -244,7 +244,7 @@ impl<'a> Builder<'a> {
         let label = Label {
             name: Arc::from(name),
             path: path.clone(),
-            id: Arc::from(if kind == Kind::BuiltIn(BuiltIn::SubTree) { "SubTree" } else { element.id.as_str() }),
+            id: Arc::from(if kind == NodeKind::BuiltIn(BuiltIn::SubTree) { "SubTree" } else { element.id.as_str() }),
             place: element.place,
             depth: u16::try_from(self.depth).unwrap_or(u16::MAX),
         };
@@ -252,7 +252,7 @@ impl<'a> Builder<'a> {
         self.shape.labels.push(label);
         self.bind(element, kind, scope, to_u32(at));
         self.shape.nodes[at].port_count = u16::try_from(self.shape.bindings.len() - ports as usize).unwrap_or(u16::MAX);
-        if kind == Kind::BuiltIn(BuiltIn::SubTree) {
+        if kind == NodeKind::BuiltIn(BuiltIn::SubTree) {
             self.subtree(element, scope, &path)?;
         } else {
             self.children(element, scope, prefix)?;
@@ -295,7 +295,7 @@ impl<'a> Builder<'a> {
             return Err(Reason::NoId(element.form.word().to_owned()));
         }
         if element.form == Form::SubTree {
-            return Ok(Found::Node(Kind::BuiltIn(BuiltIn::SubTree)));
+            return Ok(Found::Node(NodeKind::BuiltIn(BuiltIn::SubTree)));
         }
         let (found, fits) = if let Some(kind) = BuiltIn::named(id) {
             let fits = match element.form {
@@ -306,11 +306,11 @@ impl<'a> Builder<'a> {
                 Form::Condition => kind == BuiltIn::ScriptCondition,
                 Form::SubTree => false,
             };
-            (Found::Node(Kind::BuiltIn(kind)), fits)
+            (Found::Node(NodeKind::BuiltIn(kind)), fits)
         } else if let Some(place) = self.catalogue.place(id) {
             let is_condition = self.catalogue.kinds()[place].is_condition;
             let form = if is_condition { Form::Condition } else { Form::Action };
-            (Found::Node(Kind::Leaf(place)), [Form::Compact, form].contains(&element.form))
+            (Found::Node(NodeKind::Leaf(place)), [Form::Compact, form].contains(&element.form))
         } else if let Some(model) = self.catalogue.declared(id).filter(|model| model.form != Form::SubTree) {
             (Found::Declared(model), [Form::Compact, model.form].contains(&element.form))
         } else if let Some(now) = format_4_name(id) {
@@ -348,9 +348,9 @@ impl<'a> Builder<'a> {
     }
 
     /// As BehaviorTree.CPP has it: one asynchronous child would have the other halted in each tick.
-    fn count_async(&mut self, element: &Element, kind: Kind) {
+    fn count_async(&mut self, element: &Element, kind: NodeKind) {
         let is_async = |child: &&Element| child.id == BuiltIn::AsyncSequence.word();
-        if kind == Kind::BuiltIn(BuiltIn::ReactiveSequence) && element.children.iter().filter(is_async).count() > 1 {
+        if kind == NodeKind::BuiltIn(BuiltIn::ReactiveSequence) && element.children.iter().filter(is_async).count() > 1 {
             self.findings.fault(TreeError::at(element.place, Reason::TwoAsync));
         }
     }

@@ -8,7 +8,7 @@ use crate::kind::{BuiltIn, BuiltInPort, Needed, Written};
 use crate::leaf::{Binding, Direction, Port};
 use crate::script::Script;
 use crate::status::Status;
-use crate::tree::{Conditions, Kind};
+use crate::tree::{Conditions, NodeKind};
 use crate::value::{Value, ValueType};
 
 /// The conditions of a node, by their attributes.
@@ -21,11 +21,11 @@ const AUTOREMAP: &str = "_autoremap";
 const MOST_PARTIES: usize = 16;
 
 impl<'a> Builder<'a> {
-    pub(super) fn bind(&mut self, element: &'a Element, kind: Kind, scope: usize, node: u32) {
+    pub(super) fn bind(&mut self, element: &'a Element, kind: NodeKind, scope: usize, node: u32) {
         match kind {
             // What its attributes mean is settled by `enter`.
-            Kind::BuiltIn(BuiltIn::SubTree) => {}
-            Kind::BuiltIn(kind) => {
+            NodeKind::BuiltIn(BuiltIn::SubTree) => {}
+            NodeKind::BuiltIn(kind) => {
                 self.known_ports(element, |name| kind.ports().iter().any(|port| port.name == name));
                 if kind == BuiltIn::Sync {
                     let bound = self.bind_barrier(element, kind);
@@ -38,7 +38,7 @@ impl<'a> Builder<'a> {
                     self.shape.bindings.push(binding);
                 }
             }
-            Kind::Leaf(place) => {
+            NodeKind::Leaf(place) => {
                 let ports = &self.catalogue.kinds()[place].ports;
                 self.known_ports(element, |name| ports.iter().any(|port| port.name == name));
                 for port in ports {

@@ -18,7 +18,7 @@ use super::kind::{BuiltIn, Family};
 use super::leaf::{Binding, Leaves};
 use super::script::Script;
 use super::status::Status;
-use super::tree::{Kind, Live, Node, NodeId, Shape};
+use super::tree::{Live, Node, NodeId, NodeKind, Shape};
 use super::value::Value;
 
 /// Why a tick could not be brought to its end, and at which node.
@@ -86,8 +86,8 @@ impl<'a, L: Leaves> Run<'a, L> {
 
     fn perform(&mut self, at: usize, node: &Node) -> Outcome {
         match node.kind {
-            Kind::Leaf(kind) => self.leaf(at, node, kind),
-            Kind::BuiltIn(kind) => match kind {
+            NodeKind::Leaf(kind) => self.leaf(at, node, kind),
+            NodeKind::BuiltIn(kind) => match kind {
                 BuiltIn::Sequence => self.in_order(at, node, Status::Failure, false),
                 BuiltIn::AsyncSequence => self.in_order(at, node, Status::Failure, true),
                 BuiltIn::Fallback => self.in_order(at, node, Status::Success, false),
@@ -181,8 +181,8 @@ impl<'a, L: Leaves> Run<'a, L> {
         let shape: &'a Shape = self.shape;
         let node = &shape.nodes[at];
         match node.kind {
-            Kind::Leaf(kind) => self.halt_leaf(at, node, kind),
-            Kind::BuiltIn(kind) => {
+            NodeKind::Leaf(kind) => self.halt_leaf(at, node, kind),
+            NodeKind::BuiltIn(kind) => {
                 if kind == BuiltIn::TryCatch {
                     self.catch_on_halt(at, node);
                 }
@@ -292,8 +292,8 @@ impl<'a, L: Leaves> Run<'a, L> {
 
     fn port_name(&self, node: &Node, port: usize) -> &'static str {
         match node.kind {
-            Kind::BuiltIn(kind) => kind.ports().get(port).map_or("", |port| port.name),
-            Kind::Leaf(_) => "",
+            NodeKind::BuiltIn(kind) => kind.ports().get(port).map_or("", |port| port.name),
+            NodeKind::Leaf(_) => "",
         }
     }
 }

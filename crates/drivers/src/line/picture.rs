@@ -10,9 +10,9 @@ use hallsweep_core::event::Photo;
 pub const MOST_BYTES: u32 = 4 << 20;
 
 /// What says that a file is of this kind, as far as one must look to know that it is a whole picture; and its media type.
-type Kind = (fn(&[u8]) -> bool, &'static str);
+type PictureKind = (fn(&[u8]) -> bool, &'static str);
 
-const KINDS: [Kind; 2] = [(is_png, "image/png"), (is_jpeg, "image/jpeg")];
+const KINDS: [PictureKind; 2] = [(is_png, "image/png"), (is_jpeg, "image/jpeg")];
 
 #[derive(Debug)]
 pub(super) struct Picture {

@@ -1,6 +1,6 @@
 //! Why a connection ends. Those that only whoever moves the bytes can know are here, too, so that there is one list of them.
 
-use crate::frame::{Kind, Malformed};
+use crate::frame::{Malformed, PacketKind};
 use crate::limits::UNRELEASED;
 use crate::packet::reason::Reason;
 
@@ -21,7 +21,7 @@ pub enum Ended {
     Malformed(#[from] Malformed),
     /// A packet that no client sends, or a second CONNECT.
     #[error("the client sent a {0:?}, which is not for it to send")]
-    Unexpected(Kind),
+    Unexpected(PacketKind),
     /// Nothing was heard for too long.
     #[error("the client was silent for too long")]
     Idle,

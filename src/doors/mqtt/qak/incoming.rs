@@ -3,7 +3,7 @@
 
 use std::sync::LazyLock;
 
-use super::message::{Kind, Message, NoMessage};
+use super::message::{Message, MessageKind, NoMessage};
 use super::outgoing::MODEL_CONTENT;
 use super::term::{Term, is_in_word};
 use crate::api::command::{goto, move_word};
@@ -66,7 +66,7 @@ pub fn asked(payload: &[u8], manual_driving: bool) -> Result<Asked, Wrong> {
     }
     let message = Message::parse(payload)?;
     let Some(known) = known(&message.id) else { return Ok(of_others(message.id)) };
-    if message.kind == Kind::Reply {
+    if message.kind == MessageKind::Reply {
         return Ok(Asked::Nothing);
     }
     let command = known.command(&message.content).map_err(|words| Wrong::Content { id: known.id, words })?;

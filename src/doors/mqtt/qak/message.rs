@@ -14,7 +14,7 @@ pub struct Message {
     /// What it is called, as `startCmd`.
     pub id: String,
     /// How it is sent.
-    pub kind: Kind,
+    pub kind: MessageKind,
     /// Who says it, as `js`.
     pub sender: String,
     /// To whom; `none` where it is an event.
@@ -27,7 +27,7 @@ pub struct Message {
 
 /// How a message is sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum MessageKind {
     /// To whoever listens.
     Event,
     /// To one receiver, without an answer.
@@ -82,7 +82,7 @@ impl Message {
         let [id, kind, sender, receiver, content, number] = parts;
         Ok(Message {
             id: atom("MSGID", id)?,
-            kind: Kind::of(kind)?,
+            kind: MessageKind::of(kind)?,
             sender: atom("SENDER", sender)?,
             receiver: atom("RECEIVER", receiver)?,
             content,
@@ -99,24 +99,26 @@ impl fmt::Display for Message {
     }
 }
 
-impl Kind {
+impl MessageKind {
     /// All of them.
-    pub const ALL: [Kind; 5] = [Kind::Event, Kind::Dispatch, Kind::Request, Kind::Invitation, Kind::Reply];
+    pub const ALL: [MessageKind; 5] =
+        [MessageKind::Event, MessageKind::Dispatch, MessageKind::Request, MessageKind::Invitation, MessageKind::Reply];
 
     /// The word in a message.
     pub const fn name(self) -> &'static str {
         match self {
-            Kind::Event => "event",
-            Kind::Dispatch => "dispatch",
-            Kind::Request => "request",
-            Kind::Invitation => "invitation",
-            Kind::Reply => "reply",
+            MessageKind::Event => "event",
+            MessageKind::Dispatch => "dispatch",
+            MessageKind::Request => "request",
+            MessageKind::Invitation => "invitation",
+            MessageKind::Reply => "reply",
         }
     }
 
-    fn of(term: Term) -> Result<Kind, NoMessage> {
+    fn of(term: Term) -> Result<MessageKind, NoMessage> {
         let expected = "event, dispatch, request, invitation or reply";
-        let known = matches!(term, Term::Atom(_)).then(|| Kind::ALL.into_iter().find(|kind| term.name() == Some(kind.name())));
+        let known =
+            matches!(term, Term::Atom(_)).then(|| MessageKind::ALL.into_iter().find(|kind| term.name() == Some(kind.name())));
         known.flatten().ok_or_else(|| wrong("MSGTYPE", &term, expected))
     }
 }
@@ -149,7 +151,7 @@ mod tests {
 
     fn any_message() -> impl Strategy<Value = Message> {
         let word = || prop_oneof![3 => "[a-zA-Z]{1,10}", 1 => "\\PC{0,8}"];
-        let parts = (word(), prop::sample::select(&Kind::ALL[..]), word(), word(), any_term(), any::<u64>());
+        let parts = (word(), prop::sample::select(&MessageKind::ALL[..]), word(), word(), any_term(), any::<u64>());
         parts.prop_map(|(id, kind, sender, receiver, content, number)| Message { id, kind, sender, receiver, content, number })
     }
 

@@ -9,7 +9,7 @@
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use super::{PLAYER, Scene, StaticObstacle};
-use crate::bag::{Bag, Kind};
+use crate::bag::{Bag, BagKind};
 use crate::hall::error::HallFault;
 use crate::hall::rows::{Reading, sides};
 use crate::hall::{Hall, Plan, Truth};
@@ -51,7 +51,7 @@ impl Scene {
         });
         let mut plan = drawing(&found, &pieces, bounds)?;
         for bag in &mut plan.bags {
-            *bag = Bag::of_kind(Kind::Box, bag.piece, std::mem::take(&mut bag.cells));
+            *bag = Bag::of_kind(BagKind::Box, bag.piece, std::mem::take(&mut bag.cells));
         }
         Ok(HallOfScene { hall: Hall::of(name, plan), lost: self.lost(&found, pieces.len()) })
     }
