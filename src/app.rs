@@ -53,7 +53,7 @@ use entry::Opened;
 pub use error::{AppError, Port};
 use mqtt::Mqtt;
 use ports::Ports;
-pub use ports::{Doors, Place};
+pub use ports::{BoundPort, Doors};
 use threads::Threads;
 
 /// What is still busy this long after everything has ended (a photo being drawn) is left behind.

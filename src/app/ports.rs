@@ -28,13 +28,13 @@ pub(super) fn raise_descriptors() -> u64 {
 /// Where the doors are, with their real ports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Doors {
-    pub http: Place,
-    pub coap: Option<Place>,
-    pub mqtt: Option<Place>,
+    pub http: BoundPort,
+    pub coap: Option<BoundPort>,
+    pub mqtt: Option<BoundPort>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct BoundPort {
     /// Its first address.
     pub at: SocketAddr,
     /// The port it would have had, if another program did not have it.
@@ -73,7 +73,11 @@ impl Ports {
 }
 
 /// Binds a door's port at all its addresses. One that nobody has chosen gives way to a free one when it is taken.
-fn open<P>(port: Port, bind: Bind, one: impl Fn(SocketAddr) -> io::Result<(P, SocketAddr)>) -> Result<(Vec<P>, Place), AppError> {
+fn open<P>(
+    port: Port,
+    bind: Bind,
+    one: impl Fn(SocketAddr) -> io::Result<(P, SocketAddr)>,
+) -> Result<(Vec<P>, BoundPort), AppError> {
     let (bound, instead_of) = match at_all(bind.at, &one) {
         Err((_, error)) if error.kind() == ErrorKind::AddrInUse && !bind.is_chosen => {
             (at_a_free_one(bind.at, &one), Some(bind.at.first().port()))
@@ -89,7 +93,7 @@ fn open<P>(port: Port, bind: Bind, one: impl Fn(SocketAddr) -> io::Result<(P, So
     if let Some(taken) = instead_of {
         tracing::warn!(door = port.name(), taken, %at, "another program has the usual port of a door: it is at a free one");
     }
-    Ok((ports, Place { at, instead_of }))
+    Ok((ports, BoundPort { at, instead_of }))
 }
 
 fn at_a_free_one<P>(at: At, one: &impl Fn(SocketAddr) -> io::Result<(P, SocketAddr)>) -> Result<Vec<(P, SocketAddr)>, NotHad> {
@@ -158,7 +162,7 @@ mod tests {
 
     use super::*;
 
-    fn bind(at: At, is_chosen: bool) -> Result<(Vec<TcpListener>, Place), AppError> {
+    fn bind(at: At, is_chosen: bool) -> Result<(Vec<TcpListener>, BoundPort), AppError> {
         open(Port::Mqtt, Bind { at, is_chosen }, tcp)
     }
 

@@ -1,7 +1,7 @@
 //! `hallsweep serve`: starts the program and says where it is, and how one gets in.
 
 use super::{Failure, Serve, link};
-use crate::app::{self, Doors, Entry, Place};
+use crate::app::{self, BoundPort, Doors, Entry};
 use crate::config::{Broker, HttpSettings, Settings, from_here};
 use crate::telemetry;
 
@@ -58,7 +58,7 @@ fn mqtt(settings: &Settings, doors: Doors, entry: &Entry) -> Option<String> {
 }
 
 /// Where this machine finds a door, whether others find it too, and how to choose where when it is elsewhere than usual.
-fn found(place: Place, flag: &str) -> String {
+fn found(place: BoundPort, flag: &str) -> String {
     let here = from_here(place.at);
     match place.instead_of {
         Some(port) => format!("{here} (another program has port {port}; {flag} localhost:PORT chooses one)"),
@@ -68,7 +68,7 @@ fn found(place: Place, flag: &str) -> String {
 }
 
 /// Where the console is, and how one gets in. A token is shown when it was just made, and then only here: never in the log.
-fn console(http: &HttpSettings, place: Place, entry: &Entry) -> String {
+fn console(http: &HttpSettings, place: BoundPort, entry: &Entry) -> String {
     let at = format!("hallsweep is at {}://{}", link::scheme(http), found(place, "--http"));
     match entry {
         Entry::Open => at,
@@ -90,8 +90,8 @@ mod tests {
     use crate::access::Token;
     use crate::config::{Flag, Sources, load};
 
-    fn at(address: &str) -> Place {
-        Place { at: address.parse().unwrap(), instead_of: None }
+    fn at(address: &str) -> BoundPort {
+        BoundPort { at: address.parse().unwrap(), instead_of: None }
     }
 
     fn set(settings: &[(&'static str, &str)]) -> Settings {
@@ -157,7 +157,7 @@ mod tests {
     #[test]
     fn a_door_that_gave_way_says_so_and_how_the_broker_that_is_there_is_used() {
         let settings = load(&Sources::default()).unwrap();
-        let instead = |address: &str, port| Place { instead_of: Some(port), ..at(address) };
+        let instead = |address: &str, port| BoundPort { instead_of: Some(port), ..at(address) };
         let doors = Doors {
             http: instead("127.0.0.1:40001", 8080),
             coap: Some(instead("127.0.0.1:40002", 5683)),

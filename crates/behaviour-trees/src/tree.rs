@@ -12,7 +12,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::blackboard::Blackboard;
-use super::document::Place;
+use super::document::SourcePosition;
 use super::kind::{BuiltIn, Family};
 use super::leaf::{Binding, LeafKind, Leaves};
 use super::script::Script;
@@ -49,7 +49,7 @@ pub struct Label {
     pub(crate) name: Arc<str>,
     pub(crate) path: Arc<str>,
     pub(crate) id: Arc<str>,
-    pub(crate) place: Place,
+    pub(crate) place: SourcePosition,
     pub(crate) depth: u16,
 }
 
@@ -148,7 +148,7 @@ pub struct NodeView<'a> {
     /// How far below the root it is.
     pub depth: usize,
     /// Where it stands in its file.
-    pub place: Place,
+    pub place: SourcePosition,
     /// How it stands once the tick is over: IDLE where its parent has reset it.
     pub after: Status,
     /// What it said in the last tick, if it was ticked in it.

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use self::scope::Scopes;
 use super::blackboard::Blackboard;
-use super::document::{Attribute, Document, Element, Form, Model, Place, TreeDefinition};
+use super::document::{Attribute, Document, Element, Form, Model, SourcePosition, TreeDefinition};
 use super::error::{Reason, TreeError, format_4_name};
 use super::findings::Findings;
 use super::kind::{BuiltIn, Family};
@@ -80,7 +80,7 @@ impl Tree {
 impl Document {
     /// The tree of this ID, or else the main one: that which the document names, or its only one.
     pub(crate) fn main_tree(&self, id: Option<&str>) -> Result<&TreeDefinition, TreeError> {
-        let refuse = |reason| TreeError::at(Place { line: 1, column: 1 }, reason);
+        let refuse = |reason| TreeError::at(SourcePosition { line: 1, column: 1 }, reason);
         match (id.or(self.main.as_deref()), &self.trees[..]) {
             (Some(id), _) => self.tree(id).ok_or_else(|| refuse(Reason::UnknownTree(id.to_owned()))),
             (None, [only]) => Ok(only),

@@ -13,7 +13,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::blackboard::Blackboard;
-use super::document::Place;
+use super::document::SourcePosition;
 use super::kind::{BuiltIn, Family};
 use super::leaf::{Binding, Leaves};
 use super::script::Script;
@@ -29,7 +29,7 @@ pub struct Fault {
     /// Where it is in the tree.
     pub path: Arc<str>,
     /// Where it stands in its file.
-    pub place: Place,
+    pub place: SourcePosition,
     /// What is wrong, in words.
     pub reason: String,
 }

@@ -1,6 +1,6 @@
 //! Packets that answer another, by its id: PUBACK, PUBREC, PUBREL, PUBCOMP.
 
-use super::properties::{Place, Properties};
+use super::properties::{Properties, PropertyContext};
 use super::{Fields, Version};
 use crate::frame::{Malformed, PacketKind};
 
@@ -33,7 +33,7 @@ pub fn read(body: &[u8], kind: PacketKind, version: Version) -> Result<Ack, Malf
     }
     let reason = reason(&mut fields, kind)?;
     if !fields.rest().is_empty() {
-        Properties::read(&mut fields, Place::Ack)?;
+        Properties::read(&mut fields, PropertyContext::Ack)?;
     }
     fields.end().map(|()| Ack { id, reason })
 }

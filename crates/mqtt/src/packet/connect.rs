@@ -2,7 +2,7 @@
 
 use bytes::Bytes;
 
-use super::properties::{Place, Properties, Property, that_go_on};
+use super::properties::{Properties, Property, PropertyContext, that_go_on};
 use super::reason::Reason;
 use super::write::{Connack, Welcome, connack};
 use super::{Fields, Qos, Version};
@@ -134,7 +134,7 @@ fn read_of(version: Version, fields: &mut Fields<'_>) -> Result<Option<Connect>,
         Version::Three => session_expiry_s = if clean_start { 0 } else { FOR_EVER_S },
         Version::Five => {
             let (mut has_data, mut has_method) = (false, false);
-            for property in Properties::read(fields, Place::Connect)? {
+            for property in Properties::read(fields, PropertyContext::Connect)? {
                 if let Property::SessionExpiry(seconds) = property {
                     session_expiry_s = seconds;
                 } else if let Property::ReceiveMaximum(most) = property {
@@ -249,7 +249,7 @@ fn flags(flags: u8, version: Version) -> Result<u8, Malformed> {
 fn will(fields: &mut Fields<'_>, flags: u8, version: Version) -> Result<Will, Malformed> {
     let properties = match version {
         Version::Three => Properties::default(),
-        Version::Five => Properties::read(fields, Place::Will)?,
+        Version::Five => Properties::read(fields, PropertyContext::Will)?,
     };
     let topic = fields.text("topic of the will")?;
     if topic.is_empty() || topic.contains(['+', '#']) {

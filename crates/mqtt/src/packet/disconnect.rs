@@ -1,6 +1,6 @@
 //! DISCONNECT (section 3.14): how a client takes its leave.
 
-use super::properties::{Place, Properties, Property};
+use super::properties::{Properties, Property, PropertyContext};
 use super::{Fields, Version};
 use crate::frame::Malformed;
 
@@ -28,7 +28,7 @@ pub fn read(body: &[u8], version: Version) -> Result<Disconnect, Malformed> {
         reason => return Err(Malformed::Reason(reason)),
     };
     if !fields.rest().is_empty() {
-        let mut properties = Properties::read(&mut fields, Place::Disconnect)?;
+        let mut properties = Properties::read(&mut fields, PropertyContext::Disconnect)?;
         disconnect.session_expiry_s =
             properties.find_map(|property| if let Property::SessionExpiry(seconds) = property { Some(seconds) } else { None });
     }

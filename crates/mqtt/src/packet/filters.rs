@@ -1,6 +1,6 @@
 //! SUBSCRIBE and UNSUBSCRIBE (sections 3.8 and 3.10): an id and filters. Whether a filter is a good one stands in `filter`.
 
-use super::properties::{Place, Properties, Property};
+use super::properties::{Properties, Property, PropertyContext};
 use super::{Fields, Qos, Version};
 use crate::frame::Malformed;
 use crate::limits::PACKET_FILTERS;
@@ -69,7 +69,7 @@ impl<'a> Filters<'a> {
     /// # Errors
     /// When it is none.
     pub fn of_subscribe(body: &'a [u8], version: Version) -> Result<Filters<'a>, Malformed> {
-        Filters::read(body, version, Place::Subscribe)
+        Filters::read(body, version, PropertyContext::Subscribe)
     }
 
     /// Reads an UNSUBSCRIBE.
@@ -77,10 +77,10 @@ impl<'a> Filters<'a> {
     /// # Errors
     /// When it is none.
     pub fn of_unsubscribe(body: &'a [u8], version: Version) -> Result<Filters<'a>, Malformed> {
-        Filters::read(body, version, Place::Unsubscribe)
+        Filters::read(body, version, PropertyContext::Unsubscribe)
     }
 
-    fn read(body: &'a [u8], version: Version, place: Place) -> Result<Filters<'a>, Malformed> {
+    fn read(body: &'a [u8], version: Version, place: PropertyContext) -> Result<Filters<'a>, Malformed> {
         let mut fields = Fields::new(body);
         let (id, mut subscription_id) = (fields.id()?, None);
         if version == Version::Five {
@@ -88,7 +88,7 @@ impl<'a> Filters<'a> {
             subscription_id =
                 properties.find_map(|property| if let Property::SubscriptionId(id) = property { Some(id) } else { None });
         }
-        let options = (place == Place::Subscribe).then_some(version);
+        let options = (place == PropertyContext::Subscribe).then_some(version);
         let filters = Filters { id, subscription_id, fields, options };
         let mut unread = filters;
         let mut count = 0_usize;

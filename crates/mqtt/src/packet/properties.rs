@@ -34,7 +34,7 @@ pub enum Property<'a> {
 /// Where properties stand: in which packet of a client, or in its will.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names are those of the packets")]
-pub enum Place {
+pub enum PropertyContext {
     Connect,
     Will,
     Publish,
@@ -50,7 +50,7 @@ pub struct Properties<'a>(&'a [u8]);
 
 impl<'a> Properties<'a> {
     /// Reads those at the head of what is left.
-    pub(super) fn read(fields: &mut Fields<'a>, place: Place) -> Result<Properties<'a>, Malformed> {
+    pub(super) fn read(fields: &mut Fields<'a>, place: PropertyContext) -> Result<Properties<'a>, Malformed> {
         let properties = Properties(split(fields)?);
         let (mut rest, mut seen) = (Fields::new(properties.0), 0_u64);
         while !rest.rest().is_empty() {
@@ -185,26 +185,26 @@ impl<'a> Property<'a> {
     }
 
     /// Whether a client may say this there.
-    const fn stands_in(self, place: Place) -> bool {
+    const fn stands_in(self, place: PropertyContext) -> bool {
         match self {
             Property::User(..) => true,
             Property::PayloadFormat(_)
             | Property::MessageExpiry(_)
             | Property::ContentType(_)
             | Property::ResponseTopic(_)
-            | Property::CorrelationData(_) => matches!(place, Place::Publish | Place::Will),
-            Property::SubscriptionId(_) => matches!(place, Place::Subscribe),
-            Property::SessionExpiry(_) => matches!(place, Place::Connect | Place::Disconnect),
+            | Property::CorrelationData(_) => matches!(place, PropertyContext::Publish | PropertyContext::Will),
+            Property::SubscriptionId(_) => matches!(place, PropertyContext::Subscribe),
+            Property::SessionExpiry(_) => matches!(place, PropertyContext::Connect | PropertyContext::Disconnect),
             Property::AuthenticationMethod(_)
             | Property::AuthenticationData(_)
             | Property::RequestProblem(_)
             | Property::RequestResponse(_)
             | Property::ReceiveMaximum(_)
             | Property::TopicAliasMaximum(_)
-            | Property::MaximumPacket(_) => matches!(place, Place::Connect),
-            Property::WillDelay(_) => matches!(place, Place::Will),
-            Property::ReasonString(_) => matches!(place, Place::Ack | Place::Disconnect),
-            Property::TopicAlias(_) => matches!(place, Place::Publish),
+            | Property::MaximumPacket(_) => matches!(place, PropertyContext::Connect),
+            Property::WillDelay(_) => matches!(place, PropertyContext::Will),
+            Property::ReasonString(_) => matches!(place, PropertyContext::Ack | PropertyContext::Disconnect),
+            Property::TopicAlias(_) => matches!(place, PropertyContext::Publish),
             Property::AssignedClientId(_) | Property::ServerKeepAlive(_) => false,
         }
     }

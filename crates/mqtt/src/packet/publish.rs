@@ -1,6 +1,6 @@
 //! The head of a PUBLISH (section 3.3). Whether its topic is one, is asked apart, since senders use few topics and send much.
 
-use super::properties::{Place, Properties};
+use super::properties::{Properties, PropertyContext};
 use super::{Fields, Qos, Version};
 use crate::frame::{Frame, Malformed};
 
@@ -38,7 +38,7 @@ pub fn read<'a>(frame: &Frame, packet: &'a [u8], version: Version) -> Result<Pub
     let id = if qos == Qos::Zero { 0 } else { fields.id()? };
     let properties = match version {
         Version::Three => Properties::default(),
-        Version::Five => Properties::read(&mut fields, Place::Publish)?,
+        Version::Five => Properties::read(&mut fields, PropertyContext::Publish)?,
     };
     Ok(Publish { topic, payload: fields.rest(), qos, id, is_duplicate, retain: frame.flags & 1 != 0, properties })
 }
