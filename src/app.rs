@@ -48,7 +48,7 @@ mod threads;
 
 use data_folder::DataFolder;
 pub use emulator::emulate;
-pub use entry::Entry;
+pub use entry::FirstAccess;
 use entry::Opened;
 pub use error::{AppError, Port};
 use mqtt::Mqtt;
@@ -64,16 +64,16 @@ const FIRST_LINK: Duration = Duration::from_secs(2);
 
 /// Serves until SIGINT, SIGTERM or SIGHUP. `announce` is told where, with the real ports, and how one gets in, as soon as requests are
 /// answered.
-pub fn serve(settings: &Settings, announce: impl FnOnce(Doors, &Entry)) -> Result<(), AppError> {
+pub fn serve(settings: &Settings, announce: impl FnOnce(Doors, &FirstAccess)) -> Result<(), AppError> {
     serve_with(settings, None, announce)
 }
 
 /// The same with another robot that searches than that of the settings: what is measured at a robot's port is measured behind the real doors.
-pub fn serve_robot(settings: &Settings, robot: Adapter, announce: impl FnOnce(Doors, &Entry)) -> Result<(), AppError> {
+pub fn serve_robot(settings: &Settings, robot: Adapter, announce: impl FnOnce(Doors, &FirstAccess)) -> Result<(), AppError> {
     serve_with(settings, Some(robot), announce)
 }
 
-fn serve_with(settings: &Settings, robot: Option<Adapter>, announce: impl FnOnce(Doors, &Entry)) -> Result<(), AppError> {
+fn serve_with(settings: &Settings, robot: Option<Adapter>, announce: impl FnOnce(Doors, &FirstAccess)) -> Result<(), AppError> {
     let robots = Robots::of(settings)?;
     let notes = data_folder::write_out_old(settings).into_iter().chain(mqtt::note(settings)).collect();
     let runtime = threads::ordinary().map_err(AppError::System)?;
@@ -86,7 +86,7 @@ async fn serve_hall(
     settings: &Settings,
     (mut robots, robot): (Robots, Option<Adapter>),
     notes: Vec<String>,
-    announce: impl FnOnce(Doors, &Entry),
+    announce: impl FnOnce(Doors, &FirstAccess),
 ) -> Result<(), AppError> {
     let mut front = entry::front(&settings.http)?;
     let threads = Threads::start()?;

@@ -47,7 +47,7 @@ pub(super) struct Exchanges {
 }
 
 #[derive(Clone, Debug)]
-struct Entry {
+struct KnownExchange {
     since: Duration,
     message: KnownMessage,
     /// The message stands for itself only while `undone` is this.
@@ -57,7 +57,7 @@ struct Entry {
 /// Messages, oldest first, and whose they are.
 #[derive(Debug, Default)]
 struct Table {
-    messages: LinkedHashMap<MessageKey, Entry>,
+    messages: LinkedHashMap<MessageKey, KnownExchange>,
     shares: Shares<MessageKey>,
 }
 
@@ -71,10 +71,10 @@ impl Table {
     }
 
     /// Remembers one more, in the place of the oldest of whoever has most when there is no room.
-    fn insert(&mut self, key: MessageKey, entry: Entry) {
+    fn insert(&mut self, key: MessageKey, entry: KnownExchange) {
         if let Some(before) = self.messages.get_mut(&key) {
             // In its old place: `shares` has the messages of a peer in the same order.
-            *before = Entry { since: before.since, ..entry };
+            *before = KnownExchange { since: before.since, ..entry };
             return;
         }
         self.messages.insert(key, entry);
@@ -105,7 +105,7 @@ impl Exchanges {
     /// Remembers a message that is to be answered, of which nothing was known.
     pub(super) fn open(&mut self, key: MessageKey, exchange: ExchangeId, is_command: bool, now: Duration) {
         let table = if is_command { &mut self.commands } else { &mut self.reads };
-        table.insert(key, Entry { since: now, message: KnownMessage::Open(exchange), good_while: None });
+        table.insert(key, KnownExchange { since: now, message: KnownMessage::Open(exchange), good_while: None });
     }
 
     /// A message that was opened just now has to act anew when it comes again after `undone` has changed.
@@ -122,7 +122,7 @@ impl Exchanges {
         }
     }
 
-    fn entry(&mut self, key: MessageKey) -> Option<&mut Entry> {
+    fn entry(&mut self, key: MessageKey) -> Option<&mut KnownExchange> {
         self.reads.messages.get_mut(&key).or_else(|| self.commands.messages.get_mut(&key))
     }
 }

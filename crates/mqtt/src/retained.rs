@@ -37,7 +37,7 @@ const BETWEEN_LOOKS: Duration = Duration::from_secs(1);
 
 #[derive(Debug, Default)]
 struct Shelf {
-    kept: BTreeMap<Arc<str>, Entry>,
+    kept: BTreeMap<Arc<str>, RetainedEntry>,
     /// What each key keeps; it has no line here when that is nothing.
     shares: HashMap<Arc<str>, Used>,
     clients: Used,
@@ -49,7 +49,7 @@ struct Shelf {
 }
 
 #[derive(Debug)]
-struct Entry {
+struct RetainedEntry {
     message: Arc<Message>,
     /// Later ones have higher ones.
     stamp: u64,
@@ -73,7 +73,7 @@ impl Retained {
         }
         // Whoever reads it without the lock does so to know what came later, and that has a higher one in any case.
         let stamp = self.stamp.fetch_add(1, Ordering::AcqRel) + 1;
-        let entry = Entry { message: Arc::clone(message), stamp, payer: payer.clone() };
+        let entry = RetainedEntry { message: Arc::clone(message), stamp, payer: payer.clone() };
         match shelf.put(entry) {
             Ok(()) => true,
             Err(entry) => shelf.clear(now) && shelf.put(entry).is_ok(),
@@ -140,7 +140,7 @@ impl Walk {
 
 impl Shelf {
     fn remove(&mut self, topic: &str) {
-        let Some(Entry { message, payer, .. }) = self.kept.remove(topic) else { return };
+        let Some(RetainedEntry { message, payer, .. }) = self.kept.remove(topic) else { return };
         let bytes = message.cost();
         self.pool(&payer).take_off(bytes);
         if let Payer::Key(name) = &payer
@@ -168,7 +168,7 @@ impl Shelf {
     }
 
     /// Puts one there, when there is room in the pool, and in the payer's share of it; else it comes back.
-    fn put(&mut self, entry: Entry) -> Result<(), Entry> {
+    fn put(&mut self, entry: RetainedEntry) -> Result<(), RetainedEntry> {
         let bytes = entry.message.cost();
         let share = match &entry.payer {
             Payer::Program | Payer::Anybody => Used::default(),

@@ -9,7 +9,7 @@ impl Team {
     /// How it stands now.
     #[must_use]
     pub fn state(&self) -> TeamState {
-        let held = |entry: &behaviour_trees::blackboard::Entry| Some((entry.name().to_owned(), entry.value()?.clone()));
+        let held = |entry: &behaviour_trees::blackboard::BlackboardEntry| Some((entry.name().to_owned(), entry.value()?.clone()));
         let [one, two, three] = &self.trees;
         TeamState {
             trees: [one.state(), two.state(), three.state()],

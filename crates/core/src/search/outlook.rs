@@ -8,7 +8,7 @@
 //! A cell counts as unknown (0), as visited (1) or as blocked (2). One that was only seen is still to be visited where the hall is to be
 //! covered; where luggage is to be found there is nothing more to it.
 
-use super::entries::Entry;
+use super::entries::CellEntry;
 use super::grid::{Grid, Spot, Square, onward};
 use super::tables::{LINEAR, RUN, SMALL, STARTS, TABLES};
 use super::view::{Gait, Objective, View};
@@ -56,7 +56,7 @@ type WindowPosition = (isize, isize);
 /// An entry as it is seen.
 struct Sight<'a> {
     looking: &'a Looking<'a>,
-    entry: &'a Entry,
+    entry: &'a CellEntry,
     forward: isize,
     right: isize,
     is_mirrored: bool,
@@ -106,12 +106,12 @@ impl<'a> Looking<'a> {
         count
     }
 
-    pub(crate) fn at(&self, entry: &Entry) -> Outlook {
+    pub(crate) fn at(&self, entry: &CellEntry) -> Outlook {
         let sight = Sight::of(self, entry);
         Outlook { linear: sight.linear(), rows: sight.rows() }
     }
 
-    fn turn(&self, entry: &Entry) -> Turn {
+    fn turn(&self, entry: &CellEntry) -> Turn {
         if entry.at.spot != self.spot {
             Turn::Elsewhere
         } else if entry.at.heading == self.heading {
@@ -125,7 +125,7 @@ impl<'a> Looking<'a> {
 }
 
 impl<'a> Sight<'a> {
-    fn of(looking: &'a Looking<'a>, entry: &'a Entry) -> Sight<'a> {
+    fn of(looking: &'a Looking<'a>, entry: &'a CellEntry) -> Sight<'a> {
         let grid = looking.grid;
         let (forward, right) = (grid.step(entry.at.heading), grid.step(entry.at.heading.right()));
         let look = |(ahead, aside): WindowPosition, right: isize| {
