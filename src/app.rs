@@ -20,7 +20,7 @@ use crate::doors::http::{self, HttpDoor};
 use crate::doors::listeners::Listeners;
 pub use crate::robots::Adapter;
 use crate::robots::{Adapters, Robots};
-use crate::runtime::archive_reader::Reader;
+use crate::runtime::archive_reader::ArchiveReader;
 use crate::runtime::clock::Clock;
 use crate::runtime::halt::Halter;
 use crate::runtime::handle::Handle;
@@ -101,7 +101,7 @@ async fn serve_hall(
     // Only now, when nothing else can refuse the start: a key that is made is also shown.
     let Opened { http: access, mqtt: mqtt_access, entry } = entry::access(settings)?;
     let halter = Halter::new(kept.epoch());
-    let reader = Reader::new(Arc::clone(&kept.archive));
+    let reader = ArchiveReader::new(Arc::clone(&kept.archive));
     let Venue { name: hall, cell_m, is_reckoned, robots: team, .. } = robots.venue();
     let (course, coursed) = watch::channel(Course::default());
     let (handle, mut task, simulator) = start(settings, (robots, robot), kept, (&halter, coursed), &threads).await;

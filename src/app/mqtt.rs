@@ -19,7 +19,7 @@ use crate::doors::mqtt::commands::{ANSWERS, Answer, Commands};
 use crate::doors::mqtt::session::{Link, OwnSession, Parts, Session, Times, believing};
 use crate::doors::mqtt::topics::Topics;
 use crate::doors::mqtt::{Clients, IncomingConnection, Origin, Ways, serve};
-use crate::runtime::archive_reader::Reader;
+use crate::runtime::archive_reader::ArchiveReader;
 use crate::runtime::handle::Handle;
 use mqtt_gate::Broker;
 use mqtt_gate::packet::Version;
@@ -38,7 +38,7 @@ struct Common {
     topics: Topics,
     home_assistant: bool,
     handle: Handle,
-    archive: Reader,
+    archive: ArchiveReader,
     manual_driving: bool,
     ending: watch::Receiver<bool>,
 }
@@ -50,7 +50,7 @@ impl Mqtt {
         settings: &Settings,
         (listeners, access, inner): (Listeners, Access, (&Threads, ConnectionBudget)),
         handle: Handle,
-        archive: Reader,
+        archive: ArchiveReader,
         ending: watch::Receiver<bool>,
     ) -> Result<Option<Mqtt>, AppError> {
         let MqttSettings { broker, prefix, id, old_prefix, home_assistant } = &settings.mqtt;

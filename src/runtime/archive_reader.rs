@@ -17,14 +17,14 @@ const PATIENCE: Duration = Duration::from_secs(10);
 
 /// The doors' way into the archive. Cheap to clone; the clones share the bound.
 #[derive(Clone)]
-pub struct Reader {
+pub struct ArchiveReader {
     archive: Arc<dyn Archive>,
     looks: Arc<Semaphore>,
 }
 
-impl Reader {
-    pub fn new(archive: Arc<dyn Archive>) -> Reader {
-        Reader { archive, looks: Arc::new(Semaphore::new(LOOKS)) }
+impl ArchiveReader {
+    pub fn new(archive: Arc<dyn Archive>) -> ArchiveReader {
+        ArchiveReader { archive, looks: Arc::new(Semaphore::new(LOOKS)) }
     }
 
     /// The archive itself, for whoever walks over a whole mission on a thread of his own, and says himself how many do so at once.
@@ -118,8 +118,8 @@ mod tests {
         }
     }
 
-    fn reader() -> Reader {
-        Reader::new(Arc::new(Empty))
+    fn reader() -> ArchiveReader {
+        ArchiveReader::new(Arc::new(Empty))
     }
 
     /// Safety A5.

@@ -16,7 +16,7 @@ pub(crate) use hallsweep::doors::mqtt::commands::{ANSWERS, Answer, Commands, Inc
 pub(crate) use hallsweep::doors::mqtt::publication::Publication;
 pub(crate) use hallsweep::doors::mqtt::qak::outgoing as qak;
 pub(crate) use hallsweep::doors::mqtt::topics::Topics;
-pub(crate) use hallsweep::runtime::archive_reader::Reader;
+pub(crate) use hallsweep::runtime::archive_reader::ArchiveReader;
 pub(crate) use hallsweep::runtime::halt::Halter;
 pub(crate) use hallsweep::runtime::handle::{COMMANDS, Envelope, Handle};
 pub(crate) use hallsweep::runtime::store::Store;

@@ -18,7 +18,7 @@ use crate::readers::{Found, Readers};
 use crate::retained::Retained;
 use crate::rights::{Payer, Rights, Tier};
 use crate::routed_delivery::{RoutedDelivery, Router};
-use crate::subscriber::{Delivery, Reader, Subscriber};
+use crate::subscriber::{Delivery, Subscriber, TopicReader};
 use crate::subscription::Subscription;
 
 /// What all connections of a broker share.
@@ -156,7 +156,7 @@ impl Broker {
 
     /// To each of those who read it, and to one of each group. Groups are of the gate alone: no router knows of them.
     pub(crate) fn send(&self, message: &Arc<Message>, readers: &Found) {
-        let put = |reader: &Reader| reader.subscriber.put(Delivery::of(message, reader), || self.has_room_for_away());
+        let put = |reader: &TopicReader| reader.subscriber.put(Delivery::of(message, reader), || self.has_room_for_away());
         match self.readers.router().filter(|_| !readers.each.is_empty()) {
             Some(router) => router.carry(RoutedDelivery::begin(Arc::clone(message), &readers.each, self.has_room_for_away())),
             None => readers.each.iter().for_each(put),

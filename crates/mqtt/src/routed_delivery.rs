@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use crate::message::Message;
-use crate::subscriber::{Delivery, Reader, Subscriber};
+use crate::subscriber::{Delivery, Subscriber, TopicReader};
 
 /// Carries messages to those who subscribed. Nothing here may block.
 pub trait Router: Debug + Send + Sync {
@@ -24,14 +24,14 @@ pub trait Router: Debug + Send + Sync {
 pub struct RoutedDelivery {
     message: Arc<Message>,
     /// To whom it was not brought yet.
-    readers: Vec<Reader>,
+    readers: Vec<TopicReader>,
     /// Whether it may wait for one who is away.
     has_room: bool,
 }
 
 impl RoutedDelivery {
     /// It waits for its readers from now on, as if it had come already: whoever publishes in a flood waits for those who read.
-    pub(crate) fn begin(message: Arc<Message>, readers: &[Reader], has_room: bool) -> RoutedDelivery {
+    pub(crate) fn begin(message: Arc<Message>, readers: &[TopicReader], has_room: bool) -> RoutedDelivery {
         for reader in readers {
             reader.subscriber.expect(&message);
         }
@@ -53,7 +53,7 @@ impl RoutedDelivery {
         }
     }
 
-    fn bring(&self, reader: &Reader) {
+    fn bring(&self, reader: &TopicReader) {
         reader.subscriber.unexpect(&self.message);
         reader.subscriber.put(Delivery::of(&self.message, reader), || self.has_room);
     }

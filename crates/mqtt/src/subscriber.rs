@@ -30,7 +30,7 @@ const NOTHING: u64 = u64::MAX;
 
 /// Who reads something, and how.
 #[derive(Clone, Debug)]
-pub(crate) struct Reader {
+pub(crate) struct TopicReader {
     pub(crate) subscriber: Arc<Subscriber>,
     /// How surely it is to reach him at the most.
     pub(crate) qos: Qos,
@@ -110,7 +110,7 @@ impl Queue {
 
 impl Delivery {
     /// At the lesser of its own quality and that of the subscription (section 3.8.4).
-    pub(crate) fn of(message: &Arc<Message>, reader: &Reader) -> Delivery {
+    pub(crate) fn of(message: &Arc<Message>, reader: &TopicReader) -> Delivery {
         Delivery {
             message: Arc::clone(message),
             qos: message.qos().min(reader.qos),

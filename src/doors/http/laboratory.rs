@@ -16,7 +16,7 @@ use self::asked::{AskedPage, AskedPallet, AskedRoomba};
 use self::said::{Event, Row};
 use super::HttpDoor;
 use super::console::{TreeRow, html, rows, sign};
-use super::language::Reader;
+use super::language::PageReader;
 use super::peer::LetIn;
 use super::problem::Problem;
 use super::query::Query;
@@ -41,8 +41,8 @@ pub(super) struct Laboratory {
 }
 
 /// `GET laboratory`
-pub(super) async fn page(State(door): State<HttpDoor>, to: Reader, query: Query) -> Result<Html<String>, Problem> {
-    let Reader { caller, language } = to;
+pub(super) async fn page(State(door): State<HttpDoor>, to: PageReader, query: Query) -> Result<Html<String>, Problem> {
+    let PageReader { caller, language } = to;
     let asked = AskedPage::of(&query)?;
     let page = door.computed(&caller, move || {
         let (roomba, pallet) = (asked.roomba.run()?, asked.pallet.run()?);

@@ -52,7 +52,7 @@ pub use tls::{Tls, TlsError};
 
 use crate::access::{Access, Attempts};
 use crate::doors::connection_limits::{ConnectionBudget, StreamQuota};
-use crate::runtime::archive_reader::Reader;
+use crate::runtime::archive_reader::ArchiveReader;
 use crate::runtime::clock::Clock;
 use crate::runtime::handle::Handle;
 use crate::runtime::simulator::Simulator;
@@ -69,7 +69,7 @@ const EVACUATION_M: f64 = 100.0;
 #[derive(Clone)]
 pub struct HttpDoor {
     handle: Handle,
-    archive: Reader,
+    archive: ArchiveReader,
     hall: Arc<str>,
     streams: StreamQuota,
     laboratory: laboratory::Laboratory,
@@ -101,7 +101,7 @@ pub struct HttpDoor {
 
 impl HttpDoor {
     /// A door to the loop behind `handle`; `hall` is the name on the page, `access` says who is let in.
-    pub fn new(handle: Handle, archive: Reader, hall: &str, access: Access) -> HttpDoor {
+    pub fn new(handle: Handle, archive: ArchiveReader, hall: &str, access: Access) -> HttpDoor {
         HttpDoor {
             handle,
             archive,

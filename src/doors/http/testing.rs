@@ -20,7 +20,7 @@ use super::{Hosts, HttpDoor, router};
 use crate::access::{Access, Keyring, Keys, OPERATOR, Role};
 use crate::api::journal::{self, Line};
 use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable};
-use crate::runtime::archive_reader::Reader;
+use crate::runtime::archive_reader::ArchiveReader;
 pub(super) use crate::runtime::obedient::Noted;
 use crate::runtime::obedient::{Script, obedient};
 use crate::runtime::within::within;
@@ -126,7 +126,7 @@ pub(super) fn app(snapshot: Snapshot) -> TestApp {
 /// The same, with a door that lets in whom it is told to.
 pub(super) fn guarded_app(snapshot: Snapshot, access: Access) -> TestApp {
     let (handle, Script { publish, refuse, given, noted }) = obedient(snapshot);
-    let door = HttpDoor::new(handle, Reader::new(Arc::new(Pictures)), "airport", access);
+    let door = HttpDoor::new(handle, ArchiveReader::new(Arc::new(Pictures)), "airport", access);
     TestApp { door, publish, refuse, given, noted }
 }
 

@@ -18,7 +18,7 @@ use super::client_io::{self, ClientEnds, Running};
 use super::commands::Commands;
 use super::hearing::Hearing;
 use super::identity::{Identity, Unknown};
-use super::incoming::{IncomingConnection, Origin, Reader, Writer};
+use super::incoming::{ClientReader, IncomingConnection, Origin, Writer};
 use super::introduction::{SentAway, introduction};
 use super::limits::{CONNECT_TIME, LEAVING, WAITING};
 use super::read_ahead::{Left, Pool, Taker, read_ahead};
@@ -229,7 +229,7 @@ impl Clients {
     /// Who a newcomer says it is, if that is so. Whoever shows a wrong password waits for his answer, the longer the more often.
     async fn introduced(
         &self,
-        reader: &mut Reader,
+        reader: &mut ClientReader,
         heard: &mut BytesMut,
         origin: &Origin,
     ) -> Result<(Connect, Identity), SentAway> {

@@ -8,13 +8,13 @@ use tokio::io::{AsyncRead, AsyncWrite};
 use crate::access::{Access, Caller};
 
 /// What a client says. It is read on the thread that hears.
-pub type Reader = Box<dyn AsyncRead + Send + Unpin>;
+pub type ClientReader = Box<dyn AsyncRead + Send + Unpin>;
 
 /// What it is told. It is written where all else is done.
 pub type Writer = Box<dyn AsyncWrite + Send + Unpin>;
 
 pub struct IncomingConnection {
-    pub reader: Reader,
+    pub reader: ClientReader,
     pub writer: Writer,
     pub origin: Origin,
 }

@@ -3,7 +3,7 @@
 use bytes::{Buf, BytesMut};
 use tokio::io::AsyncReadExt;
 
-use super::incoming::Reader;
+use super::incoming::ClientReader;
 use mqtt_gate::Ended;
 use mqtt_gate::limits::CONNECT;
 use mqtt_gate::packet::Version;
@@ -33,7 +33,7 @@ pub(super) enum SentAway {
 }
 
 /// The first packet of a client, which must be its CONNECT.
-pub(super) async fn introduction(reader: &mut Reader, heard: &mut BytesMut) -> Result<Connect, SentAway> {
+pub(super) async fn introduction(reader: &mut ClientReader, heard: &mut BytesMut) -> Result<Connect, SentAway> {
     let mut wrong = None;
     loop {
         // Wrong flags are told when all of it has come: whoever it is of may say STOP behind it.

@@ -25,6 +25,6 @@ pub mod topics;
 
 pub use clients::Clients;
 pub use embedded::{Ways, serve};
-pub use incoming::{IncomingConnection, Origin, Reader, Writer};
+pub use incoming::{ClientReader, IncomingConnection, Origin, Writer};
 #[cfg(feature = "rumqttd-router")]
 pub use rumqttd::RumqttdRouter;

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rusqlite::{Connection, OptionalExtension, Params, Row, params};
 
-use super::connect::Reader;
+use super::connect::JournalReader;
 use super::fault::{Fault, Then, count};
 use super::folder::Folder;
 use super::memory::{self, MemoryJournal, MemoryStore};
@@ -35,7 +35,7 @@ const MISSION: &str = "SELECT id, strategy, began_ms, began_offset_s, archived_m
 
 #[derive(Debug)]
 pub(super) enum SqliteArchive {
-    Folder { folder: Folder, idle: Mutex<Vec<Reader>> },
+    Folder { folder: Folder, idle: Mutex<Vec<JournalReader>> },
     Memory(Arc<MemoryJournal>),
 }
 
@@ -93,7 +93,7 @@ impl SqliteArchive {
 /// Asks a connection that idles, or a new one.
 fn ask_folder<T: Default>(
     folder: &Folder,
-    idle: &Mutex<Vec<Reader>>,
+    idle: &Mutex<Vec<JournalReader>>,
     question: impl FnOnce(&Connection) -> Result<T, Fault>,
 ) -> Result<T, Fault> {
     // A list of connections is whole whoever panicked.

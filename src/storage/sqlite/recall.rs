@@ -33,7 +33,7 @@ const CHECK_PATIENCE: Duration = Duration::from_secs(5);
 /// Looks at what was kept, and changes nothing; `None` when nothing was. What was said to be lost before a kill is not looked at,
 /// although it may be there: all after `lost_after`.
 pub(super) fn recall(folder: &Folder, lost_after: Option<Seq>) -> Result<Option<Recalled>, Fault> {
-    let Some(connect::Reader { connection, .. }) = connect::reader(folder)? else { return Ok(None) };
+    let Some(connect::JournalReader { connection, .. }) = connect::reader(folder)? else { return Ok(None) };
     check_quickly(&connection)?;
     let written = rows::last_up_to(&connection, lost_after)?;
     if written == Seq(0) {

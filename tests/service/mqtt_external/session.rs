@@ -6,7 +6,7 @@ use std::time::Duration;
 use hallsweep::doors::mqtt::commands::Commands;
 use hallsweep::doors::mqtt::session::{Link, Parts, Session, Times, believing};
 use hallsweep::doors::mqtt::topics::Topics;
-use hallsweep::runtime::archive_reader::Reader;
+use hallsweep::runtime::archive_reader::ArchiveReader;
 use hallsweep::runtime::halt::Halter;
 use hallsweep::runtime::handle::{Envelope, Handle};
 use hallsweep::storage::sqlite::MemoryStore;
@@ -61,7 +61,7 @@ impl TestApp {
             home_assistant: false,
             states: watched,
             answers,
-            archive: Reader::new(MemoryStore::new().archive()),
+            archive: ArchiveReader::new(MemoryStore::new().archive()),
             seed: u64::from(broker.port()),
             times: Times::default(),
         });

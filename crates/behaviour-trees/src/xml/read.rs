@@ -65,7 +65,7 @@ fn parsed(text: &str, findings: &mut Findings) -> Result<Document, TreeError> {
         let said = said.strip_suffix(&format!(" at {at}")).unwrap_or(&said);
         TreeError::at(SourcePosition { line: at.row, column: at.col }, Reason::NotXml(said.to_owned()))
     })?;
-    Reader { xml: &xml, lines, findings }.document()
+    XmlReader { xml: &xml, lines, findings }.document()
 }
 
 /// The parser compares each attribute with all others of its element, and each namespace with all that hold there: what would take it
@@ -134,14 +134,14 @@ impl<'x> Lines<'x> {
     }
 }
 
-struct Reader<'x, 'f> {
+struct XmlReader<'x, 'f> {
     xml: &'x Xml<'x>,
     lines: Lines<'x>,
     findings: &'f mut Findings,
 }
 
 /// What is wrong goes to the findings; an error is that after which the file cannot be read on.
-impl<'x> Reader<'x, '_> {
+impl<'x> XmlReader<'x, '_> {
     fn of(&self, node: Node<'_, '_>) -> SourcePosition {
         self.lines.place(node.range().start)
     }

@@ -29,7 +29,7 @@ use super::application::{Application, Reply};
 use crate::api::door;
 use crate::api::fields::in_short;
 use crate::doors::log_throttle::LogThrottle;
-use crate::runtime::archive_reader::Reader;
+use crate::runtime::archive_reader::ArchiveReader;
 use crate::runtime::figures::Connected;
 use crate::runtime::handle::Handle;
 use coap_endpoint::{Answer, Conditions, Method, RefusedRequest, Request, Response};
@@ -38,7 +38,7 @@ use hallsweep_core::command::{self, RefusalKind, Refused};
 /// The resources of this door.
 pub struct Resources {
     handle: Handle,
-    archive: Reader,
+    archive: ArchiveReader,
     table: Table,
     cache: RepresentationCache,
     old: OldModel,
@@ -49,7 +49,7 @@ pub struct Resources {
 
 impl Resources {
     /// The resources in front of the loop behind `handle`; `manual_driving` says whether old clients may drive the robot.
-    pub fn new(handle: Handle, archive: Reader, manual_driving: bool) -> Resources {
+    pub fn new(handle: Handle, archive: ArchiveReader, manual_driving: bool) -> Resources {
         let cache = RepresentationCache::default();
         let old = OldModel::new(handle.snapshot());
         let (table, photos, strangers) = (Table::default(), Arc::default(), LogThrottle::default());

@@ -8,7 +8,7 @@ use axum::extract::State;
 use axum::response::{Html, IntoResponse, Response};
 
 use super::super::HttpDoor;
-use super::super::language::Reader;
+use super::super::language::PageReader;
 use super::super::missions::{at, stood};
 use super::super::problem::Problem;
 use super::super::query::{MOST, Query};
@@ -27,7 +27,7 @@ use hallsweep_core::units::{MissionId, Seq, WallTime};
 /// `GET missions/{id}/moment`: the page, at the last entry up to `at`; without it at the first.
 pub(in crate::doors::http) async fn page(
     State(door): State<HttpDoor>,
-    to: Reader,
+    to: PageReader,
     Number(id): Number,
     query: Query,
 ) -> Result<Html<String>, Problem> {
@@ -43,7 +43,7 @@ pub(in crate::doors::http) async fn page(
 /// `from` as it was at the time `shown`.
 pub(in crate::doors::http) async fn message(
     State(door): State<HttpDoor>,
-    to: Reader,
+    to: PageReader,
     Number(id): Number,
     query: Query,
 ) -> Response {
@@ -54,7 +54,7 @@ pub(in crate::doors::http) async fn message(
     }
 }
 
-async fn differs(door: &HttpDoor, to: Reader, id: u64, query: &Query) -> Result<Message, Problem> {
+async fn differs(door: &HttpDoor, to: PageReader, id: u64, query: &Query) -> Result<Message, Problem> {
     query.only(&["at", "time", "from", "shown"])?;
     let line = Timelines::of(door, MissionId(id), to.language).await;
     let time = |name| query.count(name, 0..=MOST).map(|time| time.map(|time| line.at(i64::try_from(time).unwrap_or(i64::MAX))));
@@ -95,7 +95,7 @@ struct About {
 }
 
 impl About {
-    async fn of(door: &HttpDoor, Reader { caller, language }: Reader, id: u64) -> Result<About, Problem> {
+    async fn of(door: &HttpDoor, PageReader { caller, language }: PageReader, id: u64) -> Result<About, Problem> {
         let record = door.archive.look_up(move |archive| archive.mission(MissionId(id))).await?;
         let (line, who) = (Timelines::of(door, MissionId(id), language).await, who(door, &caller));
         Ok(About { door: door.clone(), mission: id, line, began: record.map(|record| record.began), who, language })

@@ -43,23 +43,23 @@ impl Term {
     /// # Errors
     /// When `text` is longer than `LENGTH`, nested deeper than `DEPTH`, or no term.
     pub fn parse(text: &str) -> Result<Term, Unreadable> {
-        Reader::whole(text)
+        TermReader::whole(text)
     }
 }
 
 /// A text, as far as it has been read.
-pub(super) struct Reader<'a> {
+pub(super) struct TermReader<'a> {
     text: &'a str,
     at: usize,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> TermReader<'a> {
     /// The one term that `text` is.
     pub(super) fn whole(text: &'a str) -> Result<Term, Unreadable> {
         if text.len() > LENGTH {
             return Err(Unreadable::TooLong(text.len()));
         }
-        let mut reader = Reader { text, at: 0 };
+        let mut reader = TermReader { text, at: 0 };
         let term = reader.term(1)?;
         match reader.next() {
             None => Ok(term),

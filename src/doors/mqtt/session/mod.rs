@@ -37,7 +37,7 @@ use super::commands::{Answer, Commands, Publisher};
 use super::publication::Publication;
 use super::topics::{HOME_ASSISTANT_STATUS, Topics};
 use crate::doors::log_throttle::LogThrottle;
-use crate::runtime::archive_reader::Reader;
+use crate::runtime::archive_reader::ArchiveReader;
 use crate::runtime::clock::Clock;
 use backoff::Backoff;
 use connection_task::ConnectionTask;
@@ -55,7 +55,7 @@ pub struct Parts {
     pub home_assistant: bool,
     pub states: watch::Receiver<Arc<Snapshot>>,
     pub answers: mpsc::Receiver<Answer>,
-    pub archive: Reader,
+    pub archive: ArchiveReader,
     /// Where the spread of pauses comes from.
     pub seed: u64,
     pub times: Times,
@@ -72,7 +72,7 @@ pub struct Session {
     changes: ChangeFeed,
     states: watch::Receiver<Arc<Snapshot>>,
     answers: mpsc::Receiver<Answer>,
-    archive: Reader,
+    archive: ArchiveReader,
     /// What happened, was said on a connection that was lost, and may not have arrived.
     again: VecDeque<Publication>,
     /// How many old messages may not have arrived.

@@ -11,7 +11,7 @@ use super::super::publication::Publication;
 use super::super::topics::{HOME_ASSISTANT_STATUS, Topics};
 use super::photos::{self, Reading};
 use crate::doors::log_throttle::LogThrottle;
-use crate::runtime::archive_reader::Reader;
+use crate::runtime::archive_reader::ArchiveReader;
 use crate::runtime::clock::Clock;
 use hallsweep_core::snapshot::Snapshot;
 use mqtt_gate::packet::properties::Property;
@@ -24,7 +24,7 @@ pub struct OwnSession {
     changes: ChangeFeed,
     states: watch::Receiver<Arc<Snapshot>>,
     answers: mpsc::Receiver<Answer>,
-    archive: Reader,
+    archive: ArchiveReader,
     reading: Reading,
     /// Where Home Assistant says that it has started; nothing, where it is not told of us.
     household: OwnSubscription,
@@ -40,7 +40,7 @@ impl OwnSession {
         (topics, home_assistant): (Topics, bool),
         states: watch::Receiver<Arc<Snapshot>>,
         answers: mpsc::Receiver<Answer>,
-        archive: Reader,
+        archive: ArchiveReader,
     ) -> OwnSession {
         let household = broker.subscribe(if home_assistant { &[HOME_ASSISTANT_STATUS] } else { &[] });
         let changes = ChangeFeed::new(topics.clone(), home_assistant);

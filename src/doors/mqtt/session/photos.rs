@@ -4,7 +4,7 @@
 use std::pin::Pin;
 
 use super::super::change_feed::{ChangeFeed, PHOTO_MOST, Picture};
-use crate::runtime::archive_reader::Reader;
+use crate::runtime::archive_reader::ArchiveReader;
 use hallsweep_core::event::Photo;
 
 /// What was read: the photo, if there is one that can be read.
@@ -16,7 +16,7 @@ pub(super) struct Reading(Option<Pin<Box<dyn Future<Output = Looked> + Send>>>);
 
 impl Reading {
     /// Begins to read the photo that is asked for, unless one is being read.
-    pub(super) fn begin(&mut self, news: &mut ChangeFeed, archive: &Reader) {
+    pub(super) fn begin(&mut self, news: &mut ChangeFeed, archive: &ArchiveReader) {
         if self.0.is_none()
             && let Some(picture) = news.poll_photo()
         {
@@ -41,7 +41,7 @@ pub(super) fn show(news: &mut ChangeFeed, (picture, photo): Looked) {
     }
 }
 
-async fn look_up(archive: Reader, picture: Picture) -> Looked {
+async fn look_up(archive: ArchiveReader, picture: Picture) -> Looked {
     match archive.look_up(move |archive| archive.photo(picture.luggage)).await {
         Ok(photo) => (picture, photo),
         Err(error) => {

@@ -19,7 +19,7 @@ use super::super::publication::LARGEST;
 use super::super::topics::Topics;
 use super::{Link, Parts, Session, Times};
 use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable};
-use crate::runtime::archive_reader::Reader;
+use crate::runtime::archive_reader::ArchiveReader;
 use crate::runtime::obedient::{Script, obedient};
 use crate::runtime::within::within;
 use hallsweep_core::event::Photo;
@@ -75,7 +75,7 @@ impl TestApp {
             home_assistant: true,
             states: script.publish.subscribe(),
             answers,
-            archive: Reader::new(Arc::new(Album)),
+            archive: ArchiveReader::new(Arc::new(Album)),
             seed: 1,
             times,
         });
