@@ -46,7 +46,7 @@ pub struct Whose {
 
 /// What is written, once read.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Page {
+pub struct MemoryPage {
     /// Of which hall.
     pub whose: Whose,
     /// Counts the writings.
@@ -95,7 +95,7 @@ pub const fn place(turn: u64) -> u64 {
 }
 
 /// Reads a whole file.
-pub fn read(bytes: &[u8]) -> Result<Page, Unread> {
+pub fn read(bytes: &[u8]) -> Result<MemoryPage, Unread> {
     let damaged = |words: &str| Unread::Damaged(words.to_owned());
     let title = bytes.split(|byte| *byte == b'\n').next().unwrap_or_default();
     let title = std::str::from_utf8(title).map_err(|_| damaged("its first line is not text"))?;
@@ -111,7 +111,7 @@ pub fn read(bytes: &[u8]) -> Result<Page, Unread> {
     let slots = [&bytes[HEAD..HEAD + SLOT], &bytes[HEAD + SLOT..]];
     let memories = slots.into_iter().filter_map(|slot| read_line::<Written>(slot)?.read());
     let (turn, memory) = memories.max_by_key(|(turn, _)| *turn).ok_or_else(|| damaged("neither of its two memories is whole"))?;
-    Ok(Page { whose, turn, memory })
+    Ok(MemoryPage { whose, turn, memory })
 }
 
 #[derive(Serialize, Deserialize)]
@@ -259,7 +259,7 @@ mod tests {
             let whose = Whose { hall: name.chars().take(NAME).collect(), ..whose() };
             let bytes = whole(&whose, turn, &memory);
             prop_assert_eq!(bytes.len(), SIZE);
-            prop_assert_eq!(read(&bytes), Ok(Page { whose, turn, memory }));
+            prop_assert_eq!(read(&bytes), Ok(MemoryPage { whose, turn, memory }));
         }
 
         /// Safety A7.

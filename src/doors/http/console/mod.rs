@@ -41,7 +41,7 @@ use crate::runtime::carry_out::Done;
 pub(super) use acts::buttons;
 use acts::{Fields, TypedNote};
 use hallsweep_core::units::LuggageId;
-use page::Page;
+use page::ConsolePage;
 use view::{HallInfo, View, Who, Why};
 
 pub(super) use began::Began;
@@ -134,7 +134,7 @@ async fn whole(door: &HttpDoor, to: &PageReader, why: Option<Why>) -> Html<Strin
     let line = Timelines::of(door, snapshot.mission.id, to.language).await;
     let (hall, who, now) = (HallInfo::of(door), who(door, &to.caller), door.clock.now().wall);
     let view = View { snapshot: &snapshot, hall, began, who, language: to.language, why, now, line: Some(&line), then: None };
-    html(&Page::new(&view))
+    html(&ConsolePage::new(&view))
 }
 
 /// Who is signed in; nobody where nobody is asked.

@@ -14,7 +14,7 @@ use super::super::problem::Problem;
 use super::super::query::{MOST, Query};
 use super::super::reading::Number;
 use super::live::{Message, Shown};
-use super::page::Page;
+use super::page::ConsolePage;
 use super::timeline::{LAST, Timeline, Timelines};
 use super::view::{HallInfo, Then, View, Who};
 use super::{html, who};
@@ -35,7 +35,7 @@ pub(in crate::doors::http) async fn page(
     let at = at(&query)?.map_or(At::Time(i64::MIN), At::Entry);
     let [moment] = stood(&door, id, [at]).await?;
     let about = About::of(&door, to, id).await?;
-    let page = move || html(&Page::new(&about.view(&about.looked_at(moment, at))));
+    let page = move || html(&ConsolePage::new(&about.view(&about.looked_at(moment, at))));
     Ok(door.archive.look_up(move |_| Ok(page())).await?)
 }
 

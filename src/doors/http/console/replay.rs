@@ -32,12 +32,12 @@ pub(in crate::doors::http) async fn page(
     let moment = query.count("moment", 1..=u64::try_from(last).unwrap_or(1))?;
     let moment = moment.and_then(|moment| usize::try_from(moment).ok()).unwrap_or(last);
     let t = moments.get(moment - 1).copied().unwrap_or(record.seconds);
-    Ok(html(&Page { language, mission: id, shown: record.replay.shown(t), record, moment, last, t }))
+    Ok(html(&ReplayPage { language, mission: id, shown: record.replay.shown(t), record, moment, last, t }))
 }
 
 #[derive(Template)]
 #[template(path = "missions/retrieval.html")]
-struct Page {
+struct ReplayPage {
     language: Language,
     mission: u64,
     record: RetrievalRecordJson,
@@ -49,7 +49,7 @@ struct Page {
     t: f64,
 }
 
-impl Page {
+impl ReplayPage {
     const fn language(&self) -> Language {
         self.language
     }

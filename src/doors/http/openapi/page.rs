@@ -22,7 +22,7 @@ use crate::phrases::Language;
 /// The page in each language.
 static PAGES: LazyLock<Vec<(Language, Kept)>> = LazyLock::new(|| {
     let contents = &Contents::new();
-    let page = |language| html(&Page { language, contents }).0;
+    let page = |language| html(&OpenApiPage { language, contents }).0;
     Language::ALL.map(|language| (language, Kept::new("text/html; charset=utf-8", page(language)))).into()
 });
 
@@ -34,7 +34,7 @@ pub(in super::super) async fn page(Spoken(language): Spoken, headers: HeaderMap)
 
 #[derive(Template)]
 #[template(path = "api.html")]
-struct Page<'a> {
+struct OpenApiPage<'a> {
     language: Language,
     contents: &'a Contents,
 }
