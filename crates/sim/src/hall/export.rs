@@ -54,7 +54,7 @@ const EXPLORED: &str = "As far as it was explored; where nothing is known it has
 
 /// A hall as it is written.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Written {
+pub struct WrittenHall {
     /// The file that is named.
     pub file: Vec<u8>,
     /// The PGM image beside it, in the format that has one.
@@ -151,7 +151,7 @@ impl Export {
     ///
     /// # Errors
     /// What is written could not be read again, as a map wider than a hall may be.
-    pub fn written(&self, format: Format, stem: &str) -> Result<Written, HallError> {
+    pub fn written(&self, format: Format, stem: &str) -> Result<WrittenHall, HallError> {
         let (file, image) = (self.file(format, stem), (format == Format::Occupancy).then(|| self.image()));
         let name = format!("{stem}.{}", format.extension());
         let text = String::from_utf8_lossy(&file);
@@ -160,7 +160,7 @@ impl Export {
             None => Hall::parse(&name, &text)?,
         };
         let lost = self.lost(&again, format);
-        Ok(Written { file, image, lost })
+        Ok(WrittenHall { file, image, lost })
     }
 
     fn lost(&self, again: &Hall, format: Format) -> Vec<String> {

@@ -44,7 +44,7 @@ fn rich() -> Hall {
     Hall::parse("rich.toml", RICH).unwrap()
 }
 
-fn again(written: &Written, format: Format) -> Hall {
+fn again(written: &WrittenHall, format: Format) -> Hall {
     let text = String::from_utf8(written.file.clone()).unwrap();
     match &written.image {
         Some(image) => Hall::parse_occupancy("again.yaml", &text, "again.pgm", image, None),
