@@ -16,7 +16,7 @@ use crate::doors::listeners::Listeners;
 #[cfg(feature = "rumqttd-router")]
 use crate::doors::mqtt::RumqttdRouter;
 use crate::doors::mqtt::commands::{ANSWERS, Answer, Commands};
-use crate::doors::mqtt::session::{Link, OwnSession, Parts, Session, Times, believing};
+use crate::doors::mqtt::session::{OwnSession, Parts, Session, SessionLink, Times, believing};
 use crate::doors::mqtt::topics::Topics;
 use crate::doors::mqtt::{Clients, IncomingConnection, Origin, Ways, serve};
 use crate::runtime::archive_reader::ArchiveReader;
@@ -139,7 +139,7 @@ async fn gone(mut left: watch::Receiver<()>) {
 fn other_broker(common: Common, other: &OtherBroker) -> Result<Mqtt, AppError> {
     let (answer, answers) = mpsc::channel(ANSWERS);
     let tls = if other.is_encrypted { Some(believing(other.certificates.as_deref())?) } else { None };
-    let link = Link {
+    let link = SessionLink {
         version: if other.is_five { Version::Five } else { Version::Three },
         host: other.host.clone(),
         port: other.port,

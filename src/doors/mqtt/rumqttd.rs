@@ -250,7 +250,7 @@ struct Carrier {
 }
 
 /// A link to rumqttd, for whoever has it just now.
-struct Link {
+struct RouterLink {
     to: LinkTx,
     subscriber: Arc<Mutex<Arc<Subscriber>>>,
     filters: usize,
@@ -264,7 +264,8 @@ impl Carrier {
         let end = || LinkTx::new(rumqttd::ConnectionId::MAX, requests.clone(), Arc::default()).shadow("").is_ok();
         let link = |name: String| LinkBuilder::new(&name, requests.clone()).build().ok().map(|(to, from, _)| (to, from));
         let Some((mut publisher, _unread)) = link("publisher".to_owned()) else { return };
-        let (mut links, mut idle, mut made): (HashMap<usize, Link>, Vec<Link>, usize) = (HashMap::new(), Vec::new(), 0);
+        let (mut links, mut idle, mut made): (HashMap<usize, RouterLink>, Vec<RouterLink>, usize) =
+            (HashMap::new(), Vec::new(), 0);
         let mut coming = JoinSet::new();
         for order in &self.ordered {
             let done = match order {
@@ -287,7 +288,7 @@ impl Carrier {
                                 made += 1;
                                 let whose = Arc::new(Mutex::new(Arc::clone(&subscriber)));
                                 coming.spawn_on(come(from, Arc::clone(&whose), Weak::clone(&self.state)), &self.work);
-                                Link { to, subscriber: whose, filters: 0 }
+                                RouterLink { to, subscriber: whose, filters: 0 }
                             }),
                         };
                         let Some(link) = link else { return };

@@ -49,7 +49,7 @@ pub(super) struct Begin {
 /// Runs a simulated robot until the loop's end of its channels is gone.
 pub(super) async fn run(begin: Begin, side: RobotSide, clock: Clock) {
     let Begin { sim, settings, speed, state_file, floor, remote, has_faults } = begin;
-    let link = Link {
+    let link = SimLink {
         sim,
         settings,
         side,
@@ -86,7 +86,7 @@ impl Floor {
     }
 }
 
-struct Link {
+struct SimLink {
     sim: Sim,
     settings: SimSettings,
     side: RobotSide,
@@ -115,7 +115,7 @@ struct Link {
     controls: Controls,
 }
 
-impl Link {
+impl SimLink {
     async fn run(mut self) {
         self.floor.moved.mark_changed();
         self.remote.controls.mark_changed();

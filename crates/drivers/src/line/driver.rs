@@ -40,7 +40,7 @@ pub(super) const ALL_COUNTED: &str = "the robot has counted its last order: swit
 /// Speaks to one robot by the line protocol.
 #[derive(Debug)]
 pub struct LineDriver {
-    pub(super) link: Link,
+    pub(super) link: LinkStage,
     lines: LineReader,
     /// A good line that said nothing, as an excerpt for whoever looks for the reason.
     pub(super) not_understood: Option<String>,
@@ -78,7 +78,7 @@ pub struct LineDriver {
 
 /// How far the link has come.
 #[derive(Debug)]
-pub(super) enum Link {
+pub(super) enum LinkStage {
     Down,
     /// Connected. Once the robot has said who it is, it is told from where orders begin.
     Greeting(Option<Seq>),
@@ -115,7 +115,7 @@ impl LineDriver {
     #[must_use]
     pub fn new() -> LineDriver {
         LineDriver {
-            link: Link::Down,
+            link: LinkStage::Down,
             lines: LineReader::default(),
             not_understood: None,
             picture: None,
@@ -151,7 +151,7 @@ impl LineDriver {
     }
 
     pub(super) fn has(&self, part: Part) -> bool {
-        matches!(&self.link, Link::Up(robot) if robot.parts.has(part))
+        matches!(&self.link, LinkStage::Up(robot) if robot.parts.has(part))
     }
 
     /// Says the open order again, or the halt that voids it.
@@ -189,7 +189,7 @@ impl LineDriver {
     }
 
     fn begin(&mut self, order: Order, now: Now) -> Result<(), String> {
-        if !matches!(self.link, Link::Up(_)) {
+        if !matches!(self.link, LinkStage::Up(_)) {
             return Err("the robot is not connected".to_owned());
         }
         if let Some(id) = self.open.as_ref().map(|open| open.order.id).or(self.drawing.map(|(id, _)| id)) {
@@ -243,7 +243,7 @@ impl LineDriver {
 
     /// The connection is of no use any more; another is made in a while.
     pub(super) fn break_link(&mut self, words: String) {
-        self.link = Link::Down;
+        self.link = LinkStage::Down;
         self.drop_order();
         self.outputs.push_back(Output::GiveUp(words));
     }
@@ -256,9 +256,9 @@ impl LineDriver {
     /// How long the robot may say nothing; it may always where nobody is connected.
     const fn patience(&self) -> Option<Duration> {
         match self.link {
-            Link::Down => None,
-            Link::Greeting(_) => Some(AWAKE),
-            Link::Up(_) => Some(SILENCE),
+            LinkStage::Down => None,
+            LinkStage::Greeting(_) => Some(AWAKE),
+            LinkStage::Up(_) => Some(SILENCE),
         }
     }
 
@@ -270,8 +270,8 @@ impl LineDriver {
     /// While the bytes of a photo come nothing is asked, so that the robot says nothing but these; what is missing of them shows.
     const fn next_hello(&self) -> Option<Duration> {
         match (&self.link, &self.picture) {
-            (Link::Down, _) | (_, Some(_)) => None,
-            (Link::Greeting(_) | Link::Up(_), None) => Some(self.hello_at),
+            (LinkStage::Down, _) | (_, Some(_)) => None,
+            (LinkStage::Greeting(_) | LinkStage::Up(_), None) => Some(self.hello_at),
         }
     }
 
@@ -289,7 +289,7 @@ impl Default for LineDriver {
 impl Driver for LineDriver {
     fn handle_connected(&mut self, now: Now) {
         self.drop_order();
-        self.link = Link::Greeting(None);
+        self.link = LinkStage::Greeting(None);
         self.lines = LineReader::default();
         (self.connected, self.heard, self.last_halt) = (now.since_start, now.since_start, None);
         // What the robot may have heard of the last program ends here.
@@ -298,7 +298,7 @@ impl Driver for LineDriver {
     }
 
     fn handle_lost(&mut self, words: &str, _: Now) {
-        self.link = Link::Down;
+        self.link = LinkStage::Down;
         self.drop_order();
         self.tell_lost(words);
     }
@@ -337,7 +337,7 @@ impl Driver for LineDriver {
                 }
                 self.seq
             }
-            _ if matches!(self.link, Link::Down) => return,
+            _ if matches!(self.link, LinkStage::Down) => return,
             // A photo goes on, and has the last number.
             Some(_) => self.seq.before(),
             None => self.voided(),

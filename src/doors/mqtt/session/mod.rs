@@ -22,7 +22,7 @@ mod times;
 mod tls;
 mod transport;
 
-pub use link::Link;
+pub use link::SessionLink;
 pub use own::OwnSession;
 pub use times::Times;
 pub use tls::{TlsError, believing};
@@ -48,7 +48,7 @@ use lost::Lost;
 use mqtt_gate::packet::Version;
 
 pub struct Parts {
-    pub link: Link,
+    pub link: SessionLink,
     /// Where what is said on the topics of commands goes.
     pub commands: Commands,
     pub topics: Topics,
@@ -63,7 +63,7 @@ pub struct Parts {
 
 /// A client that keeps its connection to somebody else's broker.
 pub struct Session {
-    link: Link,
+    link: SessionLink,
     commands: Commands,
     /// Whoever speaks there.
     publisher: Publisher,

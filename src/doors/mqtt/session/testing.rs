@@ -17,7 +17,7 @@ use tokio::task::JoinHandle;
 use super::super::commands::Commands;
 use super::super::publication::LARGEST;
 use super::super::topics::Topics;
-use super::{Link, Parts, Session, Times};
+use super::{Parts, Session, SessionLink, Times};
 use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable};
 use crate::runtime::archive_reader::ArchiveReader;
 use crate::runtime::obedient::{Script, obedient};
@@ -62,7 +62,7 @@ impl TestApp {
         let (give, answers) = mpsc::channel(16);
         let commands = Commands::new(handle, topics(), true, give);
         let session = Session::new(Parts {
-            link: Link {
+            link: SessionLink {
                 version: Version::Three,
                 host: broker.ip().to_string(),
                 port: broker.port(),

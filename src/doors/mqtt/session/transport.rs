@@ -8,7 +8,7 @@ use futures_util::stream::{Stream, StreamExt};
 use super::super::publication::Publication;
 use super::event::Event;
 use super::five::Five;
-use super::link::Link;
+use super::link::SessionLink;
 use super::lost::Lost;
 use super::three::Three;
 use super::times::Times;
@@ -31,7 +31,7 @@ enum Client {
 
 impl Transport {
     /// Nothing is connected before the first event is waited for.
-    pub(super) fn new(link: &Link, will: Publication, times: &Times) -> Transport {
+    pub(super) fn new(link: &SessionLink, will: Publication, times: &Times) -> Transport {
         let (client, events): (_, Pin<Box<dyn Stream<Item = _> + Send>>) = match link.version {
             Version::Three => {
                 let (client, events) = Three::begin(link, will, times);
