@@ -15,7 +15,7 @@ use crate::doors::http;
 use crate::doors::listeners::Listeners;
 #[cfg(feature = "rumqttd-router")]
 use crate::doors::mqtt::RumqttdRouter;
-use crate::doors::mqtt::commands::{ANSWERS, Answer, Commands};
+use crate::doors::mqtt::commands::{ANSWERS, Commands, ResultMessage};
 use crate::doors::mqtt::session::{OwnSession, Parts, Session, SessionLink, Times, believing};
 use crate::doors::mqtt::topics::Topics;
 use crate::doors::mqtt::{Clients, IncomingConnection, Origin, Ways, serve};
@@ -80,7 +80,7 @@ impl Mqtt {
 }
 
 impl Common {
-    fn commands(&self, answers: mpsc::Sender<Answer>) -> Commands {
+    fn commands(&self, answers: mpsc::Sender<ResultMessage>) -> Commands {
         Commands::new(self.handle.clone(), self.topics.clone(), self.manual_driving, answers)
     }
 

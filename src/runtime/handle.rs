@@ -8,7 +8,7 @@ use tokio::sync::{mpsc, oneshot, watch};
 
 use super::figures::Figures;
 use super::halt::Halter;
-use super::overflow::{Answer, OverflowIn, OverflowOut, overflow};
+use super::overflow::{Decision, OverflowIn, OverflowOut, overflow};
 use hallsweep_core::command::{Command, Issuer, Refused, Request};
 use hallsweep_core::event::RobotId;
 use hallsweep_core::snapshot::Snapshot;
@@ -24,14 +24,14 @@ const LEFT_BY_STOPS: usize = COMMANDS - 32;
 
 #[derive(Debug)]
 pub enum Envelope {
-    Command(Request, oneshot::Sender<Answer>),
+    Command(Request, oneshot::Sender<Decision>),
     /// What a door refused to take from somebody, for the record: who, what was asked for, and why not; and who waits until it is
     /// there, if anybody does.
-    Refused(Issuer, String, Refused, Option<oneshot::Sender<Answer>>),
+    Refused(Issuer, String, Refused, Option<oneshot::Sender<Decision>>),
     /// What somebody did to what is simulated, in words, for the record.
     Simulated(Issuer, String),
     /// These simulated robots are to be put down in the hall of this name, and who asks for it.
-    PutDown(Issuer, Venue, Vec<RobotId>, oneshot::Sender<Answer>),
+    PutDown(Issuer, Venue, Vec<RobotId>, oneshot::Sender<Decision>),
 }
 
 /// The doors' end: commands in, snapshots out.
@@ -51,7 +51,7 @@ pub struct Handle {
 pub struct Gone;
 
 /// What became of a command: the core's answer, unless the program is shutting down.
-pub type CommandOutcome = Result<Answer, Gone>;
+pub type CommandOutcome = Result<Decision, Gone>;
 
 /// A command for which there was no room in the queue.
 struct QueuedCommand {
@@ -165,7 +165,7 @@ impl Handle {
 
     /// Queues a command if there is room for it; else gives it back, but for a stop, which is counted beside the queue: it is
     /// recorded although nobody may ask for its answer. When the loop has ended, the answer's channel says so.
-    fn queue(&self, request: Request, answer: oneshot::Sender<Answer>) -> Option<QueuedCommand> {
+    fn queue(&self, request: Request, answer: oneshot::Sender<Decision>) -> Option<QueuedCommand> {
         let is_stop = request.command == Command::Stop;
         let beside = |request, answer| if is_stop { self.overflow.put_stop(request, answer) } else { Some((request, answer)) };
         let has_room = self.commands.capacity() > LEFT_BY_STOPS;

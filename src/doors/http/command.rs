@@ -11,15 +11,20 @@ use crate::api::door;
 use hallsweep_core::command::Command;
 use hallsweep_core::units::Epoch;
 
-type Answer = Result<Response, Problem>;
+type CommandAnswer = Result<Response, Problem>;
 
 /// `POST commands/stop`
-pub(super) async fn stop(sender: CommandSender) -> Answer {
+pub(super) async fn stop(sender: CommandSender) -> CommandAnswer {
     give(&sender, Command::Stop, None).await
 }
 
 /// Any other; `number` is that of what it is about. When a move was heard to be a STOP nothing else of it counts.
-pub(super) async fn command(kind: CommandKind, sender: CommandSender, number: u64, body: Result<JsonPayload, Problem>) -> Answer {
+pub(super) async fn command(
+    kind: CommandKind,
+    sender: CommandSender,
+    number: u64,
+    body: Result<JsonPayload, Problem>,
+) -> CommandAnswer {
     if kind == CommandKind::Move && sender.has_pressed_stop() {
         return give(&sender, Command::Stop, None).await;
     }
@@ -28,7 +33,7 @@ pub(super) async fn command(kind: CommandKind, sender: CommandSender, number: u6
 }
 
 /// Gives a command by the interface and answers in JSON; the old console's routes end here too.
-pub(super) async fn give(sender: &CommandSender, command: Command, epoch: Option<Epoch>) -> Answer {
+pub(super) async fn give(sender: &CommandSender, command: Command, epoch: Option<Epoch>) -> CommandAnswer {
     let done = sender.give(door::HTTP, command, epoch).await?;
     Ok(axum::Json(AnswerJson::new(done.accepted, &done.snapshot)).into_response())
 }

@@ -133,7 +133,7 @@ async fn run<W>(
                     asked.0.hands_over();
                     shared.is_handed_over.send_replace(true);
                 }
-                response.map(|body| Answer { body, asked })
+                response.map(|body| AnswerBody { body, asked })
             })
         }
     });
@@ -175,12 +175,12 @@ impl Drop for OpenRequest {
 }
 
 /// The body of an answer; its request is over when all of it is on its way.
-struct Answer {
+struct AnswerBody {
     body: Body,
     asked: OpenRequest,
 }
 
-impl hyper::body::Body for Answer {
+impl hyper::body::Body for AnswerBody {
     type Data = Bytes;
     type Error = axum::Error;
 

@@ -19,7 +19,7 @@ use self::parser::{CommandParser, ParsedCommand};
 use self::problem::Problem;
 pub use self::publisher::Publisher;
 use self::results::Results;
-pub use self::results::{ANSWERS, Answer};
+pub use self::results::{ANSWERS, ResultMessage};
 use super::topics::Topics;
 use crate::access::Need;
 use crate::doors::connection_limits::CommandRate;
@@ -76,7 +76,7 @@ pub struct Commands {
 
 impl Commands {
     /// Commands go to `handle`, results to `answers`; `manual_driving` says whether old clients may drive the robot.
-    pub fn new(handle: Handle, topics: Topics, manual_driving: bool, answers: mpsc::Sender<Answer>) -> Commands {
+    pub fn new(handle: Handle, topics: Topics, manual_driving: bool, answers: mpsc::Sender<ResultMessage>) -> Commands {
         let parser = Arc::new(CommandParser::new(topics, manual_driving));
         let (rate, nobody) = (Arc::default(), Arc::default());
         Commands { handle, parser, results: Results::new(answers), rate, nobody, clock: Clock::default() }

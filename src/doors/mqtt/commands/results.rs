@@ -40,7 +40,7 @@ const NO_PHOTO: &str = "noPhoto";
 /// Where results go, and the places of those that are waited for. Cheap to clone.
 #[derive(Clone, Debug)]
 pub(super) struct Results {
-    answers: mpsc::Sender<Answer>,
+    answers: mpsc::Sender<ResultMessage>,
     under_way: ResultQuota,
     waiting: ResultQuota,
     lost: Arc<LogThrottle>,
@@ -48,7 +48,7 @@ pub(super) struct Results {
 
 /// A result that waits to be published. Its place is free when it is taken.
 #[derive(Debug)]
-pub struct Answer {
+pub struct ResultMessage {
     publication: Publication,
     _permit: Permit,
 }
@@ -78,7 +78,7 @@ impl Reply {
 
 impl Results {
     /// Results go to `answers`.
-    pub(super) fn new(answers: mpsc::Sender<Answer>) -> Results {
+    pub(super) fn new(answers: mpsc::Sender<ResultMessage>) -> Results {
         let places = || ResultQuota::new(UNDER_WAY, VIEWERS_UNDER_WAY);
         Results { answers, under_way: places(), waiting: places(), lost: Arc::default() }
     }
@@ -143,8 +143,10 @@ impl Results {
 
     fn send(&self, publication: Publication, publisher: &Publisher) {
         let topic = publication.topic.clone();
-        let answer =
-            self.waiting.take(publisher.is_viewer(), publisher.key()).map(|permit| Answer { publication, _permit: permit });
+        let answer = self
+            .waiting
+            .take(publisher.is_viewer(), publisher.key())
+            .map(|permit| ResultMessage { publication, _permit: permit });
         // When nobody takes any more, the program is ending.
         let is_lost = answer.map_or(true, |answer| matches!(self.answers.try_send(answer), Err(TrySendError::Full(_))));
         if is_lost && let Some(lost) = self.lost.one_more() {
@@ -153,7 +155,7 @@ impl Results {
     }
 }
 
-impl Answer {
+impl ResultMessage {
     /// What is to be published; there is room for another.
     pub fn taken(self) -> Publication {
         self.publication

@@ -33,7 +33,7 @@ use std::sync::Arc;
 use tokio::sync::{mpsc, watch};
 
 use super::change_feed::{ChangeFeed, OFFLINE};
-use super::commands::{Answer, Commands, Publisher};
+use super::commands::{Commands, Publisher, ResultMessage};
 use super::publication::Publication;
 use super::topics::{HOME_ASSISTANT_STATUS, Topics};
 use crate::doors::log_throttle::LogThrottle;
@@ -54,7 +54,7 @@ pub struct Parts {
     pub topics: Topics,
     pub home_assistant: bool,
     pub states: watch::Receiver<Arc<Snapshot>>,
-    pub answers: mpsc::Receiver<Answer>,
+    pub answers: mpsc::Receiver<ResultMessage>,
     pub archive: ArchiveReader,
     /// Where the spread of pauses comes from.
     pub seed: u64,
@@ -71,7 +71,7 @@ pub struct Session {
     home_assistant: bool,
     changes: ChangeFeed,
     states: watch::Receiver<Arc<Snapshot>>,
-    answers: mpsc::Receiver<Answer>,
+    answers: mpsc::Receiver<ResultMessage>,
     archive: ArchiveReader,
     /// What happened, was said on a connection that was lost, and may not have arrived.
     again: VecDeque<Publication>,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tokio::sync::{mpsc, watch};
 
 use super::super::change_feed::{ChangeFeed, OFFLINE};
-use super::super::commands::Answer;
+use super::super::commands::ResultMessage;
 use super::super::home_assistant::BIRTH;
 use super::super::publication::Publication;
 use super::super::topics::{HOME_ASSISTANT_STATUS, Topics};
@@ -23,7 +23,7 @@ pub struct OwnSession {
     topics: Topics,
     changes: ChangeFeed,
     states: watch::Receiver<Arc<Snapshot>>,
-    answers: mpsc::Receiver<Answer>,
+    answers: mpsc::Receiver<ResultMessage>,
     archive: ArchiveReader,
     reading: Reading,
     /// Where Home Assistant says that it has started; nothing, where it is not told of us.
@@ -39,7 +39,7 @@ impl OwnSession {
         broker: Arc<Broker>,
         (topics, home_assistant): (Topics, bool),
         states: watch::Receiver<Arc<Snapshot>>,
-        answers: mpsc::Receiver<Answer>,
+        answers: mpsc::Receiver<ResultMessage>,
         archive: ArchiveReader,
     ) -> OwnSession {
         let household = broker.subscribe(if home_assistant { &[HOME_ASSISTANT_STATUS] } else { &[] });
