@@ -144,10 +144,10 @@ async fn send(
 }
 
 /// Some bytes of a file, none behind its last, or why no more come.
-type Part = Result<Bytes, Failure>;
+type FilePart = Result<Bytes, Failure>;
 
 /// Hands on what is written until time is over: who writes fails then, and who reads finds no end.
-async fn hand_on(mut written: mpsc::Receiver<Part>, to: mpsc::Sender<Part>) {
+async fn hand_on(mut written: mpsc::Receiver<FilePart>, to: mpsc::Sender<FilePart>) {
     let all = async {
         while let Some(part) = written.recv().await {
             if to.send(part).await.is_err() {
@@ -158,12 +158,12 @@ async fn hand_on(mut written: mpsc::Receiver<Part>, to: mpsc::Sender<Part>) {
     let _ = tokio::time::timeout(PATIENCE, all).await;
 }
 
-async fn next(written: &mut mpsc::Receiver<Part>) -> Part {
+async fn next(written: &mut mpsc::Receiver<FilePart>) -> FilePart {
     written.recv().await.unwrap_or_else(|| Err(Failure::Unwritable(io::ErrorKind::TimedOut.into())))
 }
 
 /// What is written, as it comes.
-fn body(first: Part, written: mpsc::Receiver<Part>) -> Body {
+fn body(first: FilePart, written: mpsc::Receiver<FilePart>) -> Body {
     let first = stream::once(async { first });
     let further = stream::unfold(Some(written), |written| async move {
         let mut written = written?;
@@ -179,7 +179,7 @@ fn body(first: Part, written: mpsc::Receiver<Part>) -> Body {
 }
 
 /// The end into which is written; it fails when the other is gone, or time is over.
-struct Pipe(mpsc::Sender<Part>);
+struct Pipe(mpsc::Sender<FilePart>);
 
 impl Write for Pipe {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
