@@ -8,7 +8,7 @@ use super::frame::{LineReader, framed};
 use super::from_robot::RobotName;
 use super::numbers::{Seq, millis};
 use super::picture::Picture;
-use super::to_robot::{Task, ToRobot};
+use super::to_robot::{RobotTask, ToRobot};
 use crate::{Driver, Output, Subject};
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order};
@@ -100,7 +100,7 @@ pub(super) struct Robot {
 #[derive(Debug)]
 pub(super) struct Open {
     pub(super) order: Order,
-    pub(super) task: Task,
+    pub(super) task: RobotTask,
     /// When its deadline has passed.
     pub(super) until: Duration,
     repeat_at: Duration,
@@ -173,14 +173,14 @@ impl LineDriver {
     }
 
     /// What a robot with these parts is asked to do for an action, or why it is not asked.
-    fn task(&self, action: Action) -> Result<Task, &'static str> {
+    fn task(&self, action: Action) -> Result<RobotTask, &'static str> {
         let task = match action {
-            Action::Move(Move::Forward) => Task::Forward,
-            Action::Move(Move::Backward) => Task::Backward,
-            Action::Move(Move::TurnLeft) => Task::Left,
-            Action::Move(Move::TurnRight) => Task::Right,
-            Action::Recentre => Task::Recentre,
-            Action::Photograph(_) => Task::Photo,
+            Action::Move(Move::Forward) => RobotTask::Forward,
+            Action::Move(Move::Backward) => RobotTask::Backward,
+            Action::Move(Move::TurnLeft) => RobotTask::Left,
+            Action::Move(Move::TurnRight) => RobotTask::Right,
+            Action::Recentre => RobotTask::Recentre,
+            Action::Photograph(_) => RobotTask::Photo,
             Action::Move(Move::NudgeLeft | Move::NudgeRight) => return Err("the line protocol has no small corrective turns"),
             Action::Enter | Action::Leave => return Err("the line protocol knows nothing before the entrance"),
             Action::Arm(_) => return Err("the line protocol knows no arm"),

@@ -29,4 +29,4 @@ pub use self::from_robot::{FromRobot, Hello, RobotName, Words};
 pub use self::numbers::Seq;
 pub use self::picture::MOST_BYTES;
 pub use self::robot::{Asked, LineRobot};
-pub use self::to_robot::{Task, ToRobot};
+pub use self::to_robot::{RobotTask, ToRobot};

@@ -9,7 +9,7 @@ use super::crc::Crc32;
 use super::frame::{LONGEST_FOR_ROBOT, LineReader, framed};
 use super::from_robot::{FromRobot, Hello, RobotName, Words};
 use super::numbers::Seq;
-use super::to_robot::{Task, ToRobot};
+use super::to_robot::{RobotTask, ToRobot};
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order, Stamp};
 use hallsweep_core::event::{Ahead, Capabilities, OffCentre, Photo, RobotEvent, Whereabouts};
@@ -58,7 +58,7 @@ pub struct LineRobot {
 #[derive(Clone, Copy, Debug)]
 struct UnderWay {
     seq: Seq,
-    task: Task,
+    task: RobotTask,
     is_halted: bool,
 }
 
@@ -178,7 +178,7 @@ impl LineRobot {
     }
 
     /// Begins an order, if it is new and nothing else is under way; it is repeated until it is answered.
-    fn order(&mut self, task: Task, seq: Seq, deadline: Duration, now: Now) {
+    fn order(&mut self, task: RobotTask, seq: Seq, deadline: Duration, now: Now) {
         if self.last.is_none() || self.from.is_some() || self.under_way.is_some() {
             return;
         }
@@ -188,12 +188,12 @@ impl LineRobot {
         self.last = Some(seq);
         self.under_way = Some(UnderWay { seq, task, is_halted: false });
         let action = match task {
-            Task::Forward => Action::Move(Move::Forward),
-            Task::Backward => Action::Move(Move::Backward),
-            Task::Left => Action::Move(Move::TurnLeft),
-            Task::Right => Action::Move(Move::TurnRight),
-            Task::Recentre => Action::Recentre,
-            Task::Photo => Action::Photograph(Stamp { pose: self.stands.pose, wall: now.wall }),
+            RobotTask::Forward => Action::Move(Move::Forward),
+            RobotTask::Backward => Action::Move(Move::Backward),
+            RobotTask::Left => Action::Move(Move::TurnLeft),
+            RobotTask::Right => Action::Move(Move::TurnRight),
+            RobotTask::Recentre => Action::Recentre,
+            RobotTask::Photo => Action::Photograph(Stamp { pose: self.stands.pose, wall: now.wall }),
         };
         let id = OrderId(seq.number().into());
         self.asked.push_back(Asked::Order(Order { id, action, epoch: Epoch(0), deadline }));

@@ -13,7 +13,7 @@ pub enum ToRobot {
     /// Halt; all up to this number is void, and orders begin above it.
     From(Seq),
     /// Do this. After so many milliseconds halt by yourself.
-    Order(Task, Seq, u32),
+    Order(RobotTask, Seq, u32),
     /// Halt; all up to this number is void.
     Halt(Seq),
     /// Let the LED blink, or not.
@@ -22,7 +22,7 @@ pub enum ToRobot {
 
 /// What an order asks of the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Task {
+pub enum RobotTask {
     /// One cell forward.
     Forward,
     /// One cell backward.
@@ -37,35 +37,36 @@ pub enum Task {
     Photo,
 }
 
-impl Task {
-    const ALL: [Task; 6] = [Task::Forward, Task::Backward, Task::Left, Task::Right, Task::Recentre, Task::Photo];
+impl RobotTask {
+    const ALL: [RobotTask; 6] =
+        [RobotTask::Forward, RobotTask::Backward, RobotTask::Left, RobotTask::Right, RobotTask::Recentre, RobotTask::Photo];
 
     const fn word(self) -> &'static str {
         match self {
-            Task::Forward => "w",
-            Task::Backward => "s",
-            Task::Left => "a",
-            Task::Right => "d",
-            Task::Recentre => "c",
-            Task::Photo => "photo",
+            RobotTask::Forward => "w",
+            RobotTask::Backward => "s",
+            RobotTask::Left => "a",
+            RobotTask::Right => "d",
+            RobotTask::Recentre => "c",
+            RobotTask::Photo => "photo",
         }
     }
 
     /// Whether the robot moves while it does this.
     #[must_use]
     pub fn is_motion(self) -> bool {
-        self != Task::Photo
+        self != RobotTask::Photo
     }
 
     /// Where a robot stands that has done this.
     pub(super) const fn after(self, pose: Pose) -> Pose {
         let Pose { cell, heading } = pose;
         match self {
-            Task::Forward => Pose { cell: cell.ahead(heading), heading },
-            Task::Backward => Pose { cell: cell.ahead(heading.opposite()), heading },
-            Task::Left => Pose { cell, heading: heading.left() },
-            Task::Right => Pose { cell, heading: heading.right() },
-            Task::Recentre | Task::Photo => pose,
+            RobotTask::Forward => Pose { cell: cell.ahead(heading), heading },
+            RobotTask::Backward => Pose { cell: cell.ahead(heading.opposite()), heading },
+            RobotTask::Left => Pose { cell, heading: heading.left() },
+            RobotTask::Right => Pose { cell, heading: heading.right() },
+            RobotTask::Recentre | RobotTask::Photo => pose,
         }
     }
 }
@@ -82,7 +83,7 @@ impl ToRobot {
             ["led", "blink"] => Some(ToRobot::Led(true)),
             ["led", "off"] => Some(ToRobot::Led(false)),
             [word, seq, deadline] => {
-                let task = Task::ALL.into_iter().find(|task| task.word() == word)?;
+                let task = RobotTask::ALL.into_iter().find(|task| task.word() == word)?;
                 Some(ToRobot::Order(task, Seq::read(seq)?, number(deadline)?))
             }
             _ => None,
@@ -114,7 +115,7 @@ mod tests {
 
     fn said() -> impl Strategy<Value = ToRobot> {
         let seq = (1..=Seq::LAST.number()).prop_map(|number| Seq::new(number).expect("it is within"));
-        let task = prop::sample::select(&Task::ALL[..]);
+        let task = prop::sample::select(&RobotTask::ALL[..]);
         prop_oneof![
             Just(ToRobot::Hello),
             seq.clone().prop_map(ToRobot::From),
@@ -129,8 +130,8 @@ mod tests {
         let seven = Seq::new(7).expect("seven is one");
         for (said, text) in [
             (ToRobot::From(seven), "from 7"),
-            (ToRobot::Order(Task::Forward, seven, 1990), "w 7 1990"),
-            (ToRobot::Order(Task::Photo, seven, 4000), "photo 7 4000"),
+            (ToRobot::Order(RobotTask::Forward, seven, 1990), "w 7 1990"),
+            (ToRobot::Order(RobotTask::Photo, seven, 4000), "photo 7 4000"),
             (ToRobot::Halt(seven), "h 7"),
             (ToRobot::Led(true), "led blink"),
         ] {

@@ -36,7 +36,7 @@ use leg::{Leg, Stage, Way};
 use motion::Unheard;
 use reckoning::Reckoning;
 pub use room::{Extent, Room, Thing};
-use task::{Aim, Task, Then};
+use task::{Aim, OrderTask, Then};
 use words::{Command, Heard, Stream};
 
 /// How long a turn is asked for: it cannot be halted, so it is to be short (safety S5), and less looks wrong on the page.
@@ -83,7 +83,7 @@ pub struct VirtualRobot {
     /// Whether the core was told that the link is up, and why it is not.
     is_up: bool,
     said: Option<String>,
-    task: Option<Task>,
+    task: Option<OrderTask>,
     /// A STOP still owes its alarm: there is no connection, or a turn is under way, which an alarm would leave askew.
     owes_alarm: bool,
     /// When the last alarm was given to be sent, if nothing has been since.
@@ -317,7 +317,7 @@ impl Driver for VirtualRobot {
         }
         let deadline = self.now.saturating_add(order.deadline);
         let Order { id, action, .. } = order;
-        self.task = Some(Task { order: id, action, deadline, aim: Aim::Back, leg: None, hindered: 0 });
+        self.task = Some(OrderTask { order: id, action, deadline, aim: Aim::Back, leg: None, hindered: 0 });
         match self.lost.clone().filter(|_| action.is_motion()) {
             Some(_) if self.is_told_lost && self.dialect == Dialect::Messages => self.is_put_home(),
             Some(lost) => self.fail_lost(lost),

@@ -9,7 +9,7 @@ use std::time::Duration;
 use super::super::hall::{Hall, Truth};
 use super::super::memory::{micro, reseeded, whole};
 use super::grip::{Grip, Held};
-use super::robot::{Astray, Robot, Run, Task, Work};
+use super::robot::{Astray, PairTask, Robot, Run, Work};
 use super::settings::{PairSettings, Slip};
 use super::{Ground, Pair};
 use hallsweep_core::arm::{Controllers, Gripper, Parcel};
@@ -219,7 +219,7 @@ impl Pair {
     fn robot_memory(&self, which: Which) -> RobotMemory {
         let robot = &self.robots[which.index()];
         let motion = match &robot.task {
-            Some(Task { work: Work::Step { .. } | Work::Back | Work::Turn { .. }, run: Some(Run { ends, .. }), .. }) => {
+            Some(PairTask { work: Work::Step { .. } | Work::Back | Work::Turn { .. }, run: Some(Run { ends, .. }), .. }) => {
                 Some((robot.astray_at(*ends).into(), ends.saturating_sub(self.now)))
             }
             Some(_) | None => None,

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use super::super::hall::Truth;
 use super::super::sonar::way_to_contact;
-use super::robot::{Astray, Run, Task, Work};
+use super::robot::{Astray, PairTask, Run, Work};
 use super::{Pair, RobotEvent};
 use hallsweep_core::arm::{ArmAction, Gripper};
 use hallsweep_core::command::Move;
@@ -100,7 +100,7 @@ impl Pair {
         let deadline = self.now.saturating_add(order.deadline);
         let needs_both = self.needs_both(which, work);
         self.unkept = true;
-        self.robots[which.index()].task = Some(Task { order: order.id, deadline, work, run: None });
+        self.robots[which.index()].task = Some(PairTask { order: order.id, deadline, work, run: None });
         if needs_both {
             self.begin_together();
         } else {

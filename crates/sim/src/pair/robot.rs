@@ -17,7 +17,7 @@ pub(super) struct Robot {
     pub(super) stands: BasePose,
     /// How far from there it really is while nothing moves it.
     pub(super) astray: Astray,
-    pub(super) task: Option<Task>,
+    pub(super) task: Option<PairTask>,
     pub(super) gripper: Gripper,
     pub(super) aligned: Option<Place>,
     pub(super) controllers: Controllers,
@@ -34,7 +34,7 @@ pub(super) enum Astray {
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Task {
+pub(super) struct PairTask {
     pub(super) order: OrderId,
     pub(super) deadline: Duration,
     pub(super) work: Work,
@@ -97,7 +97,7 @@ impl Robot {
 
     /// Where it is at `now`, if nothing comes between.
     pub(super) fn astray_at(&self, now: Duration) -> Astray {
-        let Some(Task { work, run: Some(run), .. }) = &self.task else { return self.astray };
+        let Some(PairTask { work, run: Some(run), .. }) = &self.task else { return self.astray };
         let done = run.done(now);
         match *work {
             Work::Step { to, until, .. } => Astray::Along(to, until * done).settled(),
@@ -109,7 +109,7 @@ impl Robot {
 
     /// Whether a place is filled by it, or will be when it ends its step.
     pub(super) fn is_in_or_enters(&self, place: Place, now: Duration) -> bool {
-        let enters = matches!(&self.task, Some(Task { work: Work::Step { to, .. }, .. }) if *to == place);
+        let enters = matches!(&self.task, Some(PairTask { work: Work::Step { to, .. }, .. }) if *to == place);
         self.stands.place == place || enters || matches!(self.astray_at(now), Astray::Along(to, _) if to == place)
     }
 

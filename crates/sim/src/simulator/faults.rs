@@ -1,7 +1,7 @@
 //! What somebody lets go wrong with the simulated robot, until it is taken back. A way that is blocked is no fault of the robot: its hall is
 //! another then.
 
-use super::{End, Sim, Task, Work};
+use super::{End, Sim, SimTask, Work};
 use hallsweep_core::units::{Cell, Now};
 
 /// What has failed.
@@ -44,7 +44,7 @@ impl Sim {
     /// Whether it stands in this cell, or is on its way into it.
     #[must_use]
     pub fn is_in_or_enters(&self, cell: Cell) -> bool {
-        let enters = |task: &Task| matches!(task.work, Work::Drive { end: End::At(pose), .. } if pose.cell == cell);
+        let enters = |task: &SimTask| matches!(task.work, Work::Drive { end: End::At(pose), .. } if pose.cell == cell);
         self.pose.cell == cell || self.task.as_ref().is_some_and(enters)
     }
 }

@@ -1,6 +1,6 @@
 //! Tests of the virtual robot's motions: what is not sent, not heard, heard too late, or refused.
 
-use super::super::Task;
+use super::super::OrderTask;
 use super::*;
 use crate::Driver;
 use hallsweep_core::command::Move;
@@ -367,7 +367,7 @@ fn one_that_is_lost_against_something_behind_it_is_not_taken_to_stand_before_wha
         let leg = Some(Leg::new(way, Stage::Sent(Duration::ZERO)));
         let aim = Aim::Touch { is_certain: true, further: 0 };
         test.robot.task =
-            Some(Task { order: OrderId(1), action: Action::Recentre, deadline: Duration::MAX, aim, leg, hindered: 0 });
+            Some(OrderTask { order: OrderId(1), action: Action::Recentre, deadline: Duration::MAX, aim, leg, hindered: 0 });
         test.now.since_start += Duration::from_secs(1);
         test.robot.handle_lost("the cable was pulled", test.now);
         assert_eq!(test.robot.lost.is_some(), is_lost, "backward: {backward}");
@@ -380,7 +380,7 @@ fn back_from_touching_or_gauging_a_recentring_is_done() {
         let mut test = Test::connected();
         (test.robot.gauge, test.robot.gauged) = (Some(7.0), Duration::from_secs(3));
         let (order, deadline) = (OrderId(1), Duration::MAX);
-        test.robot.task = Some(Task { order, action: Action::Recentre, deadline, aim, leg: None, hindered: 0 });
+        test.robot.task = Some(OrderTask { order, action: Action::Recentre, deadline, aim, leg: None, hindered: 0 });
         test.robot.go_back();
         assert_eq!((test.robot.poll_output(), test.last_event()), (None, Some(RobotEvent::Done(order))), "{aim:?}");
     }
