@@ -14,7 +14,7 @@ use crate::message::{Draft, Message};
 use crate::packet::Qos;
 use crate::packet::connect::Will;
 use crate::packet::properties::{Property, that_go_on};
-use crate::readers::{Found, Readers};
+use crate::readers::{Readers, TopicReaders};
 use crate::retained::Retained;
 use crate::rights::{Payer, Rights, Tier};
 use crate::routed_delivery::{RoutedDelivery, Router};
@@ -155,7 +155,7 @@ impl Broker {
     }
 
     /// To each of those who read it, and to one of each group. Groups are of the gate alone: no router knows of them.
-    pub(crate) fn send(&self, message: &Arc<Message>, readers: &Found) {
+    pub(crate) fn send(&self, message: &Arc<Message>, readers: &TopicReaders) {
         let put = |reader: &TopicReader| reader.subscriber.put(Delivery::of(message, reader), || self.has_room_for_away());
         match self.readers.router().filter(|_| !readers.each.is_empty()) {
             Some(router) => router.carry(RoutedDelivery::begin(Arc::clone(message), &readers.each, self.has_room_for_away())),

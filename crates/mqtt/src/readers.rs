@@ -13,7 +13,7 @@ use super::subscriber::{Subscriber, TopicReader};
 
 /// All who read what is published on one topic.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Found {
+pub(crate) struct TopicReaders {
     /// Each of them gets it,
     pub(crate) each: Vec<TopicReader>,
     /// and of each of these groups, who share a subscription, one.
@@ -41,7 +41,7 @@ struct Holder {
 
 type Held = BTreeMap<Arc<str>, Vec<Holder>>;
 
-impl Found {
+impl TopicReaders {
     pub(crate) fn is_empty(&self) -> bool {
         self.each.is_empty() && self.groups.is_empty()
     }
@@ -80,10 +80,10 @@ impl Readers {
 
     /// Those who get what is published on this topic: each once, as well as any of his filters that match (section 3.3.5); but not its
     /// publisher by a filter that leaves out his own.
-    pub(crate) fn of(&self, topic: &str, publisher: Option<SubscriberId>) -> Found {
+    pub(crate) fn of(&self, topic: &str, publisher: Option<SubscriberId>) -> TopicReaders {
         let levels: Vec<&str> = topic.split('/').collect();
         let is_left_out = |holder: &Holder| holder.grant.options.no_local && publisher == Some(holder.subscriber.id());
-        let mut found = Found::default();
+        let mut found = TopicReaders::default();
         collect(&self.held(), &mut String::with_capacity(topic.len() + 2), &levels, &mut |holders| {
             let mut groups: Vec<(&str, Vec<TopicReader>)> = Vec::new();
             for holder in holders.iter().filter(|holder| !is_left_out(holder)) {

@@ -189,7 +189,7 @@ struct Builder<'a> {
 }
 
 /// What an element names.
-enum Found<'a> {
+enum FoundNode<'a> {
     Node(NodeKind),
     /// A control node or decorator that nobody here performs.
     Declared(&'a Model),
@@ -218,8 +218,8 @@ impl<'a> Builder<'a> {
             return refuse(Reason::TooMuchText);
         }
         let kind = match self.kind(element) {
-            Ok(Found::Node(kind)) => kind,
-            Ok(Found::Declared(model)) => {
+            Ok(FoundNode::Node(kind)) => kind,
+            Ok(FoundNode::Declared(model)) => {
                 self.declared(element, model, scope);
                 return self.children(element, scope, prefix);
             }
@@ -289,13 +289,13 @@ impl<'a> Builder<'a> {
     }
 
     /// What an element names: a node of the engine, a leaf, a node that a file declares, or, by its own name, nothing else.
-    fn kind(&self, element: &Element) -> Result<Found<'a>, Reason> {
+    fn kind(&self, element: &Element) -> Result<FoundNode<'a>, Reason> {
         let id = &element.id;
         if id.is_empty() {
             return Err(Reason::NoId(element.form.word().to_owned()));
         }
         if element.form == Form::SubTree {
-            return Ok(Found::Node(NodeKind::BuiltIn(BuiltIn::SubTree)));
+            return Ok(FoundNode::Node(NodeKind::BuiltIn(BuiltIn::SubTree)));
         }
         let (found, fits) = if let Some(kind) = BuiltIn::named(id) {
             let fits = match element.form {
@@ -306,13 +306,13 @@ impl<'a> Builder<'a> {
                 Form::Condition => kind == BuiltIn::ScriptCondition,
                 Form::SubTree => false,
             };
-            (Found::Node(NodeKind::BuiltIn(kind)), fits)
+            (FoundNode::Node(NodeKind::BuiltIn(kind)), fits)
         } else if let Some(place) = self.catalogue.place(id) {
             let is_condition = self.catalogue.kinds()[place].is_condition;
             let form = if is_condition { Form::Condition } else { Form::Action };
-            (Found::Node(NodeKind::Leaf(place)), [Form::Compact, form].contains(&element.form))
+            (FoundNode::Node(NodeKind::Leaf(place)), [Form::Compact, form].contains(&element.form))
         } else if let Some(model) = self.catalogue.declared(id).filter(|model| model.form != Form::SubTree) {
-            (Found::Declared(model), [Form::Compact, model.form].contains(&element.form))
+            (FoundNode::Declared(model), [Form::Compact, model.form].contains(&element.form))
         } else if let Some(now) = format_4_name(id) {
             return Err(Reason::Format3 { written: id.clone(), now });
         } else if element.children.is_empty() {

@@ -24,7 +24,7 @@ use self::caller::Caller;
 use self::old::OldModel;
 use self::photos::Photos;
 use self::problem::Problem;
-use self::table::{Action, Found, Table};
+use self::table::{Action, FoundPath, Table};
 use super::application::{Application, Reply};
 use crate::api::door;
 use crate::api::fields::in_short;
@@ -112,7 +112,7 @@ impl Resources {
         }
     }
 
-    fn act(&self, act: Action, found: &Found<'_>, request: &Request) -> Result<Reply, Problem> {
+    fn act(&self, act: Action, found: &FoundPath<'_>, request: &Request) -> Result<Reply, Problem> {
         let caller = Caller::of(request.peer);
         caller.check(act.need()).map_err(|refused| Problem::refused(&refused))?;
         let (command, epoch) = actions::command(act, found.number, request, self.manual_driving)?;
@@ -129,7 +129,7 @@ impl Resources {
     }
 
     /// `If-Match` and `If-None-Match`, held against what is shown in any of its formats.
-    fn may_change(&self, found: &Found<'_>, request: &Request) -> Result<(), Problem> {
+    fn may_change(&self, found: &FoundPath<'_>, request: &Request) -> Result<(), Problem> {
         if request.conditions == Conditions::default() {
             return Ok(());
         }

@@ -55,7 +55,7 @@ pub(super) enum Action {
 }
 
 /// Where a path leads.
-pub(super) struct Found<'a> {
+pub(super) struct FoundPath<'a> {
     pub(super) row: &'a PathRow,
     /// The number in the path; 0 where there is none.
     pub(super) number: u64,
@@ -69,8 +69,8 @@ impl Default for Table {
 
 impl Table {
     /// The row of a path.
-    pub(super) fn find(&self, path: &[String]) -> Option<Found<'_>> {
-        self.rows.iter().find_map(|row| row.number(path).map(|number| Found { row, number }))
+    pub(super) fn find(&self, path: &[String]) -> Option<FoundPath<'_>> {
+        self.rows.iter().find_map(|row| row.number(path).map(|number| FoundPath { row, number }))
     }
 }
 

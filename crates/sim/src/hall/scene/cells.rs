@@ -30,7 +30,7 @@ pub struct HallOfScene {
 
 /// What the player finds when it tries every step from every cell that it comes to.
 #[derive(Default)]
-struct Found<'a> {
+struct ReachedCells<'a> {
     free: BTreeSet<Cell>,
     /// What stopped the first step into a cell.
     taken: BTreeMap<Cell, &'a str>,
@@ -56,11 +56,11 @@ impl Scene {
         Ok(HallOfScene { hall: Hall::of(name, plan), lost: self.lost(&found, pieces.len()) })
     }
 
-    fn found(&self) -> Result<Found<'_>, HallFault> {
+    fn found(&self) -> Result<ReachedCells<'_>, HallFault> {
         if let Some(name) = self.what_is_at(self.player.x, self.player.z) {
             return Err(HallFault::PlayerStuck(name.to_owned()));
         }
-        let mut found = Found { free: BTreeSet::from([Cell::HOME]), ..Found::default() };
+        let mut found = ReachedCells { free: BTreeSet::from([Cell::HOME]), ..ReachedCells::default() };
         let mut waiting = VecDeque::from([Cell::HOME]);
         while let Some(cell) = waiting.pop_front() {
             for next in cell.neighbours() {
@@ -103,7 +103,7 @@ impl Scene {
         things.chain(border).min_by(|(first, _), (second, _)| first.total_cmp(second)).map(|(_, name)| name)
     }
 
-    fn lost(&self, found: &Found<'_>, pieces: usize) -> Vec<String> {
+    fn lost(&self, found: &ReachedCells<'_>, pieces: usize) -> Vec<String> {
         let met: BTreeSet<&str> = found.taken.values().copied().collect();
         let names: BTreeSet<&str> = found.luggage().map(|(_, name)| name).collect();
         let hidden = self.statics.iter().filter(|thing| !met.contains(thing.name.as_str())).count();
@@ -118,7 +118,7 @@ impl Scene {
     }
 }
 
-impl<'a> Found<'a> {
+impl<'a> ReachedCells<'a> {
     fn luggage(&self) -> impl Iterator<Item = (Cell, &'a str)> {
         let is_wall = |name: &str| name.starts_with("wall") || name == BORDER;
         self.taken.iter().filter(move |(_, name)| !is_wall(name)).map(|(cell, name)| (*cell, *name))
@@ -152,7 +152,7 @@ fn kept_free(thing: &StaticObstacle) -> [(f64, f64); 2] {
     [(thing.min_x - half, thing.max_x + half), (thing.min_z - half, thing.max_z + half)]
 }
 
-fn drawing(found: &Found<'_>, pieces: &[Vec<Cell>], bounds: Bounds) -> Result<Plan, HallFault> {
+fn drawing(found: &ReachedCells<'_>, pieces: &[Vec<Cell>], bounds: Bounds) -> Result<Plan, HallFault> {
     let side = |cells: i32| u64::try_from(cells).unwrap_or(0);
     let size = sides(side(bounds.width()), side(bounds.height()))?;
     let of_piece = |(index, cells): (usize, &Vec<Cell>)| cells.iter().map(move |cell| (*cell, index)).collect::<Vec<_>>();
