@@ -63,7 +63,7 @@ struct Registry {
     /// Counts whoever has come, so that one is not taken for another of the same name.
     moments: u64,
     present: HashMap<Name, Present>,
-    remembered: HashMap<Name, Remembered>,
+    remembered: HashMap<Name, RememberedSession>,
 }
 
 #[derive(Debug)]
@@ -76,7 +76,7 @@ struct Present {
 }
 
 #[derive(Debug)]
-struct Remembered {
+struct RememberedSession {
     moment: u64,
     session: Option<Session>,
 }
@@ -113,7 +113,7 @@ impl ClientIds {
         let mut gives_way = None;
         let is_remembered = memory.wants && is_named && registry.has_memory(&mut gives_way);
         if is_remembered {
-            registry.remembered.insert(name.clone(), Remembered { moment, session: None });
+            registry.remembered.insert(name.clone(), RememberedSession { moment, session: None });
         }
         let (gone, gone_too) = watch::channel(());
         let (leave, asked) = watch::channel(is_overtaken);
@@ -140,7 +140,7 @@ impl ClientIds {
 
     fn handle_timeout(&self, now: Duration) {
         let mut wills = Vec::new();
-        let mut is_over = |remembered: &mut Remembered| {
+        let mut is_over = |remembered: &mut RememberedSession| {
             let Some(session) = &mut remembered.session else { return false };
             let (is_over, will) = session.handle_timeout(now);
             wills.extend(will);
@@ -153,7 +153,7 @@ impl ClientIds {
     }
 
     /// These are forgotten, and may leave wills.
-    fn end(&self, forgotten: impl IntoIterator<Item = Remembered>) {
+    fn end(&self, forgotten: impl IntoIterator<Item = RememberedSession>) {
         let now = self.0.clock.since_start();
         forgotten.into_iter().filter_map(|remembered| remembered.session).for_each(|session| session.end(now));
     }
@@ -177,7 +177,7 @@ impl Registry {
 
     /// Whether one more can be remembered; of those who are away one gives way: of whoever has most of them, the one who has been away for
     /// longest.
-    fn has_memory(&mut self, gives_way: &mut Option<Remembered>) -> bool {
+    fn has_memory(&mut self, gives_way: &mut Option<RememberedSession>) -> bool {
         if self.remembered.len() < REMEMBERED {
             return true;
         }
@@ -207,7 +207,7 @@ impl ClientId {
     /// Keeps what is to be remembered of the client, for when it comes back; `None`: it wants nothing to be.
     pub(super) fn remember(&self, session: Option<Session>) {
         let mut registry = self.ids.registry();
-        let is_ours = |remembered: &Remembered| remembered.moment == self.moment;
+        let is_ours = |remembered: &RememberedSession| remembered.moment == self.moment;
         let forgotten = match registry.remembered.get_mut(&self.name).filter(|remembered| is_ours(remembered)) {
             Some(remembered) if session.is_some() => std::mem::replace(&mut remembered.session, session),
             Some(_) => registry.remembered.remove(&self.name).and_then(|remembered| remembered.session),
@@ -224,7 +224,7 @@ impl ClientId {
         };
         drop(registry);
         let moment = self.moment;
-        self.ids.end(forgotten.map(|session| Remembered { moment, session: Some(session) }));
+        self.ids.end(forgotten.map(|session| RememberedSession { moment, session: Some(session) }));
         self.ids.0.has_gone.notify_one();
     }
 

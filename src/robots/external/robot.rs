@@ -23,7 +23,7 @@ pub(in crate::robots) struct ExternalRobot {
     step: Duration,
     /// By the scene file of its page.
     room: Option<Room>,
-    remembered: Remembered,
+    remembered: ExternalMemory,
 }
 
 #[derive(Clone, Copy)]
@@ -33,7 +33,7 @@ enum ProtocolKind {
     Line,
 }
 
-enum Remembered {
+enum ExternalMemory {
     /// Nothing, and nothing will be written down.
     Nothing,
     Here(MemoryFile, Option<Box<VirtualRobot>>),
@@ -59,7 +59,7 @@ impl ExternalRobot {
             Some(_) | None => (None, settings.step),
         };
         let place = settings.address.place().unwrap_or_default();
-        Ok(Some(ExternalRobot { id: id.clone(), kind, address, place, step, room, remembered: Remembered::Nothing }))
+        Ok(Some(ExternalRobot { id: id.clone(), kind, address, place, step, room, remembered: ExternalMemory::Nothing }))
     }
 
     /// Where it is, in place of the hall that is not ours.
@@ -81,26 +81,26 @@ impl ExternalRobot {
             Ok((file, robot.map(Box::new)))
         });
         self.remembered = match opened {
-            Ok((file, robot)) => Remembered::Here(file, robot),
-            Err(lost) => Remembered::Lost(lost.to_string()),
+            Ok((file, robot)) => ExternalMemory::Here(file, robot),
+            Err(lost) => ExternalMemory::Lost(lost.to_string()),
         };
     }
 
     /// Why nobody knows where it is, when that is so.
     pub(in crate::robots) fn lost(&self) -> Option<&str> {
-        if let Remembered::Lost(lost) = &self.remembered { Some(lost) } else { None }
+        if let ExternalMemory::Lost(lost) = &self.remembered { Some(lost) } else { None }
     }
 
     /// What is run for it. The link to one that may be anywhere stays down, and nobody is told that its adapter has ended.
     pub(in crate::robots) fn adapter(self, clock: Clock) -> Adapter {
         let ExternalRobot { id, kind, address, step, room, remembered, .. } = self;
         let (file, known) = match remembered {
-            Remembered::Lost(lost) => {
+            ExternalMemory::Lost(lost) => {
                 tracing::error!(robot = %id, lost, "nobody knows where the robot was left: it is not started");
                 return Box::new(|side| Box::pin(async move { side.reports.closed().await }));
             }
-            Remembered::Here(file, known) => (Some(file), known),
-            Remembered::Nothing => (None, None),
+            ExternalMemory::Here(file, known) => (Some(file), known),
+            ExternalMemory::Nothing => (None, None),
         };
         let driver: Box<dyn Driver> = match kind {
             ProtocolKind::Virtual(dialect) => {

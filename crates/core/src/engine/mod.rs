@@ -42,7 +42,7 @@ use std::time::Duration;
 use self::decide::Step;
 pub use self::motion::Barred;
 pub use self::past::{Past, way_behind};
-pub use self::recall::{Recalled, Remembered};
+pub use self::recall::{Recalled, RememberedLine};
 pub use self::repeats::IDS;
 
 use self::coalesced_entries::CoalescedEntries;

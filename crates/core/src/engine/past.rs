@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::Engine;
 use super::on_record::OnRecord;
-use super::recall::Remembered;
+use super::recall::RememberedLine;
 use crate::effect::{Entry, Fact};
 use crate::mission::TRAIL;
 use crate::robot::RobotId;
@@ -29,7 +29,7 @@ pub struct Past {
     /// The entries of not long before that tell of the temperature, oldest first.
     pub temperatures: Vec<Entry>,
     /// The latest of what people did and what was found, oldest first.
-    pub latest: Vec<Remembered>,
+    pub latest: Vec<RememberedLine>,
 }
 
 /// The cells that the robot left, the latest last, as far as a snapshot shows them: from the latest entries, oldest first, of where it stood
@@ -87,7 +87,7 @@ impl Past {
         engine.recall_team();
         engine.mission.trail = trail.into();
         recall(&mut engine.world.thermometer, &temperatures);
-        for Remembered { wall, tone, said } in latest {
+        for RememberedLine { wall, tone, said } in latest {
             engine.world.log.put(wall, tone, said);
         }
         engine.on_record = OnRecord::of(engine.mission_as_it_is());

@@ -31,12 +31,12 @@ pub struct Recalled {
     /// The latest commands that carried an id, oldest first.
     pub commands: Vec<Entry>,
     /// The latest of what people did and what was found, oldest first.
-    pub latest: Vec<Remembered>,
+    pub latest: Vec<RememberedLine>,
 }
 
 /// A line of the log as it was before a restart.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Remembered {
+pub struct RememberedLine {
     /// When it was.
     pub wall: WallTime,
     /// How loud.
@@ -55,7 +55,7 @@ impl Engine {
         engine.outbox = Outbox::after(written);
         engine.repeats.recall(&commands);
         engine.begin(now);
-        for Remembered { wall, tone, said } in latest {
+        for RememberedLine { wall, tone, said } in latest {
             engine.world.log.put(wall, tone, said);
         }
         engine.take_up(state);
