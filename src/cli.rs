@@ -9,7 +9,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 use crate::config::{self, Flag, Settings, Sources, from_here, sources};
-use crate::storage::sqlite::Reading;
+use crate::storage::sqlite::ReadOnlyJournal;
 use crate::telemetry;
 use hallsweep_core::mission::table_markdown;
 
@@ -221,8 +221,8 @@ impl Folder {
     }
 
     /// The journal in it.
-    fn open(&self) -> Result<Reading, Failure> {
-        Ok(Reading::open(&self.path()?)?)
+    fn open(&self) -> Result<ReadOnlyJournal, Failure> {
+        Ok(ReadOnlyJournal::open(&self.path()?)?)
     }
 }
 

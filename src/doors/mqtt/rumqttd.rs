@@ -59,7 +59,7 @@ pub struct RumqttdRouter(Arc<Mutex<State>>);
 struct State {
     engine: Engine,
     /// Who reads what, for the next engine.
-    subscribers: HashMap<usize, Reading>,
+    subscribers: HashMap<usize, RouterReader>,
     /// What is on its way, the oldest first, beginning with this number.
     transit: VecDeque<(RoutedDelivery, Duration)>,
     first: u64,
@@ -71,7 +71,7 @@ struct State {
 }
 
 #[derive(Debug)]
-struct Reading {
+struct RouterReader {
     subscriber: Arc<Subscriber>,
     filters: BTreeSet<String>,
 }
@@ -127,7 +127,7 @@ impl Router for RumqttdRouter {
         let reading = state
             .subscribers
             .entry(key)
-            .or_insert_with(|| Reading { subscriber: Arc::clone(subscriber), filters: BTreeSet::new() });
+            .or_insert_with(|| RouterReader { subscriber: Arc::clone(subscriber), filters: BTreeSet::new() });
         reading.filters.insert(filter.to_owned());
         state.order(Order::Subscribe(filter.to_owned(), Arc::clone(subscriber)), &self.0);
     }
@@ -183,7 +183,7 @@ impl State {
         let number = self.engine.number + 1;
         tracing::debug!(number, "another rumqttd routes MQTT messages from now on");
         self.engine = Engine::start(number, &Arc::downgrade(itself), &self.work);
-        for Reading { subscriber, filters } in self.subscribers.values() {
+        for RouterReader { subscriber, filters } in self.subscribers.values() {
             for filter in filters {
                 let _ = self.engine.orders.try_send(Order::Subscribe(filter.clone(), Arc::clone(subscriber)));
             }

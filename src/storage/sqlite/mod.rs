@@ -54,7 +54,7 @@ use self::head::HeadFile;
 use self::marker::Marker;
 pub use self::memory::MemoryStore;
 use self::pages::Pages;
-pub use self::reading::{Reading, rebuild};
+pub use self::reading::{ReadOnlyJournal, rebuild};
 pub use self::unpack::unpack;
 use self::writer::{Hand, Handed, Patience, Writer};
 use self::writer_status::WriterStatus;

@@ -19,18 +19,18 @@ use crate::runtime::archive::{Archive, Unreadable};
 use hallsweep_core::units::{MissionId, Seq};
 
 #[derive(Debug)]
-pub struct Reading {
+pub struct ReadOnlyJournal {
     folder: Folder,
     connection: Connection,
 }
 
-impl Reading {
+impl ReadOnlyJournal {
     /// Opens the journal in the folder `path`.
-    pub fn open(path: &Path) -> Result<Reading, Unreadable> {
+    pub fn open(path: &Path) -> Result<ReadOnlyJournal, Unreadable> {
         let folder = Folder::new(path);
         let opened = connect::reader_of_entries(&folder).map_err(|fault| unreadable(&folder, &fault))?;
         let none = || Unreadable(format!("there is no journal in {}: name its folder with --data", path.display()));
-        Ok(Reading { connection: opened.ok_or_else(none)?.connection, folder })
+        Ok(ReadOnlyJournal { connection: opened.ok_or_else(none)?.connection, folder })
     }
 
     /// Walks over the entries, oldest first, of one mission or of all, all of them or the `last` ones, while `visit` says to go
@@ -81,7 +81,7 @@ impl Reading {
 pub fn rebuild(path: &Path) -> Result<u64, Unreadable> {
     let folder = Folder::new(path);
     // Who is not there is not created.
-    drop(Reading::open(path)?);
+    drop(ReadOnlyJournal::open(path)?);
     if folder.is_archive() {
         return Err(Unreadable(format!("{} is an archive, which is only read", path.display())));
     }

@@ -15,7 +15,7 @@ use crate::state::PersistentState;
 use crate::state::readings::recall;
 use crate::units::{Cell, Revision, Seq};
 use crate::world::resource::Resource;
-use crate::world::temperature::{Reading, Thermometer};
+use crate::world::temperature::{SourceReading, Thermometer};
 
 /// What is on record of a moment.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,7 +63,7 @@ const fn begins_a_way(fact: &Fact) -> bool {
 impl Past {
     /// What was read last, as far as it is in these entries; the settings matter only to what follows from it.
     #[must_use]
-    pub fn reading(&self) -> Option<Reading> {
+    pub fn reading(&self) -> Option<SourceReading> {
         let mut thermometer = Thermometer::new(Settings::default().threshold, 0.0);
         recall(&mut thermometer, &self.temperatures);
         thermometer.latest()

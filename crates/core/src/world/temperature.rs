@@ -42,10 +42,10 @@ pub(crate) struct Source {
 }
 
 impl Source {
-    fn view(&self) -> Reading {
+    fn view(&self) -> SourceReading {
         // One that was never heard in this run is remembered from before, and its silence began with the run.
         let read = Some(self.read.wall).filter(|read| Some(*read) != self.silent_since);
-        Reading { celsius: self.reading, read, silent_since: self.silent_since }
+        SourceReading { celsius: self.reading, read, silent_since: self.silent_since }
     }
 }
 
@@ -135,7 +135,7 @@ impl Thermometer {
         self.sources.values().any(|source| source.hot)
     }
 
-    pub(crate) fn latest(&self) -> Option<Reading> {
+    pub(crate) fn latest(&self) -> Option<SourceReading> {
         self.last.as_ref().map(|(_, last)| last.view())
     }
 
@@ -174,12 +174,12 @@ pub struct TemperatureView {
     /// A source that was above it is cool again at this reading or below.
     pub cool: Celsius,
     /// The sources that keep the hall too hot, each with its last reading.
-    pub hot: Vec<(Arc<str>, Reading)>,
+    pub hot: Vec<(Arc<str>, SourceReading)>,
 }
 
 /// What a source read last.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reading {
+pub struct SourceReading {
     /// In degrees.
     pub celsius: Celsius,
     /// When, to some seconds; `None` where that is not known.

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::error::HallError;
-use super::rows::Reading;
+use super::rows::DrawingRows;
 use super::scene::HallOfScene;
 use super::{Hall, Truth, movingai, occupancy, rows, seed_text, toml};
 use crate::bag::Bag;
@@ -92,7 +92,7 @@ impl Export {
     #[must_use]
     pub fn explored(name: &str, cell_m: f64, state: &Snapshot) -> Export {
         let bounds = known_bounds(&state.map);
-        let mut reading = Reading::default();
+        let mut reading = DrawingRows::default();
         let mut marks = Vec::new();
         for y in bounds.least.y..=bounds.most.y {
             for cell in (bounds.least.x..=bounds.most.x).map(|x| Cell::new(x, y)) {

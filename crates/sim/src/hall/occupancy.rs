@@ -9,7 +9,7 @@ use serde_saphyr::Spanned;
 use super::error::{HallError, HallFault};
 use super::pixel::{MAX_IMAGE_SIDE, Pixel};
 use super::pixels::Image;
-use super::rows::{self, Reading, drawn};
+use super::rows::{self, DrawingRows, drawn};
 use super::{Hall, Truth, USUAL_CELL_M, pgm};
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::Mark;
@@ -219,7 +219,7 @@ impl Description {
                 }
             }
         }
-        let mut reading = Reading::default();
+        let mut reading = DrawingRows::default();
         for (index, ground) in truths.into_iter().enumerate() {
             let cell = drawn(index % columns.count, index / columns.count);
             let truth = match ground {
@@ -256,14 +256,14 @@ impl Description {
 
     /// The cell with world (0, 0) in it, where that is free: there the robot stood that made the map. The origin is the image's
     /// south-west corner.
-    fn world_home(&self, reading: &Reading, columns: &Cells, rows: &Cells) -> Option<Cell> {
+    fn world_home(&self, reading: &DrawingRows, columns: &Cells, rows: &Cells) -> Option<Cell> {
         let [east, north] = self.origin.map(|metres| -metres / self.resolution);
         let (column, row) =
             (columns.of_pixel.get(pixel_at(east)?)?.start, rows.of_pixel.iter().rev().nth(pixel_at(north)?)?.start);
         (reading.squares.get(row * columns.count + column) == Some(&Truth::Free)).then(|| drawn(column, row))
     }
 
-    fn home(&self, reading: &Reading, usual: Cell, columns: usize) -> Result<Cell, (HallFault, usize)> {
+    fn home(&self, reading: &DrawingRows, usual: Cell, columns: usize) -> Result<Cell, (HallFault, usize)> {
         let Some((Own { home: (x, y), .. }, line)) = self.own else { return Ok(usual) };
         let place = (x as usize, y as usize);
         let square = reading.squares.get(place.1.saturating_mul(columns).saturating_add(place.0));

@@ -17,7 +17,7 @@ use hallsweep_core::snapshot::{Progress, TimeLeft};
 use hallsweep_core::state::Reach;
 use hallsweep_core::units::Piece;
 use hallsweep_core::world::resource::Resource;
-use hallsweep_core::world::temperature::{Reading, TemperatureStatus};
+use hallsweep_core::world::temperature::{SourceReading, TemperatureStatus};
 
 fn view(snapshot: &Snapshot) -> View<'_> {
     let hall = HallInfo {
@@ -65,8 +65,8 @@ fn a_refusal_is_shown_at_its_own_button_only_and_escaped() {
 }
 
 /// One of ten o'clock.
-fn reading(celsius: f64) -> Reading {
-    Reading { celsius: degrees(celsius), read: Some(TEN), silent_since: None }
+fn reading(celsius: f64) -> SourceReading {
+    SourceReading { celsius: degrees(celsius), read: Some(TEN), silent_since: None }
 }
 
 #[test]

@@ -9,7 +9,7 @@ use super::super::commands::ResultMessage;
 use super::super::home_assistant::BIRTH;
 use super::super::publication::Publication;
 use super::super::topics::{HOME_ASSISTANT_STATUS, Topics};
-use super::photos::{self, Reading};
+use super::photos::{self, PhotoReading};
 use crate::doors::log_throttle::LogThrottle;
 use crate::runtime::archive_reader::ArchiveReader;
 use crate::runtime::clock::Clock;
@@ -25,7 +25,7 @@ pub struct OwnSession {
     states: watch::Receiver<Arc<Snapshot>>,
     answers: mpsc::Receiver<ResultMessage>,
     archive: ArchiveReader,
-    reading: Reading,
+    reading: PhotoReading,
     /// Where Home Assistant says that it has started; nothing, where it is not told of us.
     household: OwnSubscription,
     /// What was too large.
@@ -44,7 +44,7 @@ impl OwnSession {
     ) -> OwnSession {
         let household = broker.subscribe(if home_assistant { &[HOME_ASSISTANT_STATUS] } else { &[] });
         let changes = ChangeFeed::new(topics.clone(), home_assistant);
-        let (reading, clock) = (Reading::default(), Clock::default());
+        let (reading, clock) = (PhotoReading::default(), Clock::default());
         OwnSession {
             broker,
             topics,

@@ -12,9 +12,9 @@ type Looked = (Picture, Option<Photo>);
 
 /// A photo that is being read, if one is.
 #[derive(Default)]
-pub(super) struct Reading(Option<Pin<Box<dyn Future<Output = Looked> + Send>>>);
+pub(super) struct PhotoReading(Option<Pin<Box<dyn Future<Output = Looked> + Send>>>);
 
-impl Reading {
+impl PhotoReading {
     /// Begins to read the photo that is asked for, unless one is being read.
     pub(super) fn begin(&mut self, news: &mut ChangeFeed, archive: &ArchiveReader) {
         if self.0.is_none()

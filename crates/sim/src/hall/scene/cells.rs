@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use super::{PLAYER, Scene, StaticObstacle};
 use crate::bag::{Bag, BagKind};
 use crate::hall::error::HallFault;
-use crate::hall::rows::{Reading, sides};
+use crate::hall::rows::{DrawingRows, sides};
 use crate::hall::{Hall, Plan, Truth};
 use hallsweep_core::units::{Cell, Piece};
 use hallsweep_core::world::hall_map::Bounds;
@@ -158,7 +158,7 @@ fn drawing(found: &ReachedCells<'_>, pieces: &[Vec<Cell>], bounds: Bounds) -> Re
     let of_piece = |(index, cells): (usize, &Vec<Cell>)| cells.iter().map(move |cell| (*cell, index)).collect::<Vec<_>>();
     let luggage: BTreeMap<Cell, usize> = pieces.iter().enumerate().flat_map(of_piece).collect();
     let mut numbers: BTreeMap<usize, Piece> = BTreeMap::new();
-    let mut reading = Reading::default();
+    let mut reading = DrawingRows::default();
     for y in bounds.least.y..=bounds.most.y {
         for cell in (bounds.least.x..=bounds.most.x).map(|x| Cell::new(x, y)) {
             let place = Cell::new(cell.x - bounds.least.x, cell.y - bounds.least.y);

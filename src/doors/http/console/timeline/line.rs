@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::section::{Reading, Section, id};
+use super::section::{Section, TemperaturePoint, id};
 use crate::api::time::Zone;
 use crate::phrases::Language;
 use crate::runtime::archive::{At, Happened};
@@ -79,7 +79,7 @@ pub(in super::super) struct Timeline {
 #[derive(Clone, Debug, Default)]
 struct Carried {
     phase: Option<(PhaseName, Option<PhaseName>)>,
-    reading: Option<Reading>,
+    reading: Option<TemperaturePoint>,
     speaking: Speaking,
     stage: Option<&'static str>,
 }
@@ -236,7 +236,7 @@ impl Timeline {
         } else if let Fact::Conditions(conditions) = fact {
             self.under(conditions);
             // What was read last is judged anew.
-            if let Some(Reading { celsius, .. }) = self.carried.reading {
+            if let Some(TemperaturePoint { celsius, .. }) = self.carried.reading {
                 self.growing.reading(x, celsius, self.threshold, &mut self.carried.reading);
             }
         } else if let Fact::Temperature(_, celsius) = fact {
