@@ -23,7 +23,7 @@ mod robot_address;
 mod robots;
 mod without_effect;
 
-pub use bind::{At, Bind, from_here};
+pub use bind::{Bind, BindAddress, from_here};
 pub use environment::{Flag, Sources};
 pub use error::SettingsError;
 pub use key::{KEYS, Key, SettingKind};

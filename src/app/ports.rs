@@ -7,7 +7,7 @@ use std::net::{SocketAddr, TcpListener, UdpSocket};
 use socket2::{Domain, Socket, Type};
 
 use super::error::{AppError, Port};
-use crate::config::{At, Bind, Broker, Settings};
+use crate::config::{Bind, BindAddress, Broker, Settings};
 use crate::doors::coap::beside;
 
 /// So many files and connections are wanted open at once: enough for every place of every door, and for files beside them.
@@ -96,13 +96,16 @@ fn open<P>(
     Ok((ports, BoundPort { at, instead_of }))
 }
 
-fn at_a_free_one<P>(at: At, one: &impl Fn(SocketAddr) -> io::Result<(P, SocketAddr)>) -> Result<Vec<(P, SocketAddr)>, NotHad> {
+fn at_a_free_one<P>(
+    at: BindAddress,
+    one: &impl Fn(SocketAddr) -> io::Result<(P, SocketAddr)>,
+) -> Result<Vec<(P, SocketAddr)>, NotHad> {
     let once = || at_all(at.with_port(0), one);
     (1..TRIES).fold(once(), |last, _| last.or_else(|_| once()))
 }
 
 /// Binds one port at each of these addresses. A machine may have no second one.
-fn at_all<P>(at: At, one: &impl Fn(SocketAddr) -> io::Result<(P, SocketAddr)>) -> Result<Vec<(P, SocketAddr)>, NotHad> {
+fn at_all<P>(at: BindAddress, one: &impl Fn(SocketAddr) -> io::Result<(P, SocketAddr)>) -> Result<Vec<(P, SocketAddr)>, NotHad> {
     let mut bound: Vec<(P, SocketAddr)> = Vec::new();
     for mut address in at.addresses() {
         if let Some((_, first)) = bound.first() {
@@ -144,7 +147,7 @@ fn with_loopback(mut ports: Vec<UdpSocket>, at: SocketAddr) -> Vec<UdpSocket> {
     if at.ip().to_canonical().is_loopback() {
         return ports;
     }
-    for address in At::Localhost(at.port()).addresses() {
+    for address in BindAddress::Localhost(at.port()).addresses() {
         match ports.first().map(|first| beside(first, address)) {
             Some(Ok(port)) => ports.push(port),
             // Such a datagram comes to the port that is there, or to nobody.
@@ -162,7 +165,7 @@ mod tests {
 
     use super::*;
 
-    fn bind(at: At, is_chosen: bool) -> Result<(Vec<TcpListener>, BoundPort), AppError> {
+    fn bind(at: BindAddress, is_chosen: bool) -> Result<(Vec<TcpListener>, BoundPort), AppError> {
         open(Port::Mqtt, Bind { at, is_chosen }, tcp)
     }
 
@@ -179,7 +182,7 @@ mod tests {
 
     #[test]
     fn localhost_is_listened_to_at_both_addresses_by_one_port() {
-        let (ports, place) = bind(At::Localhost(0), true).expect("a free port");
+        let (ports, place) = bind(BindAddress::Localhost(0), true).expect("a free port");
         let at: Vec<_> = ports.iter().map(|port| port.local_addr().expect("it is bound")).collect();
         assert_eq!((at[0], place.instead_of), (place.at, None));
         assert!(at.iter().all(|address| address.port() == place.at.port() && address.ip().is_loopback()), "{at:?}");
@@ -192,10 +195,10 @@ mod tests {
         for taken_at in ["127.0.0.1:0", "[::1]:0"] {
             let Ok(taken) = TcpListener::bind(taken_at) else { continue };
             let port = taken.local_addr().expect("it is bound").port();
-            let (ports, place) = bind(At::Localhost(port), false).expect("another port");
+            let (ports, place) = bind(BindAddress::Localhost(port), false).expect("another port");
             assert_eq!(place.instead_of, Some(port));
             assert!(place.at.port() != port && !ports.is_empty());
-            let refused = bind(At::Localhost(port), true).expect_err("it is taken");
+            let refused = bind(BindAddress::Localhost(port), true).expect_err("it is taken");
             assert!(matches!(refused, AppError::Bind { address, .. } if address.port() == port), "{refused}");
         }
     }

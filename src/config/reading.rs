@@ -4,7 +4,7 @@ use figment::value::{Num, Value};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
-use super::bind::{At, Bind};
+use super::bind::{Bind, BindAddress};
 use super::error::SettingsError;
 use super::key::{Key, SettingKind};
 use super::layers::Layers;
@@ -40,7 +40,7 @@ fn wrong_type(layers: &Layers, key: &str) -> SettingsError {
 
 pub(super) fn bind(layers: &Layers, key: &str) -> Result<Bind, SettingsError> {
     let written: String = read(layers, key)?;
-    let at = At::read(&written).ok_or_else(|| layers.wrong(key, "it is not an address with a port"))?;
+    let at = BindAddress::read(&written).ok_or_else(|| layers.wrong(key, "it is not an address with a port"))?;
     Ok(Bind { at, is_chosen: layers.is_chosen(key) })
 }
 
