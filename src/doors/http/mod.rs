@@ -46,7 +46,7 @@ use tokio::sync::{Semaphore, watch};
 
 pub use guard::Hosts;
 use lines::Lines;
-pub use mqtt::{Carried, Hall, IncomingConnection};
+pub use mqtt::{CarriedConnection, Hall, IncomingConnection};
 pub use serve::{Front, serve};
 pub use tls::{Tls, TlsError};
 

@@ -51,7 +51,7 @@ const LEAVING: usize = 64;
 /// A web client that wants to speak MQTT.
 #[derive(Debug)]
 pub struct IncomingConnection {
-    pub stream: Carried,
+    pub stream: CarriedConnection,
     pub from: IpAddr,
     /// Who it is, if it has signed in to the console.
     pub caller: Option<Caller>,
@@ -60,18 +60,18 @@ pub struct IncomingConnection {
 
 /// The broker's end of what is carried. When it is dropped, the connection ends, whether or not the client reads what is left for it.
 #[derive(Debug)]
-pub struct Carried {
+pub struct CarriedConnection {
     stream: DuplexStream,
     _held: oneshot::Sender<()>,
 }
 
-impl AsyncRead for Carried {
+impl AsyncRead for CarriedConnection {
     fn poll_read(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buf: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
         Pin::new(&mut self.stream).poll_read(cx, buf)
     }
 }
 
-impl AsyncWrite for Carried {
+impl AsyncWrite for CarriedConnection {
     fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
         Pin::new(&mut self.stream).poll_write(cx, bytes)
     }
@@ -139,7 +139,7 @@ pub(super) async fn mqtt(
         .on_upgrade(async move |socket| {
             let (ours, stream) = tokio::io::duplex(BETWEEN);
             let (held, let_go) = oneshot::channel();
-            receive(IncomingConnection { stream: Carried { stream, _held: held }, from: peer.address, caller, access });
+            receive(IncomingConnection { stream: CarriedConnection { stream, _held: held }, from: peer.address, caller, access });
             carry((socket, peer.address), ours, (let_go, leaving)).await;
         })
         .into_response())

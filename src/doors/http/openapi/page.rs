@@ -59,8 +59,8 @@ struct Shown {
     summary: String,
     need: &'static str,
     parameters: Vec<Field>,
-    body: Vec<Carried>,
-    answers: Vec<Carried>,
+    body: Vec<MediaContent>,
+    answers: Vec<MediaContent>,
     problems: Vec<(u16, &'static str)>,
 }
 
@@ -74,7 +74,7 @@ struct Field {
 }
 
 /// A media type, and what it holds.
-struct Carried {
+struct MediaContent {
     media_type: &'static str,
     kind: Vec<Word>,
 }
@@ -117,7 +117,7 @@ impl Shown {
             kind: words(&schema),
             what: what.to_owned(),
         };
-        let carried = |media_type: &&'static str, schema: &Value| Carried { media_type, kind: words(schema) };
+        let carried = |media_type: &&'static str, schema: &Value| MediaContent { media_type, kind: words(schema) };
         let body = operation.body.iter();
         Shown {
             method: operation.method.to_string(),

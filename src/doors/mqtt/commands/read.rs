@@ -59,13 +59,13 @@ fn command(row: &CommandRow, fields: &mut Fields) -> Asked {
         Subject::Luggage => number_aside(fields, "luggage", row.body[0])?,
         Subject::Alarm => number_aside(fields, "alarm", row.body[0])?,
     };
-    commands::asked(row.kind, number, &Carried(fields))
+    commands::asked(row.kind, number, &CarriedFields(fields))
 }
 
 /// The fields of a payload, beside those that were laid aside.
-struct Carried<'a>(&'a Fields);
+struct CarriedFields<'a>(&'a Fields);
 
-impl Payload for Carried<'_> {
+impl Payload for CarriedFields<'_> {
     type Problem = Problem;
 
     fn needed<T: Body>(&self) -> Result<T, Problem> {

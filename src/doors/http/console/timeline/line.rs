@@ -65,7 +65,7 @@ pub(in super::super) struct Timeline {
     /// The last, which grows.
     growing: Section,
     /// What was so at the end of the full ones.
-    carried: Carried,
+    carried: OpenSpans,
     began: Option<i64>,
     end: i64,
     last: Seq,
@@ -77,7 +77,7 @@ pub(in super::super) struct Timeline {
 
 /// What goes on beyond the section in which it began.
 #[derive(Clone, Debug, Default)]
-struct Carried {
+struct OpenSpans {
     phase: Option<(PhaseName, Option<PhaseName>)>,
     reading: Option<TemperaturePoint>,
     speaking: Speaking,
@@ -93,7 +93,7 @@ impl Timeline {
             threshold,
             full: Vec::new(),
             growing: Section::default(),
-            carried: Carried::default(),
+            carried: OpenSpans::default(),
             began: None,
             end: 0,
             last: Seq(0),
