@@ -12,7 +12,7 @@ use super::scaled::tests::{noise, png};
 use super::{Claim, Comparison, Difference, Failure, Report, list};
 use crate::api::journal::{self, Line, arbitrary};
 use crate::phrases::{Language, said_here};
-use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable, hex};
+use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, NoTake, PastMoment, Sound, Span, Unreadable, hex};
 use hallsweep_core::command::{Door, Issuer, Strategy};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::Past;
@@ -93,12 +93,12 @@ impl Archive for Mission {
         Ok(None)
     }
 
-    fn moments(&self, _: MissionId, _: &[At]) -> Result<Vec<Moment>, Unreadable> {
+    fn moments(&self, _: MissionId, _: &[At]) -> Result<Vec<PastMoment>, Unreadable> {
         let mut state = PersistentState::first(Strategy::default());
         self.entries.iter().filter(|entry| !matches!(entry.fact, Fact::State(_))).for_each(|entry| state.apply(entry));
         let past = Past { seq: Seq(9), state, trail: Vec::new(), temperatures: Vec::new(), latest: Vec::new() };
         let wall = WallTime::default();
-        Ok(vec![Moment { past: Sound { of: past, damage: self.damage.clone() }, wall, earlier: None, later: None }])
+        Ok(vec![PastMoment { past: Sound { of: past, damage: self.damage.clone() }, wall, earlier: None, later: None }])
     }
 
     fn entries(&self, _: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable> {

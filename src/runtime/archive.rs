@@ -89,7 +89,7 @@ pub enum At {
 
 /// How a mission stood after one of its entries.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Moment {
+pub struct PastMoment {
     /// What is on record of it, and what of that cannot be understood.
     pub past: Sound<Past>,
     /// When its entry was written.
@@ -146,7 +146,7 @@ pub trait Archive: Send + Sync {
 
     /// How a mission stood at these moments, in their order; their maps share what is the same. Nothing where one of them is before the
     /// first entry that is asked for by its place, or where those from which it follows are not kept any more.
-    fn moments(&self, mission: MissionId, at: &[At]) -> Result<Vec<Moment>, Unreadable>;
+    fn moments(&self, mission: MissionId, at: &[At]) -> Result<Vec<PastMoment>, Unreadable>;
 
     /// The entries of a mission, oldest first, at most `most`.
     fn entries(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable>;

@@ -59,7 +59,7 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     use super::*;
-    use crate::runtime::archive::{At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span};
+    use crate::runtime::archive::{At, Happened, Head, MissionRecord, NoTake, PastMoment, Sound, Span};
     use hallsweep_core::event::Photo;
     use hallsweep_core::state::PersistentState;
     use hallsweep_core::units::{LuggageId, MissionId, Seq};
@@ -93,7 +93,7 @@ mod tests {
             Ok(None)
         }
 
-        fn moments(&self, _: MissionId, _: &[At]) -> Result<Vec<Moment>, Unreadable> {
+        fn moments(&self, _: MissionId, _: &[At]) -> Result<Vec<PastMoment>, Unreadable> {
             Ok(Vec::new())
         }
 

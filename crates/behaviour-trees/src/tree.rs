@@ -17,7 +17,7 @@ use super::kind::{BuiltIn, Family};
 use super::leaf::{Binding, LeafKind, Leaves};
 use super::script::Script;
 use super::status::Status;
-use super::tick::{Fault, Run};
+use super::tick::{Fault, TreeRun};
 
 /// The most nodes of a tree, those of its subtrees included: trees that people draw have some hundreds, and a few subtrees that use
 /// each other twice would otherwise fill the memory.
@@ -208,8 +208,16 @@ impl Tree {
         run.halt_all();
     }
 
-    fn run<'a, L: Leaves>(&'a mut self, blackboard: &'a mut Blackboard, leaves: &'a mut L) -> Run<'a, L> {
-        Run { shape: &self.shape, live: &mut self.live, blackboard, leaves, clock: self.clock, number: self.ticks, fault: None }
+    fn run<'a, L: Leaves>(&'a mut self, blackboard: &'a mut Blackboard, leaves: &'a mut L) -> TreeRun<'a, L> {
+        TreeRun {
+            shape: &self.shape,
+            live: &mut self.live,
+            blackboard,
+            leaves,
+            clock: self.clock,
+            number: self.ticks,
+            fault: None,
+        }
     }
 
     /// All nodes in preorder, as they are after the last tick.

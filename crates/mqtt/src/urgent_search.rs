@@ -8,7 +8,7 @@ use super::connection::{AnswerTo, Said};
 use super::frame::{Malformed, PacketKind, length};
 use super::limits::{ALIASES, PROPERTIES, TOPIC};
 use super::packet::properties::Property;
-use super::packet::{Fields, Version};
+use super::packet::{PacketFields, Version};
 
 /// So much of a packet is looked at when it comes in pieces, in bytes: what is urgent is named at its beginning, behind its topic and, in
 /// MQTT 5, its properties, and is to be no longer than some KiB.
@@ -203,7 +203,7 @@ impl<'a> Five<'a> {
             return Five { payload: rest.get(own + size..), ..Five::default() };
         }
         let payload = rest.get(own + size..);
-        let mut fields = Fields::new(rest.get(own..own + size).unwrap_or(&rest[own..]));
+        let mut fields = PacketFields::new(rest.get(own..own + size).unwrap_or(&rest[own..]));
         let (mut aliases, mut topic, mut correlation) = (0, None, None);
         while let Ok(property) = Property::read(&mut fields) {
             if let Property::TopicAlias(number) = property {

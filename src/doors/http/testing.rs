@@ -19,7 +19,7 @@ use super::prefix::root;
 use super::{Hosts, HttpDoor, router};
 use crate::access::{Access, Keyring, Keys, OPERATOR, Role};
 use crate::api::journal::{self, Line};
-use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable};
+use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, NoTake, PastMoment, Sound, Span, Unreadable};
 use crate::runtime::archive_reader::ArchiveReader;
 pub(super) use crate::runtime::obedient::Noted;
 use crate::runtime::obedient::{Script, obedient};
@@ -78,8 +78,8 @@ impl Archive for Pictures {
         Ok((mission == MissionId(1)).then(past::state).map(|of| Sound { of, damage: vec![past::DAMAGE.to_owned()] }))
     }
 
-    fn moments(&self, mission: MissionId, at: &[At]) -> Result<Vec<Moment>, Unreadable> {
-        let moments: Option<Vec<Moment>> = at.iter().map(|at| past::moment(*at)).collect();
+    fn moments(&self, mission: MissionId, at: &[At]) -> Result<Vec<PastMoment>, Unreadable> {
+        let moments: Option<Vec<PastMoment>> = at.iter().map(|at| past::moment(*at)).collect();
         Ok(moments.filter(|_| mission == MissionId(1)).unwrap_or_default())
     }
 

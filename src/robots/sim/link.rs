@@ -11,7 +11,7 @@ use tokio::task::JoinHandle;
 use tokio::time::Instant;
 
 use super::pair_link::Moved;
-use super::remote::{Controls, Ground, News, Remote};
+use super::remote::{Controls, News, Remote, SimulatedHall};
 use super::sim_time::SimTime;
 use super::state_file::SimStateFile;
 use crate::robots::waits::{done, done_for, hand_over};
@@ -271,8 +271,8 @@ impl SimLink {
     }
 
     /// The robot is put down in another hall, or goes on in this one.
-    fn move_to(&mut self, decided: Option<(Ground, oneshot::Sender<()>)>) {
-        let Some((Ground { hall, seed }, put_down)) = decided else { return };
+    fn move_to(&mut self, decided: Option<(SimulatedHall, oneshot::Sender<()>)>) {
+        let Some((SimulatedHall { hall, seed }, put_down)) = decided else { return };
         self.settings.seed = seed;
         self.sim = Sim::new(Arc::clone(&hall), self.settings);
         self.sim.handle_faults(self.controls.faults, Now::default());

@@ -33,7 +33,7 @@ pub(in crate::robots) struct Controls {
 
 /// A hall and the seed of the noise in it.
 #[derive(Clone, Debug)]
-pub(in crate::robots) struct Ground {
+pub(in crate::robots) struct SimulatedHall {
     pub(in crate::robots) hall: Arc<Hall>,
     pub(in crate::robots) seed: u64,
 }
@@ -42,7 +42,7 @@ pub(in crate::robots) struct Ground {
 #[derive(Debug)]
 pub(in crate::robots) struct Move {
     pub(super) ready: Option<oneshot::Sender<()>>,
-    pub(super) decided: oneshot::Receiver<Ground>,
+    pub(super) decided: oneshot::Receiver<SimulatedHall>,
     pub(super) put_down: oneshot::Sender<()>,
 }
 
@@ -110,10 +110,10 @@ pub(super) enum News {
     /// Another hall comes, perhaps: nothing more is to be begun.
     Asked,
     /// This one, and whom to tell; or none.
-    Decided(Option<(Ground, oneshot::Sender<()>)>),
+    Decided(Option<(SimulatedHall, oneshot::Sender<()>)>),
 }
 
-async fn decided(under_way: &mut Option<Move>) -> Option<Ground> {
+async fn decided(under_way: &mut Option<Move>) -> Option<SimulatedHall> {
     let Some(under_way) = under_way else { return std::future::pending().await };
     (&mut under_way.decided).await.ok()
 }

@@ -14,7 +14,7 @@ use super::photos::Pictures;
 use super::rows::{self, EntryFilter, Kinds};
 use super::{chain, connect, marker, moments, project, recall};
 use crate::api::journal::{self, Picture};
-use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable};
+use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, NoTake, PastMoment, Sound, Span, Unreadable};
 use hallsweep_core::command::{Note, Verdict};
 use hallsweep_core::event::Photo;
 use hallsweep_core::state::PersistentState;
@@ -186,7 +186,7 @@ impl Archive for SqliteArchive {
         })
     }
 
-    fn moments(&self, mission: MissionId, at: &[At]) -> Result<Vec<Moment>, Unreadable> {
+    fn moments(&self, mission: MissionId, at: &[At]) -> Result<Vec<PastMoment>, Unreadable> {
         if i64::try_from(mission.0).is_err() {
             return Ok(Vec::new());
         }

@@ -1,11 +1,11 @@
 //! Nodes with several children.
 //! The rules are those of BehaviorTree.CPP 4 as its sources have them, down to what is reset when; where they surprise, a comment says so.
 
-use super::{Faulted, Leaves, Node, Outcome, Run, Status, children};
+use super::{Faulted, Leaves, Node, Outcome, Status, TreeRun, children};
 use crate::tree::Shape;
 use crate::value::Value;
 
-impl<'a, L: Leaves> Run<'a, L> {
+impl<'a, L: Leaves> TreeRun<'a, L> {
     /// Sequence and Fallback: `end` is the status of a child that ends it. An asynchronous one gives the tick back after each child
     /// that did not run before.
     pub(super) fn in_order(&mut self, at: usize, node: &Node, end: Status, is_async: bool) -> Outcome {

@@ -1,11 +1,11 @@
 //! Nodes with one child. It stands right behind its parent in the row.
 //! Time is the tree's own: what its ticks were told, added up.
 
-use super::{Leaves, Node, Outcome, Run, Status};
+use super::{Leaves, Node, Outcome, Status, TreeRun};
 
 const NANOSECONDS_PER_MILLISECOND: u64 = 1_000_000;
 
-impl<L: Leaves> Run<'_, L> {
+impl<L: Leaves> TreeRun<'_, L> {
     pub(super) fn inverter(&mut self, at: usize) -> Outcome {
         self.live[at].status = Status::Running;
         let said = self.tick(at + 1)?;

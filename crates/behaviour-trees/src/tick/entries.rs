@@ -1,12 +1,12 @@
 //! Nodes that wait for an entry of the blackboard to be written, and loops, which go through the elements of a queue.
 //! A queue is a text with `;` between its elements, or behind each; none is in an empty one. BehaviorTree.CPP has queues of their own in entries besides, which are not here.
 
-use super::{Leaves, Node, Outcome, Run, Status};
+use super::{Leaves, Node, Outcome, Status, TreeRun};
 use crate::kind::BuiltIn;
 use crate::leaf::Binding;
 use crate::value::{Value, ValueType};
 
-impl<L: Leaves> Run<'_, L> {
+impl<L: Leaves> TreeRun<'_, L> {
     /// The child if the entry was written since it was looked at last; a child that runs goes on without another look.
     pub(super) fn if_updated(&mut self, at: usize, node: &Node, otherwise: Status) -> Outcome {
         if !self.live[at].has_begun && !self.is_updated(at, node) {

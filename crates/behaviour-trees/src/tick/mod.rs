@@ -42,14 +42,14 @@ impl fmt::Display for Fault {
 
 impl std::error::Error for Fault {}
 
-/// A tick cannot go on; why stands in `Run::fault`.
+/// A tick cannot go on; why stands in `TreeRun::fault`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Faulted;
 
 pub(crate) type Outcome = Result<Status, Faulted>;
 
 /// A tree while it is ticked or halted.
-pub(crate) struct Run<'a, L> {
+pub(crate) struct TreeRun<'a, L> {
     pub(crate) shape: &'a Shape,
     pub(crate) live: &'a mut [Live],
     pub(crate) blackboard: &'a mut Blackboard,
@@ -59,7 +59,7 @@ pub(crate) struct Run<'a, L> {
     pub(crate) fault: Option<Fault>,
 }
 
-impl<'a, L: Leaves> Run<'a, L> {
+impl<'a, L: Leaves> TreeRun<'a, L> {
     /// Ticks a node: its conditions, then the node itself, then the scripts that follow.
     pub(crate) fn tick(&mut self, at: usize) -> Outcome {
         let shape: &'a Shape = self.shape;

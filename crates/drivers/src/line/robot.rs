@@ -23,7 +23,7 @@ const WAITING: usize = 32;
 
 /// What the body of the robot is asked to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Asked {
+pub enum BodyRequest {
     /// Begin this, and answer it once.
     Order(Order),
     /// Halt, and answer what was under way.
@@ -51,7 +51,7 @@ pub struct LineRobot {
     ahead: Option<Ahead>,
     /// When the last good line came.
     heard: Duration,
-    asked: VecDeque<Asked>,
+    asked: VecDeque<BodyRequest>,
     outputs: VecDeque<Arc<[u8]>>,
 }
 
@@ -139,7 +139,7 @@ impl LineRobot {
     }
 
     /// What the body is asked next.
-    pub fn poll_asked(&mut self) -> Option<Asked> {
+    pub fn poll_asked(&mut self) -> Option<BodyRequest> {
         self.asked.pop_front()
     }
 
@@ -173,7 +173,7 @@ impl LineRobot {
             }
             ToRobot::Order(task, seq, deadline_ms) => self.order(task, seq, Duration::from_millis(deadline_ms.into()), now),
             ToRobot::Halt(seq) => self.void(seq),
-            ToRobot::Led(blinks) => self.asked.push_back(Asked::Led(blinks)),
+            ToRobot::Led(blinks) => self.asked.push_back(BodyRequest::Led(blinks)),
         }
     }
 
@@ -196,7 +196,7 @@ impl LineRobot {
             RobotTask::Photo => Action::Photograph(Stamp { pose: self.stands.pose, wall: now.wall }),
         };
         let id = OrderId(seq.number().into());
-        self.asked.push_back(Asked::Order(Order { id, action, epoch: Epoch(0), deadline }));
+        self.asked.push_back(BodyRequest::Order(Order { id, action, epoch: Epoch(0), deadline }));
     }
 
     /// A halt: what moves is answered when it stands, and what is not yet heard of never begins.
@@ -215,7 +215,7 @@ impl LineRobot {
     fn halt(&mut self) {
         if let Some(under_way) = self.under_way.as_mut().filter(|under_way| under_way.task.is_motion() && !under_way.is_halted) {
             under_way.is_halted = true;
-            self.asked.push_back(Asked::Halt);
+            self.asked.push_back(BodyRequest::Halt);
         }
     }
 

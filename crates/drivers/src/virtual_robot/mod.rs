@@ -32,7 +32,7 @@ mod touch;
 mod words;
 
 use greeting::GREETING;
-use leg::{Leg, Stage, Way};
+use leg::{Leg, LegStage, Way};
 use motion::Unheard;
 use reckoning::Reckoning;
 pub use room::{Extent, Room, Thing};
@@ -303,8 +303,8 @@ impl Driver for VirtualRobot {
 
     fn handle_sent(&mut self, now: Now) {
         self.now = now.since_start;
-        if let Some(leg) = self.leg_mut().filter(|leg| leg.stage == Stage::Queued) {
-            leg.stage = Stage::Sent(now.since_start);
+        if let Some(leg) = self.leg_mut().filter(|leg| leg.stage == LegStage::Queued) {
+            leg.stage = LegStage::Sent(now.since_start);
             self.is_changed = true;
         }
     }

@@ -1,7 +1,7 @@
 //! Packets that answer another, by its id: PUBACK, PUBREC, PUBREL, PUBCOMP.
 
 use super::properties::{Properties, PropertyContext};
-use super::{Fields, Version};
+use super::{PacketFields, Version};
 use crate::frame::{Malformed, PacketKind};
 
 /// What is answered.
@@ -26,7 +26,7 @@ impl Ack {
 /// # Errors
 /// When it is none: of MQTT 3.1.1, when the body is anything but an id.
 pub fn read(body: &[u8], kind: PacketKind, version: Version) -> Result<Ack, Malformed> {
-    let mut fields = Fields::new(body);
+    let mut fields = PacketFields::new(body);
     let id = fields.id()?;
     if version == Version::Three || fields.rest().is_empty() {
         return fields.end().map(|()| Ack { id, reason: 0 });
@@ -39,7 +39,7 @@ pub fn read(body: &[u8], kind: PacketKind, version: Version) -> Result<Ack, Malf
 }
 
 /// One of the reasons that there are for these packets (section 3.4.2.1 and those like it).
-fn reason(fields: &mut Fields<'_>, kind: PacketKind) -> Result<u8, Malformed> {
+fn reason(fields: &mut PacketFields<'_>, kind: PacketKind) -> Result<u8, Malformed> {
     match fields.byte("reason")? {
         reason @ (0x00 | 0x92) => Ok(reason),
         reason if matches!(kind, PacketKind::Pubrel | PacketKind::Pubcomp) => Err(Malformed::Reason(reason)),
@@ -51,7 +51,7 @@ fn reason(fields: &mut Fields<'_>, kind: PacketKind) -> Result<u8, Malformed> {
 /// The id and the codes of a SUBACK.
 #[cfg(test)]
 pub(crate) fn read_suback(body: &[u8]) -> Result<(u16, &[u8]), Malformed> {
-    let mut fields = Fields::new(body);
+    let mut fields = PacketFields::new(body);
     Ok((fields.id()?, fields.rest()))
 }
 

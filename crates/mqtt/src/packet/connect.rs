@@ -5,7 +5,7 @@ use bytes::Bytes;
 use super::properties::{Properties, Property, PropertyContext, that_go_on};
 use super::reason::Reason;
 use super::write::{Connack, Welcome, connack};
-use super::{Fields, Qos, Version};
+use super::{PacketFields, Qos, Version};
 use crate::frame::Malformed;
 use crate::limits::PROPERTIES;
 
@@ -118,14 +118,14 @@ impl std::fmt::Debug for Connect {
 /// # Errors
 /// When it is of another version, or wrong.
 pub fn read(body: &[u8]) -> Result<Connect, NoConnect> {
-    let mut fields = Fields::new(body);
+    let mut fields = PacketFields::new(body);
     let version = version(&mut fields)?;
     let connect = read_of(version, &mut fields).map_err(|wrong| NoConnect::Malformed(version, wrong))?;
     connect.ok_or(NoConnect::Authentication)
 }
 
 /// `None`: it wants to show in some other way who it is.
-fn read_of(version: Version, fields: &mut Fields<'_>) -> Result<Option<Connect>, Malformed> {
+fn read_of(version: Version, fields: &mut PacketFields<'_>) -> Result<Option<Connect>, Malformed> {
     let flags = flags(fields.byte("flags")?, version)?;
     let clean_start = flags & 2 != 0;
     let keep_alive_s = fields.number("keep alive")?;
@@ -187,11 +187,11 @@ impl std::fmt::Debug for Credentials {
 #[must_use]
 pub fn credentials(body: &[u8]) -> Credentials {
     let mut credentials = Credentials::default();
-    let _ = read_credentials(&mut Fields::new(body), &mut credentials);
+    let _ = read_credentials(&mut PacketFields::new(body), &mut credentials);
     credentials
 }
 
-fn read_credentials(fields: &mut Fields<'_>, credentials: &mut Credentials) -> Result<(), Malformed> {
+fn read_credentials(fields: &mut PacketFields<'_>, credentials: &mut Credentials) -> Result<(), Malformed> {
     fields.bytes("protocol")?;
     if fields.byte("level")? == 5 {
         credentials.version = Version::Five;
@@ -215,7 +215,7 @@ fn read_credentials(fields: &mut Fields<'_>, credentials: &mut Credentials) -> R
 }
 
 /// What MQTT 5 has before some fields (section 2.2.2).
-fn skip_properties(fields: &mut Fields<'_>, version: Version) -> Result<(), Malformed> {
+fn skip_properties(fields: &mut PacketFields<'_>, version: Version) -> Result<(), Malformed> {
     let mut length = 0;
     for place in 0..if version == Version::Five { 4 } else { 0 } {
         let byte = fields.byte("properties")?;
@@ -227,7 +227,7 @@ fn skip_properties(fields: &mut Fields<'_>, version: Version) -> Result<(), Malf
     (0..length).try_for_each(|_| fields.byte("properties").map(drop))
 }
 
-fn version(fields: &mut Fields<'_>) -> Result<Version, NoConnect> {
+fn version(fields: &mut PacketFields<'_>) -> Result<Version, NoConnect> {
     let mut begin = || Ok((fields.bytes("protocol")?, fields.byte("level")?));
     let (protocol, level) = begin().map_err(|wrong| NoConnect::Malformed(Version::Three, wrong))?;
     match (protocol, level) {
@@ -246,7 +246,7 @@ fn flags(flags: u8, version: Version) -> Result<u8, Malformed> {
     if is_wrong { Err(Malformed::ConnectFlags(flags)) } else { Ok(flags) }
 }
 
-fn will(fields: &mut Fields<'_>, flags: u8, version: Version) -> Result<Will, Malformed> {
+fn will(fields: &mut PacketFields<'_>, flags: u8, version: Version) -> Result<Will, Malformed> {
     let properties = match version {
         Version::Three => Properties::default(),
         Version::Five => Properties::read(fields, PropertyContext::Will)?,

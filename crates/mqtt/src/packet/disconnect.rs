@@ -1,7 +1,7 @@
 //! DISCONNECT (section 3.14): how a client takes its leave.
 
 use super::properties::{Properties, Property, PropertyContext};
-use super::{Fields, Version};
+use super::{PacketFields, Version};
 use crate::frame::Malformed;
 
 /// What a client says when it goes.
@@ -18,7 +18,7 @@ pub struct Disconnect {
 /// # Errors
 /// When it is none: of MQTT 3.1.1, when there is a body.
 pub fn read(body: &[u8], version: Version) -> Result<Disconnect, Malformed> {
-    let mut fields = Fields::new(body);
+    let mut fields = PacketFields::new(body);
     let mut disconnect = Disconnect { reason: 0, session_expiry_s: None };
     if version == Version::Three || body.is_empty() {
         return fields.end().map(|()| disconnect);

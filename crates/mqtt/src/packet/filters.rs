@@ -1,7 +1,7 @@
 //! SUBSCRIBE and UNSUBSCRIBE (sections 3.8 and 3.10): an id and filters. Whether a filter is a good one stands in `filter`.
 
 use super::properties::{Properties, Property, PropertyContext};
-use super::{Fields, Qos, Version};
+use super::{PacketFields, Qos, Version};
 use crate::frame::Malformed;
 use crate::limits::PACKET_FILTERS;
 
@@ -12,7 +12,7 @@ pub struct Filters<'a> {
     pub id: u16,
     /// What stands before each message of these subscriptions, in MQTT 5.
     pub subscription_id: Option<u32>,
-    fields: Fields<'a>,
+    fields: PacketFields<'a>,
     /// The version of the options that stand behind each filter; `None`: there are none.
     options: Option<Version>,
 }
@@ -81,7 +81,7 @@ impl<'a> Filters<'a> {
     }
 
     fn read(body: &'a [u8], version: Version, place: PropertyContext) -> Result<Filters<'a>, Malformed> {
-        let mut fields = Fields::new(body);
+        let mut fields = PacketFields::new(body);
         let (id, mut subscription_id) = (fields.id()?, None);
         if version == Version::Five {
             let mut properties = Properties::read(&mut fields, place)?;

@@ -2,7 +2,7 @@
 
 use bytes::{BufMut, BytesMut};
 
-use super::Fields;
+use super::PacketFields;
 use crate::frame::{Malformed, length};
 
 /// One property, with what it says.
@@ -50,9 +50,9 @@ pub struct Properties<'a>(&'a [u8]);
 
 impl<'a> Properties<'a> {
     /// Reads those at the head of what is left.
-    pub(super) fn read(fields: &mut Fields<'a>, place: PropertyContext) -> Result<Properties<'a>, Malformed> {
+    pub(super) fn read(fields: &mut PacketFields<'a>, place: PropertyContext) -> Result<Properties<'a>, Malformed> {
         let properties = Properties(split(fields)?);
-        let (mut rest, mut seen) = (Fields::new(properties.0), 0_u64);
+        let (mut rest, mut seen) = (PacketFields::new(properties.0), 0_u64);
         while !rest.rest().is_empty() {
             let property = Property::read(&mut rest)?;
             let id = property.id();
@@ -70,7 +70,7 @@ impl<'a> Properties<'a> {
 
     /// Those at the head of what is left, whatever they are.
     #[cfg(test)]
-    pub(crate) fn of_server(fields: &mut Fields<'a>) -> Properties<'a> {
+    pub(crate) fn of_server(fields: &mut PacketFields<'a>) -> Properties<'a> {
         Properties(split(fields).unwrap())
     }
 
@@ -81,11 +81,11 @@ impl<'a> Properties<'a> {
 }
 
 /// The bytes of the properties at the head of what is left.
-fn split<'a>(fields: &mut Fields<'a>) -> Result<&'a [u8], Malformed> {
+fn split<'a>(fields: &mut PacketFields<'a>) -> Result<&'a [u8], Malformed> {
     let wrong = Malformed::Short("properties");
     let (size, own) = length(fields.rest())?.ok_or(wrong)?;
     let (properties, rest) = fields.rest()[own..].split_at_checked(size).ok_or(wrong)?;
-    *fields = Fields::new(rest);
+    *fields = PacketFields::new(rest);
     Ok(properties)
 }
 
@@ -96,7 +96,7 @@ impl<'a> Iterator for Properties<'a> {
         if self.0.is_empty() {
             return None;
         }
-        let mut fields = Fields::new(self.0);
+        let mut fields = PacketFields::new(self.0);
         let property = Property::read(&mut fields).ok();
         // What is wrong ends them; nothing is, once they were read.
         self.0 = if property.is_some() { fields.rest() } else { &[] };
@@ -131,7 +131,7 @@ impl<'a> Property<'a> {
         }
     }
 
-    pub(crate) fn read(fields: &mut Fields<'a>) -> Result<Property<'a>, Malformed> {
+    pub(crate) fn read(fields: &mut PacketFields<'a>) -> Result<Property<'a>, Malformed> {
         const WHAT: &str = "properties";
         Ok(match fields.byte(WHAT)? {
             0x01 => Property::PayloadFormat(fields.byte(WHAT)?),

@@ -1,7 +1,7 @@
 //! The head of a PUBLISH (section 3.3). Whether its topic is one, is asked apart, since senders use few topics and send much.
 
 use super::properties::{Properties, PropertyContext};
-use super::{Fields, Qos, Version};
+use super::{PacketFields, Qos, Version};
 use crate::frame::{Frame, Malformed};
 
 /// A PUBLISH.
@@ -33,7 +33,7 @@ pub fn read<'a>(frame: &Frame, packet: &'a [u8], version: Version) -> Result<Pub
     if is_duplicate && qos == Qos::Zero {
         return Err(Malformed::Duplicate);
     }
-    let mut fields = Fields::new(&packet[frame.head..]);
+    let mut fields = PacketFields::new(&packet[frame.head..]);
     let topic = fields.bytes("topic")?;
     let id = if qos == Qos::Zero { 0 } else { fields.id()? };
     let properties = match version {

@@ -379,7 +379,7 @@ mod tests {
         }
         let mut written = BytesMut::new();
         properties.put(&mut written);
-        let mut fields = super::super::Fields::new(&written);
+        let mut fields = super::super::PacketFields::new(&written);
         let read: Vec<_> = Properties::of_server(&mut fields).collect();
         let ids = [Property::SubscriptionId(1), Property::SubscriptionId(300)];
         assert_eq!(

@@ -206,7 +206,7 @@ impl Description {
         let ratio = whole_if_near(cell_m / self.resolution);
         let (columns, rows) = (Cells::over(columns, ratio), Cells::over(rows, ratio));
         let size = rows::sides(columns.count as u64, rows.count as u64).map_err(of_image)?;
-        let mut truths = vec![Ground::Free; columns.count * rows.count];
+        let mut truths = vec![PixelGround::Free; columns.count * rows.count];
         let mut pixels = Vec::new();
         for above in &rows.of_pixel {
             image.next_row(&mut pixels).map_err(of_image)?;
@@ -223,9 +223,9 @@ impl Description {
         for (index, ground) in truths.into_iter().enumerate() {
             let cell = drawn(index % columns.count, index / columns.count);
             let truth = match ground {
-                Ground::Free => Truth::Free,
-                Ground::Luggage => Truth::Luggage(reading.new_piece(cell).map_err(of_image)?),
-                Ground::Blocked => Truth::Wall,
+                PixelGround::Free => Truth::Free,
+                PixelGround::Luggage => Truth::Luggage(reading.new_piece(cell).map_err(of_image)?),
+                PixelGround::Blocked => Truth::Wall,
             };
             reading.squares.push(truth);
         }
@@ -274,11 +274,11 @@ impl Description {
         }
     }
 
-    fn ground(&self, pixel: Pixel) -> Ground {
+    fn ground(&self, pixel: Pixel) -> PixelGround {
         match self.own {
-            Some((own, _)) if pixel.shade == f64::from(own.luggage) / 255.0 => Ground::Luggage,
-            _ if self.is_free(pixel) => Ground::Free,
-            _ => Ground::Blocked,
+            Some((own, _)) if pixel.shade == f64::from(own.luggage) / 255.0 => PixelGround::Luggage,
+            _ if self.is_free(pixel) => PixelGround::Free,
+            _ => PixelGround::Blocked,
         }
     }
 
@@ -303,7 +303,7 @@ impl Description {
 
 /// What pixels leave of a cell; the greater wins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Ground {
+enum PixelGround {
     Free,
     Luggage,
     Blocked,

@@ -39,11 +39,11 @@ pub(super) struct PairTask {
     pub(super) deadline: Duration,
     pub(super) work: Work,
     /// `None` while it waits for the other robot to have its part of the same work.
-    pub(super) run: Option<Run>,
+    pub(super) run: Option<WorkTime>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Run {
+pub(super) struct WorkTime {
     pub(super) began: Duration,
     pub(super) ends: Duration,
     /// Whether the other robot does its part at the same time.
@@ -67,7 +67,7 @@ pub(super) enum Work {
     Arm(ArmAction),
 }
 
-impl Run {
+impl WorkTime {
     /// How much of it is done at `now`, 0–1.
     pub(super) fn done(self, now: Duration) -> f64 {
         let (passed, whole) = (now.saturating_sub(self.began), self.ends.saturating_sub(self.began));

@@ -9,7 +9,7 @@ use tokio::sync::watch;
 use super::super::application::{Application, Reply};
 use super::Resources;
 use crate::api::fixture::piece;
-use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable};
+use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, NoTake, PastMoment, Sound, Span, Unreadable};
 use crate::runtime::archive_reader::ArchiveReader;
 use crate::runtime::obedient::{Noted, Script, obedient};
 use crate::runtime::within::within;
@@ -71,7 +71,7 @@ impl Archive for Pictures {
         Ok(None)
     }
 
-    fn moments(&self, _: MissionId, _: &[At]) -> Result<Vec<Moment>, Unreadable> {
+    fn moments(&self, _: MissionId, _: &[At]) -> Result<Vec<PastMoment>, Unreadable> {
         Ok(Vec::new())
     }
 

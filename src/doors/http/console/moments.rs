@@ -19,7 +19,7 @@ use super::timeline::{LAST, Timeline, Timelines};
 use super::view::{HallInfo, Then, View, Who};
 use super::{html, who};
 use crate::phrases::Language;
-use crate::runtime::archive::{At, Moment, Sound};
+use crate::runtime::archive::{At, PastMoment, Sound};
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::Conditions;
 use hallsweep_core::units::{MissionId, Seq, WallTime};
@@ -102,8 +102,8 @@ impl About {
     }
 
     /// Between two entries time goes on: asked for by its time, a moment is later than its entry.
-    fn looked_at(&self, moment: Moment, at: At) -> Looked {
-        let Moment { past: Sound { of: past, .. }, wall, earlier, later } = moment;
+    fn looked_at(&self, moment: PastMoment, at: At) -> Looked {
+        let PastMoment { past: Sound { of: past, .. }, wall, earlier, later } = moment;
         let unix_ms = match at {
             At::TimeAmong(time, [_, until]) if until < LAST => time.max(wall.unix_ms),
             At::Time(time) | At::TimeAmong(time, _) => time.min(self.door.clock.now().wall.unix_ms).max(wall.unix_ms),

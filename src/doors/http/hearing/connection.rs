@@ -15,7 +15,7 @@ use super::connection_task::{ConnectionTask, HEADER_BYTES, HEADER_TIME, put};
 use super::context::ServerContext;
 use super::frames::Frames;
 use super::judge::Judge;
-use super::shared::{Shared, StopOutcome};
+use super::shared::{ConnectionState, StopOutcome};
 use super::stop_search::{Heard, HeardRequest, StopSearch};
 use crate::api::door;
 use crate::doors::connection_limits::{ConnectionSlot, PendingConnection, SlotClaim};
@@ -56,7 +56,7 @@ pub(super) struct Connection<R, W> {
     task: Option<ConnectionTask>,
     context: Arc<ServerContext>,
     search: StopSearch,
-    shared: Arc<Shared>,
+    shared: Arc<ConnectionState>,
     /// Of whom the first head was.
     claim: Option<SlotClaim>,
     /// What was read, and how much of it the scanner has seen.
@@ -105,7 +105,7 @@ where
             task: None,
             search: StopSearch::new(Judge { door: context.door.clone(), hosts: context.hosts.clone(), peer }),
             context,
-            shared: Shared::new(),
+            shared: ConnectionState::new(),
             claim: None,
             read: BytesMut::new(),
             scanned: 0,

@@ -22,7 +22,7 @@ use tokio::sync::{Notify, watch};
 use tokio::task::JoinSet;
 
 use super::context::ServerContext;
-use super::shared::{Pressed, Shared};
+use super::shared::{ConnectionState, Pressed};
 use crate::doors::connection_limits::ConnectionSlot;
 use crate::doors::http::peer::Peer;
 use crate::doors::http::watcher::closed;
@@ -55,7 +55,7 @@ impl ConnectionTask {
         to: W,
         (peer, slot): (Peer, &Arc<ConnectionSlot>),
         context: &Arc<ServerContext>,
-        shared: &Arc<Shared>,
+        shared: &Arc<ConnectionState>,
     ) -> ConnectionTask
     where
         W: AsyncWrite + Unpin + Send + 'static,
@@ -71,7 +71,7 @@ impl ConnectionTask {
     }
 
     /// Says that nothing more comes than these, and waits until all is answered. Whoever looks on and hangs up is gone.
-    pub(super) async fn ended(self, shared: &Shared, rest: &[u8]) {
+    pub(super) async fn ended(self, shared: &ConnectionState, rest: &[u8]) {
         let ConnectionTask { to, over: _over, mut task } = self;
         let mut is_endless = shared.is_endless.subscribe();
         let answered = async {
@@ -103,7 +103,7 @@ async fn run<W>(
     transport: Transport<W>,
     (peer, slot): (Peer, Arc<ConnectionSlot>),
     context: Arc<ServerContext>,
-    shared: Arc<Shared>,
+    shared: Arc<ConnectionState>,
     gone: Arc<Notify>,
 ) where
     W: AsyncWrite + Unpin + Send + 'static,
@@ -273,7 +273,7 @@ mod tests {
     /// Safety A5.
     #[test]
     fn no_more_stops_are_kept_for_their_requests_than_there_is_room_for() {
-        let shared = Shared::new();
+        let shared = ConnectionState::new();
         (0..10_000).for_each(|number| shared.keep(number, Box::pin(std::future::pending())));
         assert_eq!(shared.stop_outcomes().len(), STOP_OUTCOMES);
     }

@@ -19,7 +19,7 @@ pub(in crate::doors::http) type StopOutcome = Pin<Box<dyn Future<Output = Result
 /// The STOP that was heard in a request, if one was, or will be in its body; taken by its handler.
 #[derive(Clone)]
 pub(in crate::doors::http) struct Pressed {
-    pub(super) shared: Arc<Shared>,
+    pub(super) shared: Arc<ConnectionState>,
     pub(super) number: u64,
 }
 
@@ -28,7 +28,7 @@ pub(in crate::doors::http) struct Pressed {
 pub(in crate::doors::http) struct Arrived(pub(in crate::doors::http) Epoch);
 
 /// What the thread that hears and the task that answers tell each other.
-pub(super) struct Shared {
+pub(super) struct ConnectionState {
     stop_outcomes: Mutex<BTreeMap<u64, StopOutcome>>,
     /// From which request on they came in which epoch.
     epochs: Mutex<BTreeMap<u64, Epoch>>,
@@ -48,9 +48,9 @@ impl Pressed {
     }
 }
 
-impl Shared {
-    pub(super) fn new() -> Arc<Shared> {
-        Arc::new(Shared {
+impl ConnectionState {
+    pub(super) fn new() -> Arc<ConnectionState> {
+        Arc::new(ConnectionState {
             stop_outcomes: Mutex::default(),
             epochs: Mutex::default(),
             is_handed_over: watch::Sender::default(),

@@ -4,7 +4,7 @@
 use super::problem::Problem;
 use crate::api::command::{id_aside, number_aside};
 use crate::api::commands::{self, CommandKind, CommandRow, Payload, Subject};
-use crate::api::fields::{Body, Fields, fields};
+use crate::api::fields::{Body, BodyFields, fields};
 use crate::api::halt::says_halt;
 use hallsweep_core::command::{Command, CommandId};
 use hallsweep_core::units::Epoch;
@@ -13,13 +13,13 @@ use hallsweep_core::units::Epoch;
 pub(super) const LARGEST: usize = 4 * 1024;
 
 /// The command that is asked for, and the epoch its sender saw.
-pub(super) type Asked = Result<(Command, Option<Epoch>), Problem>;
+pub(super) type AskedCommand = Result<(Command, Option<Epoch>), Problem>;
 
 /// What a payload says.
 pub(super) struct Read {
     /// The command's own name, also when the rest cannot be read.
     pub(super) id: Option<CommandId>,
-    pub(super) asked: Asked,
+    pub(super) asked: AskedCommand,
 }
 
 /// Reads the payload of a command. A STOP is one whatever its payload is.
@@ -53,7 +53,7 @@ pub(super) fn bare(text: &str) -> &str {
     text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).unwrap_or(text)
 }
 
-fn command(row: &CommandRow, fields: &mut Fields) -> Asked {
+fn command(row: &CommandRow, fields: &mut BodyFields) -> AskedCommand {
     let number = match row.subject {
         Subject::None => 0,
         Subject::Luggage => number_aside(fields, "luggage", row.body[0])?,
@@ -63,7 +63,7 @@ fn command(row: &CommandRow, fields: &mut Fields) -> Asked {
 }
 
 /// The fields of a payload, beside those that were laid aside.
-struct CarriedFields<'a>(&'a Fields);
+struct CarriedFields<'a>(&'a BodyFields);
 
 impl Payload for CarriedFields<'_> {
     type Problem = Problem;
@@ -78,9 +78,9 @@ impl Payload for CarriedFields<'_> {
 }
 
 /// The fields of a payload; without one, none, where the command can do without.
-fn fields_of(row: &CommandRow, payload: &[u8]) -> Result<Fields, Problem> {
+fn fields_of(row: &CommandRow, payload: &[u8]) -> Result<BodyFields, Problem> {
     match (payload.trim_ascii().is_empty(), row.is_word) {
-        (true, true) => Ok(Fields::default()),
+        (true, true) => Ok(BodyFields::default()),
         (true, false) => Err(Problem::malformed("the payload is empty: this command needs JSON, see docs/mqtt.md".to_owned())),
         (false, _) => Ok(fields(payload)?),
     }

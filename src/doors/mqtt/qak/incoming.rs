@@ -16,7 +16,7 @@ use hallsweep_core::mission::in_words;
 
 /// What a message asks for.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Asked {
+pub enum QakRequest {
     /// This.
     Command(Command),
     /// To go on: to take the photo again where that has failed, else START.
@@ -57,9 +57,9 @@ pub enum Wrong {
 /// # Errors
 /// When it is no message, when what a known message says makes no sense, or when driving is asked for and `manual_driving` does
 /// not allow it.
-pub fn asked(payload: &[u8], manual_driving: bool) -> Result<Asked, Wrong> {
+pub fn asked(payload: &[u8], manual_driving: bool) -> Result<QakRequest, Wrong> {
     if is_stop(payload) {
-        return Ok(Asked::Command(Command::Stop));
+        return Ok(QakRequest::Command(Command::Stop));
     }
     if let Some(id) = beginning(payload).filter(|id| known(id).is_none()) {
         return Ok(of_others(id));
@@ -67,20 +67,20 @@ pub fn asked(payload: &[u8], manual_driving: bool) -> Result<Asked, Wrong> {
     let message = Message::parse(payload)?;
     let Some(known) = known(&message.id) else { return Ok(of_others(message.id)) };
     if message.kind == MessageKind::Reply {
-        return Ok(Asked::Nothing);
+        return Ok(QakRequest::Nothing);
     }
     let command = known.command(&message.content).map_err(|words| Wrong::Content { id: known.id, words })?;
     if matches!(known.asks, Asks::GoOn) {
-        return Ok(Asked::GoOn);
+        return Ok(QakRequest::GoOn);
     }
     match may_drive(&command, manual_driving) {
-        Ok(()) => Ok(Asked::Command(command)),
+        Ok(()) => Ok(QakRequest::Command(command)),
         Err(refused) => Err(Wrong::Refused { command, refused }),
     }
 }
 
-fn of_others(id: String) -> Asked {
-    if id == MODEL_CONTENT { Asked::Nothing } else { Asked::Unknown(id) }
+fn of_others(id: String) -> QakRequest {
+    if id == MODEL_CONTENT { QakRequest::Nothing } else { QakRequest::Unknown(id) }
 }
 
 /// Whether a payload begins as a message whose MSGID is none of ours. It looks at no more than the beginning.

@@ -18,7 +18,7 @@ use super::super::commands::Commands;
 use super::super::publication::LARGEST;
 use super::super::topics::Topics;
 use super::{Parts, Session, SessionLink, Times};
-use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable};
+use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, NoTake, PastMoment, Sound, Span, Unreadable};
 use crate::runtime::archive_reader::ArchiveReader;
 use crate::runtime::obedient::{Script, obedient};
 use crate::runtime::within::within;
@@ -240,7 +240,7 @@ impl Archive for Album {
         Ok(None)
     }
 
-    fn moments(&self, _: MissionId, _: &[At]) -> Result<Vec<Moment>, Unreadable> {
+    fn moments(&self, _: MissionId, _: &[At]) -> Result<Vec<PastMoment>, Unreadable> {
         Ok(Vec::new())
     }
 

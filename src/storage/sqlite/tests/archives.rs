@@ -10,7 +10,7 @@ use super::super::folder::Folder;
 use super::super::{ArchiveCheck, Archived, ReadOnlyJournal, archive_file, connect, schema, write_out};
 use super::testing::*;
 use crate::api::journal;
-use crate::runtime::archive::{At, Moment, Span, Unreadable};
+use crate::runtime::archive::{At, PastMoment, Span, Unreadable};
 use hallsweep_core::command::{Strategy as Order, Verdict};
 use hallsweep_core::effect::Fact;
 use hallsweep_core::state::PersistentState;
@@ -112,10 +112,11 @@ pub(super) fn lines(path: &Path) -> Vec<String> {
 pub(super) fn shown(
     archive: &dyn crate::runtime::archive::Archive,
     mission: u64,
-) -> (Option<PersistentState>, Vec<Vec<Moment>>, Vec<bool>) {
+) -> (Option<PersistentState>, Vec<Vec<PastMoment>>, Vec<bool>) {
     let id = MissionId(mission);
     let entries = archive.entries(id, Span::after(Seq(0)), 1000).unwrap();
-    let mut moments: Vec<Vec<Moment>> = entries.iter().map(|(seq, _)| archive.moments(id, &[At::Entry(*seq)]).unwrap()).collect();
+    let mut moments: Vec<Vec<PastMoment>> =
+        entries.iter().map(|(seq, _)| archive.moments(id, &[At::Entry(*seq)]).unwrap()).collect();
     // The log of a moment goes back beyond the mission, as far as there is something.
     moments.iter_mut().flatten().for_each(|moment| moment.past.of.latest.clear());
     let photos = vec![archive.photo(LuggageId(mission)).unwrap().is_some()];

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::super::reckoning::{DRIFT, Drift};
 use super::super::room::{BORDER, REACHED};
-use super::super::{Aim, Leg, Stage, Then, VirtualRobot, Way};
+use super::super::{Aim, Leg, LegStage, Then, VirtualRobot, Way};
 use super::{LATE_WORD, LATENCY, SLOWEST, STEPS, Unheard};
 use hallsweep_core::event::{Obstacle, RobotEvent, Whereabouts};
 use hallsweep_core::units::{Cell, Heading, Piece, Pose};
@@ -40,15 +40,15 @@ impl VirtualRobot {
             return self.contact_at_rest();
         };
         let since_sent = match leg.stage {
-            Stage::Sent(sent) => self.now.saturating_sub(sent),
-            Stage::Halting { lasted, .. } => lasted.min(leg.lasts()) + self.latency(),
-            Stage::Fresh | Stage::Refused(_) | Stage::Queued => return,
+            LegStage::Sent(sent) => self.now.saturating_sub(sent),
+            LegStage::Halting { lasted, .. } => lasted.min(leg.lasts()) + self.latency(),
+            LegStage::Fresh | LegStage::Refused(_) | LegStage::Queued => return,
         };
         let driven = since_sent.saturating_sub(self.latency()).min(leg.lasts());
         let way = driven.div_duration_f64(self.step).min(cells);
         let name = name.or_else(|| self.met_by_room(towards, way));
         (self.met, self.is_changed, self.stepped) = (name.clone(), true, None);
-        if matches!(leg.stage, Stage::Halting { .. }) {
+        if matches!(leg.stage, LegStage::Halting { .. }) {
             return self.contact_while_halting(name.as_deref(), towards, way);
         }
         if aim == Aim::Feel {

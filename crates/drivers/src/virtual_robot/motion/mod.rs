@@ -4,7 +4,7 @@
 
 use std::time::Duration;
 
-use super::{Aim, Command, Dialect, Leg, Stage, TURN, Then, VirtualRobot, Way};
+use super::{Aim, Command, Dialect, Leg, LegStage, TURN, Then, VirtualRobot, Way};
 use crate::Output;
 use hallsweep_core::effect::Action;
 use hallsweep_core::event::{RobotEvent, Whereabouts};
@@ -110,7 +110,7 @@ impl VirtualRobot {
     }
 
     pub(super) fn set_out(&mut self, way: Way) {
-        let leg = Leg::new(way, Stage::Fresh);
+        let leg = Leg::new(way, LegStage::Fresh);
         if let Some(task) = &mut self.task {
             task.leg = Some(leg);
         }
@@ -123,7 +123,7 @@ impl VirtualRobot {
     /// Gives the leg to the robot.
     pub(super) fn queue(&mut self) {
         let Some(leg) = self.leg_mut() else { return };
-        leg.stage = Stage::Queued;
+        leg.stage = LegStage::Queued;
         let command = leg.command();
         self.send(command);
         self.is_changed = true;
@@ -133,11 +133,11 @@ impl VirtualRobot {
     pub(super) fn leg_due(&self) -> Option<Duration> {
         let leg = self.leg()?;
         match leg.stage {
-            Stage::Refused(until) | Stage::Halting { until, .. } => Some(until),
-            Stage::Fresh | Stage::Queued => None,
-            Stage::Sent(sent) if self.owes_alarm => Some(self.end_of(leg, sent)),
-            Stage::Sent(sent) if self.awaits_word(leg) => Some(self.end_of(leg, sent) + UNACKNOWLEDGED),
-            Stage::Sent(sent) => Some(self.end_of(leg, sent)),
+            LegStage::Refused(until) | LegStage::Halting { until, .. } => Some(until),
+            LegStage::Fresh | LegStage::Queued => None,
+            LegStage::Sent(sent) if self.owes_alarm => Some(self.end_of(leg, sent)),
+            LegStage::Sent(sent) if self.awaits_word(leg) => Some(self.end_of(leg, sent) + UNACKNOWLEDGED),
+            LegStage::Sent(sent) => Some(self.end_of(leg, sent)),
         }
     }
 
@@ -163,14 +163,14 @@ impl VirtualRobot {
         }
         let Some(leg) = self.leg().copied() else { return };
         match leg.stage {
-            Stage::Refused(_) => self.queue(),
-            Stage::Halting { lasted, .. } => self.halted(leg, lasted),
-            Stage::Sent(_) if self.awaits_word(&leg) => {
+            LegStage::Refused(_) => self.queue(),
+            LegStage::Halting { lasted, .. } => self.halted(leg, lasted),
+            LegStage::Sent(_) if self.awaits_word(&leg) => {
                 self.alarm();
                 self.lose_sight("it did not say that the move has ended, so maybe its page was closed");
             }
-            Stage::Sent(_) => self.ended(leg),
-            Stage::Fresh | Stage::Queued => {}
+            LegStage::Sent(_) => self.ended(leg),
+            LegStage::Fresh | LegStage::Queued => {}
         }
     }
 
@@ -196,7 +196,7 @@ impl VirtualRobot {
 
     /// Whether the leg was handed over to be sent, and nobody has said that it was.
     fn is_on_its_way(&self) -> bool {
-        let is_queued = self.leg().is_some_and(|leg| leg.stage == Stage::Queued);
+        let is_queued = self.leg().is_some_and(|leg| leg.stage == LegStage::Queued);
         is_queued && !self.outputs.iter().any(|output| matches!(output, Output::Send(_)))
     }
 
@@ -274,14 +274,14 @@ impl VirtualRobot {
     pub(super) fn refused(&mut self, name: Option<&str>) {
         let (now, soon, off_centre) = (self.now, self.margin(), self.off_centre);
         let Some(leg) = self.leg_mut() else { return };
-        let Stage::Sent(sent) = leg.stage else { return };
+        let LegStage::Sent(sent) = leg.stage else { return };
         if name.is_some_and(|name| name != leg.command().word()) || now.saturating_sub(sent) > soon {
             return;
         }
         let (since, is_alarmed) = leg.refused.unwrap_or((now, false));
         let waited = now.saturating_sub(since);
         let is_halted = leg.is_halted;
-        leg.stage = Stage::Refused(now + AGAIN);
+        leg.stage = LegStage::Refused(now + AGAIN);
         leg.refused = Some((since, is_alarmed || waited >= FREED));
         self.is_changed = true;
         if is_halted || (waited >= FREED && !is_alarmed) {
@@ -309,23 +309,23 @@ impl VirtualRobot {
         self.forget_unsent();
         let Some(leg) = self.leg().copied() else { return self.alarm() };
         match (leg.stage, leg.way) {
-            (Stage::Sent(sent), Way::Straight { .. }) => {
+            (LegStage::Sent(sent), Way::Straight { .. }) => {
                 let (lasted, until) = (self.now.saturating_sub(sent), self.now + self.margin());
                 self.alarm();
                 // What the next program must know changes by it.
                 self.is_changed = true;
                 if let Some(leg) = self.leg_mut() {
-                    leg.stage = Stage::Halting { lasted, until };
+                    leg.stage = LegStage::Halting { lasted, until };
                 }
             }
-            (Stage::Sent(_), Way::Turn { .. }) => {
+            (LegStage::Sent(_), Way::Turn { .. }) => {
                 self.owes_alarm = true;
                 if let Some(leg) = self.leg_mut() {
                     leg.is_halted = true;
                 }
             }
-            (Stage::Halting { .. }, _) => self.alarm(),
-            (Stage::Fresh | Stage::Refused(_) | Stage::Queued, _) => {
+            (LegStage::Halting { .. }, _) => self.alarm(),
+            (LegStage::Fresh | LegStage::Refused(_) | LegStage::Queued, _) => {
                 self.alarm();
                 let off_centre = self.off_centre;
                 self.answer(|order| RobotEvent::Halted(order, off_centre));
@@ -341,9 +341,9 @@ impl VirtualRobot {
 
     fn cut_short(&mut self, leg: Leg) {
         match leg.stage {
-            Stage::Sent(sent) => self.moved_for(leg, self.now.saturating_sub(sent)),
-            Stage::Halting { lasted, .. } => self.moved_for(leg, lasted),
-            Stage::Fresh | Stage::Refused(_) | Stage::Queued => {}
+            LegStage::Sent(sent) => self.moved_for(leg, self.now.saturating_sub(sent)),
+            LegStage::Halting { lasted, .. } => self.moved_for(leg, lasted),
+            LegStage::Fresh | LegStage::Refused(_) | LegStage::Queued => {}
         }
     }
 
@@ -479,11 +479,11 @@ impl VirtualRobot {
         self.is_changed = true;
         let may_be_unheard = BEGUN + self.greeted_after;
         let Some(leg) = task.leg.filter(|leg| leg.is_sent() || is_on_its_way) else { return };
-        if is_on_its_way || matches!(leg.stage, Stage::Sent(sent) if self.now.saturating_sub(sent) < may_be_unheard) {
+        if is_on_its_way || matches!(leg.stage, LegStage::Sent(sent) if self.now.saturating_sub(sent) < may_be_unheard) {
             return self.left_in_doubt();
         }
         self.off_centre |= matches!(leg.way, Way::Straight { .. });
-        if let Stage::Halting { lasted, .. } = leg.stage
+        if let LegStage::Halting { lasted, .. } = leg.stage
             && !matches!(task.aim, Aim::Step(_))
         {
             return self.moved_for(leg, lasted);
@@ -492,8 +492,8 @@ impl VirtualRobot {
             (Way::Turn { .. }, Aim::Turn(to) | Aim::Aside(to)) => self.reckoning.complete(to),
             (Way::Straight { towards, cells, .. }, Aim::Step(_)) => {
                 let cells = match leg.stage {
-                    Stage::Halting { lasted, .. } => cells.min(lasted.div_duration_f64(self.step)),
-                    Stage::Fresh | Stage::Refused(_) | Stage::Queued | Stage::Sent(_) => cells,
+                    LegStage::Halting { lasted, .. } => cells.min(lasted.div_duration_f64(self.step)),
+                    LegStage::Fresh | LegStage::Refused(_) | LegStage::Queued | LegStage::Sent(_) => cells,
                 };
                 self.unheard = Some(Unheard { towards, cells, felt: 0.0 });
             }

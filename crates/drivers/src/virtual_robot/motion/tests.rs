@@ -292,7 +292,7 @@ fn a_refusal_of_another_programs_move_is_not_taken_for_ours() {
         test.passes(Duration::from_millis(late));
         let said = format!("{{\"endmove\":false,\"move\":\"{name}_notallowed\"}}");
         test.robot.handle_received(said.as_bytes(), test.now);
-        assert!(test.robot.leg().is_some_and(|leg| matches!(leg.stage, Stage::Sent(_))), "{name} after {late} ms");
+        assert!(test.robot.leg().is_some_and(|leg| matches!(leg.stage, LegStage::Sent(_))), "{name} after {late} ms");
     }
 }
 
@@ -364,7 +364,7 @@ fn one_that_is_lost_against_something_behind_it_is_not_taken_to_stand_before_wha
             rest: 0.0,
             before: Duration::ZERO,
         };
-        let leg = Some(Leg::new(way, Stage::Sent(Duration::ZERO)));
+        let leg = Some(Leg::new(way, LegStage::Sent(Duration::ZERO)));
         let aim = Aim::Touch { is_certain: true, further: 0 };
         test.robot.task =
             Some(OrderTask { order: OrderId(1), action: Action::Recentre, deadline: Duration::MAX, aim, leg, hindered: 0 });

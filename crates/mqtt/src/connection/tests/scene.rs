@@ -221,7 +221,7 @@ pub(super) mod five {
     use super::{OPERATOR, Scene, taken};
     use crate::frame::{PacketKind, frame};
     use crate::packet::properties::{Properties, Property};
-    use crate::packet::{Fields, Version, publish, write};
+    use crate::packet::{PacketFields, Version, publish, write};
     use crate::{Broker, Terms};
 
     pub(in super::super) fn scene(broker: &std::sync::Arc<Broker>, change: impl FnOnce(&mut Terms)) -> Scene {
@@ -324,7 +324,7 @@ pub(super) mod five {
             words.push(match frame.kind {
                 PacketKind::Publish => publish_in_words(frame.flags, body),
                 PacketKind::Suback | PacketKind::Unsuback => {
-                    let mut fields = Fields::new(&body[2..]);
+                    let mut fields = PacketFields::new(&body[2..]);
                     let why: Vec<_> = Properties::of_server(&mut fields).collect();
                     format!("{:?} {:02x?}{}", frame.kind, fields.rest(), in_brackets(&why))
                 }
@@ -346,7 +346,7 @@ pub(super) mod five {
     }
 
     fn publish_in_words(flags: u8, body: &[u8]) -> String {
-        let mut fields = Fields::new(body);
+        let mut fields = PacketFields::new(body);
         let (topic, qos) = (fields.text("topic").unwrap(), flags >> 1 & 3);
         let id = if qos == 0 { String::new() } else { format!(" #{}", fields.id().unwrap()) };
         let properties: Vec<_> = Properties::of_server(&mut fields).collect();
